@@ -1,0 +1,205 @@
+"""The command line `ocean-sim`: one thin function a verb; exit codes 0 done, 1 failed, 2 wrong input, 3 lacking."""
+
+import sys
+import traceback
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ocean_sim.conventions import Diverged
+from ocean_sim.verbs import console
+
+app = typer.Typer(
+    name="ocean-sim",
+    help="A particle ocean with wind, from a YAML scene to pictures and data.",
+    epilog="Exit codes: 0 done, 1 the run failed, 2 the input is wrong, 3 the machine lacks something. "
+    "With --debug anywhere, an error shows its traceback.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+Scene = Annotated[str, typer.Argument(help="A scene file, or the name of a packaged scene (ocean-sim list scenes).")]
+Profile = Annotated[str | None, typer.Option(help="What the machine can afford: a name in configs/run/.")]
+Sets = Annotated[
+    list[str] | None, typer.Option("--set", help="key=value laid over the scene, as in fluid.spacing=0.8.")
+]
+Out = Annotated[Path | None, typer.Option(help="The run folder; by default runs/<scene>.")]
+Json = Annotated[bool, typer.Option("--json", help="Answer in JSON.")]
+
+
+@app.command()
+def run(
+    scene: Scene,
+    profile: Profile = None,
+    sets: Sets = None,
+    out: Out = None,
+    until: Annotated[float | None, typer.Option(help="Simulated time [s], in place of the scene's duration.")] = None,
+    overwrite: Annotated[bool, typer.Option(help="Write into --out even where a run lies already.")] = False,
+    json: Json = False,
+) -> None:
+    """Simulate a scene and write its run folder."""
+    from ocean_sim.verbs.run import run
+
+    run(scene, profile, sets or [], out, until, overwrite, json)
+
+
+@app.command()
+def check(scene: Scene, profile: Profile = None, sets: Sets = None, json: Json = False) -> None:
+    """Say what a scene would take, and what is wrong with it, without running it."""
+    from ocean_sim.verbs.check import check
+
+    check(scene, profile, sets or [], json)
+
+
+@app.command("list")
+def list_(
+    slot: Annotated[str | None, typer.Argument(help="scenes, profiles, observers, or a slot such as wind.")] = None,
+    json: Json = False,
+) -> None:
+    """Scenes, parts, kinds and profiles, each with one sentence."""
+    from ocean_sim.verbs.list import list_choices
+
+    list_choices(slot, json)
+
+
+@app.command()
+def schema(
+    out: Annotated[Path | None, typer.Option(help="A file to write instead of standard output.")] = None,
+    json: Annotated[bool, typer.Option("--json", help="The answer is JSON in any case.")] = True,
+) -> None:
+    """The JSON Schema of a scene, for editors."""
+    from ocean_sim.schema import text
+
+    if out is None:
+        sys.stdout.write(text())
+    else:
+        out.write_text(text(), encoding="utf-8")
+
+
+@app.command()
+def doctor(json: Json = False) -> None:
+    """What this machine can do: backends, Vulkan, OpenGL, video; each probed in a child process that may crash."""
+    from ocean_sim.verbs.doctor import doctor
+
+    doctor(json)
+
+
+@app.command()
+def bench(
+    scenes: Annotated[
+        list[str] | None, typer.Argument(help="By default bench/dam_break_6k and bench/dam_break_50k.")
+    ] = None,
+    profile: Profile = None,
+    sets: Sets = None,
+    threads: Annotated[int | None, typer.Option(min=1, help="Worker threads; by default all cores.")] = None,
+    repeats: Annotated[int, typer.Option(min=1, help="Blocks of at least half a second; the median counts.")] = 5,
+    cold: Annotated[bool, typer.Option(help="Begin with an empty kernel cache, as on a first run.")] = False,
+    json: Json = False,
+) -> None:
+    """Speed alone: milliseconds a step, particle-steps per second, time to the first step, peak memory."""
+    from ocean_sim.verbs.bench import bench
+
+    bench(scenes or [], profile, sets or [], threads, repeats, cold, json)
+
+
+@app.command("bench-one", hidden=True)
+def bench_one(order: str, json: Json = False) -> None:
+    """One scene of `bench`, measured in this process."""
+    from json import loads
+
+    from ocean_sim.verbs.bench import bench_one
+
+    bench_one(loads(order))
+
+
+@app.command()
+def render(
+    run: Annotated[Path, typer.Argument(help="A run folder.")],
+    camera: Annotated[str, typer.Option(help="third_person, top or side.")] = "third_person",
+    quality: Annotated[str, typer.Option(help="draft or final.")] = "final",
+    out: Annotated[Path | None, typer.Option(help="By default the run folder.")] = None,
+    json: Json = False,
+) -> None:
+    """Pictures and a film from a finished run, without simulating again."""
+    from ocean_sim.verbs.after import render
+
+    render(run, camera, quality, out, json)
+
+
+@app.command()
+def export(
+    run: Annotated[Path, typer.Argument(help="A run folder.")],
+    particles: Annotated[str | None, typer.Option(help="vtkhdf: for ParaView.")] = None,
+    surface: Annotated[str | None, typer.Option(help="ply or vtp: one mesh a frame, for Blender or ParaView.")] = None,
+    every: Annotated[int, typer.Option(min=1, help="Every how many frames.")] = 1,
+    out: Annotated[Path | None, typer.Option(help="By default the folder export/ of the run.")] = None,
+    json: Json = False,
+) -> None:
+    """Files for ParaView and Blender."""
+    from ocean_sim.verbs.after import export
+
+    export(run, particles, surface, every, out, json)
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line and leave with its exit code."""
+    sys.exit(answered(sys.argv[1:] if arguments is None else arguments))
+
+
+def answered(arguments: list[str]) -> int:
+    """The exit code of a command line; every error has been told in a sentence."""
+    debug, as_json = "--debug" in arguments, "--json" in arguments
+    try:
+        code: Any = app([word for word in arguments if word != "--debug"], "ocean-sim", standalone_mode=False)
+        return code if isinstance(code, int) else 0
+    except (Exception, KeyboardInterrupt) as error:
+        if debug:
+            traceback.print_exc()
+        return told(error, as_json)
+
+
+def told(error: BaseException, as_json: bool) -> int:
+    """Tells an error in the form that was asked for; gives the exit code."""
+    code, sentence, problems = meaning(error)
+    if as_json:
+        sentence = console.counted(problems) if problems else sentence
+        console.answer({"error": sentence, "problems": [problem._asdict() for problem in problems]})
+    elif hasattr(error, "show"):  # typer's own: how to use the command line
+        error.show()
+    else:
+        console.complain(sentence)
+    return code
+
+
+def meaning(error: BaseException) -> tuple[int, str, list[Any]]:
+    """Exit code, sentence, and the places in a scene that an error speaks of."""
+    from ocean_sim.yaml_file import SceneError
+
+    if isinstance(error, SceneError):
+        return 2, str(error), error.problems
+    if isinstance(error, console.Refused):
+        return 2, str(error), []
+    if isinstance(error, console.Lacking) or type(error).__name__ in ("BackendMissing", "OpenGLMissing"):
+        return 3, str(error), []
+    if isinstance(error, ImportError | OSError) and "libX11" in str(error):
+        return 3, "Taichi needs the system library libX11: as root, apt-get install libx11-6", []
+    if isinstance(error, console.Failed) or type(error).__name__ == "RenderFailed":
+        return 1, str(error), []
+    if isinstance(error, Diverged):
+        return 1, f"diverged: {error}", []
+    if hasattr(error, "exit_code"):  # typer's own
+        return error.exit_code, getattr(error, "message", "") or "stopped", []
+    if isinstance(error, console.Stopped | KeyboardInterrupt) or type(error).__name__ == "Abort":
+        return 1, str(error) or "stopped", []
+    if isinstance(error, OSError):
+        return 1, f"{error.strerror or error}{f': {error.filename}' if error.filename else ''}", []
+    if isinstance(error, MemoryError):
+        return 1, "out of memory; try a larger resolution, or fewer particles", []
+    return 1, f"this should not happen ({type(error).__name__}: {error}); --debug shows where it did", []
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,142 @@
+"""Which cell a particle is in: a uniform grid as wide as the support, and a stable counting sort of the particles into it.
+
+Chunks of particles are counted apart and placed in order, so the result depends neither on the number of chunks nor
+of threads. Particles beyond the grid belong to its border cells, which keeps every pair within reach of neighbouring
+cells: clamping never moves two cells further apart.
+"""
+
+from dataclasses import dataclass
+from math import ceil
+
+import taichi as ti
+import taichi.math as tm
+
+from ocean_sim.fluid._particles import Components, Particles
+from ocean_sim.fluid._water import Lattice
+
+TASK = 512  # Taichi never cuts a parallel loop finer than this: a task every TASK iterations
+SERIAL = 20_000  # up to so many particles one thread sorts faster than several
+CHUNKS = 8
+
+
+@dataclass(frozen=True)
+class GridSize:
+    """How large the grid is, known before anything is allocated."""
+
+    lattice: Lattice
+    support: float  # [m]
+
+    @property
+    def cells(self) -> tuple[int, int, int]:
+        """Cells along x, y, z with one empty cell of padding all round."""
+        low, up = self.lattice.basin.lower, self.lattice.basin.upper
+        nx, ny, nz = (max(1, ceil((b - a) / self.support - 1e-9)) + 2 for a, b in zip(low, up, strict=True))
+        return nx, ny, nz
+
+    @property
+    def cell_count(self) -> int:
+        nx, ny, nz = self.cells
+        return nx * ny * nz
+
+    @property
+    def chunks(self) -> int:
+        """Parts in which the particles are counted and sorted."""
+        return 1 if self.lattice.n <= SERIAL else CHUNKS
+
+    @property
+    def occupied(self) -> int:
+        """The most cells that can hold a particle."""
+        return min(self.lattice.n, self.cell_count)
+
+    def bytes(self, word: int) -> int:
+        """Of the grid and the state on its way into it, where `word` is the size of a `float` [bytes]."""
+        return 4 * (2 * self.lattice.n + self.cell_count * (self.chunks + 1) + self.occupied + 2) + word * 6 * self.lattice.n
+
+
+@ti.data_oriented
+class Grid:
+    """The cells, and the particles sorted by cell."""
+
+    def __init__(self, particles: Particles, size: GridSize) -> None:
+        self.support, self.n, self.basin = size.support, particles.n, size.lattice.basin
+        self.lower = tm.vec3(self.basin.lower)
+        self.cells, self.cell_count, self.chunks = size.cells, size.cell_count, size.chunks
+        self.state = (*particles.position, *particles.velocity, particles.id)
+        self.moved = (*Components(self.n), *Components(self.n), ti.field(int, shape=self.n))
+        self.cell = ti.field(int, shape=self.n)
+        self.count = ti.field(int, shape=self.cell_count * self.chunks)
+        self.start = ti.field(int, shape=self.cell_count + 1)
+        self.occupied = ti.field(int, shape=size.occupied)
+        self.occupied_count = ti.field(int, shape=())
+
+    @ti.func
+    def place(self, x):
+        """The cell of a point on each axis, padding counted; a point beyond the grid belongs to its border cell."""
+        last = tm.ivec3(self.cells) - 2
+        return tm.clamp(ti.cast(ti.floor((x - self.lower) / self.support), int) + 1, 1, last)
+
+    @ti.func
+    def cell_at(self, place):
+        return (place.z * self.cells[1] + place.y) * self.cells[0] + place.x
+
+    @ti.func
+    def leave(self, i, x, v):
+        """Keep the next state of particle i until the sort puts it in its place."""
+        for k in ti.static(range(3)):
+            self.moved[k][i], self.moved[3 + k][i] = x[k], v[k]
+        self.moved[6][i] = self.state[6][i]
+
+    @ti.func
+    def sort(self):
+        """Stable counting sort of what was left, by cell, into the particles; call it at the top of a kernel."""
+        if ti.static(self.chunks == 1):
+            ti.loop_config(serialize=True)
+            for _ in range(1):
+                self.count_chunk(0)
+                self.scan()
+                self.place_chunk(0)
+        else:
+            for b in range(self.chunks * TASK):
+                if b % TASK == 0:
+                    self.count_chunk(b // TASK)
+            ti.loop_config(serialize=True)
+            for _ in range(1):
+                self.scan()
+            for b in range(self.chunks * TASK):
+                if b % TASK == 0:
+                    self.place_chunk(b // TASK)
+
+    @ti.func
+    def count_chunk(self, b):
+        for c in range(self.cell_count):
+            self.count[b * self.cell_count + c] = 0
+        for i in range(b * self.n // self.chunks, (b + 1) * self.n // self.chunks):
+            c = self.cell_at(self.place(tm.vec3(self.moved[0][i], self.moved[1][i], self.moved[2][i])))
+            self.cell[i] = c
+            self.count[b * self.cell_count + c] = self.count[b * self.cell_count + c] + 1
+
+    @ti.func
+    def scan(self):
+        """First particle of every cell and chunk, and the list of occupied cells."""
+        total, occupied = 0, 0
+        for c in range(self.cell_count):
+            self.start[c] = total
+            for b in range(self.chunks):
+                k = b * self.cell_count + c
+                here = self.count[k]
+                self.count[k] = total
+                total += here
+            if total > self.start[c]:
+                self.occupied[occupied] = c
+                occupied += 1
+        self.start[self.cell_count] = total
+        self.occupied_count[None] = occupied
+
+    @ti.func
+    def place_chunk(self, b):
+        for i in range(b * self.n // self.chunks, (b + 1) * self.n // self.chunks):
+            k = b * self.cell_count + self.cell[i]
+            to = self.count[k]
+            self.count[k] = to + 1
+            for moved, state in ti.static(zip(self.moved, self.state)):
+                state[to] = moved[i]

@@ -1,0 +1,84 @@
+"""What a step did, counted per group of cells and added in their order: extremes, and the impulse of every term."""
+
+import numpy as np
+import taichi as ti
+
+from ocean_sim.conventions import Diverged
+from ocean_sim.fluid import Status
+
+GROUPS = 64  # blocks of cells or particles, each a task of its own
+TERMS = ("pressure", "viscosity", "wind", "gravity", "walls")
+PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS = range(len(TERMS))
+Summary = ti.types.vector(7, float)
+DENSE = 1.0e30  # [kg/m3] more than any density
+
+
+@ti.data_oriented
+class Ledger:
+    """Each group of cells writes its own row, so nothing depends on the order of threads."""
+
+    def __init__(self, impulses: bool) -> None:
+        """`impulses`: whether the impulse of each term is summed (f64), for `accuracy`."""
+        self.impulses = impulses
+        self.overflow = ti.field(int, shape=GROUPS)
+        self.speed2, self.acceleration2 = ti.field(float, shape=GROUPS), ti.field(float, shape=GROUPS)
+        self.thin, self.dense = ti.field(float, shape=GROUPS), ti.field(float, shape=GROUPS)
+        self.sum = ti.field(float, shape=GROUPS)
+        self.clipped = ti.field(int, shape=GROUPS)
+        if impulses:
+            self.impulse = ti.field(ti.f64, shape=(GROUPS, len(TERMS), 3))
+
+    @ti.func
+    def begin_motion(self, group):
+        self.speed2[group] = self.acceleration2[group] = self.sum[group] = 0.0
+
+    @ti.func
+    def begin_density(self, group):
+        self.thin[group], self.dense[group] = DENSE, 0.0
+
+    @ti.func
+    def count_motion(self, group, v, a, fast):
+        v2, a2 = v.dot(v), a.dot(a)
+        self.speed2[group] = ti.max(self.speed2[group], v2)
+        self.acceleration2[group] = ti.max(self.acceleration2[group], a2)
+        self.sum[group] = self.sum[group] + v2
+        self.clipped[group] = self.clipped[group] + fast
+
+    @ti.func
+    def count_density(self, group, density):
+        self.thin[group] = ti.min(self.thin[group], density)
+        self.dense[group] = ti.max(self.dense[group], density)
+
+    @ti.func
+    def count_impulse(self, group, term: ti.template(), impulse):
+        for k in ti.static(range(3)):
+            self.impulse[group, term, k] = self.impulse[group, term, k] + ti.cast(impulse[k], ti.f64)
+
+    @ti.func
+    def summary(self):
+        """Largest squared speed and acceleration, least and largest density, a sum that shows what is not a number,
+        particles held back, and cells with more candidates than their list holds."""
+        speed2, acceleration2, thin, dense, total = 0.0, 0.0, DENSE, 0.0, 0.0
+        clipped, crowded = 0, 0
+        ti.loop_config(serialize=True)
+        for g in range(GROUPS):
+            speed2, acceleration2 = ti.max(speed2, self.speed2[g]), ti.max(acceleration2, self.acceleration2[g])
+            thin, dense = ti.min(thin, self.thin[g]), ti.max(dense, self.dense[g])
+            total += self.sum[g] + self.dense[g]
+            clipped += self.clipped[g]
+            crowded += self.overflow[g]
+        return Summary(speed2, acceleration2, thin, dense, total, ti.cast(clipped, float), ti.cast(crowded, float))
+
+    def status(self, summary) -> Status:
+        """The summary of a kernel, as it is shown outside; raises Diverged where a list of candidates overflowed."""
+        speed2, acceleration2, thin, dense, total, clipped, crowded = (float(number) for number in summary)
+        if crowded:
+            raise Diverged(
+                f"{int(crowded)} cells have more neighbours than their lists hold: the water is packed up to {dense:.0f} kg/m3; "
+                "a stiffer water (smaller compression), a smaller time step or more viscosity keeps it apart"
+            )
+        return Status(speed2**0.5, acceleration2**0.5, thin, dense, int(clipped), bool(np.isfinite(total)))
+
+    def total(self) -> dict[str, np.ndarray]:
+        """Impulse of each term since the start [N s], (3,) each; empty where it is not summed."""
+        return dict(zip(TERMS, self.impulse.to_numpy().sum(axis=0), strict=True)) if self.impulses else {}

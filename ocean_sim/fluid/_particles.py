@@ -1,0 +1,70 @@
+"""The particles: one field a component, in the order of their cells, which changes from step to step; `id` stays."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import taichi as ti
+from taichi.lang.util import to_numpy_type
+
+from ocean_sim.fluid._water import Lattice
+
+
+@ti.data_oriented
+class Components:
+    """A vector per particle as three fields of one number each."""
+
+    def __init__(self, n: int) -> None:
+        self.x, self.y, self.z = (ti.field(float, shape=n) for _ in range(3))
+
+    def __iter__(self):
+        return iter((self.x, self.y, self.z))
+
+    def to_numpy(self) -> np.ndarray:
+        """(n, 3), in storage order."""
+        return np.stack([component.to_numpy() for component in self], axis=1)
+
+    def from_numpy(self, values: np.ndarray) -> None:
+        """Takes (n, 3)."""
+        for k, component in enumerate(self):
+            component.from_numpy(np.ascontiguousarray(values[:, k], dtype=self.precision))
+
+    @property
+    def precision(self) -> type:
+        """The NumPy type of `float` in this run: float32 or float64."""
+        return to_numpy_type(self.x.dtype)
+
+
+@ti.data_oriented
+@dataclass(frozen=True, eq=False)
+class Particles:
+    """What a step reads and a snapshot saves."""
+
+    n: int
+    mass: float  # [kg] of each; in a slice [kg/m]
+    rest_density: float  # [kg/m3]
+    spacing: float  # [m]
+    position: Components  # [m]
+    velocity: Components  # [m/s]
+    id: ti.Field  # number of the particle in the first lattice
+    density: ti.Field  # [kg/m3]
+    pressure: ti.Field  # [Pa]
+
+
+def seeded(lattice: Lattice) -> Particles:
+    """Particles at rest on their lattice."""
+    n = lattice.n
+    particles = Particles(
+        n=n,
+        mass=lattice.mass,
+        rest_density=lattice.config.rest_density,
+        spacing=lattice.spacing,
+        position=Components(n),
+        velocity=Components(n),
+        id=ti.field(int, shape=n),
+        density=ti.field(float, shape=n),
+        pressure=ti.field(float, shape=n),
+    )
+    particles.position.from_numpy(lattice.positions())
+    particles.id.from_numpy(np.arange(n, dtype=np.int32))
+    particles.density.fill(lattice.config.rest_density)
+    return particles

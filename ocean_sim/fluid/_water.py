@@ -1,0 +1,164 @@
+"""What a user may say about water that is made of particles, whatever the scheme, and the lattice it starts from."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import sqrt
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field, field_validator, model_validator
+
+from ocean_sim.basin import Basin
+from ocean_sim.conventions import WATER_DENSITY
+from ocean_sim.parts import PartConfig, Vector3, quantity
+
+Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
+
+
+class Box(PartConfig):
+    """A box of water; in a slice the points are [x, y]."""
+
+    min: Point = quantity("m")
+    """Lowest corner."""
+    max: Point = quantity("m")
+    """Highest corner."""
+
+    @model_validator(mode="after")
+    def _has_an_inside(self) -> "Box":
+        if len(self.min) != len(self.max) or any(a >= b for a, b in zip(self.min, self.max, strict=True)):
+            raise ValueError(f"every number of max must be greater than that of min, got {self.min} and {self.max}")
+        return self
+
+
+class WaterConfig(PartConfig):
+    """Keys that every kind of particle water shares."""
+
+    spacing: float | None = quantity("m", None, gt=0.0)
+    """Distance between particles at rest."""
+    particles: int | None = quantity("particles", None, ge=1, le=2**27)
+    """A budget of particles, in place of `spacing`."""
+    rest_density: float = quantity("kg/m3", WATER_DENSITY, gt=0.0)
+    """Density of the water at rest."""
+    body_force: Vector3 = quantity("m/s2", (0.0, 0.0, 0.0))
+    """A constant acceleration beside gravity."""
+    fill: Annotated[tuple[Box, ...], Field(strict=False, min_length=1)] | None = None
+    """Boxes of water instead of the whole basin."""
+    motion_limit: float | None = quantity("spacings", None, gt=0.0)
+    """The furthest a particle may move in one step; what it holds back is counted. null: no limit."""
+    collision_distance: float = quantity("spacings", 0.5, gt=0.0, le=1.0)
+    """How near to a wall or the floor a particle's centre may come."""
+
+    @field_validator("spacing", "particles", mode="before")
+    @classmethod
+    def _one_size(cls, value: Any) -> Any:
+        if isinstance(value, (list, tuple)):
+            raise ValueError("particles of mixed size are not modelled: their forces would not be symmetric; give one number")
+        return value
+
+    @model_validator(mode="after")
+    def _one_resolution(self) -> "WaterConfig":
+        if (self.spacing is None) == (self.particles is None):
+            raise ValueError("give either spacing [m] or particles, a budget")
+        return self
+
+    def lattice(self, basin: Basin) -> "Lattice":
+        """Where the particles are at first, counted but not yet made."""
+        return Lattice(self, basin)
+
+    def problems(self, basin: Basin) -> list[tuple[tuple[str | int, ...], str]]:
+        """What is wrong with these keys in this basin: (path below `fluid`, sentence)."""
+        found: list[tuple[tuple[str | int, ...], str]] = []
+        if basin.dimension == 2 and self.body_force[2] != 0.0:
+            found.append((("body_force",), "a slice in x-y has no force along z"))
+        boxes = [] if self.fill is None else self.lattice(basin).boxes
+        for k, box in enumerate(self.fill or ()):
+            if len(box.min) != basin.dimension:
+                found.append((("fill", k), f"a point of this basin has {basin.dimension} numbers, got {len(box.min)}"))
+                return found
+        for k, (low, up) in enumerate(boxes):
+            outside = (low < np.array(basin.lower) - 1e-9) | (up > np.array(basin.upper) + 1e-9)
+            outside[1] = low[1] < basin.lower[1] - 1e-9
+            if outside.any():
+                axes = " and ".join(np.array(["x", "y", "z"])[outside])
+                found.append((("fill", k), f"the box reaches out of the basin along {axes}"))
+            for other_low, other_up in boxes[:k]:
+                if (np.minimum(up, other_up) - np.maximum(low, other_low))[: basin.dimension].min() > 1e-9:
+                    found.append((("fill", k), "the box overlaps an earlier one: two particles would share a place"))
+        return found
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """A cubic lattice of particles filling the boxes of water, half a spacing away from every face."""
+
+    config: WaterConfig
+    basin: Basin
+
+    @cached_property
+    def boxes(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Lowest and highest corner of each box of water [m]."""
+        if self.config.fill is None:
+            surface = np.array([self.basin.upper[0], 0.0, self.basin.upper[2]])
+            return [(np.array(self.basin.lower), surface)]
+        flat = (0.0,) * (3 - self.basin.dimension)
+        return [(np.array(box.min + flat), np.array(box.max + flat)) for box in self.config.fill]
+
+    @property
+    def volume(self) -> float:
+        """Volume of the water [m3]; in a slice its area [m2]."""
+        return sum(float(np.prod((up - low)[: self.basin.dimension])) for low, up in self.boxes)
+
+    @cached_property
+    def spacing(self) -> float:
+        """Distance between particles [m]; of a budget the finest lattice found that keeps it."""
+        if self.config.spacing is not None:
+            return self.config.spacing
+        assert self.config.particles is not None
+        spacing = (self.volume / self.config.particles) ** (1.0 / self.basin.dimension)
+        while total(self.counted(spacing)) > max(self.config.particles, len(self.boxes)):
+            spacing *= 1.001
+        return spacing
+
+    def counted(self, spacing: float) -> list[np.ndarray]:
+        """Particles along x, y and z in each box, about `spacing` [m] apart."""
+        counts = [np.maximum(1, np.round((up - low) / spacing)).astype(int) for low, up in self.boxes]
+        return [np.append(count[:2], 1) if self.basin.dimension == 2 else count for count in counts]
+
+    @cached_property
+    def counts(self) -> list[np.ndarray]:
+        """Particles along x, y and z in each box."""
+        return self.counted(self.spacing)
+
+    @property
+    def n(self) -> int:
+        """Number of particles."""
+        return total(self.counts)
+
+    @property
+    def mass(self) -> float:
+        """Mass of a particle [kg], in a slice [kg per metre of width]: rest density times volume of the water over n."""
+        return self.config.rest_density * self.volume / self.n
+
+    @property
+    def height(self) -> float:
+        """Height of the tallest box of water [m]."""
+        return max(float((up - low)[1]) for low, up in self.boxes)
+
+    def positions(self) -> np.ndarray:
+        """(n, 3) places of the particles [m], x running fastest."""
+        parts = []
+        for (low, up), count in zip(self.boxes, self.counts, strict=True):
+            x, y, z = (low[k] + (np.arange(count[k]) + 0.5) * (up[k] - low[k]) / count[k] for k in range(3))
+            grid = np.meshgrid(z, y, x, indexing="ij")
+            parts.append(np.stack([grid[2].ravel(), grid[1].ravel(), grid[0].ravel()], axis=1))
+        return np.concatenate(parts)
+
+
+def total(counts: list[np.ndarray]) -> int:
+    """Particles in all boxes."""
+    return sum(int(np.prod(count)) for count in counts)
+
+
+def free_fall_speed(basin: Basin) -> float:
+    """sqrt(|g| depth) [m/s], the speed scale of water under gravity."""
+    return sqrt(float(np.linalg.norm(basin.gravity)) * basin.depth)

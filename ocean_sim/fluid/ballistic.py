@@ -1,0 +1,121 @@
+"""Particles that ignore each other: exact parabolas under gravity, wind and walls (the listing's other method)."""
+
+from typing import Literal
+
+import numpy as np
+import taichi as ti
+import taichi.math as tm
+
+from ocean_sim.basin import Basin
+from ocean_sim.fluid import Limits
+from ocean_sim.fluid._free_surface import FreeSurface
+from ocean_sim.fluid._grid import TASK, Grid, GridSize
+from ocean_sim.fluid._ledger import GRAVITY, GROUPS, WALLS, WIND, Ledger, Summary
+from ocean_sim.fluid._particles import seeded
+from ocean_sim.fluid._smoothing import Smoothing
+from ocean_sim.fluid._walls import Walls
+from ocean_sim.fluid._water import WaterConfig, free_fall_speed
+from ocean_sim.parts import LedgerRow
+from ocean_sim.wind import Wind
+
+SUPPORT_RATIO = 2.0  # [spacings] the surface is smoothed over so much; nothing else has a support here
+
+
+class Config(WaterConfig):
+    """Particles without interaction."""
+
+    kind: Literal["ballistic"] = "ballistic"
+
+    def size(self, basin: Basin) -> GridSize:
+        lattice = self.lattice(basin)
+        return GridSize(lattice, SUPPORT_RATIO * lattice.spacing)
+
+    def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
+        size = self.size(basin)
+        n = size.lattice.n
+        return [
+            LedgerRow("fluid", f"{n} particles", (8 * word + 4) * n, "position, velocity, density, pressure, number"),
+            LedgerRow("fluid", f"grid of {size.cell_count} cells", size.bytes(word), "the surface that gauges read"),
+        ]
+
+    def still_limits(self, basin: Basin) -> Limits:
+        """Limits of the time step at rest."""
+        return force_limit(self.size(basin).support, float(np.linalg.norm(np.add(basin.gravity, self.body_force))))
+
+    def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "Ballistic":
+        return Ballistic(self, basin, ledger, wind)
+
+
+def force_limit(support: float, acceleration: float) -> Limits:
+    """Parabolas are exact for any step; this one only keeps wind and walls from being stepped over."""
+    return Limits(force=(0.5 * support / acceleration) ** 0.5) if acceleration > 0.0 else Limits()
+
+
+@ti.data_oriented
+class Ballistic:
+    """Particles that fall, bounce and are blown about; wind reaches all of them, but none has an exposed area."""
+
+    sound_speed = 0.0
+
+    def __init__(self, config: Config, basin: Basin, ledger: bool, wind: Wind) -> None:
+        size = config.size(basin)
+        self.config, self.wind = config, wind
+        self.particles = seeded(size.lattice)
+        self.grid = Grid(self.particles, size)
+        self.surface = FreeSurface(self.particles, self.grid, Smoothing(basin.dimension, size.support))
+        self.walls = Walls(size.lattice)
+        self.ledger = Ledger(ledger)
+        self.reference_speed = free_fall_speed(basin)
+        self.gravity = tm.vec3(np.add(basin.gravity, config.body_force))  # [m/s2]
+        self.status = self.ledger.status(self.step(0.0))
+
+    @ti.func
+    def move(self, i, dt, group):
+        p, u, m = self.particles.position, self.particles.velocity, ti.static(self.particles.mass)
+        x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
+        a_wind = self.wind.force(self.particles.id[i], x, v, tm.vec3(0.0), m) / m
+        a = a_wind + self.gravity
+        mean, fast = self.walls.held_back(v + 0.5 * dt * a, dt)  # of the step; x + v dt + a dt^2 / 2 is exact
+        x_new, v_new = self.walls.bounced(x + dt * mean, mean + 0.5 * dt * a)
+        self.grid.leave(i, x_new, v_new)
+        self.ledger.count_motion(group, v_new, a, fast)
+        self.ledger.count_density(group, self.particles.density[i])
+        if ti.static(self.ledger.impulses):
+            self.ledger.count_impulse(group, WIND, m * dt * a_wind)
+            self.ledger.count_impulse(group, GRAVITY, m * dt * self.gravity)
+            self.ledger.count_impulse(group, WALLS, m * (v_new - v - dt * a))
+
+    @ti.kernel
+    def step(self, dt: float) -> Summary:
+        for t in range(GROUPS * TASK):
+            if t % TASK == 0:
+                group = t // TASK
+                self.ledger.begin_motion(group)
+                self.ledger.begin_density(group)
+                for i in range(group * self.particles.n // GROUPS, (group + 1) * self.particles.n // GROUPS):
+                    self.move(i, dt, group)
+        self.grid.sort()
+        return self.ledger.summary()
+
+    def advance(self, dt: float) -> None:
+        """One step of dt [s]."""
+        self.status = self.ledger.status(self.step(dt))
+
+    def limits(self) -> Limits:
+        return force_limit(self.grid.support, self.status.max_acceleration)
+
+    @property
+    def impulse(self) -> dict[str, np.ndarray]:
+        """Impulse of each term since the start [N s], (3,) each; empty unless built with ledger=True."""
+        return self.ledger.total()
+
+    def internal_energy(self) -> float:
+        """None: nothing is compressed [J]."""
+        return 0.0
+
+    @ti.func
+    def elevation(self, x, z):
+        return self.surface.elevation(x, z)
+
+    def elevations(self, points: np.ndarray) -> np.ndarray:
+        return self.surface.elevations(points)

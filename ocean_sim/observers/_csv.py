@@ -1,0 +1,58 @@
+"""CSV files of a run: comment lines that say frame, axes, rate and seed, then columns with units in their names."""
+
+import csv
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from ocean_sim.simulation import Simulation
+
+
+def heading(simulation: "Simulation", rate: str, **more: object) -> dict[str, object]:
+    """The comment lines that every CSV of a run begins with."""
+    return {
+        "frame": "world",
+        "axes": "right-handed, x and z horizontal, y up, origin at the centre of the still surface",
+        "rate": rate,
+        "seed": simulation.scene.seed,
+        **more,
+    }
+
+
+def text(value: object) -> str:
+    """A number with nine significant digits, the same on every machine; anything else as it is."""
+    return format(value, ".9g") if isinstance(value, float | np.floating) else str(value)
+
+
+class CsvFile:
+    """A growing table on disk: each row reaches the file whole, so a killed run leaves whole lines."""
+
+    def __init__(self, path: Path, heading: Mapping[str, object], columns: Sequence[str]) -> None:
+        self.columns = tuple(columns)
+        self.file = path.open("w", encoding="utf-8", newline="\n")
+        self.file.writelines(f"# {key}: {' '.join(text(value).split())}\n" for key, value in heading.items())
+        self.row(self.columns)
+
+    def row(self, values: Iterable[object]) -> None:
+        self.file.write(",".join(text(value) for value in values) + "\n")
+        self.file.flush()
+
+    def close(self) -> None:
+        self.file.close()
+
+
+def columns(path: Path) -> dict[str, np.ndarray]:
+    """The table of a CSV file by column: numbers as float64, words as strings."""
+    with path.open(encoding="utf-8") as file:
+        names, *rows = csv.reader(line for line in file if not line.startswith("#"))
+    whole = [row for row in rows if len(row) == len(names)]
+    table = {}
+    for name, values in zip(names, zip(*whole) if whole else [()] * len(names)):
+        try:
+            table[name] = np.array(values, dtype=np.float64)
+        except ValueError:
+            table[name] = np.array(values)
+    return table

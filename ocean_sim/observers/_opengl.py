@@ -1,0 +1,91 @@
+"""Can this machine draw without a screen? VTK ends the whole process where OpenGL is missing, so a child process tries."""
+
+import hashlib
+import json
+import os
+import subprocess
+import sys
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+WINDOWS = ("vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow")  # EGL draws faster here, OSMesa is the other way
+REMEDY = "apt-get install --no-install-recommends libegl1 libgl1-mesa-dri"
+PROBE = """
+import pyvista
+plotter = pyvista.Plotter(off_screen=True, window_size=(16, 16))
+plotter.add_mesh(pyvista.Cube())
+plotter.screenshot(None, return_img=True)
+print("drawn by " + plotter.render_window.GetClassName())
+plotter.close()
+"""
+
+
+class OpenGLMissing(Exception):
+    """This machine cannot draw off screen; the message says what to install."""
+
+    def __init__(self) -> None:
+        super().__init__(f"this machine has no OpenGL to draw pictures with; install it with `{REMEDY}`")
+
+
+def environment(window: str) -> dict[str, str]:
+    """For a process that draws: the window class to use, and no display."""
+    inherited = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    return inherited | {"VTK_DEFAULT_OPENGL_WINDOW": window}
+
+
+@cache
+def window() -> str | None:
+    """The class of VTK window that draws off screen here, or None. A success is remembered in the user's cache."""
+    from ocean_sim.runtime import cache_directory
+
+    note = cache_directory() / "opengl.json"
+    signature = hashlib.sha256(repr((sys.executable, version("vtk"), version("pyvista"))).encode()).hexdigest()
+    remembered = recall(note)
+    if remembered.get("signature") == signature and remembered.get("window") in WINDOWS:
+        return remembered["window"]
+    found = next((name for name in WINDOWS if draws(name)), None)
+    if found is not None:
+        remember(note, {"signature": signature, "window": found})
+    return found
+
+
+def probe() -> str | None:
+    """None where pictures can be drawn, else a sentence that says what to install."""
+    return None if window() else str(OpenGLMissing())
+
+
+def forget() -> None:
+    """After a crash: the next run probes again."""
+    from ocean_sim.runtime import cache_directory
+
+    (cache_directory() / "opengl.json").unlink(missing_ok=True)
+    window.cache_clear()
+
+
+def draws(name: str) -> bool:
+    """Whether a child process lives to draw with this window; VTK may quietly take another, so its name is checked."""
+    command = [sys.executable, "-c", PROBE]
+    try:
+        child = subprocess.run(command, env=environment(name), capture_output=True, text=True, timeout=120)
+    except (OSError, subprocess.TimeoutExpired):
+        return False
+    return child.returncode == 0 and f"drawn by {name}" in child.stdout
+
+
+def recall(note: Path) -> dict[str, str]:
+    try:
+        return json.loads(note.read_text())
+    except (OSError, ValueError):
+        return {}
+
+
+def remember(note: Path, facts: dict[str, str]) -> None:
+    """A cache that cannot be written is done without."""
+    try:
+        note.parent.mkdir(parents=True, exist_ok=True)
+        beside = note.with_name(f".{note.name}.{os.getpid()}")
+        beside.write_text(json.dumps(facts))
+        os.replace(beside, note)
+    except OSError:
+        pass

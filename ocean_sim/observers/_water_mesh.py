@@ -1,0 +1,72 @@
+"""A smooth block of water from heights on a coarse grid: its surface, its cut sides, and their normals."""
+
+import numpy as np
+
+SIDE_ROWS = 9  # rows of vertices from the surface to the bed
+
+
+def spline(cells: int, factor: int) -> np.ndarray:
+    """(cells * factor + 1, cells): values in the middles of equal cells -> cubic spline at nodes from wall to wall.
+
+    The spline is mirrored in the walls, where water under gravity alone stands level.
+    """
+    from scipy.ndimage import map_coordinates
+
+    nodes = np.linspace(-0.5, cells - 0.5, cells * factor + 1)
+    return np.stack([map_coordinates(unit, [nodes], order=3, mode="reflect") for unit in np.eye(cells)], axis=1)
+
+
+def triangles(rows: int, columns: int) -> np.ndarray:
+    """(m, 3) corners of the triangles between nodes numbered row by row."""
+    k = np.arange(rows * columns).reshape(rows, columns)
+    a, b, c, d = k[:-1, :-1], k[1:, :-1], k[1:, 1:], k[:-1, 1:]
+    return np.concatenate([np.stack([a, d, b], -1).reshape(-1, 3), np.stack([b, d, c], -1).reshape(-1, 3)])
+
+
+class WaterMesh:
+    """Nodes of a block of water above a bed; only heights change from frame to frame."""
+
+    def __init__(self, x: np.ndarray, z: np.ndarray, lower: np.ndarray, upper: np.ndarray, nodes: int) -> None:
+        """x, z: middles of the cells where heights are known [m]; `nodes`: about how many the surface may have."""
+        factor = int(np.clip(np.sqrt(nodes / (len(x) * len(z))), 1, 12))
+        self.along_x, self.along_z = spline(len(x), factor), spline(len(z), factor)
+        self.x = np.linspace(lower[0], upper[0], len(self.along_x))
+        self.z = np.linspace(lower[2], upper[2], len(self.along_z))
+        self.bed = float(lower[1])
+        self.slope_x, self.slope_z = np.gradient(self.along_x, self.x, axis=0), np.gradient(self.along_z, self.z, axis=0)
+        self.places = np.stack(np.meshgrid(self.x, self.z, indexing="ij"), axis=-1).reshape(-1, 2)
+        self.surface_triangles = triangles(len(self.x), len(self.z))
+        rim = np.arange(len(self.places)).reshape(len(self.x), len(self.z))
+        self.rims = (rim[:, -1], rim[::-1, 0], rim[-1, ::-1], rim[0, :])  # +z, -z, +x, -x, seen from outside
+        self.side_normals = np.repeat(
+            np.array([(0, 0, 1), (0, 0, -1), (1, 0, 0), (-1, 0, 0)], dtype=float),
+            [len(rim) * SIDE_ROWS for rim in self.rims],
+            axis=0,
+        )
+        counts = np.cumsum([0] + [len(rim) * SIDE_ROWS for rim in self.rims])
+        self.side_triangles = np.concatenate([triangles(SIDE_ROWS, len(r)) + n for r, n in zip(self.rims, counts)])
+        self.side_depth = np.concatenate([np.repeat(np.linspace(0.0, 1.0, SIDE_ROWS), len(rim)) for rim in self.rims])
+
+    def heights(self, elevation: np.ndarray) -> np.ndarray:
+        """(nodes,) smooth heights [m] through the known ones."""
+        return (self.along_x @ elevation @ self.along_z.T).reshape(-1)
+
+    def surface(self, elevation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Nodes and unit normals, (n, 3) each."""
+        height = self.heights(elevation)
+        slope_x = (self.slope_x @ elevation @ self.along_z.T).reshape(-1)
+        slope_z = (self.along_x @ elevation @ self.slope_z.T).reshape(-1)
+        normals = np.stack([-slope_x, np.ones_like(height), -slope_z], axis=-1)
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        return np.column_stack([self.places[:, 0], height, self.places[:, 1]]), normals
+
+    def sides(self, surface: np.ndarray) -> np.ndarray:
+        """Nodes of the four cut sides, from the rim of the surface down to the bed."""
+        down = np.linspace(0.0, 1.0, SIDE_ROWS)[:, None]
+        parts = []
+        for rim in self.rims:
+            top = surface[rim]
+            part = np.tile(top, (SIDE_ROWS, 1, 1))
+            part[:, :, 1] = top[:, 1] + (self.bed - top[:, 1]) * down
+            parts.append(part.reshape(-1, 3))
+        return np.concatenate(parts)

@@ -1,0 +1,92 @@
+"""Keeps what a picture or an export needs: particles and the height of the water, one file a frame."""
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ocean_sim.basin import Basin
+from ocean_sim.observers._sampled import Multiples
+from ocean_sim.parts import ObserverConfig, quantity
+
+if TYPE_CHECKING:
+    from ocean_sim.simulation import Simulation
+
+
+class Config(ObserverConfig):
+    every: float = quantity("s", 0.033, gt=0.0)
+    """Simulated time between frames; a frame is the first state at or after it."""
+    spacing: float | None = quantity("m", None, gt=0.0)
+    """Distance of the points at which the height of the water is kept; by default the spacing of the particles."""
+    particles: bool = True
+    """Keep the positions and velocities of the particles, which `export` and pictures of particles need."""
+
+    def build(self, folder: Path, simulation: "Simulation") -> "Frames":
+        return Frames(self, folder, simulation)
+
+
+def middles(low: float, high: float, spacing: float) -> np.ndarray:
+    """Middles of equal cells from `low` to `high`, at most `spacing` wide, at least two."""
+    n = max(2, int(np.ceil((high - low) / spacing - 1.0e-6)))
+    return low + (np.arange(n) + 0.5) * (high - low) / n
+
+
+def grid(basin: Basin, spacing: float) -> tuple[np.ndarray, np.ndarray]:
+    """x and z [m] of the points where the height of the water is kept: half a cell away from every wall."""
+    x = middles(basin.lower[0], basin.upper[0], spacing)
+    z = middles(basin.lower[2], basin.upper[2], spacing) if basin.dimension == 3 else np.zeros(1)
+    return x, z
+
+
+class Frames:
+    """frames/grid.npz once, then frames/frame_00000.npz and so on, each there whole or not at all."""
+
+    def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
+        self.config, self.every = config, config.every
+        self.folder = folder / "frames"
+        self.folder.mkdir(exist_ok=True)
+        self.multiples = Multiples(config.every)
+        self.count = 0
+        basin, fluid = simulation.basin, simulation.fluid
+        x, z = grid(basin, config.spacing or fluid.particles.spacing)
+        self.shape = (len(x), len(z))
+        self.points = np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1).reshape(-1, 2)
+        self.write(
+            "grid",
+            x=x,
+            z=z,
+            lower=np.array(basin.lower),
+            upper=np.array(basin.upper),
+            depth=basin.depth,
+            spacing=fluid.particles.spacing,
+            every=config.every,
+            has_surface=basin.dimension == 3 and fluid.sound_speed > 0.0,  # particles without pressure have none
+        )
+
+    def observe(self, simulation: "Simulation") -> None:
+        if not self.multiples.reached(simulation.time):
+            return
+        particles = simulation.fluid.particles
+        frame = {"time": simulation.time, "elevation": simulation.fluid.elevations(self.points).reshape(self.shape)}
+        if self.config.particles:
+            frame["position"] = particles.position.to_numpy()
+            frame["velocity"] = particles.velocity.to_numpy()
+            frame["id"] = particles.id.to_numpy()
+        self.write(f"frame_{self.count:05d}", **{k: v if k == "time" else single(v) for k, v in frame.items()})
+        self.count += 1
+
+    def write(self, name: str, **arrays: object) -> None:
+        """A file that appears whole: written beside its place, then moved there."""
+        beside = self.folder / f".{name}.tmp"
+        with beside.open("wb") as file:
+            np.savez(file, **arrays)  # type: ignore[arg-type]
+        os.replace(beside, self.folder / f"{name}.npz")
+
+    def close(self) -> None:
+        pass
+
+
+def single(array: np.ndarray) -> np.ndarray:
+    """Floating-point numbers in single precision, which is plenty for a picture; anything else as it is."""
+    return array.astype(np.float32) if array.dtype.kind == "f" else array

@@ -1,0 +1,158 @@
+"""Stops a run that has left the physical world, and says what, where, when and what to try; keeps a diary."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from ocean_sim.conventions import Diverged
+from ocean_sim.parts import ObserverConfig, quantity
+
+if TYPE_CHECKING:
+    from ocean_sim.simulation import Simulation
+
+POSITIONS_EVERY = 50  # steps between two looks at all positions, which are copied for it
+QUIET = 0.5  # [s] at least between two events of one kind
+
+
+class Config(ObserverConfig):
+    writes: ClassVar[bool] = False
+    every: float = quantity("s", 0.0, ge=0.0)
+    """Simulated time between checks; 0 checks after every step."""
+    max_speed: float | None = quantity("m/s", None, gt=0.0)
+    """Speed that no particle may exceed; by default ten times the fluid's reference speed."""
+    max_density_ratio: float = quantity("1", 1.5, gt=1.0)
+    """Density that no particle may exceed, as a multiple of the rest density."""
+    max_distance: float | None = quantity("m", None, gt=0.0)
+    """How far outside the basin a particle may be; by default one diagonal of the basin."""
+
+    def build(self, folder: Path | None, simulation: "Simulation") -> "Health":
+        return Health(self, folder, simulation)
+
+
+class Health:
+    """Looks at the fluid after every step; events.jsonl tells start, rules of the time step, clipping and the end."""
+
+    def __init__(self, config: Config, folder: Path | None, simulation: "Simulation") -> None:
+        self.config, self.every, self.folder, self.simulation = config, config.every, folder, simulation
+        basin, fluid = simulation.basin, simulation.fluid
+        self.lower, self.upper = np.array(basin.lower), np.array(basin.upper)
+        self.max_speed = config.max_speed or 10.0 * fluid.reference_speed
+        self.max_distance = config.max_distance or float(np.linalg.norm(self.upper - self.lower))
+        self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
+        self.limit, self.limit_told = "", -QUIET
+        self.clipped, self.clipped_told = 0, -QUIET
+        self.event(
+            "start",
+            particles=fluid.particles.n,
+            sound_speed_m_s=fluid.sound_speed,
+            max_speed_m_s=self.max_speed,
+            max_density_ratio=config.max_density_ratio if fluid.sound_speed > 0.0 else None,
+            max_distance_m=self.max_distance,
+        )
+
+    def event(self, name: str, **facts: object) -> None:
+        """One line of events.jsonl."""
+        if self.events is not None:
+            simulation = self.simulation
+            line = {"time_s": round(simulation.time, 9), "step": simulation.steps, "event": name, **facts}
+            self.events.write(json.dumps(line) + "\n")
+            self.events.flush()
+
+    def observe(self, simulation: "Simulation") -> None:
+        if simulation.steps > 0 and (self.suspicious() or simulation.steps % POSITIONS_EVERY == 0):
+            sentence = next(self.complaints(), None)
+            if sentence is not None:
+                raise Diverged(sentence)
+        self.note_limit(simulation)
+        self.note_clipping(simulation)
+
+    def suspicious(self) -> bool:
+        """Whether the fluid's own summary of the last step is out of bounds; a number that is none is."""
+        status = self.simulation.fluid.status
+        return not status.finite or not status.max_speed <= self.max_speed or self.too_dense(status.max_density)
+
+    def too_dense(self, density: float) -> bool:
+        """A fluid without sound speed has no pressure, so its density is not kept and not judged."""
+        fluid = self.simulation.fluid
+        return fluid.sound_speed > 0.0 and not density <= self.config.max_density_ratio * fluid.particles.rest_density
+
+    def complaints(self) -> Iterator[str]:
+        """Sentences about what is out of bounds, worst kind first."""
+        particles, status = self.simulation.fluid.particles, self.simulation.fluid.status
+        position = particles.position.to_numpy().astype(np.float64)
+        velocity = particles.velocity.to_numpy().astype(np.float64)
+        density = particles.density.to_numpy().astype(np.float64)
+        finite = np.isfinite(position).all(axis=1) & np.isfinite(velocity).all(axis=1) & np.isfinite(density)
+        if not (status.finite and finite.all()):
+            lost = np.flatnonzero(~finite)
+            what = "position, velocity or density stopped being a number"
+            yield self.sentence(f"{what} for {len(lost)} of {len(finite)} particles", position, lost[:1])
+            return
+        if self.too_dense(status.max_density):
+            ratio = status.max_density / particles.rest_density
+            what = f"density reached {status.max_density:.4g} kg/m^3, {ratio:.3g} x the rest density"
+            yield self.sentence(f"{what} (bound {self.config.max_density_ratio:g})", position, [density.argmax()])
+        if not status.max_speed <= self.max_speed:
+            what = f"a particle reached {status.max_speed:.4g} m/s (bound {self.max_speed:.4g} m/s)"
+            yield self.sentence(what, position, [np.square(velocity).sum(axis=1).argmax()])
+        distance = np.linalg.norm(position - np.clip(position, self.lower, self.upper), axis=1)
+        if not distance.max() <= self.max_distance:
+            what = f"{np.count_nonzero(distance > self.max_distance)} particles left the basin"
+            far = f"the farthest by {distance.max():.4g} m (bound {self.max_distance:.4g} m)"
+            yield self.sentence(f"{what}, {far}", position, [distance.argmax()])
+
+    def sentence(self, what: str, position: np.ndarray, worst) -> str:
+        """What, where, when, what to try, and where the last good state lies."""
+        simulation = self.simulation
+        where = "".join(f" at ({', '.join(f'{x:.4g}' for x in position[i])}) m" for i in worst)
+        when = f"t = {simulation.time:.4f} s, step {simulation.steps}"
+        return f"{what}{where}, {when}; {self.advice()}{self.last_frame()}"
+
+    def advice(self) -> str:
+        """What to try, by the likeliest cause."""
+        fluid, basin, scene = self.simulation.fluid, self.simulation.basin, self.simulation.scene
+        pull = float(np.linalg.norm(basin.gravity))
+        if fluid.sound_speed == 0.0:
+            return "particles of this fluid ignore each other: try a weaker wind, walls around the basin, or a floor"
+        held = 0.01 * fluid.sound_speed**2 / pull if pull > 0.0 else float("inf")  # depth at 1 % compression [m]
+        if held < 0.1 * basin.depth:
+            stiffness, wanted = fluid.sound_speed**2, 100.0 * pull * basin.depth  # [m^2/s^2]
+            return (
+                f"stiffness {stiffness:.4g} m^2/s^2 holds only {held:.2g} m of water within 1 % and the basin is"
+                f" {basin.depth:g} m deep: try fluid.compression: 0.01, or a stiffness of {wanted:.4g}"
+            )
+        limits = fluid.limits()
+        limit, shortest = min(asdict(limits).items(), key=lambda item: item[1])
+        if scene.time_step.kind == "fixed" and scene.time_step.dt > shortest:
+            return f"try time_step: courant, or a dt below its {limit} limit (here {shortest:.3g} s)"
+        if scene.time_step.kind == "fixed":
+            return "try a smaller time_step.dt, or a weaker wind"
+        return "try a smaller time_step.courant_number, a smaller fluid.compression (stiffer water), or a weaker wind"
+
+    def last_frame(self) -> str:
+        """Names the newest frame, which is the last state worth looking at."""
+        frames = [] if self.folder is None else sorted((self.folder / "frames").glob("frame_*.npz"))
+        return f"; the last picture before is frames/{frames[-1].name}" if frames else ""
+
+    def note_limit(self, simulation: "Simulation") -> None:
+        limit = simulation.time_step.limited_by
+        if limit != self.limit and simulation.time >= self.limit_told + QUIET:
+            self.event("limit", limited_by=limit, time_step_s=float(simulation.next_dt))
+            self.limit, self.limit_told = limit, simulation.time
+
+    def note_clipping(self, simulation: "Simulation") -> None:
+        clipped = simulation.fluid.status.clipped
+        if clipped > self.clipped and (simulation.time >= self.clipped_told + QUIET or simulation.outcome != "running"):
+            self.event("clipped", particles=int(clipped - self.clipped), since_start=int(clipped))
+            self.clipped, self.clipped_told = clipped, simulation.time
+
+    def close(self) -> None:
+        self.note_clipping(self.simulation)
+        outcome = self.simulation.outcome
+        self.event(outcome, **({"reason": self.simulation.reason} if self.simulation.reason else {}))
+        if self.events is not None:
+            self.events.close()

@@ -1,0 +1,96 @@
+"""What was run: the resolved scene, versions, backend and seed at the start; outcome and hashes at the end."""
+
+import hashlib
+import json
+import os
+import platform
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ocean_sim.parts import LedgerRow, ObserverConfig
+
+if TYPE_CHECKING:
+    from ocean_sim.simulation import Simulation
+
+PACKAGES = ("ocean-sim", "taichi", "numpy", "scipy", "pydantic", "ruamel.yaml", "h5py", "pyvista", "vtk")
+
+
+class Config(ObserverConfig):
+    """Nothing to choose: the manifest is written at the start and at the end."""
+
+    def build(self, folder: Path, simulation: "Simulation") -> "Manifest":
+        return Manifest(folder, simulation)
+
+
+class Manifest:
+    """manifest.json: it holds no clock value, so equal runs leave equal files."""
+
+    every = 0.0
+
+    def __init__(self, folder: Path, simulation: "Simulation") -> None:
+        self.path, self.simulation = folder / "manifest.json", simulation
+        scene, particles = simulation.scene.resolved(), simulation.fluid.particles
+        self.facts = {
+            "outcome": "running",
+            "scene": scene,
+            "scene_sha256": sha256(json.dumps(scene, sort_keys=True).encode()),
+            "seed": simulation.scene.seed,
+            "versions": {"python": platform.python_version()} | {name: installed(name) for name in PACKAGES},
+            "machine": {"system": platform.system(), "processor": platform.machine()},
+            "backend": {name: getattr(simulation.backend, name) for name in ("arch", "threads", "precision")},
+            "particles": {
+                "count": int(particles.n),
+                "spacing_m": float(particles.spacing),
+                "mass_kg": float(particles.mass),
+            },
+            "ledger": [row._asdict() for row in ledger(simulation)],
+        }
+        self.write()
+
+    def observe(self, simulation: "Simulation") -> None:
+        pass
+
+    def close(self) -> None:
+        simulation = self.simulation
+        self.facts |= {
+            "outcome": simulation.outcome,
+            "reason": simulation.reason,
+            "steps": simulation.steps,
+            "simulated_s": round(simulation.time, 9),
+            "state_sha256": state_sha256(simulation),
+        }
+        self.write()
+
+    def write(self) -> None:
+        beside = self.path.with_name(".manifest.json.tmp")
+        beside.write_text(json.dumps(self.facts, indent=2) + "\n", encoding="utf-8")
+        os.replace(beside, self.path)
+
+
+def ledger(simulation: "Simulation") -> list[LedgerRow]:
+    """What the parts of this scene allocate and compile, and why."""
+    scene, basin = simulation.scene, simulation.basin
+    parts = (scene.wind, scene.fluid, scene.surface, scene.ship, scene.time_step)
+    return [row for part in parts if hasattr(part, "ledger") for row in part.ledger(basin)]
+
+
+def installed(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
+
+
+def sha256(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
+
+
+def state_sha256(simulation: "Simulation") -> str:
+    """Of final positions and velocities in the order of the particles' ids, so that storage order does not matter."""
+    particles = simulation.fluid.particles
+    order = np.argsort(particles.id.to_numpy(), kind="stable")
+    state = [particles.position.to_numpy()[order], particles.velocity.to_numpy()[order]]
+    return sha256(b"".join(np.ascontiguousarray(array).tobytes() for array in state))

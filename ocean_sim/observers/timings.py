@@ -1,0 +1,142 @@
+"""Wall time of each stage of a step: the only file of a run with clock values."""
+
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
+
+from ocean_sim.observers._csv import CsvFile, heading
+from ocean_sim.observers._sampled import Multiples
+from ocean_sim.parts import ObserverConfig, quantity
+
+if TYPE_CHECKING:
+    from ocean_sim.simulation import Simulation
+
+
+class Config(ObserverConfig):
+    writes: ClassVar[bool] = False
+    every: float = quantity("s", 0.5, gt=0.0)
+    """Simulated time between rows."""
+
+    def build(self, folder: Path | None, simulation: "Simulation") -> "Timings":
+        return Timings(self, folder, simulation)
+
+
+class Mark(NamedTuple):
+    """The clock beside the simulation, and what each stage has taken so far [s]."""
+
+    wall: float
+    time: float
+    steps: int
+    stages: dict[str, float]
+
+
+class Timings:
+    """Times the stages of every step; timings.csv tells their means since the row before.
+
+    The first step compiles kernels: it is told apart, as `first_step_s`, and no mean contains it.
+    """
+
+    def __init__(self, config: Config, folder: Path | None, simulation: "Simulation") -> None:
+        self.every, self.folder, self.simulation = config.every, folder, simulation
+        self.multiples = Multiples(config.every)
+        self.names = ["wind", "fluid", *(s for s in ("surface", "ship") if getattr(simulation, s, None)), "observers"]
+        self.taken: dict[str, float] = defaultdict(float)  # since the first step [s]
+        self.began: float | None = None
+        self.first_step_s = float("nan")
+        self.start: Mark | None = None  # when the first step was over
+        self.last: Mark | None = None
+        self.end: Mark | None = None  # when the run was over
+        self.csv: CsvFile | None = None
+        self.sync = waiting(simulation.backend.arch)
+        simulation.stage = self.stage  # type: ignore[method-assign, assignment]
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        """What `simulation.stage` becomes while timings watch."""
+        self.sync()
+        entered = perf_counter()
+        if self.start is None:
+            self.warm_up(name, entered)
+        yield
+        self.sync()
+        if self.start is not None:
+            self.taken[name] += perf_counter() - entered
+
+    def warm_up(self, name: str, now: float) -> None:
+        """Finds the end of the first step, which is where means begin."""
+        if self.simulation.steps > 0 and self.began is not None:
+            self.first_step_s = now - self.began
+            self.start = self.last = self.mark(now)
+        elif self.began is None and name != "observers":
+            self.began = now
+
+    def mark(self, now: float) -> Mark:
+        return Mark(now, self.simulation.time, self.simulation.steps, dict(self.taken))
+
+    def observe(self, simulation: "Simulation") -> None:
+        if self.multiples.reached(simulation.time):
+            self.row()
+
+    def row(self) -> None:
+        now = self.mark(perf_counter())
+        if self.folder is None or self.last is None or self.start is None or now.steps == self.last.steps:
+            return
+        if self.csv is None:
+            self.csv = CsvFile(
+                self.folder / "timings.csv",
+                heading(
+                    self.simulation,
+                    f"every {self.every:g} s, at the first step after it; means since the row before",
+                    first_step_s=f"{self.first_step_s:.3f} (compiles or loads kernels; in no mean)",
+                    wall_s="since the end of the first step",
+                ),
+                ["time_s", "steps", "wall_s", "real_time_factor", *(f"{s}_ms_per_step" for s in self.stages)],
+            )
+        factor, means = self.means(self.last, now)
+        self.csv.row([now.time, now.steps, now.wall - self.start.wall, factor, *means.values()])
+        self.last = now
+
+    @property
+    def stages(self) -> list[str]:
+        """The stages of a step, and `other`: choosing the time step, progress bars, the loop itself."""
+        return [*self.names, "other"]
+
+    def means(self, before: Mark, after: Mark) -> tuple[float, dict[str, float]]:
+        """Real-time factor, and milliseconds a step by stage, between two marks."""
+        wall, steps = after.wall - before.wall, after.steps - before.steps
+        taken = {name: after.stages.get(name, 0.0) - before.stages.get(name, 0.0) for name in self.names}
+        taken["other"] = max(0.0, wall - sum(taken.values()))
+        return (after.time - before.time) / wall, {name: 1e3 * seconds / steps for name, seconds in taken.items()}
+
+    def summary(self) -> dict[str, object]:
+        """The whole run but its first step: what `bench` and the command line tell."""
+        if self.start is None or self.simulation.steps == self.start.steps:
+            return {"first_step_s": self.first_step_s, "steps": self.simulation.steps}
+        now = self.end or self.mark(perf_counter())
+        factor, stages = self.means(self.start, now)
+        return {
+            "first_step_s": self.first_step_s,
+            "steps": now.steps,
+            "wall_s": now.wall - self.start.wall,
+            "ms_per_step": 1e3 * (now.wall - self.start.wall) / (now.steps - self.start.steps),
+            "real_time_factor": factor,
+            "stages": stages,
+        }
+
+    def close(self) -> None:
+        self.end = self.mark(perf_counter())
+        self.row()
+        if self.csv is not None:
+            self.csv.close()
+
+
+def waiting(arch: str):
+    """What ends a stage: on a GPU, launches return before the work is done; on a CPU they do not."""
+    if arch in ("cpu", "x64", "arm64"):
+        return lambda: None
+    import taichi as ti
+
+    return ti.sync

@@ -1,0 +1,1 @@
+"""No kind of platform yet."""

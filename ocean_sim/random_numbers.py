@@ -1,0 +1,79 @@
+"""Counter-based random numbers: (seed, stream, particle, step) -> number, the same in any order and on any backend.
+
+The mixing function is `pcg4d` of Jarzynski & Olano (2020), Hash Functions for GPU Rendering, J. Computer Graphics
+Techniques 9(3): four 32-bit words in, four well mixed words out. It is written once and serves Taichi and NumPy. The
+upper 24 bits of a word make a number, so it is the same in f32 and f64. Keys are 0 to 2^31 - 1.
+"""
+
+import numpy as np
+import taichi as ti
+import taichi.math as tm
+
+UNIT = 2.0**-24  # step of the numbers in [0, 1)
+
+
+def mixed(a, b, c, d):
+    """pcg4d of four unsigned 32-bit words, or of four arrays of them."""
+    a = a * 1664525 + 1013904223
+    b = b * 1664525 + 1013904223
+    c = c * 1664525 + 1013904223
+    d = d * 1664525 + 1013904223
+    a += b * d
+    b += c * a
+    c += a * b
+    d += b * c
+    a = a ^ (a >> 16)
+    b = b ^ (b >> 16)
+    c = c ^ (c >> 16)
+    d = d ^ (d >> 16)
+    a += b * d
+    b += c * a
+    c += a * b
+    d += b * c
+    return a, b, c, d
+
+
+taichi_mixed = ti.func(mixed)
+
+
+@ti.func
+def unit(word):
+    """Number in [0, 1) of a word."""
+    return ti.cast(ti.cast(word >> 8, ti.i32), float) * UNIT
+
+
+@ti.func
+def symmetric(word):
+    """Number in (-1, 1) of a word, as often above zero as below."""
+    return ti.cast(ti.cast((word >> 8) | 1, ti.i32), float) * (2.0 * UNIT) - 1.0
+
+
+@ti.func
+def uniform(seed, stream, particle, step):
+    """One number in [0, 1)."""
+    a, _b, _c, _d = taichi_mixed(ti.u32(seed), ti.u32(stream), ti.u32(particle), ti.u32(step))
+    return unit(a)
+
+
+@ti.func
+def uniform3(seed, stream, particle, step):
+    """Three independent numbers in (-1, 1)."""
+    a, b, c, _d = taichi_mixed(ti.u32(seed), ti.u32(stream), ti.u32(particle), ti.u32(step))
+    return tm.vec3(symmetric(a), symmetric(b), symmetric(c))
+
+
+def numpy_words(seed, stream, particle, step) -> tuple[np.ndarray, ...]:
+    """The four words of arrays (or numbers) of keys, at least one-dimensional."""
+    keys = np.broadcast_arrays(*(np.atleast_1d(np.asarray(k, dtype=np.uint32)) for k in (seed, stream, particle, step)))
+    return mixed(*keys)
+
+
+def numpy_uniform(seed, stream, particle, step) -> np.ndarray:
+    """The numbers of `uniform`, bit for bit."""
+    return (numpy_words(seed, stream, particle, step)[0] >> 8) * UNIT
+
+
+def numpy_uniform3(seed, stream, particle, step) -> np.ndarray:
+    """The numbers of `uniform3`, bit for bit: (..., 3)."""
+    words = numpy_words(seed, stream, particle, step)[:3]
+    return np.stack([((w >> 8) | 1) * (2.0 * UNIT) - 1.0 for w in words], axis=-1)

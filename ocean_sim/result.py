@@ -1,0 +1,56 @@
+"""What a run left behind, read from its folder when asked for."""
+
+import json
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+class Result:
+    """A run folder: its tables as arrays by column, its manifest, its events."""
+
+    def __init__(self, folder: str | Path) -> None:
+        self.folder = Path(folder)
+
+    def __repr__(self) -> str:
+        return f"Result({str(self.folder)!r})"
+
+    @cached_property
+    def manifest(self) -> dict[str, Any]:
+        """What was run: the resolved scene, versions, backend, seed, hashes."""
+        return json.loads((self.folder / "manifest.json").read_text(encoding="utf-8"))
+
+    @cached_property
+    def events(self) -> list[dict[str, Any]]:
+        """What happened on the way, one entry an event."""
+        path = self.folder / "events.jsonl"
+        return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()] if path.is_file() else []
+
+    def table(self, name: str) -> dict[str, np.ndarray]:
+        """The columns of `<name>.csv`, each an array of its rows."""
+        path = self.folder / f"{name}.csv"
+        with path.open(encoding="utf-8") as file:
+            lines = [line.rstrip("\n").split(",") for line in file if line.strip() and not line.startswith("#")]
+        header, rows = (lines[0], lines[1:]) if lines else ([], [])
+        return {column: _array([row[k] for row in rows]) for k, column in enumerate(header)}
+
+    @cached_property
+    def gauges(self) -> dict[str, np.ndarray]:
+        return self.table("gauges")
+
+    @cached_property
+    def accuracy(self) -> dict[str, np.ndarray]:
+        return self.table("accuracy")
+
+    @cached_property
+    def timings(self) -> dict[str, np.ndarray]:
+        return self.table("timings")
+
+
+def _array(words: list[str]) -> np.ndarray:
+    try:
+        return np.array([float(word) if word else np.nan for word in words])
+    except ValueError:
+        return np.array(words)

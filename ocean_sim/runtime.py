@@ -1,0 +1,120 @@
+"""The one place that starts Taichi: backend, precision, threads, and where compiled kernels are kept."""
+
+import os
+import sys
+from contextlib import redirect_stdout
+from dataclasses import dataclass
+from io import StringIO
+from pathlib import Path
+from typing import Literal
+
+import taichi as ti
+from taichi.lang import impl
+
+from ocean_sim.parts import PartConfig, quantity
+
+BACKENDS = {"cpu": ti.cpu, "cuda": ti.cuda, "vulkan": ti.vulkan, "metal": ti.metal, "gpu": ti.gpu, "auto": ti.gpu}
+GRAPHICS = {ti.cuda: "cuda", ti.vulkan: "vulkan", ti.metal: "metal", ti.opengl: "opengl", ti.gles: "gles"}
+
+
+class BackendMissing(Exception):
+    """The machine lacks the backend that was asked for."""
+
+
+class RuntimeConfig(PartConfig):
+    """The machine's side of a run."""
+
+    arch: Literal["cpu", "cuda", "vulkan", "metal", "gpu", "auto"] = "cpu"
+    """Taichi backend; `gpu`: any graphics processor, `auto`: one if there is one, else the processor."""
+    precision: Literal["f32", "f64"] = "f32"
+    """Floating-point precision of particles and kernels."""
+    threads: int | None = quantity("threads", None, ge=1, le=1024)
+    """Worker threads on the processor; null: all cores this process may use."""
+    pin: bool = False
+    """Bind each worker thread to one core (Linux): steadier timings, bad company on a shared machine."""
+
+
+@dataclass(frozen=True)
+class Backend:
+    """What was obtained: the name of the backend, its threads, and the precision."""
+
+    arch: str
+    threads: int
+    precision: str
+
+
+_started: tuple[RuntimeConfig, Backend] | None = None
+
+
+def cache_directory() -> Path:
+    """The user's cache for compiled kernels and probes: $XDG_CACHE_HOME/ocean-sim, by default ~/.cache/ocean-sim."""
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "ocean-sim"
+
+
+def start(config: RuntimeConfig) -> Backend:
+    """Start Taichi once; the same config again gives the running backend, another one starts afresh and drops all fields.
+
+    Raises BackendMissing where the backend obtained is not the one asked for.
+    """
+    global _started
+    if _started is not None and _started[0] == config:
+        return _started[1]
+    threads = config.threads or _cores()
+    before = _thread_ids()
+    with redirect_stdout(StringIO()):  # Taichi announces itself
+        ti.init(
+            arch=BACKENDS[config.arch],
+            default_fp=ti.f64 if config.precision == "f64" else ti.f32,
+            cpu_max_num_threads=threads,
+            offline_cache=True,
+            offline_cache_file_path=str(_kernel_cache()),
+            log_level=ti.ERROR,
+        )
+    obtained = impl.current_cfg().arch
+    arch = GRAPHICS.get(obtained, "cpu")
+    if config.arch not in (arch, "auto") and not (config.arch == "gpu" and arch != "cpu"):
+        ti.reset()
+        _started = None
+        raise BackendMissing(
+            f"runtime.arch: {config.arch} was asked for, this machine gave {arch}; "
+            "say runtime.arch=cpu, or auto to take what there is (`ocean-sim doctor` lists it)"
+        )
+    if config.pin and arch == "cpu":
+        _pin(before)
+    _started = (config, Backend(arch, threads if arch == "cpu" else 0, config.precision))
+    return _started[1]
+
+
+def compiled_kernels() -> list[str]:
+    """Names of the Taichi kernels that this process has compiled or loaded so far."""
+    return sorted({kernel.func.__qualname__ for kernel in impl.get_runtime().kernels if kernel.compiled_kernels})
+
+
+def allocated_bytes() -> int:
+    """Bytes of all Taichi fields that are allocated now."""
+    program = impl.get_runtime().prog
+    return sum(program.get_snode_root(tree).cell_size_bytes for tree in range(program.get_snode_tree_size()))
+
+
+def _kernel_cache() -> Path:
+    path = cache_directory() / "kernels"
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise BackendMissing(f"the kernel cache {path} cannot be written: {error}; set XDG_CACHE_HOME") from error
+    return path
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _thread_ids() -> set[int]:
+    return {int(t) for t in os.listdir("/proc/self/task")} if sys.platform == "linux" else set()
+
+
+def _pin(before: set[int]) -> None:
+    """Two short-lived workers often share a core; each new thread is bound to a core of its own."""
+    cores = sorted(os.sched_getaffinity(0)) if sys.platform == "linux" else []
+    for k, thread in enumerate(sorted(_thread_ids() - before)):
+        os.sched_setaffinity(thread, {cores[k % len(cores)]})

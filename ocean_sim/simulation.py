@@ -1,0 +1,103 @@
+"""The simulation: one step of Algorithm 8, and the loop around it that lets observers watch."""
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from math import floor
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ocean_sim import runtime
+from ocean_sim.conventions import Diverged
+from ocean_sim.observers import Observer
+
+if TYPE_CHECKING:
+    from ocean_sim.scene import SceneConfig
+
+
+class Simulation:
+    """A scene that has been built and can be stepped; use it as a context manager.
+
+    Raises BackendMissing where the machine lacks what `runtime` asks for. Starting another simulation with another
+    `runtime` takes the fields of this one away.
+    """
+
+    def __init__(self, scene: "SceneConfig", folder: Path | None = None) -> None:
+        """`folder`: where observers write; without it only those watch that write nothing."""
+        self.scene = scene
+        self.backend = runtime.start(scene.runtime)
+        self.basin = scene.basin.build()
+        self.wind = scene.wind.build(self.basin, scene.seed)
+        self.fluid = scene.fluid.build(self.basin, scene.seed, ledger="accuracy" in scene.observers, wind=self.wind)
+        self.surface = scene.surface.build(self.basin, self.fluid) if scene.surface is not None else None
+        self.ship = scene.ship.build(self.basin, self.fluid) if scene.ship is not None else None
+        self.time_step = scene.time_step.build()
+        self.stage: Callable[[str], AbstractContextManager] = lambda name: nullcontext()
+        self.time, self.steps = 0.0, 0
+        self.next_dt = self.time_step.next(self.fluid)  # [s] the coming step is known before it is taken
+        self.outcome, self.reason = "running", ""
+        self.observers: list[Observer] = [
+            config.build(folder, self) for config in scene.observers.values() if folder is not None or not config.writes
+        ]
+
+    def step(self) -> None:
+        """Algorithm 8 of the thesis; rendering and logging watch it from outside."""
+        dt = self.next_dt
+        with self.stage("wind"):
+            self.wind.advance(dt)  # Algorithm 1
+        with self.stage("fluid"):
+            self.fluid.advance(dt)  # (2.27)
+        if self.surface is not None:
+            with self.stage("surface"):
+                self.surface.follow(self.fluid.particles, dt)  # Algorithms 3 and 5
+        if self.ship is not None:
+            with self.stage("ship"):
+                load = self.ship.load(self.wind, self.fluid, self.surface or self.fluid)  # (4.27)
+                self.ship.advance(load, dt)  # (4.22) to (4.25)
+        self.time += dt
+        self.steps += 1
+        self.next_dt = self.time_step.next(self.fluid)
+
+    def run(self, until: float) -> None:
+        """Step until this time [s] is reached; raises Diverged where the run leaves the physical world."""
+        try:
+            if self.steps == 0:
+                self._watch(self.observers)
+            while self.time < until * (1.0 - 1e-12):
+                before = self.time
+                self.step()
+                self._watch([o for o in self.observers if self._due(o.every, before)])
+        except Diverged as failure:
+            self.outcome, self.reason = "stopped", str(failure)
+            raise
+        except KeyboardInterrupt:
+            self.outcome, self.reason = "stopped", "interrupted"
+            raise
+        self.outcome = "done"
+
+    def _due(self, every: float, before: float) -> bool:
+        """Whether a multiple of `every` lies between the last state and the coming one: then the states on both sides
+        of it are shown, and a sampled file can be interpolated onto it."""
+        return every == 0.0 or floor((self.time + self.next_dt) / every) > floor(before / every)
+
+    def _watch(self, observers: list[Observer]) -> None:
+        with self.stage("observers"):
+            for observer in observers:
+                observer.observe(self)
+
+    def close(self) -> None:
+        """Close all observers; each gets its turn whatever another raises, and the first failure is raised at last."""
+        failures = []
+        for observer in self.observers:
+            try:
+                observer.close()
+            except Exception as failure:
+                failures.append(failure)
+        self.observers = []
+        if failures:
+            raise failures[0]
+
+    def __enter__(self) -> "Simulation":
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()

@@ -1,0 +1,44 @@
+"""The longest step that sound, viscosity and force allow (Monaghan 1992; Morris, Fox & Zhu 1997, eqs. 30-32)."""
+
+from dataclasses import asdict
+from math import isfinite
+from typing import Literal
+
+from ocean_sim.fluid import Fluid, Limits
+from ocean_sim.parts import PartConfig, quantity
+
+
+class Config(PartConfig):
+    """Fractions of the limits that a step may take; with h half the support of the smoothing kernels."""
+
+    kind: Literal["courant"] = "courant"
+    courant_number: float = quantity("1", 0.4, gt=0.0)
+    """Of h / (c + |v|): how far sound and water may run in a step."""
+    viscous_number: float = quantity("1", 0.125, gt=0.0)
+    """Of h^2 / nu: how far shear may spread in a step."""
+    force_number: float = quantity("1", 0.25, gt=0.0)
+    """Of sqrt(h / |a|): how far a force may throw a particle in a step."""
+    longest: float = quantity("s", 0.05, gt=0.0)
+    """The longest step of all."""
+
+    def build(self) -> "Courant":
+        return Courant(self)
+
+    def shortest(self, limits: Limits) -> tuple[float, str]:
+        """The step that these limits allow [s], and the name of the one that rules."""
+        numbers = {"acoustic": self.courant_number, "viscous": self.viscous_number, "force": self.force_number}
+        steps = {name: numbers[name] * limit for name, limit in asdict(limits).items()} | {"longest": self.longest}
+        ruling = min(steps, key=lambda name: steps[name] if isfinite(steps[name]) else float("inf"))
+        return steps[ruling], ruling
+
+
+class Courant:
+    """The shortest of the limits, afresh for every step."""
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+        self.limited_by = "acoustic"
+
+    def next(self, fluid: Fluid) -> float:
+        dt, self.limited_by = self.config.shortest(fluid.limits())
+        return dt

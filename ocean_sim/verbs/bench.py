@@ -1,0 +1,121 @@
+"""`ocean-sim bench`: speed alone, each scene in a process of its own, with nothing watching but the clock."""
+
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+from statistics import median
+from time import monotonic, perf_counter, process_time
+from typing import Any
+
+from ocean_sim.verbs import console
+from ocean_sim.yaml_file import Problem, SceneError
+
+DEFAULT = ("bench/dam_break_6k", "bench/dam_break_50k")
+WARM_UP = 20  # steps
+BLOCK = 0.5  # wall time of a block of steps, at least [s]
+
+
+def bench(
+    scenes: list[str],
+    profile: str | None,
+    sets: list[str],
+    threads: int | None,
+    repeats: int,
+    cold: bool,
+    as_json: bool,
+) -> None:
+    """Measure scenes one after the other, and tell."""
+    console.settings(sets)
+    rows = []
+    for scene in scenes or DEFAULT:
+        order = {"scene": scene, "profile": profile, "sets": sets, "threads": threads, "repeats": repeats}
+        rows.append(measured(order, cold))
+        if not as_json:
+            console.say(sentence(rows[-1]))
+    if as_json:
+        console.answer(rows)
+
+
+def measured(order: dict[str, Any], cold: bool) -> dict[str, Any]:
+    """One scene, measured in a child process; its failure is raised here."""
+    with tempfile.TemporaryDirectory() as empty:
+        environment = os.environ | ({"XDG_CACHE_HOME": empty} if cold else {})
+        command = [sys.executable, "-m", "ocean_sim", "bench-one", "--json"]
+        spawned = json.dumps(order | {"spawned": monotonic()})
+        child = subprocess.run([*command, spawned], env=environment, stdout=subprocess.PIPE, text=True, check=False)
+    if child.returncode == 0:
+        return json.loads(child.stdout)
+    try:
+        failure = json.loads(child.stdout)
+    except ValueError:
+        raise console.Failed(f"{order['scene']}: the process that measures it died ({child.returncode})") from None
+    if failure["problems"]:
+        raise SceneError([Problem(**problem) for problem in failure["problems"]])
+    kind = {2: console.Refused, 3: console.Lacking}.get(child.returncode, console.Failed)
+    raise kind(f"{order['scene']}: {failure['error']}")
+
+
+def bench_one(order: dict[str, Any]) -> None:
+    """Measures one scene in this process and answers in JSON."""
+    from ocean_sim.scene import load, observer_names
+    from ocean_sim.simulation import Simulation
+
+    quiet: dict[str, Any] = {name: None for name in observer_names() if name not in ("manifest", "timings")}
+    machine: dict[str, Any] = {"runtime.pin": True} | (
+        {"runtime.threads": order["threads"]} if order["threads"] else {}
+    )
+    config = load(order["scene"], {**quiet, **machine, **console.settings(order["sets"])}, order["profile"])
+    with Simulation(config) as simulation:
+        simulation.step()
+        first_step = monotonic() - order["spawned"]
+        clock: Any = next(observer for observer in simulation.observers if hasattr(observer, "means"))
+        for _ in range(WARM_UP):
+            simulation.step()
+        clock.sync()
+        before = clock.mark(perf_counter())
+        blocks = [block(simulation, clock.sync) for _ in range(order["repeats"])]
+        stages = clock.means(before, clock.mark(perf_counter()))[1]
+        particles = simulation.fluid.particles.n
+        threads = simulation.backend.threads
+    per_step = [1e3 * wall / steps for steps, wall, _, _ in blocks]
+    console.answer(
+        {
+            "scene": order["scene"],
+            "particles": particles,
+            "threads": threads,
+            "ms_per_step": median(per_step),
+            "ms_per_step_min": min(per_step),
+            "ms_per_step_max": max(per_step),
+            "particle_steps_per_s": particles / (median(per_step) / 1e3),
+            "particle_steps_per_cpu_s": median(particles * steps / cpu for steps, _, cpu, _ in blocks),
+            "real_time_factor": median(simulated / wall for _, wall, _, simulated in blocks),
+            "first_step_s": first_step,
+            "peak_memory_mb": console.megabytes(1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss),
+            "stages": stages,
+        }
+    )
+
+
+def block(simulation: Any, sync: Any) -> tuple[int, float, float, float]:
+    """Steps, wall time [s], processor time [s] and simulated time [s] of at least BLOCK seconds of stepping."""
+    steps, wall, cpu, simulated = 0, perf_counter(), process_time(), simulation.time
+    while perf_counter() - wall < BLOCK:
+        simulation.step()
+        sync()
+        steps += 1
+    return steps, perf_counter() - wall, process_time() - cpu, simulation.time - simulated
+
+
+def sentence(row: dict[str, Any]) -> str:
+    """A measurement in two lines, for people."""
+    stages = ", ".join(f"{name} {ms:.3g}" for name, ms in row["stages"].items())
+    return (
+        f"{row['scene']}: {row['particles']} particles, {row['threads']} threads: {row['ms_per_step']:.3g} ms a step "
+        f"({row['ms_per_step_min']:.3g} to {row['ms_per_step_max']:.3g}), {row['particle_steps_per_s'] / 1e6:.3g} "
+        f"million particle-steps per second, {row['particle_steps_per_cpu_s'] / 1e6:.3g} per CPU-second, "
+        f"{row['real_time_factor']:.3g} x real time\n"
+        f"  first step after {row['first_step_s']:.2f} s, at most {row['peak_memory_mb']:.0f} MB; ms a step: {stages}"
+    )

@@ -1,0 +1,140 @@
+"""`ocean-sim check`: what a scene would take, before anything is allocated."""
+
+import os
+from types import SimpleNamespace
+from typing import Any
+
+from ocean_sim.scene import SceneConfig, load
+from ocean_sim.verbs import console
+from ocean_sim.yaml_file import SceneError
+
+PARTICLE_STEPS_PER_SECOND = 3.0e6  # a thread, for the estimate of the wall time
+NOTHING = dict.fromkeys(("particles", "memory_mb", "time_step", "limited_by", "estimated_wall_s"))
+
+
+def check(scene: str, profile: str | None, sets: list[str], as_json: bool) -> None:
+    """Say what a scene would take, and what is wrong with it."""
+    import typer
+
+    try:
+        config = load(scene, console.settings(sets), profile)
+    except SceneError as error:
+        if not as_json:
+            raise
+        problems = [problem._asdict() for problem in error.problems]
+        console.answer(
+            {
+                "ok": False,
+                "error": console.counted(problems),
+                "problems": problems,
+                "warnings": [],
+                **NOTHING,
+                "ledger": [],
+            }
+        )
+        raise typer.Exit(2) from None
+    found = preflight(config)
+    if as_json:
+        console.answer(found | {"ledger": [row._asdict() for row in found["ledger"]]})
+    else:
+        long(found, config)
+
+
+def preflight(config: SceneConfig) -> dict[str, Any]:
+    """What `check` answers."""
+    from ocean_sim.runtime import base_memory
+
+    basin = config.basin.build()
+    rows, warnings = config.ledger(), config.warnings()
+    particles = config.fluid.lattice(basin).n
+    memory = base_memory() + sum(row.bytes for row in rows)
+    time_step = config.time_step.build()
+    still = config.fluid.still_limits(basin)
+    dt = time_step.next(SimpleNamespace(limits=lambda: still))
+    threads = config.runtime.threads or cores()
+    if memory > 0.9 * machine_memory():
+        warnings.append(f"needs {memory / 1e9:.1f} GB of memory; this machine has {machine_memory() / 1e9:.1f} GB")
+    return {
+        "ok": True,
+        "problems": [],
+        "warnings": warnings,
+        "notes": config.notes,
+        "statements": statements(config),
+        "particles": particles,
+        "memory_mb": console.megabytes(memory),
+        "time_step": dt,
+        "limited_by": time_step.limited_by,
+        "estimated_wall_s": particles * config.duration / dt / (PARTICLE_STEPS_PER_SECOND * threads),
+        "ledger": rows,
+    }
+
+
+def statements(config: SceneConfig) -> list[str]:
+    """What the water does that a reader of its results should know."""
+    fluid, basin = config.fluid, config.basin.build()
+    said = []
+    if hasattr(fluid, "sound_speed"):
+        c, speed = fluid.sound_speed(basin), fluid.speed(basin)
+        said.append(
+            f"sound speed {c:.4g} m/s, stiffness {c * c:.4g} m2/s2: compression (reference speed {speed:.4g} m/s / "
+            f"sound speed)^2 = {(speed / c) ** 2:.2%}"
+        )
+    if getattr(fluid, "minimum_pressure", None) is not None:
+        said.append(
+            f"pressures below {fluid.minimum_pressure:g} Pa are set to {fluid.minimum_pressure:g} (minimum_pressure)"
+        )
+    if getattr(fluid, "motion_limit", None) is not None:
+        said.append(
+            f"no particle moves further than {fluid.motion_limit:g} spacings in a step; what is held back is counted"
+        )
+    return said
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def machine_memory() -> int:
+    """Memory of this machine [bytes]."""
+    return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+
+
+def short(found: dict[str, Any], config: SceneConfig) -> str:
+    """The preflight in a few lines, for `run`."""
+    lines = [
+        f"{config.title or 'untitled'}: {found['particles']} particles, {found['memory_mb']:.0f} MB, "
+        f"time step {found['time_step']:.3g} s in still water ({found['limited_by']}), "
+        f"about {console.duration(found['estimated_wall_s'])} for {config.duration:g} s"
+    ]
+    return "\n".join(
+        [*lines, *(f"note: {note}" for note in found["notes"]), *(f"warning: {w}" for w in found["warnings"])]
+    )
+
+
+def long(found: dict[str, Any], config: SceneConfig) -> None:
+    """The preflight in full, for people."""
+    console.say(config.title or "untitled")
+    console.table(
+        "",
+        ["", ""],
+        [
+            ["particles", f"{found['particles']}"],
+            ["memory", f"{found['memory_mb']:.0f} MB at most"],
+            ["time step", f"{found['time_step']:.4g} s in still water, limited by: {found['limited_by']}"],
+            [
+                "wall time",
+                f"about {console.duration(found['estimated_wall_s'])} for {config.duration:g} s (an estimate)",
+            ],
+        ],
+    )
+    rows = [[row.part, row.what, f"{console.megabytes(row.bytes):.2f}", row.why] for row in found["ledger"]]
+    console.table("\nwhat is allocated and compiled, and why", ["part", "what", "MB", "why"], rows)
+    console.say()
+    for sentence in found["statements"]:
+        console.say(sentence)
+    for note in found["notes"]:
+        console.say(f"note: {note}")
+    for warning in found["warnings"]:
+        console.say(f"warning: {warning}")
+    console.say("the scene is in order")

@@ -1,0 +1,117 @@
+"""`ocean-sim doctor`: what this machine can do; whatever may crash is tried in a child process."""
+
+import json
+import os
+import platform
+import subprocess
+import sys
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+from ocean_sim.verbs import console
+from ocean_sim.verbs.check import cores, machine_memory
+
+PACKAGES = ("ocean-sim", "taichi", "numpy", "pydantic", "pyvista", "vtk", "h5py", "imageio-ffmpeg")
+BACKENDS = ("cpu", "cuda", "vulkan", "metal")
+BACKEND = """
+from ocean_sim.runtime import RuntimeConfig, cache_directory, start
+start(RuntimeConfig(arch={arch!r}))
+print(cache_directory())
+"""
+WINDOW = """
+import taichi as ti
+from ocean_sim.runtime import RuntimeConfig, start
+start(RuntimeConfig(arch="cpu"))
+ti.ui.Window("probe", (32, 32), show_window=False)
+"""
+FILM = """
+import subprocess
+from imageio_ffmpeg import get_ffmpeg_exe
+print(subprocess.run([get_ffmpeg_exe(), "-version"], check=True, capture_output=True, text=True).stdout.split("\\n")[0])
+"""
+PATIENCE = 90.0  # [s] for one probe
+
+
+def doctor(as_json: bool) -> None:
+    """Look, and tell; what is missing is no error."""
+    found = examined()
+    if as_json:
+        console.answer(found)
+        return
+    backends = [[f"backend {name}", *_row(fact)] for name, fact in found["backends"].items()]
+    others = [
+        [name, *_row(found[key])] for name, key in (("preview", "ggui"), ("pictures", "opengl"), ("film", "video"))
+    ]
+    versions = " ".join(f"{name} {number}" for name, number in found["versions"].items())
+    machine = [
+        ["machine", "", f"{found['machine']}, {found['cores']} cores, {found['memory_gb']:.1f} GB of memory"],
+        ["python", "", f"{found['python']} ({found['executable']})"],
+        ["packages", "", versions],
+        ["cache", "", found["cache"] or "unknown"],
+    ]
+    console.table("", ["", "", ""], [*backends, *others, *machine])
+
+
+def _row(fact: dict[str, Any]) -> list[str]:
+    return ["yes" if fact["ok"] else "no", fact["detail"]]
+
+
+def examined() -> dict[str, Any]:
+    """Everything that `doctor` answers."""
+    backends = {arch: probed(BACKEND.format(arch=arch)) for arch in BACKENDS}
+    cache = backends["cpu"]["detail"] if backends["cpu"]["ok"] else None
+    for fact in backends.values():
+        fact["detail"] = "" if fact["ok"] else fact["detail"]
+    return {
+        "backends": backends,
+        "ggui": probed(WINDOW),
+        "opengl": opengl(),
+        "video": probed(FILM),
+        "machine": f"{platform.system()} {platform.machine()}",
+        "cores": cores(),
+        "memory_gb": machine_memory() / 1e9,
+        "python": platform.python_version(),
+        "executable": sys.executable,
+        "versions": {name: number for name in PACKAGES if (number := installed(name)) is not None},
+        "cache": cache,
+    }
+
+
+def probed(script: str) -> dict[str, Any]:
+    """Whether a script ends well in a child process, and the last thing it said."""
+    try:
+        child = subprocess.run(
+            [sys.executable, "-c", script],
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE,
+            check=False,
+            env=os.environ | {"ENABLE_TAICHI_HEADER_PRINT": "False"},
+        )
+    except subprocess.TimeoutExpired:
+        return {"ok": False, "detail": f"no answer within {PATIENCE:.0f} s"}
+    if child.returncode < 0:
+        return {"ok": False, "detail": f"the process that tried it died (signal {-child.returncode})"}
+    said = (child.stdout if child.returncode == 0 else child.stderr).strip().splitlines()
+    last = said[-1] if said else ""
+    if "libX11" in last:
+        last = "Taichi needs the system library libX11: as root, apt-get install libx11-6"
+    return {"ok": child.returncode == 0, "detail": last.removeprefix("ocean_sim.runtime.BackendMissing: ")}
+
+
+def opengl() -> dict[str, Any]:
+    """Whether pictures can be drawn without a screen."""
+    script = "from ocean_sim.observers._opengl import probe, window; print(json.dumps([probe(), window()]))"
+    fact = probed(f"import json; {script}")
+    if not fact["ok"]:
+        return fact
+    problem, window = json.loads(fact["detail"])
+    return {"ok": problem is None, "detail": problem or window}
+
+
+def installed(name: str) -> str | None:
+    """The version of an installed package."""
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return None

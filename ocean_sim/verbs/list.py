@@ -1,0 +1,60 @@
+"""`ocean-sim list`: what there is to choose from, each with one sentence; no kind is imported for it."""
+
+import ast
+from pathlib import Path
+
+from ocean_sim.parts import PACKAGE, SLOTS, kinds, library, named
+from ocean_sim.translation import choice_sentence
+from ocean_sim.verbs import console
+from ocean_sim.yaml_file import read
+
+SECTIONS = ("scenes", *SLOTS, "observers", "profiles")
+
+
+def list_choices(section: str | None, as_json: bool) -> None:
+    """Every section, or one of them."""
+    if section is not None and section not in SECTIONS:
+        raise console.Refused(f"there is nothing called {section!r} to list{choice_sentence(section, SECTIONS)[0]}")
+    rows = [row for name in ([section] if section else SECTIONS) for row in entries(name)]
+    if as_json:
+        console.answer(rows)
+        return
+    for name in dict.fromkeys(row["slot"] for row in rows):
+        shown = [[row["name"], row["what"], row["sentence"]] for row in rows if row["slot"] == name]
+        console.table(f"\n{name}", ["name", "", ""], shown)
+
+
+def entries(section: str) -> list[dict[str, str]]:
+    """Name, what it is and a sentence, for everything in a section."""
+    if section == "scenes":
+        folder = library("scenes")
+        return [
+            row(section, path.relative_to(folder).with_suffix("").as_posix(), "scene", of_file(path))
+            for path in sorted(folder.rglob("*.yaml"))
+        ]
+    if section == "profiles":
+        folder = library("configs") / "run"
+        return [row(section, name, "profile", of_file(folder / f"{name}.yaml")) for name in named("run")]
+    parts = [
+        row(section, name, "part", of_file(library("configs") / section / f"{name}.yaml")) for name in named(section)
+    ]
+    what = "observer" if section == "observers" else "kind"
+    return parts + [row(section, name, what, of_module(PACKAGE / section / f"{name}.py")) for name in kinds(section)]
+
+
+def row(section: str, name: str, what: str, sentence: str) -> dict[str, str]:
+    return {"slot": section, "name": name, "what": what, "sentence": sentence}
+
+
+def of_module(path: Path) -> str:
+    """The first line of a module's docstring."""
+    return (ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or "").split("\n")[0]
+
+
+def of_file(path: Path) -> str:
+    """The title in a file, or else its first comment line."""
+    title = read(path).data.get("title")
+    if title is not None and isinstance(title.data, str):
+        return title.data
+    comments = [line for line in path.read_text(encoding="utf-8").splitlines() if line.startswith("# ")]
+    return next((line[2:] for line in comments if "yaml-language-server" not in line), "")

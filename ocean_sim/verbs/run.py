@@ -1,0 +1,121 @@
+"""`ocean-sim run`: preflight, progress, summary."""
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+from ocean_sim.scene import SceneConfig, load, scene_path
+from ocean_sim.scene import run as run_scene
+from ocean_sim.verbs import console
+from ocean_sim.verbs.check import preflight, short
+from ocean_sim.verbs.progress import Progress
+from ocean_sim.yaml_file import Node, Place, node_of
+
+WRITTEN = ("manifest.json", "*.csv", "events.jsonl", "checkpoint_*.h5", "preview.png", "film.mp4", "report.html")
+
+
+def run(
+    scene: str,
+    profile: str | None,
+    sets: list[str],
+    out: Path | None,
+    until: float | None,
+    overwrite: bool,
+    as_json: bool,
+) -> None:
+    """Simulate a scene and write its run folder."""
+    overrides = console.settings(sets)
+    if until is not None:
+        overrides["duration"] = until_node(until)
+    config = load(scene, overrides, profile)
+    folder = run_folder(scene_path(scene).stem, out, overwrite)
+    progress = Progress(config.duration, as_json)
+    if not as_json:
+        console.say(short(preflight(config), config))
+        console.say(f"writing {folder}")
+        console.say(kernels())
+    try:
+        result = run_scene(config, folder, (progress,))
+    except KeyboardInterrupt:
+        progress.close()
+        raise console.Stopped(f"stopped at t = {progress.time:.3f} s; {folder} holds what was written") from None
+    facts = progress.summary() | written(result, config)
+    if as_json:
+        console.answer(facts)
+    else:
+        console.say(summary(facts))
+
+
+def until_node(until: float) -> Node:
+    """`--until` as it lies over the scene's duration."""
+    return node_of(until, Place(f"--until {until:g}"))
+
+
+def run_folder(stem: str, out: Path | None, overwrite: bool) -> Path:
+    """Where a run is written: never over another one, unless that is asked for."""
+    if out is None:
+        k, folder = 1, Path("runs") / stem
+        while (folder / "manifest.json").exists():
+            k += 1
+            folder = Path("runs") / f"{stem}-{k}"
+        return folder
+    if out.exists() and not out.is_dir():
+        raise console.Refused(f"--out {out}: this is a file, not a folder")
+    if (out / "manifest.json").exists():
+        if not overwrite:
+            raise console.Refused(f"--out {out}: a run lies here already; name another folder, or say --overwrite")
+        clear(out)
+    return out
+
+
+def clear(folder: Path) -> None:
+    """Takes away what a run writes, and nothing else."""
+    shutil.rmtree(folder / "frames", ignore_errors=True)
+    for pattern in WRITTEN:
+        for file in folder.glob(pattern):
+            file.unlink()
+
+
+def kernels() -> str:
+    """What comes before the first step."""
+    from ocean_sim.runtime import cache_directory
+
+    cache = cache_directory() / "kernels"
+    if cache.is_dir() and any(cache.rglob("*.tic")):
+        return "loading kernels"
+    return f"compiling kernels (a first run; they are kept in {cache})"
+
+
+def written(result: Any, config: SceneConfig) -> dict[str, Any]:
+    """What the files of a run say, and which there are."""
+    accuracy = result.accuracy if "accuracy" in config.observers else {}
+    compression = next((column for name, column in accuracy.items() if name.startswith("compression")), None)
+    return {
+        "worst_compression": float(compression.max()) if compression is not None and len(compression) else None,
+        "events": [
+            event for event in result.events if event.get("event") not in ("start", "limit", "end", "stop", "done")
+        ],
+        "folder": str(result.folder),
+        "files": sorted(path.name + ("/" if path.is_dir() else "") for path in result.folder.iterdir()),
+        "notes": config.notes,
+    }
+
+
+def summary(facts: dict[str, Any]) -> str:
+    """The last lines of a run, for people."""
+    lines = [
+        f"{facts['particles']} particles, {facts['steps']} steps, {facts['simulated_s']:.3g} s simulated in "
+        f"{console.duration(facts['wall_s'])}, start included; {facts['real_time_factor']:.2g} x real time after the start",
+        f"time step limited by {', '.join(f'{name} {share:.0%}' for name, share in facts['limited_by'].items())}",
+    ]
+    if facts["worst_compression"] is not None:
+        lines.append(f"worst mean compression {facts['worst_compression']:.2%}")
+    lines += [f"event at t = {e.get('time_s', 0.0):.3f} s: {_told(e)}" for e in facts["events"][:5]]
+    if len(facts["events"]) > 5:
+        lines.append(f"... and {len(facts['events']) - 5} more events in events.jsonl")
+    return "\n".join([*lines, f"{facts['folder']}: {' '.join(facts['files'])}"])
+
+
+def _told(event: dict[str, Any]) -> str:
+    rest = [f"{key} {value}" for key, value in event.items() if key not in ("time_s", "step", "event")]
+    return f"{event.get('event')} ({', '.join(rest)})" if rest else str(event.get("event"))

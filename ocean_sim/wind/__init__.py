@@ -1,0 +1,16 @@
+"""Moving air: every module of this folder without a leading underscore is a kind a scene may name."""
+
+from typing import Protocol
+
+
+class Wind(Protocol):
+    """Moving air. `force` is callable from a Taichi kernel."""
+
+    needs_area: bool  # whether `force` reads `area`: the fluid then finds the exposed area of its particles
+
+    def advance(self, dt: float) -> None: ...
+
+    def force(self, key, position, velocity, area, mass):
+        """ti.func -> vec3 [N]. `key`: particle or voxel number; `area`: exposed area times outward normal [m2],
+        zero inside the water; `mass` [kg]."""
+        ...

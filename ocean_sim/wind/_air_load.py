@@ -1,0 +1,39 @@
+"""Load of moving air on a piece of surface: the thesis's (2.20) to (2.23).
+
+(2.20) is a stress, rho C_d U^2 with C_d of the sea surface (Wu 1982, J. Geophys. Res. 87), without the half of (2.22).
+The coefficient was measured in that form, so drag has no half here; lift, whose coefficient is ours, keeps it.
+Wind is taken relative to the surface, where section 2.3 takes wind speed alone.
+"""
+
+import taichi as ti
+import taichi.math as tm
+
+from ocean_sim.conventions import AIR_DENSITY
+
+
+def drag_coefficient(u10):
+    """Drag coefficient of the sea surface at 10 m wind speed u10 [m/s] (2.21); its branches meet at 7.5 m/s."""
+    return max(1.2875e-3, (0.8 + 0.065 * u10) * 1e-3)
+
+
+def stress(u10: float) -> float:
+    """Stress of the wind on the sea surface [Pa] (2.20)."""
+    return AIR_DENSITY * drag_coefficient(u10) * u10**2
+
+
+C_d = ti.func(drag_coefficient)
+
+
+@ti.func
+def drag(wind, area):
+    """Drag [N] on `area` [m2] of the wind relative to it [m/s], downwind: (2.22) with the stress (2.20)."""
+    u = wind.norm()
+    return AIR_DENSITY * C_d(u) * u * area * wind
+
+
+@ti.func
+def lift(wind, area, coefficient):
+    """Lift [N]: across the wind and upwards, wind x (horizontal vector across it), (2.23) with a plus sign."""
+    across = tm.vec3(wind.z, 0.0, -wind.x)
+    horizontal = ti.max(across.norm(), 1e-12)  # in a vertical wind there is no lift
+    return 0.5 * AIR_DENSITY * coefficient * area * wind.norm() * wind.cross(across) / horizontal

@@ -1,0 +1,224 @@
+"""Wind as volumes of moving air (thesis 2.3 and 5.1.2, Algorithm 1).
+
+What a volume does: `acceleration` and `noise` are the listing's force field, as strong on every particle inside, deep
+or shallow: stylised, some hundred thousand times a real wind. `wind_speed` is apart from them: the stress (2.20) and
+the lift (2.23) on exposed surface. Volumes add up.
+"""
+
+from math import atan2, cos, hypot, inf, radians, sin
+from typing import Annotated, Any, Literal
+
+import numpy as np
+import taichi as ti
+import taichi.math as tm
+from pydantic import Field
+
+from ocean_sim.basin import Basin
+from ocean_sim.parts import LedgerRow, PartConfig, Vector2, Vector3, quantity
+from ocean_sim.random_numbers import numpy_uniform3, uniform3
+from ocean_sim.wind._air_load import drag, lift
+from ocean_sim.wind._passages import Passages
+from ocean_sim.wind._volumes import Shape, turned, turned_back, within
+from ocean_sim.wind._warnings import kick, stylised
+from ocean_sim.wind.still import Still
+
+NOISE, PASSAGES = 0x1_0000, 0x2_0000  # streams of random numbers; the volume's number is added
+
+# Columns of a volume's row; after them come its shapes, whose columns count from where the shape begins.
+ORIGIN, VELOCITY, ACCELERATION, STRENGTH_OF_NOISE, WIND = 0, 3, 6, 9, 12
+ELAPSED, LIFT, COSINE, SINE, SHAPES = 15, 16, 17, 18, 19
+CENTRE, HALF, RADIUS, SHAPE_COSINE, SHAPE_SINE, SIGN, WIDTH = 0, 3, 6, 7, 8, 9, 10
+
+NotNegative = Annotated[float, Field(ge=0.0)]
+Noise = Annotated[tuple[NotNegative, NotNegative, NotNegative], Field(strict=False)]
+
+
+class Volume(PartConfig):
+    """One volume of moving air: all included shapes less all excluded ones."""
+
+    include: list[Shape] = Field(min_length=1)
+    """Shapes it is made of; the centre of the first is the centre of the volume."""
+    exclude: list[Shape] = []
+    """Shapes cut out of it."""
+    acceleration: Vector3 = quantity("m/s2", (0.0, 0.0, 0.0))
+    """Acceleration of everything inside."""
+    noise: Noise = quantity("m/s2", (0.0, 0.0, 0.0))
+    """Random acceleration along each axis, uniform between minus and plus this (2.24)."""
+    wind_speed: float = quantity("m/s", 0.0, ge=0.0)
+    """Wind 10 m above the water, for drag and lift on exposed surface; apart from `acceleration`."""
+    lift_coefficient: float = quantity("1", 1.0e-3)
+    """C_L of (2.23); the thesis prints none, this is ours: of the size of C_d."""
+    heading_deg: float | None = quantity("deg", None)
+    """Where the wind goes to, 0 along +z, 90 along +x; none: where `acceleration` points."""
+    drift: float | Vector3 = quantity("m/s", 0.0)
+    """Velocity of the volume; a number is a speed along its heading."""
+    redraw_yaw_deg: Vector2 | None = quantity("deg", None)
+    """Least and greatest yaw of its first shape in later passages; everything turns along. None: it never turns."""
+    redraw_strength: Vector2 = quantity("1", (1.0, 1.0))
+    """Least and greatest factor on `acceleration` and `wind_speed` in later passages."""
+
+    @property
+    def ahead(self) -> Vector3:
+        """Unit vector where the wind goes to."""
+        heading = self.heading_deg
+        angle = atan2(self.acceleration[0], self.acceleration[2]) if heading is None else radians(heading)
+        return sin(angle), 0.0, cos(angle)
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """`drift` as a vector [m/s]."""
+        return np.multiply(self.drift, self.ahead) if isinstance(self.drift, (int, float)) else np.array(self.drift)
+
+    @property
+    def passing_time(self) -> float:
+        """How long a point on its path lies inside [s]; infinite where it does not drift."""
+        speed = float(np.linalg.norm(self.velocity))
+        return self.include[0].core.chord(self.velocity / speed) / speed if speed else inf
+
+    def redrawn(self, seed: int, number: int, passage: int) -> tuple[float, float]:
+        """Turn [rad] and strength of volume `number` in a later passage, from the seed."""
+        side, force, _ = numpy_uniform3(seed, PASSAGES + number, 0, passage)[0]
+        given = self.include[0].core.yaw
+        low, high = (radians(a) for a in self.redraw_yaw_deg) if self.redraw_yaw_deg else (given, given)
+        weak, strong = self.redraw_strength
+        return (low + high + side * (high - low)) / 2 - given, (weak + strong + force * (strong - weak)) / 2
+
+    def passages(self, basin: Basin, seed: int, number: int) -> Passages:
+        """The way of volume `number` across the basin."""
+        first, speed = self.include[0].core, float(np.linalg.norm(self.velocity))
+        rear = first.reach(self.velocity / speed) if speed else 0.0
+        return Passages(first.centre, self.velocity, rear, basin, lambda passage: self.redrawn(seed, number, passage))
+
+
+class Config(PartConfig):
+    """Volumes of moving air, drifting across the basin."""
+
+    kind: Literal["gusts"] = "gusts"
+    volumes: list[Volume] = Field(min_length=1)
+    """The volumes; their effects add up."""
+    targets: list[Literal["fluid", "ship"]] = ["fluid", "ship"]
+    """What the wind acts on."""
+    noise_every: float = quantity("s", 1.0 / 60.0, ge=0.0)
+    """How long a draw of the noise lasts, so that it stirs the water alike whatever our step; 0: a new draw each step,
+    as printed. The default, ours, is PhysX's usual step."""
+
+    @property
+    def stylised(self) -> bool:
+        """Whether a force field acts that is no physical stress."""
+        return any(any(v.acceleration) or any(v.noise) for v in self.volumes)
+
+    def build(self, basin: Basin, seed: int) -> "Gusts":
+        return Gusts(self, basin, seed)
+
+    def ledger(self, basin: Basin, word: int = 8) -> list[LedgerRow]:
+        n, row = len(self.volumes), SHAPES + WIDTH * most_shapes(self.volumes)
+        return [LedgerRow("wind", "moving volumes of air", word * n * row + 4, f"{n} in wind.volumes")]
+
+    def warnings(self, scene: Any) -> list[str]:
+        sentences = []
+        for g, volume in enumerate(self.volumes):
+            name, size = f"wind.volumes[{g}]", hypot(*volume.acceleration, *volume.noise)
+            sentences += [stylised(name, size, scene)] if size > 0.0 else []
+            sentences += kick(name, volume.acceleration, volume.passing_time, scene) if any(volume.acceleration) else []
+        return sentences
+
+
+def most_shapes(volumes: list[Volume]) -> int:
+    """Shapes of the volume that has most of them."""
+    return max(len(v.include) + len(v.exclude) for v in volumes)
+
+
+@ti.data_oriented
+class Gusts:
+    """Volumes on their way, and the load of their air."""
+
+    def __init__(self, config: Config, basin: Basin, seed: int) -> None:
+        self.volumes, self.noise_every = config.volumes, config.noise_every
+        self.seed, self.targets = seed, tuple(config.targets)
+        self.needs_area = any(v.wind_speed > 0.0 for v in self.volumes)
+        self.noisy = any(any(v.noise) for v in self.volumes)
+        self.passages = [v.passages(basin, seed, g) for g, v in enumerate(self.volumes)]
+        self.n, self.shapes = len(self.volumes), most_shapes(self.volumes)
+        # One field, so that Python writes single numbers through one compiled writer, a few microseconds each.
+        self.row = ti.field(float, shape=(self.n, SHAPES + WIDTH * self.shapes))
+        self.draw = ti.field(int, shape=())  # number of the draw of the noise
+        self.time, self.steps, self.drawn = 0.0, 0, 0
+        for g, volume in enumerate(self.volumes):
+            self._write_shapes(g, volume)
+            self._write_passage(g)
+
+    def on(self, target: Literal["fluid", "ship"]) -> "Gusts | Still":
+        """The wind that a target feels: this, or still air where it is none of `targets`."""
+        return self if target in self.targets else Still()
+
+    def advance(self, dt: float) -> None:
+        """Algorithm 1 for every volume, and a new draw of the noise when it is due."""
+        for g, passage in enumerate(self.passages):
+            before = passage.number
+            passage.advance(dt)
+            if passage.number != before:
+                self._write_passage(g)
+            elif passage.speed:
+                self.row[g, ELAPSED] = passage.elapsed
+        draw = int(self.time / self.noise_every + 1e-6) & 0x7FFFFFFF if self.noise_every else self.steps
+        if self.noisy and draw != self.drawn:
+            self.draw[None] = self.drawn = draw
+        self.time += dt
+        self.steps += 1
+
+    def _write(self, g: int, column: int, *numbers: float) -> None:
+        for k, number in enumerate(numbers):
+            self.row[g, column + k] = float(number)
+
+    def _write_shapes(self, g: int, volume: Volume) -> None:
+        signs = [1.0] * len(volume.include) + [-1.0] * len(volume.exclude)
+        for s, (shape, sign) in enumerate(zip(volume.include + volume.exclude, signs)):
+            c, origin = shape.core, volume.include[0].core.centre
+            numbers = (*(c.centre - origin), *c.half, c.radius, cos(c.yaw), sin(c.yaw), sign)
+            self._write(g, SHAPES + WIDTH * s, *numbers)
+
+    def _write_passage(self, g: int) -> None:
+        p, volume = self.passages[g], self.volumes[g]
+        acceleration = p.strength * turned(volume.acceleration, p.turn)
+        wind = p.strength * volume.wind_speed * turned(volume.ahead, p.turn)
+        numbers = (*p.origin, *p.velocity, *acceleration, *volume.noise, *wind)
+        self._write(g, ORIGIN, *numbers, p.elapsed, volume.lift_coefficient, cos(p.turn), sin(p.turn))
+
+    @ti.func
+    def force(self, key, position, velocity, area, mass):
+        """(2.26), summed over the volumes that hold the position [N]."""
+        total = tm.vec3(0.0)
+        for g in range(self.n):
+            if self.holds(g, position):
+                total += mass * self.vector(g, ACCELERATION)
+                if ti.static(self.noisy):
+                    noise = uniform3(self.seed, NOISE + g, key, self.draw[None])
+                    total += mass * self.vector(g, STRENGTH_OF_NOISE) * noise
+                if ti.static(self.needs_area):
+                    wind = self.vector(g, WIND)
+                    if wind.dot(wind) > 0.0:
+                        total += self.load(g, wind - velocity, area.norm())
+        return total
+
+    @ti.func
+    def load(self, g, wind, area):
+        """Drag and lift of volume g on an exposed area [m2], the wind relative to it [N]."""
+        return drag(wind, area) + lift(wind, area, self.row[g, LIFT])
+
+    @ti.func
+    def holds(self, g, position):
+        """Whether the position lies in an included shape of volume g and in no excluded one."""
+        centre = self.vector(g, ORIGIN) + self.row[g, ELAPSED] * self.vector(g, VELOCITY)
+        x = turned_back(position - centre, self.row[g, COSINE], self.row[g, SINE])
+        included, excluded = False, False
+        for s in range(self.shapes):
+            k = SHAPES + WIDTH * s
+            own = turned_back(x - self.vector(g, k), self.row[g, k + SHAPE_COSINE], self.row[g, k + SHAPE_SINE])
+            if within(own, self.vector(g, k + HALF), self.row[g, k + RADIUS]):
+                included |= self.row[g, k + SIGN] > 0.0
+                excluded |= self.row[g, k + SIGN] < 0.0
+        return included and not excluded
+
+    @ti.func
+    def vector(self, g, column):
+        return tm.vec3(self.row[g, column], self.row[g, column + 1], self.row[g, column + 2])

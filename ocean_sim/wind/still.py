@@ -1,0 +1,36 @@
+"""No wind: its term compiles to nothing."""
+
+from typing import ClassVar, Literal
+
+import taichi as ti
+import taichi.math as tm
+
+from ocean_sim.basin import Basin
+from ocean_sim.parts import PartConfig
+
+
+class Config(PartConfig):
+    """Air at rest that does nothing."""
+
+    kind: Literal["still"] = "still"
+
+    def build(self, basin: Basin, seed: int) -> "Still":
+        return Still()
+
+
+@ti.data_oriented
+class Still:
+    """Air at rest."""
+
+    needs_area: ClassVar[bool] = False
+
+    def on(self, target: str) -> "Still":
+        """The wind that a target feels."""
+        return self
+
+    def advance(self, dt: float) -> None:
+        pass
+
+    @ti.func
+    def force(self, key, position, velocity, area, mass):
+        return tm.vec3(0.0)

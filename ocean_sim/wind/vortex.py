@@ -1,0 +1,103 @@
+"""A rotating column of air (thesis figure 6-3 d, which gives no numbers: all are ours).
+
+A stylised force field, as in `gusts`: the acceleration turns about a vertical axis with the profile of a Rankine
+vortex, growing like r in the core and falling like 1/r outside, and fades from the still surface downwards in a layer.
+"""
+
+from math import hypot, inf, pi
+from typing import Any, Literal
+
+import taichi as ti
+import taichi.math as tm
+
+from ocean_sim.basin import Basin
+from ocean_sim.parts import LedgerRow, PartConfig, Vector2, quantity
+from ocean_sim.wind._passages import Passages
+from ocean_sim.wind._warnings import kick, stylised
+from ocean_sim.wind.still import Still
+
+
+class Config(PartConfig):
+    """A column of air that turns about the vertical."""
+
+    kind: Literal["vortex"] = "vortex"
+    centre: Vector2 = quantity("m", (0.0, 0.0))
+    """x and z of the axis at the beginning."""
+    core_radius: float = quantity("m", 6.0, gt=0.0)
+    """Where the acceleration is greatest."""
+    acceleration: float = quantity("m/s2", 1.0)
+    """Greatest acceleration around the axis; positive turns from +z to +x, by the right hand about +y."""
+    inward: float = quantity("m/s2", 0.0)
+    """Greatest acceleration towards the axis, with the same profile."""
+    upward: float = quantity("m/s2", 0.0)
+    """Greatest acceleration upwards, with the same profile."""
+    layer: float = quantity("m", 2.5, gt=0.0)
+    """Depth at which the water no longer feels it."""
+    drift: Vector2 = quantity("m/s", (0.0, 0.0))
+    """Velocity of the axis along x and z; at the border it comes in again upwind."""
+    targets: list[Literal["fluid", "ship"]] = ["fluid", "ship"]
+    """What the wind acts on."""
+
+    @property
+    def stylised(self) -> bool:
+        """A force field, no physical stress."""
+        return True
+
+    def circulation(self, radius: float) -> float:
+        """Integral of the acceleration at the still surface along a circle about the axis [m2/s2]."""
+        return 2.0 * pi * self.acceleration * min(radius**2 / self.core_radius, self.core_radius)
+
+    def build(self, basin: Basin, seed: int) -> "Vortex":
+        return Vortex(self, basin)
+
+    def problems(self, basin: Basin) -> list[tuple[tuple[str | int, ...], str]]:
+        """What is wrong in this basin: (path below `wind`, sentence)."""
+        sentence = "a vortex turns about the vertical: give the basin a width"
+        return [(("kind",), sentence)] if basin.dimension == 2 else []
+
+    def ledger(self, basin: Basin, word: int = 8) -> list[LedgerRow]:
+        return [LedgerRow("wind", "axis of the vortex", 2 * word, "wind.kind is vortex")]
+
+    def warnings(self, scene: Any) -> list[str]:
+        speed = hypot(*self.drift)
+        acceleration = (self.acceleration, self.upward, self.inward)
+        passing = 2.0 * self.core_radius / speed if speed else inf
+        return [stylised("wind", hypot(*acceleration), scene), *kick("wind", acceleration, passing, scene)]
+
+
+@ti.data_oriented
+class Vortex:
+    """The column on its way."""
+
+    needs_area = False
+
+    def __init__(self, config: Config, basin: Basin) -> None:
+        self.config, self.targets = config, tuple(config.targets)
+        x, z = config.centre
+        self.passage = Passages((x, 0.0, z), (config.drift[0], 0.0, config.drift[1]), config.core_radius, basin)
+        self.axis = ti.field(float, shape=2)  # x and z [m]
+        self._write_axis()
+
+    def on(self, target: Literal["fluid", "ship"]) -> "Vortex | Still":
+        """The wind that a target feels: this, or still air where it is none of `targets`."""
+        return self if target in self.targets else Still()
+
+    def advance(self, dt: float) -> None:
+        """Algorithm 1."""
+        self.passage.advance(dt)
+        if self.passage.speed:
+            self._write_axis()
+
+    def _write_axis(self) -> None:
+        self.axis[0], _, self.axis[1] = self.passage.centre
+
+    @ti.func
+    def force(self, key, position, velocity, area, mass):
+        """Mass times acceleration around, towards and along the axis [N]."""
+        arm = tm.vec3(position.x - self.axis[0], 0.0, position.z - self.axis[1])
+        r2, core = arm.dot(arm), ti.static(self.config.core_radius)
+        around, towards = tm.vec3(arm.z, 0.0, -arm.x), -arm
+        profile = core / ti.max(r2, core * core)  # times r: r / core inside, core / r outside
+        depth = tm.clamp(1.0 + position.y / self.config.layer, 0.0, 1.0)
+        level = self.config.acceleration * around + self.config.inward * towards
+        return mass * depth * profile * (level + tm.vec3(0.0, self.config.upward * ti.sqrt(r2), 0.0))

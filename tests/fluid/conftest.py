@@ -1,0 +1,46 @@
+"""Water to test: built from numbers, under a wind, without a scene."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ocean_sim.basin import Config as BasinConfig
+from ocean_sim.parts import config_of
+from ocean_sim.wind.still import Config as Still
+
+
+@pytest.fixture(scope="module")
+def water(taichi_cpu) -> Callable[..., Any]:
+    """Builds a fluid: `water(kind, basin={...}, wind=..., ledger=..., **keys of the fluid)`."""
+
+    def build(kind: str = "mueller", *, basin: dict | None = None, wind: Any = None, ledger: bool = False, **keys: Any):
+        place = BasinConfig(**({"length": 1.0, "width": 1.0, "depth": 0.5} | (basin or {}))).build()
+        air = (wind or Still()).build(place, 7)
+        fluid = config_of("fluid", kind)(**(keys if "particles" in keys else {"spacing": 0.1} | keys)).build(place, 7, ledger=ledger, wind=air)
+        fluid.wind = air
+        return fluid
+
+    return build
+
+
+def box(*count: int, spacing: float = 0.1) -> dict:
+    """Keys for exactly so many particles along x, y and z, in a box at the bed's corner of the usual basin."""
+    low = np.array([-0.5, -0.5, -0.5])
+    return {"spacing": spacing, "fill": [{"min": list(low), "max": list(low + np.array(count) * spacing)}]}
+
+
+def put(fluid: Any, position: np.ndarray, velocity: np.ndarray | None = None) -> None:
+    """Place the particles, in the order of their ids, and sort them."""
+    fluid.particles.position.from_numpy(np.asarray(position, dtype=float))
+    fluid.particles.velocity.from_numpy(np.zeros_like(position) if velocity is None else np.asarray(velocity, dtype=float))
+    fluid.particles.id.from_numpy(np.arange(len(position), dtype=np.int32))
+    fluid.begin()
+
+
+def by_id(fluid: Any, values: np.ndarray) -> np.ndarray:
+    """Values in storage order put into the order of ids."""
+    ordered = np.empty_like(values)
+    ordered[fluid.particles.id.to_numpy()] = values
+    return ordered

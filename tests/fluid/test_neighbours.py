@@ -1,0 +1,120 @@
+"""The walk over neighbours equals brute force, wherever the particles are."""
+
+import numpy as np
+import pytest
+import taichi as ti
+
+from ocean_sim.conventions import Diverged
+from ocean_sim.fluid._grid import TASK
+from ocean_sim.fluid._ledger import GROUPS
+from tests.fluid.conftest import by_id, put
+
+
+@ti.data_oriented
+class Count:
+    """How many particles lie within the support, and the sum of their squared distances."""
+
+    sums = 2
+
+    def __init__(self, fluid) -> None:
+        self.reads = tuple(fluid.particles.position)
+        self.support = fluid.smoothing.support
+        self.count, self.squares = (ti.field(float, shape=fluid.particles.n) for _ in range(2))
+
+    @ti.func
+    def begin(self, group):
+        pass
+
+    @ti.func
+    def pair(self, own, other):
+        r2 = (own - other).dot(own - other)
+        near = ti.select(r2 < self.support * self.support, 1.0, 0.0)
+        return ti.Vector([near, near * r2])
+
+    @ti.func
+    def finish(self, i, own, total, group):
+        self.count[i], self.squares[i] = total[0], total[1]
+
+
+@ti.kernel
+def walk(neighbours: ti.template(), law: ti.template(), find: ti.template()):
+    for g in range(GROUPS * TASK):
+        if g % TASK == 0:
+            neighbours.walk(g // TASK, law, find)
+
+
+def brute_force(x: np.ndarray, support: float) -> tuple[np.ndarray, np.ndarray]:
+    r2 = ((x[:, None] - x[None]) ** 2).sum(axis=2)
+    near = r2 < support**2
+    return near.sum(axis=1), np.where(near, r2, 0.0).sum(axis=1)
+
+
+CLOUDS = {
+    "random": lambda rng, n: rng.uniform(-0.45, 0.45, (n, 3)) * [1.0, 0.5, 1.0],
+    "sparse, most cells empty": lambda rng, n: rng.uniform(-0.5, 0.5, (n, 3)) ** 3,
+    "all in one place": lambda rng, n: np.full((n, 3), 0.123),
+    "two in one place": lambda rng, n: np.repeat(rng.uniform(-0.45, 0.45, ((n + 1) // 2, 3)), 2, axis=0)[:n],
+    "on the borders of cells": lambda rng, n: rng.integers(-2, 3, (n, 3)) * 0.2,
+    "far outside the grid": lambda rng, n: rng.uniform(-0.45, 0.45, (n, 3)) + rng.integers(-1, 2, (n, 3)) * 3.0,
+}
+
+
+@pytest.fixture(scope="module")
+def clouds(water):
+    """One fluid a dimension, with its law, for all clouds: a new one would be compiled anew."""
+    made = {}
+    for dimension in (2, 3):
+        basin = {"length": 1.0, "depth": 0.5, "width": 1.0 if dimension == 3 else None}
+        fluid = water(basin=basin, particles=300)
+        made[dimension] = fluid, Count(fluid)
+    return made
+
+
+@pytest.mark.parametrize("cloud", CLOUDS)
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_walk_equals_brute_force(clouds, dimension, cloud):
+    fluid, law = clouds[dimension]
+    x = CLOUDS[cloud](np.random.default_rng(3), fluid.particles.n)
+    x[:, 2] *= dimension - 2
+    put(fluid, x)
+    for find in (True, False):
+        walk(fluid.neighbours, law, find)
+        count, squares = brute_force(x, fluid.smoothing.support)
+        np.testing.assert_array_equal(by_id(fluid, law.count.to_numpy()), count)
+        np.testing.assert_allclose(by_id(fluid, law.squares.to_numpy()), squares, atol=1e-12)
+
+
+def test_one_particle_is_its_only_neighbour(water):
+    fluid = water(particles=1)
+    law = Count(fluid)
+    walk(fluid.neighbours, law, True)
+    assert law.count.to_numpy() == [1.0]
+
+
+def test_the_sort_is_stable_and_loses_nobody(clouds):
+    fluid, _ = clouds[3]
+    n = fluid.particles.n
+    put(fluid, np.full((n, 3), 0.05))
+    np.testing.assert_array_equal(fluid.particles.id.to_numpy(), np.arange(n))
+    x = np.random.default_rng(4).uniform(-0.4, 0.4, (n, 3))
+    put(fluid, x)
+    np.testing.assert_array_equal(fluid.particles.position.to_numpy(), x[fluid.particles.id.to_numpy()])
+    assert sorted(fluid.particles.id.to_numpy()) == list(range(n))
+
+
+def test_a_crowd_that_overflows_the_lists_is_told(water):
+    fluid = water(spacing=0.05)
+    with pytest.raises(Diverged, match="neighbours than their lists hold"):
+        put(fluid, np.zeros((fluid.particles.n, 3)))
+        fluid.advance(1e-4)
+
+
+def test_sorting_in_chunks_gives_the_same_order(water):
+    """More particles than one thread sorts: compared with NumPy's stable sort by cell."""
+    fluid = water(basin={"length": 3.0, "width": 3.0, "depth": 1.0}, spacing=0.07)
+    assert fluid.grid.chunks > 1
+    x = np.random.default_rng(5).uniform(-1.4, 1.4, (fluid.particles.n, 3)) * [1.0, 0.6, 1.0]
+    put(fluid, x)
+    place = np.clip(np.floor((x - np.array(fluid.grid.basin.lower)) / fluid.grid.support).astype(int) + 1, 1, None)
+    cell = (place[:, 2] * fluid.grid.cells[1] + place[:, 1]) * fluid.grid.cells[0] + place[:, 0]
+    np.testing.assert_array_equal(fluid.particles.id.to_numpy(), np.argsort(cell, kind="stable"))

@@ -1,0 +1,118 @@
+"""Smoothing kernels: normalised, differentiated right, in two and three dimensions."""
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+import pytest
+import taichi as ti
+import taichi.math as tm
+
+from ocean_sim.fluid._smoothing import Smoothing
+
+SUPPORT = 0.7
+
+
+def tabulated(smoothing: Smoothing, r: np.ndarray) -> dict[str, np.ndarray]:
+    """Values of the kernels, and the radial part of the gradients, at distances r [m]."""
+    out = {name: np.empty_like(r) for name in ("poly6", "spiky", "viscosity", "grad_poly6", "grad_spiky", "laplacian")}
+
+    @ti.kernel
+    def fill(
+        r: ti.types.ndarray(), p: ti.types.ndarray(), s: ti.types.ndarray(), v: ti.types.ndarray(),
+        gp: ti.types.ndarray(), gs: ti.types.ndarray(), lap: ti.types.ndarray(),
+    ):  # fmt: skip
+        for k in range(r.shape[0]):
+            x = tm.vec3(0.0, r[k], 0.0)
+            p[k], s[k], v[k] = smoothing.W_poly6(r[k] ** 2), smoothing.W_spiky(r[k]), smoothing.W_viscosity(r[k])
+            gp[k], gs[k] = smoothing.grad_W_poly6(x, r[k] ** 2).y, smoothing.grad_W_spiky(x, r[k]).y
+            lap[k] = smoothing.laplacian_W_viscosity(r[k])
+
+    fill(r, *out.values())
+    return out
+
+
+def volume_integral(dimension: int, r: np.ndarray, W: np.ndarray) -> float:
+    """Of a radial function over all space, midpoint rule."""
+    shell = 2.0 * pi * r if dimension == 2 else 4.0 * pi * r**2
+    return float((W * shell).sum() * (r[1] - r[0]))
+
+
+def integrates_to_one(smoothing: Smoothing) -> None:
+    r = (np.arange(20_000) + 0.5) * SUPPORT * 1.2 / 20_000
+    values = tabulated(smoothing, r)
+    for name in ("poly6", "spiky", "viscosity"):
+        assert volume_integral(smoothing.dimension, r, values[name]) == pytest.approx(1.0, abs=1e-4), name
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_every_kernel_integrates_to_one(taichi_cpu, dimension):
+    integrates_to_one(Smoothing(dimension, SUPPORT))
+
+
+def test_a_wrong_constant_is_noticed(taichi_cpu):
+    """Negative control: the constants of three dimensions used in two."""
+
+    @ti.data_oriented
+    @dataclass(frozen=True, eq=False)
+    class Wrong(Smoothing):
+        @property
+        def poly6_constant(self) -> float:
+            return 315.0 / (64.0 * pi * self.support**9)
+
+    with pytest.raises(AssertionError):
+        integrates_to_one(Wrong(2, SUPPORT))
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_gradients_equal_finite_differences(taichi_cpu, dimension):
+    smoothing, d = Smoothing(dimension, SUPPORT), 1e-6
+    r = np.linspace(0.05, 0.95, 50) * SUPPORT
+    before, here, behind = (tabulated(smoothing, r + s) for s in (-d, 0.0, d))
+    for name in ("poly6", "spiky"):
+        slope = (behind[name] - before[name]) / (2.0 * d)
+        np.testing.assert_allclose(here["grad_" + name], slope, rtol=1e-5, atol=1e-5 * np.abs(slope).max())
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_laplacian_is_that_of_the_viscosity_kernel_and_never_negative(taichi_cpu, dimension):
+    smoothing, d = Smoothing(dimension, SUPPORT), 1e-4
+    r = np.linspace(0.1, 0.95, 50) * SUPPORT
+    before, here, behind = (tabulated(smoothing, r + s)["viscosity"] for s in (-d, 0.0, d))
+    laplacian = (behind - 2.0 * here + before) / d**2 + (dimension - 1) / r * (behind - before) / (2.0 * d)
+    stated = tabulated(smoothing, r)["laplacian"]
+    np.testing.assert_allclose(stated, laplacian, rtol=1e-4, atol=1e-4 * stated.max())
+    assert (tabulated(smoothing, np.linspace(0.0, 2.0, 500) * SUPPORT)["laplacian"] >= 0.0).all()
+
+
+def lattice(dimension: int, spacing: float, half: int) -> np.ndarray:
+    axis = np.arange(-half, half + 1) * spacing
+    grid = np.meshgrid(*[axis] * dimension, indexing="ij")
+    points = np.zeros((grid[0].size, 3))
+    points[:, :dimension] = np.stack([g.ravel() for g in grid], axis=1)
+    return points
+
+
+def interpolated(dimension: int, spacing: float, ratio: float, field) -> tuple[float, float]:
+    """(2.5) with poly6 at an uneven point of a lattice: the interpolated and the exact value."""
+    point = np.array([0.31, 0.17, 0.0 if dimension == 2 else 0.23]) * spacing
+    x = lattice(dimension, spacing, int(ratio) + 2)
+    W = tabulated(Smoothing(dimension, ratio * spacing), np.linalg.norm(x - point, axis=1))["poly6"]
+    return float((spacing**dimension * field(x) * W).sum()), float(field(point[None])[0])
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_constant_interpolates_to_itself(taichi_cpu, dimension):
+    for ratio in (2.0, 3.0, 4.0):
+        value, exact = interpolated(dimension, 0.1, ratio, lambda x: np.full(len(x), 3.0))
+        assert value == pytest.approx(exact, rel=0.02)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_error_of_interpolation_falls_with_the_square_of_the_support(taichi_cpu, dimension):
+    def smooth(x):
+        return np.cos(1.3 * x[:, 0]) * np.cos(0.7 * x[:, 1])
+
+    errors = [abs(np.subtract(*interpolated(dimension, spacing, 5.0, smooth))) for spacing in (0.16, 0.08, 0.04)]
+    orders = np.log2(np.divide(errors[:-1], errors[1:]))
+    assert (orders > 1.7).all(), orders

@@ -1,0 +1,100 @@
+import json
+
+import numpy as np
+import pytest
+
+from ocean_sim.conventions import Diverged
+from ocean_sim.observers import health
+
+
+def build(watched, folder=None, **config):
+    simulation = watched()
+    simulation.observers = [health.Config(**config).build(folder, simulation)]
+    return simulation, simulation.observers[0]
+
+
+def events(folder):
+    return [json.loads(line) for line in (folder / "events.jsonl").read_text().splitlines()]
+
+
+def test_a_quiet_run_has_a_quiet_diary(tmp_path, watched):
+    simulation, _ = build(watched, tmp_path)
+    simulation.run(until=1.0)
+    assert [event["event"] for event in events(tmp_path)] == ["start", "limit", "done"]
+    assert events(tmp_path)[-1]["time_s"] == 1.0
+
+
+def test_it_needs_no_folder(watched):
+    simulation, _ = build(watched)
+    simulation.run(until=0.1)
+
+
+def upset(simulation, what):
+    simulation.steps, simulation.time = 50, 0.5
+    particles, status = simulation.fluid.particles, simulation.fluid.status
+    if what == "nan":
+        particles.position.values[3], status.finite = np.nan, False
+    if what == "nan unseen by the fluid":
+        particles.velocity.values[3, 1] = np.nan
+    if what == "speed":
+        particles.velocity.values[5], status.max_speed = (0.0, 60.0, 0.0), 60.0
+    if what == "density":
+        particles.density.values[7], status.max_density = 1900.0, 1900.0
+    if what == "density is no number":
+        status.max_density = float("nan")
+    if what == "position":
+        particles.position.values[2] = (1.0e3, 0.0, 0.0)
+    if what == "infinite position":
+        particles.position.values[2] = (np.inf, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    "what, words",
+    [
+        ("nan", "stopped being a number for 1 of"),
+        ("nan unseen by the fluid", "stopped being a number for 1 of"),
+        ("speed", r"a particle reached 60 m/s \(bound 50 m/s\) at \("),
+        ("density", r"density reached 1900 kg/m\^3, 1.9 x the rest density \(bound 1.5\) at \("),
+        ("density is no number", "density reached nan"),
+        ("position", "1 particles left the basin, the farthest by 997 m"),
+        ("infinite position", "stopped being a number"),
+    ],
+)
+def test_what_is_not_physical_stops_the_run_with_a_sentence(watched, what, words):
+    simulation, observer = build(watched)
+    upset(simulation, what)
+    with pytest.raises(Diverged, match=words) as stop:
+        observer.observe(simulation)
+    assert "t = 0.5000 s, step 50" in str(stop.value) and "try" in str(stop.value)
+
+
+def test_a_fluid_without_pressure_has_no_density_bound(watched):
+    simulation, observer = build(watched)
+    simulation.fluid.sound_speed = 0.0
+    upset(simulation, "density")
+    observer.observe(simulation)
+
+
+def test_the_advice_follows_the_cause(tmp_path, watched):
+    simulation, observer = build(watched, tmp_path)
+    assert "courant_number" in observer.advice()
+    simulation.scene.time_step.kind, simulation.scene.time_step.dt = "fixed", 0.05
+    assert "below its acoustic limit (here 0.01 s)" in observer.advice()
+    simulation.fluid.sound_speed = 20.0**0.5
+    assert "stiffness 20 m^2/s^2 holds only 0.02 m of water" in observer.advice()
+    (tmp_path / "frames").mkdir()
+    (tmp_path / "frames" / "frame_00004.npz").touch()
+    assert observer.last_frame().endswith("frames/frame_00004.npz")
+
+
+def test_clipping_is_summed_up_not_repeated(tmp_path, watched):
+    simulation, observer = build(watched, tmp_path)
+    for step in range(1, 101):
+        simulation.time, simulation.steps, simulation.fluid.status.clipped = 0.01 * step, step, 2 * step
+        observer.observe(simulation)
+    simulation.outcome, simulation.reason = "stopped", "too hot"
+    observer.close()
+    told = [event for event in events(tmp_path) if event["event"] == "clipped"]
+    assert len(told) <= 3 and told[-1]["since_start"] == 200
+    assert sum(event["particles"] for event in told) == 200
+    assert events(tmp_path)[-1] == {"time_s": 1.0, "step": 100, "event": "stopped", "reason": "too hot"}

@@ -1,7 +1,6 @@
 """The command line `ocean-sim`: one thin function a verb; exit codes 0 done, 1 failed, 2 wrong input, 3 lacking."""
 
 import sys
-import traceback
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -154,9 +153,13 @@ def answered(arguments: list[str]) -> int:
     debug, as_json = "--debug" in arguments, "--json" in arguments
     try:
         code: Any = app([word for word in arguments if word != "--debug"], "ocean-sim", standalone_mode=False)
+        if code == 130:  # what typer makes of an interrupt
+            raise KeyboardInterrupt
         return code if isinstance(code, int) else 0
     except (Exception, KeyboardInterrupt) as error:
         if debug:
+            import traceback
+
             traceback.print_exc()
         return told(error, as_json)
 

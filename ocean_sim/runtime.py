@@ -14,6 +14,7 @@ from taichi.lang import impl
 from ocean_sim.parts import PartConfig, quantity
 
 BACKENDS = {"cpu": ti.cpu, "cuda": ti.cuda, "vulkan": ti.vulkan, "metal": ti.metal, "gpu": ti.gpu, "auto": ti.gpu}
+BASE_MEMORY = 300_000_000  # [bytes]
 GRAPHICS = {ti.cuda: "cuda", ti.vulkan: "vulkan", ti.metal: "metal", ti.opengl: "opengl", ti.gles: "gles"}
 
 
@@ -83,6 +84,11 @@ def start(config: RuntimeConfig) -> Backend:
         _pin(before)
     _started = (config, Backend(arch, threads if arch == "cpu" else 0, config.precision))
     return _started[1]
+
+
+def base_memory() -> int:
+    """Bytes that a run takes beside its fields: interpreter, libraries, compiler; measured on Linux, x86-64."""
+    return BASE_MEMORY
 
 
 def compiled_kernels() -> list[str]:

@@ -93,12 +93,15 @@ def load(
 
     Raises SceneError, which holds everything that is wrong at once.
     """
-    scene = node_of(source, Place("scene")) if isinstance(source, dict) else read(scene_path(source))
-    layer, problems = profile_layer(profile)
-    sets = {key: _override(key, value) for key, value in (overrides or {}).items()}
-    composition = composed(scene, layer, sets)
-    problems += composition.problems
-    config = _checked(composition, problems)
+    try:
+        scene = node_of(source, Place("scene")) if isinstance(source, dict) else read(scene_path(source))
+        layer, problems = profile_layer(profile)
+        sets = {key: _override(key, value) for key, value in (overrides or {}).items()}
+        composition = composed(scene, layer, sets)
+        problems += composition.problems
+        config = _checked(composition, problems)
+    except RecursionError:
+        raise SceneError([Problem("scene", None, None, "", "nested too deeply")]) from None
     if problems or config is None:
         raise SceneError(problems)
     return config

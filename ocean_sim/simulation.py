@@ -27,7 +27,8 @@ class Simulation:
         self.backend = runtime.start(scene.runtime)
         self.basin = scene.basin.build()
         self.wind = scene.wind.build(self.basin, scene.seed)
-        self.fluid = scene.fluid.build(self.basin, scene.seed, ledger="accuracy" in scene.observers, wind=self.wind)
+        accounts = "accuracy" in scene.observers  # whether the fluid sums the impulse of each term
+        self.fluid = scene.fluid.build(self.basin, scene.seed, ledger=accounts, wind=self.wind.on("fluid"))
         self.surface = scene.surface.build(self.basin, self.fluid) if scene.surface is not None else None
         self.ship = scene.ship.build(self.basin, self.fluid) if scene.ship is not None else None
         self.time_step = scene.time_step.build()
@@ -51,7 +52,7 @@ class Simulation:
                 self.surface.follow(self.fluid.particles, dt)  # Algorithms 3 and 5
         if self.ship is not None:
             with self.stage("ship"):
-                load = self.ship.load(self.wind, self.fluid, self.surface or self.fluid)  # (4.27)
+                load = self.ship.load(self.wind.on("ship"), self.fluid, self.surface or self.fluid)  # (4.27)
                 self.ship.advance(load, dt)  # (4.22) to (4.25)
         self.time += dt
         self.steps += 1

@@ -154,7 +154,9 @@ def _inside(types: list[Any], step: str | int, field: FieldInfo | None) -> tuple
 
 
 def _is_extra_item(found: _Found, all_found: list[_Found]) -> bool:
-    """A list that is too short is told once, not once for each entry that it lacks."""
+    """A list that is too short is told once, not once for each entry that it lacks; nor for entries that are wrong."""
+    if found.kind == "too_short" and len(found.node.data) >= found.context["min_length"]:
+        return True
     return _is_short(found) and any(_is_short(f) and f.node is found.node and f.path > found.path for f in all_found)
 
 
@@ -185,19 +187,23 @@ def _sentence(found: _Found, prefix: Path) -> Problem:
     key, place = dotted(prefix + found.path), found.node.place
     value, context, suggestion = described(found.node.plain()), found.context, None
     bound = next((name for name in BOUNDS if name in context), None)
-    if found.kind == "extra_forbidden":
+    if found.member == "[key]":
+        message, place = (
+            f"{found.path[-1]!r} is not a name: {found.message.replace('String should', 'it should')}",
+            found.node.key_place,
+        )
+    elif found.kind == "extra_forbidden":
         message, suggestion = choice_sentence(str(found.path[-1]), found.keys)
         message, place = f"unknown key{message}", found.node.key_place
     elif _is_short(found):
         key = dotted(prefix + found.path[:-1])
-        message = f"expected {int(found.path[-1]) + 1} entries, got {len(found.node.data)}"
+        message = f"expected {_entries(int(found.path[-1]) + 1)}, got {len(found.node.data)}"
     elif found.kind == "missing":
         message = "missing key"
     elif found.kind in ("too_long", "too_short") and isinstance(found.node.data, list | dict):
-        wanted, word = (context["max_length"], "most") if found.kind == "too_long" else (context["min_length"], "least")
-        message = f"expected at {word} {wanted} entries, got {len(found.node.data)}"
-        if context.get("field_type") == "Tuple":
-            message = f"expected {wanted} entries, got {len(found.node.data)}"
+        wanted = context["max_length"] if found.kind == "too_long" else context["min_length"]
+        word = "most" if found.kind == "too_long" else "least"
+        message = f"expected at {word} {_entries(wanted)}, got {len(found.node.data)}"
     elif bound is not None:
         message = f"{value} is not {BOUNDS[bound]} {_number(context[bound])}{_unit(found.field)}"
     elif found.kind == "finite_number":
@@ -219,9 +225,6 @@ def _sentence(found: _Found, prefix: Path) -> Problem:
         message = f"expected {SHAPES[found.kind]}, got {value}{_hint(found)}"
     elif found.kind in ("value_error", "assertion_error"):
         message = str(context.get("error", found.message))
-    elif found.kind == "string_pattern_mismatch":
-        message = f"{value} does not have the form {context['pattern']}"
-        place = found.node.key_place if "[key]" in found.member else place
     else:
         message = found.message.replace("Input should be", "this should be")
     return problem(place, key, message, suggestion)
@@ -233,6 +236,10 @@ def _hint(found: _Found) -> str:
     if found.kind == "float_type" and isinstance(text, str) and text.replace(",", "", 1).replace("-", "", 1).isdigit():
         return f"; did you mean {text.replace(',', '.')}?"
     return ""
+
+
+def _entries(count: int) -> str:
+    return "1 entry" if count == 1 else f"{count} entries"
 
 
 def _number(bound: Any) -> str:

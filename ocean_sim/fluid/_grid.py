@@ -6,8 +6,8 @@ cells: clamping never moves two cells further apart.
 """
 
 from dataclasses import dataclass
-from math import ceil
 
+import numpy as np
 import taichi as ti
 import taichi.math as tm
 
@@ -27,10 +27,16 @@ class GridSize:
     support: float  # [m]
 
     @property
+    def inner(self) -> list[tuple[int, float]]:
+        """Cells between the sides of the basin and their width [m], on each axis: whole cells, at least a support wide."""
+        extents = np.subtract(self.lattice.basin.upper, self.lattice.basin.lower)
+        counts = [max(1, int(extent / self.support + 1e-9)) for extent in extents]
+        return [(n, float(extent) / n or self.support) for n, extent in zip(counts, extents, strict=True)]
+
+    @property
     def cells(self) -> tuple[int, int, int]:
         """Cells along x, y, z with one empty cell of padding all round."""
-        low, up = self.lattice.basin.lower, self.lattice.basin.upper
-        nx, ny, nz = (max(1, ceil((b - a) / self.support - 1e-9)) + 2 for a, b in zip(low, up, strict=True))
+        nx, ny, nz = (n + 2 for n, _ in self.inner)
         return nx, ny, nz
 
     @property
@@ -59,7 +65,7 @@ class Grid:
 
     def __init__(self, particles: Particles, size: GridSize) -> None:
         self.support, self.n, self.basin = size.support, particles.n, size.lattice.basin
-        self.lower = tm.vec3(self.basin.lower)
+        self.lower, self.width = tm.vec3(self.basin.lower), tm.vec3([width for _, width in size.inner])
         self.cells, self.cell_count, self.chunks = size.cells, size.cell_count, size.chunks
         self.state = (*particles.position, *particles.velocity, particles.id)
         self.moved = (*Components(self.n), *Components(self.n), ti.field(int, shape=self.n))
@@ -73,11 +79,17 @@ class Grid:
     def place(self, x):
         """The cell of a point on each axis, padding counted; a point beyond the grid belongs to its border cell."""
         last = tm.ivec3(self.cells) - 2
-        return tm.clamp(ti.cast(ti.floor((x - self.lower) / self.support), int) + 1, 1, last)
+        return tm.clamp(ti.cast(ti.floor((x - self.lower) / self.width), int) + 1, 1, last)
 
     @ti.func
     def cell_at(self, place):
         return (place.z * self.cells[1] + place.y) * self.cells[0] + place.x
+
+    @ti.func
+    def place_of(self, c):
+        """The inverse of cell_at."""
+        nx, ny = ti.static(self.cells[0], self.cells[1])
+        return tm.ivec3(c % nx, c // nx % ny, c // (nx * ny))
 
     @ti.func
     def leave(self, i, x, v):

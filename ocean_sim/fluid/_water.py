@@ -35,7 +35,7 @@ class WaterConfig(PartConfig):
 
     spacing: float | None = quantity("m", None, gt=0.0)
     """Distance between particles at rest."""
-    particles: int | None = quantity("particles", None, ge=1, le=2**27)
+    particles: int | None = quantity("particles", None, ge=1, le=2**26)
     """A budget of particles, in place of `spacing`."""
     rest_density: float = quantity("kg/m3", WATER_DENSITY, gt=0.0)
     """Density of the water at rest."""

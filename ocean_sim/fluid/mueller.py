@@ -113,6 +113,11 @@ class Density:
         self.fluid.ledger.begin_density(group)
 
     @ti.func
+    def image(self, other, sign, offset):
+        """A neighbour as a wall shows it."""
+        return sign * other + offset
+
+    @ti.func
     def pair(self, own, other):
         x_ij = own - other
         h2 = self.fluid.smoothing.support**2
@@ -125,15 +130,16 @@ class Density:
         return total
 
     @ti.func
-    def finish(self, i, own, total, group):
+    def finish(self, i, own, particles_sum, images_sum, group):
         fluid, particles = self.fluid, self.fluid.particles
+        total = particles_sum + images_sum
         rho_i = self.constant * total[0]
         p_i = fluid.stiffness * (rho_i - particles.rest_density)  # (2.15)
         if ti.static(self.clamped):
             p_i = tm.max(p_i, self.minimum)
         particles.density[i], particles.pressure[i], fluid.specific_volume[i] = rho_i, p_i, 1.0 / rho_i
         if ti.static(fluid.exposed):
-            fluid.expose(i, tm.vec3(total[1], total[2], total[3]), tm.vec3(own[0], own[1], own[2]))
+            fluid.expose(i, tm.vec3(total[1], total[2], total[3]))
         fluid.ledger.count_density(group, rho_i)
 
 
@@ -156,6 +162,17 @@ class Momentum:
         self.fluid.ledger.begin_motion(group)
 
     @ti.func
+    def image(self, other, sign, offset):
+        """A neighbour as a wall shows it: its normal velocity turned round, its pressure continued hydrostatically."""
+        x, v = tm.vec3(other[0], other[1], other[2]), tm.vec3(other[3], other[4], other[5])
+        x_image, v_image = sign * x + offset, sign * v
+        image = other
+        for k in ti.static(range(3)):
+            image[k], image[3 + k] = x_image[k], v_image[k]
+        image[6] += self.fluid.particles.rest_density * self.fluid.gravity.dot(x_image - x)
+        return image
+
+    @ti.func
     def pair(self, own, other):
         """-m (p_i + p_j) / (2 rho_j) grad W (2.16), then mu m / rho_j v_ji laplacian W (2.18), both over `constant`."""
         x_ij = tm.vec3(own[0] - other[0], own[1] - other[1], own[2] - other[2])
@@ -173,26 +190,34 @@ class Momentum:
         return total
 
     @ti.func
-    def finish(self, i, own, total, group):
+    def finish(self, i, own, total, beyond, group):
         fluid, m = self.fluid, ti.static(self.fluid.particles.mass)
         dt = fluid.dt[None]
         x, v = tm.vec3(own[0], own[1], own[2]), tm.vec3(own[3], own[4], own[5])
         scale = self.constant * own[7]
-        a_pressure, a_viscosity = scale * tm.vec3(total[0], total[1], total[2]), tm.vec3(0.0)
-        if ti.static(self.apart):
-            a_viscosity = scale * tm.vec3(total[3], total[4], total[5])
+        a_water, a_walls = scale * self.added(total), scale * self.added(beyond)
         a_wind = self.wind.force(fluid.particles.id[i], x, v, fluid.area(i), m) / m
-        a = a_pressure + a_viscosity + a_wind + fluid.gravity  # (2.25)
+        a = a_water + a_walls + a_wind + fluid.gravity  # (2.25)
         pushed, fast = fluid.walls.held_back(v + dt * a, dt)
         x_new, v_new = fluid.walls.bounced(x + dt * pushed, pushed)
         fluid.grid.leave(i, x_new, v_new)
         fluid.ledger.count_motion(group, v_new, a, fast)
         if ti.static(self.apart):
+            a_pressure = scale * tm.vec3(total[0], total[1], total[2])
             fluid.ledger.count_impulse(group, PRESSURE, m * dt * a_pressure)
-            fluid.ledger.count_impulse(group, VISCOSITY, m * dt * a_viscosity)
+            fluid.ledger.count_impulse(group, VISCOSITY, m * dt * (a_water - a_pressure))
             fluid.ledger.count_impulse(group, WIND, m * dt * a_wind)
             fluid.ledger.count_impulse(group, GRAVITY, m * dt * fluid.gravity)
-            fluid.ledger.count_impulse(group, WALLS, m * (v_new - v - dt * a))
+            fluid.ledger.count_impulse(group, WALLS, m * (v_new - v - dt * (a - a_walls)))
+
+
+    @ti.func
+    def added(self, total):
+        """Pressure and viscosity together."""
+        both = tm.vec3(total[0], total[1], total[2])
+        if ti.static(self.apart):
+            both += tm.vec3(total[3], total[4], total[5])
+        return both
 
 
 @ti.data_oriented
@@ -283,12 +308,10 @@ class Mueller:
         return area
 
     @ti.func
-    def expose(self, i, outward, x):
+    def expose(self, i, outward):
         """Twice the volume of i times the gradient of the smoothed share of water, which falls from 1 to 1/2 on the
-        water's side of a surface; a side that faces a wall or the floor within a support is not exposed."""
+        water's side of a surface; walls are mirrors, so what faces them is not exposed."""
         volume = ti.static(self.particles.mass / self.particles.rest_density)
         area = 12.0 * volume**2 * self.smoothing.poly6_constant * outward
         for k, component in ti.static(enumerate(self.exposed_area)):
-            before = area[k] < 0.0 and x[k] - self.walls.low[k] < self.smoothing.support
-            behind = area[k] > 0.0 and self.walls.up[k] - x[k] < self.smoothing.support
-            component[i] = ti.select(before or behind, 0.0, area[k])
+            component[i] = area[k]

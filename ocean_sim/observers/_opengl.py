@@ -1,4 +1,4 @@
-"""Can this machine draw without a screen? VTK ends the whole process where OpenGL is missing, so a child process tries."""
+"""Can this machine draw without a screen? VTK kills a process that has no OpenGL, so a child process tries."""
 
 import hashlib
 import json

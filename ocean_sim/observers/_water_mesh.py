@@ -33,7 +33,10 @@ class WaterMesh:
         self.x = np.linspace(lower[0], upper[0], len(self.along_x))
         self.z = np.linspace(lower[2], upper[2], len(self.along_z))
         self.bed = float(lower[1])
-        self.slope_x, self.slope_z = np.gradient(self.along_x, self.x, axis=0), np.gradient(self.along_z, self.z, axis=0)
+        self.slope_x, self.slope_z = (
+            np.gradient(self.along_x, self.x, axis=0),
+            np.gradient(self.along_z, self.z, axis=0),
+        )
         self.places = np.stack(np.meshgrid(self.x, self.z, indexing="ij"), axis=-1).reshape(-1, 2)
         self.surface_triangles = triangles(len(self.x), len(self.z))
         rim = np.arange(len(self.places)).reshape(len(self.x), len(self.z))

@@ -1,4 +1,4 @@
-"""The colour of water from where the eye is: exact Fresnel, the mirrored sky, sun glint, and light from inside (3.6 to 3.16)."""
+"""The colour of water seen from an eye: exact Fresnel, the mirrored sky, sun glint, light from inside (3.6 to 3.16)."""
 
 import numpy as np
 

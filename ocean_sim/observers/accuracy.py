@@ -74,6 +74,7 @@ class Accuracy:
         fluid, particles = simulation.fluid, simulation.fluid.particles
         excess = particles.density.to_numpy().astype(np.float64) / particles.rest_density - 1.0
         velocity = particles.velocity.to_numpy().astype(np.float64)
+        impulse = fluid.impulse
         values = [
             np.maximum(excess, 0.0).mean(),
             max(excess.max(), 0.0),
@@ -82,7 +83,7 @@ class Accuracy:
             self.potential_energy(simulation) - self.at_start,
             fluid.internal_energy(),
             *(particles.mass * velocity.sum(axis=0)),
-            *(component for term in self.terms for component in fluid.impulse[term]),
+            *(component for term in self.terms for component in impulse[term]),
         ]
         held = (fluid.status.clipped, simulation.next_dt, simulation.time_step.limited_by)
         for time, row, (clipped, dt, limit) in self.sampled.rows(simulation.time, np.array(values), held):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ocean_sim.parts import LedgerRow, ObserverConfig
+from ocean_sim.parts import ObserverConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -46,7 +46,7 @@ class Manifest:
                 "spacing_m": float(particles.spacing),
                 "mass_kg": float(particles.mass),
             },
-            "ledger": [row._asdict() for row in ledger(simulation)],
+            "ledger": [row._asdict() for row in simulation.scene.ledger()],
         }
         self.write()
 
@@ -68,13 +68,6 @@ class Manifest:
         beside = self.path.with_name(".manifest.json.tmp")
         beside.write_text(json.dumps(self.facts, indent=2) + "\n", encoding="utf-8")
         os.replace(beside, self.path)
-
-
-def ledger(simulation: "Simulation") -> list[LedgerRow]:
-    """What the parts of this scene allocate and compile, and why."""
-    scene, basin = simulation.scene, simulation.basin
-    parts = (scene.wind, scene.fluid, scene.surface, scene.ship, scene.time_step)
-    return [row for part in parts if hasattr(part, "ledger") for row in part.ledger(basin)]
 
 
 def installed(package: str) -> str | None:

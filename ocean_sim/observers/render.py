@@ -1,7 +1,7 @@
 """Pictures and a film from the frames of a run, drawn off screen; the only file with PyVista and imageio.
 
-Everything is drawn in a child process, `python -m ocean_sim.observers.render ORDER`: where OpenGL is missing VTK ends its
-process without an exception, and a run that went well must end well.
+Everything is drawn in a child process, `python -m ocean_sim.observers.render ORDER`: where OpenGL is missing VTK ends
+its process without an exception, and a run that went well must end well.
 """
 
 import json
@@ -216,7 +216,10 @@ class Picture:
         plane = self.pyvista.Plane(
             center=(*(0.5 * (self.lower + self.upper))[[0]], self.lower[1], 0.5 * (self.lower + self.upper)[2]),
             direction=(0.0, 1.0, 0.0),
-            i_size=2.4 * size[2], j_size=2.4 * size[0], i_resolution=80, j_resolution=80,
+            i_size=2.4 * size[2],
+            j_size=2.4 * size[0],
+            i_resolution=80,
+            j_resolution=80,
         )
         away = np.asarray(plane.points, dtype=float) + 0.5 * size[1] * _sky.SUN
         outside = np.maximum(0.0, np.maximum(self.lower - away, away - self.upper))[:, [0, 2]]
@@ -275,22 +278,24 @@ class Particles:
 
     def __init__(self, picture: Picture, first: Frame, spacing: float, fastest: float) -> None:
         assert first.position is not None
-        self.cloud = picture.pyvista.PolyData(first.position.astype(np.float32))
-        self.cloud["speed [m/s]"] = np.zeros(len(first.position), np.float32)
-        picture.plotter.add_light(picture.pyvista.Light(position=tuple(100.0 * _sky.SUN), light_type="scene light"))
+        cloud = picture.pyvista.PolyData(first.position.astype(np.float32))
+        cloud["speed [m/s]"] = np.zeros(len(first.position), np.float32)
+        picture.plotter.add_light(picture.pyvista.Light(position=tuple(1e3 * _sky.SUN), light_type="scene light"))
+        picture.plotter.add_light(picture.pyvista.Light(light_type="headlight", intensity=0.5))
         balls = picture.plotter.add_mesh(
-            self.cloud,
+            cloud,
             scalars="speed [m/s]",
             clim=(0.0, fastest),
-            cmap="viridis",
+            cmap="YlGnBu_r",
             style="points_gaussian",
             render_points_as_spheres=True,
+            ambient=0.4,
             scalar_bar_args={
                 "position_x": 0.70,
-                "position_y": 0.03,
+                "position_y": 0.90,
                 "width": 0.27,
                 "height": 0.07,
-                "n_labels": 3,
+                "n_labels": 2,
                 "fmt": "%.2g",
                 "label_font_size": 14,
                 "title_font_size": 15,
@@ -298,11 +303,15 @@ class Particles:
             },
         )
         balls.mapper.scale_factor = 0.5 * spacing  # [m] radius
+        self.cloud, self.fastest = balls.mapper.dataset, fastest
+        self.colours = balls.mapper.lookup_table.values  # (256, 4), 8-bit
+        self.drawn = balls.mapper.array_name  # PyVista turns the scalars of such balls into colours once, when added
 
     def show(self, frame: Frame) -> None:
         assert frame.position is not None and frame.velocity is not None
         self.cloud.points = frame.position
-        self.cloud["speed [m/s]"] = np.linalg.norm(frame.velocity, axis=1)
+        share = np.linalg.norm(frame.velocity, axis=1) / self.fastest
+        self.cloud[self.drawn] = self.colours[np.clip(255.0 * share, 0.0, 255.0).astype(int)]
 
 
 def schedule(times: np.ndarray, every: float) -> list[int]:

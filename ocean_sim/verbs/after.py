@@ -1,6 +1,7 @@
 """`ocean-sim render` and `export`: what can still be made of a finished run."""
 
 from pathlib import Path
+from typing import Any
 
 from ocean_sim.verbs import console
 from ocean_sim.verbs.progress import Drawing
@@ -34,8 +35,6 @@ def export(
     folder: Path, particles: str | None, surface: str | None, every: int, out: Path | None, as_json: bool
 ) -> None:
     """Files for ParaView and Blender from the frames of a run."""
-    from ocean_sim.observers._export import export_run
-
     if particles is None and surface is None:
         raise console.Refused("say what to export: --particles vtkhdf, --surface ply or --surface vtp")
     if particles is not None and particles not in PARTICLES:
@@ -43,7 +42,10 @@ def export(
     if surface is not None and surface not in SURFACES:
         raise console.Refused(f"--surface {surface}: choose ply or vtp")
     finished(folder)
-    made(export_run(folder, particles, surface, out or folder / "export", every), as_json)
+    from ocean_sim.observers._export import export_run
+
+    asked: dict[str, Any] = {"particles": particles, "surface": surface, "every": every}
+    made(export_run(folder, out=out or folder / "export", **asked), as_json)
 
 
 def finished(folder: Path) -> None:

@@ -4,6 +4,7 @@ import os
 from types import SimpleNamespace
 from typing import Any
 
+from ocean_sim.parts import config_of
 from ocean_sim.scene import SceneConfig, load
 from ocean_sim.verbs import console
 from ocean_sim.yaml_file import SceneError
@@ -51,6 +52,11 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
     time_step = config.time_step.build()
     still = config.fluid.still_limits(basin)
     dt = time_step.next(SimpleNamespace(limits=lambda: still))
+    courant: Any = config_of("time_step", "courant")()
+    stable, limit = courant.shortest(still)
+    if dt > 1.05 * stable:
+        over = f"{dt / stable:.2g} times the {stable:.3g} s that courant would take in still water ({limit} limit)"
+        warnings.append(f"the time step of {dt:.3g} s is {over}")
     threads = config.runtime.threads or cores()
     if memory > 0.9 * machine_memory():
         warnings.append(f"needs {memory / 1e9:.1f} GB of memory; this machine has {machine_memory() / 1e9:.1f} GB")
@@ -64,6 +70,8 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         "memory_mb": console.megabytes(memory),
         "time_step": dt,
         "limited_by": time_step.limited_by,
+        "stable_time_step": stable,
+        "stable_limited_by": limit,
         "estimated_wall_s": particles * config.duration / dt / (PARTICLE_STEPS_PER_SECOND * threads),
         "ledger": rows,
     }
@@ -120,8 +128,9 @@ def long(found: dict[str, Any], config: SceneConfig) -> None:
         ["", ""],
         [
             ["particles", f"{found['particles']}"],
-            ["memory", f"{found['memory_mb']:.0f} MB at most"],
+            ["memory", f"about {found['memory_mb']:.0f} MB at the peak"],
             ["time step", f"{found['time_step']:.4g} s in still water, limited by: {found['limited_by']}"],
+            ["stable", f"{found['stable_time_step']:.4g} s in still water, limited by: {found['stable_limited_by']}"],
             [
                 "wall time",
                 f"about {console.duration(found['estimated_wall_s'])} for {config.duration:g} s (an estimate)",

@@ -61,7 +61,7 @@ def examined() -> dict[str, Any]:
     backends = {arch: probed(BACKEND.format(arch=arch)) for arch in BACKENDS}
     cache = backends["cpu"]["detail"] if backends["cpu"]["ok"] else None
     for fact in backends.values():
-        fact["detail"] = "" if fact["ok"] else fact["detail"]
+        fact["detail"] = "" if fact["ok"] else fact["detail"].split(";")[0]
     return {
         "backends": backends,
         "ggui": probed(WINDOW),

@@ -89,9 +89,10 @@ def kernels() -> str:
 def written(result: Any, config: SceneConfig) -> dict[str, Any]:
     """What the files of a run say, and which there are."""
     accuracy = result.accuracy if "accuracy" in config.observers else {}
-    compression = next((column for name, column in accuracy.items() if name.startswith("compression")), None)
+    columns = {name: f"compression_{name}" for name in ("mean", "max")}
+    worst = {name: accuracy[column].max() for name, column in columns.items() if column in accuracy}
     return {
-        "worst_compression": float(compression.max()) if compression is not None and len(compression) else None,
+        "worst_compression": worst,
         "events": [
             event for event in result.events if event.get("event") not in ("start", "limit", "end", "stop", "done")
         ],
@@ -103,13 +104,14 @@ def written(result: Any, config: SceneConfig) -> dict[str, Any]:
 
 def summary(facts: dict[str, Any]) -> str:
     """The last lines of a run, for people."""
+    factor, limits = f"{facts['real_time_factor']:.2g} x real time after the start", facts["limited_by"]
     lines = [
         f"{facts['particles']} particles, {facts['steps']} steps, {facts['simulated_s']:.3g} s simulated in "
-        f"{console.duration(facts['wall_s'])}, start included; {facts['real_time_factor']:.2g} x real time after the start",
-        f"time step limited by {', '.join(f'{name} {share:.0%}' for name, share in facts['limited_by'].items())}",
+        f"{console.duration(facts['wall_s'])}, start included; {factor}",
+        f"time step limited by {', '.join(f'{name} {share:.0%}' for name, share in limits.items())}",
     ]
-    if facts["worst_compression"] is not None:
-        lines.append(f"worst mean compression {facts['worst_compression']:.2%}")
+    if worst := facts["worst_compression"]:
+        lines.append(f"worst compression: {', '.join(f'{name} {share:.2%}' for name, share in worst.items())}")
     lines += [f"event at t = {e.get('time_s', 0.0):.3f} s: {_told(e)}" for e in facts["events"][:5]]
     if len(facts["events"]) > 5:
         lines.append(f"... and {len(facts['events']) - 5} more events in events.jsonl")

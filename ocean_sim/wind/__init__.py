@@ -1,12 +1,16 @@
 """Moving air: every module of this folder without a leading underscore is a kind a scene may name."""
 
-from typing import Protocol
+from typing import Literal, Protocol
 
 
 class Wind(Protocol):
     """Moving air. `force` is callable from a Taichi kernel."""
 
     needs_area: bool  # whether `force` reads `area`: the fluid then finds the exposed area of its particles
+
+    def on(self, target: Literal["fluid", "ship"]) -> "Wind":
+        """The wind that a target feels: this one, or still air where it is no target."""
+        ...
 
     def advance(self, dt: float) -> None: ...
 

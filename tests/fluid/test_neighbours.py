@@ -1,5 +1,7 @@
 """The walk over neighbours equals brute force, wherever the particles are."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 import taichi as ti
@@ -20,6 +22,7 @@ class Count:
         self.reads = tuple(fluid.particles.position)
         self.support = fluid.smoothing.support
         self.count, self.squares = (ti.field(float, shape=fluid.particles.n) for _ in range(2))
+        self.images, self.image_squares = (ti.field(float, shape=fluid.particles.n) for _ in range(2))
 
     @ti.func
     def begin(self, group):
@@ -32,8 +35,13 @@ class Count:
         return ti.Vector([near, near * r2])
 
     @ti.func
-    def finish(self, i, own, total, group):
+    def image(self, other, sign, offset):
+        return sign * other + offset
+
+    @ti.func
+    def finish(self, i, own, total, beyond, group):
         self.count[i], self.squares[i] = total[0], total[1]
+        self.images[i], self.image_squares[i] = beyond[0], beyond[1]
 
 
 @ti.kernel
@@ -84,6 +92,38 @@ def test_the_walk_equals_brute_force(clouds, dimension, cloud):
         np.testing.assert_allclose(by_id(fluid, law.squares.to_numpy()), squares, atol=1e-12)
 
 
+def mirrored(x: np.ndarray, fluid) -> np.ndarray:
+    """All images of the cloud in the sides of its basin, made one by one: images of images too."""
+    low, up = fluid.grid.basin.stops()
+    sides = [[None] + [w for w in (low[k], up[k]) if abs(w) < 1e29] for k in range(3)]
+    copies = []
+    for walls in product(*sides):
+        image = x.copy()
+        for k, wall in enumerate(walls):
+            if wall is not None:
+                image[:, k] = 2.0 * wall - x[:, k]
+        if any(wall is not None for wall in walls):
+            copies.append(image)
+    return np.concatenate(copies)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_images_equal_mirrored_copies_of_all_particles(clouds, dimension):
+    fluid, law = clouds[dimension]
+    rng = np.random.default_rng(8)
+    x = rng.uniform(-0.5, 0.5, (fluid.particles.n, 3)) * [1.0, 0.5, 1.0] + [0.0, -0.25, 0.0]
+    x[:, 2] *= dimension - 2
+    put(fluid, x)
+    for find in (True, False):
+        walk(fluid.neighbours, law, find)
+        r2 = ((x[:, None] - mirrored(x, fluid)[None]) ** 2).sum(axis=2)
+        near = r2 < fluid.smoothing.support**2
+        np.testing.assert_array_equal(by_id(fluid, law.images.to_numpy()), near.sum(axis=1))
+        squares = np.where(near, r2, 0.0).sum(axis=1)
+        np.testing.assert_allclose(by_id(fluid, law.image_squares.to_numpy()), squares, atol=1e-12)
+    assert near.any()
+
+
 def test_one_particle_is_its_only_neighbour(water):
     fluid = water(particles=1)
     law = Count(fluid)
@@ -115,6 +155,6 @@ def test_sorting_in_chunks_gives_the_same_order(water):
     assert fluid.grid.chunks > 1
     x = np.random.default_rng(5).uniform(-1.4, 1.4, (fluid.particles.n, 3)) * [1.0, 0.6, 1.0]
     put(fluid, x)
-    place = np.clip(np.floor((x - np.array(fluid.grid.basin.lower)) / fluid.grid.support).astype(int) + 1, 1, None)
+    place = np.clip(np.floor((x - np.array(fluid.grid.basin.lower)) / np.array(fluid.grid.width)).astype(int) + 1, 1, None)
     cell = (place[:, 2] * fluid.grid.cells[1] + place[:, 1]) * fluid.grid.cells[0] + place[:, 0]
     np.testing.assert_array_equal(fluid.particles.id.to_numpy(), np.argsort(cell, kind="stable"))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import basin
+from ocean_sim.parts import LedgerRow
 
 SPACING = 0.5
 
@@ -88,6 +89,7 @@ class Watched:
             surface=None,
             ship=None,
             time_step=SimpleNamespace(kind="courant"),
+            ledger=lambda: [LedgerRow("fluid", "particles", 1024, "a computed sea")],
             resolved=lambda: {"title": "A computed sea", "basin": {"length": place.config.length}},
         )
         self.backend = SimpleNamespace(arch="cpu", threads=2, precision="f32")

@@ -1,0 +1,155 @@
+"""Pictures are checked where OpenGL is there; everywhere, that its absence is a sentence and never a crash."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from ocean_sim.observers import _camera, _opengl, _sky, _water_mesh, _water_shading, frames, render
+
+with_opengl = pytest.mark.skipif(_opengl.probe() is not None, reason="no OpenGL on this machine")
+
+
+@pytest.fixture
+def kept(tmp_path, watched):
+    def build(width=4.0, **config):
+        simulation = watched((0.02,), width=width)
+        simulation.fluid.rise = 0.0
+        simulation.observers = [frames.Config(every=0.1, **config).build(tmp_path, simulation)]
+        simulation.run(until=0.4)
+        return tmp_path
+
+    return build
+
+
+def test_fresnel_against_published_values():
+    angles = np.radians([0.0, 30.0, 45.0, 60.0, 75.0, 85.0, 89.0])
+    exact = [0.02037, 0.02144, 0.02790, 0.05969, 0.21238, 0.58352, 0.89628]
+    np.testing.assert_allclose(_water_shading.fresnel(np.cos(angles)), exact, atol=6e-6)
+    assert _water_shading.fresnel(np.array([0.0]))[0] == pytest.approx(1.0)
+
+
+def test_flat_water_mirrors_the_sky_at_grazing_angles_and_shows_itself_from_above():
+    origin, up = np.zeros((1, 3)), np.array([[0.0, 1.0, 0.0]])
+    above = _water_shading.surface(origin, up, np.zeros(1), np.array([0.0, 50.0, 0.1]))
+    grazing = _water_shading.surface(origin, up, np.zeros(1), np.array([50.0, 1.0, 0.0]))
+    assert above.sum() < 0.5 * grazing.sum()
+    assert np.isfinite(above).all() and np.isfinite(grazing).all()
+
+
+def test_the_sky_is_finite_and_not_negative_in_every_direction():
+    directions = _sky.unit(np.random.default_rng(0).normal(size=(1000, 3)))
+    for colour in (_sky.colour(directions), _sky.around(directions)):
+        assert np.isfinite(colour).all() and (colour >= 0.0).all()
+
+
+def test_the_smooth_surface_keeps_a_level_goes_through_its_points_and_stands_level_at_walls():
+    x, z = frames.middles(-3.0, 3.0, 0.5), frames.middles(-2.0, 2.0, 0.5)
+    mesh = _water_mesh.WaterMesh(x, z, np.array([-3.0, -2.0, -2.0]), np.array([3.0, 2.0, 2.0]), nodes=2000)
+    np.testing.assert_allclose(mesh.heights(np.full((12, 8), 0.3)), 0.3, atol=1e-12)
+    wave = np.cos(np.pi * (x + 3.0) / 6.0)[:, None] * np.ones(8)
+    points, normals = mesh.surface(wave)
+    assert abs(points[:, 1] - np.cos(np.pi * (points[:, 0] + 3.0) / 6.0)).max() < 2e-3
+    steepness = -normals[:, 0] / normals[:, 1]
+    exact = -np.pi / 6.0 * np.sin(np.pi * (points[:, 0] + 3.0) / 6.0)
+    assert abs(steepness - exact).max() < 0.03
+    sides = mesh.sides(points)
+    assert sides[:, 1].min() == -2.0 and len(sides) == len(mesh.side_normals) == len(mesh.side_depth)
+    corners = sides[mesh.side_triangles]
+    facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert np.isfinite(facing).all() and len(facing) > 0
+
+
+@pytest.mark.parametrize("name", ["third_person", "top", "side"])
+@pytest.mark.parametrize("size", [(40.0, 7.5, 40.0), (8.0, 1.0, 0.5), (2.0, 9.0, 30.0)])
+def test_every_camera_sees_the_whole_basin(name, size):
+    upper = 0.5 * np.array(size)
+    camera = _camera.placed(name, -upper, upper, 16.0 / 9.0)
+    right = np.cross(camera.forward, camera.up)
+    corners = np.array(list(np.ndindex(2, 2, 2))) * 2.0 * upper - upper - camera.eye
+    away = corners @ camera.forward
+    half = camera.parallel_height or away * np.tan(np.radians(_camera.VIEW_ANGLE / 2))
+    assert (away > 0.0).all()
+    assert (np.abs(corners @ camera.up) <= half).all() and (np.abs(corners @ right) <= half * 16.0 / 9.0).all()
+
+
+def test_the_film_takes_the_nearest_frame_in_real_time():
+    times = np.array([0.0, 0.034, 0.066, 0.101, 0.133])
+    assert render.schedule(times, 0.033) == [0, 1, 2, 3, 4]
+    assert render.schedule(times, 0.066) == [0, 2, 4]
+    assert render.schedule(times[:1], 0.033) == [0]
+
+
+@pytest.mark.parametrize("size", [(961, 540), (960, 541), (0, 0), (960,), (20000, 540)])
+def test_a_size_that_no_film_can_have_is_refused_at_once(size):
+    with pytest.raises(ValidationError):
+        render.Config(size=size)
+
+
+def test_missing_opengl_is_a_sentence(kept, monkeypatch, capsys):
+    folder = kept()
+    monkeypatch.setattr(_opengl, "window", lambda: None)
+    with pytest.raises(render.OpenGLMissing, match="apt-get install --no-install-recommends libegl1 libgl1-mesa-dri"):
+        render.render_run(folder)
+    render.Render(render.Config(), folder).close()
+    assert "no pictures: this machine has no OpenGL" in capsys.readouterr().err
+    assert "libegl1" in render.probe()
+
+
+def test_a_drawing_process_that_dies_is_a_sentence(kept, monkeypatch, tmp_path):
+    folder, forgotten = kept(), []
+    monkeypatch.setattr(_opengl, "window", lambda: "vtkEGLRenderWindow")
+    monkeypatch.setattr(_opengl, "forget", lambda: forgotten.append(True))
+    dying = tmp_path / "python"
+    dying.write_text("#!/bin/sh\nkill -SEGV $$\n")
+    dying.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(dying))
+    with pytest.raises(render.RenderFailed, match="died"):
+        render.render_run(folder)
+    assert forgotten
+
+
+def test_the_probe_believes_only_what_was_drawn(monkeypatch):
+    def child(command, **how):
+        return subprocess.CompletedProcess(command, -11, stdout="drawn by vtkEGLRenderWindow", stderr="")
+
+    monkeypatch.setattr(_opengl.subprocess, "run", child)
+    assert not _opengl.draws("vtkEGLRenderWindow")
+
+
+def test_a_run_without_frames_has_nothing_to_draw(tmp_path):
+    render.Render(render.Config(), tmp_path).close()
+    with pytest.raises(render.RenderFailed, match="has no frames to draw"):
+        render.render_run(tmp_path)
+
+
+@with_opengl
+def test_water_is_drawn_and_filmed(kept):
+    import imageio.v2 as imageio
+
+    folder, drawn = kept(), []
+    files = render.render_run(folder, size=(320, 180), every=0.1, progress=lambda done, of: drawn.append((done, of)))
+    picture = np.asarray(imageio.imread(files[0]))
+    assert picture.shape == (180, 320, 3) and picture.std() > 20.0
+    sky, water = picture[5, 300].astype(float), picture[90, 160].astype(float)
+    assert sky.sum() > water.sum() and water[2] > water[0]  # light above, blue below
+    film = imageio.get_reader(files[1])
+    assert film.get_meta_data()["size"] == (320, 180) and film.get_meta_data()["fps"] == pytest.approx(10.0)
+    assert film.count_frames() == 5 and drawn[-1] == (5, 5)
+
+
+@with_opengl
+@pytest.mark.parametrize("width, asked", [(None, {}), (4.0, {"particles": True})])
+def test_particles_are_drawn_where_there_is_no_surface_or_on_request(kept, width, asked):
+    import imageio.v2 as imageio
+
+    [file] = render.render_run(kept(width), size=(320, 180), film=False, **asked)
+    assert np.asarray(imageio.imread(file)).std() > 20.0
+
+
+@with_opengl
+def test_particles_that_were_not_kept_are_a_sentence(kept):
+    with pytest.raises(render.RenderFailed, match=r"frames\.particles: true"):
+        render.render_run(kept(particles=False), particles=True)

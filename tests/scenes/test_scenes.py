@@ -1,0 +1,84 @@
+"""Every scene, part, profile and kind validates; every scene steps under the profile of tests."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ocean_sim.parts import SLOTS, config_of, kinds, library, named
+from ocean_sim.scene import load, packaged_scenes
+from ocean_sim.simulation import Simulation
+
+BASIN = {"length": 40.0, "width": 40.0, "depth": 7.5}
+REQUIRED = {  # keys without which a kind cannot be
+    ("fluid", "mueller"): {"spacing": 2.5},
+    ("fluid", "ballistic"): {"spacing": 2.5},
+    ("wind", "gusts"): {"volumes": [{"include": [{"kind": "sphere", "centre": [0, 0, 0], "radius": 1.0}]}]},
+    ("time_step", "fixed"): {"dt": 0.001},
+}
+PARTS = [(slot, name) for slot in SLOTS for name in named(slot)]
+KINDS = [(slot, kind) for slot in SLOTS for kind in kinds(slot)]
+MANY = 20_000  # particles: scenes with more are checked, not stepped
+
+
+@pytest.mark.parametrize("name", packaged_scenes())
+@pytest.mark.parametrize("profile", [None, *named("run")])
+def test_every_scene_validates_under_every_profile(name, profile):
+    config = load(name, profile=profile)
+    assert config.title and load(config.resolved()).resolved() == config.resolved()
+
+
+@pytest.mark.parametrize("slot, name", PARTS)
+def test_every_part_validates(slot, name):
+    scene = {"basin": BASIN, "fluid": {"kind": "mueller", "spacing": 2.5}}
+    assert getattr(load(scene | {slot: name}), slot) is not None
+
+
+@pytest.mark.parametrize("slot, kind", KINDS)
+def test_every_kind_validates_and_says_its_own_name(slot, kind):
+    scene = {"basin": BASIN, "fluid": {"kind": "mueller", "spacing": 2.5}}
+    config = getattr(load(scene | {slot: {"kind": kind} | REQUIRED.get((slot, kind), {})}), slot)
+    assert config.kind == kind and isinstance(config, config_of(slot, kind))
+
+
+@pytest.mark.parametrize("folder", ["scenes", "configs"])
+def test_every_file_begins_by_saying_what_it_is(folder):
+    for path in library(folder).rglob("*.yaml"):
+        text = path.read_text(encoding="utf-8")
+        assert text.startswith("# ") or "\ntitle: " in text, path
+
+
+def test_scenes_point_editors_to_the_schema():
+    for path in library("scenes").rglob("*.yaml"):
+        first = path.read_text(encoding="utf-8").splitlines()[0]
+        target = Path(path.parent, first.partition("$schema=")[2])
+        assert target.resolve().name == "scene.schema.json" and target.exists(), path
+
+
+@pytest.mark.parametrize("name", packaged_scenes())
+def test_every_scene_steps(name):
+    config = load(name, {"runtime.threads": 1}, "ci")
+    if config.fluid.lattice(config.basin.build()).n > MANY:
+        pytest.skip("too many particles for a test")
+    with Simulation(config) as simulation:
+        before = simulation.fluid.particles.position.to_numpy()
+        for _ in range(3):
+            simulation.step()
+        after = simulation.fluid.particles.position.to_numpy()
+    assert np.isfinite(after).all() and len(after) == len(before)
+    assert simulation.time > 0.0
+
+
+@pytest.mark.parametrize("size, counts", [("6k", 6000), ("50k", 37**3), ("250k", 63**3), ("1m", 10**6)])
+def test_the_dam_breaks_are_of_the_size_that_they_say(size, counts):
+    config = load(f"bench/dam_break_{size}")
+    place = config.basin.build()
+    lattice = config.fluid.lattice(place)
+    column = lattice.boxes[0][1] - lattice.boxes[0][0]
+    assert lattice.n == counts
+    assert lattice.mass == pytest.approx(1000.0 * 0.05**3, rel=1e-9)
+    assert place.config.length == pytest.approx(2.5 * column[0])
+    sound_speed = config.fluid.sound_speed(place)
+    assert sound_speed == pytest.approx(10.0 * np.sqrt(9.81 * column[1]), rel=1e-6)
+    assert config.time_step.dt == pytest.approx(0.2 * 0.1 / sound_speed, rel=2e-3)
+    assert config.fluid.kinematic_viscosity == pytest.approx(0.02 * 0.1 * sound_speed, rel=1e-3)

@@ -1,0 +1,281 @@
+"""The command line: what it answers, in which form, and with which exit code."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from ocean_sim.__main__ import answered
+from ocean_sim.conventions import Diverged
+from ocean_sim.scene import observer_names
+from ocean_sim.verbs import after, console, doctor
+from ocean_sim.verbs.run import run_folder, written
+
+SMALL = """title: A small tank
+duration: 0.05
+basin: {length: 2.0, width: 2.0, depth: 1.0}
+fluid: {kind: mueller, spacing: 0.25}
+render: null
+frames: null
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("small.yaml").write_text(SMALL)
+    return tmp_path
+
+
+@pytest.fixture
+def ask(capsys):
+    """What a command line answers: exit code, standard output, standard error."""
+
+    def asked(*words: str) -> tuple[int, str, str]:
+        code = answered(list(words))
+        said = capsys.readouterr()
+        assert "Traceback" not in said.out + said.err
+        return code, said.out, said.err
+
+    return asked
+
+
+def test_a_run_leaves_its_folder_and_says_what_it_was(ask):
+    code, out, _ = ask("run", "small.yaml", "--out", "there")
+    assert code == 0
+    assert "A small tank: 256 particles" in out and "256 particles, " in out and "time step limited by" in out
+    assert {"manifest.json", "events.jsonl", "accuracy.csv"} <= {path.name for path in Path("there").iterdir()}
+
+
+def test_a_run_answers_programs(ask):
+    code, out, err = ask("run", "small.yaml", "--json", "--until", "0.02", "--set", "health.every=0.01")
+    facts = json.loads(out)
+    assert (code, err, facts["particles"], facts["folder"]) == (0, "", 256, "runs/small")
+    assert 0.02 <= facts["simulated_s"] < 0.03
+    assert facts["steps"] > 0 and sum(facts["limited_by"].values()) == pytest.approx(1.0)
+    manifest = json.loads(Path("runs/small/manifest.json").read_text())
+    assert manifest["scene"]["duration"] == 0.02
+
+
+def test_a_run_never_writes_over_another_unless_asked(ask):
+    assert run_folder("sea", None, False) == Path("runs/sea")
+    Path("runs/sea").mkdir(parents=True)
+    Path("runs/sea/manifest.json").write_text("{}")
+    Path("runs/sea/film.mp4").write_text("old")
+    Path("runs/sea/mine.txt").write_text("mine")
+    assert run_folder("sea", None, False) == Path("runs/sea-2")
+    code, _, err = ask("run", "small.yaml", "--out", "runs/sea")
+    assert (code, err) == (2, "--out runs/sea: a run lies here already; name another folder, or say --overwrite\n")
+    assert run_folder("sea", Path("runs/sea"), True) == Path("runs/sea")
+    assert [path.name for path in Path("runs/sea").iterdir()] == ["mine.txt"]
+    assert ask("run", "small.yaml", "--out", "small.yaml")[0] == 2
+
+
+def test_a_wrong_scene_is_exit_code_2_with_every_problem(ask):
+    Path("wrong.yaml").write_text(SMALL.replace("spacing: 0.25", "spacng: 0.25, spacing: 0.0"))
+    sentences = [
+        "wrong.yaml:4:24: fluid.spacng: unknown key; did you mean 'spacing'?",
+        "wrong.yaml:4:47: fluid.spacing: 0.0 is not greater than 0 [m]",
+    ]
+    for verb in ("run", "check"):
+        code, out, err = ask(verb, "wrong.yaml")
+        assert (code, out, err.splitlines()) == (2, "", sentences)
+        code, out, err = ask(verb, "wrong.yaml", "--json")
+        answer = json.loads(out)
+        assert (code, err, answer["error"], len(answer["problems"])) == (2, "", "the scene has 2 problems", 2)
+        assert answer["problems"][0] == {
+            "file": "wrong.yaml",
+            "line": 4,
+            "column": 24,
+            "key": "fluid.spacng",
+            "message": "unknown key; did you mean 'spacing'?",
+            "suggestion": "spacing",
+        }
+    assert not Path("runs").exists()
+
+
+def test_settings_and_profiles_that_are_wrong_are_exit_code_2(ask):
+    assert ask("run", "small.yaml", "--set", "fluid.spacing")[2].startswith("--set fluid.spacing: expected key=value")
+    assert ask("check", "small.yaml", "--set", "fluid.spacing=-1")[0] == 2
+    assert ask("check", "small.yaml", "--profile", "nothing")[0] == 2
+    assert ask("check", "nothing.yaml")[0] == 2
+    assert ask("run", "small.yaml", "--until", "-1")[2] == "--until -1: duration: -1.0 is not greater than 0 [s]\n"
+
+
+def test_a_wrong_command_line_is_exit_code_2(ask):
+    assert ask("chek")[0] == 2
+    assert ask("check")[0] == 2
+    assert ask("check", "small.yaml", "--nothing")[0] == 2
+    code, out, _ = ask("chek", "--json")
+    assert code == 2 and "chek" in json.loads(out)["error"]
+    assert ask("--help")[0] == 0
+
+
+def test_every_verb_has_help(ask):
+    for verb in ("run", "check", "list", "schema", "doctor", "bench", "render", "export"):
+        code, out, _ = ask(verb, "--help")
+        assert code == 0 and "Usage: ocean-sim" in out
+
+
+@pytest.mark.parametrize(
+    "error, code, sentence",
+    [
+        (Diverged("density reached 1e9 kg/m^3"), 1, "diverged: density reached 1e9 kg/m^3"),
+        (OSError(28, "No space left on device", "gauges.csv"), 1, "No space left on device: gauges.csv"),
+        (ImportError("libX11.so.6: cannot open shared object file"), 3, "Taichi needs the system library libX11"),
+        (console.Lacking("no OpenGL"), 3, "no OpenGL"),
+        (KeyboardInterrupt(), 1, "stopped"),
+        (ZeroDivisionError("division by zero"), 1, "this should not happen (ZeroDivisionError: division by zero)"),
+    ],
+)
+def test_every_failure_has_a_sentence_and_an_exit_code(ask, monkeypatch, error, code, sentence):
+    def fail(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr("ocean_sim.verbs.check.preflight", fail)
+    assert ask("check", "small.yaml")[0] == code
+    assert ask("check", "small.yaml")[2].strip().startswith(sentence)
+    assert json.loads(ask("check", "small.yaml", "--json")[1])["problems"] == []
+
+
+def test_debug_shows_the_traceback(capsys, monkeypatch):
+    monkeypatch.setattr("ocean_sim.verbs.check.preflight", lambda config: 1 / 0)
+    assert answered(["check", "small.yaml", "--debug"]) == 1
+    assert "ZeroDivisionError" in capsys.readouterr().err
+
+
+def test_a_missing_backend_is_exit_code_3(ask, monkeypatch):
+    from ocean_sim import runtime
+
+    def missing(config: object) -> None:
+        raise runtime.BackendMissing("runtime.arch: cuda was asked for")
+
+    monkeypatch.setattr(runtime, "start", missing)
+    assert ask("run", "small.yaml", "--set", "runtime.arch=cuda", "--json")[0] == 3
+
+
+def test_check_says_what_a_scene_takes_before_anything_is_allocated(ask):
+    code, out, err = ask("check", "small.yaml", "--json", "--set", "time_step={kind: fixed, dt: 0.001}")
+    answer = json.loads(out)
+    assert (code, err, answer["ok"], answer["problems"], answer["particles"]) == (0, "", True, [], 256)
+    assert (answer["time_step"], answer["limited_by"]) == (0.001, "fixed")
+    assert answer["stable_limited_by"] == "acoustic" and answer["warnings"] == []
+    assert 10.0 < answer["memory_mb"] < 2000.0 and answer["estimated_wall_s"] > 0.0
+    assert {"part", "what", "bytes", "why"} == set(answer["ledger"][0])
+    code, out, _ = ask("check", "small.yaml", "--set", "time_step={kind: fixed, dt: 0.1}")
+    assert "warning: the time step of 0.1 s is " in out
+    code, out, _ = ask("check", "small.yaml", "--set", "fluid.kind=ballistic")
+    assert code == 0 and "the scene is in order" in out
+    code, out, _ = ask("check", "small.yaml")
+    assert "pressures below 0 Pa are set to 0 (minimum_pressure)" in out and "= 1.00%" in out
+
+
+def test_list_gives_everything_one_sentence_and_imports_no_kind(ask):
+    rows = json.loads(ask("list", "--json")[1])
+    assert all(row["sentence"] for row in rows if row["slot"] != "surface")
+    names = {(row["slot"], row["name"]) for row in rows}
+    assert {("wind", "wide"), ("fluid", "mueller"), ("profiles", "ci"), ("scenes", "bench/dam_break_6k")} <= names
+    assert {name for slot, name in names if slot == "observers"} == set(observer_names())
+    assert {row["slot"] for row in json.loads(ask("list", "wind", "--json")[1])} == {"wind"}
+    assert ask("list", "winds")[::2] == (2, "there is nothing called 'winds' to list; did you mean 'wind'?\n")
+    script = "import sys; from ocean_sim.__main__ import answered; answered(['list']); print('taichi' in sys.modules)"
+    child = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert child.stdout.endswith("False\n")
+
+
+def test_schema_is_printed(ask):
+    assert json.loads(ask("schema")[1])["required"] == ["basin", "fluid"]
+
+
+def test_doctor_looks_and_never_fails(ask, monkeypatch):
+    monkeypatch.setattr(doctor, "probed", lambda script: {"ok": False, "detail": "the process that tried it died"})
+    code, out, _ = ask("doctor", "--json")
+    answer = json.loads(out)
+    assert code == 0 and set(answer["backends"]) == {"cpu", "cuda", "vulkan", "metal"}
+    assert answer["opengl"] == {"ok": False, "detail": "the process that tried it died"}
+    assert ask("doctor")[0] == 0
+
+
+def test_a_probe_survives_the_death_of_its_child():
+    assert doctor.probed("import os; os.kill(os.getpid(), 11)") == {
+        "ok": False,
+        "detail": "the process that tried it died (signal 11)",
+    }
+    assert doctor.probed("print('well')") == {"ok": True, "detail": "well"}
+
+
+def test_bench_measures_in_a_process_of_its_own(ask):
+    code, out, _ = ask("bench", "small.yaml", "--json", "--repeats", "1", "--threads", "1")
+    (row,) = json.loads(out)
+    assert code == 0
+    assert (row["scene"], row["particles"], row["threads"]) == ("small.yaml", 256, 1)
+    positive = ("ms_per_step", "particle_steps_per_s", "particle_steps_per_cpu_s", "real_time_factor", "first_step_s")
+    assert all(row[name] > 0.0 for name in (*positive, "peak_memory_mb"))
+    assert row["ms_per_step_min"] <= row["ms_per_step"] <= row["ms_per_step_max"]
+    assert "fluid" in row["stages"]
+
+
+def test_bench_tells_what_its_child_found_wrong(ask):
+    code, _, err = ask("bench", "small.yaml", "--set", "fluid.spacing=0.0")
+    assert (code, err) == (2, "--set fluid.spacing=0.0: fluid.spacing: 0.0 is not greater than 0 [m]\n")
+
+
+def test_render_and_export_want_a_finished_run(ask):
+    assert ask("render", "nothing")[::2] == (2, "nothing: this is not a run folder (there is no manifest.json)\n")
+    assert ask("render", "nothing", "--camera", "tp")[0] == 2
+    Path("bare").mkdir()
+    Path("bare/manifest.json").write_text("{}")
+    assert "kept no frames" in ask("render", "bare")[2]
+    assert ask("export", "bare")[0] == 2
+    assert ask("export", "bare", "--surface", "stl")[::2] == (2, "--surface stl: choose ply or vtp\n")
+
+
+def test_render_without_opengl_is_exit_code_3(ask, monkeypatch):
+    from ocean_sim.observers import _opengl, render
+
+    def missing(*_: object, **__: object) -> None:
+        raise _opengl.OpenGLMissing
+
+    monkeypatch.setattr(render, "render_run", missing)
+    monkeypatch.setattr(after, "finished", lambda folder: None)
+    code, _, err = ask("render", "bare")
+    assert code == 3 and "install" in err
+
+
+def test_an_interrupted_run_keeps_what_was_written(folder):
+    scene = SMALL.replace("duration: 0.05", "duration: 1000.0")
+    Path("long.yaml").write_text(scene)
+    child = subprocess.Popen(
+        [sys.executable, "-m", "ocean_sim", "run", "long.yaml", "--out", "long"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    events = folder / "long" / "accuracy.csv"
+    waited = time.monotonic()
+    while time.monotonic() - waited < 60.0 and not (events.exists() and events.read_text().count("\n") > 12):
+        time.sleep(0.05)
+    os.kill(child.pid, signal.SIGINT)
+    _, err = child.communicate(timeout=60.0)
+    assert child.returncode == 1
+    assert err.startswith("stopped at t = ") and "Traceback" not in err
+    assert json.loads((folder / "long" / "manifest.json").read_text())["outcome"] == "stopped"
+
+
+def test_what_a_run_wrote_is_read_without_its_comments(folder):
+    from ocean_sim.result import Result
+    from ocean_sim.scene import load
+
+    (folder / "gauges.csv").write_text("# frame: world\n# seed: 0\ntime_s,centre_m\n0,0.5\n0.05,\n")
+    (folder / "events.jsonl").write_text('{"event": "start"}\n{"event": "clipped", "particles": 3}\n')
+    result = Result(folder)
+    assert list(result.gauges) == ["time_s", "centre_m"]
+    assert result.gauges["time_s"].tolist() == [0.0, 0.05]
+    assert [event["event"] for event in result.events] == ["start", "clipped"]
+    config = load("small.yaml", {"accuracy": None})
+    assert written(result, config)["events"] == [{"event": "clipped", "particles": 3}]

@@ -6,10 +6,25 @@
 """
 
 import os
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ocean_sim.scene import load, run
+    from ocean_sim.simulation import Simulation
+
+__all__ = ["Simulation", "load", "run"]
 
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "False")  # before Taichi is imported
 
-from ocean_sim.scene import load, run  # noqa: E402
-from ocean_sim.simulation import Simulation  # noqa: E402
 
-__all__ = ["Simulation", "load", "run"]
+def __getattr__(name: str) -> Any:
+    """The public names, imported when they are first used: `ocean-sim list` needs no Taichi."""
+    if name in ("load", "run"):
+        from ocean_sim import scene
+
+        return getattr(scene, name)
+    if name == "Simulation":
+        from ocean_sim.simulation import Simulation
+
+        return Simulation
+    raise AttributeError(f"module 'ocean_sim' has no attribute {name!r}")

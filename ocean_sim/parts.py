@@ -34,7 +34,7 @@ class ObserverConfig(PartConfig):
 
 
 def quantity(unit: str, default: Any = ..., **bounds: Any) -> Any:
-    """A field that has a unit: error messages and the schema show it; bounds as in pydantic (`gt`, `ge`, `lt`, `le`)."""
+    """A field that has a unit, which messages and the schema show; bounds as in pydantic (`gt`, `ge`, `lt`, `le`)."""
     return Field(default, json_schema_extra={"unit": unit}, **bounds)
 
 

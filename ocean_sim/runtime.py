@@ -53,7 +53,7 @@ def cache_directory() -> Path:
 
 
 def start(config: RuntimeConfig) -> Backend:
-    """Start Taichi once; the same config again gives the running backend, another one starts afresh and drops all fields.
+    """Start Taichi once; the same config again gives the running backend, another one starts afresh without the fields.
 
     Raises BackendMissing where the backend obtained is not the one asked for.
     """

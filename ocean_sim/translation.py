@@ -188,10 +188,8 @@ def _sentence(found: _Found, prefix: Path) -> Problem:
     value, context, suggestion = described(found.node.plain()), found.context, None
     bound = next((name for name in BOUNDS if name in context), None)
     if found.member == "[key]":
-        message, place = (
-            f"{found.path[-1]!r} is not a name: {found.message.replace('String should', 'it should')}",
-            found.node.key_place,
-        )
+        place = found.node.key_place
+        message = f"{found.path[-1]!r} is not a name: {found.message.replace('String should', 'it should')}"
     elif found.kind == "extra_forbidden":
         message, suggestion = choice_sentence(str(found.path[-1]), found.keys)
         message, place = f"unknown key{message}", found.node.key_place

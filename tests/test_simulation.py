@@ -49,7 +49,9 @@ def test_the_stages_of_a_step_are_those_of_algorithm_8_in_order(small, monkeypat
         yield
 
     surface = SimpleNamespace(follow=lambda particles, dt: order.append("follow"))
-    ship = SimpleNamespace(load=lambda *who: order.append("load"), advance=lambda load, dt: order.append("advance ship"))
+    ship = SimpleNamespace(
+        load=lambda *who: order.append("load"), advance=lambda load, dt: order.append("advance ship")
+    )
     for name, part in {"stage": stage, "surface": surface, "ship": ship}.items():
         monkeypatch.setattr(small, name, part)
     small.step()

@@ -39,7 +39,7 @@ class FreeSurface:
 
     @ti.func
     def share(self, x):
-        """Smoothed share of water around x, 0 to about 1; images of x stand for the images of the water in the walls."""
+        """Smoothed share of water around x, 0 to about 1; images of x stand for those of the water in the walls."""
         mirror = tm.vec3(self.mirrored(x.x, 0), x.y, self.mirrored(x.z, 2))
         near = ti.abs(mirror - x) < 2.0 * self.smoothing.support
         total = 0.0

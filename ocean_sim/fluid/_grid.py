@@ -1,4 +1,4 @@
-"""Which cell a particle is in: a uniform grid as wide as the support, and a stable counting sort of the particles into it.
+"""Which cell a particle is in: a uniform grid, its cells at least a support wide, and a stable counting sort into it.
 
 Chunks of particles are counted apart and placed in order, so the result depends neither on the number of chunks nor
 of threads. Particles beyond the grid belong to its border cells, which keeps every pair within reach of neighbouring
@@ -28,7 +28,7 @@ class GridSize:
 
     @property
     def inner(self) -> list[tuple[int, float]]:
-        """Cells between the sides of the basin and their width [m], on each axis: whole cells, at least a support wide."""
+        """Cells between the sides of the basin and their width [m], on each axis; at least a support wide."""
         extents = np.subtract(self.lattice.basin.upper, self.lattice.basin.lower)
         counts = [max(1, int(extent / self.support + 1e-9)) for extent in extents]
         return [(n, float(extent) / n or self.support) for n, extent in zip(counts, extents, strict=True)]
@@ -56,7 +56,10 @@ class GridSize:
 
     def bytes(self, word: int) -> int:
         """Of the grid and the state on its way into it, where `word` is the size of a `float` [bytes]."""
-        return 4 * (2 * self.lattice.n + self.cell_count * (self.chunks + 1) + self.occupied + 2) + word * 6 * self.lattice.n
+        return (
+            4 * (2 * self.lattice.n + self.cell_count * (self.chunks + 1) + self.occupied + 2)
+            + word * 6 * self.lattice.n
+        )
 
 
 @ti.data_oriented

@@ -10,7 +10,7 @@ import taichi.math as tm
 
 from ocean_sim.basin import OPEN, Basin
 
-INDEX_BITS = 26  # of an entry of the candidate lists; the rest says in which sides it is mirrored
+INDEX_BITS = 26  # of an entry of the candidate lists (MOST_PARTICLES); the rest says in which sides it is mirrored
 INDEX = (1 << INDEX_BITS) - 1
 
 

@@ -74,8 +74,8 @@ class Ledger:
         speed2, acceleration2, thin, dense, total, clipped, crowded = (float(number) for number in summary)
         if crowded:
             raise Diverged(
-                f"{int(crowded)} cells have more neighbours than their lists hold: the water is packed up to {dense:.0f} kg/m3; "
-                "a stiffer water (smaller compression), a smaller time step or more viscosity keeps it apart"
+                f"{int(crowded)} cells have more neighbours than their lists hold: the water is packed up to "
+                f"{dense:.0f} kg/m3; try a smaller compression (stiffer water), a smaller time step or more viscosity"
             )
         return Status(speed2**0.5, acceleration2**0.5, thin, dense, int(clipped), bool(np.isfinite(total)))
 

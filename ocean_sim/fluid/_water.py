@@ -13,6 +13,7 @@ from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.parts import PartConfig, Vector3, quantity
 
 Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
+MOST_PARTICLES = 2**26  # a candidate list has so many bits for the number of a particle
 
 
 class Box(PartConfig):
@@ -35,7 +36,7 @@ class WaterConfig(PartConfig):
 
     spacing: float | None = quantity("m", None, gt=0.0)
     """Distance between particles at rest."""
-    particles: int | None = quantity("particles", None, ge=1, le=2**26)
+    particles: int | None = quantity("particles", None, ge=1, le=MOST_PARTICLES)
     """A budget of particles, in place of `spacing`."""
     rest_density: float = quantity("kg/m3", WATER_DENSITY, gt=0.0)
     """Density of the water at rest."""
@@ -52,7 +53,9 @@ class WaterConfig(PartConfig):
     @classmethod
     def _one_size(cls, value: Any) -> Any:
         if isinstance(value, (list, tuple)):
-            raise ValueError("particles of mixed size are not modelled: their forces would not be symmetric; give one number")
+            raise ValueError(
+                "particles of mixed size are not modelled: their forces would not be symmetric; give one number"
+            )
         return value
 
     @model_validator(mode="after")
@@ -70,11 +73,14 @@ class WaterConfig(PartConfig):
         found: list[tuple[tuple[str | int, ...], str]] = []
         if basin.dimension == 2 and self.body_force[2] != 0.0:
             found.append((("body_force",), "a slice in x-y has no force along z"))
-        boxes = [] if self.fill is None else self.lattice(basin).boxes
         for k, box in enumerate(self.fill or ()):
             if len(box.min) != basin.dimension:
                 found.append((("fill", k), f"a point of this basin has {basin.dimension} numbers, got {len(box.min)}"))
                 return found
+        lattice = self.lattice(basin)
+        if self.spacing is not None and lattice.volume > MOST_PARTICLES * self.spacing**basin.dimension:
+            found.append((("spacing",), f"would make more than {MOST_PARTICLES} particles, the most that there can be"))
+        boxes = lattice.boxes if self.fill is not None else []
         for k, (low, up) in enumerate(boxes):
             outside = (low < np.array(basin.lower) - 1e-9) | (up > np.array(basin.upper) + 1e-9)
             outside[1] = low[1] < basin.lower[1] - 1e-9
@@ -136,7 +142,7 @@ class Lattice:
 
     @property
     def mass(self) -> float:
-        """Mass of a particle [kg], in a slice [kg per metre of width]: rest density times volume of the water over n."""
+        """Mass of a particle [kg], in a slice [kg/m]: rest density times volume of the water over n."""
         return self.config.rest_density * self.volume / self.n
 
     @property

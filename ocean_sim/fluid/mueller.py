@@ -74,8 +74,12 @@ class Config(WaterConfig):
         sizes = self.sizes(basin)
         n, support = sizes.grid.lattice.n, sizes.grid.support
         return [
-            LedgerRow("fluid", f"{n} particles", (9 * word + 4) * n, "position, velocity, density, pressure, volume, number"),
-            LedgerRow("fluid", f"grid of {sizes.grid.cell_count} cells", sizes.grid.bytes(word), f"support {support:g} m"),
+            LedgerRow(
+                "fluid", f"{n} particles", (9 * word + 4) * n, "position, velocity, density, pressure, volume, number"
+            ),
+            LedgerRow(
+                "fluid", f"grid of {sizes.grid.cell_count} cells", sizes.grid.bytes(word), f"support {support:g} m"
+            ),
             LedgerRow("fluid", "candidate lists", sizes.bytes(word), "neighbours of every occupied cell"),
         ]
 
@@ -174,7 +178,7 @@ class Momentum:
 
     @ti.func
     def pair(self, own, other):
-        """-m (p_i + p_j) / (2 rho_j) grad W (2.16), then mu m / rho_j v_ji laplacian W (2.18), both over `constant`."""
+        """-m (p_i + p_j) / (2 rho_j) grad W (2.16) and mu m / rho_j v_ji laplacian W (2.18)."""
         x_ij = tm.vec3(own[0] - other[0], own[1] - other[1], own[2] - other[2])
         v_ji = tm.vec3(other[3] - own[3], other[4] - own[4], other[5] - own[5])
         r = ti.sqrt(x_ij.dot(x_ij) + TINY)
@@ -209,7 +213,6 @@ class Momentum:
             fluid.ledger.count_impulse(group, WIND, m * dt * a_wind)
             fluid.ledger.count_impulse(group, GRAVITY, m * dt * fluid.gravity)
             fluid.ledger.count_impulse(group, WALLS, m * (v_new - v - dt * (a - a_walls)))
-
 
     @ti.func
     def added(self, total):

@@ -7,6 +7,7 @@ import numpy as np
 Name = Literal["third_person", "top", "side"]
 VIEW_ANGLE = 35.0  # [deg], vertical
 MARGIN = 1.05
+BAND = 1.3  # room above and below the water for words, in the picture from the side
 HEADROOM = 0.24  # of the basin's length: sky above the water in perspective pictures
 TOWARDS = {  # direction of view, and what is up in the picture
     "third_person": ((-0.60, -0.27, -0.77), (0.0, 1.0, 0.0)),
@@ -34,7 +35,7 @@ def placed(name: Name, lower: np.ndarray, upper: np.ndarray, aspect: float) -> C
     x, y, away = corners @ right, corners @ up, corners @ forward
     if name == "side":
         middle = 0.5 * (x.min() + x.max()) * right + 0.5 * (y.min() + y.max()) * up
-        half = 0.5 * MARGIN * max(np.ptp(y), np.ptp(x) / aspect)
+        half = 0.5 * max(BAND * np.ptp(y), MARGIN * np.ptp(x) / aspect)
         return Camera(middle + (away.min() - 4.0 * np.linalg.norm(upper - lower)) * forward, forward, up, half)
     tangent = np.tan(np.radians(VIEW_ANGLE / 2)) / MARGIN
     # Planes through the eye bound the picture: each corner limits how far forward the eye may stand.

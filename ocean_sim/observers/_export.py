@@ -17,14 +17,8 @@ class NothingToExport(Exception):
     """The run did not keep what was asked for; the message says what to switch on."""
 
 
-def export_run(
-    folder: Path,
-    particles: str | None,
-    surface: str | None,
-    out: Path,
-    every: int = 1,
-) -> list[Path]:
-    """Write `particles` ("vtkhdf") and `surface` ("ply" or "vtp") into `out`, from every `every`-th frame; returns the files that a user opens."""
+def export_run(folder: Path, particles: str | None, surface: str | None, out: Path, every: int = 1) -> list[Path]:
+    """Write `particles` (vtkhdf) and `surface` (ply or vtp) of every `every`-th frame into `out`; returns the files."""
     frames = sorted((folder / "frames").glob("frame_*.npz"))[::every]
     if not frames:
         raise NothingToExport(f"{folder} has no frames; run with the observer `frames`")

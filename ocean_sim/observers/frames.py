@@ -11,7 +11,12 @@ from ocean_sim.observers._sampled import Multiples
 from ocean_sim.parts import ObserverConfig, quantity
 
 if TYPE_CHECKING:
+    from ocean_sim.scene import SceneConfig
     from ocean_sim.simulation import Simulation
+
+
+BYTES_PER_PARTICLE = 28  # position, velocity and id
+LARGE = 2.0e9  # bytes that are worth a warning
 
 
 class Config(ObserverConfig):
@@ -21,6 +26,18 @@ class Config(ObserverConfig):
     """Distance of the points at which the height of the water is kept; by default the spacing of the particles."""
     particles: bool = True
     """Keep the positions and velocities of the particles, which `export` and pictures of particles need."""
+
+    def warnings(self, scene: "SceneConfig") -> list[str]:
+        """Says when the frames of a long or large run would fill a disk."""
+        basin = scene.basin.build()
+        lattice = scene.fluid.lattice(basin)
+        x, z = grid(basin, self.spacing or lattice.spacing)
+        frame = 4 * len(x) * len(z) + (BYTES_PER_PARTICLE * lattice.n if self.particles else 0)
+        size = frame * (scene.duration / self.every + 1.0)
+        if size < LARGE:
+            return []
+        cure = "; frames.particles: false keeps only the surface" if self.particles else ""
+        return [f"frames: about {size / 1e9:.1f} GB on disk at one frame every {self.every:g} s{cure}"]
 
     def build(self, folder: Path, simulation: "Simulation") -> "Frames":
         return Frames(self, folder, simulation)

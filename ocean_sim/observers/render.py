@@ -56,7 +56,7 @@ class Config(ObserverConfig):
         return size
 
     def build(self, folder: Path, simulation: "Simulation") -> "Render":
-        return Render(self, folder)
+        return Render(self, folder, simulation)
 
 
 class Render:
@@ -64,8 +64,8 @@ class Render:
 
     every = 0.0
 
-    def __init__(self, config: Config, folder: Path) -> None:
-        self.config, self.folder = config, folder
+    def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
+        self.config, self.folder, self.simulation = config, folder, simulation
         self.progress: Progress | None = None
 
     def observe(self, simulation: "Simulation") -> None:
@@ -73,6 +73,9 @@ class Render:
 
     def close(self) -> None:
         if not frame_files(self.folder):
+            return
+        if self.simulation.reason == "interrupted":  # who stops a run does not want to wait for its film
+            print(f"no pictures; `ocean-sim render {self.folder}` draws them", file=sys.stderr)
             return
         try:
             render_run(self.folder, **self.config.model_dump(), progress=self.progress)
@@ -325,11 +328,8 @@ def draw(order: Order) -> Iterator[tuple[int, int]]:
     files = frame_files(Path(order.folder))
     with np.load(Path(order.folder) / "frames" / "grid.npz") as file:
         grid = dict(file)
-    frames = [Frame(path) for path in files[:: max(1, len(files) // 60)]]
-    lively = max(frames[len(frames) // 2 :], key=lambda frame: float(frame.elevation.std()))
-    speeds = [float(np.percentile(np.linalg.norm(f.velocity, axis=1), 99)) for f in frames if f.velocity is not None]
-    picture = Picture(grid, order, lively, max([0.1, *speeds]))
-    del frames
+    lively, fastest = survey(files[:: max(1, len(files) // 60)])
+    picture = Picture(grid, order, lively, fastest)
     out = Path(order.out)
     picture.smooth(True)
     write(out / "preview.png", lambda path: save_png(path, picture.draw(lively)))
@@ -338,6 +338,17 @@ def draw(order: Order) -> Iterator[tuple[int, int]]:
         chosen = schedule(np.array([time_of(path) for path in files]), order.every)
         yield from film(out / "film.mp4", picture, [files[k] for k in chosen], 1.0 / order.every)
     picture.close()
+
+
+def survey(files: list[Path]) -> tuple[Frame, float]:
+    """The frame with the highest waves of the second half of a run, and the speed of its fast particles [m/s]."""
+    height, speed = [], [0.1]
+    for frame in map(Frame, files):  # one at a time: a frame of a large run is large
+        height.append(float(frame.elevation.std()))
+        if frame.velocity is not None:
+            speed.append(float(np.percentile(np.linalg.norm(frame.velocity, axis=1), 99)))
+    half = len(files) // 2
+    return Frame(files[half + int(np.argmax(height[half:]))]), max(speed)
 
 
 def time_of(path: Path) -> float:

@@ -28,7 +28,10 @@ EXTREMES = {
     "a step 30 times too long": {"time_step": {"kind": "fixed", "dt": 0.1}},
     "stiffness times 1000": {"fluid.stiffness": 1000 * 490.0, "time_step": {"kind": "fixed", "dt": 0.002}},
     "stiffness of the listing": {"fluid.stiffness": 0.02},
-    "viscosity times 1000 in a fixed step": {"fluid.kinematic_viscosity": 10.0, "time_step": {"kind": "fixed", "dt": 0.002}},
+    "viscosity times 1000 in a fixed step": {
+        "fluid.kinematic_viscosity": 10.0,
+        "time_step": {"kind": "fixed", "dt": 0.002},
+    },
     "viscosity times 1000 in its own step": {"fluid.kinematic_viscosity": 10.0, "duration": 0.01},
     "storm": {"wind": STORM},
     "one particle": {"fluid.fill": [{"min": [0.0, 0.2, 0.0], "max": [0.1, 0.3, 0.1]}]},
@@ -55,6 +58,8 @@ def test_it_ends_in_a_physical_state_or_says_why_not(extreme):
 
 
 def test_the_listings_stiffness_collapses_and_is_stopped():
-    scene = ocean_sim.load("scenes/thesis/fig6_3c_wide.yaml", {"fluid": "thesis_listing", "render": None, "frames": None})
+    scene = ocean_sim.load(
+        "scenes/thesis/fig6_3c_wide.yaml", {"fluid": "thesis_listing", "render": None, "frames": None}
+    )
     with pytest.raises(Diverged, match="density"), ocean_sim.Simulation(scene) as simulation:
         simulation.run(until=10.0)

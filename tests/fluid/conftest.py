@@ -18,7 +18,9 @@ def water(taichi_cpu) -> Callable[..., Any]:
     def build(kind: str = "mueller", *, basin: dict | None = None, wind: Any = None, ledger: bool = False, **keys: Any):
         place = BasinConfig(**({"length": 1.0, "width": 1.0, "depth": 0.5} | (basin or {}))).build()
         air = (wind or Still()).build(place, 7)
-        fluid = config_of("fluid", kind)(**(keys if "particles" in keys else {"spacing": 0.1} | keys)).build(place, 7, ledger=ledger, wind=air)
+        fluid = config_of("fluid", kind)(**(keys if "particles" in keys else {"spacing": 0.1} | keys)).build(
+            place, 7, ledger=ledger, wind=air
+        )
         fluid.wind = air
         return fluid
 
@@ -34,7 +36,9 @@ def box(*count: int, spacing: float = 0.1) -> dict:
 def put(fluid: Any, position: np.ndarray, velocity: np.ndarray | None = None) -> None:
     """Place the particles, in the order of their ids, and sort them."""
     fluid.particles.position.from_numpy(np.asarray(position, dtype=float))
-    fluid.particles.velocity.from_numpy(np.zeros_like(position) if velocity is None else np.asarray(velocity, dtype=float))
+    fluid.particles.velocity.from_numpy(
+        np.zeros_like(position) if velocity is None else np.asarray(velocity, dtype=float)
+    )
     fluid.particles.id.from_numpy(np.arange(len(position), dtype=np.int32))
     fluid.begin()
 

@@ -1,5 +1,6 @@
 import hashlib
 import json
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -48,3 +49,13 @@ def test_the_manifest_says_what_was_run_and_how_it_ended(tmp_path, watched):
     assert manifest.state_sha256(simulation) == before  # storage order does not matter
     particles.position.values[0, 0] += 1e-3
     assert manifest.state_sha256(simulation) != before
+
+
+def test_frames_that_would_fill_a_disk_are_announced(watched):
+    simulation = watched()
+    scene, n = simulation.scene, 2_000_000
+    scene.basin, scene.duration = simulation.basin.config, 20.0
+    scene.fluid.lattice = lambda basin: SimpleNamespace(n=n, spacing=0.5)
+    [sentence] = frames.Config().warnings(scene)
+    assert sentence.startswith("frames: about 34.0 GB") and "frames.particles: false" in sentence
+    assert frames.Config(particles=False).warnings(scene) == []

@@ -88,12 +88,12 @@ def test_a_size_that_no_film_can_have_is_refused_at_once(size):
         render.Config(size=size)
 
 
-def test_missing_opengl_is_a_sentence(kept, monkeypatch, capsys):
+def test_missing_opengl_is_a_sentence(kept, watched, monkeypatch, capsys):
     folder = kept()
     monkeypatch.setattr(_opengl, "window", lambda: None)
     with pytest.raises(render.OpenGLMissing, match="apt-get install --no-install-recommends libegl1 libgl1-mesa-dri"):
         render.render_run(folder)
-    render.Render(render.Config(), folder).close()
+    render.Render(render.Config(), folder, watched()).close()
     assert "no pictures: this machine has no OpenGL" in capsys.readouterr().err
     assert "libegl1" in render.probe()
 
@@ -119,8 +119,15 @@ def test_the_probe_believes_only_what_was_drawn(monkeypatch):
     assert not _opengl.draws("vtkEGLRenderWindow")
 
 
-def test_a_run_without_frames_has_nothing_to_draw(tmp_path):
-    render.Render(render.Config(), tmp_path).close()
+def test_after_an_interruption_nobody_waits_for_a_film(kept, watched, capsys):
+    folder, simulation = kept(), watched()
+    simulation.reason = "interrupted"
+    render.Render(render.Config(), folder, simulation).close()
+    assert "ocean-sim render" in capsys.readouterr().err and not (folder / "film.mp4").exists()
+
+
+def test_a_run_without_frames_has_nothing_to_draw(tmp_path, watched):
+    render.Render(render.Config(), tmp_path, watched()).close()
     with pytest.raises(render.RenderFailed, match="has no frames to draw"):
         render.render_run(tmp_path)
 

@@ -97,7 +97,7 @@ def test_waters_have_the_numbers_of_the_listing(preset_data):
     assert (listing.motion_limit, listing.collision_distance) == (2.0, 0.2)
     assert listing.lattice(place).n == 6144 and listing.spacing == 1.0 / 0.8
     sea = config_of("fluid", "mueller").model_validate(preset_data("fluid", "thesis_6000"))
-    assert sea.lattice(place).n == 6144 and sea.compression == 0.01 and sea.stiffness is None
+    assert sea.lattice(place).n == 6144 and sea.compression == 0.008 and sea.stiffness is None
 
 
 @pytest.fixture
@@ -124,7 +124,7 @@ def test_every_preset_says_that_it_is_stylised(preset_data, scene, name):
 def test_warnings_give_the_kick_of_a_passage(preset_data, scene):
     assert "1.7e+05 times" in warned(preset_data, scene, "narrow")
     assert "the kick of one passage is 1.7 m/s (1 along, 1.4 up)" in warned(preset_data, scene, "narrow")
-    assert "the kick of one passage is 3.4 m/s (2 along, 2.8 up)" in warned(preset_data, scene, "wide")
+    assert "the kick of one passage is 2.1 m/s (1.2 along, 1.7 up)" in warned(preset_data, scene, "wide")
     assert "throws the water" not in warned(preset_data, scene, "narrow") + warned(preset_data, scene, "wide")
     assert "does not drift" in warned(preset_data, scene, "vortex")
 

@@ -67,8 +67,9 @@ class Grid:
     """The cells, and the particles sorted by cell."""
 
     def __init__(self, particles: Particles, size: GridSize) -> None:
+        self.size = size
         self.support, self.n, self.basin = size.support, particles.n, size.lattice.basin
-        self.lower, self.width = tm.vec3(self.basin.lower), tm.vec3([width for _, width in size.inner])
+        self.lower, self.per_width = tm.vec3(self.basin.lower), tm.vec3([1.0 / width for _, width in size.inner])
         self.cells, self.cell_count, self.chunks = size.cells, size.cell_count, size.chunks
         self.state = (*particles.position, *particles.velocity, particles.id)
         self.moved = (*Components(self.n), *Components(self.n), ti.field(int, shape=self.n))
@@ -82,7 +83,7 @@ class Grid:
     def place(self, x):
         """The cell of a point on each axis, padding counted; a point beyond the grid belongs to its border cell."""
         last = tm.ivec3(self.cells) - 2
-        return tm.clamp(ti.cast(ti.floor((x - self.lower) / self.width), int) + 1, 1, last)
+        return tm.clamp(ti.cast((x - self.lower) * self.per_width + 1.0, int), 1, last)
 
     @ti.func
     def cell_at(self, place):

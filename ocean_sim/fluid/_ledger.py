@@ -1,5 +1,7 @@
 """What a step did, counted per group of cells and added in their order: extremes, and the impulse of every term."""
 
+from math import isfinite
+
 import numpy as np
 import taichi as ti
 
@@ -9,7 +11,7 @@ from ocean_sim.fluid import Status
 GROUPS = 64  # blocks of cells or particles, each a task of its own
 TERMS = ("pressure", "viscosity", "wind", "gravity", "walls")
 PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS = range(len(TERMS))
-Summary = ti.types.vector(7, float)
+SUMMARY = 7  # numbers that a step reports
 DENSE = 1.0e30  # [kg/m3] more than any density
 
 
@@ -55,9 +57,9 @@ class Ledger:
             self.impulse[group, term, k] = self.impulse[group, term, k] + ti.cast(impulse[k], ti.f64)
 
     @ti.func
-    def summary(self):
-        """Largest squared speed and acceleration, least and largest density, a sum that shows what is not a number,
-        particles held back, and cells with more candidates than their list holds."""
+    def summarise(self, summary: ti.template()):
+        """Into an array of SUMMARY numbers: largest squared speed and acceleration, least and largest density, a sum
+        that shows what is not a number, particles held back, and cells with more candidates than their list holds."""
         speed2, acceleration2, thin, dense, total = 0.0, 0.0, DENSE, 0.0, 0.0
         clipped, crowded = 0, 0
         ti.loop_config(serialize=True)
@@ -67,17 +69,18 @@ class Ledger:
             total += self.sum[g] + self.dense[g]
             clipped += self.clipped[g]
             crowded += self.overflow[g]
-        return Summary(speed2, acceleration2, thin, dense, total, ti.cast(clipped, float), ti.cast(crowded, float))
+        for k, number in ti.static(enumerate((speed2, acceleration2, thin, dense, total, clipped, crowded))):
+            summary[k] = number
 
-    def status(self, summary) -> Status:
-        """The summary of a kernel, as it is shown outside; raises Diverged where a list of candidates overflowed."""
-        speed2, acceleration2, thin, dense, total, clipped, crowded = (float(number) for number in summary)
+    def status(self, summary: np.ndarray) -> Status:
+        """What `summarise` left, as it is shown outside; raises Diverged where a list of candidates overflowed."""
+        speed2, acceleration2, thin, dense, total, clipped, crowded = summary.tolist()
         if crowded:
             raise Diverged(
                 f"{int(crowded)} cells have more neighbours than their lists hold: the water is packed up to "
                 f"{dense:.0f} kg/m3; try a smaller compression (stiffer water), a smaller time step or more viscosity"
             )
-        return Status(speed2**0.5, acceleration2**0.5, thin, dense, int(clipped), bool(np.isfinite(total)))
+        return Status(speed2**0.5, acceleration2**0.5, thin, dense, int(clipped), isfinite(total))
 
     def total(self) -> dict[str, np.ndarray]:
         """Impulse of each term since the start [N s], (3,) each; empty where it is not summed."""

@@ -12,7 +12,7 @@ import taichi.math as tm
 
 from ocean_sim.basin import OPEN
 from ocean_sim.fluid._grid import Grid, GridSize
-from ocean_sim.fluid._images import INDEX, Images
+from ocean_sim.fluid._images import Images
 from ocean_sim.fluid._ledger import GROUPS, Ledger
 from ocean_sim.fluid._particles import Particles
 from ocean_sim.fluid._smoothing import positive
@@ -43,7 +43,7 @@ class ListSize:
 
     def bytes(self, word: int) -> int:
         """Of lists and scratch, where `word` is the size of a `float` [bytes]."""
-        return 4 * (2 * self.grid.occupied + GROUPS * self.segment) + word * GROUPS * self.capacity * self.reads
+        return 4 * (self.grid.occupied + GROUPS * self.segment) + word * GROUPS * self.capacity * self.reads
 
 
 @ti.data_oriented
@@ -53,22 +53,33 @@ class Neighbours:
     def __init__(self, particles: Particles, grid: Grid, ledger: Ledger, size: ListSize) -> None:
         self.position, self.grid, self.ledger = particles.position, grid, ledger
         self.capacity, self.segment = size.capacity, size.segment
-        self.images = Images(grid.basin)
-        self.particles, self.candidates = (ti.field(int, shape=size.grid.occupied) for _ in range(2))
+        self.images = Images(grid.basin, grid.cells)
+        self.candidates = ti.field(int, shape=size.grid.occupied)
         self.candidate = ti.field(int, shape=GROUPS * self.segment)
         self.scratch = tuple(ti.field(float, shape=GROUPS * self.capacity) for _ in range(size.reads))
 
     @ti.func
-    def find(self, c, first, room):
-        """Keep the particles, then the images, within one support of the bounding box of cell c, from `first` on.
-
-        Returns how many particles and how many in all; more than `room` are not kept: the second number is negative.
-        """
-        grid, images = self.grid, self.images
+    def bounds(self, c):
+        """Lowest and highest coordinates of the particles of cell c."""
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         lo, up = tm.vec3(OPEN), tm.vec3(-OPEN)
-        for i in range(grid.start[c], grid.start[c + 1]):
+        for i in range(self.grid.start[c], self.grid.start[c + 1]):
             lo, up = tm.min(lo, tm.vec3(x[i], y[i], z[i])), tm.max(up, tm.vec3(x[i], y[i], z[i]))
+        return lo, up
+
+    @ti.func
+    def near(self, x, lo, up):
+        """1 within one support of the box from lo to up, else 0."""
+        ex = positive(ti.max(lo.x - x.x, x.x - up.x))
+        ey = positive(ti.max(lo.y - x.y, x.y - up.y))
+        ez = positive(ti.max(lo.z - x.z, x.z - up.z))
+        return int(ex * ex + ey * ey + ez * ez < self.grid.support * self.grid.support)
+
+    @ti.func
+    def find(self, c, lo, up, first, room):
+        """Keep the particles near the box from `first` on; their number, or -1 where they do not find `room`."""
+        grid = self.grid
+        x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         m, full = 0, 0
         for dz in range(-1, 2):
             for dy in range(-1, 2):
@@ -78,39 +89,28 @@ class Neighbours:
                     full = 1
                     end = begin
                 for j in range(begin, end):
-                    ex = positive(ti.max(lo.x - x[j], x[j] - up.x))
-                    ey = positive(ti.max(lo.y - y[j], y[j] - up.y))
-                    ez = positive(ti.max(lo.z - z[j], z[j] - up.z))
                     self.candidate[first + m] = j
-                    m += int(ex * ex + ey * ey + ez * ez < grid.support * grid.support)
-        particles = m
-        place = grid.place_of(c)
-        low, high = images.beside(place, grid.cells)
-        if low.sum() + high.sum() > 0:
-            for sz, sy, sx in ti.ndrange((-low.z, high.z + 1), (-low.y, high.y + 1), (-low.x, high.x + 1)):
-                sides = tm.ivec3(sx, sy, sz)
-                if sides.dot(sides) > 0:
-                    sign, offset = images.mirror(sides)
-                    reach = 1 - abs(sides)  # along a mirrored axis only the layer of c has images in reach
-                    for dz in range(-reach.z, reach.z + 1):
-                        for dy in range(-reach.y, reach.y + 1):
-                            row = c + (dz * grid.cells[1] + dy) * grid.cells[0]
-                            begin, end = grid.start[row - reach.x], grid.start[row + 1 + reach.x]
-                            if m + end - begin > room:
-                                full = 1
-                                end = begin
-                            for j in range(begin, end):
-                                image = sign * tm.vec3(x[j], y[j], z[j]) + offset
-                                away = tm.max(tm.max(lo - image, image - up), 0.0)
-                                self.candidate[first + m] = images.entry(j, sides)
-                                m += int(away.dot(away) < grid.support * grid.support)
-        return tm.ivec2(particles, ti.select(full == 1, -1, m))
+                    m += self.near(tm.vec3(x[j], y[j], z[j]), lo, up)
+        return ti.select(full == 1, -1, m)
+
+    @ti.func
+    def find_images(self, sign, offset, lo, up, scratch, m, first):
+        """Keep those of the m candidates so far whose image is near the box, from `first` on; their number."""
+        x, y, z = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
+        run = 0
+        for a in range(m):
+            self.candidate[first + run] = a
+            run += self.near(sign * tm.vec3(x[scratch + a], y[scratch + a], z[scratch + a]) + offset, lo, up)
+        return run
 
     @ti.func
     def walk(self, group, law: ti.template(), find: ti.template()):
-        """For every particle i of the group's cells: sum law.pair over its candidates, particles and images apart, then
-        law.finish it."""
-        grid = self.grid
+        """For every particle i of the group's cells: sum law.pair over its candidates, then law.finish it.
+
+        Images are summed with the particles, or, where the law wants them `apart`, by themselves. The list of a cell
+        holds the numbers of its candidates, then for each side beside it how many images there are and of which.
+        """
+        grid, images = self.grid, self.images
         scratch = group * self.capacity
         kept, last = group * self.segment, (group + 1) * self.segment
         if ti.static(find):
@@ -118,32 +118,48 @@ class Neighbours:
         law.begin(group)
         occupied = grid.occupied_count[None]
         for k in range(group * occupied // GROUPS, (group + 1) * occupied // GROUPS):
-            c = grid.occupied[k]
+            c = self.grid.occupied[k]
+            place = grid.place_of(c)
+            lo, up = tm.vec3(0.0), tm.vec3(0.0)
             if ti.static(find):
-                found = self.find(c, kept, ti.min(self.capacity, last - kept))
-                if found[1] < 0:
+                lo, up = self.bounds(c)
+                self.candidates[k] = self.find(c, lo, up, kept, ti.min(self.capacity, last - kept))
+                if self.candidates[k] < 0:
+                    self.candidates[k] = 0
                     self.ledger.overflow[group] = self.ledger.overflow[group] + 1
-                    found = tm.ivec2(0)
-                self.particles[k], self.candidates[k] = found[0], found[1]
-            n, m = self.particles[k], self.candidates[k]
+            n = self.candidates[k]
             for a in range(n):
                 j = self.candidate[kept + a]
                 for t, field in ti.static(enumerate(law.reads)):
                     self.scratch[t][scratch + a] = field[j]
-            for a in range(n, m):
-                entry = self.candidate[kept + a]
-                sign, offset = self.images.mirror(self.images.sides(entry))
-                image = law.image(ti.Vector([field[entry & INDEX] for field in ti.static(law.reads)]), sign, offset)
-                for t in ti.static(range(len(law.reads))):
-                    self.scratch[t][scratch + a] = image[t]
+            m, entry = n, kept + n
+            for side in range(images.sides):
+                if images.beside(side, place):
+                    sign, offset = images.mirror(side)
+                    if ti.static(find):
+                        self.candidate[entry] = 0
+                        if entry + 1 + m <= last and 2 * m <= self.capacity:
+                            found = self.find_images(sign, offset, lo, up, scratch, m, entry + 1)
+                            self.candidate[entry] = found
+                        else:
+                            self.ledger.overflow[group] = self.ledger.overflow[group] + 1
+                    run = self.candidate[entry]
+                    for b in range(run):
+                        a = scratch + self.candidate[entry + 1 + b]
+                        seen = ti.Vector([self.scratch[t][a] for t in ti.static(range(len(law.reads)))])
+                        image = law.image(seen, sign, offset)
+                        for t in ti.static(range(len(law.reads))):
+                            self.scratch[t][scratch + m + b] = image[t]
+                    m, entry = m + run, entry + 1 + run
             for i in range(grid.start[c], grid.start[c + 1]):
                 own = ti.Vector([field[i] for field in ti.static(law.reads)])
                 total, beyond = ti.Vector.zero(float, law.sums), ti.Vector.zero(float, law.sums)
-                for a in range(scratch, scratch + n):
+                for a in range(scratch, scratch + ti.select(law.apart, n, m)):
                     other = ti.Vector([self.scratch[t][a] for t in ti.static(range(len(law.reads)))])
                     total += law.pair(own, other)
-                for a in range(scratch + n, scratch + m):
-                    other = ti.Vector([self.scratch[t][a] for t in ti.static(range(len(law.reads)))])
-                    beyond += law.pair(own, other)
+                if ti.static(law.apart):
+                    for a in range(scratch + n, scratch + m):
+                        other = ti.Vector([self.scratch[t][a] for t in ti.static(range(len(law.reads)))])
+                        beyond += law.pair(own, other)
                 law.finish(i, own, total, beyond, group)
-            kept += m
+            kept = entry

@@ -13,7 +13,7 @@ from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.parts import PartConfig, Vector3, quantity
 
 Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
-MOST_PARTICLES = 2**26  # a candidate list has so many bits for the number of a particle
+MOST_PARTICLES = 2**26  # their neighbours are counted in 32 bits
 
 
 class Box(PartConfig):

@@ -10,7 +10,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid._free_surface import FreeSurface
 from ocean_sim.fluid._grid import TASK, Grid, GridSize
-from ocean_sim.fluid._ledger import GRAVITY, GROUPS, WALLS, WIND, Ledger, Summary
+from ocean_sim.fluid._ledger import GRAVITY, GROUPS, SUMMARY, WALLS, WIND, Ledger
 from ocean_sim.fluid._particles import seeded
 from ocean_sim.fluid._smoothing import Smoothing
 from ocean_sim.fluid._walls import Walls
@@ -67,7 +67,8 @@ class Ballistic:
         self.ledger = Ledger(ledger)
         self.reference_speed = free_fall_speed(basin)
         self.gravity = tm.vec3(np.add(basin.gravity, config.body_force))  # [m/s2]
-        self.status = self.ledger.status(self.step(0.0))
+        self.summary = np.zeros(SUMMARY, dtype=self.particles.position.precision)
+        self.advance(0.0)
 
     @ti.func
     def move(self, i, dt, group):
@@ -86,7 +87,7 @@ class Ballistic:
             self.ledger.count_impulse(group, WALLS, m * (v_new - v - dt * a))
 
     @ti.kernel
-    def step(self, dt: float) -> Summary:
+    def step(self, dt: float, summary: ti.types.ndarray(ndim=1)):
         for t in range(GROUPS * TASK):
             if t % TASK == 0:
                 group = t // TASK
@@ -95,11 +96,12 @@ class Ballistic:
                 for i in range(group * self.particles.n // GROUPS, (group + 1) * self.particles.n // GROUPS):
                     self.move(i, dt, group)
         self.grid.sort()
-        return self.ledger.summary()
+        self.ledger.summarise(summary)
 
     def advance(self, dt: float) -> None:
         """One step of dt [s]."""
-        self.status = self.ledger.status(self.step(dt))
+        self.step(dt, self.summary)
+        self.status = self.ledger.status(self.summary)
 
     def limits(self) -> Limits:
         return force_limit(self.grid.support, self.status.max_acceleration)

@@ -16,7 +16,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid._free_surface import FreeSurface
 from ocean_sim.fluid._grid import TASK, Grid, GridSize
-from ocean_sim.fluid._ledger import GRAVITY, GROUPS, PRESSURE, VISCOSITY, WALLS, WIND, Ledger, Summary
+from ocean_sim.fluid._ledger import GRAVITY, GROUPS, PRESSURE, SUMMARY, VISCOSITY, WALLS, WIND, Ledger
 from ocean_sim.fluid._neighbours import ListSize, Neighbours
 from ocean_sim.fluid._particles import Components, seeded
 from ocean_sim.fluid._smoothing import Smoothing, positive
@@ -105,6 +105,8 @@ def limits(support: float, sound_speed: float, viscosity: float, speed: float, a
 class Density:
     """(2.13) with the poly6 kernel, then (2.15); where the wind asks for it, the exposed area as well."""
 
+    apart = False
+
     def __init__(self, fluid: "Mueller") -> None:
         self.fluid = fluid
         self.reads = tuple(fluid.particles.position)
@@ -134,9 +136,8 @@ class Density:
         return total
 
     @ti.func
-    def finish(self, i, own, particles_sum, images_sum, group):
+    def finish(self, i, own, total, beyond, group):
         fluid, particles = self.fluid, self.fluid.particles
-        total = particles_sum + images_sum
         rho_i = self.constant * total[0]
         p_i = fluid.stiffness * (rho_i - particles.rest_density)  # (2.15)
         if ti.static(self.clamped):
@@ -149,7 +150,7 @@ class Density:
 
 @ti.data_oriented
 class Momentum:
-    """(2.16) with the spiky kernel, (2.18) with the viscosity kernel, wind and gravity (2.25); symplectic Euler; walls."""
+    """(2.16) with the spiky kernel, (2.18) with the viscosity kernel, wind and gravity (2.25); symplectic Euler."""
 
     def __init__(self, fluid: "Mueller", wind: Wind) -> None:
         self.fluid, self.wind = fluid, wind
@@ -247,10 +248,16 @@ class Mueller:
         if self.exposed:
             self.exposed_area = Components(self.particles.n)  # times the outward normal [m2]
         self.density, self.momentum = Density(self), Momentum(self, wind)
-        self.status = self.ledger.status(self.begin())
+        self.summary = np.zeros(SUMMARY, dtype=self.particles.position.precision)
+        self.begin()
+
+    def begin(self) -> None:
+        """Start from the particles as they are now."""
+        self.place(self.summary)
+        self.status = self.ledger.status(self.summary)
 
     @ti.kernel
-    def begin(self) -> Summary:
+    def place(self, summary: ti.types.ndarray(ndim=1)):
         """Sort the seeded particles and find their density."""
         for i in range(self.particles.n):
             p, v = self.particles.position, self.particles.velocity
@@ -259,10 +266,10 @@ class Mueller:
         for g in range(GROUPS * TASK):
             if g % TASK == 0:
                 self.neighbours.walk(g // TASK, self.density, True)
-        return self.ledger.summary()
+        self.ledger.summarise(summary)
 
     @ti.kernel
-    def step(self, dt: float) -> Summary:
+    def step(self, dt: float, summary: ti.types.ndarray(ndim=1)):
         """Move by the forces of here and now, sort, and find the new density."""
         self.dt[None] = dt
         for g in range(GROUPS * TASK):
@@ -272,11 +279,12 @@ class Mueller:
         for g in range(GROUPS * TASK):
             if g % TASK == 0:
                 self.neighbours.walk(g // TASK, self.density, True)
-        return self.ledger.summary()
+        self.ledger.summarise(summary)
 
     def advance(self, dt: float) -> None:
         """One step of dt [s]; raises Diverged where more particles crowd together than the neighbour lists hold."""
-        self.status = self.ledger.status(self.step(dt))
+        self.step(dt, self.summary)
+        self.status = self.ledger.status(self.summary)
 
     def limits(self) -> Limits:
         status, nu = self.status, self.config.kinematic_viscosity

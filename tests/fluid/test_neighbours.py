@@ -16,7 +16,7 @@ from tests.fluid.conftest import by_id, put
 class Count:
     """How many particles lie within the support, and the sum of their squared distances."""
 
-    sums = 2
+    sums, apart = 2, True
 
     def __init__(self, fluid) -> None:
         self.reads = tuple(fluid.particles.position)
@@ -155,6 +155,6 @@ def test_sorting_in_chunks_gives_the_same_order(water):
     assert fluid.grid.chunks > 1
     x = np.random.default_rng(5).uniform(-1.4, 1.4, (fluid.particles.n, 3)) * [1.0, 0.6, 1.0]
     put(fluid, x)
-    place = np.floor((x - np.array(fluid.grid.lower)) / np.array(fluid.grid.width)).astype(int) + 1
+    place = np.floor((x - np.array(fluid.grid.lower)) / np.array([w for _, w in fluid.grid.size.inner])).astype(int) + 1
     cell = (place[:, 2] * fluid.grid.cells[1] + place[:, 1]) * fluid.grid.cells[0] + place[:, 0]
     np.testing.assert_array_equal(fluid.particles.id.to_numpy(), np.argsort(cell, kind="stable"))

@@ -17,6 +17,7 @@ from ocean_sim.fluid._water import Lattice
 TASK = 512  # Taichi never cuts a parallel loop finer than this: a task every TASK iterations
 SERIAL = 20_000  # up to so many particles one thread sorts faster than several
 CHUNKS = 8
+FEW, MANY = 16, 64  # groups of cells for few and many particles: threads share them, each costs microseconds
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,11 @@ class GridSize:
     def chunks(self) -> int:
         """Parts in which the particles are counted and sorted."""
         return 1 if self.lattice.n <= SERIAL else CHUNKS
+
+    @property
+    def groups(self) -> int:
+        """Blocks of cells or particles, each a task of its own: set by the scene, never by the number of threads."""
+        return FEW if self.lattice.n <= SERIAL else MANY
 
     @property
     def occupied(self) -> int:

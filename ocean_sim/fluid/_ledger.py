@@ -8,7 +8,6 @@ import taichi as ti
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Status
 
-GROUPS = 64  # blocks of cells or particles, each a task of its own
 TERMS = ("pressure", "viscosity", "wind", "gravity", "walls")
 PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS = range(len(TERMS))
 SUMMARY = 7  # numbers that a step reports
@@ -19,16 +18,16 @@ DENSE = 1.0e30  # [kg/m3] more than any density
 class Ledger:
     """Each group of cells writes its own row, so nothing depends on the order of threads."""
 
-    def __init__(self, impulses: bool) -> None:
+    def __init__(self, groups: int, impulses: bool) -> None:
         """`impulses`: whether the impulse of each term is summed (f64), for `accuracy`."""
-        self.impulses = impulses
-        self.overflow = ti.field(int, shape=GROUPS)
-        self.speed2, self.acceleration2 = ti.field(float, shape=GROUPS), ti.field(float, shape=GROUPS)
-        self.thin, self.dense = ti.field(float, shape=GROUPS), ti.field(float, shape=GROUPS)
-        self.sum = ti.field(float, shape=GROUPS)
-        self.clipped = ti.field(int, shape=GROUPS)
+        self.groups, self.impulses = groups, impulses
+        self.overflow = ti.field(int, shape=groups)
+        self.speed2, self.acceleration2 = ti.field(float, shape=groups), ti.field(float, shape=groups)
+        self.thin, self.dense = ti.field(float, shape=groups), ti.field(float, shape=groups)
+        self.sum = ti.field(float, shape=groups)
+        self.clipped = ti.field(int, shape=groups)
         if impulses:
-            self.impulse = ti.field(ti.f64, shape=(GROUPS, len(TERMS), 3))
+            self.impulse = ti.field(ti.f64, shape=(groups, len(TERMS), 3))
 
     @ti.func
     def begin_motion(self, group):
@@ -63,7 +62,7 @@ class Ledger:
         speed2, acceleration2, thin, dense, total = 0.0, 0.0, DENSE, 0.0, 0.0
         clipped, crowded = 0, 0
         ti.loop_config(serialize=True)
-        for g in range(GROUPS):
+        for g in range(self.groups):
             speed2, acceleration2 = ti.max(speed2, self.speed2[g]), ti.max(acceleration2, self.acceleration2[g])
             thin, dense = ti.min(thin, self.thin[g]), ti.max(dense, self.dense[g])
             total += self.sum[g] + self.dense[g]

@@ -13,7 +13,7 @@ import taichi.math as tm
 from ocean_sim.basin import OPEN
 from ocean_sim.fluid._grid import Grid, GridSize
 from ocean_sim.fluid._images import Images
-from ocean_sim.fluid._ledger import GROUPS, Ledger
+from ocean_sim.fluid._ledger import Ledger
 from ocean_sim.fluid._particles import Particles
 from ocean_sim.fluid._smoothing import positive
 
@@ -39,11 +39,14 @@ class ListSize:
     def segment(self) -> int:
         """Candidates that one group of cells may have: twice those of water at rest, whose cells are full."""
         full = (self.grid.support / self.grid.lattice.spacing) ** self.grid.lattice.basin.dimension
-        return int(2.0 * self.grid.lattice.n / GROUPS * self.at_rest / full) + 4 * self.capacity
+        return int(2.0 * self.grid.lattice.n / self.grid.groups * self.at_rest / full) + 4 * self.capacity
 
     def bytes(self, word: int) -> int:
         """Of lists and scratch, where `word` is the size of a `float` [bytes]."""
-        return 4 * (self.grid.occupied + GROUPS * self.segment) + word * GROUPS * self.capacity * self.reads
+        return (
+            4 * (self.grid.occupied + self.grid.groups * self.segment)
+            + word * self.grid.groups * self.capacity * self.reads
+        )
 
 
 @ti.data_oriented
@@ -52,11 +55,11 @@ class Neighbours:
 
     def __init__(self, particles: Particles, grid: Grid, ledger: Ledger, size: ListSize) -> None:
         self.position, self.grid, self.ledger = particles.position, grid, ledger
-        self.capacity, self.segment = size.capacity, size.segment
+        self.groups, self.capacity, self.segment = size.grid.groups, size.capacity, size.segment
         self.images = Images(grid.basin, grid.cells)
         self.candidates = ti.field(int, shape=size.grid.occupied)
-        self.candidate = ti.field(int, shape=GROUPS * self.segment)
-        self.scratch = tuple(ti.field(float, shape=GROUPS * self.capacity) for _ in range(size.reads))
+        self.candidate = ti.field(int, shape=self.groups * self.segment)
+        self.scratch = tuple(ti.field(float, shape=self.groups * self.capacity) for _ in range(size.reads))
 
     @ti.func
     def bounds(self, c):
@@ -117,7 +120,7 @@ class Neighbours:
             self.ledger.overflow[group] = 0
         law.begin(group)
         occupied = grid.occupied_count[None]
-        for k in range(group * occupied // GROUPS, (group + 1) * occupied // GROUPS):
+        for k in range(group * occupied // self.groups, (group + 1) * occupied // self.groups):
             c = self.grid.occupied[k]
             place = grid.place_of(c)
             lo, up = tm.vec3(0.0), tm.vec3(0.0)

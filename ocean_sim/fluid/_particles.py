@@ -21,7 +21,14 @@ class Components:
 
     def to_numpy(self) -> np.ndarray:
         """(n, 3), in storage order."""
-        return np.stack([component.to_numpy() for component in self], axis=1)
+        rows = np.empty((*self.x.shape, 3), dtype=self.precision)
+        self.copy_to(rows)
+        return rows
+
+    @ti.kernel
+    def copy_to(self, rows: ti.types.ndarray(ndim=2)):
+        for i in self.x:
+            rows[i, 0], rows[i, 1], rows[i, 2] = self.x[i], self.y[i], self.z[i]
 
     def from_numpy(self, values: np.ndarray) -> None:
         """Takes (n, 3)."""

@@ -10,7 +10,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid._free_surface import FreeSurface
 from ocean_sim.fluid._grid import TASK, Grid, GridSize
-from ocean_sim.fluid._ledger import GRAVITY, GROUPS, SUMMARY, WALLS, WIND, Ledger
+from ocean_sim.fluid._ledger import GRAVITY, SUMMARY, WALLS, WIND, Ledger
 from ocean_sim.fluid._particles import seeded
 from ocean_sim.fluid._smoothing import Smoothing
 from ocean_sim.fluid._walls import Walls
@@ -64,7 +64,7 @@ class Ballistic:
         self.grid = Grid(self.particles, size)
         self.surface = FreeSurface(self.particles, self.grid, Smoothing(basin.dimension, size.support))
         self.walls = Walls(size.lattice)
-        self.ledger = Ledger(ledger)
+        self.ledger = Ledger(size.groups, ledger)
         self.reference_speed = free_fall_speed(basin)
         self.gravity = tm.vec3(np.add(basin.gravity, config.body_force))  # [m/s2]
         self.summary = np.zeros(SUMMARY, dtype=self.particles.position.precision)
@@ -88,12 +88,13 @@ class Ballistic:
 
     @ti.kernel
     def step(self, dt: float, summary: ti.types.ndarray(ndim=1)):
-        for t in range(GROUPS * TASK):
+        for t in range(self.ledger.groups * TASK):
             if t % TASK == 0:
                 group = t // TASK
                 self.ledger.begin_motion(group)
                 self.ledger.begin_density(group)
-                for i in range(group * self.particles.n // GROUPS, (group + 1) * self.particles.n // GROUPS):
+                first, last = group * self.particles.n, (group + 1) * self.particles.n
+                for i in range(first // self.ledger.groups, last // self.ledger.groups):
                     self.move(i, dt, group)
         self.grid.sort()
         self.ledger.summarise(summary)

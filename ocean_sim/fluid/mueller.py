@@ -16,7 +16,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid._free_surface import FreeSurface
 from ocean_sim.fluid._grid import TASK, Grid, GridSize
-from ocean_sim.fluid._ledger import GRAVITY, GROUPS, PRESSURE, SUMMARY, VISCOSITY, WALLS, WIND, Ledger
+from ocean_sim.fluid._ledger import GRAVITY, PRESSURE, SUMMARY, VISCOSITY, WALLS, WIND, Ledger
 from ocean_sim.fluid._neighbours import ListSize, Neighbours
 from ocean_sim.fluid._particles import Components, seeded
 from ocean_sim.fluid._smoothing import Smoothing, positive
@@ -235,7 +235,7 @@ class Mueller:
         self.particles = seeded(lattice)
         self.smoothing = Smoothing(basin.dimension, support)
         self.grid = Grid(self.particles, sizes.grid)
-        self.ledger = Ledger(ledger)
+        self.ledger = Ledger(sizes.grid.groups, ledger)
         self.neighbours = Neighbours(self.particles, self.grid, self.ledger, sizes)
         self.surface = FreeSurface(self.particles, self.grid, self.smoothing)
         self.walls = Walls(lattice)
@@ -263,7 +263,7 @@ class Mueller:
             p, v = self.particles.position, self.particles.velocity
             self.grid.leave(i, tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(v.x[i], v.y[i], v.z[i]))
         self.grid.sort()
-        for g in range(GROUPS * TASK):
+        for g in range(self.ledger.groups * TASK):
             if g % TASK == 0:
                 self.neighbours.walk(g // TASK, self.density, True)
         self.ledger.summarise(summary)
@@ -272,11 +272,11 @@ class Mueller:
     def step(self, dt: float, summary: ti.types.ndarray(ndim=1)):
         """Move by the forces of here and now, sort, and find the new density."""
         self.dt[None] = dt
-        for g in range(GROUPS * TASK):
+        for g in range(self.ledger.groups * TASK):
             if g % TASK == 0:
                 self.neighbours.walk(g // TASK, self.momentum, False)
         self.grid.sort()
-        for g in range(GROUPS * TASK):
+        for g in range(self.ledger.groups * TASK):
             if g % TASK == 0:
                 self.neighbours.walk(g // TASK, self.density, True)
         self.ledger.summarise(summary)

@@ -27,7 +27,7 @@ COLUMNS = (
 
 
 class Config(ObserverConfig):
-    every: float = quantity("s", 0.05, gt=0.0)
+    every: float = quantity("s", 0.1, gt=0.0)
     """Simulated time between rows."""
 
     def build(self, folder: Path, simulation: "Simulation") -> "Accuracy":

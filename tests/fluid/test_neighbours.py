@@ -8,7 +8,6 @@ import taichi as ti
 
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid._grid import TASK
-from ocean_sim.fluid._ledger import GROUPS
 from tests.fluid.conftest import by_id, put
 
 
@@ -46,7 +45,7 @@ class Count:
 
 @ti.kernel
 def walk(neighbours: ti.template(), law: ti.template(), find: ti.template()):
-    for g in range(GROUPS * TASK):
+    for g in range(neighbours.groups * TASK):
         if g % TASK == 0:
             neighbours.walk(g // TASK, law, find)
 

@@ -189,7 +189,7 @@ def meaning(error: BaseException) -> tuple[int, str, list[Any]]:
         return 3, str(error), []
     if isinstance(error, ImportError | OSError) and "libX11" in str(error):
         return 3, "Taichi needs the system library libX11: as root, apt-get install libx11-6", []
-    if isinstance(error, console.Failed) or type(error).__name__ == "RenderFailed":
+    if isinstance(error, console.Failed) or type(error).__name__ in ("RenderFailed", "NothingToExport"):
         return 1, str(error), []
     if isinstance(error, Diverged):
         return 1, f"diverged: {error}", []

@@ -8,33 +8,36 @@ grid end at the sides: only those beside one have images in reach.
 import numpy as np
 import taichi as ti
 import taichi.math as tm
+from taichi.lang.util import to_numpy_type
 
 from ocean_sim.basin import OPEN, Basin
+
+AXIS, LAYER, WALL = range(3)
 
 
 @ti.data_oriented
 class Images:
-    """Which sides of the basin mirror the water: for each its axis, its place, and the layer of cells beside it."""
+    """Which sides of the basin mirror the water: for each its axis, the layer of cells beside it, and its place [m]."""
 
     def __init__(self, basin: Basin, cells: tuple[int, int, int]) -> None:
         low, up = basin.stops()
-        sides = [(k, wall, 1) for k, wall in enumerate(low) if wall > -OPEN]
-        sides += [(k, wall, cells[k] - 2) for k, wall in enumerate(up) if wall < OPEN]
-        self.sides = len(sides)
-        self.axis, self.wall, self.layer = (ti.field(kind, shape=max(1, self.sides)) for kind in (int, float, int))
-        for field, column in zip((self.axis, self.wall, self.layer), zip(*sides, strict=True), strict=False):
-            field.from_numpy(np.array(column))
+        mirrors = [(k, 1, wall) for k, wall in enumerate(low) if wall > -OPEN]
+        mirrors += [(k, cells[k] - 2, wall) for k, wall in enumerate(up) if wall < OPEN]
+        self.sides = len(mirrors)
+        if mirrors:
+            self.side = ti.field(float, shape=(self.sides, 3))
+            self.side.from_numpy(np.array(mirrors, dtype=to_numpy_type(self.side.dtype)))
 
     @ti.func
-    def beside(self, side, place):
+    def beside(self, s, place):
         """Whether a cell lies beside this side."""
-        return place[self.axis[side]] == self.layer[side]
+        return place[int(self.side[s, AXIS])] == int(self.side[s, LAYER])
 
     @ti.func
-    def mirror(self, side):
+    def mirror(self, s):
         """Sign and offset [m] of the images in this side: they lie at sign * x + offset."""
         sign, offset = tm.vec3(1.0), tm.vec3(0.0)
         for k in ti.static(range(3)):
-            if self.axis[side] == k:
-                sign[k], offset[k] = -1.0, 2.0 * self.wall[side]
+            if int(self.side[s, AXIS]) == k:
+                sign[k], offset[k] = -1.0, 2.0 * self.side[s, WALL]
         return sign, offset

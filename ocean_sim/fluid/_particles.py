@@ -32,8 +32,12 @@ class Components:
 
     def from_numpy(self, values: np.ndarray) -> None:
         """Takes (n, 3)."""
-        for k, component in enumerate(self):
-            component.from_numpy(np.ascontiguousarray(values[:, k], dtype=self.precision))
+        self.copy_from(np.ascontiguousarray(values, dtype=self.precision))
+
+    @ti.kernel
+    def copy_from(self, rows: ti.types.ndarray(ndim=2)):
+        for i in self.x:
+            self.x[i], self.y[i], self.z[i] = rows[i, 0], rows[i, 1], rows[i, 2]
 
     @property
     def precision(self) -> type:

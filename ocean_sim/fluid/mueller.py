@@ -253,38 +253,39 @@ class Mueller:
 
     def begin(self) -> None:
         """Start from the particles as they are now."""
-        self.place(self.summary)
+        self.lift()
+        self.settle(self.summary)
+        self.status = self.ledger.status(self.summary)
+
+    def advance(self, dt: float) -> None:
+        """One step of dt [s]; raises Diverged where more particles crowd together than the neighbour lists hold."""
+        self.move(dt)
+        self.settle(self.summary)
         self.status = self.ledger.status(self.summary)
 
     @ti.kernel
-    def place(self, summary: ti.types.ndarray(ndim=1)):
-        """Sort the seeded particles and find their density."""
+    def lift(self):
+        """Leave all particles where they are, for the sort."""
         for i in range(self.particles.n):
             p, v = self.particles.position, self.particles.velocity
             self.grid.leave(i, tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(v.x[i], v.y[i], v.z[i]))
-        self.grid.sort()
-        for g in range(self.ledger.groups * TASK):
-            if g % TASK == 0:
-                self.neighbours.walk(g // TASK, self.density, True)
-        self.ledger.summarise(summary)
 
     @ti.kernel
-    def step(self, dt: float, summary: ti.types.ndarray(ndim=1)):
-        """Move by the forces of here and now, sort, and find the new density."""
+    def move(self, dt: float):
+        """Move by the forces of here and now."""
         self.dt[None] = dt
         for g in range(self.ledger.groups * TASK):
             if g % TASK == 0:
                 self.neighbours.walk(g // TASK, self.momentum, False)
+
+    @ti.kernel
+    def settle(self, summary: ti.types.ndarray(ndim=1)):
+        """Sort, and find the new density."""
         self.grid.sort()
         for g in range(self.ledger.groups * TASK):
             if g % TASK == 0:
                 self.neighbours.walk(g // TASK, self.density, True)
         self.ledger.summarise(summary)
-
-    def advance(self, dt: float) -> None:
-        """One step of dt [s]; raises Diverged where more particles crowd together than the neighbour lists hold."""
-        self.step(dt, self.summary)
-        self.status = self.ledger.status(self.summary)
 
     def limits(self) -> Limits:
         status, nu = self.status, self.config.kinematic_viscosity

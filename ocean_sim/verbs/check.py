@@ -48,7 +48,7 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
     basin = config.basin.build()
     rows, warnings = config.ledger(), config.warnings()
     particles = config.fluid.lattice(basin).n
-    memory = base_memory() + sum(row.bytes for row in rows)
+    memory = base_memory(particles) + sum(row.bytes for row in rows)
     time_step = config.time_step.build()
     still = config.fluid.still_limits(basin)
     dt = time_step.next(SimpleNamespace(limits=lambda: still))

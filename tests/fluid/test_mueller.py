@@ -8,6 +8,7 @@ import taichi.math as tm
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.fluid._ledger import TERMS
 from ocean_sim.fluid.mueller import Momentum
+from ocean_sim.wind.gusts import Config as Gusts
 from tests.fluid.conftest import box, by_id, put
 
 OPEN = {"length": 1.0, "width": 1.0, "depth": 0.5, "walls": "none", "floor": "none"}
@@ -162,10 +163,12 @@ def test_a_uniform_stream_has_no_viscous_force(water):
     np.testing.assert_allclose(fluid.impulse["viscosity"], 0.0, atol=1e-12)
 
 
+EVERYWHERE = {"kind": "sphere", "centre": [0.0, 0.0, 0.0], "radius": 10.0}
 CHANGES = {
     "pressure": {"compression": 0.04},
     "viscosity": {"kinematic_viscosity": 0.0},
     "gravity": {"body_force": [0.0, GRAVITY, 0.0]},
+    "wind": {"wind": Gusts(volumes=[{"include": [EVERYWHERE], "acceleration": [3.0, 1.0, 0.0]}])},
 }
 
 
@@ -191,6 +194,10 @@ def test_changing_one_term_changes_only_its_impulse(water, term):
     assert np.abs(v_one - v_other).max() > 1e-6
     if term == "gravity":
         assert np.abs(other["gravity"]).max() < 1e-9 < np.abs(one["gravity"]).max()
+    if term == "wind":
+        mass = fluid.particles.mass * fluid.particles.n
+        assert not one["wind"].any()
+        np.testing.assert_allclose(other["wind"], [3e-4 * mass, 1e-4 * mass, 0.0], rtol=1e-9)
 
 
 def test_walls_hold_still_water_and_carry_its_weight(water):
@@ -203,3 +210,16 @@ def test_walls_hold_still_water_and_carry_its_weight(water):
     weight = fluid.particles.mass * fluid.particles.n * GRAVITY
     assert fluid.impulse["walls"][1] == pytest.approx(weight * 1.5, rel=0.02)
     assert np.abs(fluid.impulse["pressure"]).max() < 1e-9 * weight
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_exposed_area_of_flat_water_is_its_plan_area(water, dimension):
+    """Walls and floor are mirrors, so only the free surface is exposed; a wind of no strength asks for it."""
+    wind = Gusts(volumes=[{"include": [EVERYWHERE], "wind_speed": 1e-6}])
+    basin = {"length": 1.0, "depth": 0.6, "width": 0.8 if dimension == 3 else None}
+    fluid = water(basin=basin, spacing=0.05, wind=wind)
+    x, area = fluid.particles.position.to_numpy(), fluid.exposed_area.to_numpy()
+    plan = 0.8 if dimension == 3 else 1.0
+    np.testing.assert_allclose(area.sum(axis=0), [0.0, plan, 0.0], atol=0.1 * plan)
+    deep = x[:, 1] < -0.3
+    assert np.abs(area[deep]).max() < 1e-3 * area[:, 1].max()

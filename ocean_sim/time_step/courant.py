@@ -12,7 +12,7 @@ class Config(PartConfig):
     """Fractions of the limits that a step may take; with h half the support of the smoothing kernels."""
 
     kind: Literal["courant"] = "courant"
-    courant_number: float = quantity("1", 0.5, gt=0.0)
+    courant_number: float = quantity("1", 0.6, gt=0.0)
     """Of h / (c + |v|): how far sound and water may run in a step."""
     viscous_number: float = quantity("1", 0.125, gt=0.0)
     """Of h^2 / nu: how far shear may spread in a step."""

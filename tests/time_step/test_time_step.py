@@ -15,7 +15,7 @@ def water(**limits: float) -> SimpleNamespace:
 @pytest.mark.parametrize(
     ("limits", "ruling", "dt"),
     [
-        ({"acoustic": 0.01, "viscous": 1.0, "force": 1.0}, "acoustic", 0.005),
+        ({"acoustic": 0.01, "viscous": 1.0, "force": 1.0}, "acoustic", 0.006),
         ({"acoustic": 0.01, "viscous": 0.02, "force": 1.0}, "viscous", 0.0025),
         ({"acoustic": 0.01, "viscous": 1.0, "force": 0.008}, "force", 0.002),
         ({}, "longest", 0.05),

@@ -102,8 +102,14 @@ class Grid:
         return tm.ivec3(c % nx, c // nx % ny, c // (nx * ny))
 
     @ti.func
+    def at_rim(self, place):
+        """Whether a cell lies beside any side of the grid."""
+        return (place == 1).any() or (place == tm.ivec3(self.cells) - 2).any()
+
+    @ti.func
     def leave(self, i, x, v):
-        """Keep the next state of particle i until the sort puts it in its place."""
+        """Keep the next state of particle i, and its cell, until the sort puts it in its place."""
+        self.cell[i] = self.cell_at(self.place(x))
         for k in ti.static(range(3)):
             self.moved[k][i], self.moved[3 + k][i] = x[k], v[k]
         self.moved[6][i] = self.state[6][i]
@@ -133,9 +139,8 @@ class Grid:
         for c in range(self.cell_count):
             self.count[b * self.cell_count + c] = 0
         for i in range(b * self.n // self.chunks, (b + 1) * self.n // self.chunks):
-            c = self.cell_at(self.place(tm.vec3(self.moved[0][i], self.moved[1][i], self.moved[2][i])))
-            self.cell[i] = c
-            self.count[b * self.cell_count + c] = self.count[b * self.cell_count + c] + 1
+            k = b * self.cell_count + self.cell[i]
+            self.count[k] = self.count[k] + 1
 
     @ti.func
     def scan(self):

@@ -137,24 +137,25 @@ class Neighbours:
                     self.scratch[t][scratch + a] = field[j]
             m, entry = n, kept + n
             if ti.static(images.sides > 0):
-                for side in range(images.sides):
-                    if images.beside(side, place):
-                        sign, offset = images.mirror(side)
-                        if ti.static(find):
-                            self.candidate[entry] = 0
-                            if entry + 1 + m <= last and 2 * m <= self.capacity:
-                                found = self.find_images(sign, offset, lo, up, scratch, m, entry + 1)
-                                self.candidate[entry] = found
-                            else:
-                                self.ledger.overflow[group] = self.ledger.overflow[group] + 1
-                        run = self.candidate[entry]
-                        for b in range(run):
-                            a = scratch + self.candidate[entry + 1 + b]
-                            seen = ti.Vector([self.scratch[t][a] for t in ti.static(range(len(law.reads)))])
-                            image = law.image(seen, sign, offset)
-                            for t in ti.static(range(len(law.reads))):
-                                self.scratch[t][scratch + m + b] = image[t]
-                        m, entry = m + run, entry + 1 + run
+                if grid.at_rim(place):
+                    for side in range(images.sides):
+                        if images.beside(side, place):
+                            sign, offset = images.mirror(side)
+                            if ti.static(find):
+                                self.candidate[entry] = 0
+                                if entry + 1 + m <= last and 2 * m <= self.capacity:
+                                    found = self.find_images(sign, offset, lo, up, scratch, m, entry + 1)
+                                    self.candidate[entry] = found
+                                else:
+                                    self.ledger.overflow[group] = self.ledger.overflow[group] + 1
+                            run = self.candidate[entry]
+                            for b in range(run):
+                                a = scratch + self.candidate[entry + 1 + b]
+                                seen = ti.Vector([self.scratch[t][a] for t in ti.static(range(len(law.reads)))])
+                                image = law.image(seen, sign, offset)
+                                for t in ti.static(range(len(law.reads))):
+                                    self.scratch[t][scratch + m + b] = image[t]
+                            m, entry = m + run, entry + 1 + run
             for i in range(grid.start[c], grid.start[c + 1]):
                 own = ti.Vector([field[i] for field in ti.static(law.reads)])
                 total, beyond = ti.Vector.zero(float, law.sums), ti.Vector.zero(float, law.sums)

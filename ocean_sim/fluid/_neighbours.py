@@ -107,13 +107,40 @@ class Neighbours:
         return run
 
     @ti.func
+    def add_images(self, group, law: ti.template(), find: ti.template(), place, lo, up, n, entry):
+        """Put the images of the n candidates in the scratch after them; how many there are then, and where
+        the list goes on.
+
+        From `entry` on the list holds, for each side beside the cell, how many images there are and of which of them.
+        """
+        scratch, last, m = group * self.capacity, (group + 1) * self.segment, n
+        for side in range(self.images.sides):
+            if self.images.beside(side, place):
+                sign, offset = self.images.mirror(side)
+                if ti.static(find):
+                    self.candidate[entry] = 0
+                    if entry + 1 + m + self.images.sides <= last and 2 * m <= self.capacity:
+                        found = self.find_images(sign, offset, lo, up, scratch, m, entry + 1)
+                        self.candidate[entry] = found
+                    else:
+                        self.ledger.overflow[group] = self.ledger.overflow[group] + 1
+                run = self.candidate[entry]
+                for b in range(run):
+                    a = scratch + self.candidate[entry + 1 + b]
+                    other = ti.Vector([self.scratch[t][a] for t in ti.static(range(len(law.reads)))])
+                    image = law.image(other, sign, offset)
+                    for t in ti.static(range(len(law.reads))):
+                        self.scratch[t][scratch + m + b] = image[t]
+                m, entry = m + run, entry + 1 + run
+        return tm.ivec2(m, entry)
+
+    @ti.func
     def walk(self, group, law: ti.template(), find: ti.template()):
         """For every particle i of the group's cells: sum law.pair over its candidates, then law.finish it.
 
-        Images are summed with the particles, or, where the law wants them `apart`, by themselves. The list of a cell
-        holds the numbers of its candidates, then for each side beside it how many images there are and of which.
+        Images are summed with the particles, or, where the law wants them `apart`, by themselves.
         """
-        grid, images = self.grid, self.images
+        grid = self.grid
         scratch = group * self.capacity
         kept, last = group * self.segment, (group + 1) * self.segment
         if ti.static(find):
@@ -123,10 +150,11 @@ class Neighbours:
         for k in range(group * occupied // self.groups, (group + 1) * occupied // self.groups):
             c = self.grid.occupied[k]
             place = grid.place_of(c)
+            room = ti.min(self.capacity, last - kept - self.images.sides)
             lo, up = tm.vec3(0.0), tm.vec3(0.0)
             if ti.static(find):
                 lo, up = self.bounds(c)
-                self.candidates[k] = self.find(c, lo, up, kept, ti.min(self.capacity, last - kept))
+                self.candidates[k] = self.find(c, lo, up, kept, room)
                 if self.candidates[k] < 0:
                     self.candidates[k] = 0
                     self.ledger.overflow[group] = self.ledger.overflow[group] + 1
@@ -135,27 +163,11 @@ class Neighbours:
                 j = self.candidate[kept + a]
                 for t, field in ti.static(enumerate(law.reads)):
                     self.scratch[t][scratch + a] = field[j]
-            m, entry = n, kept + n
-            if ti.static(images.sides > 0):
-                if grid.at_rim(place):
-                    for side in range(images.sides):
-                        if images.beside(side, place):
-                            sign, offset = images.mirror(side)
-                            if ti.static(find):
-                                self.candidate[entry] = 0
-                                if entry + 1 + m <= last and 2 * m <= self.capacity:
-                                    found = self.find_images(sign, offset, lo, up, scratch, m, entry + 1)
-                                    self.candidate[entry] = found
-                                else:
-                                    self.ledger.overflow[group] = self.ledger.overflow[group] + 1
-                            run = self.candidate[entry]
-                            for b in range(run):
-                                a = scratch + self.candidate[entry + 1 + b]
-                                seen = ti.Vector([self.scratch[t][a] for t in ti.static(range(len(law.reads)))])
-                                image = law.image(seen, sign, offset)
-                                for t in ti.static(range(len(law.reads))):
-                                    self.scratch[t][scratch + m + b] = image[t]
-                            m, entry = m + run, entry + 1 + run
+            seen = tm.ivec2(n, kept + n)
+            if ti.static(self.images.sides > 0):
+                if room > 0 and grid.at_rim(place):
+                    seen = self.add_images(group, law, find, place, lo, up, n, kept + n)
+            m = seen[0]
             for i in range(grid.start[c], grid.start[c + 1]):
                 own = ti.Vector([field[i] for field in ti.static(law.reads)])
                 total, beyond = ti.Vector.zero(float, law.sums), ti.Vector.zero(float, law.sums)
@@ -167,4 +179,4 @@ class Neighbours:
                         other = ti.Vector([self.scratch[t][a] for t in ti.static(range(len(law.reads)))])
                         beyond += law.pair(own, other)
                 law.finish(i, own, total, beyond, group)
-            kept = entry
+            kept = seen[1]

@@ -65,7 +65,10 @@ class Simulation:
                 self._watch(self.observers)
             while self.time < until * (1.0 - 1e-12):
                 before = self.time
-                self.step()
+                try:
+                    self.step()
+                except Diverged as failure:
+                    raise Diverged(f"{failure}; t = {before:.4f} s, step {self.steps}") from None
                 self._watch([o for o in self.observers if self._due(o.every, before)])
         except Diverged as failure:
             self.outcome, self.reason = "stopped", str(failure)

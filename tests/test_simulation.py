@@ -95,7 +95,7 @@ def test_observers_are_closed_and_the_reason_is_kept_when_a_run_leaves_the_physi
 
         simulation.fluid.advance = fail
         simulation.run(until=1.0)
-    assert (simulation.outcome, simulation.reason) == ("stopped", "too fast at (1, 2, 3)")
+    assert (simulation.outcome, simulation.reason) == ("stopped", "too fast at (1, 2, 3); t = 0.0000 s, step 0")
     assert watcher.closed == 1
 
 

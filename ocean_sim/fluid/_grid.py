@@ -85,6 +85,12 @@ class Grid:
         self.occupied = ti.field(int, shape=size.occupied)
         self.occupied_count = ti.field(int, shape=())
 
+    def fullest(self) -> np.ndarray:
+        """Where the fullest cell is: the mean place of its particles, (3,) [m]."""
+        start = self.start.to_numpy()
+        c = int(np.argmax(np.diff(start)))
+        return np.array([axis.to_numpy()[start[c] : start[c + 1]].mean() for axis in self.state[:3]])
+
     @ti.func
     def place(self, x):
         """The cell of a point on each axis, padding counted; a point beyond the grid belongs to its border cell."""

@@ -7,6 +7,7 @@ import taichi as ti
 
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Status
+from ocean_sim.fluid._grid import Grid
 
 TERMS = ("pressure", "viscosity", "wind", "gravity", "walls")
 PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS = range(len(TERMS))
@@ -71,13 +72,15 @@ class Ledger:
         for k, number in ti.static(enumerate((speed2, acceleration2, thin, dense, total, clipped, crowded))):
             summary[k] = number
 
-    def status(self, summary: np.ndarray) -> Status:
+    def status(self, summary: np.ndarray, grid: Grid) -> Status:
         """What `summarise` left, as it is shown outside; raises Diverged where a list of candidates overflowed."""
         speed2, acceleration2, thin, dense, total, clipped, crowded = summary.tolist()
         if crowded:
+            x, y, z = grid.fullest()
             raise Diverged(
                 f"{int(crowded)} cells have more neighbours than their lists hold: the water is packed up to "
-                f"{dense:.0f} kg/m3; try a smaller compression (stiffer water), a smaller time step or more viscosity"
+                f"{dense:.0f} kg/m3, most of all around ({x:.4g}, {y:.4g}, {z:.4g}) m; "
+                "try a smaller compression (stiffer water), a smaller time step or more viscosity"
             )
         return Status(speed2**0.5, acceleration2**0.5, thin, dense, int(clipped), isfinite(total))
 

@@ -102,7 +102,7 @@ class Ballistic:
     def advance(self, dt: float) -> None:
         """One step of dt [s]."""
         self.step(dt, self.summary)
-        self.status = self.ledger.status(self.summary)
+        self.status = self.ledger.status(self.summary, self.grid)
 
     def limits(self) -> Limits:
         return force_limit(self.grid.support, self.status.max_acceleration)

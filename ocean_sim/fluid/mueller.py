@@ -126,11 +126,11 @@ class Density:
     @ti.func
     def pair(self, own, other):
         x_ij = own - other
-        h2 = self.fluid.smoothing.support**2
-        w = positive(h2 - x_ij.dot(x_ij))
+        r2 = x_ij.dot(x_ij)
         total = ti.Vector.zero(float, self.sums)
-        total[0] = w * w * w
+        total[0] = self.fluid.smoothing.shape_poly6(r2)
         if ti.static(self.fluid.exposed):
+            w = positive(self.fluid.smoothing.support**2 - r2)
             for k in ti.static(range(3)):
                 total[1 + k] = w * w * x_ij[k]
         return total
@@ -254,14 +254,17 @@ class Mueller:
     def begin(self) -> None:
         """Start from the particles as they are now."""
         self.lift()
-        self.settle(self.summary)
-        self.status = self.ledger.status(self.summary)
+        self.arrive()
 
     def advance(self, dt: float) -> None:
         """One step of dt [s]; raises Diverged where more particles crowd together than the neighbour lists hold."""
         self.move(dt)
+        self.arrive()
+
+    def arrive(self) -> None:
+        """Make everything current and sorted where the particles are now."""
         self.settle(self.summary)
-        self.status = self.ledger.status(self.summary)
+        self.status = self.ledger.status(self.summary, self.grid)
 
     @ti.kernel
     def lift(self):

@@ -15,7 +15,6 @@ from ocean_sim.parts import ObserverConfig
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
-IMPULSES = ("pressure", "viscosity", "wind", "gravity", "walls", "ship")
 STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #16242c; max-width: 60rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { margin-bottom: 0; } h2 { margin-top: 2rem; } img, svg { width: 100%; height: auto; }
@@ -104,10 +103,9 @@ class Report:
         }
         energy = {name: table[f"{name}_energy_J"] / 1000.0 for name in ("kinetic", "potential", "internal")}
         momentum = {f"along {axis}": table[f"momentum_{axis}_kg_m_s"] / 1000.0 for axis in "xyz"}
+        terms = [name.split("_")[1] for name in table if name.startswith("impulse_") and name.endswith("_x_Ns")]
         horizontal = {
-            term: np.hypot(table[f"impulse_{term}_x_Ns"], table[f"impulse_{term}_z_Ns"]) / 1000.0
-            for term in IMPULSES
-            if f"impulse_{term}_x_Ns" in table
+            term: np.hypot(table[f"impulse_{term}_x_Ns"], table[f"impulse_{term}_z_Ns"]) / 1000.0 for term in terms
         }
         yield "<h2>Accuracy</h2>"
         yield curves(time, {name: 100.0 * values for name, values in density.items()}, "density error [%]")

@@ -63,3 +63,13 @@ def test_the_listings_stiffness_collapses_and_is_stopped():
     )
     with pytest.raises(Diverged, match="density"), ocean_sim.Simulation(scene) as simulation:
         simulation.run(until=10.0)
+
+
+def test_lists_that_overflow_are_told_with_place_time_and_advice_even_when_nobody_watches():
+    scene = ocean_sim.load(STILL, {"fluid.spacing": 0.05, "health": None})
+    with pytest.raises(Diverged) as stopped, ocean_sim.Simulation(scene) as simulation:
+        simulation.fluid.particles.position.from_numpy(np.full((simulation.fluid.particles.n, 3), 0.1))
+        simulation.run(until=scene.duration)
+    for part in ("neighbours than their lists hold", "around (", "t = ", "try"):
+        assert part in str(stopped.value)
+    assert simulation.reason == str(stopped.value)

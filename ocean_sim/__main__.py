@@ -104,6 +104,24 @@ def bench(
     bench(scenes or [], profile, sets or [], threads, repeats, cold, json)
 
 
+@app.command()
+def validate(
+    cases: Annotated[list[str] | None, typer.Argument(help="By default all (ocean-sim list cases).")] = None,
+    scheme: Annotated[
+        list[str] | None, typer.Option(help="A kind of fluid; give it twice to compare two. By default delta_sph.")
+    ] = None,
+    slow: Annotated[bool, typer.Option("--slow", help="Also the set-ups that take minutes.")] = False,
+    coarse: Annotated[bool, typer.Option("--coarse", help="At twice the spacing or more, for a quick look.")] = False,
+    sets: Sets = None,
+    out: Annotated[Path, typer.Option(help="Where validate.csv and the pictures go.")] = Path("runs/validate"),
+    json: Json = False,
+) -> int:
+    """Problems with known answers: value, reference, error, tolerance, and where the tolerance comes from."""
+    from ocean_sim.verbs.validate import validate
+
+    return validate(cases or [], scheme or [], slow, coarse, sets or [], out, json)
+
+
 @app.command("bench-one", hidden=True)
 def bench_one(order: str, json: Json = False) -> None:
     """One scene of `bench`, measured in this process."""

@@ -192,6 +192,10 @@ def _checked(composition: Composition, problems: list[Problem]) -> SceneConfig |
         for name, part in (parts | watching).items():
             if hasattr(part, "problems"):
                 problems += _misplaced(name, part.problems(place), data.get(name, root))
+    fluid, surface = parts.get("fluid"), parts.get("surface")
+    if surface is not None and fluid is not None and not hasattr(fluid, "lattice"):
+        said = f"a surface follows particles, and fluid.kind {fluid.kind} has none; leave it out"
+        problems.append(problem(data["surface"].place, "surface", said))
     if problems or heading is None:
         return None
     values = {key: getattr(heading, key) for key in headings}

@@ -35,11 +35,12 @@ class Status:
 class Fluid(Protocol):
     """Water. `elevation` is callable from a Taichi kernel; between steps everything is current and in cell order."""
 
-    particles: Any
+    particles: Any  # None where the water has none: a closed form
     sound_speed: float  # [m/s]
     reference_speed: float  # [m/s]
     status: Status
     impulse: dict[str, np.ndarray]  # (3,) per term, since the start [N s]
+    work: dict[str, float]  # per term, since the start [J]; gravity with body force, diffusion by what it compresses
 
     def advance(self, dt: float) -> None:
         """One step of dt [s] under the wind it was built with; raises Diverged when a neighbour list overflows."""
@@ -51,6 +52,14 @@ class Fluid(Protocol):
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
         """The same from Python: (m, 2) points x, z [m] -> (m,) heights [m]."""
+        ...
+
+    def pressures(self, points: np.ndarray) -> np.ndarray:
+        """(m, 3) points [m], also on sides and bed -> (m,) pressures [Pa]; 0 where it is dry."""
+        ...
+
+    def velocities(self, points: np.ndarray) -> np.ndarray:
+        """(m, 3) points [m] -> (m, 3) velocities [m/s]; 0 where it is dry."""
         ...
 
     def limits(self) -> Limits: ...

@@ -11,6 +11,7 @@ import numpy as np
 import taichi as ti
 import taichi.math as tm
 
+from ocean_sim.fluid._images import Images
 from ocean_sim.fluid._particles import Components, Particles
 from ocean_sim.fluid._water import Lattice
 
@@ -26,6 +27,7 @@ class GridSize:
 
     lattice: Lattice
     support: float  # [m]
+    carried: int = 0  # numbers that a scheme carries along with each particle
 
     @property
     def inner(self) -> list[tuple[int, float]]:
@@ -64,7 +66,7 @@ class GridSize:
         """Of the grid and the state on its way into it, where `word` is the size of a `float` [bytes]."""
         return (
             4 * (2 * self.lattice.n + self.cell_count * (self.chunks + 1) + self.occupied + 2)
-            + word * 6 * self.lattice.n
+            + word * (6 + self.carried) * self.lattice.n
         )
 
 
@@ -72,13 +74,18 @@ class GridSize:
 class Grid:
     """The cells, and the particles sorted by cell."""
 
-    def __init__(self, particles: Particles, size: GridSize) -> None:
+    def __init__(self, particles: Particles, size: GridSize, carried: tuple[ti.Field, ...] = ()) -> None:
+        """`carried`: fields of a number each that a scheme keeps from step to step, beside the particles' own."""
         self.size = size
+        self.images = Images(size)
         self.support, self.n, self.basin = size.support, particles.n, size.lattice.basin
         self.lower, self.per_width = tm.vec3(self.basin.lower), tm.vec3([1.0 / width for _, width in size.inner])
         self.cells, self.cell_count, self.chunks = size.cells, size.cell_count, size.chunks
-        self.state = (*particles.position, *particles.velocity, particles.id)
-        self.moved = (*Components(self.n), *Components(self.n), ti.field(int, shape=self.n))
+        self.state = (*particles.position, *particles.velocity, particles.id, *carried)
+        self.moved = (
+            *(*Components(self.n), *Components(self.n), ti.field(int, shape=self.n)),
+            *(ti.field(float, shape=self.n) for _ in carried),
+        )
         self.cell = ti.field(int, shape=self.n)
         self.count = ti.field(int, shape=self.cell_count * self.chunks)
         self.start = ti.field(int, shape=self.cell_count + 1)
@@ -108,17 +115,27 @@ class Grid:
         return tm.ivec3(c % nx, c // nx % ny, c // (nx * ny))
 
     @ti.func
-    def at_rim(self, place):
-        """Whether a cell lies beside any side of the grid."""
-        return (place == 1).any() or (place == tm.ivec3(self.cells) - 2).any()
+    def at_rim(self, place, layers: ti.template()):
+        """Whether a cell lies in the outermost `layers` of any side of the grid."""
+        return (place <= layers).any() or (place >= tm.ivec3(self.cells) - 1 - layers).any()
+
+    @ti.func
+    def wrapped(self, x):
+        """The place of x in the one period that the basin holds [m]."""
+        for k, period in ti.static(enumerate(self.basin.periods)):
+            if ti.static(period > 0.0):
+                x[k] -= period * ti.floor((x[k] - self.lower[k]) / period)
+        return x
 
     @ti.func
     def leave(self, i, x, v):
         """Keep the next state of particle i, and its cell, until the sort puts it in its place."""
+        x = self.wrapped(x)
         self.cell[i] = self.cell_at(self.place(x))
         for k in ti.static(range(3)):
             self.moved[k][i], self.moved[3 + k][i] = x[k], v[k]
-        self.moved[6][i] = self.state[6][i]
+        for moved, state in ti.static(zip(self.moved[6:], self.state[6:])):
+            moved[i] = state[i]
 
     @ti.func
     def sort(self):

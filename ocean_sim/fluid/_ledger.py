@@ -9,8 +9,8 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Status
 from ocean_sim.fluid._grid import Grid
 
-TERMS = ("pressure", "viscosity", "wind", "gravity", "walls")
-PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS = range(len(TERMS))
+TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "diffusion")
+PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS, DIFFUSION = range(len(TERMS))
 SUMMARY = 7  # numbers that a step reports
 DENSE = 1.0e30  # [kg/m3] more than any density
 
@@ -20,7 +20,7 @@ class Ledger:
     """Each group of cells writes its own row, so nothing depends on the order of threads."""
 
     def __init__(self, groups: int, impulses: bool) -> None:
-        """`impulses`: whether the impulse of each term is summed (f64), for `accuracy`."""
+        """`impulses`: whether impulse and work of each term are summed (f64), for `accuracy`."""
         self.groups, self.impulses = groups, impulses
         self.overflow = ti.field(int, shape=groups)
         self.speed2, self.acceleration2 = ti.field(float, shape=groups), ti.field(float, shape=groups)
@@ -29,6 +29,7 @@ class Ledger:
         self.clipped = ti.field(int, shape=groups)
         if impulses:
             self.impulse = ti.field(ti.f64, shape=(groups, len(TERMS), 3))
+            self.work = ti.field(ti.f64, shape=(groups, len(TERMS)))
 
     @ti.func
     def begin_motion(self, group):
@@ -52,9 +53,15 @@ class Ledger:
         self.dense[group] = ti.max(self.dense[group], density)
 
     @ti.func
-    def count_impulse(self, group, term: ti.template(), impulse):
+    def count_impulse(self, group, term: ti.template(), impulse, v):
+        """Impulse [N s] of a term on a particle whose mean velocity of the step is v: v . impulse is its work [J]."""
         for k in ti.static(range(3)):
             self.impulse[group, term, k] = self.impulse[group, term, k] + ti.cast(impulse[k], ti.f64)
+        self.count_work(group, term, impulse.dot(v))
+
+    @ti.func
+    def count_work(self, group, term: ti.template(), work):
+        self.work[group, term] = self.work[group, term] + ti.cast(work, ti.f64)
 
     @ti.func
     def summarise(self, summary: ti.template()):
@@ -86,4 +93,8 @@ class Ledger:
 
     def total(self) -> dict[str, np.ndarray]:
         """Impulse of each term since the start [N s], (3,) each; empty where it is not summed."""
-        return dict(zip(TERMS, self.impulse.to_numpy().sum(axis=0), strict=True)) if self.impulses else {}
+        return dict(zip(TERMS[:DIFFUSION], self.impulse.to_numpy().sum(axis=0))) if self.impulses else {}
+
+    def total_work(self) -> dict[str, float]:
+        """Work of each term since the start [J]; of diffusion, what it adds to the internal energy."""
+        return dict(zip(TERMS, self.work.to_numpy().sum(axis=0).tolist(), strict=True)) if self.impulses else {}

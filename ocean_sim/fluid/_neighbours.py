@@ -12,10 +12,11 @@ import taichi.math as tm
 
 from ocean_sim.basin import OPEN
 from ocean_sim.fluid._grid import Grid, GridSize
-from ocean_sim.fluid._images import Images
+from ocean_sim.fluid._images import mirrored
 from ocean_sim.fluid._ledger import Ledger
 from ocean_sim.fluid._particles import Particles
 from ocean_sim.fluid._smoothing import positive
+from ocean_sim.fluid._water import MOST_PARTICLES
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,8 @@ class Neighbours:
     def __init__(self, particles: Particles, grid: Grid, ledger: Ledger, size: ListSize) -> None:
         self.position, self.grid, self.ledger = particles.position, grid, ledger
         self.groups, self.capacity, self.segment = size.grid.groups, size.capacity, size.segment
-        self.images = Images(grid.basin, grid.cells)
+        self.images = grid.images
+        self.periods, self.periodic = tm.vec3(grid.basin.periods), any(grid.basin.periods)
         self.candidates = ti.field(int, shape=size.grid.occupied)
         self.candidate = ti.field(int, shape=self.groups * self.segment)
         self.scratch = tuple(ti.field(float, shape=self.groups * self.capacity) for _ in range(size.reads))
@@ -97,13 +99,41 @@ class Neighbours:
         return ti.select(full == 1, -1, m)
 
     @ti.func
-    def find_images(self, sign, offset, lo, up, scratch, m, first):
+    def find_around(self, place, lo, up, first, room):
+        """The same where an axis is periodic: a candidate is a particle and a code of the period it is seen through."""
+        grid = self.grid
+        x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
+        m, full = 0, 0
+        for d in range(27):
+            there, code = place + tm.ivec3(d % 3, d // 3 % 3, d // 9) - 1, 13
+            for k, period in ti.static(enumerate(self.grid.basin.periods)):
+                if ti.static(period > 0.0):
+                    around = int(there[k] > grid.cells[k] - 2) - int(there[k] < 1)
+                    there[k] -= around * (grid.cells[k] - 2)
+                    code += around * 3**k
+            c, shift = grid.cell_at(there), self.shift(code)
+            begin, end = grid.start[c], grid.start[c + 1]
+            if m + end - begin > room:
+                full = 1
+                end = begin
+            for j in range(begin, end):
+                self.candidate[first + m] = j + code * MOST_PARTICLES
+                m += self.near(tm.vec3(x[j], y[j], z[j]) + shift, lo, up)
+        return ti.select(full == 1, -1, m)
+
+    @ti.func
+    def shift(self, code):
+        """Where the particles of a code are seen, relative to where they are [m]; 13 is here."""
+        return self.periods * (tm.ivec3(code % 3, code // 3 % 3, code // 9) - 1)
+
+    @ti.func
+    def find_images(self, mirror, lo, up, scratch, m, first):
         """Keep those of the m candidates so far whose image is near the box, from `first` on; their number."""
         x, y, z = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
         run = 0
         for a in range(m):
             self.candidate[first + run] = a
-            run += self.near(sign * tm.vec3(x[scratch + a], y[scratch + a], z[scratch + a]) + offset, lo, up)
+            run += self.near(mirrored(mirror, tm.vec3(x[scratch + a], y[scratch + a], z[scratch + a])), lo, up)
         return run
 
     @ti.func
@@ -116,11 +146,11 @@ class Neighbours:
         scratch, last, m = group * self.capacity, (group + 1) * self.segment, n
         for side in range(self.images.sides):
             if self.images.beside(side, place):
-                sign, offset = self.images.mirror(side)
+                mirror = self.images.mirror(side)
                 if ti.static(find):
                     self.candidate[entry] = 0
                     if entry + 1 + m + self.images.sides <= last and 2 * m <= self.capacity:
-                        found = self.find_images(sign, offset, lo, up, scratch, m, entry + 1)
+                        found = self.find_images(mirror, lo, up, scratch, m, entry + 1)
                         self.candidate[entry] = found
                     else:
                         self.ledger.overflow[group] = self.ledger.overflow[group] + 1
@@ -128,7 +158,7 @@ class Neighbours:
                 for b in range(run):
                     a = scratch + self.candidate[entry + 1 + b]
                     other = ti.Vector([self.scratch[t][a] for t in ti.static(range(len(law.reads)))])
-                    image = law.image(other, sign, offset)
+                    image = law.image(other, mirror)
                     for t in ti.static(range(len(law.reads))):
                         self.scratch[t][scratch + m + b] = image[t]
                 m, entry = m + run, entry + 1 + run
@@ -136,7 +166,8 @@ class Neighbours:
 
     @ti.func
     def walk(self, group, law: ti.template(), find: ti.template()):
-        """For every particle i of the group's cells: sum law.pair over its candidates, then law.finish it.
+        """For every particle i of the group's cells: sum law.pair over its candidates, then law.finish it. The first
+        three fields that a law reads are a place.
 
         Images are summed with the particles, or, where the law wants them `apart`, by themselves.
         """
@@ -154,18 +185,27 @@ class Neighbours:
             lo, up = tm.vec3(0.0), tm.vec3(0.0)
             if ti.static(find):
                 lo, up = self.bounds(c)
-                self.candidates[k] = self.find(c, lo, up, kept, room)
+                if ti.static(self.periodic):
+                    self.candidates[k] = self.find_around(place, lo, up, kept, room)
+                else:
+                    self.candidates[k] = self.find(c, lo, up, kept, room)
                 if self.candidates[k] < 0:
                     self.candidates[k] = 0
                     self.ledger.overflow[group] = self.ledger.overflow[group] + 1
             n = self.candidates[k]
             for a in range(n):
                 j = self.candidate[kept + a]
-                for t, field in ti.static(enumerate(law.reads)):
-                    self.scratch[t][scratch + a] = field[j]
+                if ti.static(self.periodic):
+                    shift = self.shift(j // MOST_PARTICLES)
+                    j = j % MOST_PARTICLES
+                    for t, field in ti.static(enumerate(law.reads)):
+                        self.scratch[t][scratch + a] = field[j] + (shift[t] if ti.static(t < 3) else 0.0)
+                else:
+                    for t, field in ti.static(enumerate(law.reads)):
+                        self.scratch[t][scratch + a] = field[j]
             seen = tm.ivec2(n, kept + n)
             if ti.static(self.images.sides > 0):
-                if room > 0 and grid.at_rim(place):
+                if room > 0 and grid.at_rim(place, self.images.deepest):
                     seen = self.add_images(group, law, find, place, lo, up, n, kept + n)
             m = seen[0]
             for i in range(grid.start[c], grid.start[c + 1]):

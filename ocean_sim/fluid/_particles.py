@@ -6,6 +6,7 @@ import numpy as np
 import taichi as ti
 from taichi.lang.util import to_numpy_type
 
+from ocean_sim.fluid._initial import started
 from ocean_sim.fluid._water import Lattice
 
 
@@ -62,7 +63,7 @@ class Particles:
 
 
 def seeded(lattice: Lattice) -> Particles:
-    """Particles at rest on their lattice."""
+    """Particles in the state that their water starts from."""
     n = lattice.n
     particles = Particles(
         n=n,
@@ -75,7 +76,13 @@ def seeded(lattice: Lattice) -> Particles:
         density=ti.field(float, shape=n),
         pressure=ti.field(float, shape=n),
     )
-    particles.position.from_numpy(lattice.positions())
+    config, basin = lattice.config, lattice.basin
+    position, velocity, pressure = started(
+        config.initial, lattice.positions(), basin, config.rest_density, lattice.ends()[1]
+    )
+    particles.position.from_numpy(position)
+    particles.velocity.from_numpy(velocity)
+    particles.pressure.from_numpy(pressure.astype(to_numpy_type(particles.pressure.dtype)))
     particles.id.from_numpy(np.arange(n, dtype=np.int32))
     particles.density.fill(lattice.config.rest_density)
     return particles

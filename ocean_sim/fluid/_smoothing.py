@@ -1,4 +1,5 @@
-"""Smoothing kernels of Mueller, Charypar & Gross (2003), eqs. 20-22, normalised in two and three dimensions.
+"""Smoothing kernels of Mueller, Charypar & Gross (2003), eqs. 20-22, and of Wendland (1995), C2, normalised in two and
+three dimensions.
 
 `support` is the distance at which a kernel ends, h in that paper. Each kernel is a constant times a shape; pair laws
 sum shapes, and the constant is multiplied in once, when the sum is finished.
@@ -38,6 +39,27 @@ class Smoothing:
     def viscosity_constant(self) -> float:
         """Laplacian of W_viscosity = constant (h - r) [m^-6 in 3-D]."""
         return {2: 40.0 / (pi * self.support**5), 3: 45.0 / (pi * self.support**6)}[self.dimension]
+
+    @property
+    def wendland_constant(self) -> float:
+        """W_wendland = constant (1 - r/h)^4 (1 + 4 r/h); integrates to 1 [m^-3 in 3-D]."""
+        return {2: 7.0 / (pi * self.support**2), 3: 21.0 / (2.0 * pi * self.support**3)}[self.dimension]
+
+    @property
+    def wendland_slope(self) -> float:
+        """grad W_wendland = -slope (1 - r/h)^3 x_ij [m^-5 in 3-D]."""
+        return 20.0 * self.wendland_constant / self.support**2
+
+    @ti.func
+    def W_wendland(self, r):
+        q = positive(1.0 - r / self.support)
+        return self.wendland_constant * q * q * q * q * (5.0 - 4.0 * q)
+
+    @ti.func
+    def shape_grad_wendland(self, r):
+        """(1 - r/h)^3 of the distance: no division by r, so two particles in one place are no trouble."""
+        q = positive(1.0 - r / self.support)
+        return q * q * q
 
     @ti.func
     def shape_poly6(self, r2):

@@ -10,6 +10,8 @@ from pydantic import Field, field_validator, model_validator
 
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import WATER_DENSITY
+from ocean_sim.fluid import _initial
+from ocean_sim.fluid._initial import Initial
 from ocean_sim.parts import PartConfig, Vector3, quantity
 
 Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
@@ -44,6 +46,8 @@ class WaterConfig(PartConfig):
     """A constant acceleration beside gravity."""
     fill: Annotated[tuple[Box, ...], Field(strict=False, min_length=1)] | None = None
     """Boxes of water instead of the whole basin."""
+    initial: Initial | None = None
+    """What the water starts from; null: at rest."""
     motion_limit: float | None = quantity("spacings", None, gt=0.0)
     """The furthest a particle may move in one step; what it holds back is counted. null: no limit."""
     collision_distance: float = quantity("spacings", 0.5, gt=0.0, le=1.0)
@@ -77,6 +81,7 @@ class WaterConfig(PartConfig):
             if len(box.min) != basin.dimension:
                 found.append((("fill", k), f"a point of this basin has {basin.dimension} numbers, got {len(box.min)}"))
                 return found
+        found += [(("initial", *path), sentence) for path, sentence in _initial.problems(self.initial, basin)]
         lattice = self.lattice(basin)
         if self.spacing is not None and lattice.volume > MOST_PARTICLES * self.spacing**basin.dimension:
             found.append((("spacing",), f"would make more than {MOST_PARTICLES} particles, the most that there can be"))
@@ -138,7 +143,12 @@ class Lattice:
     @property
     def n(self) -> int:
         """Number of particles."""
-        return total(self.counts)
+        return total(self.counts) if self.given is None else len(self.given)
+
+    @cached_property
+    def given(self) -> np.ndarray | None:
+        """(n, 3) places [m] from a file, in place of a lattice."""
+        return _initial.given_places(self.config.initial, self.basin)
 
     @property
     def mass(self) -> float:
@@ -150,8 +160,17 @@ class Lattice:
         """Height of the tallest box of water [m]."""
         return max(float((up - low)[1]) for low, up in self.boxes)
 
+    def ends(self) -> np.ndarray:
+        """(2, n) bed and surface of the box that each particle starts in [m]."""
+        if self.given is not None:
+            return np.repeat([[self.basin.lower[1]], [0.0]], self.n, axis=1)
+        heights = np.array([(low[1], up[1]) for low, up in self.boxes])
+        return np.repeat(heights, [int(np.prod(count)) for count in self.counts], axis=0).T
+
     def positions(self) -> np.ndarray:
         """(n, 3) places of the particles [m], x running fastest."""
+        if self.given is not None:
+            return self.given
         parts = []
         for (low, up), count in zip(self.boxes, self.counts, strict=True):
             x, y, z = (low[k] + (np.arange(count[k]) + 0.5) * (up[k] - low[k]) / count[k] for k in range(3))

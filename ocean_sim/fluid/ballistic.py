@@ -12,6 +12,7 @@ from ocean_sim.fluid._free_surface import FreeSurface
 from ocean_sim.fluid._grid import TASK, Grid, GridSize
 from ocean_sim.fluid._ledger import GRAVITY, SUMMARY, WALLS, WIND, Ledger
 from ocean_sim.fluid._particles import seeded
+from ocean_sim.fluid._pull import Pull
 from ocean_sim.fluid._smoothing import Smoothing
 from ocean_sim.fluid._walls import Walls
 from ocean_sim.fluid._water import WaterConfig, free_fall_speed
@@ -63,10 +64,10 @@ class Ballistic:
         self.particles = seeded(size.lattice)
         self.grid = Grid(self.particles, size)
         self.surface = FreeSurface(self.particles, self.grid, Smoothing(basin.dimension, size.support))
-        self.walls = Walls(size.lattice)
+        self.walls = Walls(size.lattice, self.grid.images)
         self.ledger = Ledger(size.groups, ledger)
         self.reference_speed = free_fall_speed(basin)
-        self.gravity = tm.vec3(np.add(basin.gravity, config.body_force))  # [m/s2]
+        self.pull, self.time = Pull(basin, config.body_force), 0.0
         self.summary = np.zeros(SUMMARY, dtype=self.particles.position.precision)
         self.advance(0.0)
 
@@ -75,16 +76,18 @@ class Ballistic:
         p, u, m = self.particles.position, self.particles.velocity, ti.static(self.particles.mass)
         x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
         a_wind = self.wind.force(self.particles.id[i], x, v, tm.vec3(0.0), m) / m
-        a = a_wind + self.gravity
+        a_pull = self.pull.at(x, v)
+        a = a_wind + a_pull
         mean, fast = self.walls.held_back(v + 0.5 * dt * a, dt)  # of the step; x + v dt + a dt^2 / 2 is exact
         x_new, v_new = self.walls.bounced(x + dt * mean, mean + 0.5 * dt * a)
         self.grid.leave(i, x_new, v_new)
         self.ledger.count_motion(group, v_new, a, fast)
         self.ledger.count_density(group, self.particles.density[i])
         if ti.static(self.ledger.impulses):
-            self.ledger.count_impulse(group, WIND, m * dt * a_wind)
-            self.ledger.count_impulse(group, GRAVITY, m * dt * self.gravity)
-            self.ledger.count_impulse(group, WALLS, m * (v_new - v - dt * a))
+            between = 0.5 * (v + v_new)
+            self.ledger.count_impulse(group, WIND, m * dt * a_wind, between)
+            self.ledger.count_impulse(group, GRAVITY, m * dt * a_pull, between)
+            self.ledger.count_impulse(group, WALLS, m * (v_new - v - dt * a), between)
 
     @ti.kernel
     def step(self, dt: float, summary: ti.types.ndarray(ndim=1)):
@@ -101,6 +104,9 @@ class Ballistic:
 
     def advance(self, dt: float) -> None:
         """One step of dt [s]."""
+        self.pull.advance(self.time + 0.5 * dt)
+        self.grid.images.advance(self.time + 0.5 * dt)
+        self.time += dt
         self.step(dt, self.summary)
         self.status = self.ledger.status(self.summary, self.grid)
 
@@ -111,6 +117,11 @@ class Ballistic:
     def impulse(self) -> dict[str, np.ndarray]:
         """Impulse of each term since the start [N s], (3,) each; empty unless built with ledger=True."""
         return self.ledger.total()
+
+    @property
+    def work(self) -> dict[str, float]:
+        """Work of each term since the start [J]; empty unless built with ledger=True."""
+        return self.ledger.total_work()
 
     def internal_energy(self) -> float:
         """None: nothing is compressed [J]."""

@@ -4,7 +4,7 @@ Weakly compressible by p = k (rho - rho0) (2.15). Density is summed, so the oute
 reads too thin; the clamp `minimum_pressure` keeps that from pulling the surface together.
 """
 
-from math import inf, sqrt
+from math import sqrt
 from typing import Literal
 
 import numpy as np
@@ -13,15 +13,11 @@ import taichi.math as tm
 from pydantic import model_validator
 
 from ocean_sim.basin import Basin
-from ocean_sim.fluid import Limits
-from ocean_sim.fluid._free_surface import FreeSurface
-from ocean_sim.fluid._grid import TASK, Grid, GridSize
-from ocean_sim.fluid._ledger import GRAVITY, PRESSURE, SUMMARY, VISCOSITY, WALLS, WIND, Ledger
-from ocean_sim.fluid._neighbours import ListSize, Neighbours
-from ocean_sim.fluid._particles import Components, seeded
-from ocean_sim.fluid._smoothing import Smoothing, positive
-from ocean_sim.fluid._walls import Walls
-from ocean_sim.fluid._water import WaterConfig, free_fall_speed
+from ocean_sim.fluid._grid import TASK
+from ocean_sim.fluid._images import climbed, mirrored, turned
+from ocean_sim.fluid._ledger import GRAVITY, PRESSURE, VISCOSITY, WALLS, WIND
+from ocean_sim.fluid._smoothing import positive
+from ocean_sim.fluid._sph import Sph, SphConfig, rows
 from ocean_sim.parts import LedgerRow, quantity
 from ocean_sim.wind import Wind
 
@@ -29,20 +25,12 @@ TINY = 1.0e-12  # [m2] keeps two particles in one place finite
 READS = 8  # fields of a neighbour that the momentum law reads
 
 
-class Config(WaterConfig):
+class Config(SphConfig):
     """Water by the scheme of the thesis."""
 
     kind: Literal["mueller"] = "mueller"
-    support_ratio: float = quantity("spacings", 2.0, ge=1.2, le=6.0)
-    """Support radius of the smoothing kernels over the spacing: 2h in papers that call half the support h."""
-    compression: float | None = quantity("1", None, gt=0.0, le=1.0)
-    """Wanted rise of the density at the bed, (reference_speed / sound speed)^2; 0.01 where `stiffness` is not given."""
     stiffness: float | None = quantity("m2/s2", None, gt=0.0)
     """k of (2.15) outright, the square of the sound speed, in place of `compression`."""
-    reference_speed: float | None = quantity("m/s", None, gt=0.0)
-    """The speed that compression refers to; default sqrt(|g| depth)."""
-    kinematic_viscosity: float = quantity("m2/s", 0.0, ge=0.0)
-    """nu; mu of (2.18) is rest density times nu."""
     minimum_pressure: float | None = quantity("Pa", 0.0)
     """Pressures below it are raised to it; null: none."""
 
@@ -52,53 +40,15 @@ class Config(WaterConfig):
             raise ValueError("give either compression or stiffness [m2/s2], not both")
         return self
 
-    def speed(self, basin: Basin) -> float:
-        """Reference speed [m/s]."""
-        return self.reference_speed or free_fall_speed(basin)
-
     def sound_speed(self, basin: Basin) -> float:
         """c [m/s]: the square root of k of (2.15)."""
-        return sqrt(self.stiffness) if self.stiffness else self.speed(basin) / sqrt(self.compression or 0.01)
-
-    def problems(self, basin: Basin) -> list[tuple[tuple[str | int, ...], str]]:
-        found = super().problems(basin)
-        if self.stiffness is None and self.speed(basin) == 0.0:
-            found.append((("reference_speed",), "is required without gravity: compression needs a speed to refer to"))
-        return found
-
-    def sizes(self, basin: Basin) -> ListSize:
-        lattice = self.lattice(basin)
-        return ListSize(GridSize(lattice, self.support_ratio * lattice.spacing), READS)
+        return sqrt(self.stiffness) if self.stiffness else super().sound_speed(basin)
 
     def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
-        sizes = self.sizes(basin)
-        n, support = sizes.grid.lattice.n, sizes.grid.support
-        return [
-            LedgerRow(
-                "fluid", f"{n} particles", (9 * word + 4) * n, "position, velocity, density, pressure, volume, number"
-            ),
-            LedgerRow(
-                "fluid", f"grid of {sizes.grid.cell_count} cells", sizes.grid.bytes(word), f"support {support:g} m"
-            ),
-            LedgerRow("fluid", "candidate lists", sizes.bytes(word), "neighbours of every occupied cell"),
-        ]
-
-    def still_limits(self, basin: Basin) -> Limits:
-        """Limits of the time step in still water, before anything is allocated."""
-        return limits(self.sizes(basin).grid.support, self.sound_speed(basin), self.kinematic_viscosity, 0.0, 0.0)
+        return rows(self.sized(basin, READS), word, 9, "position, velocity, density, pressure, volume, number")
 
     def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "Mueller":
         return Mueller(self, basin, ledger, wind)
-
-
-def limits(support: float, sound_speed: float, viscosity: float, speed: float, acceleration: float) -> Limits:
-    """See Limits; h is half the support."""
-    h = support / 2.0
-    return Limits(
-        acoustic=h / (sound_speed + speed),
-        viscous=h * h / viscosity if viscosity > 0.0 else inf,
-        force=sqrt(h / acceleration) if acceleration > 0.0 else inf,
-    )
 
 
 @ti.data_oriented
@@ -119,9 +69,9 @@ class Density:
         self.fluid.ledger.begin_density(group)
 
     @ti.func
-    def image(self, other, sign, offset):
+    def image(self, other, mirror):
         """A neighbour as a wall shows it."""
-        return sign * other + offset
+        return mirrored(mirror, other)
 
     @ti.func
     def pair(self, own, other):
@@ -144,7 +94,8 @@ class Density:
             p_i = tm.max(p_i, self.minimum)
         particles.density[i], particles.pressure[i], fluid.specific_volume[i] = rho_i, p_i, 1.0 / rho_i
         if ti.static(fluid.exposed):
-            fluid.expose(i, tm.vec3(total[1], total[2], total[3]))
+            along = -6.0 * fluid.smoothing.poly6_constant * tm.vec3(total[1], total[2], total[3])
+            fluid.expose(i, fluid.particles.mass / fluid.particles.rest_density * along)
         fluid.ledger.count_density(group, rho_i)
 
 
@@ -167,14 +118,14 @@ class Momentum:
         self.fluid.ledger.begin_motion(group)
 
     @ti.func
-    def image(self, other, sign, offset):
-        """A neighbour as a wall shows it: its normal velocity turned round, its pressure continued hydrostatically."""
+    def image(self, other, mirror):
+        """A neighbour as a side shows it: its velocity turned round, its pressure continued hydrostatically."""
         x, v = tm.vec3(other[0], other[1], other[2]), tm.vec3(other[3], other[4], other[5])
-        x_image, v_image = sign * x + offset, sign * v
+        x_image, v_image = mirrored(mirror, x), turned(mirror, v)
         image = other
         for k in ti.static(range(3)):
             image[k], image[3 + k] = x_image[k], v_image[k]
-        image[6] += self.fluid.particles.rest_density * self.fluid.gravity.dot(x_image - x)
+        image[6] += self.fluid.particles.rest_density * climbed(mirror, x, self.fluid.pull.at_rest(x))
         return image
 
     @ti.func
@@ -202,18 +153,20 @@ class Momentum:
         scale = self.constant * own[7]
         a_water, a_walls = scale * self.added(total), scale * self.added(beyond)
         a_wind = self.wind.force(fluid.particles.id[i], x, v, fluid.area(i), m) / m
-        a = a_water + a_walls + a_wind + fluid.gravity  # (2.25)
-        pushed, fast = fluid.walls.held_back(v + dt * a, dt)
+        a_pull = fluid.pull.at(x, v)
+        a = a_water + a_walls + a_wind + a_pull  # (2.25)
+        pushed, fast = fluid.walls.held_back(fluid.walls.calmed(x, v + dt * a, dt), dt)
         x_new, v_new = fluid.walls.bounced(x + dt * pushed, pushed)
         fluid.grid.leave(i, x_new, v_new)
         fluid.ledger.count_motion(group, v_new, a, fast)
         if ti.static(self.apart):
+            mean = 0.5 * (v + v_new)
             a_pressure = scale * tm.vec3(total[0], total[1], total[2])
-            fluid.ledger.count_impulse(group, PRESSURE, m * dt * a_pressure)
-            fluid.ledger.count_impulse(group, VISCOSITY, m * dt * (a_water - a_pressure))
-            fluid.ledger.count_impulse(group, WIND, m * dt * a_wind)
-            fluid.ledger.count_impulse(group, GRAVITY, m * dt * fluid.gravity)
-            fluid.ledger.count_impulse(group, WALLS, m * (v_new - v - dt * (a - a_walls)))
+            fluid.ledger.count_impulse(group, PRESSURE, m * dt * a_pressure, mean)
+            fluid.ledger.count_impulse(group, VISCOSITY, m * dt * (a_water - a_pressure), mean)
+            fluid.ledger.count_impulse(group, WIND, m * dt * a_wind, mean)
+            fluid.ledger.count_impulse(group, GRAVITY, m * dt * a_pull, mean)
+            fluid.ledger.count_impulse(group, WALLS, m * (v_new - v - dt * (a - a_walls)), mean)
 
     @ti.func
     def added(self, total):
@@ -225,30 +178,14 @@ class Momentum:
 
 
 @ti.data_oriented
-class Mueller:
+class Mueller(Sph):
     """Particles that press and rub on each other; between steps they are sorted, with density and pressure current."""
 
     def __init__(self, config: Config, basin: Basin, ledger: bool, wind: Wind) -> None:
-        sizes = config.sizes(basin)
-        self.config = config
-        lattice, support = sizes.grid.lattice, sizes.grid.support
-        self.particles = seeded(lattice)
-        self.smoothing = Smoothing(basin.dimension, support)
-        self.grid = Grid(self.particles, sizes.grid)
-        self.ledger = Ledger(sizes.grid.groups, ledger)
-        self.neighbours = Neighbours(self.particles, self.grid, self.ledger, sizes)
-        self.surface = FreeSurface(self.particles, self.grid, self.smoothing)
-        self.walls = Walls(lattice)
-        self.reference_speed, self.sound_speed = config.speed(basin), config.sound_speed(basin)
+        super().__init__(config, basin, config.sized(basin, READS), ledger, wind)
         self.stiffness = self.sound_speed**2  # [m2/s2]
-        self.gravity = tm.vec3(np.add(basin.gravity, config.body_force))  # [m/s2]
         self.specific_volume = ti.field(float, shape=self.particles.n)  # 1 / density [m3/kg]
-        self.dt = ti.field(float, shape=())  # [s]
-        self.exposed = wind.needs_area
-        if self.exposed:
-            self.exposed_area = Components(self.particles.n)  # times the outward normal [m2]
         self.density, self.momentum = Density(self), Momentum(self, wind)
-        self.summary = np.zeros(SUMMARY, dtype=self.particles.position.precision)
         self.begin()
 
     def begin(self) -> None:
@@ -258,6 +195,7 @@ class Mueller:
 
     def advance(self, dt: float) -> None:
         """One step of dt [s]; raises Diverged where more particles crowd together than the neighbour lists hold."""
+        self.drive(dt)
         self.move(dt)
         self.arrive()
 
@@ -265,13 +203,6 @@ class Mueller:
         """Make everything current and sorted where the particles are now."""
         self.settle(self.summary)
         self.status = self.ledger.status(self.summary, self.grid)
-
-    @ti.kernel
-    def lift(self):
-        """Leave all particles where they are, for the sort."""
-        for i in range(self.particles.n):
-            p, v = self.particles.position, self.particles.velocity
-            self.grid.leave(i, tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(v.x[i], v.y[i], v.z[i]))
 
     @ti.kernel
     def move(self, dt: float):
@@ -290,15 +221,6 @@ class Mueller:
                 self.neighbours.walk(g // TASK, self.density, True)
         self.ledger.summarise(summary)
 
-    def limits(self) -> Limits:
-        status, nu = self.status, self.config.kinematic_viscosity
-        return limits(self.smoothing.support, self.sound_speed, nu, status.max_speed, status.max_acceleration)
-
-    @property
-    def impulse(self) -> dict[str, np.ndarray]:
-        """Impulse of each term since the start [N s], (3,) each; empty unless built with ledger=True."""
-        return self.ledger.total()
-
     def internal_energy(self) -> float:
         """Work of compression, m times the integral of p / rho^2 from the rest density [J]."""
         ratio = self.particles.density.to_numpy().astype(float) / self.particles.rest_density
@@ -306,27 +228,3 @@ class Mueller:
         if self.config.minimum_pressure is not None:
             energy = np.where(ratio > 1.0, energy, 0.0)
         return self.particles.mass * self.stiffness * float(energy.sum())
-
-    @ti.func
-    def elevation(self, x, z):
-        return self.surface.elevation(x, z)
-
-    def elevations(self, points: np.ndarray) -> np.ndarray:
-        return self.surface.elevations(points)
-
-    @ti.func
-    def area(self, i):
-        """Exposed area of particle i times its outward normal [m2]; zero inside the water."""
-        area = tm.vec3(0.0)
-        if ti.static(self.exposed):
-            area = tm.vec3(self.exposed_area.x[i], self.exposed_area.y[i], self.exposed_area.z[i])
-        return area
-
-    @ti.func
-    def expose(self, i, outward):
-        """Twice the volume of i times the gradient of the smoothed share of water, which falls from 1 to 1/2 on the
-        water's side of a surface; walls are mirrors, so what faces them is not exposed."""
-        volume = ti.static(self.particles.mass / self.particles.rest_density)
-        area = 12.0 * volume**2 * self.smoothing.poly6_constant * outward
-        for k, component in ti.static(enumerate(self.exposed_area)):
-            component[i] = area[k]

@@ -1,4 +1,4 @@
-"""How well the water keeps what water keeps: density, energy, momentum, and which force gave the momentum."""
+"""How well the water keeps what water keeps: density, energy, momentum, and which force gave and took what."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -6,13 +6,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ocean_sim.observers._csv import CsvFile, heading
+from ocean_sim.observers._outside import beyond
 from ocean_sim.observers._sampled import Sampled
 from ocean_sim.parts import ObserverConfig, quantity
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
-IMPULSES = ("pressure", "viscosity", "wind", "gravity", "walls", "ship")
+TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "diffusion", "shifting")
+BETWEEN_ENERGIES = ("pressure", "gravity")  # their work turns one energy into another
 COLUMNS = (
     "compression_mean",
     "compression_max",
@@ -20,9 +22,9 @@ COLUMNS = (
     "kinetic_energy_J",
     "potential_energy_J",
     "internal_energy_J",
-    "momentum_x_kg_m_s",
-    "momentum_y_kg_m_s",
-    "momentum_z_kg_m_s",
+    "energy_residual_J",
+    *(f"momentum_{axis}_kg_m_s" for axis in "xyz"),
+    *(f"angular_momentum_{axis}_kg_m2_s" for axis in "xyz"),
 )
 
 
@@ -35,34 +37,55 @@ class Config(ObserverConfig):
 
 
 class Accuracy:
-    """accuracy.csv: errors and balances of the whole water, summed in float64."""
+    """accuracy.csv: errors and balances of the whole water, summed in float64; of water without particles there is
+    only the time step to tell."""
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
         self.every = config.every
-        self.gravity = np.array(simulation.basin.gravity)  # [m/s^2]
-        self.terms = [term for term in IMPULSES if term in simulation.fluid.impulse]
         self.sampled = Sampled(config.every)
-        self.at_start = self.potential_energy(simulation)
+        self.gravity = np.array(simulation.basin.gravity)  # [m/s2]
+        self.pushing: list[str] = []
+        self.working: list[str] = []
+        told: dict[str, object] = {}
+        if simulation.fluid.particles is not None:
+            fluid = simulation.fluid
+            self.pushing = [term for term in TERMS if term in fluid.impulse]
+            self.working = [term for term in TERMS if term in fluid.work]
+            self.driven = driven(simulation)
+            self.at_start = self.potential_energy(simulation)
+            self.energy_at_start: float | None = None
+            told = self.told()
         self.csv = CsvFile(
             folder / "accuracy.csv",
-            heading(
-                simulation,
-                f"every {config.every:g} s, linear between steps",
-                compression="max(density / rest density - 1, 0)",
-                surface_deficit="max(1 - density / rest density, 0): particles near the surface miss neighbours",
-                potential_energy=f"zero in the first state, where it is {self.at_start:.9g} J from y = 0",
-                impulse="momentum given to the water since the start, by force",
-                clipped="particles that motion_limit held back since the start",
-            ),
+            heading(simulation, f"every {config.every:g} s, linear between steps", **told),
             [
                 "time_s",
-                *COLUMNS,
-                *(f"impulse_{term}_{axis}_Ns" for term in self.terms for axis in "xyz"),
-                "clipped",
+                *(COLUMNS if told else ()),
+                *(f"impulse_{term}_{axis}_Ns" for term in self.pushing for axis in "xyz"),
+                *(f"work_{term}_J" for term in self.working),
+                *(("outside", "clipped") if told else ()),
                 "time_step_s",
                 "limited_by",
             ],
         )
+
+    def told(self) -> dict[str, object]:
+        """What the columns mean."""
+        outer = [term for term in self.working if term not in BETWEEN_ENERGIES]
+        given = " + ".join(f"work_{term}" for term in outer) or "0"
+        if self.driven:
+            given += " + (work_gravity + potential energy gained), the work of what is no potential"
+        return {
+            "compression": "max(density / rest density - 1, 0)",
+            "surface_deficit": "max(1 - density / rest density, 0): particles near the surface miss neighbours",
+            "potential_energy": f"zero in the first state, where it is {self.at_start:.9g} J from y = 0",
+            "energy_residual": f"kinetic + potential + internal energy gained since the first row - ({given})",
+            "angular_momentum": "about the origin",
+            "impulse": "momentum given to the water since the start, by force",
+            "work": "energy given to the water since the start, by force; gravity with body force",
+            "outside": "particles beyond a wall, floor or lid",
+            "clipped": "particles that motion_limit held back since the start",
+        }
 
     def potential_energy(self, simulation: "Simulation") -> float:
         """Of the particles in gravity, zero at the origin [J]."""
@@ -70,24 +93,55 @@ class Accuracy:
         centre_times_n = particles.position.to_numpy().sum(axis=0, dtype=np.float64)
         return -float(particles.mass * (centre_times_n @ self.gravity))
 
-    def observe(self, simulation: "Simulation") -> None:
+    def residual(self, energy: float, potential: float, work: dict[str, float]) -> float:
+        """Energy [J] that the water has gained since the first row and no force has given."""
+        given = sum(work[term] for term in self.working if term not in BETWEEN_ENERGIES)
+        if self.driven:
+            given += work.get("gravity", 0.0) + potential
+        if self.energy_at_start is None:
+            self.energy_at_start = energy - given
+        return energy - given - self.energy_at_start
+
+    def balances(self, simulation: "Simulation") -> list[float]:
+        """The numbers of COLUMNS, then impulses and works."""
         fluid, particles = simulation.fluid, simulation.fluid.particles
         excess = particles.density.to_numpy().astype(np.float64) / particles.rest_density - 1.0
+        position = particles.position.to_numpy().astype(np.float64)
         velocity = particles.velocity.to_numpy().astype(np.float64)
-        impulse = fluid.impulse
-        values = [
+        impulse, work = fluid.impulse, fluid.work
+        kinetic = 0.5 * particles.mass * float((velocity**2).sum())
+        potential, internal = self.potential_energy(simulation) - self.at_start, fluid.internal_energy()
+        return [
             np.maximum(excess, 0.0).mean(),
             max(excess.max(), 0.0),
             np.maximum(-excess, 0.0).mean(),
-            0.5 * particles.mass * (velocity**2).sum(),
-            self.potential_energy(simulation) - self.at_start,
-            fluid.internal_energy(),
+            kinetic,
+            potential,
+            internal,
+            self.residual(kinetic + potential + internal, potential, work),
             *(particles.mass * velocity.sum(axis=0)),
-            *(component for term in self.terms for component in impulse[term]),
+            *(particles.mass * np.cross(position, velocity).sum(axis=0)),
+            *(component for term in self.pushing for component in impulse[term]),
+            *(work[term] for term in self.working),
         ]
-        held = (fluid.status.clipped, simulation.next_dt, simulation.time_step.limited_by)
-        for time, row, (clipped, dt, limit) in self.sampled.rows(simulation.time, np.array(values), held):
-            self.csv.row([time, *row, clipped, float(dt), limit])
+
+    def observe(self, simulation: "Simulation") -> None:
+        fluid, values, counts = simulation.fluid, [], ()
+        if fluid.particles is not None:
+            values = self.balances(simulation)
+            outside = beyond(fluid.particles.position.to_numpy(), simulation.basin)
+            counts = (np.count_nonzero(outside), fluid.status.clipped)
+        held = (*counts, float(simulation.next_dt), simulation.time_step.limited_by)
+        for time, row, told in self.sampled.rows(simulation.time, np.array(values), held):
+            self.csv.row([time, *row, *told])
 
     def close(self) -> None:
         self.csv.close()
+
+
+def driven(simulation: "Simulation") -> bool:
+    """Whether what the water falls through is not all in its potential energy: a body force, or gravity along an axis
+    that is periodic."""
+    basin = simulation.basin
+    falls_around = any(period > 0.0 and g != 0.0 for period, g in zip(basin.periods, basin.gravity, strict=True))
+    return falls_around or any(simulation.scene.fluid.body_force)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ocean_sim.basin import Basin
+from ocean_sim.observers._counted import spacing
 from ocean_sim.observers._sampled import Multiples
 from ocean_sim.parts import ObserverConfig, quantity
 
@@ -23,20 +24,23 @@ class Config(ObserverConfig):
     every: float = quantity("s", 0.033, gt=0.0)
     """Simulated time between frames; a frame is the first state at or after it."""
     spacing: float | None = quantity("m", None, gt=0.0)
-    """Distance of the points at which the height of the water is kept; by default the spacing of the particles."""
+    """Distance of the points at which the height of the water is kept; by default the spacing of the particles, or
+    a sixteenth of the wave where there are none."""
     particles: bool = True
     """Keep the positions and velocities of the particles, which `export` and pictures of particles need."""
 
     def warnings(self, scene: "SceneConfig") -> list[str]:
         """Says when the frames of a long or large run would fill a disk."""
         basin = scene.basin.build()
-        lattice = scene.fluid.lattice(basin)
-        x, z = grid(basin, self.spacing or lattice.spacing)
-        frame = 4 * len(x) * len(z) + (BYTES_PER_PARTICLE * lattice.n if self.particles else 0)
+        lattice = scene.fluid.lattice(basin) if hasattr(scene.fluid, "lattice") else None
+        apart = self.spacing or (lattice.spacing if lattice is not None else basin.depth)
+        kept = lattice is not None and self.particles
+        x, z = grid(basin, apart)
+        frame = 4 * len(x) * len(z) + (BYTES_PER_PARTICLE * lattice.n if kept else 0)
         size = frame * (scene.duration / self.every + 1.0)
         if size < LARGE:
             return []
-        cure = "; frames.particles: false keeps only the surface" if self.particles else ""
+        cure = "; frames.particles: false keeps only the surface" if kept else ""
         return [f"frames: about {size / 1e9:.1f} GB on disk at one frame every {self.every:g} s{cure}"]
 
     def build(self, folder: Path, simulation: "Simulation") -> "Frames":
@@ -66,7 +70,7 @@ class Frames:
         self.multiples = Multiples(config.every)
         self.count = 0
         basin, fluid = simulation.basin, simulation.fluid
-        x, z = grid(basin, config.spacing or fluid.particles.spacing)
+        x, z = grid(basin, config.spacing or spacing(fluid))
         self.shape = (len(x), len(z))
         self.points = np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1).reshape(-1, 2)
         self.write(
@@ -76,9 +80,9 @@ class Frames:
             lower=np.array(basin.lower),
             upper=np.array(basin.upper),
             depth=basin.depth,
-            spacing=fluid.particles.spacing,
+            spacing=spacing(fluid),
             every=config.every,
-            has_surface=basin.dimension == 3 and fluid.sound_speed > 0.0,  # particles without pressure have none
+            has_surface=basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0),
         )
 
     def observe(self, simulation: "Simulation") -> None:
@@ -86,7 +90,7 @@ class Frames:
             return
         particles = simulation.fluid.particles
         frame = {"time": simulation.time, "elevation": simulation.fluid.elevations(self.points).reshape(self.shape)}
-        if self.config.particles:
+        if self.config.particles and particles is not None:
             frame["position"] = particles.position.to_numpy()
             frame["velocity"] = particles.velocity.to_numpy()
             frame["id"] = particles.id.to_numpy()

@@ -1,10 +1,10 @@
-"""Wave gauges: the height of the water at fixed points, read from the fluid itself, never from a drawn surface."""
+"""Gauges: the height of the water and its pressure at fixed points, read from the fluid, never from a drawn surface."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from ocean_sim.basin import Basin
 from ocean_sim.observers._csv import CsvFile, heading
@@ -15,22 +15,32 @@ if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
-Point = Annotated[tuple[float, ...], Field(strict=False, min_length=1, max_length=2)]
+Place = Annotated[tuple[float, ...], Field(strict=False, min_length=1, max_length=2)]
+Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 
 
 class Config(ObserverConfig):
-    elevation: dict[Name, Point] = Field(min_length=1)
+    elevation: dict[Name, Place] = {}
     """Height of the water at points [x, z] in metres; in a slice [x]."""
+    pressure: dict[Name, Point] = {}
+    """Pressure of the water at points [x, y, z] in metres, also on bed and walls; in a slice [x, y]; 0 where dry."""
     every: float = quantity("s", 0.05, gt=0.0)
     """Simulated time between rows."""
 
+    @model_validator(mode="after")
+    def _measures(self) -> "Config":
+        if not self.elevation and not self.pressure:
+            raise ValueError("give at least one gauge, under elevation or pressure")
+        return self
+
     def problems(self, basin: Basin) -> list[tuple[str, str]]:
         """What is wrong with the points in this basin: (key, sentence)."""
-        return [
-            (f"elevation.{name}", sentence)
-            for name, point in self.elevation.items()
-            if (sentence := misplaced(point, basin)) is not None
-        ]
+        points = {f"elevation.{name}": (point, "xz") for name, point in self.elevation.items()}
+        points |= {f"pressure.{name}": (point, "xyz") for name, point in self.pressure.items()}
+        found = [(key, misplaced(point, axes, basin)) for key, (point, axes) in points.items()]
+        if self.elevation and basin.periods[1] > 0.0:
+            found.append(("elevation", "a basin that is periodic along y has no surface"))
+        return [(key, sentence) for key, sentence in found if sentence is not None]
 
     def build(self, folder: Path, simulation: "Simulation") -> "Gauges":
         problems = self.problems(simulation.basin)
@@ -39,13 +49,18 @@ class Config(ObserverConfig):
         return Gauges(self, folder, simulation)
 
 
-def misplaced(point: tuple[float, ...], basin: Basin) -> str | None:
-    """Why there is no water to measure at this point, or None."""
-    if len(point) != basin.dimension - 1:
-        return f"{list(point)} should be {'[x, z]' if basin.dimension == 3 else '[x], the basin is a slice'}"
-    for axis, value in zip("xz", point):
+def misplaced(point: tuple[float, ...], axes: str, basin: Basin) -> str | None:
+    """Why there is no water to measure at this point, or None; an open basin has no upper end."""
+    wanted = axes if basin.dimension == 3 else axes.replace("z", "")
+    if len(point) != len(wanted):
+        slice_ = "" if basin.dimension == 3 else ", the basin is a slice"
+        return f"{list(point)} should be [{', '.join(wanted)}]{slice_}"
+    for axis, value in zip(wanted, point):
         low, high = basin.lower["xyz".index(axis)], basin.upper["xyz".index(axis)]
-        if not low <= value <= high:
+        if axis == "y" and not basin.closed:
+            if value < low:
+                return f"y = {value:g} m is outside the basin, whose bed is at {low:g} m"
+        elif not low <= value <= high:
             return f"{axis} = {value:g} m is outside the basin, which reaches from {low:g} to {high:g} m"
     return None
 
@@ -55,18 +70,25 @@ class Gauges:
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
         self.every = config.every
-        self.points = np.array([(*point, 0.0)[:2] for point in config.elevation.values()])  # x, z [m]
+        self.places = np.array([(*place, 0.0)[:2] for place in config.elevation.values()]).reshape(-1, 2)  # x, z [m]
+        self.points = np.array([(*point, 0.0)[:3] for point in config.pressure.values()]).reshape(-1, 3)  # [m]
         self.sampled = Sampled(config.every)
-        places = {name: f"elevation at {list(point)} m" for name, point in config.elevation.items()}
+        told = {f"{name}_m": f"elevation at {list(place)} m" for name, place in config.elevation.items()}
+        told |= {f"{name}_Pa": f"pressure at {list(point)} m" for name, point in config.pressure.items()}
         self.csv = CsvFile(
             folder / "gauges.csv",
-            heading(simulation, f"every {config.every:g} s, linear between steps", **places),
-            ["time_s", *(f"{name}_m" for name in config.elevation)],
+            heading(simulation, f"every {config.every:g} s, linear between steps", **told),
+            ["time_s", *told],
         )
 
     def observe(self, simulation: "Simulation") -> None:
-        for time, elevation, _ in self.sampled.rows(simulation.time, simulation.fluid.elevations(self.points)):
-            self.csv.row([time, *elevation])
+        fluid, parts = simulation.fluid, []
+        if len(self.places):
+            parts.append(fluid.elevations(self.places))
+        if len(self.points):
+            parts.append(fluid.pressures(self.points))
+        for time, values, _ in self.sampled.rows(simulation.time, np.concatenate(parts)):
+            self.csv.row([time, *values])
 
     def close(self) -> None:
         self.csv.close()

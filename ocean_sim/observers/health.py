@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from ocean_sim.conventions import Diverged
+from ocean_sim.observers._outside import beyond
 from ocean_sim.parts import ObserverConfig, quantity
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ class Config(ObserverConfig):
     max_density_ratio: float = quantity("1", 1.5, gt=1.0)
     """Density that no particle may exceed, as a multiple of the rest density."""
     max_distance: float | None = quantity("m", None, gt=0.0)
-    """How far outside the basin a particle may be; by default one diagonal of the basin."""
+    """How far from the basin a particle may get where no wall stops it; by default one diagonal of the basin."""
 
     def build(self, folder: Path | None, simulation: "Simulation") -> "Health":
         return Health(self, folder, simulation)
@@ -40,6 +41,7 @@ class Health:
         self.config, self.every, self.folder, self.simulation = config, config.every, folder, simulation
         basin, fluid = simulation.basin, simulation.fluid
         self.lower, self.upper = np.array(basin.lower), np.array(basin.upper)
+        self.n = 0 if fluid.particles is None else fluid.particles.n
         self.max_speed = config.max_speed or 10.0 * fluid.reference_speed
         self.max_distance = config.max_distance or float(np.linalg.norm(self.upper - self.lower))
         self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
@@ -47,7 +49,7 @@ class Health:
         self.clipped, self.clipped_told = 0, -QUIET
         self.event(
             "start",
-            particles=fluid.particles.n,
+            particles=self.n,
             sound_speed_m_s=fluid.sound_speed,
             max_speed_m_s=self.max_speed,
             max_density_ratio=config.max_density_ratio if fluid.sound_speed > 0.0 else None,
@@ -63,12 +65,13 @@ class Health:
             self.events.flush()
 
     def observe(self, simulation: "Simulation") -> None:
-        if simulation.steps > 0 and (self.suspicious() or simulation.steps % POSITIONS_EVERY == 0):
+        if self.n > 0 and simulation.steps > 0 and (self.suspicious() or simulation.steps % POSITIONS_EVERY == 0):
             sentence = next(self.complaints(), None)
             if sentence is not None:
                 raise Diverged(sentence)
         self.note_limit(simulation)
-        self.note_clipping(simulation)
+        if self.n > 0:
+            self.note_clipping(simulation)
 
     def suspicious(self) -> bool:
         """Whether the fluid's own summary of the last step is out of bounds; a number that is none is."""
@@ -99,6 +102,11 @@ class Health:
         if not status.max_speed <= self.max_speed:
             what = f"a particle reached {status.max_speed:.4g} m/s (bound {self.max_speed:.4g} m/s)"
             yield self.sentence(what, position, [np.square(velocity).sum(axis=1).argmax()])
+        through = beyond(position, self.simulation.basin)
+        if through.any():
+            what = f"{np.count_nonzero(through)} of {len(through)} particles are outside the walls"
+            far = f"the farthest by {through.max():.4g} m (none may be)"
+            yield self.sentence(f"{what}, {far}", position, [through.argmax()])
         distance = np.linalg.norm(position - np.clip(position, self.lower, self.upper), axis=1)
         if not distance.max() <= self.max_distance:
             what = f"{np.count_nonzero(distance > self.max_distance)} particles left the basin"
@@ -151,7 +159,8 @@ class Health:
             self.clipped, self.clipped_told = clipped, simulation.time
 
     def close(self) -> None:
-        self.note_clipping(self.simulation)
+        if self.n > 0:
+            self.note_clipping(self.simulation)
         outcome = self.simulation.outcome
         self.event(outcome, **({"reason": self.simulation.reason} if self.simulation.reason else {}))
         if self.events is not None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ocean_sim.observers._counted import count, spacing
 from ocean_sim.parts import ObserverConfig
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ class Manifest:
 
     def __init__(self, folder: Path, simulation: "Simulation") -> None:
         self.path, self.simulation = folder / "manifest.json", simulation
-        scene, particles = simulation.scene.resolved(), simulation.fluid.particles
+        scene, fluid = simulation.scene.resolved(), simulation.fluid
         self.facts = {
             "outcome": "running",
             "scene": scene,
@@ -42,9 +43,9 @@ class Manifest:
             "machine": {"system": platform.system(), "processor": platform.machine()},
             "backend": {name: getattr(simulation.backend, name) for name in ("arch", "threads", "precision")},
             "particles": {
-                "count": int(particles.n),
-                "spacing_m": float(particles.spacing),
-                "mass_kg": float(particles.mass),
+                "count": count(fluid),
+                "spacing_m": spacing(fluid) if count(fluid) else None,
+                "mass_kg": float(fluid.particles.mass) if count(fluid) else None,
             },
             "ledger": [row._asdict() for row in simulation.scene.ledger()],
         }
@@ -82,8 +83,12 @@ def sha256(data: bytes) -> str:
 
 
 def state_sha256(simulation: "Simulation") -> str:
-    """Of final positions and velocities in the order of the particles' ids, so that storage order does not matter."""
+    """Of final positions and velocities in the order of the particles' ids, so that storage order does not matter; of
+    water without particles, of its final heights along a diagonal of the basin."""
     particles = simulation.fluid.particles
+    if particles is None:
+        places = np.linspace(simulation.basin.lower, simulation.basin.upper, 101)[:, [0, 2]]
+        return sha256(np.ascontiguousarray(simulation.fluid.elevations(places)).tobytes())
     order = np.argsort(particles.id.to_numpy(), kind="stable")
     state = [particles.position.to_numpy()[order], particles.velocity.to_numpy()[order]]
     return sha256(b"".join(np.ascontiguousarray(array).tobytes() for array in state))

@@ -47,7 +47,7 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
 
     basin = config.basin.build()
     rows, warnings = config.ledger(), config.warnings()
-    particles = config.fluid.lattice(basin).n
+    particles = config.fluid.lattice(basin).n if hasattr(config.fluid, "lattice") else 0
     memory = base_memory(particles) + sum(row.bytes for row in rows)
     time_step = config.time_step.build()
     still = config.fluid.still_limits(basin)
@@ -72,7 +72,7 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         "limited_by": time_step.limited_by,
         "stable_time_step": stable,
         "stable_limited_by": limit,
-        "estimated_wall_s": particles * config.duration / dt / (PARTICLE_STEPS_PER_SECOND * threads),
+        "estimated_wall_s": particles * config.duration / dt / (PARTICLE_STEPS_PER_SECOND * threads) or None,
         "ledger": rows,
     }
 
@@ -108,12 +108,19 @@ def machine_memory() -> int:
     return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
 
 
+def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
+    """An estimate by the number of particles; of water without any there is none."""
+    seconds = found["estimated_wall_s"]
+    about = f"about {console.duration(seconds)}" if seconds is not None else "no estimate of the wall time"
+    return f"{about} for {config.duration:g} s"
+
+
 def short(found: dict[str, Any], config: SceneConfig) -> str:
     """The preflight in a few lines, for `run`."""
     lines = [
         f"{config.title or 'untitled'}: {found['particles']} particles, {found['memory_mb']:.0f} MB, "
         f"time step {found['time_step']:.3g} s in still water ({found['limited_by']}), "
-        f"about {console.duration(found['estimated_wall_s'])} for {config.duration:g} s"
+        f"{wall_time(found, config)}"
     ]
     return "\n".join(
         [*lines, *(f"note: {note}" for note in found["notes"]), *(f"warning: {w}" for w in found["warnings"])]
@@ -133,7 +140,7 @@ def long(found: dict[str, Any], config: SceneConfig) -> None:
             ["stable", f"{found['stable_time_step']:.4g} s in still water, limited by: {found['stable_limited_by']}"],
             [
                 "wall time",
-                f"about {console.duration(found['estimated_wall_s'])} for {config.duration:g} s (an estimate)",
+                wall_time(found, config) + (" (an estimate)" if found["particles"] else ""),
             ],
         ],
     )

@@ -5,6 +5,7 @@ from collections import Counter
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+from ocean_sim.observers._counted import count
 from ocean_sim.verbs import console
 
 if TYPE_CHECKING:
@@ -86,7 +87,7 @@ class Progress:
         self.time, self.steps = simulation.time, simulation.steps
         self.wall = now - self.began
         if self.steps == 0:
-            self.particles = simulation.fluid.particles.n
+            self.particles = count(simulation.fluid)
             self.attend(simulation)
             return
         self.limits[simulation.time_step.limited_by] += 1

@@ -16,7 +16,9 @@ SOURCES = {
     )
     for path in sorted(PACKAGE.rglob("*.py"))
 }
-FOUNDATION = ["conventions", "yaml_file", "parts", "runtime", "random_numbers", "sums", "waves", "basin"]
+FOUNDATION = [
+    *("conventions", "yaml_file", "csv_file", "parts", "runtime", "random_numbers", "sums", "waves", "motion", "basin"),
+]
 
 
 def is_only_for_types(node: ast.If) -> bool:
@@ -113,6 +115,17 @@ def test_only_the_command_line_imports_observers():
     for module in SOURCES:
         if room(module) not in ("observers", "verbs", "__main__"):
             assert not [name for name in ours(module) if is_kind(name) and room(name) == "observers"], module
+
+
+def test_validation_reads_scene_and_simulation_and_only_what_stands_above_reads_it():
+    """scene <- validation <- studies <- figures <- __main__."""
+    above = ("validation", "studies", "figures", "verbs", "__main__")
+    for module in SOURCES:
+        if room(module) == "validation":
+            for other in ours(module):
+                assert room(other) in (*FOUNDATION, "scene", "simulation", "validation"), f"{module} imports {other}"
+        elif room(module) not in above:
+            assert not [name for name in ours(module) if room(name) == "validation"], module
 
 
 def test_nothing_below_it_knows_the_command_line():

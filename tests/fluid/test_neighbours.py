@@ -8,6 +8,7 @@ import taichi as ti
 
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid._grid import TASK
+from ocean_sim.fluid._images import mirrored as mirrored_place
 from tests.fluid.conftest import by_id, put
 
 
@@ -34,8 +35,8 @@ class Count:
         return ti.Vector([near, near * r2])
 
     @ti.func
-    def image(self, other, sign, offset):
-        return sign * other + offset
+    def image(self, other, mirror):
+        return mirrored_place(mirror, other)
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
@@ -157,3 +158,22 @@ def test_sorting_in_chunks_gives_the_same_order(water):
     place = np.floor((x - np.array(fluid.grid.lower)) / np.array([w for _, w in fluid.grid.size.inner])).astype(int) + 1
     cell = (place[:, 2] * fluid.grid.cells[1] + place[:, 1]) * fluid.grid.cells[0] + place[:, 0]
     np.testing.assert_array_equal(fluid.particles.id.to_numpy(), np.argsort(cell, kind="stable"))
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_periodic_sides_equal_shifted_copies_of_all_particles(water, dimension):
+    walls = {"x": "periodic", "y": "periodic"} | ({"z": "periodic"} if dimension == 3 else {})
+    basin = {"length": 1.0, "depth": 0.7, "width": 0.8 if dimension == 3 else None, "walls": walls, "floor": "none"}
+    fluid = water(basin=basin, particles=300)
+    law, low, period = Count(fluid), np.array(fluid.grid.basin.lower), np.array(fluid.grid.basin.periods)
+    x = low + np.random.default_rng(9).uniform(0.0, 1.0, (fluid.particles.n, 3)) * period
+    put(fluid, x)
+    for find in (True, False):
+        walk(fluid.neighbours, law, find)
+        d = x[:, None] - x[None]
+        d -= np.where(period > 0.0, period, 1.0) * np.round(d / np.where(period > 0.0, period, 1.0)) * (period > 0.0)
+        r2 = (d**2).sum(axis=2)
+        near = r2 < fluid.smoothing.support**2
+        np.testing.assert_array_equal(by_id(fluid, law.count.to_numpy()), near.sum(axis=1))
+        squares = np.where(near, r2, 0.0).sum(axis=1)
+        np.testing.assert_allclose(by_id(fluid, law.squares.to_numpy()), squares, atol=1e-12)

@@ -56,12 +56,16 @@ class Sea:
             max_speed=0.0, max_acceleration=0.0, min_density=1000.0, max_density=1000.0, clipped=0, finite=True
         )
         self.impulse = {term: np.zeros(3) for term in ("gravity", "walls", "pressure", "viscosity", "wind")}
+        self.work = {"gravity": 0.0, "walls": 0.0, "pressure": 0.0, "viscosity": 0.0, "wind": 0.0}
         self.sound_speed, self.reference_speed = 50.0, 5.0
 
     def elevations(self, points):
         x, z = np.asarray(points).T
         waves = 0.35 * np.sin(0.9 * x + 0.5 * z - 2.9 * self.time) + 0.12 * np.sin(1.7 * z - 1.1 * x - 4.0 * self.time)
         return self.rise * self.time + 0.0 * x if self.rise else waves
+
+    def pressures(self, points):
+        return -1000.0 * 9.81 * np.asarray(points)[:, 1] + 100.0 * self.time
 
     def advance(self, dt):
         self.time += dt
@@ -85,7 +89,7 @@ class Watched:
             title="A computed sea",
             seed=7,
             wind=None,
-            fluid=SimpleNamespace(kind="computed"),
+            fluid=SimpleNamespace(kind="computed", body_force=(0.0, 0.0, 0.0)),
             surface=None,
             ship=None,
             time_step=SimpleNamespace(kind="courant"),
@@ -133,8 +137,8 @@ class Watched:
 def watched():
     """A computed simulation: `watched([0.01, 0.004])`, or a slice with `width=None`."""
 
-    def build(steps_of=(0.01,), width=4.0):
-        place = basin.Config(length=6.0, width=width, depth=2.0).build()
+    def build(steps_of=(0.01,), width=4.0, **sides):
+        place = basin.Config(length=6.0, width=width, depth=2.0, **sides).build()
         return Watched(Sea(place), place, steps_of)
 
     return build

@@ -1,5 +1,7 @@
 import numpy as np
+import pytest
 
+import ocean_sim
 from ocean_sim.observers import accuracy
 from ocean_sim.observers._csv import columns
 
@@ -44,3 +46,89 @@ def test_rising_water_gains_potential_energy(tmp_path, watched):
     observer.close()
     gained = columns(tmp_path / "accuracy.csv")["potential_energy_J"]
     np.testing.assert_allclose(gained, particles.n * particles.mass * 9.81 * 0.1, rtol=1e-8)
+
+
+def test_a_body_that_turns_has_the_angular_momentum_of_its_inertia(tmp_path, watched):
+    simulation = watched()
+    particles, spin = simulation.fluid.particles, np.array([0.3, -0.7, 1.1])
+    x = particles.position.values
+    particles.velocity.values[:] = np.cross(spin, x)
+    observer = accuracy.Config().build(tmp_path, simulation)
+    observer.observe(simulation)
+    observer.close()
+    table = columns(tmp_path / "accuracy.csv")
+    inertia = particles.mass * (np.square(x).sum() * np.eye(3) - x.T @ x)
+    got = [table[f"angular_momentum_{axis}_kg_m2_s"][0] for axis in "xyz"]
+    np.testing.assert_allclose(got, inertia @ spin, rtol=1e-8)
+    assert table["kinetic_energy_J"][0] == pytest.approx(0.5 * spin @ inertia @ spin, rel=1e-8)
+
+
+def test_work_comes_in_one_order_and_the_residual_is_what_nobody_gave(tmp_path, watched):
+    simulation = watched()
+    fluid, observer = simulation.fluid, accuracy.Config(every=0.1).build(tmp_path, simulation)
+    observer.observe(simulation)
+    simulation.time = fluid.time = 0.1
+    fluid.particles.velocity.values[:, 0] = 2.0
+    kinetic = 2.0 * fluid.particles.n * fluid.particles.mass
+    fluid.work |= {"wind": kinetic, "walls": -7.0, "viscosity": -5.0, "pressure": -900.0, "gravity": 400.0}
+    observer.observe(simulation)
+    observer.close()
+    table = columns(tmp_path / "accuracy.csv")
+    assert [name for name in table if name.startswith("work")] == [
+        f"work_{term}_J" for term in ("pressure", "viscosity", "wind", "gravity", "walls")
+    ]
+    assert table["energy_residual_J"][0] == 0.0
+    assert table["energy_residual_J"][1] == pytest.approx(3.0 * 0.1 + 12.0, rel=1e-6)
+
+
+def test_particles_outside_are_counted(tmp_path, watched):
+    simulation = watched(walls={"x_min": "none"})
+    observer = accuracy.Config().build(tmp_path, simulation)
+    position = simulation.fluid.particles.position.values
+    position[:3] = [[-9.0, -1.0, 0.0], [3.01, -1.0, 0.0], [0.0, -2.5, 0.0]]
+    observer.observe(simulation)
+    observer.close()
+    assert columns(tmp_path / "accuracy.csv")["outside"] == [2.0]
+
+
+def test_of_water_without_particles_there_is_only_the_time_step(tmp_path, watched):
+    simulation = watched()
+    simulation.fluid.particles, simulation.fluid.advance = None, lambda dt: None
+    simulation.observers = [accuracy.Config().build(tmp_path, simulation)]
+    simulation.run(until=0.2)
+    table = columns(tmp_path / "accuracy.csv")
+    assert list(table) == ["time_s", "time_step_s", "limited_by"] and len(table["time_s"]) == 3
+
+
+def energies(tmp_path, fluid, **scene):
+    """accuracy.csv of half a second in a small basin."""
+    data = {
+        "duration": 0.5,
+        "basin": {"length": 1.0, "width": 0.6, "depth": 0.5},
+        "fluid": {"spacing": 0.1} | fluid,
+        "runtime": {"precision": "f64", "threads": 1},
+        "time_step": {"kind": "fixed", "dt": 0.002},
+        **dict.fromkeys(("frames", "render", "report")),
+    }
+    return ocean_sim.run(ocean_sim.load(data | scene), tmp_path).accuracy
+
+
+def test_falling_bouncing_and_driven_particles_close_their_energy(tmp_path):
+    basin = {"length": 1.0, "width": 0.6, "depth": 0.5, "restitution": 0.5, "friction": 0.3}
+    fluid = {"kind": "ballistic", "body_force": [3.0, 0.0, 0.0]}
+    fluid |= {"fill": [{"min": [-0.3, -0.3, -0.3], "max": [0.3, 0.0, 0.3]}]}
+    table = energies(tmp_path, fluid, basin=basin)
+    assert table["kinetic_energy_J"].max() > 50.0 and table["work_walls_J"][-1] < -10.0
+    np.testing.assert_allclose(table["energy_residual_J"], 0.0, atol=1e-6)
+    assert not table["outside"].any()
+
+
+def test_a_collapsing_column_loses_little_energy_that_nothing_took(tmp_path):
+    fluid = {"kind": "delta_sph", "compression": 0.02, "kinematic_viscosity": 0.01}
+    fluid |= {"fill": [{"min": [-0.5, -0.5, -0.3], "max": [0.0, 0.0, 0.3]}]}
+    table = energies(tmp_path, fluid, duration=0.3, time_step={"kind": "fixed", "dt": 0.0005})
+    fallen = -table["potential_energy_J"][-1]
+    assert fallen > 100.0
+    assert np.abs(table["energy_residual_J"]).max() < 0.15 * fallen
+    given = table["work_walls_J"] + table["work_viscosity_J"] + table["work_diffusion_J"]
+    assert np.abs(table["energy_residual_J"] + given).max() > 0.15 * fallen  # without the work it does not close

@@ -44,6 +44,8 @@ def upset(simulation, what):
         status.max_density = float("nan")
     if what == "position":
         particles.position.values[2] = (1.0e3, 0.0, 0.0)
+    if what == "through the bed":
+        particles.position.values[4, 1] = -2.001
     if what == "infinite position":
         particles.position.values[2] = (np.inf, 0.0, 0.0)
 
@@ -56,7 +58,8 @@ def upset(simulation, what):
         ("speed", r"a particle reached 60 m/s \(bound 50 m/s\) at \("),
         ("density", r"density reached 1900 kg/m\^3, 1.9 x the rest density \(bound 1.5\) at \("),
         ("density is no number", "density reached nan"),
-        ("position", "1 particles left the basin, the farthest by 997 m"),
+        ("position", r"1 of \d+ particles are outside the walls, the farthest by 997 m"),
+        ("through the bed", r"1 of \d+ particles are outside the walls, the farthest by 0.001 m \(none may be\) at \("),
         ("infinite position", "stopped being a number"),
     ],
 )
@@ -66,6 +69,38 @@ def test_what_is_not_physical_stops_the_run_with_a_sentence(watched, what, words
     with pytest.raises(Diverged, match=words) as stop:
         observer.observe(simulation)
     assert "t = 0.5000 s, step 50" in str(stop.value) and "try" in str(stop.value)
+
+
+def test_a_side_that_is_open_lets_particles_go_a_diagonal_far(watched):
+    simulation = watched(walls={"x_min": "none"})
+    observer = health.Config().build(None, simulation)
+    simulation.steps = 50
+    position = simulation.fluid.particles.position.values
+    position[0] = (-5.0, -1.0, 0.0)
+    observer.observe(simulation)
+    position[0] = (-20.0, -1.0, 0.0)
+    with pytest.raises(Diverged, match="1 particles left the basin, the farthest by 17 m"):
+        observer.observe(simulation)
+    position[0] = (3.1, -1.0, 0.0)
+    with pytest.raises(Diverged, match=r"outside the walls, the farthest by 0\.1 m"):
+        observer.observe(simulation)
+
+
+def test_a_particle_that_rounding_puts_on_a_wall_is_inside(watched):
+    simulation, observer = build(watched)
+    simulation.steps = 50
+    simulation.fluid.particles.position.values[0, 0] = np.nextafter(np.float32(3.0), np.float32(4.0))
+    observer.observe(simulation)
+
+
+def test_water_without_particles_has_nothing_to_go_wrong(tmp_path, watched):
+    simulation = watched()
+    simulation.fluid.particles = None
+    simulation.fluid.advance = lambda dt: None
+    simulation.observers = [health.Config().build(tmp_path, simulation)]
+    simulation.run(until=1.0)
+    assert [event["event"] for event in events(tmp_path)] == ["start", "limit", "done"]
+    assert events(tmp_path)[0]["particles"] == 0
 
 
 def test_a_fluid_without_pressure_has_no_density_bound(watched):

@@ -1,0 +1,47 @@
+"""What pulls on all water alike: gravity, a body force, and in the axes of a moving tank what its motion adds."""
+
+import numpy as np
+import taichi as ti
+import taichi.math as tm
+
+from ocean_sim.basin import Basin
+
+PUSH, RATE, TURN, PIVOT = range(4)
+
+
+@ti.data_oriented
+class Pull:
+    """Acceleration of free water [m/s2]."""
+
+    def __init__(self, basin: Basin, body_force: tuple[float, float, float]) -> None:
+        self.gravity, self.body_force = np.array(basin.gravity), np.array(body_force)  # [m/s2]
+        self.constant = tm.vec3(self.gravity + self.body_force)
+        self.held = tm.vec3([0.0 if period > 0.0 else 1.0 for period in basin.periods])
+        self.moving = basin.config.motion is not None
+        if self.moving:
+            self.motion = basin.config.motion.build()
+            self.frame = ti.Vector.field(3, float, shape=4)
+            self.advance(0.0)
+
+    def advance(self, time: float) -> None:
+        """Take the motion of the tank at a time [s]."""
+        if self.moving:
+            frame = self.motion.at(time)
+            self.frame[PUSH] = frame.push(self.gravity) + self.body_force
+            self.frame[RATE], self.frame[TURN] = frame.rate, frame.angular_acceleration
+            self.frame[PIVOT] = frame.pivot
+
+    @ti.func
+    def at(self, x, v):
+        """At a place, with a velocity in the tank's axes: g - a - alpha x r - omega x (omega x r) - 2 omega x v."""
+        a = self.constant
+        if ti.static(self.moving):
+            r, omega = x - self.frame[PIVOT], self.frame[RATE]
+            a = self.frame[PUSH] - tm.cross(self.frame[TURN], r)
+            a -= tm.cross(omega, tm.cross(omega, r)) + 2.0 * tm.cross(omega, v)
+        return a
+
+    @ti.func
+    def at_rest(self, x):
+        """What pressure holds in water at rest: along a periodic axis it can hold nothing."""
+        return self.held * self.at(x, tm.vec3(0.0))

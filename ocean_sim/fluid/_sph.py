@@ -1,0 +1,177 @@
+"""What the schemes share whose particles press and rub on each other: keys, sizes, limits, and what they have."""
+
+from math import inf, sqrt
+
+import numpy as np
+import taichi as ti
+import taichi.math as tm
+
+from ocean_sim.basin import Basin
+from ocean_sim.fluid import Limits
+from ocean_sim.fluid._field import Field
+from ocean_sim.fluid._free_surface import FreeSurface
+from ocean_sim.fluid._grid import Grid, GridSize
+from ocean_sim.fluid._ledger import SUMMARY, Ledger
+from ocean_sim.fluid._neighbours import ListSize, Neighbours
+from ocean_sim.fluid._particles import Components, seeded
+from ocean_sim.fluid._pull import Pull
+from ocean_sim.fluid._smoothing import Smoothing
+from ocean_sim.fluid._walls import Walls
+from ocean_sim.fluid._water import WaterConfig, free_fall_speed
+from ocean_sim.parts import LedgerRow, quantity
+from ocean_sim.wind import Wind
+
+
+class SphConfig(WaterConfig):
+    """Keys of water by smoothed particle hydrodynamics."""
+
+    support_ratio: float = quantity("spacings", 2.0, ge=1.2, le=6.0)
+    """Support radius of the smoothing kernels over the spacing: 2h in papers that call half the support h."""
+    compression: float | None = quantity("1", None, gt=0.0, le=1.0)
+    """Wanted rise of the density at the bed, (reference_speed / sound speed)^2; 0.01 by default."""
+    reference_speed: float | None = quantity("m/s", None, gt=0.0)
+    """The speed that compression refers to; default sqrt(|g| depth)."""
+    kinematic_viscosity: float = quantity("m2/s", 0.0, ge=0.0)
+    """nu; mu of (2.18) is rest density times nu."""
+    minimum_pressure: float | None = quantity("Pa", None)
+    """Pressures below it are raised to it; null: none."""
+
+    def speed(self, basin: Basin) -> float:
+        """Reference speed [m/s]."""
+        return self.reference_speed or free_fall_speed(basin)
+
+    def sound_speed(self, basin: Basin) -> float:
+        """c [m/s]."""
+        return self.speed(basin) / sqrt(self.compression or 0.01)
+
+    def ratio(self, basin: Basin) -> float:
+        """Support over spacing."""
+        return self.support_ratio
+
+    def problems(self, basin: Basin) -> list[tuple[tuple[str | int, ...], str]]:
+        found = super().problems(basin)
+        if self.sound_speed(basin) == 0.0:
+            found.append((("reference_speed",), "is required without gravity: compression needs a speed to refer to"))
+        lattice = self.lattice(basin)
+        support = self.ratio(basin) * lattice.spacing
+        for axis, period in zip("xyz", basin.periods, strict=True):
+            if 0.0 < period < 2.0 * support:
+                found.append(
+                    (
+                        ("spacing",),
+                        f"a period of {period:g} m along {axis} is shorter than two supports of {support:g} m",
+                    )
+                )
+        return found
+
+    def sized(self, basin: Basin, reads: int, carried: int = 0) -> ListSize:
+        """How large grid and lists are for laws that read so many fields."""
+        lattice = self.lattice(basin)
+        return ListSize(GridSize(lattice, self.ratio(basin) * lattice.spacing, carried), reads)
+
+    def still_limits(self, basin: Basin) -> Limits:
+        """Limits of the time step in still water, before anything is allocated."""
+        support = self.ratio(basin) * self.lattice(basin).spacing
+        return limits(support, self.sound_speed(basin), self.kinematic_viscosity, 0.0, 0.0)
+
+
+def rows(sizes: ListSize, word: int, numbers: int, what: str) -> list[LedgerRow]:
+    """Ledger of a scheme that keeps so many numbers of each particle beside its integer name."""
+    n, support = sizes.grid.lattice.n, sizes.grid.support
+    return [
+        LedgerRow("fluid", f"{n} particles", (numbers * word + 4) * n, what),
+        LedgerRow("fluid", f"grid of {sizes.grid.cell_count} cells", sizes.grid.bytes(word), f"support {support:g} m"),
+        LedgerRow("fluid", "candidate lists", sizes.bytes(word), "neighbours of every occupied cell"),
+    ]
+
+
+def limits(support: float, sound_speed: float, viscosity: float, speed: float, acceleration: float) -> Limits:
+    """See Limits; h is half the support."""
+    h = support / 2.0
+    return Limits(
+        acoustic=h / (sound_speed + speed),
+        viscous=h * h / viscosity if viscosity > 0.0 else inf,
+        force=sqrt(h / acceleration) if acceleration > 0.0 else inf,
+    )
+
+
+@ti.data_oriented
+class Sph:
+    """The particles with their grid, neighbours, walls, surface and accounts; a scheme adds its laws and its step."""
+
+    def __init__(self, config: SphConfig, basin: Basin, sizes: ListSize, ledger: bool, wind: Wind) -> None:
+        self.config, self.wind = config, wind
+        lattice, support = sizes.grid.lattice, sizes.grid.support
+        self.particles = seeded(lattice)
+        self.smoothing = Smoothing(basin.dimension, support)
+        self.carried = tuple(ti.field(float, shape=self.particles.n) for _ in range(sizes.grid.carried))
+        self.grid = Grid(self.particles, sizes.grid, self.carried)
+        self.ledger = Ledger(sizes.grid.groups, ledger)
+        self.neighbours = Neighbours(self.particles, self.grid, self.ledger, sizes)
+        self.surface = FreeSurface(self.particles, self.grid, self.smoothing)
+        self.walls = Walls(lattice, self.grid.images)
+        self.pull = Pull(basin, config.body_force)
+        self.time = 0.0  # [s]
+        self.reference_speed, self.sound_speed = config.speed(basin), config.sound_speed(basin)
+        self.field = Field(self.particles, self.grid, self.smoothing, self.pull.constant)
+        self.dt = ti.field(float, shape=())  # [s]
+        self.exposed = wind.needs_area
+        if self.exposed:
+            self.exposed_area = Components(self.particles.n)  # times the outward normal [m2]
+        self.summary = np.zeros(SUMMARY, dtype=self.particles.position.precision)
+
+    def drive(self, dt: float) -> None:
+        """Put tank and wavemaker where they are in the middle of a step of dt [s]."""
+        self.pull.advance(self.time + 0.5 * dt)
+        self.grid.images.advance(self.time + 0.5 * dt)
+        self.time += dt
+
+    @ti.kernel
+    def lift(self):
+        """Leave all particles where they are, for the sort."""
+        for i in range(self.particles.n):
+            p, v = self.particles.position, self.particles.velocity
+            self.grid.leave(i, tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(v.x[i], v.y[i], v.z[i]))
+
+    def limits(self) -> Limits:
+        status, nu = self.status, self.config.kinematic_viscosity
+        return limits(self.smoothing.support, self.sound_speed, nu, status.max_speed, status.max_acceleration)
+
+    @property
+    def impulse(self) -> dict[str, np.ndarray]:
+        """Impulse of each term since the start [N s], (3,) each; empty unless built with ledger=True."""
+        return self.ledger.total()
+
+    @property
+    def work(self) -> dict[str, float]:
+        """Work of each term since the start [J]; empty unless built with ledger=True."""
+        return self.ledger.total_work()
+
+    @ti.func
+    def elevation(self, x, z):
+        return self.surface.elevation(x, z)
+
+    def elevations(self, points: np.ndarray) -> np.ndarray:
+        return self.surface.elevations(points)
+
+    def pressures(self, points: np.ndarray) -> np.ndarray:
+        return self.field.pressures(points)
+
+    def velocities(self, points: np.ndarray) -> np.ndarray:
+        return self.field.velocities(points)
+
+    @ti.func
+    def area(self, i):
+        """Exposed area of particle i times its outward normal [m2]; zero inside the water."""
+        area = tm.vec3(0.0)
+        if ti.static(self.exposed):
+            area = tm.vec3(self.exposed_area.x[i], self.exposed_area.y[i], self.exposed_area.z[i])
+        return area
+
+    @ti.func
+    def expose(self, i, gradient):
+        """Twice the volume of i times the gradient [1/m] of the smoothed share of water, turned outwards: the share
+        falls from 1 to 1/2 on the water's side of a surface; walls are mirrors, so what faces them is not exposed."""
+        area = -2.0 * ti.static(self.particles.mass / self.particles.rest_density) * gradient
+        for k, component in ti.static(enumerate(self.exposed_area)):
+            component[i] = area[k]

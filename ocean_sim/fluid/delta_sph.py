@@ -1,0 +1,361 @@
+"""Weakly compressible water with density diffusion: delta-SPH, the accuracy reference.
+
+Density follows the continuity equation (Monaghan 1994, J. Comput. Phys. 110, eq. 2.4), smoothed by diffusion (Molteni &
+Colagrossi 2009, Comput. Phys. Commun. 180; Antuono, Colagrossi, Marrone & Molteni 2010, eq. 1) of its part beyond the
+hydrostatic (Fourtakas et al. 2019, Comput. Fluids 190, eq. 9); pressure forces are its exact counterpart, so momentum
+is kept to rounding. Steps are drift, kick, drift: second-order and symmetric in time without viscosity.
+What is stored is the deviation from the rest density, which single precision would lose in the density itself.
+"""
+
+from typing import Literal
+
+import numpy as np
+import taichi as ti
+import taichi.math as tm
+
+from ocean_sim.basin import Basin
+from ocean_sim.fluid import Limits
+from ocean_sim.fluid._grid import TASK
+from ocean_sim.fluid._images import climbed, mirrored, turned
+from ocean_sim.fluid._ledger import DIFFUSION, GRAVITY, PRESSURE, VISCOSITY, WALLS, WIND
+from ocean_sim.fluid._particles import Components
+from ocean_sim.fluid._smoothing import Smoothing
+from ocean_sim.fluid._sph import Sph, SphConfig, limits, rows
+from ocean_sim.parts import LedgerRow, quantity
+from ocean_sim.wind import Wind
+
+READS = 7  # fields of a neighbour that either law reads
+CARRIED = 2  # deviation of the density, and pressure over density squared
+FLAT, SOLID = 4.0, 2.6  # [spacings] support in a slice (50 neighbours) and in space (74)
+
+
+class Config(SphConfig):
+    """Weakly compressible water with density diffusion."""
+
+    kind: Literal["delta_sph"] = "delta_sph"
+    support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
+    """Support radius of the smoothing kernel over the spacing; by default 4.0 in a slice and 2.6 in space."""
+    exponent: int = quantity("1", 1, ge=1, le=9)
+    """gamma of p = c^2 rho0 / gamma ((rho / rho0)^gamma - 1): 1 is linear, 7 is Tait's."""
+    density_diffusion: float = quantity("1", 0.1, ge=0.0, le=0.5)
+    """delta: strength of the diffusion of density."""
+    artificial_viscosity: float = quantity("1", 0.0, ge=0.0)
+    """alpha of Monaghan (1992), on approaching particles: nu = alpha h c / 8 in a slice, / 10 in space."""
+    collision_distance: float = quantity("spacings", 0.25, gt=0.0, le=1.0)
+    """How near to a wall or the floor a particle's centre may come; the images in the wall hold it before that."""
+
+    def ratio(self, basin: Basin) -> float:
+        return self.support_ratio or (FLAT if basin.dimension == 2 else SOLID)
+
+    def limited(self, smoothing: Smoothing, sound_speed: float, speed: float, acceleration: float) -> Limits:
+        """Limits of the time step. Pairs rub at rates of up to 14 nu / h^2 (twice that of the Laplacian's sum), so
+        viscosity counts twice; artificial viscosity counts with it."""
+        h, d = smoothing.support / 2.0, smoothing.dimension
+        artificial = self.artificial_viscosity * h * sound_speed / (2.0 * (d + 2.0))
+        nu = 2.0 * (self.kinematic_viscosity + artificial)
+        return limits(smoothing.support, sound_speed, nu, speed, acceleration)
+
+    def still_limits(self, basin: Basin) -> Limits:
+        smoothing = Smoothing(basin.dimension, self.ratio(basin) * self.lattice(basin).spacing)
+        return self.limited(smoothing, self.sound_speed(basin), 0.0, 0.0)
+
+    def shifted(self, basin: Basin) -> bool:
+        """Whether particles are shifted: where the water has no free surface."""
+        return basin.closed and self.fill is None
+
+    def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
+        what = "position, velocity, density, pressure, its deviation and rate, number"
+        return rows(self.sized(basin, READS, CARRIED), word, 12 + 3 * self.shifted(basin), what)
+
+    def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "DeltaSph":
+        return DeltaSph(self, basin, ledger, wind)
+
+
+@ti.data_oriented
+class Momentum:
+    """Pressure (Monaghan 1992, eq. 3.3), viscosity (Monaghan & Gingold 1983), wind and gravity (2.25)."""
+
+    def __init__(self, fluid: "DeltaSph") -> None:
+        self.fluid = fluid
+        self.reads = (*fluid.particles.position, *fluid.particles.velocity, fluid.pressing)
+        config, h, d = fluid.config, fluid.smoothing.support / 2.0, fluid.smoothing.dimension
+        self.laminar = 2.0 * (d + 2.0) * config.kinematic_viscosity / fluid.particles.rest_density
+        self.artificial = config.artificial_viscosity * h * fluid.sound_speed / fluid.particles.rest_density
+        self.viscous = self.laminar > 0.0 or self.artificial > 0.0
+        self.apart = fluid.ledger.impulses  # pressure and viscosity summed apart
+        self.sums = 6 if self.apart else 3
+        self.tiny = 1e-6 * h * h  # [m2]
+
+    @ti.func
+    def begin(self, group):
+        self.fluid.ledger.begin_motion(group)
+
+    @ti.func
+    def image(self, other, mirror):
+        """A neighbour as a side shows it: its velocity turned round, its pressure continued hydrostatically."""
+        x, v = tm.vec3(other[0], other[1], other[2]), tm.vec3(other[3], other[4], other[5])
+        x_image, v_image = mirrored(mirror, x), turned(mirror, v)
+        image = other
+        for k in ti.static(range(3)):
+            image[k], image[3 + k] = x_image[k], v_image[k]
+        image[6] += climbed(mirror, x, self.fluid.pull.at_rest(x)) / self.fluid.particles.rest_density
+        return image
+
+    @ti.func
+    def pair(self, own, other):
+        """(p_i / rho_i^2 + p_j / rho_j^2) x_ij and nu (v_ij . x_ij) / r^2 x_ij, to be times -m grad W / x_ij."""
+        x_ij = tm.vec3(own[0] - other[0], own[1] - other[1], own[2] - other[2])
+        r2 = x_ij.dot(x_ij)
+        weight = self.fluid.smoothing.shape_grad_wendland(ti.sqrt(r2))
+        push, rub = own[6] + other[6], 0.0
+        if ti.static(self.viscous):
+            v_ij = tm.vec3(own[3] - other[3], own[4] - other[4], own[5] - other[5])
+            along = v_ij.dot(x_ij)
+            strength = ti.static(self.laminar)
+            if ti.static(self.artificial > 0.0):
+                strength += ti.select(along < 0.0, self.artificial, 0.0)
+            rub = -strength * along / (r2 + self.tiny)
+        total = ti.Vector.zero(float, self.sums)
+        if ti.static(self.apart):
+            for k in ti.static(range(3)):
+                total[k], total[3 + k] = weight * push * x_ij[k], weight * rub * x_ij[k]
+        else:
+            total = weight * (push + rub) * x_ij
+        return total
+
+    @ti.func
+    def finish(self, i, own, total, beyond, group):
+        fluid, m = self.fluid, ti.static(self.fluid.particles.mass)
+        dt = fluid.dt[None]
+        x, v = tm.vec3(own[0], own[1], own[2]), tm.vec3(own[3], own[4], own[5])
+        a_water, a_walls = fluid.slope * self.added(total), fluid.slope * self.added(beyond)
+        a_wind = fluid.wind.force(fluid.particles.id[i], x, v, fluid.area(i), m) / m
+        a_pull = fluid.pull.at(x, v)
+        a = a_water + a_walls + a_wind + a_pull  # (2.25)
+        pushed, fast = fluid.walls.held_back(fluid.walls.calmed(x, v + dt * a, dt), dt)
+        x_new, v_new = fluid.walls.bounced(x + 0.5 * dt * pushed, pushed)
+        for k in ti.static(range(3)):
+            fluid.grid.moved[k][i], fluid.grid.moved[3 + k][i] = x_new[k], v_new[k]
+        fluid.ledger.count_motion(group, v_new, a, fast)
+        if ti.static(self.apart):
+            a_pressure, mean = fluid.slope * tm.vec3(total[0], total[1], total[2]), 0.5 * (v + v_new)
+            fluid.ledger.count_impulse(group, PRESSURE, m * dt * a_pressure, mean)
+            fluid.ledger.count_impulse(group, VISCOSITY, m * dt * (a_water - a_pressure), mean)
+            fluid.ledger.count_impulse(group, WIND, m * dt * a_wind, mean)
+            fluid.ledger.count_impulse(group, GRAVITY, m * dt * a_pull, mean)
+            fluid.ledger.count_impulse(group, WALLS, m * (v_new - v - dt * (a - a_walls)), mean)
+            squeezed = m * dt * fluid.slope * tm.vec3(beyond[0], beyond[1], beyond[2]).dot(mean)
+            fluid.ledger.count_work(group, WALLS, -squeezed)  # what images press becomes internal energy
+            fluid.ledger.count_work(group, PRESSURE, squeezed)
+
+    @ti.func
+    def added(self, total):
+        """Pressure and viscosity together."""
+        both = tm.vec3(total[0], total[1], total[2])
+        if ti.static(self.apart):
+            both += tm.vec3(total[3], total[4], total[5])
+        return both
+
+
+@ti.data_oriented
+class Continuity:
+    """Rate of the density: sum m v_ij . grad W, and diffusion by delta h c; where asked, exposed area and shift.
+
+    Read are the places at the end of the step and the deviation in its middle.
+    """
+
+    apart = False
+
+    def __init__(self, fluid: "DeltaSph") -> None:
+        self.fluid = fluid
+        self.reads = (*fluid.grid.moved[:6], fluid.deviation)
+        h, rho_0 = fluid.smoothing.support / 2.0, fluid.particles.rest_density
+        self.diffusion = 2.0 * fluid.config.density_diffusion * h * fluid.sound_speed / rho_0
+        self.heavier = rho_0 / fluid.sound_speed**2  # density [kg/m3] over p / rho [m2/s2]
+        self.leaning = fluid.exposed or fluid.shifting  # whether the sum of grad W is wanted
+        self.sums = 5 if self.leaning else 2
+        W_one = fluid.smoothing.wendland_constant * one_spacing(fluid)
+        self.per_W_one = fluid.smoothing.wendland_constant / W_one
+
+    @ti.func
+    def begin(self, group):
+        self.fluid.ledger.begin_density(group)
+
+    @ti.func
+    def image(self, other, mirror):
+        """A neighbour as a side shows it: its velocity turned round, its density continued hydrostatically."""
+        x, v = tm.vec3(other[0], other[1], other[2]), tm.vec3(other[3], other[4], other[5])
+        x_image, v_image = mirrored(mirror, x), turned(mirror, v)
+        image = other
+        for k in ti.static(range(3)):
+            image[k], image[3 + k] = x_image[k], v_image[k]
+        image[6] += self.heavier * climbed(mirror, x, self.fluid.pull.at_rest(x))
+        return image
+
+    @ti.func
+    def pair(self, own, other):
+        """-v_ij . x_ij and the diffusion, to be times -m grad W / x_ij."""
+        x_own = tm.vec3(own[0], own[1], own[2])
+        x_ij = x_own - tm.vec3(other[0], other[1], other[2])
+        v_ij = tm.vec3(own[3] - other[3], own[4] - other[4], own[5] - other[5])
+        r = ti.sqrt(x_ij.dot(x_ij))
+        weight = self.fluid.smoothing.shape_grad_wendland(r)
+        total = ti.Vector.zero(float, self.sums)
+        total[0] = -weight * v_ij.dot(x_ij)
+        still = self.heavier * self.fluid.pull.at_rest(x_own)  # gradient of the density at rest [kg/m4]
+        total[1] = weight * self.diffusion * (other[6] - own[6] + still.dot(x_ij))
+        if ti.static(self.leaning):
+            if ti.static(self.fluid.shifting):
+                q = 1.0 - tm.min(r / self.fluid.smoothing.support, 1.0)
+                near = self.per_W_one * q * q * q * q * (5.0 - 4.0 * q)  # W / W(spacing)
+                weight *= 1.0 + 0.2 * near * near * near * near
+            for k in ti.static(range(3)):
+                total[2 + k] = -weight * x_ij[k]
+        return total
+
+    @ti.func
+    def finish(self, i, own, total, beyond, group):
+        fluid, particles, rho_0 = self.fluid, self.fluid.particles, ti.static(self.fluid.particles.rest_density)
+        dt = fluid.dt[None]
+        rate = fluid.slope * (total[0] + total[1])
+        excess = own[6] + 0.5 * dt * rate
+        fluid.rate[i], fluid.excess[i] = rate, excess
+        particles.density[i], particles.pressure[i] = rho_0 + excess, fluid.pressure_of(excess)
+        x = fluid.grid.wrapped(tm.vec3(own[0], own[1], own[2]))
+        for k, component in ti.static(enumerate(particles.position)):
+            component[i] = x[k]
+        for k, component in ti.static(enumerate(particles.velocity)):
+            component[i] = own[3 + k]
+        if ti.static(self.leaning):
+            gradient = fluid.slope / rho_0 * tm.vec3(total[2], total[3], total[4])  # of the share of water [1/m]
+            if ti.static(fluid.exposed):
+                fluid.expose(i, gradient)
+            if ti.static(fluid.shifting):
+                for k, component in ti.static(enumerate(fluid.shift)):
+                    component[i] = -gradient[k]
+        fluid.ledger.count_density(group, rho_0 + excess)
+        if ti.static(fluid.ledger.impulses):
+            gained = particles.mass * dt * fluid.pressure_of(own[6]) / (rho_0 + own[6]) ** 2
+            fluid.ledger.count_work(group, DIFFUSION, gained * fluid.slope * total[1])
+
+
+def one_spacing(fluid: "DeltaSph") -> float:
+    """(1 - q)^4 (1 + 4 q) at one spacing."""
+    q = fluid.particles.spacing / fluid.smoothing.support
+    return (1.0 - q) ** 4 * (1.0 + 4.0 * q)
+
+
+@ti.data_oriented
+class DeltaSph(Sph):
+    """Water between steps: places, velocities, densities and pressures all at one time, in the order of the cells in
+    which the particles were half a step ago.
+
+    In a basin without a free surface, particles are shifted along the gradient of their number, which keeps them from
+    lining up along streamlines (Lind et al. 2012, J. Comput. Phys. 231; Sun et al. 2017, CMAME 315, eq. 16).
+    """
+
+    def __init__(self, config: Config, basin: Basin, ledger: bool, wind: Wind) -> None:
+        sizes = config.sized(basin, READS, CARRIED)
+        super().__init__(config, basin, sizes, ledger, wind)
+        particles, self.closed = self.particles, basin.closed
+        self.deviation, self.pressing = self.carried  # [kg/m3] in the middle of the step; p / rho^2 there
+        self.excess, self.rate = (ti.field(float, shape=particles.n) for _ in range(2))  # [kg/m3] at its end, and rate
+        self.slope = particles.mass * self.smoothing.wendland_slope  # -m grad W / x_ij over its shape
+        self.clamped, self.shifting = config.minimum_pressure is not None, config.shifted(basin)
+        if self.shifting:
+            self.shift = Components(particles.n)  # [1/m] where to
+        self.momentum, self.continuity = Momentum(self), Continuity(self)
+        self.compress(sizes.grid.lattice.ends()[0])
+        self.begin()
+
+    def compress(self, bed: np.ndarray) -> None:
+        """Lower the particles by what the weight of the water above takes off the column below, down to the bed
+        (n,) [m] of each: the integral of p / (rho0 c^2)."""
+        pull = -self.pull.constant.y
+        if pull > 0.0 and not self.closed:
+            x, p = self.particles.position.to_numpy().astype(float), self.particles.pressure.to_numpy().astype(float)
+            rho_0 = self.particles.rest_density
+            deepest = p + rho_0 * pull * (x[:, 1] - bed)
+            x[:, 1] -= np.maximum(deepest**2 - p**2, 0.0) / (2.0 * pull * (rho_0 * self.sound_speed) ** 2)
+            self.particles.position.from_numpy(x)
+
+    def begin(self) -> None:
+        """Start from the particles as they are now, with the pressures that they have."""
+        self.lift()
+        self.settle(self.summary)
+        self.status = self.ledger.status(self.summary, self.grid)
+
+    def advance(self, dt: float) -> None:
+        """One step of dt [s]; raises Diverged where more particles crowd together than the neighbour lists hold."""
+        self.drive(dt)
+        self.step(dt, self.status.max_speed, self.summary)
+        self.status = self.ledger.status(self.summary, self.grid)
+
+    @ti.func
+    def pressure_of(self, excess):
+        """Pressure [Pa] of an excess of density [kg/m3]: c^2 rho0 / gamma ((1 + e)^gamma - 1), as a sum that
+        loses nothing."""
+        e, total = excess / self.particles.rest_density, 0.0
+        for _ in ti.static(range(self.config.exponent)):
+            total = 1.0 + (1.0 + e) * total
+        p = self.sound_speed**2 / self.config.exponent * excess * total
+        if ti.static(self.clamped):
+            p = tm.max(p, self.config.minimum_pressure)
+        return p
+
+    @ti.kernel
+    def settle(self, summary: ti.types.ndarray(ndim=1)):
+        """Sort, and find the rate of the density as it is now."""
+        self.dt[None] = 0.0
+        for i in range(self.particles.n):
+            self.grid.moved[7][i] = self.excess_of(self.particles.pressure[i])
+        self.grid.sort()
+        for i in range(self.particles.n):
+            for k in ti.static(range(6)):
+                self.grid.moved[k][i] = self.grid.state[k][i]
+        for g in range(self.ledger.groups * TASK):
+            if g % TASK == 0:
+                self.ledger.begin_motion(g // TASK)
+                self.neighbours.walk(g // TASK, self.continuity, True)
+        self.ledger.summarise(summary)
+
+    @ti.func
+    def excess_of(self, pressure):
+        """The inverse of pressure_of [kg/m3]."""
+        gamma, rho_0 = ti.static(self.config.exponent, self.particles.rest_density)
+        return rho_0 * ((1.0 + gamma * pressure / (rho_0 * self.sound_speed**2)) ** (1.0 / gamma) - 1.0)
+
+    @ti.kernel
+    def step(self, dt: float, speed: float, summary: ti.types.ndarray(ndim=1)):
+        """Drift half a step, sort, kick, drift to the end, find the rate of the density there."""
+        self.dt[None] = dt
+        for i in range(self.particles.n):
+            p, u = self.particles.position, self.particles.velocity
+            x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
+            x += 0.5 * dt * v
+            if ti.static(self.shifting):
+                way = tm.vec3(self.shift.x[i], self.shift.y[i], self.shift.z[i])
+                x += dt * speed * self.smoothing.support * way
+            middle = self.excess[i] + 0.5 * dt * self.rate[i]
+            self.grid.leave(i, x, v)
+            self.grid.moved[7][i] = middle
+            self.grid.moved[8][i] = self.pressure_of(middle) / (self.particles.rest_density + middle) ** 2
+        self.grid.sort()
+        for g in range(self.ledger.groups * TASK):
+            if g % TASK == 0:
+                self.neighbours.walk(g // TASK, self.momentum, True)
+        for g in range(self.ledger.groups * TASK):
+            if g % TASK == 0:
+                self.neighbours.walk(g // TASK, self.continuity, False)
+        self.ledger.summarise(summary)
+
+    def limits(self) -> Limits:
+        status = self.status
+        return self.config.limited(self.smoothing, self.sound_speed, status.max_speed, status.max_acceleration)
+
+    def internal_energy(self) -> float:
+        """Work of compression, m times the integral of p / rho^2 from the rest density [J]."""
+        gamma = self.config.exponent
+        ratio = 1.0 + self.excess.to_numpy().astype(float) / self.particles.rest_density
+        powers = np.log(ratio) if gamma == 1 else (ratio ** (gamma - 1) - 1.0) / (gamma - 1)
+        return self.particles.mass * self.sound_speed**2 / gamma * float((powers + 1.0 / ratio - 1.0).sum())

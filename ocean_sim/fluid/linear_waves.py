@@ -1,0 +1,163 @@
+"""A sea in closed form, without particles: the linear waves of `ocean_sim.waves`, for ships and platforms alone."""
+
+from typing import Any, Literal
+
+import numpy as np
+import taichi as ti
+import taichi.math as tm
+from pydantic import model_validator
+
+from ocean_sim import waves
+from ocean_sim.basin import Basin
+from ocean_sim.conventions import WATER_DENSITY
+from ocean_sim.fluid import Limits, Status
+from ocean_sim.parts import LedgerRow, quantity
+from ocean_sim.wind import Wind
+
+POINTS_PER_WAVE = 16  # at which a wave is drawn
+SMOOTH = 0.04  # [periods] times a quarter (the force number of `courant`): a hundred steps a wave
+
+
+class Config(waves.WaveTrain):
+    """Regular waves (`height`, `period`, `heading_deg`) or a `spectrum`; sides of the basin do not reflect them."""
+
+    kind: Literal["linear_waves"] = "linear_waves"
+    heading_deg: float | None = quantity("deg", None)
+    """Where regular waves go to: 0 along +z, 90 along +x; by default 0, in a slice 90."""
+    rest_density: float = quantity("kg/m3", WATER_DENSITY, gt=0.0)
+    """Density of the water."""
+
+    @model_validator(mode="after")
+    def _one_heading(self) -> "Config":
+        if self.spectrum is not None and self.heading_deg is not None:
+            raise ValueError("the heading of random waves is spectrum.heading_deg")
+        return self
+
+    @property
+    def heading(self) -> float | None:
+        """Where the waves go to [deg]."""
+        return self.heading_deg if self.spectrum is None else self.spectrum.heading_deg
+
+    def sea(self, basin: Basin) -> waves.Components:
+        """The waves of this basin."""
+        return self.train(waves.direction(self.heading, basin.dimension), basin.depth, waves.pull(basin))
+
+    def problems(self, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
+        """What is wrong with these waves in this basin: (path below `fluid`, sentence)."""
+        random = self.spectrum is not None
+        key: tuple[str, ...] = ("spectrum", "significant_wave_height") if random else ("height",)
+        path: tuple[str, ...] = ("spectrum", "heading_deg") if random else ("heading_deg",)
+        found = [(key, sentence) for sentence in waves.unsuited(basin, *self.scale)]
+        return found + [(path, sentence) for sentence in waves.misdirected(self.heading, basin)]
+
+    def warnings(self, scene: Any) -> list[str]:
+        """What a reader of the results should know."""
+        deaf = "closed-form waves do not feel the wind; it reaches the ship alone"
+        return [deaf] if scene.wind.kind != "still" else []
+
+    def still_limits(self, basin: Basin) -> Limits:
+        """A closed form is right at any step; this one keeps the straight lines between steps, by which files are
+        sampled, within 0.05 % of the waves."""
+        return Limits(force=SMOOTH * self.scale[1])
+
+    def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
+        n = len(self.sea(basin).amplitude)
+        return [LedgerRow("fluid", f"{n} plane waves", 6 * word * n, "fluid.kind is linear_waves: no particles")]
+
+    def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "LinearWaves":
+        return LinearWaves(self, basin)
+
+
+@ti.data_oriented
+class LinearWaves:
+    """The waves at one time; what they do follows from it."""
+
+    particles = None
+    sound_speed = 0.0  # [m/s] nothing is compressed
+
+    def __init__(self, config: Config, basin: Basin) -> None:
+        self.config, self.sea, self.time = config, config.sea(basin), 0.0
+        k = float(waves.wavenumber(2.0 * np.pi / config.scale[1], basin.depth, self.sea.gravity))
+        self.spacing = 2.0 * np.pi / k / POINTS_PER_WAVE  # [m] between points that show the waves
+        self.still = config.still_limits(basin)
+        self.reference_speed = (self.sea.gravity * basin.depth) ** 0.5
+        speed = self.sea.amplitude * self.sea.gravity * self.sea.wavenumber / self.sea.omega  # [m/s] at the surface
+        density = config.rest_density
+        fastest, hardest = np.linalg.norm(speed), np.linalg.norm(speed * self.sea.omega)  # sqrt 2 deviations if random
+        self.status = Status(float(fastest), float(hardest), density, density, 0, True)
+        self.impulse: dict[str, np.ndarray] = {}
+        self.work: dict[str, float] = {}
+        n = len(speed)
+        self.amplitude, self.phase, self.k, self.kx, self.kz, self.speed = (ti.field(float, shape=n) for _ in range(6))
+        self.take(self.amplitude, self.sea.amplitude)
+        self.take(self.k, self.sea.wavenumber)
+        self.take(self.kx, self.sea.wavevector[:, 0])
+        self.take(self.kz, self.sea.wavevector[:, 1])
+        self.take(self.speed, speed)
+        self.advance(0.0)
+
+    def take(self, field: ti.Field, values: np.ndarray) -> None:
+        """Numbers into a field of its own precision."""
+        field.from_numpy(np.ascontiguousarray(values, dtype=field.to_numpy().dtype))
+
+    def advance(self, dt: float) -> None:
+        """One step of dt [s]; phases are kept in f64 and small, whatever the precision of the run and its length."""
+        self.time += dt
+        self.take(self.phase, np.mod(self.sea.phase - self.sea.omega * self.time, 2.0 * np.pi))
+
+    def limits(self) -> Limits:
+        return self.still
+
+    def internal_energy(self) -> float:
+        """None: nothing is compressed [J]."""
+        return 0.0
+
+    @ti.func
+    def elevation(self, x, z):
+        eta = 0.0
+        for i in range(self.amplitude.shape[0]):
+            eta += self.amplitude[i] * ti.cos(self.kx[i] * x + self.kz[i] * z + self.phase[i])
+        return eta
+
+    @ti.func
+    def stretched(self, position, eta):
+        """Wheeler's y' [m] of a position under an elevation."""
+        h = ti.static(self.sea.depth)
+        return ti.min(h * (position.y - eta) / ti.max(h + eta, 1e-6 * h), 0.0)
+
+    @ti.func
+    def velocity(self, position):
+        y = self.stretched(position, self.elevation(position.x, position.z))
+        h = ti.static(self.sea.depth)
+        v = tm.vec3(0.0)
+        for i in range(self.amplitude.shape[0]):
+            k, angle = self.k[i], self.kx[i] * position.x + self.kz[i] * position.z + self.phase[i]
+            scale = self.speed[i] * ti.exp(k * y) / (1.0 + ti.exp(-2.0 * k * h))
+            mirrored = ti.exp(-2.0 * k * (y + h))
+            along = scale * (1.0 + mirrored) * ti.cos(angle) / k
+            v += tm.vec3(self.kx[i] * along, scale * (1.0 - mirrored) * ti.sin(angle), self.kz[i] * along)
+        return v
+
+    @ti.func
+    def pressure(self, position):
+        eta = self.elevation(position.x, position.z)
+        y = self.stretched(position, eta)
+        h = ti.static(self.sea.depth)
+        head = -position.y
+        for i in range(self.amplitude.shape[0]):
+            k, angle = self.k[i], self.kx[i] * position.x + self.kz[i] * position.z + self.phase[i]
+            profile = ti.exp(k * y) * (1.0 + ti.exp(-2.0 * k * (y + h))) / (1.0 + ti.exp(-2.0 * k * h))
+            head += self.amplitude[i] * profile * ti.cos(angle)
+        return ti.select(position.y < eta, self.config.rest_density * self.sea.gravity * head, 0.0)
+
+    def elevations(self, points: np.ndarray) -> np.ndarray:
+        """(m, 2) points x, z [m] -> (m,) heights [m]."""
+        return waves.elevation(self.sea, np.asarray(points, dtype=float), self.time)
+
+    def velocities(self, points: np.ndarray) -> np.ndarray:
+        """(m, 3) points [m] -> (m, 3) velocities [m/s]; above the water that of its surface."""
+        return waves.velocity(self.sea, np.asarray(points, dtype=float), self.time)
+
+    def pressures(self, points: np.ndarray) -> np.ndarray:
+        """(m, 3) points [m] -> (m,) pressures [Pa]; 0 above the water."""
+        return waves.pressure(self.sea, np.asarray(points, dtype=float), self.time, self.config.rest_density)

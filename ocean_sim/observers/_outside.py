@@ -1,0 +1,14 @@
+"""Which particles a side of the basin should have held and did not."""
+
+import numpy as np
+
+from ocean_sim.basin import Basin
+
+ROUNDING = 1.0e-6  # of the basin's largest coordinate: a few roundings of a float32
+
+
+def beyond(position: np.ndarray, basin: Basin) -> np.ndarray:
+    """How far each particle is beyond the walls, floor and lid that there are, (n,) [m]; 0 inside and at open sides."""
+    low, up = (np.array(stop) for stop in basin.stops())
+    distance = np.linalg.norm(position - np.clip(position, low, up), axis=1)
+    return np.where(distance > ROUNDING * np.abs([basin.lower, basin.upper]).max(), distance, 0.0)

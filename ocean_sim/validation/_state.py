@@ -1,0 +1,86 @@
+"""Particles as arrays in the order of their ids: read, placed, and watched over time."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ocean_sim.conventions import Diverged
+from ocean_sim.random_numbers import numpy_uniform3
+from ocean_sim.simulation import Simulation
+
+SHAKE = 501  # stream of the random numbers that disturb a lattice
+
+
+@dataclass(frozen=True)
+class State:
+    """All particles at one moment, in f64."""
+
+    time: float  # [s]
+    mass: float  # [kg] of each
+    spacing: float  # [m]
+    position: np.ndarray  # (n, 3) [m]
+    velocity: np.ndarray  # (n, 3) [m/s]
+    pressure: np.ndarray  # (n,) [Pa]
+    density: np.ndarray  # (n,) [kg/m3]
+
+    @property
+    def kinetic_energy(self) -> float:
+        """[J]"""
+        return 0.5 * self.mass * float((self.velocity**2).sum())
+
+    @property
+    def momentum(self) -> np.ndarray:
+        """(3,) [N s]"""
+        return self.mass * self.velocity.sum(axis=0)
+
+    @property
+    def angular_momentum(self) -> float:
+        """About z [N m s]."""
+        x, v = self.position, self.velocity
+        return self.mass * float((x[:, 0] * v[:, 1] - x[:, 1] * v[:, 0]).sum())
+
+    @property
+    def max_speed(self) -> float:
+        """[m/s]"""
+        return float(np.sqrt((self.velocity**2).sum(axis=1).max()))
+
+
+def state(simulation: Simulation) -> State:
+    """The particles now."""
+    particles = simulation.fluid.particles
+    order = np.argsort(particles.id.to_numpy())
+    fields = (particles.position, particles.velocity, particles.pressure, particles.density)
+    arrays = [values.to_numpy()[order].astype(float) for values in fields]
+    return State(simulation.time, particles.mass, particles.spacing, *arrays)
+
+
+def place(
+    simulation: Simulation, position: np.ndarray, velocity: np.ndarray, pressure: np.ndarray | None = None
+) -> None:
+    """Start from these places, velocities and, where a scheme steps its density, pressures, in the order of the ids."""
+    particles = simulation.fluid.particles
+    order = particles.id.to_numpy()
+    particles.position.from_numpy(position[order])
+    particles.velocity.from_numpy(velocity[order])
+    if pressure is not None:
+        particles.pressure.from_numpy(pressure[order].astype(particles.position.precision))
+    simulation.fluid.begin()
+    simulation.next_dt = simulation.time_step.next(simulation.fluid)
+
+
+def shaken(simulation: Simulation, at: np.ndarray, size: float) -> np.ndarray:
+    """Vectors for the particles at these places: random within a cube of half-width `size`, flat in a slice."""
+    random = size * numpy_uniform3(simulation.scene.seed, SHAKE, np.arange(len(at)), 0)
+    random[:, simulation.basin.dimension :] = 0.0
+    return random
+
+
+def watched(simulation: Simulation, until: float, every: float) -> Iterator[State]:
+    """The state now and about every so many seconds; raises Diverged where it is no longer one."""
+    yield state(simulation)
+    for moment in np.arange(every, until + 0.5 * every, every):
+        simulation.run(until=float(moment))
+        if not simulation.fluid.status.finite:
+            raise Diverged(f"velocities or densities are no numbers any more; t = {simulation.time:.4g} s")
+        yield state(simulation)

@@ -1,0 +1,95 @@
+"""Still water: the pressure is that of the depth, and nothing moves.
+
+Set-up of Adami, Hu & Adams (2012, J. Comput. Phys. 231): 2 x 0.9 m, |g| = 1 m/s2, Re 100, sound ten times as fast as
+sqrt(g H). The slow set-up is a water tank that is left alone for a minute.
+"""
+
+from math import sqrt
+
+import numpy as np
+
+from ocean_sim.simulation import Simulation
+from ocean_sim.validation._case import Curve, Finding, Problem, Promise
+from ocean_sim.validation._state import State, watched
+
+DENSITY = 1000.0  # [kg/m3]
+SOURCE = "p = rho g (H - z); Adami, Hu & Adams 2012"
+PEER = f"{SOURCE}; a peer with wall particles: L2 0.34 %, bed -0.9 %, speed 1.8e-3"
+
+ADAMI = (
+    Promise("pressure, L2 over rho g H", "%", PEER, {"delta_sph": 0.5, "dfsph": 1.0}),
+    Promise("pressure at the bed [Pa]", "%", PEER, {"delta_sph": 1.0, "dfsph": 1.0}),
+    Promise("largest speed over sqrt(g H)", "1", PEER, {"delta_sph": 2e-3}),
+)
+LONG = (
+    Promise("60 s: kinetic energy over m g H", "1", "still water has none", {"delta_sph": 1e-4}),
+    Promise("60 s: creep of the centre of mass over H", "%", "still water stays", {"delta_sph": 0.5}),
+    Promise("60 s: particles outside", "1", "walls hold", {"delta_sph": 0.0, "dfsph": 0.0}),
+)
+
+
+def problems(coarse: bool) -> list[Problem]:
+    spacing = 0.06 if coarse else 0.02
+    adami = {
+        "duration": 2.0,
+        "basin": {"length": 2.04 if coarse else 2.0, "depth": 0.9, "gravity": [0.0, -1.0, 0.0]},
+        "fluid": {"spacing": spacing, "rest_density": DENSITY, "kinematic_viscosity": sqrt(0.9) * 0.9 / 100.0},
+    }
+    long = {
+        "duration": 60.0,
+        "basin": {"length": 1.0, "depth": 0.5},
+        "fluid": {"spacing": 0.02, "rest_density": DENSITY, "kinematic_viscosity": 1e-6},
+    }
+    return [Problem(adami, ADAMI, measure_adami), Problem(long, LONG, measure_long, name="60 s", slow=True)]
+
+
+def measure_adami(simulation: Simulation) -> Finding:
+    """The pressure, at the end of the run."""
+    *_, last = watched(simulation, simulation.scene.duration, simulation.scene.duration / 8)
+    return compared(last, depth=0.9, g=1.0)
+
+
+def compared(water: State, depth: float, g: float) -> Finding:
+    """Pressure and speed of water that should be still, `depth` deep under gravity g > 0, downwards."""
+    scale = DENSITY * g * depth
+    y, exact = water.position[:, 1], -DENSITY * g * water.position[:, 1]
+    l2 = 100.0 * float(np.sqrt(np.mean((water.pressure - exact) ** 2))) / scale
+    row = y < -depth + water.spacing
+    bed, bed_exact = 0.0, DENSITY * g * (depth - water.spacing / 2)  # where the bed is dry
+    if row.any():
+        bed, bed_exact = float(water.pressure[row].mean()), float(exact[row].mean())
+    speed = water.max_speed / sqrt(g * depth)
+    numbers = {
+        ADAMI[0].quantity: (l2, 0.0, l2),
+        ADAMI[1].quantity: (bed, bed_exact, 100.0 * (bed - bed_exact) / scale),
+        ADAMI[2].quantity: (speed, 0.0, speed),
+    }
+    order = np.argsort(y)
+    return Finding(
+        numbers,
+        [Curve("particles", water.pressure / scale, y, points=True)],
+        [Curve("rho g (H - z)", exact[order] / scale, y[order])],
+        ("p / (rho g H)", "y [m]"),
+    )
+
+
+def measure_long(simulation: Simulation) -> Finding:
+    """What still water does in a minute."""
+    depth, g = simulation.basin.depth, -simulation.basin.gravity[1]
+    low, up = np.array(simulation.basin.lower), np.array(simulation.basin.upper)
+    times, energy, centre, outside = [], [], [], 0
+    for water in watched(simulation, simulation.scene.duration, 1.0):
+        times.append(water.time)
+        energy.append(water.kinetic_energy / (water.mass * len(water.position) * g * depth))
+        centre.append(water.position[:, 1].mean())
+        out = (water.position < low) | (water.position > up)
+        outside = max(outside, int(out[:, :2].any(axis=1).sum()))
+    begun = max(1, len(times) // 12)
+    creep = 100.0 * (centre[-1] - centre[begun]) / depth
+    numbers = {
+        LONG[0].quantity: (energy[-1], 0.0, energy[-1]),
+        LONG[1].quantity: (creep, 0.0, creep),
+        LONG[2].quantity: (outside, 0.0, outside),
+    }
+    curve = Curve("kinetic energy", np.array(times[1:]), np.array(energy[1:]))
+    return Finding(numbers, [curve], [], ("time [s]", "KE / (m g H)"))

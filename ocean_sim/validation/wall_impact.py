@@ -1,0 +1,113 @@
+"""The pressure on a wall that a dam break runs into, at two heights: a measurement and a finer computation.
+
+Tank 5.366 H long, column 2 H x H, H = 0.6 m. Measured by Buchner (2002, thesis, TU Delft) around y = 0.2 H; computed
+by De Courcy et al. (2024, CMAME 420, 116700) with delta-SPH at H / 400, here the sensor at y = 0.05 H. Time is
+t* = t sqrt(g / H), pressure p* = p / (rho g H). Scored are arrival and impulse; a peak at one instant is chance.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ocean_sim.conventions import GRAVITY
+from ocean_sim.simulation import Simulation
+from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation._state import State, watched
+from ocean_sim.validation._tables import table
+
+HEIGHT, TANK = 0.6, 5.366  # H [m], [H]
+DENSITY = 1000.0  # [kg/m3]
+END = 5.5  # t*, before the wave that runs back
+ARRIVED = 0.25  # p*, after a moving mean
+MEAN = 0.05  # t* of the moving mean
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """Where pressure was measured, and the table of it."""
+
+    name: str
+    low: float  # [H]
+    high: float  # [H]
+    file: str
+
+
+SENSORS = (
+    Sensor("Buchner 2002", 0.125, 0.275, "buchner2002_P_5366H_02H"),
+    Sensor("De Courcy et al. 2024", 0.043, 0.057, "decourcy2024_numerical_P2"),
+)
+PROMISES = tuple(
+    Promise(f"{what}, {sensor.name}", "%", f"{sensor.name}, digitised; t* = t sqrt(g / H)", {"delta_sph": limit})
+    for sensor in SENSORS
+    for what, limit in (("arrival t*", 3.0), (f"impulse p* t* to t* = {END:g}", 10.0))
+)
+
+
+def problems(coarse: bool) -> list[Problem]:
+    left = -TANK * HEIGHT / 2
+    scene = {
+        "duration": END / np.sqrt(GRAVITY / HEIGHT).item(),
+        "basin": {"length": TANK * HEIGHT, "depth": HEIGHT},
+        "fluid": {
+            "spacing": HEIGHT / (20 if coarse else 60),
+            "rest_density": DENSITY,
+            "fill": [{"min": [left, -HEIGHT], "max": [left + 2.0 * HEIGHT, 0.0]}],
+        },
+    }
+    return [Problem(scene, PROMISES, measure)]
+
+
+def scaled_time(time: np.ndarray, g: float, height: float) -> np.ndarray:
+    """t* = t sqrt(g / H), the time axis of both tables."""
+    return time * np.sqrt(g / height)
+
+
+def at_wall(water: State, wall: float, sensor: Sensor) -> float:
+    """Pressure on a sensor [Pa]: that of the water within 1.5 spacings of it, over the water that has room there."""
+    x, y = water.position[:, 0], water.position[:, 1] + HEIGHT
+    reach = 1.5 * water.spacing
+    low, high = (
+        min(sensor.low * HEIGHT, sensor.high * HEIGHT - reach),
+        max(sensor.high * HEIGHT, sensor.low * HEIGHT + reach),
+    )
+    near = (x > wall - reach) & (y > low) & (y < high)
+    room = reach * (high - low) / water.spacing**2
+    return float(water.pressure[near].sum()) / max(float(near.sum()), 0.5 * room)
+
+
+def measure(simulation: Simulation) -> Finding:
+    """The pressure on both sensors over time."""
+    wall, duration = simulation.basin.upper[0], simulation.scene.duration
+    times, pressures = [], []
+    for water in watched(simulation, duration, duration / 400):
+        times.append(water.time)
+        pressures.append([at_wall(water, wall, sensor) for sensor in SENSORS])
+    scale = DENSITY * GRAVITY * HEIGHT
+    return compared(scaled_time(np.array(times), GRAVITY, HEIGHT), np.array(pressures) / scale)
+
+
+def score(time: np.ndarray, pressure: np.ndarray) -> tuple[float, float]:
+    """Arrival t* and impulse of a series p*(t*), after a moving mean; its times need not be even."""
+    even = np.arange(0.0, END, 0.01)
+    order = np.argsort(time, kind="stable")
+    width = round(MEAN / 0.01)
+    smooth = np.convolve(np.interp(even, time[order], pressure[order], left=0.0), np.ones(width) / width, "same")
+    there = np.flatnonzero(smooth > ARRIVED)
+    arrival = float(even[there[0]]) if there.size else END
+    return arrival, float(np.trapezoid(np.where(even >= arrival, smooth, 0.0), even))
+
+
+def compared(time: np.ndarray, pressure: np.ndarray) -> Finding:
+    """Pressures p*(t*), a column a sensor, against both tables."""
+    numbers, measured, expected = [], [], []
+    for k, sensor in enumerate(SENSORS):
+        data = table(sensor.file)
+        numbers += [relative(a, b) for a, b in zip(score(time, pressure[:, k]), score(data["tstar"], data["pstar"]))]
+        measured.append(Curve(f"y = {0.5 * (sensor.low + sensor.high):.2g} H", time, pressure[:, k]))
+        expected.append(Curve(sensor.name, data["tstar"], data["pstar"], points=True))
+    return Finding(
+        {promise.quantity: number for promise, number in zip(PROMISES, numbers, strict=True)},
+        measured,
+        expected,
+        ("t* = t sqrt(g / H)", "p* = p / (rho g H)"),
+    )

@@ -1,0 +1,90 @@
+"""`ocean-sim validate`: problems with known answers, in a table, a CSV file and a picture a case."""
+
+import csv
+from pathlib import Path
+from typing import Any
+
+from ocean_sim.parts import kinds
+from ocean_sim.translation import choice_sentence
+from ocean_sim.validation import names, problems
+from ocean_sim.validation._case import KEYS
+from ocean_sim.validation._plot import draw
+from ocean_sim.verbs import console
+
+DEFAULT = "delta_sph"
+
+
+def validate(
+    cases: list[str], schemes: list[str], slow: bool, coarse: bool, sets: list[str], out: Path, as_json: bool
+) -> int:
+    """Run cases under schemes and tell; the exit code is 1 where a promise was missed."""
+    wanted = cases or names()
+    for what, given, known in (("case", wanted, names()), ("scheme", schemes, kinds("fluid"))):
+        for name in given:
+            if name not in known:
+                raise console.Refused(f"there is no {what} {name!r}{choice_sentence(name, known)[0]}")
+    overrides = console.settings(sets)
+    plan = {
+        case: [
+            (problem, scheme) for scheme in schemes or [DEFAULT] for problem in problems(case, slow=slow, coarse=coarse)
+        ]
+        for case in wanted
+    }
+    for problem, scheme in [pair for pairs in plan.values() for pair in pairs]:
+        problem.load(scheme, overrides)  # what is wrong is said before anything runs
+    out.mkdir(parents=True, exist_ok=True)
+    rows: list[dict[str, Any]] = []
+    for case, pairs in plan.items():
+        runs, told = [], len(rows)
+        for problem, scheme in pairs:
+            found, finding = problem.run(case, scheme, overrides)
+            rows += found
+            runs.append((problem, scheme, finding))
+        draw(out / f"{case}.png", case, runs)
+        if not as_json:
+            show(case, rows[told:])
+    write(out / "validate.csv", rows)
+    missed = [row for row in rows if not row["ok"]]
+    if as_json:
+        console.answer(rows)
+    else:
+        promised = sum(row["tolerance"] is not None for row in rows)
+        console.say(f"\n{promised - len(missed)} of {promised} tolerances kept; {out / 'validate.csv'} and pictures")
+    return 1 if missed else 0
+
+
+def show(case: str, rows: list[dict[str, Any]]) -> None:
+    """The rows of a case, for people."""
+    columns = ["scheme", "quantity", "value", "reference", "error", "tolerance", "", "source"]
+    console.table(f"\n{case}", columns, [line(row) for row in rows])
+
+
+def line(row: dict[str, Any]) -> list[str]:
+    """A row as it is printed."""
+    unit = "" if row["unit"] == "1" else f" {row['unit']}"
+    verdict = "reported" if row["tolerance"] is None else "ok" if row["ok"] else "MISSED"
+    error = f"{number(row['error'])}{unit}" if row["error"] is not None else "-"
+    tolerance = number(row["tolerance"]) if row["tolerance"] is not None else ""
+    return [
+        row["scheme"],
+        row["quantity"],
+        number(row["value"]),
+        number(row["reference"]),
+        error,
+        tolerance,
+        verdict,
+        row["source"],
+    ]
+
+
+def number(value: float | None) -> str:
+    """A number for people; one that could not be measured is a dash."""
+    return "-" if value is None else f"{value:.4g}"
+
+
+def write(path: Path, rows: list[dict[str, Any]]) -> None:
+    """All rows as a CSV file."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, KEYS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)

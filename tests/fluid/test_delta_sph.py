@@ -1,0 +1,156 @@
+"""Delta-SPH against closed forms: conservation, still water, order in time, shear between walls, periodic flow."""
+
+import numpy as np
+import pytest
+
+from ocean_sim.conventions import GRAVITY
+from tests.fluid.conftest import box, by_id, put
+
+OPEN = {"length": 1.0, "width": 1.0, "depth": 0.5, "walls": "none", "floor": "none", "gravity": [0.0, 0.0, 0.0]}
+ROUND = {"length": 1.0, "depth": 1.0, "walls": {"x": "periodic", "y": "periodic"}, "floor": "none"}
+ROUND |= {"gravity": [0.0, 0.0, 0.0]}
+
+
+def advance(fluid, until: float, number: float = 0.5) -> None:
+    time = 0.0
+    while time < until * (1.0 - 1e-12):
+        dt = min(number * fluid.limits().acoustic, 0.125 * fluid.limits().viscous, until - time)
+        fluid.advance(dt)
+        time += dt
+
+
+def test_momentum_and_angular_momentum_are_kept_to_rounding(water):
+    fluid = water("delta_sph", basin=OPEN, particles=400, reference_speed=2.0)
+    rng = np.random.default_rng(3)
+    x = fluid.particles.position.to_numpy() * 0.5
+    put(fluid, x + rng.normal(0.0, 0.002, x.shape), rng.normal(0.0, 0.5, x.shape))
+
+    def now() -> tuple[np.ndarray, np.ndarray]:
+        x, v = fluid.particles.position.to_numpy(), fluid.particles.velocity.to_numpy()
+        return v.sum(axis=0), np.cross(x, v).sum(axis=0)
+
+    before, kicks = now(), 0.0
+    for _ in range(20):
+        v = by_id(fluid, fluid.particles.velocity.to_numpy())
+        fluid.advance(2e-4)
+        kicks += np.abs(by_id(fluid, fluid.particles.velocity.to_numpy()) - v).sum()
+    after = now()
+    assert kicks > 1.0
+    np.testing.assert_allclose(after[0], before[0], rtol=0, atol=1e-13 * kicks)
+    np.testing.assert_allclose(after[1], before[1], rtol=0, atol=1e-13 * kicks)
+
+
+def test_free_fall_is_exact(water):
+    fluid = water("delta_sph", basin=OPEN | {"gravity": [0.0, -GRAVITY, 0.0]}, **box(1, 1, 1))
+    put(fluid, np.zeros((1, 3)))
+    for _ in range(7):
+        fluid.advance(0.03)
+    assert fluid.particles.position.to_numpy()[0, 1] == pytest.approx(-0.5 * GRAVITY * 0.21**2, rel=1e-12)
+
+
+def still_water(fluid) -> float:
+    """Error of the pressure (rms) over that at the bed, after a second; the corners hold theirs to 1 %."""
+    advance(fluid, 1.0)
+    x, p = fluid.particles.position.to_numpy(), fluid.particles.pressure.to_numpy()
+    assert np.abs(fluid.particles.velocity.to_numpy()).max() < 5e-3 * np.sqrt(GRAVITY * 0.5)
+    error = np.abs(p + 1000.0 * GRAVITY * x[:, 1]) / (1000.0 * GRAVITY * 0.5)
+    corner = np.abs(x[:, 0]) + np.abs(x[:, 1]) > 0.93
+    assert corner.sum() == 2 and error[corner].max() < 0.01
+    return float(np.sqrt((error**2).mean()))
+
+
+def test_still_water_holds_its_pressure_into_the_corners(water):
+    basin = {"length": 1.0, "width": None, "depth": 0.5}
+    fluid = water("delta_sph", basin=basin, spacing=0.05, kinematic_viscosity=0.01, ledger=True)
+    assert still_water(fluid) < 0.015
+    weight = fluid.particles.mass * fluid.particles.n * GRAVITY
+    assert fluid.impulse["walls"][1] == pytest.approx(weight, rel=0.01)
+    assert np.abs(fluid.impulse["pressure"]).max() < 1e-12 * weight
+
+
+def test_water_that_is_not_held_by_the_floor_does_not(water):
+    """Negative control: with gravity turned sideways, the same measure is far off."""
+    basin = {"length": 1.0, "width": None, "depth": 0.5, "gravity": [0.5, -GRAVITY, 0.0]}
+    fluid = water("delta_sph", basin=basin, spacing=0.05, kinematic_viscosity=0.01)
+    advance(fluid, 0.5)
+    x, p = fluid.particles.position.to_numpy(), fluid.particles.pressure.to_numpy()
+    assert np.abs(p + 1000.0 * GRAVITY * x[:, 1]).max() / (1000.0 * GRAVITY * 0.5) > 0.04
+
+
+@pytest.mark.parametrize("exponent", [1, 7])
+def test_pressure_and_density_belong_together(water, exponent):
+    basin = {"length": 1.0, "width": None, "depth": 0.5}
+    fluid = water("delta_sph", basin=basin, spacing=0.1, exponent=exponent)
+    c2 = fluid.sound_speed**2
+    advance(fluid, 0.05)
+    ratio = fluid.particles.density.to_numpy() / 1000.0
+    p = 1000.0 * c2 / exponent * (ratio**exponent - 1.0)
+    np.testing.assert_allclose(fluid.particles.pressure.to_numpy(), p, rtol=1e-9, atol=1e-6)
+    assert p.max() > 3000.0
+
+
+def test_a_stream_through_periodic_sides_stays_uniform(water):
+    fluid = water("delta_sph", basin=ROUND, spacing=0.1, reference_speed=1.0)
+    x = fluid.particles.position.to_numpy()
+    put(fluid, x, np.tile([1.0, 0.7, 0.0], (len(x), 1)))
+    advance(fluid, 0.35)
+    np.testing.assert_allclose(fluid.particles.velocity.to_numpy(), np.tile([1.0, 0.7, 0.0], (len(x), 1)), atol=1e-9)
+    moved = by_id(fluid, fluid.particles.position.to_numpy()) - x - 0.35 * np.array([1.0, 0.7, 0.0])
+    np.testing.assert_allclose(moved - np.round(moved), 0.0, atol=1e-9)
+    assert np.abs(fluid.particles.position.to_numpy()).max() <= 1.0
+
+
+def sheared(water, walls: dict, spacing: float = 0.1, **keys) -> tuple[np.ndarray, np.ndarray]:
+    """Height from the bed and velocity of a steady flow between bed and lid, 1 m apart, nu 0.5 m2/s."""
+    basin = {"length": 0.8, "width": None, "depth": 1.0, "gravity": [0.0, 0.0, 0.0], "walls": {"x": "periodic"}} | walls
+    fluid = water("delta_sph", basin=basin, spacing=spacing, reference_speed=1.0, kinematic_viscosity=0.5, **keys)
+    advance(fluid, 1.5)
+    return fluid.particles.position.to_numpy()[:, 1] + 1.0, fluid.particles.velocity.to_numpy()[:, 0]
+
+
+def test_a_lid_drags_water_along_linearly(water):
+    y, u = sheared(water, {"floor": "no_slip", "lid": {"velocity": [0.3, 0.0, 0.0]}})
+    np.testing.assert_allclose(u, 0.3 * y, atol=0.01 * 0.3)
+
+
+def test_a_body_force_between_walls_makes_a_parabola(water):
+    y, u = sheared(water, {"floor": "no_slip", "lid": {}}, spacing=0.05, body_force=[1.0, 0.0, 0.0])
+    np.testing.assert_allclose(u, y * (1.0 - y), atol=0.02 * 0.25)
+
+
+def test_with_free_slip_there_is_no_such_parabola(water):
+    _, u = sheared(water, {"floor": "free_slip", "lid": {"slip": "free_slip"}}, body_force=[1.0, 0.0, 0.0])
+    np.testing.assert_allclose(u, 1.5, rtol=1e-6)
+
+
+def test_an_absorbing_side_calms_what_comes_near(water):
+    speeds = []
+    for kind in ("absorbing", "reflecting"):
+        basin = {"length": 2.0, "width": None, "depth": 0.2, "walls": {"x_max": kind}}
+        fluid = water("delta_sph", basin=basin, spacing=0.05)
+        x = fluid.particles.position.to_numpy()
+        put(fluid, x, np.outer(np.where(x[:, 0] > 0.7, 0.1, 0.0), [1.0, 0.0, 0.0]))
+        advance(fluid, 0.3)
+        speeds.append((fluid.particles.velocity.to_numpy() ** 2).sum())
+    assert speeds[0] < 0.2 * speeds[1]
+
+
+def test_energy_is_accounted_for(water):
+    """Kinetic, potential and internal energy, less what walls, viscosity and diffusion took, stay as they were."""
+    basin = {"length": 1.0, "width": None, "depth": 0.5}
+    fill = [{"min": [-0.5, -0.5], "max": [0.0, 0.0]}]
+    fluid = water("delta_sph", basin=basin, spacing=0.05, fill=fill, kinematic_viscosity=1e-3, ledger=True)
+
+    def energy() -> float:
+        x, v = fluid.particles.position.to_numpy(), fluid.particles.velocity.to_numpy()
+        return fluid.particles.mass * (0.5 * (v**2).sum() + GRAVITY * x[:, 1].sum()) + fluid.internal_energy()
+
+    start, kinetic = energy(), 0.0
+    for _ in range(150):
+        fluid.advance(0.3 * fluid.limits().acoustic)
+        kinetic = max(kinetic, 0.5 * fluid.particles.mass * (fluid.particles.velocity.to_numpy() ** 2).sum())
+    work = fluid.work
+    assert work["viscosity"] < 0.0
+    drained = sum(work[term] for term in ("viscosity", "walls", "diffusion"))
+    assert energy() - start - drained == pytest.approx(0.0, abs=0.01 * kinetic)
+    assert abs(drained) > 1e-3 * kinetic

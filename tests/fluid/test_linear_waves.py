@@ -1,0 +1,108 @@
+"""A closed-form sea: what kernels read is what linear theory says, at any time and for any step."""
+
+from math import pi
+
+import numpy as np
+import pytest
+import taichi as ti
+import taichi.math as tm
+from pydantic import ValidationError
+
+from ocean_sim import waves
+from ocean_sim.basin import Config as BasinConfig
+from ocean_sim.conventions import GRAVITY
+from ocean_sim.fluid.linear_waves import Config
+from ocean_sim.time_step.courant import Config as Courant
+from ocean_sim.wind.still import Config as Still
+
+FLUME = {"length": 10.0, "depth": 0.5}
+BAY = {"length": 40.0, "width": 40.0, "depth": 7.5}
+
+
+@pytest.fixture(scope="module")
+def sea(taichi_cpu):
+    """Builds a sea: `sea(basin, **keys of the fluid)`."""
+
+    def build(basin: dict, **keys):
+        place = BasinConfig(**basin).build()
+        return Config(**keys).build(place, 7, ledger=True, wind=Still().build(place, 7))
+
+    return build
+
+
+def read(fluid, points: np.ndarray) -> np.ndarray:
+    """(m, 5) elevation, pressure and velocity as a kernel sees them."""
+    found = np.zeros((len(points), 5))
+
+    @ti.kernel
+    def look(x: ti.types.ndarray(ndim=2), found: ti.types.ndarray(ndim=2)):
+        for i in range(x.shape[0]):
+            position = tm.vec3(x[i, 0], x[i, 1], x[i, 2])
+            found[i, 0] = fluid.elevation(position.x, position.z)
+            found[i, 1] = fluid.pressure(position)
+            v = fluid.velocity(position)
+            for k in ti.static(range(3)):
+                found[i, 2 + k] = v[k]
+
+    look(np.ascontiguousarray(points), found)
+    return found
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {"height": 0.4, "period": 3.0, "heading_deg": 30.0},
+        {"spectrum": {"significant_wave_height": 0.5, "peak_period": 4.0, "heading_deg": 200.0, "seed": 5}},
+    ],
+)
+def test_kernels_read_what_the_theory_says(sea, keys):
+    fluid = sea(BAY, **keys)
+    for dt in (0.1, 0.7, 30.0):
+        fluid.advance(dt)
+    points = np.random.default_rng(0).uniform([-20.0, -7.5, -20.0], [20.0, 0.4, 20.0], (200, 3))
+    found = read(fluid, points)
+    np.testing.assert_allclose(found[:, 0], fluid.elevations(points[:, [0, 2]]), atol=1e-11)
+    np.testing.assert_allclose(found[:, 1], fluid.pressures(points), atol=1e-6)
+    np.testing.assert_allclose(found[:, 2:], fluid.velocities(points), atol=1e-11)
+    np.testing.assert_allclose(fluid.elevations(points[:, [0, 2]]), waves.elevation(fluid.sea, points, 30.8))
+
+
+def test_a_regular_wave_comes_back_after_its_period_and_not_before(sea):
+    fluid = sea(FLUME, height=0.05, period=1.5)
+    points = np.array([[0.0, 0.0], [0.7, 0.0], [-2.0, 0.0]])
+    first = fluid.elevations(points)
+    assert first[0] == pytest.approx(0.025)
+    for _ in range(15):
+        fluid.advance(0.1)
+    np.testing.assert_allclose(fluid.elevations(points), first, atol=1e-12)
+    fluid.advance(0.75)
+    np.testing.assert_allclose(fluid.elevations(points), -first, atol=1e-12)
+
+
+def test_still_pressure_under_the_mean_and_the_wave_at_the_bed(sea):
+    fluid = sea(FLUME, height=0.05, period=1.5)
+    k = 2.0 * pi / 2.827  # wavelength by linear wavemaker tables: h 0.5 m, T 1.5 s
+    bed = fluid.pressures(np.array([[0.0, -0.5, 0.0]]))[0] - 1000.0 * GRAVITY * 0.5
+    assert bed == pytest.approx(1000.0 * GRAVITY * 0.025 / np.cosh(0.5 * k), rel=1e-3)
+    assert fluid.pressures(np.array([[0.0, 0.03, 0.0]]))[0] == 0.0
+
+
+def test_a_sea_has_no_particles_and_no_account_and_takes_a_hundred_steps_a_wave(sea):
+    fluid = sea(FLUME, height=0.05, period=1.5)
+    assert fluid.particles is None and fluid.impulse == {} and fluid.work == {} and fluid.internal_energy() == 0.0
+    assert Courant().build().next(fluid) == pytest.approx(0.015)
+    assert fluid.status.max_speed == pytest.approx(0.025 * GRAVITY / 1.884, rel=1e-3)  # a g k / omega = a g / c
+    rows = Config(height=0.05, period=1.5).ledger(BasinConfig(**FLUME).build(), 8)
+    assert "no particles" in rows[0].why
+
+
+def test_what_is_wrong_is_said():
+    basin = BasinConfig(**FLUME).build()
+    said = Config(height=0.6, period=1.5, heading_deg=45.0).problems(basin)
+    assert [path for path, _ in said] == [("height",), ("heading_deg",)]
+    assert not Config(height=0.05, period=1.5, heading_deg=270.0).problems(basin)
+    spectrum = {"significant_wave_height": 0.05, "peak_period": 1.5}
+    with pytest.raises(ValidationError, match="either height"):
+        Config(height=0.05, period=1.5, spectrum=spectrum)
+    with pytest.raises(ValidationError, match=r"spectrum\.heading_deg"):
+        Config(heading_deg=90.0, spectrum=spectrum)

@@ -1,0 +1,111 @@
+"""Every case loads under every scheme with one set of constants, and gives rows as agreed."""
+
+import csv
+import json
+from dataclasses import replace
+
+import pytest
+
+from ocean_sim.__main__ import answered
+from ocean_sim.conventions import Diverged
+from ocean_sim.parts import kinds
+from ocean_sim.validation import names, problems
+from ocean_sim.validation._case import KEYS, Finding, Problem, Promise
+
+SCHEMES = [scheme for scheme in ("mueller", "delta_sph", "dfsph") if scheme in kinds("fluid")]
+OF_A_CASE = {"spacing", "fill", "rest_density", "kinematic_viscosity", "reference_speed", "body_force"}
+QUICK = {"runtime.threads": 1}
+
+
+def every_problem() -> list[Problem]:
+    return [problem for name in names() for problem in problems(name, slow=True)]
+
+
+def test_the_cases_asked_for_are_there():
+    wanted = "hydrostatic poiseuille couette taylor_green elliptical_drop square_patch standing_wave dam_break_front"
+    assert {*wanted.split(), "wall_impact", "conservation"} <= set(names())
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_a_scheme_has_one_set_of_constants(scheme):
+    """What a case may say is not compared; all that is left is the same in all of them."""
+    constants = set()
+    for problem in every_problem():
+        scene = problem.load(scheme)
+        fluid = {key: value for key, value in scene.fluid.model_dump().items() if key not in OF_A_CASE}
+        constants.add(json.dumps({"fluid": fluid, "time_step": scene.time_step.model_dump()}, sort_keys=True))
+    assert len(constants) == 1
+
+
+def test_a_case_says_nothing_of_a_scheme():
+    for problem in every_problem():
+        assert set(problem.scene) <= {"duration", "basin", "fluid", "runtime"}
+        assert set(problem.scene["fluid"]) <= OF_A_CASE
+        assert set(problem.scene.get("runtime", {})) <= {"precision"}
+
+
+def test_every_tolerance_is_that_of_a_scheme_and_says_where_it_comes_from():
+    for problem in every_problem():
+        assert problem.promises
+        for promise in problem.promises:
+            assert set(promise.tolerance) <= {"mueller", "delta_sph", "dfsph"}
+            assert promise.source and promise.unit
+
+
+def test_a_row_has_the_agreed_keys_and_judges_by_the_size_of_the_error():
+    promise = Promise("depth [m]", "%", "a rule", {"delta_sph": 1.0})
+    row = promise.row("a_case", "delta_sph", 0.98, 1.0, -2.0)
+    assert tuple(row) == KEYS
+    assert row["ok"] is False and row["tolerance"] == 1.0
+    assert promise.row("a_case", "delta_sph", 0.995, 1.0, -0.5)["ok"] is True
+    reported = promise.row("a_case", "mueller", 0.5, 1.0, -50.0)
+    assert reported["ok"] is True and reported["tolerance"] is None
+    assert promise.row("a_case", "delta_sph", 1.0, 1.0, float("nan"))["ok"] is False
+
+
+def test_a_run_that_diverged_gives_rows_that_say_so():
+
+    def fall_apart(simulation: object) -> Finding:
+        raise Diverged("velocities are no numbers; t = 0.1 s")
+
+    promises = (Promise("x", "1", "a rule", {"mueller": 1.0}), Promise("y", "1", "a rule"))
+    problem = replace(problems("hydrostatic", coarse=True)[0], promises=promises, measure=fall_apart)
+    rows, found = problem.run("hydrostatic", "mueller", QUICK)
+    assert found.numbers == {}
+    assert [(row["value"], row["ok"]) for row in rows] == [(None, False), (None, True)]
+    assert all("diverged: velocities are no numbers" in row["source"] for row in rows)
+
+
+def test_the_command_writes_a_table_and_a_picture(tmp_path, capsys):
+    code = answered(
+        ["validate", "conservation", "--scheme", "mueller", "--coarse", "--set", "runtime.threads=1"]
+        + ["--out", str(tmp_path), "--json"]
+    )
+    rows = json.loads(capsys.readouterr().out)
+    assert code == 0 and all(tuple(row) == KEYS and row["ok"] for row in rows)
+    with (tmp_path / "validate.csv").open() as file:
+        table = list(csv.DictReader(file))
+    assert [row["quantity"] for row in table] == [row["quantity"] for row in rows]
+    assert (tmp_path / "conservation.png").stat().st_size > 10_000
+
+
+def test_a_missed_tolerance_is_exit_code_1(tmp_path, capsys, monkeypatch):
+    from ocean_sim.validation import conservation
+
+    monkeypatch.setitem(conservation.LIMITS, "f32", 1e-12)
+    monkeypatch.setattr(conservation, "STEPS", 3)
+    words = ["validate", "conservation", "--scheme", "mueller", "--coarse", "--set", "runtime.threads=1"]
+    assert answered([*words, "--out", str(tmp_path)]) == 1
+    assert "MISSED" in capsys.readouterr().out
+
+
+def test_what_is_not_a_case_is_exit_code_2(capsys, tmp_path):
+    assert answered(["validate", "hydrostatics", "--out", str(tmp_path / "none")]) == 2
+    assert "did you mean 'hydrostatic'" in capsys.readouterr().err
+    assert answered(["validate", "hydrostatic", "--scheme", "muller"]) == 2
+    assert not (tmp_path / "none").exists()
+
+
+def test_the_cases_are_listed(capsys):
+    assert answered(["list", "cases", "--json"]) == 0
+    assert [row["name"] for row in json.loads(capsys.readouterr().out)] == names()

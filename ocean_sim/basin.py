@@ -73,7 +73,7 @@ class Config(PartConfig):
 
     def problems(self, basin: "Basin") -> list[tuple[tuple[str, ...], str]]:
         """What contradicts itself: (path below `basin`, sentence)."""
-        found = []
+        found: list[tuple[tuple[str, ...], str]] = []
         walls = basin.walls
         for axis in "xz" if basin.dimension == 3 else "x":
             if [walls.at(f"{axis}_min"), walls.at(f"{axis}_max")].count("periodic") == 1:

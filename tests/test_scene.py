@@ -93,7 +93,10 @@ accuracy: 3
         ("basin: 3\nfluid: {kind: mueller, spacing: 1.0}", "s.yaml:1:8: basin: expected a mapping, got 3"),
         (HEAD + "fluid: muller", "s.yaml:2:8: fluid: no fluid 'muller'; did you mean 'mueller'? there are ballistic, "),
         (HEAD + "fluid: {kind: 3}", "s.yaml:2:15: fluid.kind: expected a name, got 3"),
-        (HEAD + "fluid: {spacing: 1.0}", "s.yaml:2:8: fluid.kind: missing key; there are ballistic, delta_sph, dfsph, linear_waves, mueller"),
+        (
+            HEAD + "fluid: {spacing: 1.0}",
+            "s.yaml:2:8: fluid.kind: missing key; there are ballistic, delta_sph, dfsph, linear_waves, mueller",
+        ),
         (HEAD + "fluid: [1]", "s.yaml:2:8: fluid: expected a name or a mapping with `kind`, got a list"),
         (HEAD + "duration: 1.0", "s.yaml:1:1: fluid: missing key"),
         (HEAD + "fluid:", "s.yaml:1:1: fluid: missing key"),
@@ -119,7 +122,8 @@ accuracy: 3
         ),
         (
             "basin: {length: 1.0, depth: 1.0, walls: [1]}\nfluid: {kind: mueller, spacing: 0.1}",
-            "s.yaml:1:41: basin.walls: expected one of 'none', 'reflecting', 'no_slip', 'periodic' or 'absorbing' or a mapping, got a list",
+            "s.yaml:1:41: basin.walls: expected one of 'none', 'reflecting', 'no_slip', 'periodic' or 'absorbing' or a "
+            "mapping, got a list",
         ),
         (
             "basin: {length: 1.0, depth: 1.0, walls: {x_min: non}}\nfluid: {kind: mueller, spacing: 0.1}",

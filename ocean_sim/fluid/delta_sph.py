@@ -73,13 +73,21 @@ class Config(SphConfig):
 
 @ti.data_oriented
 class Momentum:
-    """Pressure (Monaghan 1992, eq. 3.3), viscosity (Monaghan & Gingold 1983), wind and gravity (2.25)."""
+    """Pressure (Monaghan 1992, eq. 3.3), viscosity, wind and gravity (2.25).
+
+    Under a free surface viscosity is the central form of Monaghan & Gingold (1983), whose free surface is free of
+    stress (Colagrossi, Antuono, Souto-Iglesias & Le Touze 2011, Phys. Rev. E 84); without one it is that of Morris, Fox
+    & Zhu (1997, eq. 22), which has no error on a lattice. Artificial viscosity is of the central form (Monaghan 1992,
+    eq. 4.2).
+    """
 
     def __init__(self, fluid: "DeltaSph") -> None:
         self.fluid = fluid
         self.reads = (*fluid.particles.position, *fluid.particles.velocity, fluid.pressing)
-        config, h, d = fluid.config, fluid.smoothing.support / 2.0, fluid.smoothing.dimension
-        self.laminar = 2.0 * (d + 2.0) * config.kinematic_viscosity / fluid.particles.rest_density
+        config, h = fluid.config, fluid.smoothing.support / 2.0
+        self.laminar = 2.0 * config.kinematic_viscosity / fluid.particles.rest_density
+        self.central = fluid.smoothing.dimension + 2.0  # of the central form, over that of the sum of all components
+        self.inside = fluid.shifting  # whether there is no free surface
         self.artificial = config.artificial_viscosity * h * fluid.sound_speed / fluid.particles.rest_density
         self.viscous = self.laminar > 0.0 or self.artificial > 0.0
         self.apart = fluid.ledger.impulses  # pressure and viscosity summed apart
@@ -103,24 +111,26 @@ class Momentum:
 
     @ti.func
     def pair(self, own, other):
-        """(p_i / rho_i^2 + p_j / rho_j^2) x_ij and nu (v_ij . x_ij) / r^2 x_ij, to be times -m grad W / x_ij."""
+        """(p_i / rho_i^2 + p_j / rho_j^2) x_ij, and viscosity, to be times -m grad W / x_ij."""
         x_ij = tm.vec3(own[0] - other[0], own[1] - other[1], own[2] - other[2])
         r2 = x_ij.dot(x_ij)
         weight = self.fluid.smoothing.shape_grad_wendland(ti.sqrt(r2))
-        push, rub = own[6] + other[6], 0.0
+        push, rub = (own[6] + other[6]) * x_ij, tm.vec3(0.0)
         if ti.static(self.viscous):
             v_ij = tm.vec3(own[3] - other[3], own[4] - other[4], own[5] - other[5])
-            along = v_ij.dot(x_ij)
-            strength = ti.static(self.laminar)
-            if ti.static(self.artificial > 0.0):
-                strength += ti.select(along < 0.0, self.artificial, 0.0)
-            rub = -strength * along / (r2 + self.tiny)
+            along = v_ij.dot(x_ij) / (r2 + self.tiny)
+            strength = ti.select(along < 0.0, ti.static(self.artificial), 0.0)
+            if ti.static(self.inside):
+                rub = -self.laminar * v_ij
+            else:
+                strength += self.laminar * self.central
+            rub -= strength * along * x_ij
         total = ti.Vector.zero(float, self.sums)
         if ti.static(self.apart):
             for k in ti.static(range(3)):
-                total[k], total[3 + k] = weight * push * x_ij[k], weight * rub * x_ij[k]
+                total[k], total[3 + k] = weight * push[k], weight * rub[k]
         else:
-            total = weight * (push + rub) * x_ij
+            total = weight * (push + rub)
         return total
 
     @ti.func

@@ -126,11 +126,13 @@ class Accuracy:
         ]
 
     def observe(self, simulation: "Simulation") -> None:
-        fluid, values, counts = simulation.fluid, [], ()
+        fluid = simulation.fluid
+        values: list[float] = []
+        counts: tuple[int, ...] = ()
         if fluid.particles is not None:
             values = self.balances(simulation)
             outside = beyond(fluid.particles.position.to_numpy(), simulation.basin)
-            counts = (np.count_nonzero(outside), fluid.status.clipped)
+            counts = (int(np.count_nonzero(outside)), fluid.status.clipped)
         held = (*counts, float(simulation.next_dt), simulation.time_step.limited_by)
         for time, row, told in self.sampled.rows(simulation.time, np.array(values), held):
             self.csv.row([time, *row, *told])

@@ -34,9 +34,9 @@ class Config(ObserverConfig):
         basin = scene.basin.build()
         lattice = scene.fluid.lattice(basin) if hasattr(scene.fluid, "lattice") else None
         apart = self.spacing or (lattice.spacing if lattice is not None else basin.depth)
-        kept = lattice is not None and self.particles
         x, z = grid(basin, apart)
-        frame = 4 * len(x) * len(z) + (BYTES_PER_PARTICLE * lattice.n if kept else 0)
+        kept = lattice.n if lattice is not None and self.particles else 0
+        frame = 4 * len(x) * len(z) + BYTES_PER_PARTICLE * kept
         size = frame * (scene.duration / self.every + 1.0)
         if size < LARGE:
             return []

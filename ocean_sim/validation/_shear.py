@@ -41,8 +41,9 @@ def problem(exact: Exact, column: str, lid: list[float], force: float, coarse: b
     Compression follows the largest of V^2, nu V / L and F L (Morris, Fox & Zhu 1997, section 2.3).
     """
     spacing = 0.1 if coarse else 0.05
+    duration = TIMES[2] if coarse else TIMES[-1]
     scene = {
-        "duration": TIMES[2] if coarse else TIMES[-1],
+        "duration": duration,
         "basin": {
             "length": 1.0,
             "depth": 1.0,
@@ -58,7 +59,7 @@ def problem(exact: Exact, column: str, lid: list[float], force: float, coarse: b
             "body_force": [force, 0.0, 0.0],
         },
     }
-    times = [time for time in TIMES if time <= scene["duration"]]
+    times = [time for time in TIMES if time <= duration]
     promises = tuple(
         Promise(f"speed at t nu / L^2 = {time:g}, worst [u_max]", "%", SOURCE, TOLERANCE) for time in times
     )

@@ -19,12 +19,14 @@ from ocean_sim.fluid._grid import TASK
 from ocean_sim.fluid._images import climbed, mirrored, turned
 from ocean_sim.fluid._ledger import DIFFUSION, GRAVITY, PRESSURE, VISCOSITY, WALLS, WIND
 from ocean_sim.fluid._particles import Components
-from ocean_sim.fluid._smoothing import Smoothing
+from ocean_sim.fluid._smoothing import Smoothing, positive
 from ocean_sim.fluid._sph import Sph, SphConfig, limits, rows
 from ocean_sim.parts import LedgerRow, quantity
 from ocean_sim.wind import Wind
 
 READS = 7  # fields of a neighbour that either law reads
+TENSION = 0.3  # of the artificial stress that keeps water under tension together (Monaghan 2000, J. Comput. Phys. 159)
+CROWDING = 0.2  # weight of near neighbours in a shift (Sun et al. 2017)
 CARRIED = 2  # deviation of the density, and pressure over density squared
 FLAT, SOLID = 4.0, 2.6  # [spacings] support in a slice (50 neighbours) and in space (74)
 
@@ -111,11 +113,15 @@ class Momentum:
 
     @ti.func
     def pair(self, own, other):
-        """(p_i / rho_i^2 + p_j / rho_j^2) x_ij, and viscosity, to be times -m grad W / x_ij."""
+        """(p_i / rho_i^2 + p_j / rho_j^2) x_ij, the artificial stress where they are negative, and viscosity, to be
+        times -m grad W / x_ij."""
         x_ij = tm.vec3(own[0] - other[0], own[1] - other[1], own[2] - other[2])
         r2 = x_ij.dot(x_ij)
-        weight = self.fluid.smoothing.shape_grad_wendland(ti.sqrt(r2))
-        push, rub = (own[6] + other[6]) * x_ij, tm.vec3(0.0)
+        r = ti.sqrt(r2)
+        weight = self.fluid.smoothing.shape_grad_wendland(r)
+        near = self.fluid.closeness(r)
+        pull = positive(-own[6]) + positive(-other[6])
+        push, rub = (own[6] + other[6] + TENSION * near * near * near * near * pull) * x_ij, tm.vec3(0.0)
         if ti.static(self.viscous):
             v_ij = tm.vec3(own[3] - other[3], own[4] - other[4], own[5] - other[5])
             along = v_ij.dot(x_ij) / (r2 + self.tiny)
@@ -184,8 +190,6 @@ class Continuity:
         self.heavier = rho_0 / fluid.sound_speed**2  # density [kg/m3] over p / rho [m2/s2]
         self.leaning = fluid.exposed or fluid.shifting  # whether the sum of grad W is wanted
         self.sums = 5 if self.leaning else 2
-        W_one = fluid.smoothing.wendland_constant * one_spacing(fluid)
-        self.per_W_one = fluid.smoothing.wendland_constant / W_one
 
     @ti.func
     def begin(self, group):
@@ -216,9 +220,8 @@ class Continuity:
         total[1] = weight * self.diffusion * (other[6] - own[6] + still.dot(x_ij))
         if ti.static(self.leaning):
             if ti.static(self.fluid.shifting):
-                q = 1.0 - tm.min(r / self.fluid.smoothing.support, 1.0)
-                near = self.per_W_one * q * q * q * q * (5.0 - 4.0 * q)  # W / W(spacing)
-                weight *= 1.0 + 0.2 * near * near * near * near
+                near = self.fluid.closeness(r)
+                weight *= 1.0 + CROWDING * near * near * near * near
             for k in ti.static(range(3)):
                 total[2 + k] = -weight * x_ij[k]
         return total
@@ -249,12 +252,6 @@ class Continuity:
             fluid.ledger.count_work(group, DIFFUSION, gained * fluid.slope * total[1])
 
 
-def one_spacing(fluid: "DeltaSph") -> float:
-    """(1 - q)^4 (1 + 4 q) at one spacing."""
-    q = fluid.particles.spacing / fluid.smoothing.support
-    return (1.0 - q) ** 4 * (1.0 + 4.0 * q)
-
-
 @ti.data_oriented
 class DeltaSph(Sph):
     """Water between steps: places, velocities, densities and pressures all at one time, in the order of the cells in
@@ -274,6 +271,8 @@ class DeltaSph(Sph):
         self.clamped, self.shifting = config.minimum_pressure is not None, config.shifted(basin)
         if self.shifting:
             self.shift = Components(particles.n)  # [1/m] where to
+        q = 1.0 - particles.spacing / self.smoothing.support
+        self.per_W_spacing = 1.0 / (q**4 * (5.0 - 4.0 * q))
         self.momentum, self.continuity = Momentum(self), Continuity(self)
         self.compress(sizes.grid.lattice.ends()[0])
         self.begin()
@@ -300,6 +299,12 @@ class DeltaSph(Sph):
         self.drive(dt)
         self.step(dt, self.status.max_speed, self.summary)
         self.status = self.ledger.status(self.summary, self.grid)
+
+    @ti.func
+    def closeness(self, r):
+        """W(r) / W(spacing)."""
+        q = positive(1.0 - r / self.smoothing.support)
+        return self.per_W_spacing * q * q * q * q * (5.0 - 4.0 * q)
 
     @ti.func
     def pressure_of(self, excess):

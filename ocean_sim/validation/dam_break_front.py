@@ -2,6 +2,11 @@
 
 Column a wide and 2 a high; Martin & Moyce (1952, Phil. Trans. A 244, 312-324) and Koshizuka & Oka (1996, Nucl. Sci.
 Eng. 123, 421-434). The experiments differ among each other by 4 to 8 %, so a smaller error earns no credit.
+
+Both experiments read the edge of the water off film, taken through the side of the tank: a sheet deep enough to be
+seen over the width of the tank, not a drop that runs ahead of it. What is judged is therefore the front of water at
+least one spacing deep: the foremost place up to which at least every second column of a spacing holds a particle and
+none of two columns in a row is dry. The foremost single particle is reported beside it.
 """
 
 from math import sqrt

@@ -1,0 +1,83 @@
+"""Waves from a piston: their height over its stroke, one and two wavelengths away.
+
+H/S = 2 (cosh 2kh - 1) / (sinh 2kh + 2kh) of Biesel & Suquet (1951), far from the wall and in linear theory: 1.082 in
+water 0.5 m deep at a period of 1.5 s. The height is that of the first harmonic over whole periods, after the front
+of the waves has gone by and before anything that the far end sends back could be there.
+"""
+
+from math import pi
+
+import numpy as np
+
+from ocean_sim import waves
+from ocean_sim.simulation import Simulation
+from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation._state import watched
+
+DEPTH, HEIGHT, PERIOD, LENGTH = 0.5, 0.05, 1.5, 9.5  # [m], [m], [s], [m]
+OMEGA = 2.0 * pi / PERIOD
+K = float(waves.wavenumber(OMEGA, DEPTH))
+WAVELENGTH = 2.0 * pi / K  # 2.827 m
+TRANSFER = float(waves.piston_transfer(K * DEPTH))  # H/S
+AWAY = (1, 2)  # [wavelengths]
+BEGIN, END = 6.5, 6.5 + 2.0 * PERIOD  # [s] of what is measured
+SOURCE = "Biesel & Suquet 1951"
+PROMISES = (
+    Promise("H/S at 1 wavelength", "%", SOURCE),
+    Promise("H/S at 2 wavelengths", "%", f"{SOURCE}; 5 %", {"delta_sph": 5.0}),
+    Promise("speed of the crests [m/s]", "%", "w^2 = g k tanh(k h)"),
+)
+
+
+def problems(coarse: bool) -> list[Problem]:
+    scene = {
+        "duration": END,
+        "basin": {
+            "length": LENGTH,
+            "depth": DEPTH,
+            "walls": {"x_max": "absorbing"},
+            "wavemaker": {"wall": "x_min", "height": HEIGHT, "period": PERIOD},
+        },
+        "fluid": {"spacing": DEPTH / (10 if coarse else 20), "kinematic_viscosity": 1e-6},
+    }
+    return [Problem(scene, PROMISES, measure)]
+
+
+def measure(simulation: Simulation) -> Finding:
+    """The elevation at both gauges over time."""
+    gauges = np.array([[simulation.basin.lower[0] + n * WAVELENGTH, 0.0] for n in AWAY])
+    times, elevation = [], []
+    for water in watched(simulation, END, PERIOD / 40):
+        times.append(water.time)
+        elevation.append(simulation.fluid.elevations(gauges))
+    assert simulation.basin.piston is not None
+    return compared(np.array(times), np.array(elevation), simulation.basin.piston.stroke)
+
+
+def first_harmonic(times: np.ndarray, signal: np.ndarray) -> complex:
+    """a of the Re(a exp(i w t)) nearest to a signal, besides a mean and a second harmonic."""
+    angle = OMEGA * times
+    parts = np.stack([np.cos(angle), -np.sin(angle), np.cos(2 * angle), np.sin(2 * angle), np.ones_like(angle)], axis=1)
+    found = np.linalg.lstsq(parts, signal, rcond=None)[0]
+    return complex(found[0], found[1])
+
+
+def compared(times: np.ndarray, elevation: np.ndarray, stroke: float) -> Finding:
+    """Elevations, a column a gauge, of a piston that moves by S/2 sin(w t), against linear theory."""
+    late = times >= BEGIN
+    near, far = (first_harmonic(times[late], column[late]) for column in elevation.T)
+    turn = -float(np.angle(far / near)) % (2.0 * pi)  # near 0 or 2 pi: the gauges are a wavelength apart
+    waves_between = turn / (2.0 * pi) + (1.0 if turn < pi else 0.0)
+    speed = WAVELENGTH / (waves_between * PERIOD)
+    numbers = (
+        relative(2.0 * abs(near) / stroke, TRANSFER),
+        relative(2.0 * abs(far) / stroke, TRANSFER),
+        relative(speed, WAVELENGTH / PERIOD),
+    )
+    sea = 0.5 * TRANSFER * stroke * np.cos(OMEGA * times[late])
+    return Finding(
+        {promise.quantity: number for promise, number in zip(PROMISES, numbers, strict=True)},
+        [Curve(f"{n} wavelengths away", times, column) for n, column in zip(AWAY, elevation.T)],
+        [Curve("linear theory", times[late], sea)],
+        ("time [s]", "elevation [m]"),
+    )

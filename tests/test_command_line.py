@@ -117,7 +117,7 @@ def test_a_wrong_command_line_is_exit_code_2(ask):
 
 
 def test_every_verb_has_help(ask):
-    for verb in ("run", "check", "list", "schema", "doctor", "bench", "render", "export"):
+    for verb in ("run", "check", "list", "schema", "doctor", "bench", "validate", "render", "export"):
         code, out, _ = ask(verb, "--help")
         assert code == 0 and "Usage: ocean-sim" in out
 

@@ -23,6 +23,8 @@ ORDER = (
     "taylor_green",
     "conservation",
     "wall_impact",
+    "sloshing",
+    "piston_flume",
 )
 
 

@@ -23,7 +23,7 @@ def every_problem() -> list[Problem]:
 
 def test_the_cases_asked_for_are_there():
     wanted = "hydrostatic poiseuille couette taylor_green elliptical_drop square_patch standing_wave dam_break_front"
-    assert {*wanted.split(), "wall_impact", "conservation"} <= set(names())
+    assert {*wanted.split(), "wall_impact", "conservation", "sloshing", "piston_flume"} <= set(names())
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)

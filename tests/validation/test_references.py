@@ -11,7 +11,9 @@ from ocean_sim.validation import (
     dam_break_front,
     elliptical_drop,
     hydrostatic,
+    piston_flume,
     problems,
+    sloshing,
     square_patch,
     standing_wave,
     taylor_green,
@@ -110,6 +112,38 @@ def test_the_front_of_an_experiment_is_green_and_red_on_the_other_time_axis():
     assert kept(dam_break_front.PROMISES, right) == [True] * 3
     wrong = dam_break_front.compared(dam_break_front.scaled_time(time, 9.81, 1.0) / np.sqrt(2.0), data["Z"])
     assert kept(dam_break_front.PROMISES, wrong) == [False] * 3
+
+
+def test_a_lone_drop_ahead_is_not_the_front():
+    sheet = lattice(0.02, (0.0, 0.0), (1.0, 0.02))
+    drop = np.vstack([sheet, [[1.5, 0.01, 0.0]]])
+    assert dam_break_front.fronts(drop, 0.02) == pytest.approx((1.0, 1.51), abs=1e-9)
+
+
+def test_waves_of_the_right_height_are_green_and_lower_ones_red():
+    times = np.arange(0.0, piston_flume.END, 0.0375)
+    stroke = piston_flume.HEIGHT / piston_flume.TRANSFER
+    for factor, expected in ((1.0, True), (0.93, False)):
+        wave = 0.5 * factor * piston_flume.HEIGHT * np.cos(piston_flume.OMEGA * times)
+        found = piston_flume.compared(times, np.stack([wave, wave + 0.002], axis=1), stroke)
+        assert kept(piston_flume.PROMISES, found)[1] is expected
+        assert found.numbers["speed of the crests [m/s]"][2] == pytest.approx(0.0, abs=1e-6)
+    assert piston_flume.TRANSFER == pytest.approx(1.082, abs=5e-4)
+
+
+def test_sloshing_is_green_with_its_own_period_and_red_with_another():
+    times = np.arange(0.0, 8.0 * sloshing.PERIOD, 0.03)
+    for factor, expected in ((1.0, True), (1.03, False)):
+        first = np.cos(sloshing.OMEGA * times / factor) - np.cos(sloshing.DRIVEN * times)
+        found = sloshing.compared(times, first)
+        assert kept(sloshing.PROMISES, found)[0] is expected
+        assert found.numbers[sloshing.PROMISES[0].quantity][2] == pytest.approx(100.0 * (factor - 1.0), abs=0.05)
+
+
+def test_the_sloshing_of_the_experiment_comes_once_a_period():
+    data = table("sloshing_bouscasse2013_series5")
+    again = sloshing.arrival(data["t_s"][data["t_s"] > 9.3], data["eta_m"][data["t_s"] > 9.3], 0.03)
+    assert again - sloshing.arrival(data["t_s"], data["eta_m"], 0.03) == pytest.approx(1.0, abs=0.02)
 
 
 def test_the_impact_is_red_on_the_time_axis_of_the_front():

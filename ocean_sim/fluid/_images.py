@@ -92,3 +92,14 @@ def climbed(mirror, x, pull):
 def turned(mirror, v):
     """Velocity of the image of what moves with v [m/s]."""
     return tm.vec3([mirror[TURN, k] * v[k] + mirror[PUSH, k] for k in ti.static(range(3))])
+
+
+@ti.func
+def reflected(mirror, other):
+    """What a law reads of a neighbour, place and velocity first, as the side shows it; all else is as it was."""
+    x_image = mirrored(mirror, tm.vec3(other[0], other[1], other[2]))
+    v_image = turned(mirror, tm.vec3(other[3], other[4], other[5]))
+    image = other
+    for k in ti.static(range(3)):
+        image[k], image[3 + k] = x_image[k], v_image[k]
+    return image

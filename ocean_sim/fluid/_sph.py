@@ -161,6 +161,14 @@ class Sph:
         return self.field.velocities(points)
 
     @ti.func
+    def added(self, total):
+        """Pressure and viscosity together, which a law sums apart where impulses are counted."""
+        both = tm.vec3(total[0], total[1], total[2])
+        if ti.static(self.ledger.impulses):
+            both += tm.vec3(total[3], total[4], total[5])
+        return both
+
+    @ti.func
     def area(self, i):
         """Exposed area of particle i times its outward normal [m2]; zero inside the water."""
         area = tm.vec3(0.0)

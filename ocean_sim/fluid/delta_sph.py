@@ -16,7 +16,7 @@ import taichi.math as tm
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid._grid import TASK
-from ocean_sim.fluid._images import climbed, mirrored, turned
+from ocean_sim.fluid._images import climbed, reflected
 from ocean_sim.fluid._ledger import DIFFUSION, GRAVITY, PRESSURE, VISCOSITY, WALLS, WIND
 from ocean_sim.fluid._particles import Components
 from ocean_sim.fluid._smoothing import Smoothing, positive
@@ -103,11 +103,7 @@ class Momentum:
     @ti.func
     def image(self, other, mirror):
         """A neighbour as a side shows it: its velocity turned round, its pressure continued hydrostatically."""
-        x, v = tm.vec3(other[0], other[1], other[2]), tm.vec3(other[3], other[4], other[5])
-        x_image, v_image = mirrored(mirror, x), turned(mirror, v)
-        image = other
-        for k in ti.static(range(3)):
-            image[k], image[3 + k] = x_image[k], v_image[k]
+        x, image = tm.vec3(other[0], other[1], other[2]), reflected(mirror, other)
         image[6] += climbed(mirror, x, self.fluid.pull.at_rest(x)) / self.fluid.particles.rest_density
         return image
 
@@ -144,7 +140,7 @@ class Momentum:
         fluid, m = self.fluid, ti.static(self.fluid.particles.mass)
         dt = fluid.dt[None]
         x, v = tm.vec3(own[0], own[1], own[2]), tm.vec3(own[3], own[4], own[5])
-        a_water, a_walls = fluid.slope * self.added(total), fluid.slope * self.added(beyond)
+        a_water, a_walls = fluid.slope * fluid.added(total), fluid.slope * fluid.added(beyond)
         a_wind = fluid.wind.force(fluid.particles.id[i], x, v, fluid.area(i), m) / m
         a_pull = fluid.pull.at(x, v)
         a = a_water + a_walls + a_wind + a_pull  # (2.25)
@@ -163,14 +159,6 @@ class Momentum:
             squeezed = m * dt * fluid.slope * tm.vec3(beyond[0], beyond[1], beyond[2]).dot(mean)
             fluid.ledger.count_work(group, WALLS, -squeezed)  # what images press becomes internal energy
             fluid.ledger.count_work(group, PRESSURE, squeezed)
-
-    @ti.func
-    def added(self, total):
-        """Pressure and viscosity together."""
-        both = tm.vec3(total[0], total[1], total[2])
-        if ti.static(self.apart):
-            both += tm.vec3(total[3], total[4], total[5])
-        return both
 
 
 @ti.data_oriented
@@ -198,11 +186,7 @@ class Continuity:
     @ti.func
     def image(self, other, mirror):
         """A neighbour as a side shows it: its velocity turned round, its density continued hydrostatically."""
-        x, v = tm.vec3(other[0], other[1], other[2]), tm.vec3(other[3], other[4], other[5])
-        x_image, v_image = mirrored(mirror, x), turned(mirror, v)
-        image = other
-        for k in ti.static(range(3)):
-            image[k], image[3 + k] = x_image[k], v_image[k]
+        x, image = tm.vec3(other[0], other[1], other[2]), reflected(mirror, other)
         image[6] += self.heavier * climbed(mirror, x, self.fluid.pull.at_rest(x))
         return image
 

@@ -17,11 +17,10 @@ A known fault: the lattice of still water without viscosity gives way after abou
 (speeds of 0.2 sqrt(g depth), 3 % lower).
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from math import inf, sqrt
+from math import sqrt
 from typing import Literal
 
 import numpy as np
@@ -35,7 +34,7 @@ from ocean_sim.fluid._images import PUSH, SIGN, climbed, mirrored, turned
 from ocean_sim.fluid._ledger import GRAVITY, PRESSURE, VISCOSITY, WALLS, WIND
 from ocean_sim.fluid._particles import Components
 from ocean_sim.fluid._smoothing import positive
-from ocean_sim.fluid._sph import Sph, SphConfig, rows
+from ocean_sim.fluid._sph import Sph, SphConfig, limits, rows
 from ocean_sim.parts import LedgerRow, quantity
 from ocean_sim.wind import Wind
 
@@ -71,22 +70,10 @@ class Config(SphConfig):
         """Limits of the time step in still water, before anything is allocated."""
         support = self.ratio(basin) * self.lattice(basin).spacing
         pull = float(np.linalg.norm(np.add(basin.gravity, self.body_force)))
-        return limits(support, self.speed(basin), self.kinematic_viscosity, 0.0, pull)
+        return limits(support, 0.0, self.kinematic_viscosity, SLOW * self.speed(basin), pull)
 
     def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "Dfsph":
         return Dfsph(self, basin, ledger, wind)
-
-
-def limits(support: float, reference_speed: float, viscosity: float, speed: float, acceleration: float) -> Limits:
-    """See Limits; nothing has to wait for sound, but a particle under a pressure p is held by its neighbours as by
-    springs, whose frequency is about sqrt(p / density) / spacing. The acceleration is that of all forces but
-    pressure."""
-    h = support / 2.0
-    return Limits(
-        acoustic=h / max(speed, SLOW * reference_speed),
-        viscous=h * h / viscosity if viscosity > 0.0 else inf,
-        force=sqrt(h / acceleration) if acceleration > 0.0 else inf,
-    )
 
 
 @dataclass(frozen=True)
@@ -406,9 +393,9 @@ class Dfsph(Sph):
         config = self.config
         self.drive(dt)
         self.predict(dt, self.report)
-        self.solve("divergence", self.calm, config.divergence_tolerance, config.max_divergence_iterations)
+        self.solve("divergence", self.divergence, config.divergence_tolerance, config.max_divergence_iterations)
         self.compress(self.report)
-        self.solve("density", self.restore, config.density_tolerance, config.max_density_iterations)
+        self.solve("density", self.incompressible, config.density_tolerance, config.max_density_iterations)
         self.move()
         self.arrive()
 
@@ -417,7 +404,7 @@ class Dfsph(Sph):
         self.settle(self.summary)
         self.status = self.ledger.status(self.summary, self.grid)
 
-    def solve(self, name: str, iterate: Callable[[float, np.ndarray], None], tolerance: float, most: int) -> None:
+    def solve(self, name: str, solver: Solver, tolerance: float, most: int) -> None:
         """Iterate until the water is neither pressed together nor apart by more than its tolerance in the mean, at most
         so often."""
         scale = 1.0 / (self.particles.n * self.particles.rest_density)
@@ -426,7 +413,7 @@ class Dfsph(Sph):
             if self.report[UPHILL] > 0.0:
                 along = 1.0
             ahead = 0.5 + sqrt(0.25 + along * along)
-            iterate((along - 1.0) / ahead, self.report)
+            self.iterate(solver, (along - 1.0) / ahead, self.report)
             done, along = done + 1, ahead
         self.iterations[name], self.solver_error[name] = done, error
         self.unsolved[name] += not error <= tolerance
@@ -444,15 +431,15 @@ class Dfsph(Sph):
         self.add(report)
 
     @ti.kernel
-    def calm(self, momentum: float, report: ti.types.ndarray(ndim=1)):
-        """One iteration for the divergence."""
+    def iterate(self, solver: ti.template(), momentum: float, report: ti.types.ndarray(ndim=1)):
+        """One iteration of a solver."""
         self.momentum[None] = momentum
         for g in range(self.ledger.groups * TASK):
             if g % TASK == 0:
-                self.neighbours.walk(g // TASK, self.divergence.push, False)
+                self.neighbours.walk(g // TASK, solver.push, False)
         for g in range(self.ledger.groups * TASK):
             if g % TASK == 0:
-                self.neighbours.walk(g // TASK, self.divergence.compression, False)
+                self.neighbours.walk(g // TASK, solver.compression, False)
         self.add(report)
 
     @ti.kernel
@@ -463,18 +450,6 @@ class Dfsph(Sph):
             self.incompressible.pressure[i] = self.incompressible.best[i] = 0.0
             for displacing, predicted in ti.static(zip(self.displacing, self.predicted)):
                 displacing[i] = predicted[i]
-        for g in range(self.ledger.groups * TASK):
-            if g % TASK == 0:
-                self.neighbours.walk(g // TASK, self.incompressible.compression, False)
-        self.add(report)
-
-    @ti.kernel
-    def restore(self, momentum: float, report: ti.types.ndarray(ndim=1)):
-        """One iteration for the density."""
-        self.momentum[None] = momentum
-        for g in range(self.ledger.groups * TASK):
-            if g % TASK == 0:
-                self.neighbours.walk(g // TASK, self.incompressible.push, False)
         for g in range(self.ledger.groups * TASK):
             if g % TASK == 0:
                 self.neighbours.walk(g // TASK, self.incompressible.compression, False)
@@ -535,8 +510,11 @@ class Dfsph(Sph):
         return u + change
 
     def limits(self) -> Limits:
+        """Nothing has to wait for sound, but a particle under a pressure p is held by its neighbours as by springs,
+        whose frequency is about sqrt(p / density) / spacing. The acceleration is that of all forces but pressure."""
         status, nu = self.status, self.config.kinematic_viscosity
-        return limits(self.smoothing.support, self.reference_speed, nu, status.max_speed, status.max_acceleration)
+        speed = max(status.max_speed, SLOW * self.reference_speed)
+        return limits(self.smoothing.support, 0.0, nu, speed, status.max_acceleration)
 
     def internal_energy(self) -> float:
         """None: what is not compressed stores nothing [J]."""

@@ -14,7 +14,7 @@ from pydantic import model_validator
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid._grid import TASK
-from ocean_sim.fluid._images import climbed, mirrored, turned
+from ocean_sim.fluid._images import climbed, mirrored, reflected
 from ocean_sim.fluid._ledger import GRAVITY, PRESSURE, VISCOSITY, WALLS, WIND
 from ocean_sim.fluid._smoothing import positive
 from ocean_sim.fluid._sph import Sph, SphConfig, rows
@@ -120,11 +120,7 @@ class Momentum:
     @ti.func
     def image(self, other, mirror):
         """A neighbour as a side shows it: its velocity turned round, its pressure continued hydrostatically."""
-        x, v = tm.vec3(other[0], other[1], other[2]), tm.vec3(other[3], other[4], other[5])
-        x_image, v_image = mirrored(mirror, x), turned(mirror, v)
-        image = other
-        for k in ti.static(range(3)):
-            image[k], image[3 + k] = x_image[k], v_image[k]
+        x, image = tm.vec3(other[0], other[1], other[2]), reflected(mirror, other)
         image[6] += self.fluid.particles.rest_density * climbed(mirror, x, self.fluid.pull.at_rest(x))
         return image
 
@@ -151,7 +147,7 @@ class Momentum:
         dt = fluid.dt[None]
         x, v = tm.vec3(own[0], own[1], own[2]), tm.vec3(own[3], own[4], own[5])
         scale = self.constant * own[7]
-        a_water, a_walls = scale * self.added(total), scale * self.added(beyond)
+        a_water, a_walls = scale * fluid.added(total), scale * fluid.added(beyond)
         a_wind = self.wind.force(fluid.particles.id[i], x, v, fluid.area(i), m) / m
         a_pull = fluid.pull.at(x, v)
         a = a_water + a_walls + a_wind + a_pull  # (2.25)
@@ -167,14 +163,6 @@ class Momentum:
             fluid.ledger.count_impulse(group, WIND, m * dt * a_wind, mean)
             fluid.ledger.count_impulse(group, GRAVITY, m * dt * a_pull, mean)
             fluid.ledger.count_impulse(group, WALLS, m * (v_new - v - dt * (a - a_walls)), mean)
-
-    @ti.func
-    def added(self, total):
-        """Pressure and viscosity together."""
-        both = tm.vec3(total[0], total[1], total[2])
-        if ti.static(self.apart):
-            both += tm.vec3(total[3], total[4], total[5])
-        return both
 
 
 @ti.data_oriented

@@ -33,7 +33,7 @@ class Mesh:
 
 def sheet(x: np.ndarray, z: np.ndarray, height: np.ndarray) -> Mesh:
     """Heights (len(x), len(z)) [m] over a grid, two triangles a cell, with the normals of central differences."""
-    number = np.arange(height.size).reshape(height.shape)
+    number = np.arange(height.size, dtype=np.int32).reshape(height.shape)
     a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
     along = [np.gradient(height, at, axis=k) if len(at) > 1 else 0.0 * height for k, at in enumerate((x, z))]
     normals = np.stack([-along[0], np.ones_like(height), -along[1]], axis=-1).reshape(-1, 3)

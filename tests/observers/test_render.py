@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from ocean_sim.observers import _camera, _opengl, _sky, _water_mesh, _water_shading, frames, render
+from ocean_sim.observers import _camera, _opengl, _points, _sky, _water_mesh, _water_shading, frames, render
 
 with_opengl = pytest.mark.skipif(_opengl.probe() is not None, reason="no OpenGL on this machine")
 
@@ -46,7 +46,7 @@ def test_the_sky_is_finite_and_not_negative_in_every_direction():
 
 
 def test_the_smooth_surface_keeps_a_level_goes_through_its_points_and_stands_level_at_walls():
-    x, z = frames.middles(-3.0, 3.0, 0.5), frames.middles(-2.0, 2.0, 0.5)
+    x, z = _points.middles(-3.0, 3.0, 0.5), _points.middles(-2.0, 2.0, 0.5)
     mesh = _water_mesh.WaterMesh(x, z, np.array([-3.0, -2.0, -2.0]), np.array([3.0, 2.0, 2.0]), nodes=2000)
     np.testing.assert_allclose(mesh.heights(np.full((12, 8), 0.3)), 0.3, atol=1e-12)
     wave = np.cos(np.pi * (x + 3.0) / 6.0)[:, None] * np.ones(8)

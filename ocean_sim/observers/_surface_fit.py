@@ -1,6 +1,6 @@
 """How well a surface fits the particles under it: its distance from where they end, its area, the water below it."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -33,7 +33,7 @@ class SurfaceFit:
 
     def values(self, simulation: "Simulation") -> list[float]:
         """In the order of the columns."""
-        surface = simulation.surface
+        surface: Any = simulation.surface
         away = surface.elevations(self.points) - simulation.fluid.elevations(self.points)
         fit = [float(away.mean()), float(np.sqrt(np.square(away).mean()))]
         if self.flat:

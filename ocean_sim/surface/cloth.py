@@ -21,6 +21,7 @@ from ocean_sim.surface._springs import BEND, SHEAR, STRETCH
 
 CONTACTS = 8  # the most moves of a node towards the surface in one update
 NEAR = 0.01  # [thicknesses] a smaller move is the last
+MOST_NODES = 2**24
 FURTHEST = 0.5  # [thicknesses] that its speed carries a node in one update
 
 
@@ -63,9 +64,12 @@ class Config(PartConfig):
     def problems_beside(self, fluid: Any, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
         """What is wrong with these keys over this water: (path below `surface`, sentence)."""
         least, most = fluid.lattice(basin).spacing, reach(fluid, basin)
+        nx, nz = self.beside(fluid, basin).nodes(basin)
+        if nx * nz > MOST_NODES:
+            return [(("spacing",), f"would make {nx} x {nz} nodes, more than {MOST_NODES}")]
         if self.thickness is None or 0.999 * least < self.thickness < 1.001 * most:
             return []
-        why = "or the sheet falls between them" if self.thickness < least else "further than water is looked for"
+        why = "less, and the sheet falls between them" if self.thickness < least else "water is looked for no further"
         return [
             (
                 ("thickness",),

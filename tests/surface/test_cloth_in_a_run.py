@@ -47,12 +47,13 @@ def test_two_threads_give_the_same_sheet(with_cloth):
 
 
 def test_it_fits_the_water_of_a_moving_sea(tmp_path):
-    """accuracy.csv: mean and RMS distance from the particles' own surface, area and volume; without a surface none."""
+    """accuracy.csv: mean and RMS distance from the highest particles, area and volume."""
     out = tmp_path / "run"
-    run(load(SEA | QUIET | {"accuracy": {"every": 0.2}, "frames": {"every": 0.2}, "duration": 1.0}), out)
+    watched = QUIET | {"accuracy": {"every": 0.2}, "frames": {"every": 0.2}, "duration": 1.0, "wind": "still"}
+    run(load(SEA | watched, {"fluid.initial": {"kind": "standing_wave", "amplitude": 0.6, "mode": 2}}), out)
     table = columns(out / "accuracy.csv")
     assert np.abs(table["surface_offset_m"]).max() < 0.05 * 1.25
-    assert table["surface_fit_m"].max() < 0.1 * 1.25
+    assert table["surface_fit_m"].max() < 0.15 * 1.25
     assert (table["surface_area_m2"] > 0.999 * 24.0 * 20.0).all()
     assert table["surface_volume_m3"] == pytest.approx(24.0 * 20.0 * 5.0, rel=0.03)
     last = sorted((out / "frames").glob("frame_*.npz"))[-1]

@@ -301,7 +301,8 @@ class Shell:
         height = np.clip(points[:, 1] / max(2.5 * float(frame.elevation.std()), 0.02 * self.depth), -1.0, 1.0)
         top = _water_shading.surface(points, normals, height, self.eye)
         side = _water_shading.side(points, normals, np.clip(-points[:, 1] / self.depth, 0.0, 1.0), self.eye)
-        shape["colour"] = _water_shading.display(np.where(normals[:, 1:2] > 0.3, top, side))
+        up = np.clip(2.5 * normals[:, 1:2], 0.0, 1.0)
+        shape["colour"] = _water_shading.display(up * top + (1.0 - up) * side)
         self.plotter.add_mesh(shape, scalars="colour", rgb=True, lighting=False, name="shell", reset_camera=False)
 
 

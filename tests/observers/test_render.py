@@ -160,3 +160,24 @@ def test_particles_are_drawn_where_there_is_no_surface_or_on_request(kept, width
 def test_particles_that_were_not_kept_are_a_sentence(kept):
     with pytest.raises(render.RenderFailed, match=r"frames\.particles: true"):
         render.render_run(kept(particles=False), particles=True)
+
+
+@with_opengl
+def test_a_surface_that_folds_is_drawn_as_its_triangles_are(kept):
+    """A ball of water in the frames of a sea: its outline is in the picture, the block of water is not."""
+    import imageio.v2 as imageio
+    import pyvista
+
+    folder = kept()
+    ball = pyvista.Sphere(radius=1.0, center=(0.0, -1.0, 0.0))
+    for path in render.frame_files(folder):
+        frame = dict(np.load(path)) | {
+            "vertices": ball.points,
+            "triangles": ball.regular_faces,
+            "normals": ball.points + np.float32([0.0, 1.0, 0.0]),
+        }
+        np.savez(path, **frame)
+    picture = np.asarray(imageio.imread(render.render_run(folder, size=(320, 180), film=False)[0])).astype(float)
+    middle, beside = picture[90, 160], picture[90, 40]
+    assert middle[2] > middle[0] + 20.0 and middle.sum() < beside.sum()  # blue and dark before the sky
+    assert np.ptp(beside) < 60.0

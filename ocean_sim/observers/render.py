@@ -226,9 +226,9 @@ class Picture:
 
     def shadow(self) -> None:
         """A soft shadow on the ground, so that the block of water stands on something."""
-        size = self.upper - self.lower
+        size, middle = self.upper - self.lower, 0.5 * (self.lower + self.upper)
         plane = self.pyvista.Plane(
-            center=(*(0.5 * (self.lower + self.upper))[[0]], self.lower[1], 0.5 * (self.lower + self.upper)[2]),
+            center=(middle[0], self.lower[1] - 0.005 * size[1], middle[2]),  # below a dry bed
             direction=(0.0, 1.0, 0.0),
             i_size=2.4 * size[2],
             j_size=2.4 * size[0],

@@ -7,7 +7,7 @@ import pytest
 
 from ocean_sim.observers._csv import columns
 from ocean_sim.observers._export import export_run
-from ocean_sim.scene import load, run
+from ocean_sim.scene import load, packaged_scenes, run
 from ocean_sim.simulation import Simulation
 from ocean_sim.yaml_file import SceneError
 
@@ -84,6 +84,17 @@ def test_a_storm_leaves_it_finite_and_above_the_bed(sets):
     _, heights = state(150, wind=storm, **sets)
     assert np.isfinite(heights).all()
     assert heights.min() >= -5.0 and heights.max() < 40.0
+
+
+def test_the_thesis_scenes_have_a_cloth_and_a_part_has_the_numbers_of_the_listing():
+    names = [name for name in packaged_scenes() if name.startswith("thesis/")]
+    assert len(names) >= 4 and all(load(name).surface.kind == "cloth" for name in [*names, "showcase"])
+    listing = load("thesis/fig6_3c_wide", {"surface": "thesis_listing"}).surface
+    dt = 1.0 / 60.0  # of PhysX
+    assert listing.thickness == 1.5 and listing.edges == -0.5 and listing.response == 1.0
+    for stiffness in (listing.stretching_stiffness, listing.bending_stiffness):
+        assert 2.0 * stiffness * dt**2 == pytest.approx(0.01)
+    assert listing.damping * dt == pytest.approx(0.001)
 
 
 def test_a_scene_that_leaves_numbers_to_the_water_says_them_when_resolved():

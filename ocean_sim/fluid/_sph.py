@@ -109,6 +109,7 @@ class Sph:
         self.ledger = Ledger(sizes.grid.groups, ledger)
         self.neighbours = Neighbours(self.particles, self.grid, self.ledger, sizes)
         self.surface = FreeSurface(self.particles, self.grid, self.smoothing)
+        self.around = self.surface.around
         self.walls = Walls(lattice, self.grid.images)
         self.pull = Pull(basin, config.body_force)
         self.time = 0.0  # [s]

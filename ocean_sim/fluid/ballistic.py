@@ -29,7 +29,11 @@ class Config(WaterConfig):
 
     def size(self, basin: Basin) -> GridSize:
         lattice = self.lattice(basin)
-        return GridSize(lattice, SUPPORT_RATIO * lattice.spacing)
+        return GridSize(lattice, self.ratio(basin) * lattice.spacing)
+
+    def ratio(self, basin: Basin) -> float:
+        """Support over spacing."""
+        return SUPPORT_RATIO
 
     def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
         size = self.size(basin)
@@ -64,6 +68,7 @@ class Ballistic:
         self.particles = seeded(size.lattice)
         self.grid = Grid(self.particles, size)
         self.surface = FreeSurface(self.particles, self.grid, Smoothing(basin.dimension, size.support))
+        self.around = self.surface.around
         self.walls = Walls(size.lattice, self.grid.images)
         self.ledger = Ledger(size.groups, ledger)
         self.reference_speed = free_fall_speed(basin)

@@ -88,7 +88,8 @@ def write_steps(group: Any, times: np.ndarray, n: int, fields: list[str]) -> Non
 
 
 def export_surface(frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path) -> list[Path]:
-    """surface_00000 and so on; for ParaView also a list of their times. Y is up, as in the run."""
+    """surface_00000 and so on: the scene's surface, or the heights that its particles have; for ParaView also a list of
+    their times. Y is up, as in the run."""
     import pyvista
 
     if len(grid["z"]) < 2:
@@ -98,9 +99,14 @@ def export_surface(frames: list[Path], grid: dict[str, np.ndarray], kind: str, o
     listed = []
     for k, frame in enumerate(frames):
         with np.load(frame) as data:
-            points = np.stack([x, data["elevation"], z], axis=-1).reshape(-1, 3).astype(np.float32)
+            if "vertices" in data:
+                mesh = pyvista.PolyData.from_regular_faces(data["vertices"], data["triangles"])
+                mesh.point_data.active_normals = data["normals"]
+            else:
+                points = np.stack([x, data["elevation"], z], axis=-1).reshape(-1, 3).astype(np.float32)
+                mesh = pyvista.PolyData.from_regular_faces(points, faces)
             listed.append({"name": f"surface_{k:05d}.{kind}", "time": float(data["time"])})
-        write(out / str(listed[-1]["name"]), pyvista.PolyData.from_regular_faces(points, faces).save)
+        write(out / str(listed[-1]["name"]), mesh.save)
     if kind == "ply":
         return [out / str(entry["name"]) for entry in listed]
     series = out / "surface.vtp.series"

@@ -8,6 +8,7 @@ import numpy as np
 from ocean_sim.observers._csv import CsvFile, heading
 from ocean_sim.observers._outside import beyond
 from ocean_sim.observers._sampled import Sampled
+from ocean_sim.observers._surface_fit import TOLD, SurfaceFit
 from ocean_sim.parts import ObserverConfig, quantity
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ class Accuracy:
         self.gravity = np.array(simulation.basin.gravity)  # [m/s2]
         self.pushing: list[str] = []
         self.working: list[str] = []
+        self.surface = SurfaceFit(simulation) if simulation.surface is not None else None
         told: dict[str, object] = {}
         if simulation.fluid.particles is not None:
             fluid = simulation.fluid
@@ -54,7 +56,7 @@ class Accuracy:
             self.driven = driven(simulation)
             self.at_start = self.potential_energy(simulation)
             self.energy_at_start: float | None = None
-            told = self.told()
+            told = self.told() | (TOLD if self.surface else {})
         self.csv = CsvFile(
             folder / "accuracy.csv",
             heading(simulation, f"every {config.every:g} s, linear between steps", **told),
@@ -63,6 +65,7 @@ class Accuracy:
                 *(COLUMNS if told else ()),
                 *(f"impulse_{term}_{axis}_Ns" for term in self.pushing for axis in "xyz"),
                 *(f"work_{term}_J" for term in self.working),
+                *(self.surface.columns if self.surface else ()),
                 *(("outside", "clipped") if told else ()),
                 "time_step_s",
                 "limited_by",
@@ -130,7 +133,7 @@ class Accuracy:
         values: list[float] = []
         counts: tuple[int, ...] = ()
         if fluid.particles is not None:
-            values = self.balances(simulation)
+            values = self.balances(simulation) + (self.surface.values(simulation) if self.surface else [])
             outside = beyond(fluid.particles.position.to_numpy(), simulation.basin)
             counts = (int(np.count_nonzero(outside)), fluid.status.clipped)
         held = (*counts, float(simulation.next_dt), simulation.time_step.limited_by)

@@ -1,4 +1,4 @@
-"""Keeps what a picture or an export needs: particles and the height of the water, one file a frame."""
+"""Keeps what a picture or an export needs: particles, the height of the water, and its surface; one file a frame."""
 
 import os
 from pathlib import Path
@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ocean_sim.basin import Basin
 from ocean_sim.observers._counted import spacing
+from ocean_sim.observers._points import grid, pairs
 from ocean_sim.observers._sampled import Multiples
 from ocean_sim.parts import ObserverConfig, quantity
 
@@ -47,19 +47,6 @@ class Config(ObserverConfig):
         return Frames(self, folder, simulation)
 
 
-def middles(low: float, high: float, spacing: float) -> np.ndarray:
-    """Middles of equal cells from `low` to `high`, at most `spacing` wide, at least two."""
-    n = max(2, int(np.ceil((high - low) / spacing - 1.0e-6)))
-    return low + (np.arange(n) + 0.5) * (high - low) / n
-
-
-def grid(basin: Basin, spacing: float) -> tuple[np.ndarray, np.ndarray]:
-    """x and z [m] of the points where the height of the water is kept: half a cell away from every wall."""
-    x = middles(basin.lower[0], basin.upper[0], spacing)
-    z = middles(basin.lower[2], basin.upper[2], spacing) if basin.dimension == 3 else np.zeros(1)
-    return x, z
-
-
 class Frames:
     """frames/grid.npz once, then frames/frame_00000.npz and so on, each there whole or not at all."""
 
@@ -72,7 +59,7 @@ class Frames:
         basin, fluid = simulation.basin, simulation.fluid
         x, z = grid(basin, config.spacing or spacing(fluid))
         self.shape = (len(x), len(z))
-        self.points = np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1).reshape(-1, 2)
+        self.points = pairs(x, z)
         self.write(
             "grid",
             x=x,
@@ -89,7 +76,11 @@ class Frames:
         if not self.multiples.reached(simulation.time):
             return
         particles = simulation.fluid.particles
-        frame = {"time": simulation.time, "elevation": simulation.fluid.elevations(self.points).reshape(self.shape)}
+        shown = simulation.surface or simulation.fluid
+        frame = {"time": simulation.time, "elevation": shown.elevations(self.points).reshape(self.shape)}
+        if simulation.surface is not None:
+            mesh = simulation.surface.mesh()
+            frame |= {"vertices": mesh.vertices, "triangles": mesh.triangles, "normals": mesh.normals}
         if self.config.particles and particles is not None:
             frame["position"] = particles.position.to_numpy()
             frame["velocity"] = particles.velocity.to_numpy()

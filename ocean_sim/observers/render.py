@@ -161,6 +161,15 @@ class Frame:
             self.elevation = file["elevation"].astype(np.float64)
             self.position = file["position"] if "position" in file else None
             self.velocity = file["velocity"] if "velocity" in file else None
+            self.mesh = [file[name] for name in ("vertices", "triangles", "normals")] if "vertices" in file else None
+
+    @property
+    def folds(self) -> bool:
+        """Whether the surface is more than a height above each point: some of its triangles do not face up."""
+        if self.mesh is None:
+            return False
+        a, b, c = (self.mesh[0][self.mesh[1][:, k]] for k in range(3))
+        return bool((np.cross(b - a, c - a)[:, 1] <= 0.0).any())
 
 
 class Picture:
@@ -182,7 +191,9 @@ class Picture:
         if order.particles or not bool(grid["has_surface"]):
             if first.position is None:
                 raise RenderFailed("these frames hold no particles to draw; run with frames.particles: true")
-            self.content: Water | Particles = Particles(self, first, float(grid["spacing"]), fastest)
+            self.content: Water | Shell | Particles = Particles(self, first, float(grid["spacing"]), fastest)
+        elif first.folds:
+            self.content = Shell(self, float(grid["depth"]))
         else:
             self.content = Water(self, grid)
         self.caption = self.plotter.add_text("t", position=(14, 10), font_size=9, color="#eef3f6", shadow=True)
@@ -215,9 +226,9 @@ class Picture:
 
     def shadow(self) -> None:
         """A soft shadow on the ground, so that the block of water stands on something."""
-        size = self.upper - self.lower
+        size, middle = self.upper - self.lower, 0.5 * (self.lower + self.upper)
         plane = self.pyvista.Plane(
-            center=(*(0.5 * (self.lower + self.upper))[[0]], self.lower[1], 0.5 * (self.lower + self.upper)[2]),
+            center=(middle[0], self.lower[1] - 0.005 * size[1], middle[2]),  # below a dry bed
             direction=(0.0, 1.0, 0.0),
             i_size=2.4 * size[2],
             j_size=2.4 * size[0],
@@ -274,6 +285,25 @@ class Water:
         self.sides["colour"] = _water_shading.display(
             _water_shading.side(sides, self.mesh.side_normals, depth, self.eye)
         )
+
+
+class Shell:
+    """A closed surface with drops and folds, as its triangles are; what faces down or sideways is seen as through
+    glass."""
+
+    def __init__(self, picture: Picture, depth: float) -> None:
+        self.eye, self.depth, self.plotter, self.pyvista = picture.camera.eye, depth, picture.plotter, picture.pyvista
+
+    def show(self, frame: Frame) -> None:
+        assert frame.mesh is not None
+        points, triangles, normals = frame.mesh
+        shape = self.pyvista.PolyData.from_regular_faces(points, triangles)
+        height = np.clip(points[:, 1] / max(2.5 * float(frame.elevation.std()), 0.02 * self.depth), -1.0, 1.0)
+        top = _water_shading.surface(points, normals, height, self.eye)
+        side = _water_shading.side(points, normals, np.clip(-points[:, 1] / self.depth, 0.0, 1.0), self.eye)
+        up = np.clip(2.5 * normals[:, 1:2], 0.0, 1.0)
+        shape["colour"] = _water_shading.display(up * top + (1.0 - up) * side)
+        self.plotter.add_mesh(shape, scalars="colour", rgb=True, lighting=False, name="shell", reset_camera=False)
 
 
 class Particles:

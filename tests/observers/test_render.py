@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from ocean_sim.observers import _camera, _opengl, _sky, _water_mesh, _water_shading, frames, render
+from ocean_sim.observers import _camera, _opengl, _points, _sky, _water_mesh, _water_shading, frames, render
 
 with_opengl = pytest.mark.skipif(_opengl.probe() is not None, reason="no OpenGL on this machine")
 
@@ -46,7 +46,7 @@ def test_the_sky_is_finite_and_not_negative_in_every_direction():
 
 
 def test_the_smooth_surface_keeps_a_level_goes_through_its_points_and_stands_level_at_walls():
-    x, z = frames.middles(-3.0, 3.0, 0.5), frames.middles(-2.0, 2.0, 0.5)
+    x, z = _points.middles(-3.0, 3.0, 0.5), _points.middles(-2.0, 2.0, 0.5)
     mesh = _water_mesh.WaterMesh(x, z, np.array([-3.0, -2.0, -2.0]), np.array([3.0, 2.0, 2.0]), nodes=2000)
     np.testing.assert_allclose(mesh.heights(np.full((12, 8), 0.3)), 0.3, atol=1e-12)
     wave = np.cos(np.pi * (x + 3.0) / 6.0)[:, None] * np.ones(8)
@@ -160,3 +160,24 @@ def test_particles_are_drawn_where_there_is_no_surface_or_on_request(kept, width
 def test_particles_that_were_not_kept_are_a_sentence(kept):
     with pytest.raises(render.RenderFailed, match=r"frames\.particles: true"):
         render.render_run(kept(particles=False), particles=True)
+
+
+@with_opengl
+def test_a_surface_that_folds_is_drawn_as_its_triangles_are(kept):
+    """A ball of water in the frames of a sea: its outline is in the picture, the block of water is not."""
+    import imageio.v2 as imageio
+    import pyvista
+
+    folder = kept()
+    ball = pyvista.Sphere(radius=1.0, center=(0.0, -1.0, 0.0))
+    for path in render.frame_files(folder):
+        frame = dict(np.load(path)) | {
+            "vertices": ball.points,
+            "triangles": ball.regular_faces,
+            "normals": ball.points + np.float32([0.0, 1.0, 0.0]),
+        }
+        np.savez(path, **frame)
+    picture = np.asarray(imageio.imread(render.render_run(folder, size=(320, 180), film=False)[0])).astype(float)
+    middle, beside = picture[90, 160], picture[90, 40]
+    assert middle[2] > middle[0] + 20.0 and middle.sum() < beside.sum()  # blue and dark before the sky
+    assert np.ptp(beside) < 60.0

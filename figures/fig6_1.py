@@ -1,0 +1,63 @@
+"""Figure 6-1: the particles of a sea, the cloth fitted to them, and how far it is from them: CSV and PNG.
+
+python figures/fig6_1.py [--fast] [--out DIR]
+"""
+
+import argparse
+import csv
+from pathlib import Path
+
+import numpy as np
+
+from ocean_sim.observers._surface_fit import fit, highest
+from ocean_sim.scene import load
+from ocean_sim.simulation import Simulation
+
+SCENE, MOMENT = "thesis/fig6_3c_wide", 6.0  # [s]
+
+
+def drawn(position: np.ndarray, mesh, said: str, path: Path) -> None:
+    """Particles alone, and with the cloth over them."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(12.0, 4.6), layout="constrained")
+    size = np.ptp(position, axis=0)
+    for k, title in enumerate(("particles", f"and the cloth on them: {said}")):
+        axes = figure.add_subplot(1, 2, k + 1, projection="3d", computed_zorder=False)
+        x, y, z = position.T
+        axes.scatter(x, z, y, s=3.0, c=y, cmap="YlGnBu_r", depthshade=False)
+        if k:
+            vx, vy, vz = mesh.vertices.T
+            axes.plot_trisurf(vx, vz, vy, triangles=mesh.triangles, color="#2a6f97", alpha=0.75, shade=True)
+        axes.set_box_aspect((size[0], size[2], 2.0 * size[1]))  # heights twice as large
+        axes.set(title=title, xlabel="x [m]", ylabel="z [m]", zlabel="y [m]", zticks=(-6, -3, 0, 3))
+        axes.view_init(elev=18.0, azim=-60.0)
+    figure.savefig(path, dpi=150)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--fast", action="store_true", help="coarse and short")
+    parser.add_argument("--out", type=Path, default=Path("figures_out"))
+    options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
+    coarse = {"resolution": 2.0} if options.fast else {}
+    with Simulation(load(SCENE, {"render": None, "frames": None, "accuracy": None, **coarse})) as simulation:
+        simulation.run(until=0.2 if options.fast else MOMENT)
+        mesh, position = simulation.surface.mesh(), simulation.fluid.particles.position.to_numpy()
+        spacing, moment = simulation.fluid.particles.spacing, simulation.time
+        top = highest(position.astype(float), simulation.basin, spacing)
+        cloth = simulation.surface.elevations(top[:, [0, 2]])
+        mean, rms = fit(simulation.surface, top)
+    with (options.out / "fig6_1.csv").open("w", newline="", encoding="utf-8") as file:
+        file.write(f"# {SCENE} at {moment:.3f} s, {len(position)} particles {spacing:g} m apart\n")
+        file.write("# particles: the highest in every column two spacings wide, half a spacing above its centre\n")
+        file.write(f"# cloth minus particles: mean {mean:.5f} m, root mean square {rms:.5f} m\n")
+        writer = csv.writer(file)
+        writer.writerow(["x_m", "z_m", "cloth_m", "particles_m"])
+        writer.writerows(np.column_stack([top[:, [0, 2]], cloth, top[:, 1]]).round(6).tolist())
+    drawn(position, mesh, f"{rms / spacing:.3f} spacings (RMS)", options.out / "fig6_1.png")
+
+
+if __name__ == "__main__":
+    main()

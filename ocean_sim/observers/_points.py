@@ -1,0 +1,23 @@
+"""Points of the basin at which the height of the water is asked for."""
+
+import numpy as np
+
+from ocean_sim.basin import Basin
+
+
+def middles(low: float, high: float, spacing: float) -> np.ndarray:
+    """Middles of equal cells from `low` to `high`, at most `spacing` wide, at least two."""
+    n = max(2, int(np.ceil((high - low) / spacing - 1.0e-6)))
+    return low + (np.arange(n) + 0.5) * (high - low) / n
+
+
+def grid(basin: Basin, spacing: float) -> tuple[np.ndarray, np.ndarray]:
+    """x and z [m] of points half a cell away from every wall."""
+    x = middles(basin.lower[0], basin.upper[0], spacing)
+    z = middles(basin.lower[2], basin.upper[2], spacing) if basin.dimension == 3 else np.zeros(1)
+    return x, z
+
+
+def pairs(x: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """(m, 2) every x with every z."""
+    return np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1).reshape(-1, 2)

@@ -1,0 +1,251 @@
+"""A sheet of masses and springs on the water (thesis 3.2 and 5.2.2, Algorithm 5); the water never feels it.
+
+Its nodes slide on upright rails: the thesis looks a height up by x and z as if they did. Each update carries a node on
+with its speed, moves it to where the share of water around it is that of a flat surface, and lets the springs pull.
+Springs are an implicit step with the diagonal of their Hessian, gathered node by node (Jacobi): any stiffness and any
+time step are stable, and the threads change nothing.
+"""
+
+from typing import Any, Literal
+
+import numpy as np
+import taichi as ti
+import taichi.math as tm
+from taichi.lang.util import to_numpy_type
+
+from ocean_sim.basin import Basin
+from ocean_sim.parts import LedgerRow, PartConfig, quantity
+from ocean_sim.surface._contact import Contact
+from ocean_sim.surface._mesh import Mesh, sheet
+from ocean_sim.surface._springs import BEND, SHEAR, STRETCH
+
+CONTACTS = 8  # the most moves of a node towards the surface in one update
+NEAR = 0.01  # [thicknesses] a smaller move is the last
+MOST_NODES = 2**24
+FURTHEST = 0.5  # [thicknesses] that its speed carries a node in one update
+
+
+class Config(PartConfig):
+    """A sheet over the whole basin; in a slice a rope. Where it is dry it lies on the bed."""
+
+    kind: Literal["cloth"] = "cloth"
+    spacing: float | None = quantity("m", None, gt=0.0)
+    """Distance between nodes, changed a little to fit the basin; null: the spacing of the particles."""
+    thickness: float | None = quantity("m", None, gt=0.0)
+    """How far from a node its water counts; at least a spacing and at most a support of the particles. null: two
+    spacings, or the support where that is less."""
+    stretching_stiffness: float = quantity("1/s2", 18.0, ge=0.0)
+    """Of stretch and shear springs: spring constant over mass of a node."""
+    bending_stiffness: float = quantity("1/s2", 18.0, ge=0.0)
+    """Of bend springs, likewise."""
+    damping: float = quantity("1/s", 0.06, ge=0.0)
+    """Rate at which the speed of a node decays."""
+    response: float = quantity("1", 1.0, ge=0.0, le=1.0)
+    """Share of the way to the water's surface that a node goes in one update; 0: the water does not move it."""
+    edges: float | None = quantity("m", None)
+    """Height above the still water at which all edges are held, as in the thesis (-0.5), and `elevation` beside them
+    with them; null, which is right up to the walls: they slide along them with the water."""
+    every: float = quantity("s", 1.0 / 60.0, gt=0.0)
+    """Simulated time between updates, to the nearest step."""
+
+    def beside(self, fluid: Any, basin: Basin) -> "Config":
+        """This config with what it leaves to the water."""
+        lattice = fluid.lattice(basin)
+        widest = min(2.0 * lattice.spacing, reach(fluid, basin))
+        return self.model_copy(
+            update={"spacing": self.spacing or lattice.spacing, "thickness": self.thickness or widest}
+        )
+
+    def problems(self, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
+        if basin.closed:
+            return [(("kind",), "a basin without a free surface has nothing for a cloth to lie on; leave it out")]
+        return []
+
+    def problems_beside(self, fluid: Any, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
+        """What is wrong with these keys over this water: (path below `surface`, sentence)."""
+        least, most = fluid.lattice(basin).spacing, reach(fluid, basin)
+        nx, nz = self.beside(fluid, basin).nodes(basin)
+        if nx * nz > MOST_NODES:
+            return [(("spacing",), f"would make {nx} x {nz} nodes, more than {MOST_NODES}")]
+        if self.thickness is None or 0.999 * least < self.thickness < 1.001 * most:
+            return []
+        why = "less, and the sheet falls between them" if self.thickness < least else "water is looked for no further"
+        return [
+            (
+                ("thickness",),
+                f"{self.thickness:g} m must lie between a spacing of the particles, {least:.4g} m, and their support, "
+                f"{most:.4g} m: {why}",
+            )
+        ]
+
+    def nodes(self, basin: Basin) -> tuple[int, int]:
+        """Along x and z; 1 along z in a slice."""
+        assert self.spacing is not None, "beside() tells how far apart nodes are"
+        extents = np.subtract(basin.upper, basin.lower)
+        cells = [max(1, round(float(extents[axis]) / self.spacing)) for axis in (0, 2)]
+        return cells[0] + 1, cells[1] + 1 if basin.dimension == 3 else 1
+
+    def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
+        nx, nz = self.nodes(basin)
+        return [LedgerRow("surface", f"{nx} x {nz} nodes", 3 * word * nx * nz, "surface.kind is cloth")]
+
+    def build(self, basin: Basin, fluid: Any) -> "Cloth":
+        return Cloth(self, basin, fluid)
+
+
+def reach(fluid: Any, basin: Basin) -> float:
+    """How far around a point the grid of a fluid finds water [m]: a support."""
+    return float(fluid.ratio(basin) * fluid.lattice(basin).spacing)
+
+
+@ti.data_oriented
+class Cloth:
+    """The heights of the nodes, and the springs between them; node (i, k) has the number i nz + k."""
+
+    def __init__(self, config: Config, basin: Basin, fluid: Any) -> None:
+        self.config, self.basin, self.around = config, basin, fluid.around
+        self.nodes = config.nodes(basin)
+        self.cells = (self.nodes[0] - 1, max(1, self.nodes[1] - 1))
+        self.flat = basin.dimension == 2
+        low, up = np.array(basin.lower), np.array(basin.upper)
+        widths = [(up[axis] - low[axis]) / cells for axis, cells in zip((0, 2), self.cells, strict=True)]
+        self.low, self.width = tm.vec2(low[[0, 2]]), tm.vec2([width or 1.0 for width in widths])
+        self.periodic = (basin.periods[0] > 0.0, basin.periods[2] > 0.0)
+        self.bed = basin.lower[1]
+        particles = fluid.particles
+        size = (particles.mass / particles.rest_density) ** (1.0 / basin.dimension)
+        assert config.thickness is not None
+        self.thickness = config.thickness
+        self.contact = Contact(basin.dimension, self.thickness, size)
+        self.at_surface, self.steepness = self.contact.at_surface, self.contact.steepness
+        stretching, bending = config.stretching_stiffness, config.bending_stiffness
+        steps = [(*step, stretching) for step in STRETCH + SHEAR] + [(*step, bending) for step in BEND]
+        self.springs = [*steps, *((-di, -dk, stiffness) for di, dk, stiffness in steps)]  # both ways from a node
+        count = self.nodes[0] * self.nodes[1]
+        self.height, self.speed, self.met = (ti.field(float, shape=count) for _ in range(3))  # [m], [m/s], [m]
+        self.held = config.edges is not None
+        self.edges = max(config.edges or 0.0, self.bed)
+        self.age = 0.0  # [s] since the last update
+        self.lay(particles)
+
+    def lay(self, particles: Any) -> None:
+        """Let the sheet down on the water from above."""
+        top = float(particles.position.to_numpy()[:, 1].max()) + self.thickness
+        self.height.fill(top)
+        moves = 4.0 * (top - self.bed) / self.thickness + CONTACTS
+        for _ in range(int(moves / CONTACTS) + 1):
+            self.update(0.0)
+
+    def follow(self, particles: Any, dt: float) -> None:
+        """Take in that the particles have moved on by dt [s]; the sheet moves at its own rate."""
+        self.age += dt
+        if self.age + 0.5 * dt > self.config.every:
+            self.update(self.age)
+            self.age = 0.0
+
+    @ti.kernel
+    def update(self, dt: float):
+        """Carry on, meet the water, pull; dt 0 lays the sheet down at rest."""
+        for n in self.height:
+            way = dt * self.speed[n] * tm.exp(-ti.static(self.config.damping) * dt)
+            most = ti.static(FURTHEST * self.thickness)
+            self.met[n] = self.on_water(n, self.height[n] + tm.clamp(way, -most, most))
+        for n in self.height:
+            height = self.met[n] + dt * dt * self.pull(n, dt)
+            if ti.static(self.held):
+                if self.on_edge(n):
+                    height = self.edges
+            height = tm.max(height, self.bed)
+            self.speed[n] = (height - self.height[n]) / dt if dt > 0.0 else 0.0
+            self.height[n] = height
+
+    @ti.func
+    def place(self, n):
+        """x and z [m] of a node."""
+        return self.low + self.width * tm.vec2(n // self.nodes[1], n % self.nodes[1])
+
+    @ti.func
+    def on_edge(self, n):
+        i, k = n // self.nodes[1], n % self.nodes[1]
+        side = i == 0 or i == self.cells[0]
+        if ti.static(not self.flat):
+            side = side or k == 0 or k == self.cells[1]
+        return side
+
+    @ti.func
+    def on_water(self, n, y):
+        """The height [m] of node n, from y on, after meeting the water: Newton's steps, never longer than at a flat
+        surface, so they do not overshoot."""
+        p, start, moves = self.place(n), y, 0
+        while moves < CONTACTS:
+            move = self.move(tm.vec3(p.x, y, p.y))
+            y, moves = y + move, ti.select(ti.abs(move) < NEAR * self.thickness, CONTACTS, moves + 1)
+            if y < self.bed:
+                y, moves = self.bed, CONTACTS
+        return start + ti.static(self.config.response) * (y - start)
+
+    @ti.func
+    def move(self, x):
+        """How far the surface is above x [m], judged by the water within a thickness."""
+        share = self.around.total(x, self.contact, 0.0)
+        return (share[0] - ti.static(self.at_surface)) / tm.max(-share[1], ti.static(self.steepness))
+
+    @ti.func
+    def pull(self, n, dt):
+        """Upward acceleration [m/s2] by the springs at the end of a step of dt: -sum k C C' / (1 + 2 dt^2 sum k (C'^2 +
+        C C'')) for C the stretch of a spring and C', C'' its derivatives by the height of one end."""
+        i, k = n // self.nodes[1], n % self.nodes[1]
+        force, hessian = 0.0, 0.0
+        for di, dk, stiffness in ti.static(self.springs):
+            there = self.neighbour(i + di, k + dk)
+            if there >= 0:
+                rest = tm.length(self.width * tm.vec2(di, dk))
+                rise = self.met[n] - self.met[there]
+                length = ti.sqrt(rest * rest + rise * rise)
+                stretch, slope = length - rest, rise / length
+                force -= stiffness * stretch * slope
+                hessian += stiffness * (slope * slope + stretch / length * (1.0 - slope * slope))
+        return force / (1.0 + 2.0 * dt * dt * hessian)
+
+    @ti.func
+    def neighbour(self, i, k):
+        """The number of a node, through periodic sides; -1 beyond the others."""
+        nx, nz = ti.static(self.cells[0], self.cells[1])
+        if ti.static(self.periodic[0]):
+            i = (i + 2 * nx) % nx
+        if ti.static(self.periodic[1]):
+            k = (k + 2 * nz) % nz
+        inside = 0 <= i < self.nodes[0] and 0 <= k < self.nodes[1]
+        return ti.select(inside, i * self.nodes[1] + k, -1)
+
+    @ti.func
+    def elevation(self, x, z):
+        """Bilinear between nodes [m]."""
+        at = (tm.vec2(x, z) - self.low) / self.width
+        for axis in ti.static(range(2)):
+            if ti.static(self.periodic[axis]):
+                at[axis] -= self.cells[axis] * ti.floor(at[axis] / self.cells[axis])
+        at = tm.clamp(at, 0.0, tm.vec2(self.cells))
+        i, k = ti.min(int(at.x), self.cells[0] - 1), ti.min(int(at.y), self.cells[1] - 1)
+        n, f, g = i * self.nodes[1] + k, at.x - i, at.y - k
+        nz, beside = ti.static(self.nodes[1], min(1, self.nodes[1] - 1))
+        near = tm.mix(self.height[n], self.height[n + beside], g)
+        return tm.mix(near, tm.mix(self.height[n + nz], self.height[n + nz + beside], g), f)
+
+    @ti.kernel
+    def fill(self, points: ti.types.ndarray(ndim=2), heights: ti.types.ndarray(ndim=1)):
+        for n in range(points.shape[0]):
+            heights[n] = self.elevation(points[n, 0], points[n, 1])
+
+    def elevations(self, points: np.ndarray) -> np.ndarray:
+        """(m, 2) points x, z [m] -> (m,) heights [m]."""
+        precision = to_numpy_type(self.height.dtype)
+        heights = np.empty(len(points), dtype=precision)
+        self.fill(np.ascontiguousarray(points, dtype=precision), heights)
+        return heights.astype(float)
+
+    def mesh(self) -> Mesh:
+        """The sheet as two triangles a cell."""
+        low, up = self.basin.lower, self.basin.upper
+        x, z = (np.linspace(low[axis], up[axis], count) for axis, count in zip((0, 2), self.nodes, strict=True))
+        return sheet(x, z, self.height.to_numpy().astype(float).reshape(self.nodes))

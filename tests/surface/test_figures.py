@@ -1,0 +1,34 @@
+"""The figures of the surface run without a display, and their numbers are those of closed forms."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from ocean_sim.observers._csv import columns
+from ocean_sim.parts import PACKAGE, library
+
+
+@pytest.fixture(scope="module")
+def figures(tmp_path_factory):
+    out = tmp_path_factory.mktemp("figures")
+    for name in ("fig3_3", "fig6_1"):
+        command = [sys.executable, str(library("figures") / f"{name}.py"), "--fast", "--out", str(out)]
+        here = os.environ | {"PYTHONPATH": str(PACKAGE.parent)}
+        done = subprocess.run(command, capture_output=True, text=True, env=here)
+        assert done.returncode == 0, done.stderr
+        assert (out / f"{name}.png").stat().st_size > 10_000
+    return out
+
+
+def test_figure_3_3_has_every_spring(figures):
+    rows = (figures / "fig3_3.csv").read_text().splitlines()[2:]
+    kinds = [row.split(",")[0] for row in rows]
+    assert {kind: kinds.count(kind) for kind in kinds} == {"stretch": 31, "shear": 24, "bend": 22}
+
+
+def test_figure_6_1_fits(figures):
+    table = columns(figures / "fig6_1.csv")
+    assert len(table["x_m"]) == 64
+    assert abs(table["cloth_m"] - table["particles_m"]).max() < 0.25 * 2.5

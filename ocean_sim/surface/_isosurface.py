@@ -17,6 +17,7 @@ from ocean_sim.surface._nodes import Nodes
 
 TASK = 512  # Taichi never cuts a parallel loop finer than this: a task every TASK iterations
 SLABS = 32  # of nodes, each a task of its own; set here, never by the number of threads
+LEAST = 1.0e-6  # a dry value that is not zero
 VERTICES, TRIANGLES, CUT, AMBIGUOUS = range(4)  # what is counted
 
 
@@ -38,8 +39,9 @@ class Counts(NamedTuple):
 class Isosurface:
     """A field on nodes, and the surface on which it is zero."""
 
-    def __init__(self, nodes: Nodes) -> None:
-        self.nodes, self.shape = nodes, nodes.shape
+    def __init__(self, nodes: Nodes, periodic: tuple[bool, bool, bool] = (False, False, False)) -> None:
+        """`periodic`: the axes along which the field repeats."""
+        self.nodes, self.shape, self.periodic = nodes, nodes.shape, periodic
         self.lower, self.upper, self.width = tm.vec3(nodes.lower), tm.vec3(nodes.upper), tm.vec3(nodes.width)
         self.strides = (1, nodes.shape[0], nodes.shape[0] * nodes.shape[1])
         self.value = ti.field(float, shape=nodes.count)  # positive in the water
@@ -55,6 +57,25 @@ class Isosurface:
     def bytes(nodes: Nodes, word: int) -> int:
         """Of the fields, where `word` is the size of a `float` [bytes]."""
         return (word + 4) * nodes.count + 4 * (4 * SLABS + 256 * (2 + 3 * MOST))
+
+    @ti.kernel
+    def pad(self, goes_on: int):
+        """The field beyond the sides of the box: the surface goes on through a side whose bit is set (2 * axis, + 1 for
+        the upper one), level or into the next period, and closes at the others, where the field turns its sign."""
+        for n in self.value:
+            place = tm.ivec3(n % self.shape[0], n // self.shape[0] % self.shape[1], n // self.strides[2])
+            inner = tm.clamp(place, 1, tm.ivec3(self.shape) - 2)
+            if (place != inner).any():
+                closed, other = False, inner
+                for axis in ti.static(range(3)):
+                    if place[axis] != inner[axis]:
+                        closed |= (goes_on >> (2 * axis + int(place[axis] > 0)) & 1) == 0
+                        if ti.static(self.periodic[axis]):
+                            other[axis] = self.shape[axis] - 1 - inner[axis]
+                ahead = self.at(inner.x, inner.y, inner.z), self.at(other.x, inner.y, inner.z)
+                behind = self.at(inner.x, inner.y, other.z), self.at(other.x, inner.y, other.z)
+                mean = 0.25 * (self.value[ahead[0]] + self.value[ahead[1]] + self.value[behind[0]] + self.value[behind[1]])
+                self.value[n] = -tm.max(ti.abs(mean), LEAST) if closed else mean
 
     def count(self) -> Counts:
         """Number all vertices and triangles of the field as it is now."""
@@ -76,15 +97,18 @@ class Isosurface:
         return i + self.strides[1] * j + self.strides[2] * k
 
     @ti.func
-    def wet(self, i, j, k):
-        """1 where a node is in the water; beyond the last node it is as there."""
-        nx, ny, nz = ti.static(self.shape)
-        return int(self.value[self.at(tm.min(i, nx - 1), tm.min(j, ny - 1), tm.min(k, nz - 1))] >= 0.0)
+    def rows(self, j, k):
+        """The first nodes of the four rows along x between which cubes lie; beyond the last row there is that row."""
+        up, on = tm.min(j + 1, self.shape[1] - 1), tm.min(k + 1, self.shape[2] - 1)
+        return tm.ivec4(self.at(0, j, k), self.at(0, up, k), self.at(0, j, on), self.at(0, up, on))
 
     @ti.func
-    def front(self, i, j, k):
-        """The wet corners of a cube that lie at x = 0, in their bits of its case."""
-        return self.wet(i, j, k) | self.wet(i, j + 1, k) << 2 | self.wet(i, j, k + 1) << 4 | self.wet(i, j + 1, k + 1) << 6
+    def across(self, rows, i):
+        """Which nodes of the four rows are in the water: the bits of a case for its corners at x = 0."""
+        wet = 0
+        for corner in ti.static(range(4)):
+            wet |= int(self.value[rows[corner] + i] >= 0.0) << 2 * corner
+        return wet
 
     @ti.func
     def first(self, slab):
@@ -111,13 +135,14 @@ class Isosurface:
         vertices, triangles, cut, ambiguous = 0, 0, 0, 0
         for k in range(self.first(slab), self.first(slab + 1)):
             for j in range(ny):
-                front = self.front(0, j, k)
+                rows = self.rows(j, k)
+                front = self.across(rows, 0)
                 for i in range(nx):
-                    back = self.front(i + 1, j, k)
+                    back = self.across(rows, tm.min(i + 1, nx - 1))
                     case = front | back << 1
                     front = back
                     mask = (case ^ case >> 1) & 1 | ((case ^ case >> 2) & 1) << 1 | ((case ^ case >> 4) & 1) << 2
-                    self.owned[self.at(i, j, k)] = vertices << 3 | mask
+                    self.owned[rows[0] + i] = vertices << 3 | mask
                     vertices += (mask & 1) + (mask >> 1 & 1) + (mask >> 2)
                     if i < nx - 1 and j < ny - 1 and k < nz - 1 and case > 0 and case < 255:
                         triangles += self.triangles_of[case]
@@ -182,9 +207,10 @@ class Isosurface:
         written = self.counted[slab, TRIANGLES]
         for k in range(self.first(slab), tm.min(self.first(slab + 1), nz - 1)):
             for j in range(ny - 1):
-                front = self.front(0, j, k)
+                rows = self.rows(j, k)
+                front = self.across(rows, 0)
                 for i in range(nx - 1):
-                    back = self.front(i + 1, j, k)
+                    back = self.across(rows, i + 1)
                     case = front | back << 1
                     front = back
                     for corner in range(3 * self.triangles_of[case]):

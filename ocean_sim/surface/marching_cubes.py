@@ -223,13 +223,12 @@ class MarchingCubes:
 
     @ti.func
     def interpolated(self, x, z):
-        last = ti.static(tm.vec2([n - 1.0 for n in self.columns]))
         at = (tm.vec2(x, z) - self.low) / self.width - 0.5
         for axis in ti.static(range(2)):
             if ti.static(self.periodic[2 * axis]):
                 at[axis] -= self.columns[axis] * ti.floor(at[axis] / self.columns[axis])
             else:
-                at[axis] = tm.clamp(at[axis], 0.0, last[axis])
+                at[axis] = tm.clamp(at[axis], 0.0, self.columns[axis] - 1.0)
         i, k = ti.cast(at.x, int), ti.cast(at.y, int)
         i_on, k_on = (i + 1) % self.columns[0], (k + 1) % self.columns[1]
         near = tm.mix(self.height[i, k], self.height[i, k_on], at.y - k)

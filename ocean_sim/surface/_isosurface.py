@@ -1,4 +1,5 @@
-"""Triangles around the nodes where a field is positive: marching cubes (thesis 3.1, Algorithm 4; Lorensen & Cline 1987).
+"""Triangles around the nodes where a field is positive: marching cubes (thesis 3.1, Algorithm 4; Lorensen & Cline
+1987, SIGGRAPH '87).
 
 Vertices are shared: each lies on an edge between two nodes and belongs to the lower of them. Slabs of nodes are counted
 apart and their vertices and triangles numbered in the order of slabs, so the mesh does not depend on threads.
@@ -63,7 +64,7 @@ class Isosurface:
         """The field beyond the sides of the box: the surface goes on through a side whose bit is set (2 * axis, + 1 for
         the upper one), level or into the next period, and closes at the others, where the field turns its sign."""
         for n in self.value:
-            place = tm.ivec3(n % self.shape[0], n // self.shape[0] % self.shape[1], n // self.strides[2])
+            place = self.place(n)
             inner = tm.clamp(place, 1, tm.ivec3(self.shape) - 2)
             if (place != inner).any():
                 closed, other = False, inner
@@ -74,7 +75,9 @@ class Isosurface:
                             other[axis] = self.shape[axis] - 1 - inner[axis]
                 ahead = self.at(inner.x, inner.y, inner.z), self.at(other.x, inner.y, inner.z)
                 behind = self.at(inner.x, inner.y, other.z), self.at(other.x, inner.y, other.z)
-                mean = 0.25 * (self.value[ahead[0]] + self.value[ahead[1]] + self.value[behind[0]] + self.value[behind[1]])
+                mean = 0.25 * (
+                    self.value[ahead[0]] + self.value[ahead[1]] + self.value[behind[0]] + self.value[behind[1]]
+                )
                 self.value[n] = -tm.max(ti.abs(mean), LEAST) if closed else mean
 
     def count(self) -> Counts:
@@ -95,6 +98,12 @@ class Isosurface:
     def at(self, i, j, k):
         """Number of a node."""
         return i + self.strides[1] * j + self.strides[2] * k
+
+    @ti.func
+    def place(self, n):
+        """The inverse of `at`."""
+        nx, ny = ti.static(self.shape[0], self.shape[1])
+        return tm.ivec3(n % nx, n // nx % ny, n // (nx * ny))
 
     @ti.func
     def rows(self, j, k):
@@ -173,8 +182,7 @@ class Isosurface:
     @ti.func
     def write_vertices(self, n, vertices: ti.template(), normals: ti.template()):
         """Where the field is zero on the edges of a node, between its two ends in proportion, and the normal there."""
-        nx, ny, nz = ti.static(self.shape)
-        place = tm.ivec3(n % nx, n // nx % ny, n // (nx * ny))
+        place = self.place(n)
         vertex, mask = self.owned[n] >> 3, self.owned[n] & 7
         own, slope = self.value[n], self.gradient(place)
         for axis in ti.static(range(3)):
@@ -220,8 +228,8 @@ class Isosurface:
 
     @ti.func
     def vertex(self, i, j, k, edge):
-        """Number of the vertex on an edge of the cube at a node: edge 4 * axis + e starts at the e-th corner whose bit of
-        that axis is 0, and its node also owns the edges of the axes before."""
+        """Number of the vertex on an edge of the cube at a node: edge 4 * axis + e starts at the e-th corner whose bit
+        of that axis is 0, and its node also owns the edges of the axes before."""
         axis, e = edge // 4, edge % 4
         corner = (e >> axis) << (axis + 1) | e & ((1 << axis) - 1)
         owned = self.owned[self.at(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2))]

@@ -65,15 +65,10 @@ class Config(PartConfig):
         """What is wrong with these keys over this water: (path below `surface`, sentence)."""
         found, apart = [], fluid.lattice(basin).spacing
         if self.radius is not None and not 1.2 * apart <= self.radius <= WIDEST * apart:
-            found.append(
-                (
-                    ("radius",),
-                    f"{self.radius:g} m must be 1.2 to {WIDEST:g} spacings of the particles ({apart:.4g} m): less shows "
-                    "them one by one, more smooths the waves away",
-                )
-            )
-        if self.spacing is not None and self.count(basin) > MOST_NODES:
-            found.append((("spacing",), f"makes {self.count(basin):.3g} nodes, more than the {MOST_NODES} there can be"))
+            said = f"{self.radius:g} m must be 1.2 to {WIDEST:g} spacings of the particles, {apart:.4g} m: less shows "
+            found.append((("radius",), said + "them one by one, more smooths the waves away"))
+        if (count := self.count(basin)) > MOST_NODES:
+            found.append((("spacing",), f"makes {count:.3g} nodes, more than the {MOST_NODES} there can be"))
         return found
 
     def nodes(self, basin: Basin) -> Nodes:
@@ -88,7 +83,7 @@ class Config(PartConfig):
         return Nodes(tuple(low), tuple(up), self.spacing)  # type: ignore[arg-type]
 
     def count(self, basin: Basin) -> float:
-        """Nodes of the grid, told before a number of them overflows."""
+        """About how many nodes the grid has, however many that may be."""
         assert self.spacing is not None and self.height is not None
         extents = np.subtract(basin.upper, basin.lower) + [0.0, self.height - basin.upper[1], 0.0]
         return float(np.prod(extents / self.spacing + 2.0))

@@ -67,7 +67,7 @@ class Config(PartConfig):
         if self.radius is not None and not 1.2 * apart <= self.radius <= WIDEST * apart:
             said = f"{self.radius:g} m must be 1.2 to {WIDEST:g} spacings of the particles, {apart:.4g} m: less shows "
             found.append((("radius",), said + "them one by one, more smooths the waves away"))
-        if (count := self.count(basin)) > MOST_NODES:
+        if (count := self.beside(fluid, basin).count(basin)) > MOST_NODES:
             found.append((("spacing",), f"makes {count:.3g} nodes, more than the {MOST_NODES} there can be"))
         return found
 

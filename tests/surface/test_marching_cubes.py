@@ -39,8 +39,8 @@ def water(places: np.ndarray, spacing: float = SPACING) -> Any:
     return SimpleNamespace(particles=particles, lattice=lambda _: lattice)
 
 
-def built(places: np.ndarray, place: Basin, spacing: float = SPACING, **keys: Any) -> MarchingCubes:
-    fluid = water(np.asarray(places, dtype=float), spacing)
+def built(places: np.ndarray, place: Basin, apart: float = SPACING, **keys: Any) -> MarchingCubes:
+    fluid = water(np.asarray(places, dtype=float), apart)
     config = Config(**keys).beside(fluid, place)
     assert not config.problems(place) + config.problems_beside(fluid, place)
     return config.build(place, fluid)
@@ -56,22 +56,46 @@ def ball(spacing: float) -> np.ndarray:
     return places[np.linalg.norm(places, axis=1) <= 1.0]
 
 
+def put(surface: MarchingCubes, places: Any) -> MarchingCubes:
+    """The surface of other water: particles left over are nowhere."""
+    everywhere = np.full((surface.map.n, 3), np.nan)
+    everywhere[: len(places)] = places
+    surface.map.particles.position.from_numpy(everywhere)
+    surface.follow(surface.map.particles, 0.01)
+    return surface
+
+
 def line(x: np.ndarray, z: float = 0.03) -> np.ndarray:
     return np.stack([x, np.full_like(x, z)], axis=1)
 
 
+STILL = lattice((-1.0, 1.0), (-0.6, 0.0), (-0.6, 0.6))
+
+
 @pytest.fixture(scope="module")
-def sea(taichi_cpu) -> MarchingCubes:
-    return built(lattice((-1.0, 1.0), (-0.6, 0.0), (-0.6, 0.6)), basin(2.0, 1.2, 0.6))
+def tank(taichi_cpu) -> MarchingCubes:
+    """For tests that put their own water into it, of one particle more than it holds at rest."""
+    return built(np.concatenate([STILL, STILL[:1]]), basin(2.0, 1.2, 0.6))
+
+
+@pytest.fixture
+def sea(tank) -> MarchingCubes:
+    return put(tank, STILL)
+
+
+@pytest.fixture(scope="module")
+def round_water(taichi_cpu) -> dict[float, MarchingCubes]:
+    place = basin(2.8, 2.8, 1.4, **SPACE)
+    return {spacing: built(ball(spacing), place, spacing) for spacing in (0.1, 0.05)}
 
 
 @pytest.mark.parametrize("spacing, particles", [(0.1, 4224), (0.05, 33552)])
-def test_a_ball_of_particles_has_its_volume_and_radius(taichi_cpu, spacing, particles):
+def test_a_ball_of_particles_has_its_volume_and_radius(round_water, spacing, particles):
     """The particle sets of the published reference; pysplashsurf 0.14.1, raw: volume +1.67 and +0.69 %, mean radius
     +0.07 and +0.06 spacings; smoothed 25 times: -1.49 and -0.02 %, -0.04 and 0.00 spacings."""
-    places = ball(spacing)
-    assert len(places) == particles
-    mesh = built(places, basin(2.8, 2.8, 1.4, **SPACE), spacing).mesh()
+    surface = round_water[spacing]
+    assert surface.map.n == particles
+    mesh = put(surface, ball(spacing)).mesh()
     radius = np.linalg.norm(mesh.vertices, axis=1)
     assert topology(mesh) == (True, 2)
     assert mesh.volume() == pytest.approx(4.0 / 3.0 * np.pi, rel=0.01)
@@ -80,10 +104,9 @@ def test_a_ball_of_particles_has_its_volume_and_radius(taichi_cpu, spacing, part
     assert mesh.area == pytest.approx(4.0 * np.pi, rel=0.02)
 
 
-def test_a_jittered_ball_keeps_both_and_smoothing_leaves_the_volume_alone(taichi_cpu):
+def test_a_jittered_ball_keeps_both_and_smoothing_leaves_the_volume_alone(round_water):
     places = ball(SPACING)
-    places += np.random.default_rng(2).normal(0.0, 0.1 * SPACING, places.shape)
-    surface = built(places, basin(2.8, 2.8, 1.4, **SPACE))
+    surface = put(round_water[0.1], places + np.random.default_rng(2).normal(0.0, 0.1 * SPACING, places.shape))
     raw = surface.mesh()
     picture = smoothed(raw, surface.nodes.lower, surface.nodes.upper)
     assert topology(raw) == (True, 2)
@@ -109,26 +132,26 @@ def test_flat_water_lies_at_zero_up_to_the_walls_and_fills_the_basin(sea):
     assert free.normals[:, 1].min() > 0.99
 
 
-@pytest.mark.parametrize(
-    "wavelength, amplitude, ratio", [(6, 0.3, 0.70), (10, 0.5, 0.90), (20, 1.0, 0.97), (40, 2.0, 0.99)]
-)
-def test_waves_keep_their_mean_and_their_height(taichi_cpu, wavelength, amplitude, ratio):
+@pytest.fixture(scope="module")
+def canal(taichi_cpu) -> MarchingCubes:
+    return built(lattice((-6.0, 6.0), (-0.8, 0.0), (-0.2, 0.2)), basin(12.0, 0.4, 1.0, walls={"x": "periodic"}))
+
+
+@pytest.mark.parametrize("wavelength, ratio", [(6, 0.75), (10, 0.90), (20, 0.97), (40, 0.99)])
+def test_waves_keep_their_mean_and_their_height(canal, wavelength, ratio):
     """Amplitudes of a twentieth of the wave; smoothing by poly6 of variance radius^2 / 11 takes exp(-variance k^2 / 2)
     of it: 0.82, 0.93, 0.98 and 1.00 at these lengths; the bound is ours, the offset the reference's."""
-    length = 2.0 * max(wavelength, 10) * SPACING if wavelength < 20 else wavelength * SPACING
-    k, a = 2.0 * np.pi / (wavelength * SPACING), amplitude * SPACING
-    places = lattice((-length / 2, length / 2), (-0.8, 0.0), (-0.4, 0.4))
-    places[:, 1] += a * np.cos(k * (places[:, 0] + length / 2))
-    surface = built(places, basin(length, 0.8, 0.8 + a, walls={"x": "periodic"}))
-    x = np.linspace(-length / 2, length / 2, 400, endpoint=False)
-    heights, wave = surface.elevations(line(x)), np.cos(k * (x + length / 2))
-    assert abs(heights.mean()) < 0.05 * SPACING
+    k, a = 2.0 * np.pi / (wavelength * SPACING), wavelength * SPACING / 20.0
+    places = lattice((-6.0, 6.0), (-0.8, 0.0), (-0.2, 0.2))
+    places[:, 1] += a * np.cos(k * places[:, 0])
+    x = np.linspace(-6.0, 6.0, 1200, endpoint=False)
+    heights, wave = put(canal, places).elevations(line(x)), np.cos(k * x)
+    assert abs(heights.mean()) < 0.01 * SPACING
     assert ratio < 2.0 * (heights * wave).mean() / a < 1.01
 
 
-def test_elevation_is_continuous_and_has_the_height_of_its_side_beyond_the_basin(taichi_cpu):
-    places = lattice((-1.0, 0.0), (-0.6, 0.0), (-0.6, 0.6))  # the other half is dry
-    surface = built(places, basin(2.0, 1.2, 0.6))
+def test_elevation_is_continuous_and_has_the_height_of_its_side_beyond_the_basin(tank):
+    surface = put(tank, STILL[STILL[:, 0] < 0.0])  # the other half is dry
     x = np.linspace(-1.3, 1.3, 20001)
     heights = surface.elevations(line(x))
     steepest = 0.6 / surface.nodes.width[0]
@@ -137,59 +160,63 @@ def test_elevation_is_continuous_and_has_the_height_of_its_side_beyond_the_basin
     assert (heights[x > 0.1] == -0.6).all()
 
 
-def test_both_ends_of_a_period_are_one_place(taichi_cpu):
-    places = lattice((-1.0, 1.0), (-0.6, 0.0), (-0.6, 0.6))
+def test_both_ends_of_a_period_are_one_place(canal):
+    places = lattice((-6.0, 6.0), (-0.8, 0.0), (-0.2, 0.2))
     places[:, 1] += 0.1 * np.sin(np.pi * places[:, 0] + 1.0)
-    surface = built(places, basin(2.0, 1.2, 0.8, walls={"x": "periodic"}))
-    ends = surface.elevations(line(np.array([-1.0, 1.0, 3.0])))
+    surface = put(canal, places)
+    ends = surface.elevations(line(np.array([-6.0, 6.0, 18.0])))
     np.testing.assert_allclose(ends, ends[0], atol=1e-12)
-    assert ends[0] == pytest.approx(0.1 * np.sin(1.0 - np.pi), abs=0.01)
-    open_mesh = surface.free_surface()
-    sides = [open_mesh.vertices[np.abs(open_mesh.vertices[:, 0] - at) < 1e-9] for at in (-1.0, 1.0)]
+    assert ends[0] == pytest.approx(0.1 * np.sin(1.0), abs=0.01)
+    skin = surface.free_surface()
+    sides = [skin.vertices[np.abs(skin.vertices[:, 0] - at) < 1e-9] for at in (-6.0, 6.0)]
     np.testing.assert_allclose(*(side[np.argsort(side[:, 2])][:, 1:] for side in sides), atol=1e-9)
 
 
-def test_a_lone_drop_is_spray_and_no_surface(taichi_cpu):
-    places = np.concatenate([lattice((-1.0, 1.0), (-0.6, 0.0), (-0.6, 0.6)), [[0.3, 0.4, 0.1]]])
-    surface = built(places, basin(2.0, 1.2, 0.6))
-    assert np.flatnonzero(surface.spray()).tolist() == [len(places) - 1]
+def test_a_lone_drop_is_spray_and_no_surface(tank):
+    surface = put(tank, [*STILL, [0.3, 0.4, 0.1]])
+    assert np.flatnonzero(surface.spray()).tolist() == [len(STILL)]
     assert topology(surface.mesh()) == (True, 2)
     assert abs(surface.elevations(np.array([[0.3, 0.1]]))[0]) < 0.05 * SPACING
 
 
-@pytest.mark.parametrize(
-    "places, outside, lonely",
-    [
-        ([[0.0, -0.3, 0.0]], 0, 1),  # a single particle
-        ([[0.0, 5.0, 0.0], [0.0, -5.0, 0.0]], 2, 2),  # none in the basin
-        ([[np.nan] * 3, [0.0, -0.3, 0.0]], 1, 2),
-        ([[0.0, -0.3, 0.0]] * 40, 0, 0),  # all in one place
-        (lattice((-0.1, 0.1), (-0.6, 0.6), (-0.1, 0.1)), 0, 0),  # a jet
-        (lattice((-1.0, 1.0), (-0.6, -0.5), (-0.6, 0.6)), 0, 0),  # a film on the bed
-    ],
-)
+EXTREMES = {  # water, particles outside, particles that are spray
+    "a single particle": ([[0.0, -0.3, 0.0]], 0, 1),
+    "none in the basin": ([[0.0, 5.0, 0.0], [0.0, -5.0, 0.0]], 2, 2),
+    "no number": ([[np.nan] * 3, [0.0, -0.3, 0.0]], 1, 2),
+    "all in one place": ([[0.0, -0.3, 0.0]] * 40, 0, 0),
+    "a thread one particle thick": (lattice((0.0, 0.1), (-0.6, 0.6), (0.0, 0.1)), 0, 12),
+    "two particles thick": (lattice((-0.1, 0.1), (-0.6, 0.6), (-0.1, 0.1)), 0, 0),
+    "a jet": (lattice((-0.2, 0.2), (-0.6, 0.6), (-0.2, 0.2)), 0, 0),
+    "a film on the bed": (lattice((-1.0, 1.0), (-0.6, -0.5), (-0.6, 0.6)), 0, 0),
+    "everywhere": (np.random.default_rng(1).uniform(-0.6, 0.6, (1000, 3)), 0, None),
+}
+
+
 @pytest.mark.parametrize("fine", [0.5, 0.19, 2.0])
-def test_whatever_the_water_does_the_surface_is_finite_and_closed(taichi_cpu, places, outside, lonely, fine):
-    surface = built(places, basin(2.0, 1.2, 0.6), spacing=fine * SPACING)
-    mesh = surface.mesh()
-    assert topology(mesh)[0]
-    assert np.isfinite(mesh.vertices).all() and np.isfinite(mesh.normals).all()
-    assert surface.outside == outside and surface.spray().sum() == lonely
-    heights = surface.elevations(line(np.linspace(-1.0, 1.0, 50)))
-    assert ((heights >= -0.6) & (heights <= 0.6)).all()
+def test_whatever_the_water_does_the_surface_is_finite_and_closed(tank, fine):
+    surface = tank if fine == 0.5 else built(STILL, basin(2.0, 1.2, 0.6), spacing=fine * SPACING)
+    for what, (places, outside, lonely) in EXTREMES.items():
+        mesh = put(surface, places).mesh()
+        assert topology(mesh)[0], what
+        assert np.isfinite(mesh.vertices).all() and np.isfinite(mesh.normals).all(), what
+        left_over = surface.map.n - len(places)
+        assert surface.outside == outside + left_over, what
+        assert lonely is None or surface.spray().sum() == lonely + left_over, what
+        heights = surface.elevations(line(np.linspace(-1.0, 1.0, 50)))
+        assert ((heights >= -0.6) & (heights <= 0.6)).all(), what
 
 
-def test_a_jet_and_a_film_have_their_size(taichi_cpu):
-    jet = built(lattice((-0.2, 0.2), (-0.6, 0.3), (-0.2, 0.2)), basin(2.0, 1.2, 0.6))
+def test_a_jet_and_a_film_have_their_size(tank):
+    jet = put(tank, lattice((-0.2, 0.2), (-0.6, 0.3), (-0.2, 0.2)))
     assert jet.elevations(np.array([[0.0, 0.0], [0.7, 0.0]])) == pytest.approx([0.3, -0.6], abs=0.2 * SPACING)
-    film = built(lattice((-1.0, 1.0), (-0.6, -0.5), (-0.6, 0.6)), basin(2.0, 1.2, 0.6))
+    film = put(tank, lattice((-1.0, 1.0), (-0.6, -0.5), (-0.6, 0.6)))
     assert film.free_surface().volume(bed=-0.6) == pytest.approx(2.0 * 1.2 * 0.1, rel=0.03)
 
 
-def test_a_surface_of_too_many_triangles_stops_with_a_sentence(taichi_cpu):
-    surface = built(lattice((-1.0, 1.0), (-0.6, 0.0), (-0.6, 0.6)), basin(2.0, 1.2, 0.6), most_triangles=1000)
+def test_a_surface_of_too_many_triangles_stops_with_a_sentence(sea, monkeypatch):
+    monkeypatch.setattr(sea, "config", sea.config.model_copy(update={"most_triangles": 1000}))
     with pytest.raises(Diverged, match=r"has \d+ triangles, more than surface\.most_triangles 1000; try a larger"):
-        surface.mesh()
+        sea.mesh()
 
 
 def test_nothing_is_built_until_it_is_read(sea, monkeypatch):
@@ -197,7 +224,6 @@ def test_nothing_is_built_until_it_is_read(sea, monkeypatch):
     for owner, name in ((sea.map, "sort"), (sea.map, "fill"), (sea.isosurface, "count"), (sea, "find_heights")):
         before = getattr(owner, name)
         monkeypatch.setattr(owner, name, lambda *a, f=before, n=name: done.append(n) or f(*a))
-    sea.moment = 1  # the first step makes the heights, since it may compile what reads them
     sea.follow(sea.map.particles, 0.01)
     assert done == []
     sea.mesh(), sea.free_surface()
@@ -219,23 +245,17 @@ class Reader:
 
 
 def test_heights_are_kept_current_once_a_kernel_reads_them(taichi_cpu):
-    places = lattice((-1.0, 1.0), (-0.6, 0.0), (-0.6, 0.6))
-    surface = built(places, basin(2.0, 1.2, 0.6))
-    particles, reader = surface.map.particles, Reader(surface)
-    surface.follow(particles, 0.01)
-    assert reader.height() == pytest.approx(0.0, abs=0.05 * SPACING)
-    for rise in (0.05, 0.1):
-        particles.position.from_numpy(places + [0.0, rise, 0.0])
-        surface.follow(particles, 0.01)
+    surface = built(STILL, basin(2.0, 1.2, 0.6))
+    reader = Reader(surface)
+    for rise in (0.0, 0.05, 0.1):
+        put(surface, STILL + [0.0, rise, 0.0])
         assert reader.height() == pytest.approx(rise, abs=0.05 * SPACING)
 
 
-def test_a_kernel_never_reads_old_heights_unsaid(taichi_cpu):
-    surface = built(lattice((-1.0, 1.0), (-0.6, 0.0), (-0.6, 0.6)), basin(2.0, 1.2, 0.6))
-    for _ in range(3):
-        surface.follow(surface.map.particles, 0.01)
+def test_a_kernel_never_reads_old_heights_unsaid(sea):
     with pytest.raises(Exception, match="the heights are out of date: call `level`"):
-        Reader(surface).height()
+        Reader(sea).height()
+    sea.felt = False
 
 
 def test_flat_water_is_half_full_at_its_surface():
@@ -260,7 +280,8 @@ def test_the_ledger_tells_what_is_allocated(taichi_cpu):
     sizes = []
     for config in (without, scene):
         before = runtime.allocated_bytes()
-        with ocean_sim.Simulation(config):
+        with ocean_sim.Simulation(config) as simulation:
+            simulation.step()
             sizes.append(runtime.allocated_bytes() - before)
     assert sizes[1] - sizes[0] == pytest.approx(told, rel=0.02)
 

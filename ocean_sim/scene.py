@@ -196,7 +196,7 @@ def _checked(composition: Composition, problems: list[Problem]) -> SceneConfig |
     if surface is not None and fluid is not None and not hasattr(fluid, "lattice"):
         said = f"a surface follows particles, and fluid.kind {fluid.kind} has none; leave it out"
         problems.append(problem(data["surface"].place, "surface", said))
-    elif hasattr(surface, "beside") and fluid is not None and not problems:
+    elif surface is not None and hasattr(surface, "beside") and fluid is not None and not problems:
         parts["surface"] = surface.beside(fluid, place)
         problems += _misplaced("surface", surface.problems_beside(fluid, place), data["surface"])
     if problems or heading is None:

@@ -52,7 +52,7 @@ def drawn(found: dict[int, int], counts: np.ndarray, cuts: np.ndarray, path: Pat
         axes.set_title(f"case {case}, {alike} alike", fontsize=9)
         axes.set(xlim=(0, 1), ylim=(0, 1), zlim=(0, 1))
         axes.set_box_aspect((1, 1, 1))
-        axes.view_init(elev=20.0, azim=-65.0)
+        axes.view_init(elev=26.0, azim=-52.0)
         axes.set_axis_off()
     figure.savefig(path, dpi=150)
 

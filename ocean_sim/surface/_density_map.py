@@ -17,6 +17,7 @@ from ocean_sim.surface._nodes import Nodes
 
 TASK = 512  # Taichi never cuts a parallel loop finer than this: a task every TASK iterations
 GROUPS = 32  # of rows of nodes, each a task of its own; set here, never by the number of threads
+RUN = 4  # nodes along x that are gathered for at once
 IMAGES = 5  # of a point on each axis: itself, in either side or a period on, and in both sides or two periods on
 
 
@@ -114,37 +115,46 @@ class DensityMap:
         return outside
 
     @ti.func
-    def share(self, x):
-        """Around x, which may be anywhere."""
-        total = 0.0
+    def shares(self, x, step, run: ti.template()):
+        """Around so many points that follow each other along x, `step` [m] apart; they may be anywhere."""
+        total = ti.Vector.zero(float, run)
         for c in range(IMAGES):
             z = self.image[2, c, 0] * x.z + self.image[2, c, 1]
-            if self.in_reach(z, 2):
+            if self.in_reach(z, z, 2):
                 for b in range(IMAGES):
                     y = self.image[1, b, 0] * x.y + self.image[1, b, 1]
-                    if self.in_reach(y, 1):
+                    if self.in_reach(y, y, 1):
                         for a in range(IMAGES):
-                            seen = tm.vec3(self.image[0, a, 0] * x.x + self.image[0, a, 1], y, z)
-                            if self.in_reach(seen.x, 0):
-                                total += self.gathered(seen)
+                            sign = self.image[0, a, 0]
+                            first = sign * x.x + self.image[0, a, 1]
+                            last = first + sign * (run - 1) * step
+                            if self.in_reach(first, last, 0):
+                                total += self.gathered(tm.vec3(first, y, z), tm.vec3(last, y, z), sign * step, run)
         return self.constant * total
 
     @ti.func
-    def in_reach(self, place, axis: ti.template()):
-        return place > self.lower[axis] - self.radius and place < self.upper[axis] + self.radius
+    def in_reach(self, first, last, axis: ti.template()):
+        """Whether particles may be within a radius of what lies between two places on an axis."""
+        low, high = self.lower[axis] - self.radius, self.upper[axis] + self.radius
+        return tm.max(first, last) > low and tm.min(first, last) < high
 
     @ti.func
-    def gathered(self, x):
-        """Sum of (radius^2 - r^2)^3 over the particles of the 27 bins around x; nothing branches in the inner loop."""
-        place, total = self.place(x), 0.0
-        low, high = tm.max(place - 1, 0), tm.min(place + 1, tm.ivec3(self.bins) - 1)
+    def gathered(self, x, last, step, run: ti.template()):
+        """Sums of (radius^2 - r^2)^3 over the particles of the bins around the points from x to `last`; nothing branches
+        in the inner loop."""
+        total, here, there = ti.Vector.zero(float, run), self.place(x), self.place(last)
+        low = tm.max(tm.min(here, there) - 1, 0)
+        high = tm.min(tm.max(here, there) + 1, tm.ivec3(self.bins) - 1)
         for k in range(low.z, high.z + 1):
             for j in range(low.y, high.y + 1):
                 for n in range(self.start[self.bin_at(low.x, j, k)], self.start[self.bin_at(high.x, j, k) + 1]):
                     dx, dy, dz = self.x[n] - x.x, self.y[n] - x.y, self.z[n] - x.z
-                    w = self.squared - (dx * dx + dy * dy + dz * dz)
-                    w = ti.select(w > 0.0, w, 0.0)
-                    total += w * w * w
+                    beside = self.squared - (dy * dy + dz * dz)
+                    for m in ti.static(range(run)):
+                        along = dx - m * step
+                        w = beside - along * along
+                        w = ti.select(w > 0.0, w, 0.0)
+                        total[m] += w * w * w
         return total
 
     @ti.kernel
@@ -162,6 +172,10 @@ class DensityMap:
             row = group + turn * GROUPS
             j, k = row % ny, row // ny
             first = ((k + 1) * (ny + 2) + j + 1) * (nx + 2) + 1
-            for i in range(nx):
+            for part in range((nx + RUN - 1) // RUN):
+                i = part * RUN
                 x = self.lower + self.width * (tm.vec3(i, j, k) + 0.5)
-                value[first + i] = self.share(x) - level
+                shares = self.shares(x, self.width.x, RUN)
+                for m in ti.static(range(RUN)):
+                    if i + m < nx:
+                        value[first + i + m] = shares[m] - level

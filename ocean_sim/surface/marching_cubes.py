@@ -184,7 +184,7 @@ class MarchingCubes:
     def find_spray(self, lonely: ti.types.ndarray(ndim=1)):
         for i in range(self.map.n):
             p = self.map.particles.position
-            lonely[i] = int(self.map.share(tm.vec3(p.x[i], p.y[i], p.z[i])) < self.isovalue)
+            lonely[i] = int(self.map.shares(tm.vec3(p.x[i], p.y[i], p.z[i]), 0.0, 1)[0] < self.isovalue)
 
     @ti.kernel
     def find_heights(self):

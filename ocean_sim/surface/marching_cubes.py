@@ -21,7 +21,6 @@ from ocean_sim.surface._nodes import MOST_NODES, Nodes
 
 FINE, SMOOTH = 0.5, 2.0  # [spacings of the particles] between nodes, and of the radius
 WIDEST = 6.0  # [spacings] radius at most: a node then counts 900 particles
-TRIANGLE = 36  # bytes, at most: three corners and half a vertex with its normal
 
 
 class Config(PartConfig):
@@ -48,7 +47,7 @@ class Config(PartConfig):
         found = {
             "spacing": self.spacing or FINE * lattice.spacing,
             "radius": self.radius or SMOOTH * lattice.spacing,
-            "height": self.height or basin.upper[1] or basin.depth,
+            "height": self.height or basin.depth,
         }
         config = self.model_copy(update=found)
         config._particles = lattice.n

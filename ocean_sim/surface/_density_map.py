@@ -140,8 +140,8 @@ class DensityMap:
 
     @ti.func
     def gathered(self, x, last, step, run: ti.template()):
-        """Sums of (radius^2 - r^2)^3 over the particles of the bins around the points from x to `last`; nothing branches
-        in the inner loop."""
+        """Sums of (radius^2 - r^2)^3 over the particles of the bins around the points from x to `last`; the inner loop
+        does not branch."""
         total, here, there = ti.Vector.zero(float, run), self.place(x), self.place(last)
         low = tm.max(tm.min(here, there) - 1, 0)
         high = tm.min(tm.max(here, there) + 1, tm.ivec3(self.bins) - 1)

@@ -193,6 +193,8 @@ class Isosurface:
                 x = self.lower + self.width * (ti.cast(place, float) - 0.5 + along * ti.cast(step, float))
                 x = tm.clamp(x, self.lower, self.upper)
                 normal = -tm.mix(slope, self.gradient(place + step), along)
+                if place[axis] == 0 or place[axis] == self.shape[axis] - 2:  # it closes here, on a side of the box
+                    normal = ti.cast(step, float) * ti.select(place[axis] == 0, -1.0, 1.0)
                 normal /= tm.max(normal.norm(), 1.0e-30)
                 for k in ti.static(range(3)):
                     vertices[vertex, k], normals[vertex, k] = x[k], normal[k]

@@ -128,6 +128,8 @@ def test_flat_water_lies_at_zero_up_to_the_walls_and_fills_the_basin(sea):
     assert mesh.volume() == pytest.approx(2.0 * 1.2 * 0.6, rel=0.01)
     np.testing.assert_allclose(mesh.vertices.min(axis=0), [-1.0, -0.6, -0.6], atol=1e-12)
     np.testing.assert_allclose(mesh.vertices.max(axis=0)[[0, 2]], [1.0, 0.6], atol=1e-12)
+    beside = np.isclose(mesh.vertices[:, 0], -1.0)
+    np.testing.assert_array_equal(mesh.normals[beside], np.broadcast_to([-1.0, 0.0, 0.0], (beside.sum(), 3)))
     assert free.area == pytest.approx(2.0 * 1.2, rel=0.005)
     assert free.volume(bed=-0.6) == pytest.approx(2.0 * 1.2 * 0.6, rel=0.002)
     assert free.normals[:, 1].min() > 0.99

@@ -99,7 +99,7 @@ class DensityMap:
                 x = tm.vec3(p.x[i], p.y[i], p.z[i])
                 place = self.place(x)
                 inside = (x >= self.lower).all() and (x <= self.upper).all()
-                c = ti.select(inside, self.bin_at(place.x, place.y, place.z), bins)
+                c = ti.select(inside, tm.clamp(self.bin_at(place.x, place.y, place.z), 0, bins), bins)
                 self.bin[i] = c
                 self.next[c] = self.next[c] + 1
             total = 0

@@ -1,0 +1,242 @@
+"""The surface around the smoothed share of water, by marching cubes (thesis 3.1 and 5.2.1, Algorithms 2 to 4).
+
+Follows the water wherever it goes: crests that break, drops, the bed where it falls dry. Nothing is built until someone
+reads it: the field when a mesh or a height is asked for, the heights from the first kernel on that calls `elevation`.
+"""
+
+from typing import Any, Literal
+
+import numpy as np
+import taichi as ti
+import taichi.math as tm
+from pydantic import PrivateAttr
+
+from ocean_sim.basin import Basin
+from ocean_sim.conventions import Diverged
+from ocean_sim.parts import LedgerRow, PartConfig, quantity
+from ocean_sim.surface._density_map import DensityMap, flat_share
+from ocean_sim.surface._isosurface import Counts, Isosurface
+from ocean_sim.surface._mesh import Mesh
+from ocean_sim.surface._nodes import MOST_NODES, Nodes
+
+FINE, SMOOTH = 0.5, 2.0  # [spacings of the particles] between nodes, and of the radius
+WIDEST = 6.0  # [spacings] radius at most: a node then counts 900 particles
+
+
+class Config(PartConfig):
+    """Triangles around the water, from a grid over the whole basin."""
+
+    kind: Literal["marching_cubes"] = "marching_cubes"
+    spacing: float | None = quantity("m", None, gt=0.0)
+    """Distance between nodes, made a little smaller to fit the basin (the listing's stride); null: half the spacing of
+    the particles."""
+    radius: float | None = quantity("m", None, gt=0.0)
+    """How far from a node a particle counts (the listing's isosurface radius); null: two spacings of the particles."""
+    isovalue: float | None = quantity("1", None, gt=0.0, lt=1.0)
+    """Smoothed share of water at the surface; null: what it is where flat water ends."""
+    height: float | None = quantity("m", None, gt=0.0)
+    """How far above the still water the grid ends (the listing's range); null: as far as the bed lies below."""
+    most_triangles: int = quantity("triangles", 4_000_000, ge=1)
+    """A mesh of more stops the run."""
+
+    _particles: int = PrivateAttr(0)
+
+    def beside(self, fluid: Any, basin: Basin) -> "Config":
+        """This config with what it leaves to the water."""
+        lattice = fluid.lattice(basin)
+        found = {
+            "spacing": self.spacing or FINE * lattice.spacing,
+            "radius": self.radius or SMOOTH * lattice.spacing,
+            "height": self.height or basin.depth,
+        }
+        config = self.model_copy(update=found)
+        config._particles = lattice.n
+        return config
+
+    def problems(self, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
+        if basin.dimension == 2:
+            return [(("kind",), "marching cubes need a basin with a width; over a slice say surface: cloth")]
+        if basin.closed:
+            return [(("kind",), "a basin without a free surface has none to draw; leave it out")]
+        return []
+
+    def problems_beside(self, fluid: Any, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
+        """What is wrong with these keys over this water: (path below `surface`, sentence)."""
+        found, apart = [], fluid.lattice(basin).spacing
+        if self.radius is not None and not 1.2 * apart <= self.radius <= WIDEST * apart:
+            said = f"{self.radius:g} m must be 1.2 to {WIDEST:g} spacings of the particles, {apart:.4g} m: less shows "
+            found.append((("radius",), said + "them one by one, more smooths the waves away"))
+        if (count := self.beside(fluid, basin).count(basin)) > MOST_NODES:
+            found.append((("spacing",), f"makes {count:.3g} nodes, more than the {MOST_NODES} there can be"))
+        return found
+
+    def nodes(self, basin: Basin) -> Nodes:
+        """The grid: the whole basin, up to `height`."""
+        assert self.spacing is not None and self.height is not None, "beside() tells how fine and how high it is"
+        low, up = [*basin.lower], [*basin.upper]
+        for side in basin.sides:
+            if side.piston is not None:
+                reach = side.piston.reach
+                (up if side.upper else low)[side.axis] += reach if side.upper else -reach
+        up[1] = self.height
+        return Nodes(tuple(low), tuple(up), self.spacing)  # type: ignore[arg-type]
+
+    def count(self, basin: Basin) -> float:
+        """About how many nodes the grid has, however many that may be."""
+        assert self.spacing is not None and self.height is not None
+        extents = np.subtract(basin.upper, basin.lower) + [0.0, self.height - basin.upper[1], 0.0]
+        return float(np.prod(extents / self.spacing + 2.0))
+
+    def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
+        nodes = self.nodes(basin)
+        assert self.radius is not None
+        grid = Isosurface.bytes(nodes, word) + word * nodes.inner[0] * nodes.inner[2]
+        bins = DensityMap.bytes(self._particles, nodes, self.radius, word)
+        why = f"surface.spacing {nodes.cell:g} m"
+        return [
+            LedgerRow("surface", f"grid of {nodes.count} nodes", grid, why),
+            LedgerRow("surface", f"{self._particles} particles in bins", bins, f"surface.radius {self.radius:g} m"),
+        ]
+
+    def build(self, basin: Basin, fluid: Any) -> "MarchingCubes":
+        return MarchingCubes(self, basin, fluid.particles)
+
+
+@ti.data_oriented
+class MarchingCubes:
+    """The field on the grid, its surface and the heights of its columns, each made anew when it is read."""
+
+    def __init__(self, config: Config, basin: Basin, particles: Any) -> None:
+        assert config.radius is not None
+        self.config, self.basin, self.nodes = config, basin, config.nodes(basin)
+        self.map = DensityMap(particles, basin, self.nodes, config.radius)
+        self.periodic = tuple(period > 0.0 for period in basin.periods)
+        self.isosurface = Isosurface(self.nodes, self.periodic)
+        self.isovalue = config.isovalue or flat_share(config.radius, particles.spacing)
+        self.columns = (self.nodes.inner[0], self.nodes.inner[2])
+        self.height = ti.field(float, shape=self.columns)  # [m] highest water of each column of nodes
+        self.low, self.width = tm.vec2(self.nodes.lower[::2]), tm.vec2(self.nodes.width[::2])
+        self.bed, self.top = self.nodes.lower[1], self.nodes.upper[1]
+        self.outside = 0  # particles that the grid does not reach, in the field that was built last
+        self.moment, self.sampled, self.levelled = 0, -1, -1  # steps taken; those that field and heights show
+        self.felt = False  # whether a kernel reads the heights
+        self.goes_on = sum(
+            1 << 2 * axis + side
+            for axis in range(3)
+            for side in range(2)
+            if self.periodic[axis] or any((s.axis, s.upper) == (axis, bool(side)) for s in basin.sides)
+        )
+
+    def follow(self, particles: Any, dt: float) -> None:
+        """Take in that the particles have moved on by dt [s]; heights are made at once where a kernel reads them, and
+        in the first step, in which one may be compiled."""
+        self.moment += 1
+        if self.felt or self.moment == 1:
+            self.level()
+
+    def sample(self) -> None:
+        """Make the field current."""
+        if self.sampled != self.moment:
+            self.outside = self.map.sort()
+            self.map.fill(self.isosurface.value, self.isovalue)
+            self.sampled = self.moment
+
+    def level(self) -> None:
+        """Make the heights current."""
+        if self.levelled != self.moment:
+            self.sample()
+            self.find_heights()
+            self.levelled = self.moment
+
+    def mesh(self) -> Mesh:
+        """The water's whole skin, closed along walls and bed."""
+        return self.cut(0)[0]
+
+    def free_surface(self) -> Mesh:
+        """What faces the air: the skin without what lies along walls and bed, open there."""
+        return self.cut(self.goes_on)[0]
+
+    def counts(self) -> Counts:
+        """How much surface there is, and how much of it is ambiguous."""
+        return self.cut(0)[1]
+
+    def cut(self, goes_on: int) -> tuple[Mesh, Counts]:
+        """The surface, going on through the sides whose bits are set; raises Diverged where it is too large."""
+        self.sample()
+        self.isosurface.pad(goes_on)
+        counts = self.isosurface.count()
+        if counts.triangles > self.config.most_triangles:
+            raise Diverged(
+                f"the surface has {counts.triangles} triangles, more than surface.most_triangles "
+                f"{self.config.most_triangles}; try a larger surface.spacing, or see whether the water has come apart"
+            )
+        return self.isosurface.mesh(counts), counts
+
+    def spray(self) -> np.ndarray:
+        """(n,) whether a particle, in storage order, is lonely: outside the surface drawn."""
+        self.sample()
+        lonely = np.empty(self.map.n, dtype=np.int32)
+        self.find_spray(lonely)
+        return lonely.astype(bool)
+
+    @ti.kernel
+    def find_spray(self, lonely: ti.types.ndarray(ndim=1)):
+        for i in range(self.map.n):
+            p = self.map.particles.position
+            lonely[i] = int(self.map.shares(tm.vec3(p.x[i], p.y[i], p.z[i]), 0.0, 1)[0] < self.isovalue)
+
+    @ti.kernel
+    def find_heights(self):
+        """Down each column to the first node in the water, then up in proportion to where the field is zero."""
+        ny, value = ti.static(self.nodes.inner[1], self.isosurface.value)
+        for i, k in self.height:
+            height, j = self.bed, ny
+            while j > 0:
+                here = value[self.isosurface.at(i + 1, j, k + 1)]
+                if here >= 0.0:
+                    height = self.top
+                    if j < ny:
+                        above = value[self.isosurface.at(i + 1, j + 1, k + 1)]
+                        height = self.bed + self.nodes.width[1] * (j - 0.5 + here / (here - above))
+                    j = 0
+                j -= 1
+            self.height[i, k] = height
+
+    def read_by_a_kernel(self) -> bool:
+        """Called while a kernel is compiled that reads the heights; raises RuntimeError where they are out of date."""
+        self.felt = True
+        if self.levelled != self.moment:
+            raise RuntimeError("the heights are out of date: call `level` before the first kernel that reads them")
+        return True
+
+    @ti.func
+    def elevation(self, x, z):
+        """Highest water of the column [m], bilinear between columns of nodes; the bed where it is dry."""
+        ti.static(self.read_by_a_kernel())
+        return self.interpolated(x, z)
+
+    @ti.func
+    def interpolated(self, x, z):
+        at = (tm.vec2(x, z) - self.low) / self.width - 0.5
+        for axis in ti.static(range(2)):
+            if ti.static(self.periodic[2 * axis]):
+                at[axis] -= self.columns[axis] * ti.floor(at[axis] / self.columns[axis])
+            else:
+                at[axis] = tm.clamp(at[axis], 0.0, self.columns[axis] - 1.0)
+        i, k = ti.cast(at.x, int), ti.cast(at.y, int)
+        i_on, k_on = (i + 1) % self.columns[0], (k + 1) % self.columns[1]
+        near = tm.mix(self.height[i, k], self.height[i, k_on], at.y - k)
+        return tm.mix(near, tm.mix(self.height[i_on, k], self.height[i_on, k_on], at.y - k), at.x - i)
+
+    @ti.kernel
+    def fill(self, points: ti.types.ndarray(ndim=2), heights: ti.types.ndarray(ndim=1)):
+        for n in range(points.shape[0]):
+            heights[n] = self.interpolated(points[n, 0], points[n, 1])
+
+    def elevations(self, points: np.ndarray) -> np.ndarray:
+        """(m, 2) points x, z [m] -> (m,) heights [m]."""
+        self.level()
+        precision = self.isosurface.precision
+        heights = np.empty(len(points), dtype=precision)
+        self.fill(np.ascontiguousarray(points, dtype=precision), heights)
+        return heights.astype(float)

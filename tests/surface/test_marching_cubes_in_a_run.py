@@ -1,0 +1,60 @@
+"""Marching cubes in a run: the water does not feel them, threads do not change them, the figure of their cases runs."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from ocean_sim.parts import PACKAGE, library
+from ocean_sim.scene import load
+from ocean_sim.simulation import Simulation
+
+SEA = {
+    "basin": {"length": 24.0, "width": 20.0, "depth": 5.0},
+    "fluid": {"kind": "mueller", "spacing": 1.25, "kinematic_viscosity": 1.0, "compression": 0.008},
+    "wind": "noise_only",
+    "surface": "marching_cubes",
+}
+QUIET = dict.fromkeys(("render", "report", "frames", "accuracy", "timings"))
+
+
+def state(**sets) -> dict[str, np.ndarray]:
+    """The water after some steps, and its surface."""
+    with Simulation(load(SEA | QUIET, {"runtime.threads": 1, **sets})) as simulation:
+        for _ in range(20):
+            simulation.step()
+        particles, surface = simulation.fluid.particles, simulation.surface
+        found = {"position": particles.position.to_numpy(), "velocity": particles.velocity.to_numpy()}
+        if surface is not None:
+            mesh = surface.mesh()
+            found |= {"vertices": mesh.vertices, "triangles": mesh.triangles, "normals": mesh.normals}
+            found |= {"spray": surface.spray(), "heights": surface.elevations(mesh.vertices[:, [0, 2]])}
+        return found
+
+
+@pytest.fixture(scope="module")
+def watched():
+    return state()
+
+
+def test_the_water_moves_bit_for_bit_as_without_a_surface(watched):
+    alone = state(surface=None)
+    assert all(alone[name].tobytes() == watched[name].tobytes() for name in alone)
+
+
+def test_two_threads_make_the_same_mesh_as_one(watched):
+    other = state(**{"runtime.threads": 2})
+    assert len(watched["triangles"]) > 1000
+    assert all(other[name].tobytes() == watched[name].tobytes() for name in watched)
+
+
+def test_figure_3_2_has_the_fifteen_patterns_of_256_cases(tmp_path):
+    command = [sys.executable, str(library("figures") / "fig3_2.py"), "--fast", "--out", str(tmp_path)]
+    here = os.environ | {"PYTHONPATH": str(PACKAGE.parent)}
+    done = subprocess.run(command, capture_output=True, text=True, env=here)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "fig3_2.png").stat().st_size > 10_000
+    rows = (tmp_path / "fig3_2.csv").read_text().splitlines()[2:]
+    assert len(rows) == 15 and sum(int(row.split(",")[2]) for row in rows) == 256

@@ -1,4 +1,4 @@
-"""How well a surface fits the particles under it: its distance from the highest of them, its area, the water below."""
+"""How well a surface fits the particles under it: its distance from the highest of them, and what it says of itself."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +15,6 @@ TOLD = {
     "surface_offset": "mean height of the surface over the highest particle of every column two spacings wide, half a "
     "spacing above its centre; spray counts",
     "surface_fit": "root of the mean square of the same",
-    "surface_volume": "water between surface and bed",
 }
 
 
@@ -37,19 +36,16 @@ def fit(surface: Any, top: np.ndarray) -> tuple[float, float]:
 
 
 class SurfaceFit:
-    """Numbers of a row of accuracy.csv; without area and volume in a slice."""
+    """Numbers of a row of accuracy.csv: the fit, and what the surface says of itself."""
 
     def __init__(self, simulation: "Simulation") -> None:
-        self.basin = simulation.basin
-        self.columns = ["surface_offset_m", "surface_fit_m"]
-        self.columns += [] if self.basin.dimension == 2 else ["surface_area_m2", "surface_volume_m3"]
+        surface: Any = simulation.surface
+        self.told = TOLD | {name.rsplit("_m", 1)[0]: said for name, said in surface.measured.items()}
+        self.columns = ["surface_offset_m", "surface_fit_m", *surface.measured]
 
     def values(self, simulation: "Simulation") -> list[float]:
         """In the order of the columns."""
         surface: Any = simulation.surface
         position = simulation.fluid.particles.position.to_numpy().astype(float)
-        near = fit(surface, highest(position, self.basin, spacing(simulation.fluid)))
-        if self.basin.dimension == 2:
-            return [*near]
-        mesh = surface.mesh()
-        return [*near, mesh.area, mesh.volume(self.basin.lower[1])]
+        top = highest(position, simulation.basin, spacing(simulation.fluid))
+        return [*fit(surface, top), *surface.measures()]

@@ -8,7 +8,7 @@ import numpy as np
 from ocean_sim.observers._csv import CsvFile, heading
 from ocean_sim.observers._outside import beyond
 from ocean_sim.observers._sampled import Sampled
-from ocean_sim.observers._surface_fit import TOLD, SurfaceFit
+from ocean_sim.observers._surface_fit import SurfaceFit
 from ocean_sim.parts import ObserverConfig, quantity
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ class Accuracy:
             self.driven = driven(simulation)
             self.at_start = self.potential_energy(simulation)
             self.energy_at_start: float | None = None
-            told = self.told() | (TOLD if self.surface else {})
+            told = self.told() | (self.surface.told if self.surface else {})
         self.csv = CsvFile(
             folder / "accuracy.csv",
             heading(simulation, f"every {config.every:g} s, linear between steps", **told),

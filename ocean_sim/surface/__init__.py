@@ -27,3 +27,9 @@ class Surface(Protocol):
     def mesh(self) -> Mesh:
         """The surface as triangles, made when asked for."""
         ...
+
+    measured: dict[str, str]  # columns of accuracy.csv, and what they hold
+
+    def measures(self) -> list[float]:
+        """The numbers of those columns now."""
+        ...

@@ -4,6 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+AREA_AND_VOLUME = {
+    "surface_area_m2": "of what faces the air",
+    "surface_volume_m3": "water between surface and bed",
+}
+
 
 @dataclass(frozen=True, eq=False)
 class Mesh:

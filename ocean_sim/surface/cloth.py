@@ -16,7 +16,7 @@ from taichi.lang.util import to_numpy_type
 from ocean_sim.basin import Basin
 from ocean_sim.parts import LedgerRow, PartConfig, quantity
 from ocean_sim.surface._contact import Contact
-from ocean_sim.surface._mesh import Mesh, sheet
+from ocean_sim.surface._mesh import AREA_AND_VOLUME, Mesh, sheet
 from ocean_sim.surface._springs import BEND, SHEAR, STRETCH
 
 CONTACTS = 8  # the most moves of a node towards the surface in one update
@@ -126,6 +126,7 @@ class Cloth:
         self.held = config.edges is not None
         self.edges = max(config.edges or 0.0, self.bed)
         self.age = 0.0  # [s] since the last update
+        self.measured = {} if self.flat else AREA_AND_VOLUME
         self.lay(particles)
 
     def lay(self, particles: Any) -> None:
@@ -249,3 +250,7 @@ class Cloth:
         low, up = self.basin.lower, self.basin.upper
         x, z = (np.linspace(low[axis], up[axis], count) for axis, count in zip((0, 2), self.nodes, strict=True))
         return sheet(x, z, self.height.to_numpy().astype(float).reshape(self.nodes))
+
+    def measures(self) -> list[float]:
+        mesh = self.mesh()
+        return [] if self.flat else [mesh.area, mesh.volume(self.bed)]

@@ -16,10 +16,14 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.parts import LedgerRow, PartConfig, quantity
 from ocean_sim.surface._density_map import DensityMap, flat_share
 from ocean_sim.surface._isosurface import Counts, Isosurface
-from ocean_sim.surface._mesh import Mesh
+from ocean_sim.surface._mesh import AREA_AND_VOLUME, Mesh
 from ocean_sim.surface._nodes import MOST_NODES, Nodes
 
 FINE, SMOOTH = 0.5, 2.0  # [spacings of the particles] between nodes, and of the radius
+MEASURED = AREA_AND_VOLUME | {
+    "surface_ambiguous": "share of the cells with surface whose wet corners are kept apart by choice",
+    "surface_outside": "particles above the grid",
+}
 WIDEST = 6.0  # [spacings] radius at most: a node then counts 900 particles
 
 
@@ -120,6 +124,7 @@ class MarchingCubes:
         self.outside = 0  # particles that the grid does not reach, in the field that was built last
         self.moment, self.sampled, self.levelled = 0, -1, -1  # steps taken; those that field and heights show
         self.felt = False  # whether a kernel reads the heights
+        self.measured = MEASURED
         self.goes_on = sum(
             1 << 2 * axis + side
             for axis in range(3)
@@ -155,6 +160,10 @@ class MarchingCubes:
     def free_surface(self) -> Mesh:
         """What faces the air: the skin without what lies along walls and bed, open there."""
         return self.cut(self.goes_on)[0]
+
+    def measures(self) -> list[float]:
+        mesh, counts = self.cut(self.goes_on)
+        return [mesh.area, mesh.volume(self.bed), counts.ambiguous_share, float(self.outside)]
 
     def counts(self) -> Counts:
         """How much surface there is, and how much of it is ambiguous."""

@@ -302,3 +302,22 @@ def test_bad_input_is_told_in_a_sentence(keys, basin_keys, sentence):
 def test_a_level_of_zero_is_refused():
     with pytest.raises(ValidationError, match="isovalue"):
         Config(isovalue=0.0)
+
+
+def test_accuracy_tells_the_free_surface_alone(tmp_path):
+    """Still water's surface has the area of the plan, and the water of the basin under it, within the rim."""
+    scene = {
+        "duration": 0.02,
+        "basin": {"length": 4.0, "width": 4.0, "depth": 2.0},
+        "fluid": {"kind": "mueller", "spacing": 0.25},
+        "surface": "marching_cubes",
+        "accuracy": {"every": 0.01},
+    }
+    import ocean_sim
+
+    off = {name: None for name in ("render", "frames", "report")}
+    rows = ocean_sim.run(ocean_sim.load(scene | off), out=tmp_path).accuracy
+    assert abs(rows["surface_area_m2"][0] / 16.0 - 1.0) < 0.01
+    assert abs(rows["surface_volume_m3"][0] / 32.0 - 1.0) < 0.01
+    assert rows["surface_outside"][-1] == 0.0
+    assert 0.0 <= rows["surface_ambiguous"][-1] < 0.01

@@ -16,7 +16,7 @@ import taichi.math as tm
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid._grid import TASK
-from ocean_sim.fluid._images import climbed, reflected
+from ocean_sim.fluid._images import climbed, reflected, slid
 from ocean_sim.fluid._ledger import DIFFUSION, GRAVITY, PRESSURE, VISCOSITY, WALLS, WIND
 from ocean_sim.fluid._particles import Components
 from ocean_sim.fluid._smoothing import Smoothing, positive
@@ -185,8 +185,9 @@ class Continuity:
 
     @ti.func
     def image(self, other, mirror):
-        """A neighbour as a side shows it: its velocity turned round, its density continued hydrostatically."""
-        x, image = tm.vec3(other[0], other[1], other[2]), reflected(mirror, other)
+        """A neighbour as a side shows it: its velocity across it turned round, its density continued
+        hydrostatically."""
+        x, image = tm.vec3(other[0], other[1], other[2]), slid(mirror, other)
         image[6] += self.heavier * climbed(mirror, x, self.fluid.pull.at_rest(x))
         return image
 

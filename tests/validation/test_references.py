@@ -109,15 +109,23 @@ def test_the_front_of_an_experiment_is_green_and_red_on_the_other_time_axis():
     data = table("dambreak_front_martin_moyce_n2_2_a225in")
     time = data["T"] / np.sqrt(2.0 * 9.81)
     right = dam_break_front.compared(dam_break_front.scaled_time(time, 9.81, 1.0), data["Z"])
-    assert kept(dam_break_front.PROMISES, right) == [True] * 3
+    assert kept(dam_break_front.AS_PUBLISHED, right) == [True] * 3
     wrong = dam_break_front.compared(dam_break_front.scaled_time(time, 9.81, 1.0) / np.sqrt(2.0), data["Z"])
-    assert kept(dam_break_front.PROMISES, wrong) == [False] * 3
+    assert kept(dam_break_front.AS_PUBLISHED + dam_break_front.PEER, wrong) == [False] * 4
+
+
+def test_a_front_that_begins_late_is_only_found_where_its_release_is_unknown():
+    data = table("dambreak_front_martin_moyce_n2_2_a225in")
+    early = dam_break_front.compared(data["T"] - 0.3, data["Z"])
+    name = dam_break_front.RELEASED[0].quantity
+    assert early.numbers[name][2] < 1e-6
+    assert kept(dam_break_front.AS_PUBLISHED, early)[0] is False
 
 
 def test_a_lone_drop_ahead_is_not_the_front():
     sheet = lattice(0.02, (0.0, 0.0), (1.0, 0.02))
     drop = np.vstack([sheet, [[1.5, 0.01, 0.0]]])
-    assert dam_break_front.fronts(drop, 0.02) == pytest.approx((1.0, 1.51), abs=1e-9)
+    assert dam_break_front.front(drop, 0.02) == pytest.approx(1.0, abs=1e-9)
 
 
 def test_waves_of_the_right_height_are_green_and_lower_ones_red():

@@ -80,11 +80,13 @@ def measure(simulation: Simulation) -> Finding:
     return compared(scaled_time(np.array(times), GRAVITY, WIDTH), np.array(seen))
 
 
-def distance(known: dict[str, np.ndarray], time: np.ndarray, z: np.ndarray, late: float = 0.0) -> np.ndarray:
-    """Mean known front, that of a series Z(T) begun so late, at the times of the known one, and their distance [%]."""
+def distance(
+    known: dict[str, np.ndarray], time: np.ndarray, z: np.ndarray, late: float = 0.0
+) -> tuple[float, float, float]:
+    """Mean front of a series Z(T) begun so late, that of a known one at its own times, and their mean distance [%]."""
     at = (known["T"] >= BEGIN) & (known["T"] <= END)
     seen, wanted = np.interp(known["T"][at] - late, time, z), known["Z"][at]
-    return np.array([seen.mean(), wanted.mean(), 100.0 * np.mean(np.abs(seen / wanted - 1.0))])
+    return float(seen.mean()), float(wanted.mean()), 100.0 * float(np.mean(np.abs(seen / wanted - 1.0)))
 
 
 def compared(time: np.ndarray, z: np.ndarray) -> Finding:
@@ -93,8 +95,8 @@ def compared(time: np.ndarray, z: np.ndarray) -> Finding:
     for promise, (whose, file) in zip(AS_PUBLISHED + PEER, (EXPERIMENTS | COMPUTED).items(), strict=True):
         known = table(file)
         expected.append(Curve(whose, known["T"][known["T"] < END], known["Z"][known["T"] < END], points=True))
-        numbers[promise.quantity] = tuple(distance(known, time, z))
+        numbers[promise.quantity] = distance(known, time, z)
     for promise, file in zip(RELEASED, EXPERIMENTS.values(), strict=True):
         tried = [distance(table(file), time, z, late) for late in LATE]
-        numbers[promise.quantity] = tuple(min(tried, key=lambda found: found[2]))
+        numbers[promise.quantity] = min(tried, key=lambda found: found[2])
     return Finding(numbers, [Curve("front", time, z)], expected, ("T = t sqrt(2 g / a)", "Z = x / a"))

@@ -30,7 +30,7 @@ def compression(stiffness: float) -> dict[str, float]:
 SLOW, FAST = "a tenth of the limit", "four times the limit"
 STEPS = {SLOW: 0.1, "twice the limit": 2.0, FAST: 4.0}
 EXTREMES = {
-    **dict.fromkeys(STEPS, {}),
+    **{name: {} for name in STEPS},
     "compression 1": {"fluid.compression": 1.0},
     "stiffness 100": compression(100.0),
     "stiffness 1e6": compression(1e6) | {"duration": 0.03},

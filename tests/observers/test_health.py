@@ -78,7 +78,7 @@ def test_energy_from_nowhere_stops_the_run_and_energy_of_the_wind_does_not(watch
         simulation.scene.wind = wind
         simulation.observers = [health.Config(max_energy_gain=0.001).build(None, simulation)]
         if stops:
-            with pytest.raises(Diverged, match="gained energy from nowhere.*try"):
+            with pytest.raises(Diverged, match=r"gained energy from nowhere.*try"):
                 simulation.run(until=1.0)
         else:
             simulation.run(until=1.0)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ocean_sim.fluid._smoothing import Smoothing
 from ocean_sim.parts import kinds
 from ocean_sim.validation import (
     _shear,
@@ -175,6 +176,15 @@ def test_still_water_is_green_and_red_with_gravity_turned_round():
         pressure = -sign * 1000.0 * at[:, 1]
         found = hydrostatic.compared(water(at, 0.0 * at, pressure), depth=0.9, g=1.0)
         assert kept(hydrostatic.ADAMI, found) == expected
+
+
+def test_water_under_the_kernel_of_another_dimension_is_red(monkeypatch):
+    """The constant of three dimensions in a slice."""
+    wrong = property(lambda smoothing: 21.0 / (2.0 * np.pi * smoothing.support**3))
+    monkeypatch.setattr(Smoothing, "wendland_constant", wrong)
+    short = QUICK | {"duration": 0.2, "time_step": {"kind": "fixed", "dt": 5e-3}}
+    rows, _ = problems("hydrostatic", coarse=True)[0].run("hydrostatic", "delta_sph", short)
+    assert [row["ok"] for row in rows[:2]] == [False, False]
 
 
 @pytest.mark.parametrize("scheme", [scheme for scheme in ("mueller", "delta_sph") if scheme in kinds("fluid")])

@@ -99,9 +99,9 @@ def test_observers_are_closed_and_the_reason_is_kept_when_a_run_leaves_the_physi
     assert watcher.closed == 1
 
 
-def state(threads: int, steps: int, spacing: float) -> str:
-    scene = ocean_sim.load(SMALL, {"runtime.threads": threads, "fluid.spacing": spacing})
-    with ocean_sim.Simulation(scene) as simulation:
+def state(kind: str, threads: int, steps: int, spacing: float) -> str:
+    changed = {"runtime.threads": threads, "fluid.spacing": spacing, "fluid.kind": kind}
+    with ocean_sim.Simulation(ocean_sim.load(SMALL, changed)) as simulation:
         for _ in range(steps):
             simulation.step()
         particles = simulation.fluid.particles
@@ -110,11 +110,20 @@ def state(threads: int, steps: int, spacing: float) -> str:
         return sha256(x.tobytes() + v.tobytes() + particles.id.to_numpy().tobytes()).hexdigest()
 
 
-@pytest.mark.parametrize(("steps", "spacing"), [(500, 0.1), (30, 0.043)], ids=["serial sort", "sort in chunks"])
-def test_the_same_bytes_with_one_and_two_threads_and_run_after_run(steps, spacing):
-    two = state(2, steps, spacing)
-    assert two == state(1, steps, spacing)
-    assert two == state(2, steps, spacing)
+@pytest.mark.parametrize(
+    ("kind", "steps", "spacing"),
+    [
+        pytest.param("mueller", 500, 0.1, id="mueller, serial sort"),
+        pytest.param("mueller", 30, 0.043, id="mueller, sort in chunks"),
+        pytest.param("delta_sph", 300, 0.15, id="delta_sph, serial sort"),
+        pytest.param("delta_sph", 5, 0.043, id="delta_sph, sort in chunks"),
+        pytest.param("dfsph", 300, 0.15, id="dfsph, serial sort"),
+    ],
+)
+def test_the_same_bytes_with_one_and_two_threads_and_run_after_run(kind, steps, spacing):
+    two = state(kind, 2, steps, spacing)
+    assert two == state(kind, 1, steps, spacing)
+    assert two == state(kind, 2, steps, spacing)
 
 
 def test_another_seed_gives_another_sea():

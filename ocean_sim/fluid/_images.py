@@ -103,3 +103,14 @@ def reflected(mirror, other):
     for k in ti.static(range(3)):
         image[k], image[3 + k] = x_image[k], v_image[k]
     return image
+
+
+@ti.func
+def slid(mirror, other):
+    """The same as `reflected`, but along the side as if it were slippery: what a side that holds fast drags along does
+    not press water together or draw it apart (Marrone et al. 2011, CMAME 200, section 3.2)."""
+    image = reflected(mirror, other)
+    for k in ti.static(range(3)):
+        if mirror[SIGN, k] > 0.0:
+            image[3 + k] = other[3 + k]
+    return image

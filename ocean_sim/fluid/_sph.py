@@ -132,6 +132,8 @@ class Sph:
         """Leave all particles where they are, for the sort."""
         for i in range(self.particles.n):
             p, v = self.particles.position, self.particles.velocity
+            for left in ti.static(self.grid.left):
+                left[i] = 0.0
             self.grid.leave(i, tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(v.x[i], v.y[i], v.z[i]))
 
     def limits(self) -> Limits:

@@ -16,7 +16,7 @@ import taichi.math as tm
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid._grid import TASK
-from ocean_sim.fluid._images import climbed, reflected
+from ocean_sim.fluid._images import climbed, reflected, slid
 from ocean_sim.fluid._ledger import DIFFUSION, GRAVITY, PRESSURE, VISCOSITY, WALLS, WIND
 from ocean_sim.fluid._particles import Components
 from ocean_sim.fluid._smoothing import Smoothing, positive
@@ -145,9 +145,10 @@ class Momentum:
         a_pull = fluid.pull.at(x, v)
         a = a_water + a_walls + a_wind + a_pull  # (2.25)
         pushed, fast = fluid.walls.held_back(fluid.walls.calmed(x, v + dt * a, dt), dt)
-        x_new, v_new = fluid.walls.bounced(x + 0.5 * dt * pushed, pushed)
+        grid = fluid.grid
+        x_new, v_new = fluid.walls.bounced(x + grid.gone(i, 0.5 * dt * pushed), pushed)
         for k in ti.static(range(3)):
-            fluid.grid.moved[k][i], fluid.grid.moved[3 + k][i] = x_new[k], v_new[k]
+            grid.moved[k][i], grid.moved[3 + k][i] = x_new[k], v_new[k]
         fluid.ledger.count_motion(group, v_new, a, fast)
         if ti.static(self.apart):
             a_pressure, mean = fluid.slope * tm.vec3(total[0], total[1], total[2]), 0.5 * (v + v_new)
@@ -185,8 +186,9 @@ class Continuity:
 
     @ti.func
     def image(self, other, mirror):
-        """A neighbour as a side shows it: its velocity turned round, its density continued hydrostatically."""
-        x, image = tm.vec3(other[0], other[1], other[2]), reflected(mirror, other)
+        """A neighbour as a side shows it: its velocity across it turned round, its density continued
+        hydrostatically."""
+        x, image = tm.vec3(other[0], other[1], other[2]), slid(mirror, other)
         image[6] += self.heavier * climbed(mirror, x, self.fluid.pull.at_rest(x))
         return image
 
@@ -255,7 +257,8 @@ class DeltaSph(Sph):
         self.clamped, self.shifting = config.minimum_pressure is not None, config.shifted(basin)
         if self.shifting:
             self.shift = Components(particles.n)  # [1/m] where to
-        q = 1.0 - particles.spacing / self.smoothing.support
+        self.per_reach = 1.0 / (FLAT * particles.spacing)  # [1/m]
+        q = 1.0 - 1.0 / FLAT
         self.per_W_spacing = 1.0 / (q**4 * (5.0 - 4.0 * q))
         self.momentum, self.continuity = Momentum(self), Continuity(self)
         self.compress(sizes.grid.lattice.ends()[0])
@@ -286,8 +289,8 @@ class DeltaSph(Sph):
 
     @ti.func
     def closeness(self, r):
-        """W(r) / W(spacing)."""
-        q = positive(1.0 - r / self.smoothing.support)
+        """W(r) / W(spacing), of a kernel FLAT spacings wide: a narrow one would make near neighbours explode."""
+        q = positive(1.0 - r * self.per_reach)
         return self.per_W_spacing * q * q * q * q * (5.0 - 4.0 * q)
 
     @ti.func
@@ -331,12 +334,12 @@ class DeltaSph(Sph):
         for i in range(self.particles.n):
             p, u = self.particles.position, self.particles.velocity
             x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
-            x += 0.5 * dt * v
+            way = 0.5 * dt * v
             if ti.static(self.shifting):
-                way = tm.vec3(self.shift.x[i], self.shift.y[i], self.shift.z[i])
-                x += dt * speed * self.smoothing.support * way
+                shift = tm.vec3(self.shift.x[i], self.shift.y[i], self.shift.z[i])
+                way += dt * speed * self.smoothing.support * shift
             middle = self.excess[i] + 0.5 * dt * self.rate[i]
-            self.grid.leave(i, x, v)
+            self.grid.leave(i, x + self.grid.gone(i, way), v)
             self.grid.moved[7][i] = middle
             self.grid.moved[8][i] = self.pressure_of(middle) / (self.particles.rest_density + middle) ** 2
         self.grid.sort()

@@ -152,8 +152,9 @@ class Momentum:
         a_pull = fluid.pull.at(x, v)
         a = a_water + a_walls + a_wind + a_pull  # (2.25)
         pushed, fast = fluid.walls.held_back(fluid.walls.calmed(x, v + dt * a, dt), dt)
-        x_new, v_new = fluid.walls.bounced(x + dt * pushed, pushed)
-        fluid.grid.leave(i, x_new, v_new)
+        grid = fluid.grid
+        x_new, v_new = fluid.walls.bounced(x + grid.gone(i, dt * pushed), pushed)
+        grid.leave(i, x_new, v_new)
         fluid.ledger.count_motion(group, v_new, a, fast)
         if ti.static(self.apart):
             mean = 0.5 * (v + v_new)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ocean_sim.observers._csv import CsvFile, heading
+from ocean_sim.observers._energy import falls_around
 from ocean_sim.observers._outside import beyond
 from ocean_sim.observers._sampled import Sampled
 from ocean_sim.observers._surface_fit import SurfaceFit
@@ -53,7 +54,7 @@ class Accuracy:
             fluid = simulation.fluid
             self.pushing = [term for term in TERMS if term in fluid.impulse]
             self.working = [term for term in TERMS if term in fluid.work]
-            self.driven = driven(simulation)
+            self.driven = falls_around(simulation)
             self.at_start = self.potential_energy(simulation)
             self.energy_at_start: float | None = None
             told = self.told() | (self.surface.told if self.surface else {})
@@ -142,11 +143,3 @@ class Accuracy:
 
     def close(self) -> None:
         self.csv.close()
-
-
-def driven(simulation: "Simulation") -> bool:
-    """Whether what the water falls through is not all in its potential energy: a body force, or gravity along an axis
-    that is periodic."""
-    basin = simulation.basin
-    falls_around = any(period > 0.0 and g != 0.0 for period, g in zip(basin.periods, basin.gravity, strict=True))
-    return falls_around or any(simulation.scene.fluid.body_force)

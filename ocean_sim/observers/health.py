@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from ocean_sim.conventions import Diverged
+from ocean_sim.observers._energy import driven, total
 from ocean_sim.observers._outside import beyond
 from ocean_sim.parts import ObserverConfig, quantity
 
@@ -30,6 +31,10 @@ class Config(ObserverConfig):
     max_distance: float | None = quantity("m", None, gt=0.0)
     """How far from the basin a particle may get where no wall stops it; by default one diagonal of the basin."""
 
+    max_energy_gain: float = quantity("1", 0.1, gt=0.0)
+    """Energy that water may gain which nothing but gravity drives, over its mass times the square of the fluid's
+    reference speed."""
+
     def build(self, folder: Path | None, simulation: "Simulation") -> "Health":
         return Health(self, folder, simulation)
 
@@ -44,6 +49,8 @@ class Health:
         self.n = 0 if fluid.particles is None else fluid.particles.n
         self.max_speed = config.max_speed or 10.0 * fluid.reference_speed
         self.max_distance = config.max_distance or float(np.linalg.norm(self.upper - self.lower))
+        self.judged = self.n > 0 and fluid.sound_speed > 0.0 and not driven(simulation)
+        self.first_energy: float | None = None  # [J]
         self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
         self.limit, self.limit_told = "", -QUIET
         self.clipped, self.clipped_told = 0, -QUIET
@@ -65,6 +72,8 @@ class Health:
             self.events.flush()
 
     def observe(self, simulation: "Simulation") -> None:
+        if self.judged and self.first_energy is None:
+            self.first_energy = total(simulation)
         if self.n > 0 and simulation.steps > 0 and (self.suspicious() or simulation.steps % POSITIONS_EVERY == 0):
             sentence = next(self.complaints(), None)
             if sentence is not None:
@@ -113,12 +122,30 @@ class Health:
             far = f"the farthest by {distance.max():.4g} m (bound {self.max_distance:.4g} m)"
             yield self.sentence(f"{what}, {far}", position, [distance.argmax()])
 
+        yield from self.heated()
+
+    def heated(self) -> Iterator[str]:
+        """Energy that came from nowhere: a scheme that is not stable makes it long before any one particle is odd."""
+        if self.judged and self.first_energy is not None:
+            fluid = self.simulation.fluid
+            scale = fluid.particles.mass * self.n * fluid.reference_speed**2
+            gain = (total(self.simulation) - self.first_energy) / scale
+            if not gain <= self.config.max_energy_gain:
+                of = f"of its mass times the square of {fluid.reference_speed:.4g} m/s"
+                yield (
+                    f"the water gained energy from nowhere, {100.0 * gain:.3g} % {of} "
+                    f"(bound {100.0 * self.config.max_energy_gain:g} %), {self.moment()}; try a larger "
+                    f"fluid.kinematic_viscosity, or a shorter time step{self.last_frame()}"
+                )
+
+    def moment(self) -> str:
+        """When."""
+        return f"t = {self.simulation.time:.4f} s, step {self.simulation.steps}"
+
     def sentence(self, what: str, position: np.ndarray, worst) -> str:
         """What, where, when, what to try, and where the last good state lies."""
-        simulation = self.simulation
         where = "".join(f" at ({', '.join(f'{x:.4g}' for x in position[i])}) m" for i in worst)
-        when = f"t = {simulation.time:.4f} s, step {simulation.steps}"
-        return f"{what}{where}, {when}; {self.advice()}{self.last_frame()}"
+        return f"{what}{where}, {self.moment()}; {self.advice()}{self.last_frame()}"
 
     def advice(self) -> str:
         """What to try, by the likeliest cause."""

@@ -1,4 +1,5 @@
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -69,6 +70,18 @@ def test_what_is_not_physical_stops_the_run_with_a_sentence(watched, what, words
     with pytest.raises(Diverged, match=words) as stop:
         observer.observe(simulation)
     assert "t = 0.5000 s, step 50" in str(stop.value) and "try" in str(stop.value)
+
+
+def test_energy_from_nowhere_stops_the_run_and_energy_of_the_wind_does_not(watched):
+    for wind, stops in ((None, True), (SimpleNamespace(kind="gusts"), False)):
+        simulation = watched()
+        simulation.scene.wind = wind
+        simulation.observers = [health.Config(max_energy_gain=0.001).build(None, simulation)]
+        if stops:
+            with pytest.raises(Diverged, match=r"gained energy from nowhere.*try"):
+                simulation.run(until=1.0)
+        else:
+            simulation.run(until=1.0)
 
 
 def test_a_side_that_is_open_lets_particles_go_a_diagonal_far(watched):

@@ -1,0 +1,35 @@
+"""The energy of the water, and whether anything but gravity could give it some."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from ocean_sim.simulation import Simulation
+
+
+def total(simulation: "Simulation") -> float:
+    """Kinetic, potential (zero at the origin) and internal energy of the particles [J], summed in float64."""
+    particles = simulation.fluid.particles
+    velocity = particles.velocity.to_numpy().astype(np.float64)
+    centre_times_n = particles.position.to_numpy().sum(axis=0, dtype=np.float64)
+    moving = 0.5 * particles.mass * float((velocity**2).sum())
+    return (
+        moving - particles.mass * float(centre_times_n @ simulation.basin.gravity) + simulation.fluid.internal_energy()
+    )
+
+
+def falls_around(simulation: "Simulation") -> bool:
+    """Whether what the water falls through is not all in its potential energy: a body force, or gravity along an axis
+    that is periodic."""
+    basin = simulation.basin
+    around = any(period > 0.0 and g != 0.0 for period, g in zip(basin.periods, basin.gravity, strict=True))
+    return around or any(simulation.scene.fluid.body_force)
+
+
+def driven(simulation: "Simulation") -> bool:
+    """Whether wind, walls that move, a ship, new water or a body force may give energy to the water."""
+    scene, basin = simulation.scene, simulation.basin.config
+    wind = scene.wind is not None and scene.wind.kind != "still"
+    walls = basin.motion or basin.wavemaker or (basin.lid is not None and any(basin.lid.velocity))
+    return bool(wind or walls or simulation.ship or getattr(scene.fluid, "emitter", None) or falls_around(simulation))

@@ -1,0 +1,124 @@
+"""Every scheme of water beyond its limits: it ends physical or stops with a sentence, and is never wrong in silence.
+
+Physical is a collapsing column whose every number is finite, whose particles are all inside, at most half denser than
+water and no faster than ten times sqrt(g depth), and whose energy has not grown by more than a tenth of m g depth.
+"""
+
+import numpy as np
+import pytest
+
+import ocean_sim
+from ocean_sim.conventions import GRAVITY, Diverged
+from ocean_sim.observers import _energy
+from ocean_sim.scene import observer_names
+
+DEPTH = 0.5  # [m]
+COLUMN = {
+    "duration": 0.3,
+    "basin": {"length": 1.0, "depth": DEPTH},
+    "fluid": {"spacing": 0.05, "kinematic_viscosity": 1e-3, "fill": [{"min": [-0.5, -0.5], "max": [0.0, 0.0]}]},
+    "runtime": {"threads": 1},
+} | {name: None for name in observer_names() if name not in ("manifest", "health")}
+LONE = [{"min": [-0.1, -0.2], "max": [-0.05, -0.15]}]
+
+
+def compression(stiffness: float) -> dict[str, float]:
+    """Keys that make the square of the sound speed so many m2/s2."""
+    return {"fluid.compression": GRAVITY * DEPTH / stiffness}
+
+
+SLOW, FAST = "a tenth of the limit", "four times the limit"
+STEPS = {SLOW: 0.1, "twice the limit": 2.0, FAST: 4.0}
+EXTREMES = {
+    **{name: {} for name in STEPS},
+    "compression 1": {"fluid.compression": 1.0},
+    "stiffness 100": compression(100.0),
+    "stiffness 1e6": compression(1e6) | {"duration": 0.03},
+    "no viscosity": {"fluid.kinematic_viscosity": 0.0},
+    "viscosity 40": {"fluid.kinematic_viscosity": 40.0, "duration": 0.002},
+    "viscosity 40, a step that suits 1": {
+        "fluid.kinematic_viscosity": 40.0,
+        "time_step": {"kind": "fixed", "dt": 2e-3},
+    },
+    "one particle": {"fluid.fill": LONE},
+    "two particles in one place": {},
+    "a narrow support": {"fluid.support_ratio": 1.6},
+}
+PHYSICAL = {  # where stopping would be no answer
+    "mueller": {"viscosity 40", "one particle"},
+    "delta_sph": set(EXTREMES) - {FAST, "compression 1", "viscosity 40, a step that suits 1"},
+    "dfsph": set(),
+}
+
+
+def run(scheme: str, extreme: str) -> str:
+    """The sentence that the run stopped with, or an empty one."""
+    scene = ocean_sim.load(COLUMN | {"fluid": COLUMN["fluid"] | {"kind": scheme}}, EXTREMES[extreme])
+    with ocean_sim.Simulation(scene) as simulation:
+        fluid, particles = simulation.fluid, simulation.fluid.particles
+        if extreme in STEPS:
+            simulation.next_dt = STEPS[extreme] * simulation.time_step.next(fluid)
+            simulation.time_step.next = lambda _, dt=simulation.next_dt: dt
+        if extreme == "two particles in one place":
+            x = particles.position.to_numpy()
+            x[1] = x[0]
+            particles.position.from_numpy(x)
+            fluid.begin()
+        before = _energy.total(simulation)
+        try:
+            simulation.run(until=scene.duration)
+        except Diverged as stopped:
+            assert simulation.outcome == "stopped"
+            return str(stopped)
+        x, v = particles.position.to_numpy(), particles.velocity.to_numpy()
+        assert np.isfinite(x).all() and np.isfinite(v).all()
+        assert (np.abs(x[:, 0]) <= 0.5 + 1e-6).all() and (x[:, 1] >= -DEPTH - 1e-6).all()
+        assert particles.density.to_numpy().max() < 1500.0
+        assert np.abs(v).max() < 10.0 * np.sqrt(GRAVITY * DEPTH)
+        weight = particles.mass * particles.n * GRAVITY * DEPTH
+        assert _energy.total(simulation) - before < 0.1 * weight
+    return ""
+
+
+@pytest.mark.parametrize(
+    ("scheme", "extreme"),
+    [(scheme, extreme) for scheme in ("mueller", "delta_sph") for extreme in EXTREMES]
+    + [("dfsph", extreme) for extreme in (FAST, "stiffness 1e6", "viscosity 40, a step that suits 1")],
+)
+def test_it_ends_physical_or_says_why_not(scheme, extreme):
+    sentence = run(scheme, extreme)
+    assert not sentence or ("t = " in sentence and "try" in sentence)
+    assert not sentence or extreme not in PHYSICAL[scheme], sentence
+
+
+FAR = {
+    "duration": 1.0,
+    "basin": {"length": 121.6, "depth": 0.4, "gravity": [0.0, 0.0, 0.0], "walls": "none", "floor": "none"},
+    "fluid": {"spacing": 0.04, "reference_speed": 0.1},
+    "time_step": {"kind": "fixed", "dt": 2e-3},
+} | {key: COLUMN[key] for key in COLUMN if key not in ("duration", "basin", "fluid")}
+
+
+def turned(scheme: str, precision: str, left: float) -> np.ndarray:
+    """Way of every particle of a patch that turns slowly, and began at x = `left` [m]."""
+    fluid = FAR["fluid"] | {"kind": scheme, "fill": [{"min": [left, -0.4], "max": [left + 0.8, 0.0]}]}
+    with ocean_sim.Simulation(ocean_sim.load(FAR | {"fluid": fluid}, {"runtime.precision": precision})) as simulation:
+        particles = simulation.fluid.particles
+        start, first = particles.position.to_numpy().astype(float), particles.id.to_numpy()
+        arm = start - [left + 0.4, -0.2, 0.0]
+        particles.velocity.from_numpy(0.1 * np.stack([-arm[:, 1], arm[:, 0], 0.0 * arm[:, 0]], axis=1))
+        simulation.fluid.begin()
+        for _ in range(150):
+            simulation.step()
+        last = particles.position.to_numpy().astype(float)
+        return last[np.argsort(particles.id.to_numpy())] - start[np.argsort(first)]
+
+
+@pytest.mark.parametrize("scheme", ["mueller", "delta_sph"])
+def test_single_precision_keeps_slow_ways_far_from_the_origin(scheme):
+    """At 60 m places are 4e-6 m apart and a step goes 1e-5 m: what is rounded away is kept for the next step."""
+    exact = turned(scheme, "f64", -0.4)
+    near, far = (np.abs(turned(scheme, "f32", left) - exact).max() for left in (-0.4, 59.2))
+    print(f"\n{scheme}: way {np.abs(exact).max():.2e} m; f32 off by {near:.1e} m near and {far:.1e} m far")
+    assert np.abs(exact).max() > 5e-3
+    assert near < 5e-6 and far < 3e-5

@@ -115,6 +115,12 @@ class Sph:
         self.reference_speed, self.sound_speed = config.speed(basin), config.sound_speed(basin)
         self.field = Field(self.particles, self.grid, self.smoothing, self.pull.constant)
         self.dt = ti.field(float, shape=())  # [s]
+        self.bodies = len(basin.obstacles) > 0
+        if self.bodies:
+            from ocean_sim.fluid._boundary import Boundary, boxes
+
+            self.boundary = Boundary(boxes(lattice, support), self)
+            self.boundary.sort()
         self.exposed = wind.needs_area
         if self.exposed:
             self.exposed_area = Components(self.particles.n)  # times the outward normal [m2]
@@ -125,6 +131,8 @@ class Sph:
         self.pull.advance(self.time + 0.5 * dt)
         self.grid.images.advance(self.time + 0.5 * dt)
         self.time += dt
+        if self.bodies:
+            self.boundary.sort()
 
     @ti.kernel
     def lift(self):
@@ -140,7 +148,11 @@ class Sph:
     @property
     def impulse(self) -> dict[str, np.ndarray]:
         """Impulse of each term since the start [N s], (3,) each; empty unless built with ledger=True."""
-        return self.ledger.total()
+        total = self.ledger.total()
+        if total and self.bodies:
+            total["obstacles"] = -self.boundary.impulses().sum(axis=0)
+            total["walls"] = total["walls"] - total["obstacles"]  # the laws count both as walls
+        return total
 
     @property
     def work(self) -> dict[str, float]:

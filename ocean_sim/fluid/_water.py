@@ -8,29 +8,13 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from ocean_sim.basin import Basin
+from ocean_sim.basin import Basin, Box
 from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.fluid import _initial
 from ocean_sim.fluid._initial import Initial
 from ocean_sim.parts import PartConfig, Vector3, quantity
 
-Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 MOST_PARTICLES = 2**26  # their neighbours are counted in 32 bits
-
-
-class Box(PartConfig):
-    """A box of water; in a slice the points are [x, y]."""
-
-    min: Point = quantity("m")
-    """Lowest corner."""
-    max: Point = quantity("m")
-    """Highest corner."""
-
-    @model_validator(mode="after")
-    def _has_an_inside(self) -> "Box":
-        if len(self.min) != len(self.max) or any(a >= b for a, b in zip(self.min, self.max, strict=True)):
-            raise ValueError(f"every number of max must be greater than that of min, got {self.min} and {self.max}")
-        return self
 
 
 class WaterConfig(PartConfig):
@@ -95,6 +79,11 @@ class WaterConfig(PartConfig):
             for other_low, other_up in boxes[:k]:
                 if (np.minimum(up, other_up) - np.maximum(low, other_low))[: basin.dimension].min() > 1e-9:
                     found.append((("fill", k), "the box overlaps an earlier one: two particles would share a place"))
+        if basin.obstacles and not found:
+            if lattice.n == 0:
+                found.append((("fill",), "the obstacles of the basin leave no room for water"))
+            elif inside(lattice.positions(), basin).any():
+                found.append((("initial", "path"), "some of these particles are inside an obstacle"))
         return found
 
 
@@ -140,10 +129,12 @@ class Lattice:
         """Particles along x, y and z in each box."""
         return self.counted(self.spacing)
 
-    @property
+    @cached_property
     def n(self) -> int:
         """Number of particles."""
-        return total(self.counts) if self.given is None else len(self.given)
+        if self.given is None and not self.basin.obstacles:
+            return total(self.counts)
+        return len(self.positions())
 
     @cached_property
     def given(self) -> np.ndarray | None:
@@ -153,7 +144,7 @@ class Lattice:
     @property
     def mass(self) -> float:
         """Mass of a particle [kg], in a slice [kg/m]: rest density times volume of the water over n."""
-        return self.config.rest_density * self.volume / self.n
+        return self.config.rest_density * self.volume / (total(self.counts) if self.given is None else self.n)
 
     @property
     def height(self) -> float:
@@ -165,18 +156,34 @@ class Lattice:
         if self.given is not None:
             return np.repeat([[self.basin.lower[1]], [0.0]], self.n, axis=1)
         heights = np.array([(low[1], up[1]) for low, up in self.boxes])
-        return np.repeat(heights, [int(np.prod(count)) for count in self.counts], axis=0).T
+        return np.repeat(heights, [int(np.prod(count)) for count in self.counts], axis=0)[self.wet].T
 
-    def positions(self) -> np.ndarray:
-        """(n, 3) places of the particles [m], x running fastest."""
-        if self.given is not None:
-            return self.given
+    @cached_property
+    def full(self) -> np.ndarray:
+        """(m, 3) places [m] of a lattice that fills the boxes, x running fastest."""
         parts = []
         for (low, up), count in zip(self.boxes, self.counts, strict=True):
             x, y, z = (low[k] + (np.arange(count[k]) + 0.5) * (up[k] - low[k]) / count[k] for k in range(3))
             grid = np.meshgrid(z, y, x, indexing="ij")
             parts.append(np.stack([grid[2].ravel(), grid[1].ravel(), grid[0].ravel()], axis=1))
         return np.concatenate(parts)
+
+    @cached_property
+    def wet(self) -> np.ndarray:
+        """(m,) which of them are in no obstacle."""
+        return ~inside(self.full, self.basin)
+
+    def positions(self) -> np.ndarray:
+        """(n, 3) places of the particles [m], x running fastest."""
+        return self.full[self.wet] if self.given is None else self.given
+
+
+def inside(positions: np.ndarray, basin: Basin) -> np.ndarray:
+    """(n,) which of (n, 3) places [m] are in an obstacle."""
+    found = np.zeros(len(positions), dtype=bool)
+    for low, up in basin.obstacles:
+        found |= ((positions > low) & (positions < up)).all(axis=1)
+    return found
 
 
 def total(counts: list[np.ndarray]) -> int:

@@ -95,6 +95,9 @@ class Momentum:
         self.apart = fluid.ledger.impulses  # pressure and viscosity summed apart
         self.sums = 6 if self.apart else 3
         self.tiny = 1e-6 * h * h  # [m2]
+        if fluid.bodies:
+            self.solid, self.reaction = fluid.boundary.met(self), fluid.boundary.reaction(self)
+            self.continued = fluid.boundary.continued(fluid.pressing, 1.0 / fluid.particles.rest_density)
 
     @ti.func
     def begin(self, group):
@@ -106,6 +109,20 @@ class Momentum:
         x, image = tm.vec3(other[0], other[1], other[2]), reflected(mirror, other)
         image[6] += climbed(mirror, x, self.fluid.pull.at_rest(x)) / self.fluid.particles.rest_density
         return image
+
+    @ti.func
+    def sample(self, own, s, d, mirror):
+        """A sample of a solid body."""
+        boundary, other = self.fluid.boundary, own
+        v = boundary.drag_velocity(tm.vec3(own[3], own[4], own[5]), s, mirror)
+        for k in ti.static(range(3)):
+            other[k], other[3 + k] = own[k] + d[k], v[k]
+        other[6] = boundary.pressure[s]
+        return other
+
+    @ti.func
+    def acceleration(self, own, total):
+        return self.fluid.slope * self.fluid.added(total)
 
     @ti.func
     def pair(self, own, other):
@@ -140,6 +157,8 @@ class Momentum:
         fluid, m = self.fluid, ti.static(self.fluid.particles.mass)
         dt = fluid.dt[None]
         x, v = tm.vec3(own[0], own[1], own[2]), tm.vec3(own[3], own[4], own[5])
+        if ti.static(fluid.bodies):
+            beyond += self.solid.total(x, own)
         a_water, a_walls = fluid.slope * fluid.added(total), fluid.slope * fluid.added(beyond)
         a_wind = fluid.wind.force(fluid.particles.id[i], x, v, fluid.area(i), m) / m
         a_pull = fluid.pull.at(x, v)
@@ -178,6 +197,8 @@ class Continuity:
         self.heavier = rho_0 / fluid.sound_speed**2  # density [kg/m3] over p / rho [m2/s2]
         self.leaning = fluid.exposed or fluid.shifting  # whether the sum of grad W is wanted
         self.sums = 5 if self.leaning else 2
+        if fluid.bodies:
+            self.solid = fluid.boundary.met(self)
 
     @ti.func
     def begin(self, group):
@@ -189,6 +210,16 @@ class Continuity:
         x, image = tm.vec3(other[0], other[1], other[2]), reflected(mirror, other)
         image[6] += self.heavier * climbed(mirror, x, self.fluid.pull.at_rest(x))
         return image
+
+    @ti.func
+    def sample(self, own, s, d, mirror):
+        """A sample of a solid body: it moves as it does, and nothing diffuses into it."""
+        other, v = own, self.fluid.boundary.own_velocity(s, mirror)
+        for k in ti.static(range(3)):
+            other[k], other[3 + k] = own[k] + d[k], v[k]
+        still = self.heavier * self.fluid.pull.at_rest(tm.vec3(own[0], own[1], own[2]))
+        other[6] = own[6] + still.dot(d)
+        return other
 
     @ti.func
     def pair(self, own, other):
@@ -214,6 +245,8 @@ class Continuity:
     def finish(self, i, own, total, beyond, group):
         fluid, particles, rho_0 = self.fluid, self.fluid.particles, ti.static(self.fluid.particles.rest_density)
         dt = fluid.dt[None]
+        if ti.static(fluid.bodies):
+            total += self.solid.total(tm.vec3(own[0], own[1], own[2]), own)
         rate = fluid.slope * (total[0] + total[1])
         excess = own[6] + 0.5 * dt * rate
         fluid.rate[i], fluid.excess[i] = rate, excess
@@ -340,6 +373,9 @@ class DeltaSph(Sph):
             self.grid.moved[7][i] = middle
             self.grid.moved[8][i] = self.pressure_of(middle) / (self.particles.rest_density + middle) ** 2
         self.grid.sort()
+        if ti.static(self.bodies):
+            self.boundary.press(self.momentum.continued)
+            self.boundary.react(self.momentum.reaction, dt)
         for g in range(self.ledger.groups * TASK):
             if g % TASK == 0:
                 self.neighbours.walk(g // TASK, self.momentum, True)

@@ -1,11 +1,12 @@
 """Solid bodies in the water, as samples of what lies within one support of their faces: they stand in the sums of the
 water's laws as particles would, and what the water does to them is gathered back.
 
-The pressure at a sample is that of the water around it, continued to the sample by the weight of the water less the
-acceleration of the body; on a body without slip its velocity is twice its own less that of the water (Adami, Hu & Adams
-2012, J. Comput. Phys. 231, eqs. 23 and 27). A sample counts by its volume over that of a particle, and it pushes a
-particle as strongly as the particle pushes it. Flat sides mirror samples as they mirror particles: what an image of a
-sample presses across its side is that side's, all else is the body's.
+A sample counts by its volume over that of a particle (Akinci et al. 2012, ACM Trans. Graph. 31). To each particle it
+shows that particle's own pressure, continued to its place by the weight of the water less the acceleration of the body
+(the pressure gradient at a wall of Adami, Hu & Adams 2012, J. Comput. Phys. 231, eq. 26), and the velocity that a mirror
+in its place would show; so pressure works on the water exactly as much as bodies compress it, both sides of a thin body
+keep their own pressure, and still water is exact. A sample is pushed as strongly as it pushes. Flat sides mirror samples
+as they mirror particles: what an image of a sample presses across its side is that side's, all else is the body's.
 """
 
 from collections.abc import Sequence
@@ -17,9 +18,9 @@ import numpy as np
 import taichi as ti
 import taichi.math as tm
 
-from ocean_sim.fluid._around import Around, unmirrored
+from ocean_sim.fluid._around import Around
 from ocean_sim.fluid._grid import TASK
-from ocean_sim.fluid._images import SIGN, climbed, turned
+from ocean_sim.fluid._images import SIGN, turned
 from ocean_sim.fluid._particles import Components
 from ocean_sim.fluid._water import Lattice
 
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from ocean_sim.fluid._sph import Sph
 
 BLOCK = 32  # samples of a task
-LEAST = 1.0e-3  # share of water around a sample; where there is less, it is dry
 
 
 @dataclass(frozen=True)
@@ -60,10 +60,10 @@ def boxes(lattice: Lattice, support: float) -> list[Body]:
 
 @ti.data_oriented
 class Boundary:
-    """All solid bodies in the water: `place` them, `press` them, `react`; then `forces` says what they feel."""
+    """All solid bodies in the water: `place` them, `sort`, `react`; then `forces` says what they feel."""
 
     def __init__(self, bodies: Sequence[Body], fluid: "Sph") -> None:
-        particles, self.grid, self.smoothing = fluid.particles, fluid.grid, fluid.smoothing
+        particles, self.grid = fluid.particles, fluid.grid
         self.fluid, self.bodies, self.pull = fluid, bodies, fluid.pull
         owners = [np.full(len(body.place), k) for k, body in enumerate(bodies)]
         self.owner = np.concatenate(owners)  # (n,) which body a sample is of
@@ -78,7 +78,6 @@ class Boundary:
         self.position, self.velocity, self.acceleration = Components(n), Components(n), Components(n)
         self.share, self.free, self.name = ti.field(float, shape=n), ti.field(int, shape=n), ti.field(int, shape=n)
         self.start = ti.field(int, shape=self.grid.cell_count + 1)
-        self.pressure, self.opposed = ti.field(float, shape=n), Components(n)
         # In the order of the bodies again.
         self.force, self.impulse = Components(n), ti.field(ti.f64, shape=(n, 3))
         self.box = ti.field(float, shape=(len(bodies), 2, 3))  # half the size of each body and its middle [m]
@@ -150,32 +149,23 @@ class Boundary:
         return found
 
     @ti.func
-    def drag_velocity(self, own, s, mirror):
-        """Velocity [m/s] with which sample s rubs on water that moves with `own`: on a body with slip that of the
-        water, so it does not."""
-        opposed = turned(mirror, tm.vec3(self.opposed.x[s], self.opposed.y[s], self.opposed.z[s]))
-        return ti.select(self.free[s] == 1, own, opposed)
+    def head(self, x, s, d, mirror):
+        """Rise of p / rho [m2/s2] from a particle at x to sample s, seen at d [m] in a mirror."""
+        a = self.acceleration
+        pull, head = self.pull.at_rest(x), 0.0
+        for k, along in ti.static(enumerate((a.x, a.y, a.z))):
+            head += (pull[k] - mirror[SIGN, k] * along[s]) * d[k]
+        return head
 
     @ti.func
-    def own_velocity(self, s, mirror):
-        """Velocity [m/s] of sample s as a side shows it."""
-        return turned(mirror, tm.vec3(self.velocity.x[s], self.velocity.y[s], self.velocity.z[s]))
+    def opposed(self, v, s, mirror):
+        """Velocity [m/s] that keeps water of velocity v out of sample s: twice that of the sample less v."""
+        return 2.0 * turned(mirror, tm.vec3(self.velocity.x[s], self.velocity.y[s], self.velocity.z[s])) - v
 
     @ti.func
-    def press(self, law: ti.template()):
-        """Pressures and velocities of the samples from the water around them; call it at the top of a kernel."""
-        for b in range(self.blocks * TASK):
-            if b % TASK == 0:
-                for s in range(b // TASK * BLOCK, ti.min((b // TASK + 1) * BLOCK, self.n)):
-                    x = tm.vec3(self.position.x[s], self.position.y[s], self.position.z[s])
-                    v = tm.vec3(self.velocity.x[s], self.velocity.y[s], self.velocity.z[s])
-                    a = tm.vec3(self.acceleration.x[s], self.acceleration.y[s], self.acceleration.z[s])
-                    total = self.water.total(x, law, self.pull.at_rest(x) - a)
-                    wet = total[0] > LEAST
-                    self.pressure[s] = ti.select(wet, total[1] / tm.max(total[0], LEAST), 0.0)
-                    there = tm.vec3(total[2], total[3], total[4]) / tm.max(total[0], LEAST)
-                    opposed = ti.select(wet, 2.0 * v - there, v)
-                    self.opposed.x[s], self.opposed.y[s], self.opposed.z[s] = opposed.x, opposed.y, opposed.z
+    def rubbing(self, v, s, mirror):
+        """Velocity [m/s] with which sample s rubs on water of velocity v: the water's own where it slips."""
+        return ti.select(self.free[s] == 1, v, self.opposed(v, s, mirror))
 
     @ti.func
     def react(self, law: ti.template(), dt):
@@ -188,9 +178,6 @@ class Boundary:
                     self.force.x[name], self.force.y[name], self.force.z[name] = force.x, force.y, force.z
                     for k in ti.static(range(3)):
                         self.impulse[name, k] += ti.cast(dt * force[k], ti.f64)
-
-    def continued(self, pressure: Any, per_head: float) -> "Continued":
-        return Continued(self.fluid, pressure, per_head)
 
     def met(self, law: Any) -> "Met":
         return Met(self, law)
@@ -212,27 +199,6 @@ class Boundary:
     def by_body(self, values: np.ndarray) -> np.ndarray:
         """(k, 3) sums of (n, 3) over the samples of each body."""
         return np.array([values[self.owner == k].sum(axis=0) for k in range(len(self.bodies))])
-
-
-@ti.data_oriented
-class Continued:
-    """The water's pressure (or what else a scheme presses with) at a sample, and its velocity: share of water, then
-    both times it. `own` is what pulls on water at rest with the body."""
-
-    sums = 5
-
-    def __init__(self, fluid: "Sph", pressure: Any, per_head: float) -> None:
-        """`per_head`: rise of the pressure over g . x."""
-        self.fluid, self.pressure, self.per_head = fluid, pressure, per_head
-        self.volume = fluid.particles.mass / fluid.particles.rest_density
-
-    @ti.func
-    def term(self, own, j, d, mirror):
-        fluid, p, u = self.fluid, self.fluid.particles.position, self.fluid.particles.velocity
-        x, v = tm.vec3(p.x[j], p.y[j], p.z[j]), turned(mirror, tm.vec3(u.x[j], u.y[j], u.z[j]))
-        head = climbed(mirror, x, fluid.pull.at_rest(x)) - own.dot(d)
-        weight = self.volume * fluid.smoothing.W_poly6(d.dot(d))
-        return weight * ti.Vector([1.0, self.pressure[j] + self.per_head * head, v.x, v.y, v.z])
 
 
 @ti.data_oriented
@@ -269,7 +235,7 @@ class Reaction:
     def term(self, own, j, d, mirror):
         law = self.law
         here = ti.Vector([field[j] for field in ti.static(law.reads)])
-        seen = law.image(here, mirror)
-        push = self.boundary.share[own] * law.pair(seen, law.sample(seen, own, -d, unmirrored()))
+        away = tm.vec3([-mirror[SIGN, k] * d[k] for k in ti.static(range(3))])
+        push = self.boundary.share[own] * law.pair(here, law.sample(here, own, away, mirror))
         force = -self.mass * law.acceleration(here, push)
         return ti.Vector([ti.select(mirror[SIGN, k] > 0.0, force[k], 0.0) for k in ti.static(range(3))])

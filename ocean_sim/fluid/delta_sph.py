@@ -97,7 +97,6 @@ class Momentum:
         self.tiny = 1e-6 * h * h  # [m2]
         if fluid.bodies:
             self.solid, self.reaction = fluid.boundary.met(self), fluid.boundary.reaction(self)
-            self.continued = fluid.boundary.continued(fluid.pressing, 1.0 / fluid.particles.rest_density)
 
     @ti.func
     def begin(self, group):
@@ -114,10 +113,11 @@ class Momentum:
     def sample(self, own, s, d, mirror):
         """A sample of a solid body."""
         boundary, other = self.fluid.boundary, own
-        v = boundary.drag_velocity(tm.vec3(own[3], own[4], own[5]), s, mirror)
+        v = boundary.rubbing(tm.vec3(own[3], own[4], own[5]), s, mirror)
         for k in ti.static(range(3)):
             other[k], other[3 + k] = own[k] + d[k], v[k]
-        other[6] = boundary.pressure[s]
+        head = boundary.head(tm.vec3(own[0], own[1], own[2]), s, d, mirror)
+        other[6] = own[6] + head / self.fluid.particles.rest_density
         return other
 
     @ti.func
@@ -213,8 +213,8 @@ class Continuity:
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """A sample of a solid body: it moves as it does, and nothing diffuses into it."""
-        other, v = own, self.fluid.boundary.own_velocity(s, mirror)
+        """A sample of a solid body: it moves against the water, and nothing diffuses into it."""
+        other, v = own, self.fluid.boundary.opposed(tm.vec3(own[3], own[4], own[5]), s, mirror)
         for k in ti.static(range(3)):
             other[k], other[3 + k] = own[k] + d[k], v[k]
         still = self.heavier * self.fluid.pull.at_rest(tm.vec3(own[0], own[1], own[2]))
@@ -374,7 +374,6 @@ class DeltaSph(Sph):
             self.grid.moved[8][i] = self.pressure_of(middle) / (self.particles.rest_density + middle) ** 2
         self.grid.sort()
         if ti.static(self.bodies):
-            self.boundary.press(self.momentum.continued)
             self.boundary.react(self.momentum.reaction, dt)
         for g in range(self.ledger.groups * TASK):
             if g % TASK == 0:

@@ -123,7 +123,6 @@ class Momentum:
         self.viscous = mu * particles.mass * smoothing.viscosity_constant / self.constant
         if fluid.bodies:
             self.solid, self.reaction = fluid.boundary.met(self), fluid.boundary.reaction(self)
-            self.continued = fluid.boundary.continued(particles.pressure, particles.rest_density)
 
     @ti.func
     def begin(self, group):
@@ -140,10 +139,11 @@ class Momentum:
     def sample(self, own, s, d, mirror):
         """A sample of a solid body, which has the rest density."""
         boundary, other = self.fluid.boundary, own
-        v = boundary.drag_velocity(tm.vec3(own[3], own[4], own[5]), s, mirror)
+        v = boundary.rubbing(tm.vec3(own[3], own[4], own[5]), s, mirror)
         for k in ti.static(range(3)):
             other[k], other[3 + k] = own[k] + d[k], v[k]
-        other[6], other[7] = boundary.pressure[s], 1.0 / self.fluid.particles.rest_density
+        head, rho_0 = boundary.head(tm.vec3(own[0], own[1], own[2]), s, d, mirror), self.fluid.particles.rest_density
+        other[6], other[7] = own[6] + rho_0 * head, 1.0 / rho_0
         return other
 
     @ti.func
@@ -225,7 +225,6 @@ class Mueller(Sph):
         """Move by the forces of here and now."""
         self.dt[None] = dt
         if ti.static(self.bodies):
-            self.boundary.press(self.momentum.continued)
             self.boundary.react(self.momentum.reaction, dt)
         for g in range(self.ledger.groups * TASK):
             if g % TASK == 0:

@@ -131,7 +131,7 @@ def blocked(obstacles: tuple[Obstacle, ...], basin: "Basin") -> list[tuple[tuple
         out = [
             axis
             for axis, low, up, least, most in zip("xyz", box.min, box.max, basin.lower, basin.upper)
-            if low < least - ROUNDING or up > most + ROUNDING and (axis != "y" or basin.closed)
+            if low < least - ROUNDING or (up > most + ROUNDING and (axis != "y" or basin.closed))
         ]
         if out:
             found.append((key, f"the box reaches out of the basin along {' and '.join(out)}"))

@@ -22,6 +22,7 @@ from ocean_sim.fluid._around import Around
 from ocean_sim.fluid._grid import TASK
 from ocean_sim.fluid._images import SIGN, turned
 from ocean_sim.fluid._particles import Components
+from ocean_sim.fluid._smoothing import Smoothing
 from ocean_sim.fluid._water import Lattice
 
 if TYPE_CHECKING:
@@ -83,8 +84,10 @@ class Boundary:
         self.box = ti.field(float, shape=(len(bodies), 2, 3))  # half the size of each body and its middle [m]
         self.around = Around(self, self.grid, self.start)
         self.water = Around(particles, self.grid)
+        self.volume = Volume(self, fluid.smoothing, unit)
         for k, body in enumerate(bodies):
             self.place(k, body.origin)
+        self.sort()
 
     def place(
         self,
@@ -130,7 +133,10 @@ class Boundary:
         self.share.from_numpy(self.shares[order].astype(self.position.precision))
         self.free.from_numpy(self.free_slip[order])
         self.name.from_numpy(order.astype(np.int32))
-        spans = [(self.at[0, self.owner == k].min(axis=0), self.at[0, self.owner == k].max(axis=0)) for k in range(len(self.bodies))]
+        spans = [
+            (self.at[0, self.owner == k].min(axis=0), self.at[0, self.owner == k].max(axis=0))
+            for k in range(len(self.bodies))
+        ]
         sizes = np.array([(0.5 * (up - low) + grid.support, 0.5 * (up + low)) for low, up in spans])
         self.box.from_numpy(sizes.astype(self.position.precision))
 
@@ -179,6 +185,14 @@ class Boundary:
                     for k in ti.static(range(3)):
                         self.impulse[name, k] += ti.cast(dt * force[k], ti.f64)
 
+    @ti.func
+    def solid(self, x):
+        """Smoothed share of solid bodies around x; 1 inside, one half on a face."""
+        share = 0.0
+        if self.near(x):
+            share = self.around.total(x, self.volume, 0.0)[0]
+        return share
+
     def met(self, law: Any) -> "Met":
         return Met(self, law)
 
@@ -199,6 +213,21 @@ class Boundary:
     def by_body(self, values: np.ndarray) -> np.ndarray:
         """(k, 3) sums of (n, 3) over the samples of each body."""
         return np.array([values[self.owner == k].sum(axis=0) for k in range(len(self.bodies))])
+
+
+@ti.data_oriented
+class Volume:
+    """Smoothed share of solid bodies."""
+
+    sums = 1
+
+    def __init__(self, boundary: Boundary, smoothing: Smoothing, unit: float) -> None:
+        """`unit`: volume of a particle [m3]."""
+        self.boundary, self.smoothing, self.unit = boundary, smoothing, unit
+
+    @ti.func
+    def term(self, own, s, d, mirror):
+        return ti.Vector([self.unit * self.boundary.share[s] * self.smoothing.W_poly6(d.dot(d))])
 
 
 @ti.data_oriented

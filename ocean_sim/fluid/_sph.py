@@ -113,14 +113,15 @@ class Sph:
         self.pull = Pull(basin, config.body_force)
         self.time = 0.0  # [s]
         self.reference_speed, self.sound_speed = config.speed(basin), config.sound_speed(basin)
-        self.field = Field(self.particles, self.grid, self.smoothing, self.pull.constant)
         self.dt = ti.field(float, shape=())  # [s]
-        self.bodies = len(basin.obstacles) > 0
+        self.bodies, self.boundary = len(basin.obstacles) > 0, None
         if self.bodies:
             from ocean_sim.fluid._boundary import Boundary, boxes
 
             self.boundary = Boundary(boxes(lattice, support), self)
-            self.boundary.sort()
+        self.field = Field(
+            self.particles, self.grid, self.smoothing, self.pull.constant, self.pull, boundary=self.boundary
+        )
         self.exposed = wind.needs_area
         if self.exposed:
             self.exposed_area = Components(self.particles.n)  # times the outward normal [m2]

@@ -12,6 +12,6 @@ def beyond(position: np.ndarray, basin: Basin) -> np.ndarray:
     water and at open sides."""
     low, up = (np.array(stop) for stop in basin.stops())
     distance = np.linalg.norm(position - np.clip(position, low, up), axis=1)
-    for low, up in basin.obstacles:
-        distance = np.maximum(distance, np.minimum(position - low, np.array(up) - position).min(axis=1))
+    for least, most in basin.obstacles:
+        distance = np.maximum(distance, np.minimum(position - least, np.array(most) - position).min(axis=1))
     return np.where(distance > ROUNDING * np.abs([basin.lower, basin.upper]).max(), distance, 0.0)

@@ -3,10 +3,10 @@ water's laws as particles would, and what the water does to them is gathered bac
 
 A sample counts by its volume over that of a particle (Akinci et al. 2012, ACM Trans. Graph. 31). To each particle it
 shows that particle's own pressure, continued to its place by the weight of the water less the acceleration of the body
-(the pressure gradient at a wall of Adami, Hu & Adams 2012, J. Comput. Phys. 231, eq. 26), and the velocity that a mirror
-in its place would show; so pressure works on the water exactly as much as bodies compress it, both sides of a thin body
-keep their own pressure, and still water is exact. A sample is pushed as strongly as it pushes. Flat sides mirror samples
-as they mirror particles: what an image of a sample presses across its side is that side's, all else is the body's.
+(the pressure gradient at a wall of Adami, Hu & Adams 2012, J. Comput. Phys. 231, eq. 26), and the velocity that a
+mirror in its place would show: both sides of a thin body keep their own pressure, and still water is exact. A sample is
+pushed as strongly as it pushes. Flat sides mirror samples as they mirror particles: what an image of a sample presses
+across its side is that side's, all else is the body's.
 """
 
 from collections.abc import Sequence
@@ -164,9 +164,14 @@ class Boundary:
         return head
 
     @ti.func
+    def own_velocity(self, s, mirror):
+        """Of sample s [m/s], as a mirror shows it."""
+        return turned(mirror, tm.vec3(self.velocity.x[s], self.velocity.y[s], self.velocity.z[s]))
+
+    @ti.func
     def opposed(self, v, s, mirror):
         """Velocity [m/s] that keeps water of velocity v out of sample s: twice that of the sample less v."""
-        return 2.0 * turned(mirror, tm.vec3(self.velocity.x[s], self.velocity.y[s], self.velocity.z[s])) - v
+        return 2.0 * self.own_velocity(s, mirror) - v
 
     @ti.func
     def rubbing(self, v, s, mirror):

@@ -301,6 +301,7 @@ class DeltaSph(Sph):
         if pull > 0.0 and not self.closed:
             x, p = self.particles.position.to_numpy().astype(float), self.particles.pressure.to_numpy().astype(float)
             rho_0 = self.particles.rest_density
+            bed = np.append(bed, x[len(bed) :, 1])  # what has left an emitter stays
             deepest = p + rho_0 * pull * (x[:, 1] - bed)
             x[:, 1] -= np.maximum(deepest**2 - p**2, 0.0) / (2.0 * pull * (rho_0 * self.sound_speed) ** 2)
             self.particles.position.from_numpy(x)
@@ -316,6 +317,7 @@ class DeltaSph(Sph):
         self.drive(dt)
         self.step(dt, self.status.max_speed, self.summary)
         self.status = self.ledger.status(self.summary, self.grid)
+        self.emit()
 
     @ti.func
     def closeness(self, r):
@@ -339,10 +341,10 @@ class DeltaSph(Sph):
     def settle(self, summary: ti.types.ndarray(ndim=1)):
         """Sort, and find the rate of the density as it is now."""
         self.dt[None] = 0.0
-        for i in range(self.particles.n):
+        for i in range(self.particles.count.there()):
             self.grid.moved[7][i] = self.excess_of(self.particles.pressure[i])
         self.grid.sort()
-        for i in range(self.particles.n):
+        for i in range(self.particles.count.there()):
             for k in ti.static(range(6)):
                 self.grid.moved[k][i] = self.grid.state[k][i]
         for g in range(self.ledger.groups * TASK):
@@ -361,7 +363,7 @@ class DeltaSph(Sph):
     def step(self, dt: float, speed: float, summary: ti.types.ndarray(ndim=1)):
         """Drift half a step, sort, kick, drift to the end, find the rate of the density there."""
         self.dt[None] = dt
-        for i in range(self.particles.n):
+        for i in range(self.particles.count.there()):
             p, u = self.particles.position, self.particles.velocity
             x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
             x += 0.5 * dt * v

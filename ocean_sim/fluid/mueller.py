@@ -214,6 +214,7 @@ class Mueller(Sph):
         self.drive(dt)
         self.move(dt)
         self.arrive()
+        self.emit()
 
     def arrive(self) -> None:
         """Make everything current and sorted where the particles are now."""

@@ -13,7 +13,7 @@ from ocean_sim.parts import ObserverConfig, quantity
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
-TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "diffusion", "shifting")
+TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "obstacles", "ship", "emitter", "diffusion", "shifting")
 BETWEEN_ENERGIES = ("pressure", "gravity")  # their work turns one energy into another
 COLUMNS = (
     "compression_mean",
@@ -142,8 +142,8 @@ class Accuracy:
 
 
 def driven(simulation: "Simulation") -> bool:
-    """Whether what the water falls through is not all in its potential energy: a body force, or gravity along an axis
-    that is periodic."""
+    """Whether what the water falls through is not all in its potential energy: a body force, a tank that moves, or
+    gravity along an axis that is periodic."""
     basin = simulation.basin
     falls_around = any(period > 0.0 and g != 0.0 for period, g in zip(basin.periods, basin.gravity, strict=True))
-    return falls_around or any(simulation.scene.fluid.body_force)
+    return falls_around or any(simulation.scene.fluid.body_force) or basin.config.motion is not None

@@ -100,8 +100,8 @@ class Boundary:
         angular_acceleration: Any = (0.0, 0.0, 0.0),
     ) -> None:
         """Put a body's origin at `position` [m], turned by the (3, 3) matrix `rotation` from its axes to those of the
-        tank; it moves with `velocity` [m/s], `angular_velocity` [rad/s] and their rates. What it is to the water it is
-        from the next step on."""
+        tank; it moves with `velocity` [m/s], `angular_velocity` [rad/s] and their rates. The next step takes it over:
+        say where it is when that step ends."""
         own = self.owner == body
         local = self.bodies[body].place
         arm = local if rotation is None else local @ np.asarray(rotation).T

@@ -143,7 +143,13 @@ def test_a_run_tells_what_was_emitted(tmp_path):
     from ocean_sim import run
 
     fluid = {"kind": "ballistic", "spacing": 0.05, "emitter": INTO}
-    scene = {"duration": 0.16, "accuracy": {"every": 0.04}, "basin": {"length": 1.0, "depth": 0.5}, "fluid": fluid, "runtime": {"threads": 1}}
+    scene = {
+        "duration": 0.16,
+        "accuracy": {"every": 0.04},
+        "basin": {"length": 1.0, "depth": 0.5},
+        "fluid": fluid,
+        "runtime": {"threads": 1},
+    }
     result = run(load(scene | {"render": None, "gauges": {"pressure": {"bed": [0.0, -0.5]}}}), tmp_path / "run")
     account = result.accuracy
     left = account["momentum_y_kg_m_s"] - sum(

@@ -41,7 +41,7 @@ def still(water):
 
 
 def test_a_submerged_box_bears_the_weight_of_the_water_it_displaces(still):
-    fluid, force = still
+    _, force = still
     assert force[1] == pytest.approx(WEIGHT * VOLUME, rel=0.02)
     assert abs(force[0]) < 1e-6 * WEIGHT * VOLUME
 

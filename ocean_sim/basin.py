@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.motion import Motion, Piston, Wavemaker
@@ -13,6 +15,8 @@ SIDES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
 
 Wall = Literal["none", "reflecting", "no_slip", "periodic", "absorbing"]
 Slip = Literal["free_slip", "no_slip"]
+Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
+ROUNDING = 1e-9  # [m] by which a box may reach over a side or into another one
 
 
 class Walls(PartConfig):
@@ -40,6 +44,29 @@ class Lid(PartConfig):
     """It slides in its own plane."""
 
 
+class Box(PartConfig):
+    """A box of water, or one that it flows around; in a slice the points are [x, y]."""
+
+    min: Point = quantity("m")
+    """Lowest corner."""
+    max: Point = quantity("m")
+    """Highest corner."""
+
+    @model_validator(mode="after")
+    def _has_an_inside(self) -> "Box":
+        if len(self.min) != len(self.max) or any(a >= b for a, b in zip(self.min, self.max, strict=True)):
+            raise ValueError(f"every number of max must be greater than that of min, got {self.min} and {self.max}")
+        return self
+
+
+class Obstacle(Box):
+    """A fixed box in the water. One that is thinner than the support of the smoothing kernel lets the water on both
+    sides feel each other through it."""
+
+    slip: Slip = "free_slip"
+    """`no_slip`: water that touches it rests."""
+
+
 class Config(PartConfig):
     """Size and sides of the basin; the origin is the centre of the still surface, y points up."""
 
@@ -63,6 +90,8 @@ class Config(PartConfig):
     friction: float = quantity("1", 0.0, ge=0.0)
     """Coulomb friction at walls and floor: tangential over normal impulse, at most."""
 
+    obstacles: Annotated[tuple[Obstacle, ...], Field(strict=False)] = ()
+    """Fixed boxes, which the water flows around."""
     motion: Motion | None = None
     """How the whole tank moves; what is measured is measured in its axes."""
     wavemaker: Wavemaker | None = None
@@ -71,9 +100,9 @@ class Config(PartConfig):
     def build(self) -> "Basin":
         return Basin(self)
 
-    def problems(self, basin: "Basin") -> list[tuple[tuple[str, ...], str]]:
+    def problems(self, basin: "Basin") -> list[tuple[tuple[str | int, ...], str]]:
         """What contradicts itself: (path below `basin`, sentence)."""
-        found: list[tuple[tuple[str, ...], str]] = []
+        found: list[tuple[tuple[str | int, ...], str]] = []
         walls = basin.walls
         for axis in "xz" if basin.dimension == 3 else "x":
             if [walls.at(f"{axis}_min"), walls.at(f"{axis}_max")].count("periodic") == 1:
@@ -85,9 +114,32 @@ class Config(PartConfig):
                 found.append((("floor",), "a basin that is periodic along y has no floor; say floor: none"))
         if self.lid is not None and self.lid.velocity[1] != 0.0:
             found.append((("lid", "velocity"), "a lid slides in its own plane: its velocity along y must be 0"))
+        found += blocked(self.obstacles, basin)
         for key, part in (("motion", self.motion), ("wavemaker", self.wavemaker)):
             found += [((key, *path), sentence) for path, sentence in part.problems(basin)] if part is not None else []
         return found
+
+
+def blocked(obstacles: tuple[Obstacle, ...], basin: "Basin") -> list[tuple[tuple[str | int, ...], str]]:
+    """What is wrong with obstacles in this basin."""
+    found: list[tuple[tuple[str | int, ...], str]] = []
+    for k, box in enumerate(obstacles):
+        key = ("obstacles", k)
+        if len(box.min) != basin.dimension:
+            found.append((key, f"a point of this basin has {basin.dimension} numbers, got {len(box.min)}"))
+            continue
+        out = [
+            axis
+            for axis, low, up, least, most in zip("xyz", box.min, box.max, basin.lower, basin.upper)
+            if low < least - ROUNDING or (up > most + ROUNDING and (axis != "y" or basin.closed))
+        ]
+        if out:
+            found.append((key, f"the box reaches out of the basin along {' and '.join(out)}"))
+        for other in obstacles[:k]:
+            common = [min(a, b) - max(c, d) for a, b, c, d in zip(box.max, other.max, box.min, other.min)]
+            if len(other.min) == basin.dimension and min(common) > ROUNDING:
+                found.append((key, "the box overlaps an earlier one"))
+    return found
 
 
 @dataclass(frozen=True)
@@ -176,6 +228,12 @@ class Basin:
         if self.config.lid is not None:
             found.append(Side(1, True, 0.0, self.config.lid.slip, self.config.lid.velocity))
         return tuple(found)
+
+    @cached_property
+    def obstacles(self) -> list[tuple[tuple[float, ...], tuple[float, ...]]]:
+        """Lowest and highest corner of each obstacle [m]; a slice has no ends along z."""
+        flat, boxes = 3 - self.dimension, (box for box in self.config.obstacles if len(box.min) == self.dimension)
+        return [((*box.min, *flat * (-OPEN,)), (*box.max, *flat * (OPEN,))) for box in boxes]
 
     @cached_property
     def piston(self) -> Piston | None:

@@ -226,7 +226,7 @@ def _scaled(data: dict[str, Any], factor: float, place: basin.Basin, path: str, 
     for key, value in data.items():
         if isinstance(value, dict):
             scaled[key] = _scaled(value, factor, place, f"{path}.{key}", notes)
-        elif key == "particles" and isinstance(value, int):
+        elif key in ("particles", "cap") and isinstance(value, int):
             scaled[key] = max(1, round(value / factor**place.dimension))
         elif key == "spacing" and isinstance(value, float | int):
             scaled[key] = value * factor

@@ -5,12 +5,13 @@ It is the point that is mirrored, not the water: an image lies from the point as
 point, turned round. Every set of sides within reach is a mirror of its own, so corners are mirrored in all of theirs.
 """
 
+from typing import Any
+
 import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.fluid._grid import Grid
 from ocean_sim.fluid._images import AXIS, OFFSET, PLACE, PULL, PUSH, SIGN, TURN, mirrored
-from ocean_sim.fluid._particles import Particles
 
 
 @ti.func
@@ -43,8 +44,10 @@ class Around:
     [m] from the point in a mirror; `own` is handed through.
     """
 
-    def __init__(self, particles: Particles, grid: Grid) -> None:
-        self.position, self.grid = particles.position, grid
+    def __init__(self, particles: Any, grid: Grid, start: Any = None) -> None:
+        """`particles`: what has a `position`, in the order of its cells; `start`: the first of every cell, by default
+        as the grid has sorted them."""
+        self.position, self.grid, self.start = particles.position, grid, start or grid.start
         self.periods, self.across = grid.basin.periods, grid.basin.periods[0] > 0.0
         self.images = grid.images
 
@@ -86,7 +89,7 @@ class Around:
                 first = tm.ivec3(part - 1, row % 3 - 1, row // 3 - 1)
                 there, shift = self.home(place + first)
                 c, middle = grid.cell_at(there), grid.lower + (there - 0.5) / grid.per_width
-                for j in range(grid.start[c], grid.start[c + ti.static(1 if self.across else 3)]):
+                for j in range(self.start[c], self.start[c + ti.static(1 if self.across else 3)]):
                     e = self.beside(tm.vec3(p.x[j], p.y[j], p.z[j]), middle) + shift - y
                     d = tm.vec3([mirror[SIGN, k] * e[k] for k in ti.static(range(3))])
                     total += law.term(own, j, d, mirror)

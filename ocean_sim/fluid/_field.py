@@ -7,6 +7,8 @@ or no slip. Where the smoothed share of water is below one half, which is how th
 pressure and velocity are 0 there.
 """
 
+from typing import Any
+
 import numpy as np
 import taichi as ti
 import taichi.math as tm
@@ -39,7 +41,7 @@ class Spread:
 
 @ti.data_oriented
 class DynamicPressure:
-    """p - rho0 g . x [Pa]: the same in the image of a wall that does not accelerate."""
+    """p - rho0 g . x [Pa]: the same in the image of a wall, but for what the wall and a moving tank accelerate."""
 
     sums = 1
 
@@ -51,7 +53,7 @@ class DynamicPressure:
         particles, p = self.field.particles, self.field.particles.position
         weight = self.field.weight(d) * self.field.factor(own, d)
         x = tm.vec3(p.x[j], p.y[j], p.z[j])
-        driven = ti.static(particles.rest_density) * climbed(mirror, x, tm.vec3(0.0))
+        driven = ti.static(particles.rest_density) * climbed(mirror, x, self.field.unsteady(x))
         return ti.Vector([weight * (particles.pressure[j] - self.field.still(x) + driven)])
 
 
@@ -74,13 +76,23 @@ class Velocity:
 class Field:
     """The water as a field in space."""
 
-    def __init__(self, particles: Particles, grid: Grid, smoothing: Smoothing, gravity: np.ndarray) -> None:
-        """`gravity` [m/s2], every constant acceleration; along a periodic axis no pressure can hold it."""
-        self.particles, self.smoothing = particles, smoothing
+    def __init__(
+        self,
+        particles: Particles,
+        grid: Grid,
+        smoothing: Smoothing,
+        gravity: np.ndarray,
+        pull: Any = None,
+        boundary: Any = None,
+    ) -> None:
+        """`gravity` [m/s2], every constant acceleration; along a periodic axis no pressure can hold it. `pull`: all
+        accelerations, where the tank moves; `boundary`: the solid bodies in the water."""
+        self.particles, self.smoothing, self.pull, self.boundary = particles, smoothing, pull, boundary
+        self.moving, self.bodies = pull is not None and pull.moving, boundary is not None
         self.around = Around(particles, grid)
         self.volume = particles.mass / particles.rest_density
-        pull = [0.0 if period > 0.0 else g for g, period in zip(gravity, grid.basin.periods, strict=True)]
-        self.head = tm.vec3([particles.rest_density * g for g in pull])  # [Pa/m]
+        held = [0.0 if period > 0.0 else g for g, period in zip(gravity, grid.basin.periods, strict=True)]
+        self.held, self.head = tm.vec3(held), tm.vec3([particles.rest_density * g for g in held])  # [m/s2], [Pa/m]
         self.spread, self.dynamic_pressure, self.motion = Spread(self), DynamicPressure(self), Velocity(self)
 
     @ti.func
@@ -92,6 +104,22 @@ class Field:
     def still(self, x):
         """Pressure of still water at x, but for a constant [Pa]."""
         return self.head.dot(x)
+
+    @ti.func
+    def unsteady(self, x):
+        """What the motion of the tank adds to gravity for water at rest at x [m/s2]."""
+        pull = tm.vec3(0.0)
+        if ti.static(self.moving):
+            pull = self.pull.at_rest(x) - self.held
+        return pull
+
+    @ti.func
+    def wet(self, x, share):
+        """Whether the water's share of what is not solid around x is at least one half."""
+        least = WET
+        if ti.static(self.bodies):
+            least *= 1.0 - self.boundary.solid(x)
+        return share >= least
 
     @ti.func
     def factor(self, own, d):
@@ -117,7 +145,7 @@ class Field:
         """At x [Pa]; 0 where it is dry."""
         share, factors = self.fitted(x)
         pressure = 0.0
-        if share >= WET:
+        if self.wet(x, share):
             pressure = self.around.total(x, self.dynamic_pressure, factors)[0] + self.still(x)
         return pressure
 
@@ -126,7 +154,7 @@ class Field:
         """At x [m/s]; 0 where it is dry."""
         share, factors = self.fitted(x)
         velocity = tm.vec3(0.0)
-        if share >= WET:
+        if self.wet(x, share):
             velocity = self.around.total(x, self.motion, factors)
         return velocity
 

@@ -89,6 +89,7 @@ class Grid:
         self.size = size
         self.images = Images(size)
         self.support, self.n, self.basin = size.support, particles.n, size.lattice.basin
+        self.particles = particles.count
         self.lower, self.per_width = tm.vec3(self.basin.lower), tm.vec3([1.0 / width for _, width in size.inner])
         self.cells, self.cell_count, self.chunks = size.cells, size.cell_count, size.chunks
         self.quantum = size.quantum(float(np.finfo(particles.position.precision).eps))  # [m]
@@ -185,7 +186,8 @@ class Grid:
     def count_chunk(self, b):
         for c in range(self.cell_count):
             self.count[b * self.cell_count + c] = 0
-        for i in range(b * self.n // self.chunks, (b + 1) * self.n // self.chunks):
+        n = self.particles.there()
+        for i in range(b * n // self.chunks, (b + 1) * n // self.chunks):
             k = b * self.cell_count + self.cell[i]
             self.count[k] = self.count[k] + 1
 
@@ -208,7 +210,8 @@ class Grid:
 
     @ti.func
     def place_chunk(self, b):
-        for i in range(b * self.n // self.chunks, (b + 1) * self.n // self.chunks):
+        n = self.particles.there()
+        for i in range(b * n // self.chunks, (b + 1) * n // self.chunks):
             k = b * self.cell_count + self.cell[i]
             to = self.count[k]
             self.count[k] = to + 1

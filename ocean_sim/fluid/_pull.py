@@ -23,6 +23,10 @@ class Pull:
             self.frame = ti.Vector.field(3, float, shape=4)
             self.advance(0.0)
 
+    def at_mouth(self) -> np.ndarray:
+        """(3,) [m/s2] on water that has just left an emitter: all but what a turning tank adds."""
+        return np.array(self.frame[PUSH]) if self.moving else self.gravity + self.body_force
+
     def advance(self, time: float) -> None:
         """Take the motion of the tank at a time [s]."""
         if self.moving:

@@ -9,14 +9,10 @@ import taichi.math as tm
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid._field import Field
-from ocean_sim.fluid._free_surface import FreeSurface
-from ocean_sim.fluid._grid import Grid, GridSize
-from ocean_sim.fluid._ledger import SUMMARY, Ledger
+from ocean_sim.fluid._grid import GridSize
 from ocean_sim.fluid._neighbours import ListSize, Neighbours
-from ocean_sim.fluid._particles import Components, seeded
-from ocean_sim.fluid._pull import Pull
-from ocean_sim.fluid._smoothing import Smoothing
-from ocean_sim.fluid._walls import Walls
+from ocean_sim.fluid._particle_water import ParticleWater
+from ocean_sim.fluid._particles import Components
 from ocean_sim.fluid._water import WaterConfig, free_fall_speed
 from ocean_sim.parts import LedgerRow, quantity
 from ocean_sim.wind import Wind
@@ -96,45 +92,30 @@ def limits(support: float, sound_speed: float, viscosity: float, speed: float, a
 
 
 @ti.data_oriented
-class Sph:
-    """The particles with their grid, neighbours, walls, surface and accounts; a scheme adds its laws and its step."""
+class Sph(ParticleWater):
+    """Particles with neighbours, and solid bodies among them; a scheme adds its laws and its step."""
 
     def __init__(self, config: SphConfig, basin: Basin, sizes: ListSize, ledger: bool, wind: Wind) -> None:
-        self.config, self.wind = config, wind
-        lattice, support = sizes.grid.lattice, sizes.grid.support
-        self.particles = seeded(lattice)
-        self.smoothing = Smoothing(basin.dimension, support)
-        self.carried = tuple(ti.field(float, shape=self.particles.n) for _ in range(sizes.grid.carried))
-        self.grid = Grid(self.particles, sizes.grid, self.carried)
-        self.ledger = Ledger(sizes.grid.groups, ledger)
+        super().__init__(config, basin, sizes.grid, ledger, wind)
         self.neighbours = Neighbours(self.particles, self.grid, self.ledger, sizes)
-        self.surface = FreeSurface(self.particles, self.grid, self.smoothing)
-        self.around = self.surface.around
-        self.walls = Walls(lattice, self.grid.images)
-        self.pull = Pull(basin, config.body_force)
-        self.time = 0.0  # [s]
         self.reference_speed, self.sound_speed = config.speed(basin), config.sound_speed(basin)
-        self.field = Field(self.particles, self.grid, self.smoothing, self.pull.constant)
         self.dt = ti.field(float, shape=())  # [s]
+        self.bodies, self.boundary = len(basin.obstacles) > 0, None
+        if self.bodies:
+            from ocean_sim.fluid._boundary import Boundary, boxes
+
+            self.boundary = Boundary(boxes(sizes.grid.lattice, sizes.grid.support), self)
+        self.field = Field(
+            self.particles, self.grid, self.smoothing, self.pull.constant, self.pull, boundary=self.boundary
+        )
         self.exposed = wind.needs_area
         if self.exposed:
             self.exposed_area = Components(self.particles.n)  # times the outward normal [m2]
-        self.summary = np.zeros(SUMMARY, dtype=self.particles.position.precision)
 
     def drive(self, dt: float) -> None:
-        """Put tank and wavemaker where they are in the middle of a step of dt [s]."""
-        self.pull.advance(self.time + 0.5 * dt)
-        self.grid.images.advance(self.time + 0.5 * dt)
-        self.time += dt
-
-    @ti.kernel
-    def lift(self):
-        """Leave all particles where they are, for the sort."""
-        for i in range(self.particles.n):
-            p, v = self.particles.position, self.particles.velocity
-            for left in ti.static(self.grid.left):
-                left[i] = 0.0
-            self.grid.leave(i, tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(v.x[i], v.y[i], v.z[i]))
+        super().drive(dt)
+        if self.bodies:
+            self.boundary.sort()
 
     def limits(self) -> Limits:
         status, nu = self.status, self.config.kinematic_viscosity
@@ -142,26 +123,11 @@ class Sph:
 
     @property
     def impulse(self) -> dict[str, np.ndarray]:
-        """Impulse of each term since the start [N s], (3,) each; empty unless built with ledger=True."""
-        return self.ledger.total()
-
-    @property
-    def work(self) -> dict[str, float]:
-        """Work of each term since the start [J]; empty unless built with ledger=True."""
-        return self.ledger.total_work()
-
-    @ti.func
-    def elevation(self, x, z):
-        return self.surface.elevation(x, z)
-
-    def elevations(self, points: np.ndarray) -> np.ndarray:
-        return self.surface.elevations(points)
-
-    def pressures(self, points: np.ndarray) -> np.ndarray:
-        return self.field.pressures(points)
-
-    def velocities(self, points: np.ndarray) -> np.ndarray:
-        return self.field.velocities(points)
+        total = super().impulse
+        if total and self.bodies:
+            total["obstacles"] = -self.boundary.impulses().sum(axis=0)
+            total["walls"] = total["walls"] - total["obstacles"]  # the laws count both as walls
+        return total
 
     @ti.func
     def added(self, total):

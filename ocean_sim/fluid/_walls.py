@@ -1,9 +1,11 @@
 """What holds the water in: sides that particles bounce from, zones that calm waves, and a limit of motion in a step."""
 
+import numpy as np
 import taichi as ti
 import taichi.math as tm
+from taichi.lang.util import to_numpy_type
 
-from ocean_sim.basin import Basin
+from ocean_sim.basin import OPEN, Basin
 from ocean_sim.fluid._images import DRIFT, PLACE, Images
 from ocean_sim.fluid._water import Lattice, free_fall_speed
 
@@ -35,6 +37,11 @@ class Walls:
         self.axes = range(lattice.basin.dimension)
         self.restitution = lattice.basin.config.restitution
         self.friction = lattice.basin.config.friction
+        self.obstacles = len(lattice.basin.obstacles)
+        if self.obstacles:
+            self.faces = ti.field(float, shape=(self.obstacles, 2, 3))
+            grown = np.array(lattice.basin.obstacles) + np.array([[-gap], [gap]])
+            self.faces.from_numpy(grown.astype(to_numpy_type(self.faces.dtype)))
         limit = lattice.config.motion_limit
         self.zones = absorbing_zones(lattice.basin)
         self.limited = limit is not None
@@ -55,16 +62,45 @@ class Walls:
                         low = self.images.side[s, PLACE] + self.gap
             inside = tm.clamp(x[k], low, up)
             if inside != x[k]:
-                outward = ti.select(x[k] > inside, v[k] - wall, wall - v[k])
-                if outward > 0.0:
-                    returned = wall - self.restitution * (v[k] - wall)
-                    if ti.static(self.friction > 0.0):
-                        along = v
-                        along[k] = 0.0
-                        kick = self.friction * (1.0 + self.restitution) * outward
-                        v = along * tm.max(0.0, 1.0 - kick / tm.max(along.norm(), 1e-12))
-                    v[k] = returned
+                v = self.returned(v, k, wall, ti.select(x[k] > inside, 1.0, -1.0))
                 x[k] = inside
+        if ti.static(self.obstacles > 0):
+            for b in range(self.obstacles):
+                x, v = self.kept_out(b, x, v)
+        return x, v
+
+    @ti.func
+    def returned(self, v, k: ti.template(), wall, outward):
+        """Velocity after meeting a wall across axis k that moves with `wall` [m/s]; `outward`: 1 where it stops what
+        goes up the axis, -1 where what goes down."""
+        speed = outward * (v[k] - wall)
+        if speed > 0.0:
+            returned = wall - self.restitution * (v[k] - wall)
+            if ti.static(self.friction > 0.0):
+                along = v
+                along[k] = 0.0
+                kick = self.friction * (1.0 + self.restitution) * speed
+                v = along * tm.max(0.0, 1.0 - kick / tm.max(along.norm(), 1e-12))
+            v[k] = returned
+        return v
+
+    @ti.func
+    def kept_out(self, b, x, v):
+        """Place and velocity after obstacle b: out through its nearest face that lies in the basin."""
+        least, face, across = OPEN, -1, 0.0
+        for k in ti.static(self.axes):
+            below, above = x[k] - self.faces[b, 0, k], self.faces[b, 1, k] - x[k]
+            if below <= 0.0 or above <= 0.0:
+                least = -OPEN
+            if below < least and self.faces[b, 0, k] >= self.low[k]:
+                least, face, across = below, k, self.faces[b, 0, k]
+            if above < least and self.faces[b, 1, k] <= self.up[k]:
+                least, face, across = above, k, self.faces[b, 1, k]
+        if least > 0.0:
+            for k in ti.static(self.axes):
+                if face == k:
+                    v = self.returned(v, k, 0.0, ti.select(across > x[k], -1.0, 1.0))
+                    x[k] = across
         return x, v
 
     @ti.func

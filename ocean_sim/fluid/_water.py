@@ -8,29 +8,13 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from ocean_sim.basin import Basin
+from ocean_sim.basin import Basin, Box
 from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.fluid import _initial
+from ocean_sim.fluid._emitter import MOST_PARTICLES, Emitter, Jet
+from ocean_sim.fluid._emitter import problems as mouth_problems
 from ocean_sim.fluid._initial import Initial
 from ocean_sim.parts import PartConfig, Vector3, quantity
-
-Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
-MOST_PARTICLES = 2**26  # their neighbours are counted in 32 bits
-
-
-class Box(PartConfig):
-    """A box of water; in a slice the points are [x, y]."""
-
-    min: Point = quantity("m")
-    """Lowest corner."""
-    max: Point = quantity("m")
-    """Highest corner."""
-
-    @model_validator(mode="after")
-    def _has_an_inside(self) -> "Box":
-        if len(self.min) != len(self.max) or any(a >= b for a, b in zip(self.min, self.max, strict=True)):
-            raise ValueError(f"every number of max must be greater than that of min, got {self.min} and {self.max}")
-        return self
 
 
 class WaterConfig(PartConfig):
@@ -48,6 +32,8 @@ class WaterConfig(PartConfig):
     """Boxes of water instead of the whole basin."""
     initial: Initial | None = None
     """What the water starts from; null: at rest."""
+    emitter: Emitter | None = None
+    """A mouth from which water flows into a basin that is empty but for `fill`."""
     motion_limit: float | None = quantity("spacings", None, gt=0.0)
     """The furthest a particle may move in one step; what it holds back is counted. null: no limit."""
     collision_distance: float = quantity("spacings", 0.5, gt=0.0, le=1.0)
@@ -81,6 +67,13 @@ class WaterConfig(PartConfig):
             if len(box.min) != basin.dimension:
                 found.append((("fill", k), f"a point of this basin has {basin.dimension} numbers, got {len(box.min)}"))
                 return found
+        if self.emitter is not None:
+            found += [(("emitter", *path), sentence) for path, sentence in self.emitter.problems(basin)]
+            if self.fill is None and (self.spacing is None or self.initial is not None):
+                needed = "initial" if self.spacing is not None else "particles"
+                found.append(((needed,), "with an emitter the basin is empty but for `fill`, which this needs"))
+            if found:
+                return found
         found += [(("initial", *path), sentence) for path, sentence in _initial.problems(self.initial, basin)]
         lattice = self.lattice(basin)
         if self.spacing is not None and lattice.volume > MOST_PARTICLES * self.spacing**basin.dimension:
@@ -95,6 +88,15 @@ class WaterConfig(PartConfig):
             for other_low, other_up in boxes[:k]:
                 if (np.minimum(up, other_up) - np.maximum(low, other_low))[: basin.dimension].min() > 1e-9:
                     found.append((("fill", k), "the box overlaps an earlier one: two particles would share a place"))
+        if lattice.jet is not None and not found:
+            found += [(("emitter", *path), sentence) for path, sentence in mouth_problems(lattice, lattice.jet)]
+            if inside(lattice.jet.sites, basin).any():
+                found.append((("emitter", "position"), "the mouth is inside an obstacle"))
+        if basin.obstacles and not found:
+            if lattice.n == 0:
+                found.append((("fill",), "the obstacles of the basin leave no room for water"))
+            elif inside(lattice.positions(), basin).any():
+                found.append((("initial", "path"), "some of these particles are inside an obstacle"))
         return found
 
 
@@ -108,6 +110,8 @@ class Lattice:
     @cached_property
     def boxes(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """Lowest and highest corner of each box of water [m]."""
+        if self.config.fill is None and self.config.emitter is not None and self.given is None:
+            return []
         if self.config.fill is None:
             surface = np.array([self.basin.upper[0], 0.0, self.basin.upper[2]])
             return [(np.array(self.basin.lower), surface)]
@@ -140,10 +144,25 @@ class Lattice:
         """Particles along x, y and z in each box."""
         return self.counted(self.spacing)
 
-    @property
+    @cached_property
     def n(self) -> int:
-        """Number of particles."""
-        return total(self.counts) if self.given is None else len(self.given)
+        """Number of particles; where there is an emitter, the most there will be."""
+        return self.config.emitter.cap if self.config.emitter is not None else self.started
+
+    @cached_property
+    def started(self) -> int:
+        """How many of them are there without an emitter."""
+        if self.given is None and not self.basin.obstacles:
+            return total(self.counts)
+        return len(self.positions())
+
+    @cached_property
+    def jet(self) -> Jet | None:
+        """What leaves the emitter."""
+        if self.config.emitter is None:
+            return None
+        volume = self.mass / self.config.rest_density
+        return Jet(self.config.emitter, self.basin.dimension, self.spacing, volume, self.started)
 
     @cached_property
     def given(self) -> np.ndarray | None:
@@ -153,30 +172,48 @@ class Lattice:
     @property
     def mass(self) -> float:
         """Mass of a particle [kg], in a slice [kg/m]: rest density times volume of the water over n."""
-        return self.config.rest_density * self.volume / self.n
+        if not self.boxes and self.given is None:
+            return self.config.rest_density * self.spacing**self.basin.dimension
+        return self.config.rest_density * self.volume / (total(self.counts) if self.given is None else len(self.given))
 
     @property
     def height(self) -> float:
         """Height of the tallest box of water [m]."""
-        return max(float((up - low)[1]) for low, up in self.boxes)
+        return max((float((up - low)[1]) for low, up in self.boxes), default=self.basin.depth)
 
     def ends(self) -> np.ndarray:
         """(2, n) bed and surface of the box that each particle starts in [m]."""
         if self.given is not None:
-            return np.repeat([[self.basin.lower[1]], [0.0]], self.n, axis=1)
-        heights = np.array([(low[1], up[1]) for low, up in self.boxes])
-        return np.repeat(heights, [int(np.prod(count)) for count in self.counts], axis=0).T
+            return np.repeat([[self.basin.lower[1]], [0.0]], len(self.given), axis=1)
+        heights = np.array([(low[1], up[1]) for low, up in self.boxes]).reshape(-1, 2)
+        return np.repeat(heights, np.array([np.prod(count) for count in self.counts], dtype=int), axis=0)[self.wet].T
 
-    def positions(self) -> np.ndarray:
-        """(n, 3) places of the particles [m], x running fastest."""
-        if self.given is not None:
-            return self.given
-        parts = []
+    @cached_property
+    def full(self) -> np.ndarray:
+        """(m, 3) places [m] of a lattice that fills the boxes, x running fastest."""
+        parts = [np.empty((0, 3))]
         for (low, up), count in zip(self.boxes, self.counts, strict=True):
             x, y, z = (low[k] + (np.arange(count[k]) + 0.5) * (up[k] - low[k]) / count[k] for k in range(3))
             grid = np.meshgrid(z, y, x, indexing="ij")
             parts.append(np.stack([grid[2].ravel(), grid[1].ravel(), grid[0].ravel()], axis=1))
         return np.concatenate(parts)
+
+    @cached_property
+    def wet(self) -> np.ndarray:
+        """(m,) which of them are in no obstacle."""
+        return ~inside(self.full, self.basin)
+
+    def positions(self) -> np.ndarray:
+        """(n, 3) places of the particles [m], x running fastest."""
+        return self.full[self.wet] if self.given is None else self.given
+
+
+def inside(positions: np.ndarray, basin: Basin) -> np.ndarray:
+    """(n,) which of (n, 3) places [m] are in an obstacle."""
+    found = np.zeros(len(positions), dtype=bool)
+    for low, up in basin.obstacles:
+        found |= ((positions > low) & (positions < up)).all(axis=1)
+    return found
 
 
 def total(counts: list[np.ndarray]) -> int:

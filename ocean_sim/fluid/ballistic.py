@@ -8,13 +8,10 @@ import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
-from ocean_sim.fluid._free_surface import FreeSurface
-from ocean_sim.fluid._grid import TASK, Grid, GridSize
-from ocean_sim.fluid._ledger import GRAVITY, SUMMARY, WALLS, WIND, Ledger
-from ocean_sim.fluid._particles import seeded
-from ocean_sim.fluid._pull import Pull
-from ocean_sim.fluid._smoothing import Smoothing
-from ocean_sim.fluid._walls import Walls
+from ocean_sim.fluid._field import Field
+from ocean_sim.fluid._grid import TASK, GridSize
+from ocean_sim.fluid._ledger import GRAVITY, WALLS, WIND
+from ocean_sim.fluid._particle_water import ParticleWater
 from ocean_sim.fluid._water import WaterConfig, free_fall_speed
 from ocean_sim.parts import LedgerRow
 from ocean_sim.wind import Wind
@@ -57,24 +54,25 @@ def force_limit(support: float, acceleration: float) -> Limits:
 
 
 @ti.data_oriented
-class Ballistic:
+class Ballistic(ParticleWater):
     """Particles that fall, bounce and are blown about; wind reaches all of them, but none has an exposed area."""
 
     sound_speed = 0.0
 
     def __init__(self, config: Config, basin: Basin, ledger: bool, wind: Wind) -> None:
-        size = config.size(basin)
-        self.config, self.wind = config, wind
-        self.particles = seeded(size.lattice)
-        self.grid = Grid(self.particles, size)
-        self.surface = FreeSurface(self.particles, self.grid, Smoothing(basin.dimension, size.support))
-        self.around = self.surface.around
-        self.walls = Walls(size.lattice, self.grid.images)
-        self.ledger = Ledger(size.groups, ledger)
+        super().__init__(config, basin, config.size(basin), ledger, wind)
+        self.particles.pressure.fill(0.0)
+        self.field = Field(self.particles, self.grid, self.smoothing, np.zeros(3))
         self.reference_speed = free_fall_speed(basin)
-        self.pull, self.time = Pull(basin, config.body_force), 0.0
-        self.summary = np.zeros(SUMMARY, dtype=self.particles.position.precision)
         self.advance(0.0)
+
+    def begin(self) -> None:
+        self.lift()
+        self.settle()
+
+    @ti.kernel
+    def settle(self):
+        self.grid.sort()
 
     @ti.func
     def move(self, i, dt, group):
@@ -101,7 +99,8 @@ class Ballistic:
                 group = t // TASK
                 self.ledger.begin_motion(group)
                 self.ledger.begin_density(group)
-                first, last = group * self.particles.n, (group + 1) * self.particles.n
+                n = self.particles.count.there()
+                first, last = group * n, (group + 1) * n
                 for i in range(first // self.ledger.groups, last // self.ledger.groups):
                     self.move(i, dt, group)
         self.grid.sort()
@@ -109,32 +108,14 @@ class Ballistic:
 
     def advance(self, dt: float) -> None:
         """One step of dt [s]."""
-        self.pull.advance(self.time + 0.5 * dt)
-        self.grid.images.advance(self.time + 0.5 * dt)
-        self.time += dt
+        self.drive(dt)
         self.step(dt, self.summary)
         self.status = self.ledger.status(self.summary, self.grid)
+        self.emit()
 
     def limits(self) -> Limits:
         return force_limit(self.grid.support, self.status.max_acceleration)
 
-    @property
-    def impulse(self) -> dict[str, np.ndarray]:
-        """Impulse of each term since the start [N s], (3,) each; empty unless built with ledger=True."""
-        return self.ledger.total()
-
-    @property
-    def work(self) -> dict[str, float]:
-        """Work of each term since the start [J]; empty unless built with ledger=True."""
-        return self.ledger.total_work()
-
     def internal_energy(self) -> float:
         """None: nothing is compressed [J]."""
         return 0.0
-
-    @ti.func
-    def elevation(self, x, z):
-        return self.surface.elevation(x, z)
-
-    def elevations(self, points: np.ndarray) -> np.ndarray:
-        return self.surface.elevations(points)

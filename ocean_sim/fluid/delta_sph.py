@@ -95,6 +95,8 @@ class Momentum:
         self.apart = fluid.ledger.impulses  # pressure and viscosity summed apart
         self.sums = 6 if self.apart else 3
         self.tiny = 1e-6 * h * h  # [m2]
+        if fluid.bodies:
+            self.solid, self.reaction = fluid.boundary.met(self), fluid.boundary.reaction(self)
 
     @ti.func
     def begin(self, group):
@@ -106,6 +108,21 @@ class Momentum:
         x, image = tm.vec3(other[0], other[1], other[2]), reflected(mirror, other)
         image[6] += climbed(mirror, x, self.fluid.pull.at_rest(x)) / self.fluid.particles.rest_density
         return image
+
+    @ti.func
+    def sample(self, own, s, d, mirror):
+        """A sample of a solid body."""
+        boundary, other = self.fluid.boundary, own
+        v = boundary.rubbing(tm.vec3(own[3], own[4], own[5]), s, mirror)
+        for k in ti.static(range(3)):
+            other[k], other[3 + k] = own[k] + d[k], v[k]
+        head = boundary.head(tm.vec3(own[0], own[1], own[2]), s, d, mirror)
+        other[6] = own[6] + head / self.fluid.particles.rest_density
+        return other
+
+    @ti.func
+    def acceleration(self, own, total):
+        return self.fluid.slope * self.fluid.added(total)
 
     @ti.func
     def pair(self, own, other):
@@ -140,6 +157,8 @@ class Momentum:
         fluid, m = self.fluid, ti.static(self.fluid.particles.mass)
         dt = fluid.dt[None]
         x, v = tm.vec3(own[0], own[1], own[2]), tm.vec3(own[3], own[4], own[5])
+        if ti.static(fluid.bodies):
+            beyond += self.solid.total(x, own)
         a_water, a_walls = fluid.slope * fluid.added(total), fluid.slope * fluid.added(beyond)
         a_wind = fluid.wind.force(fluid.particles.id[i], x, v, fluid.area(i), m) / m
         a_pull = fluid.pull.at(x, v)
@@ -179,6 +198,8 @@ class Continuity:
         self.heavier = rho_0 / fluid.sound_speed**2  # density [kg/m3] over p / rho [m2/s2]
         self.leaning = fluid.exposed or fluid.shifting  # whether the sum of grad W is wanted
         self.sums = 5 if self.leaning else 2
+        if fluid.bodies:
+            self.solid = fluid.boundary.met(self)
 
     @ti.func
     def begin(self, group):
@@ -191,6 +212,16 @@ class Continuity:
         x, image = tm.vec3(other[0], other[1], other[2]), slid(mirror, other)
         image[6] += self.heavier * climbed(mirror, x, self.fluid.pull.at_rest(x))
         return image
+
+    @ti.func
+    def sample(self, own, s, d, mirror):
+        """A sample of a solid body: it moves against the water, and nothing diffuses into it."""
+        other, v = own, self.fluid.boundary.opposed(tm.vec3(own[3], own[4], own[5]), s, mirror)
+        for k in ti.static(range(3)):
+            other[k], other[3 + k] = own[k] + d[k], v[k]
+        still = self.heavier * self.fluid.pull.at_rest(tm.vec3(own[0], own[1], own[2]))
+        other[6] = own[6] + still.dot(d)
+        return other
 
     @ti.func
     def pair(self, own, other):
@@ -216,6 +247,8 @@ class Continuity:
     def finish(self, i, own, total, beyond, group):
         fluid, particles, rho_0 = self.fluid, self.fluid.particles, ti.static(self.fluid.particles.rest_density)
         dt = fluid.dt[None]
+        if ti.static(fluid.bodies):
+            total += self.solid.total(tm.vec3(own[0], own[1], own[2]), own)
         rate = fluid.slope * (total[0] + total[1])
         excess = own[6] + 0.5 * dt * rate
         fluid.rate[i], fluid.excess[i] = rate, excess
@@ -271,6 +304,7 @@ class DeltaSph(Sph):
         if pull > 0.0 and not self.closed:
             x, p = self.particles.position.to_numpy().astype(float), self.particles.pressure.to_numpy().astype(float)
             rho_0 = self.particles.rest_density
+            bed = np.append(bed, x[len(bed) :, 1])  # what has left an emitter stays
             deepest = p + rho_0 * pull * (x[:, 1] - bed)
             x[:, 1] -= np.maximum(deepest**2 - p**2, 0.0) / (2.0 * pull * (rho_0 * self.sound_speed) ** 2)
             self.particles.position.from_numpy(x)
@@ -286,6 +320,7 @@ class DeltaSph(Sph):
         self.drive(dt)
         self.step(dt, self.status.max_speed, self.summary)
         self.status = self.ledger.status(self.summary, self.grid)
+        self.emit()
 
     @ti.func
     def closeness(self, r):
@@ -309,10 +344,10 @@ class DeltaSph(Sph):
     def settle(self, summary: ti.types.ndarray(ndim=1)):
         """Sort, and find the rate of the density as it is now."""
         self.dt[None] = 0.0
-        for i in range(self.particles.n):
+        for i in range(self.particles.count.there()):
             self.grid.moved[7][i] = self.excess_of(self.particles.pressure[i])
         self.grid.sort()
-        for i in range(self.particles.n):
+        for i in range(self.particles.count.there()):
             for k in ti.static(range(6)):
                 self.grid.moved[k][i] = self.grid.state[k][i]
         for g in range(self.ledger.groups * TASK):
@@ -331,7 +366,7 @@ class DeltaSph(Sph):
     def step(self, dt: float, speed: float, summary: ti.types.ndarray(ndim=1)):
         """Drift half a step, sort, kick, drift to the end, find the rate of the density there."""
         self.dt[None] = dt
-        for i in range(self.particles.n):
+        for i in range(self.particles.count.there()):
             p, u = self.particles.position, self.particles.velocity
             x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
             way = 0.5 * dt * v
@@ -343,6 +378,8 @@ class DeltaSph(Sph):
             self.grid.moved[7][i] = middle
             self.grid.moved[8][i] = self.pressure_of(middle) / (self.particles.rest_density + middle) ** 2
         self.grid.sort()
+        if ti.static(self.bodies):
+            self.boundary.react(self.momentum.reaction, dt)
         for g in range(self.ledger.groups * TASK):
             if g % TASK == 0:
                 self.neighbours.walk(g // TASK, self.momentum, True)

@@ -143,6 +143,8 @@ class Density:
         bell, m = fluid.bell, fluid.particles.mass
         self.slope, self.square, self.mass = -bell.slope, bell.slope**2, m * bell.constant
         self.scale, self.least, self.volume = m * fluid.weight, LEAST * bell.squares, m / fluid.particles.rest_density
+        if fluid.bodies:
+            self.solid = fluid.boundary.met(self)
 
     @ti.func
     def begin(self, group):
@@ -152,6 +154,11 @@ class Density:
     def image(self, other, mirror):
         """A neighbour as a side shows it."""
         return mirrored(mirror, other)
+
+    @ti.func
+    def sample(self, own, s, d, mirror):
+        """A sample of a solid body."""
+        return own + d
 
     @ti.func
     def pair(self, own, other):
@@ -164,6 +171,10 @@ class Density:
     @ti.func
     def finish(self, i, own, total, beyond, group):
         fluid = self.fluid
+        if ti.static(fluid.bodies):
+            solid = self.solid.total(own, own)
+            solid[4] = 0.0  # no pressure moves a body
+            total += solid
         gradient = self.slope * tm.vec3(total[1], total[2], total[3])
         squares = gradient.dot(gradient) + self.square * total[4]
         fluid.particles.density[i] = self.mass * total[0]
@@ -192,6 +203,8 @@ class Forces:
         self.apart = fluid.ledger.impulses
         self.sums = 6 if self.viscous else 3
         volume = fluid.particles.mass / fluid.particles.rest_density
+        if fluid.bodies:
+            self.solid, self.reaction = fluid.boundary.met(self), fluid.boundary.reaction(self)
         self.rubbing = 2.0 * fluid.config.kinematic_viscosity * volume * fluid.bell.slope / fluid.bell.gain
 
     @ti.func
@@ -212,6 +225,26 @@ class Forces:
         return image
 
     @ti.func
+    def sample(self, own, s, d, mirror):
+        """A sample of a solid body, which has no pressure of its own (2017, section 5)."""
+        other = own
+        for k in ti.static(range(3)):
+            other[k] = own[k] + d[k]
+        other[3] = 0.0
+        if ti.static(self.viscous):
+            v = self.fluid.boundary.rubbing(tm.vec3(own[4], own[5], own[6]), s, mirror)
+            for k in ti.static(range(3)):
+                other[4 + k] = v[k]
+        return other
+
+    @ti.func
+    def acceleration(self, own, total):
+        a = self.fluid.pressing * tm.vec3(total[0], total[1], total[2])
+        if ti.static(self.viscous):
+            a += self.rubbing * tm.vec3(total[3], total[4], total[5])
+        return a
+
+    @ti.func
     def pair(self, own, other):
         x_ij = tm.vec3(own[0] - other[0], own[1] - other[1], own[2] - other[2])
         w = self.fluid.share(x_ij.dot(x_ij))
@@ -229,6 +262,8 @@ class Forces:
         fluid, m = self.fluid, ti.static(self.fluid.particles.mass)
         dt = fluid.dt[None]
         x, v = tm.vec3(own[0], own[1], own[2]), fluid.particles.velocity
+        if ti.static(fluid.bodies):
+            beyond += self.solid.total(x, own)
         before = tm.vec3(v.x[i], v.y[i], v.z[i])
         a_wind = fluid.wind.force(fluid.particles.id[i], x, before, fluid.area(i), m) / m
         u = fluid.pushed(group, WIND, before, dt * a_wind)
@@ -260,6 +295,8 @@ class Compression:
         self.reads = (*fluid.particles.position, *solver.velocity)
         self.rate = -fluid.particles.mass * fluid.bell.slope
         self.relaxation = 1.0 / max(fluid.bell.stiffest, PILED)
+        if fluid.bodies:
+            self.solid = fluid.boundary.met(self)
 
     @ti.func
     def begin(self, group):
@@ -277,6 +314,14 @@ class Compression:
         return image
 
     @ti.func
+    def sample(self, own, s, d, mirror):
+        """A sample of a solid body."""
+        other, v = own, self.fluid.boundary.own_velocity(s, mirror)
+        for k in ti.static(range(3)):
+            other[k], other[3 + k] = own[k] + d[k], v[k]
+        return other
+
+    @ti.func
     def pair(self, own, other):
         x_ij = tm.vec3(own[0] - other[0], own[1] - other[1], own[2] - other[2])
         v_ij = tm.vec3(own[3] - other[3], own[4] - other[4], own[5] - other[5])
@@ -287,6 +332,8 @@ class Compression:
     def finish(self, i, own, total, beyond, group):
         fluid, solver = self.fluid, self.solver
         dt = fluid.dt[None]
+        if ti.static(fluid.bodies):
+            total += self.solid.total(tm.vec3(own[0], own[1], own[2]), own)
         rho, rest = fluid.particles.density[i], ti.static(fluid.particles.rest_density)
         excess = rho - rest
         if ti.static(not solver.restores):
@@ -311,6 +358,8 @@ class Push:
         self.fluid, self.solver = fluid, solver
         self.reads = (*fluid.particles.position, solver.change)
         self.apart = fluid.ledger.impulses and not solver.restores
+        if fluid.bodies:
+            self.solid = fluid.boundary.met(self)
 
     @ti.func
     def begin(self, group):
@@ -323,6 +372,11 @@ class Push:
         return tm.vec4(x_image, other[3])
 
     @ti.func
+    def sample(self, own, s, d, mirror):
+        """A sample of a solid body."""
+        return tm.vec4(own[0] + d[0], own[1] + d[1], own[2] + d[2], 0.0)
+
+    @ti.func
     def pair(self, own, other):
         x_ij = tm.vec3(own[0] - other[0], own[1] - other[1], own[2] - other[2])
         w = self.fluid.share(x_ij.dot(x_ij))
@@ -332,6 +386,12 @@ class Push:
     def finish(self, i, own, total, beyond, group):
         fluid, solver = self.fluid, self.solver
         u = tm.vec3([component[i] for component in ti.static(tuple(solver.velocity))])
+        if ti.static(fluid.bodies):
+            solid = self.solid.total(tm.vec3(own[0], own[1], own[2]), own)
+            if ti.static(self.apart):
+                beyond += solid
+            else:
+                total += solid
         if ti.static(solver.restores):
             u += fluid.dt[None] * fluid.pressing * total
         else:
@@ -398,6 +458,7 @@ class Dfsph(Sph):
         self.solve("density", self.incompressible, config.density_tolerance, config.max_density_iterations)
         self.move()
         self.arrive()
+        self.emit()
 
     def arrive(self) -> None:
         """Make everything current and sorted where the particles are now."""
@@ -407,7 +468,7 @@ class Dfsph(Sph):
     def solve(self, name: str, solver: Solver, tolerance: float, most: int) -> None:
         """Iterate until the water is neither pressed together nor apart by more than its tolerance in the mean, at most
         so often."""
-        scale = 1.0 / (self.particles.n * self.particles.rest_density)
+        scale = 1.0 / (self.particles.count.now * self.particles.rest_density)
         done, along = 0, 1.0
         while not (error := scale * float(self.report[:UPHILL].max())) <= tolerance and done < most:
             if self.report[UPHILL] > 0.0:
@@ -446,7 +507,9 @@ class Dfsph(Sph):
     def compress(self, report: ti.types.ndarray(ndim=1)):
         """The density that these velocities lead to."""
         self.momentum[None] = 0.0
-        for i in range(self.particles.n):
+        if ti.static(self.bodies):
+            self.boundary.react(self.forces.reaction, self.dt[None])
+        for i in range(self.particles.count.there()):
             self.incompressible.pressure[i] = self.incompressible.best[i] = 0.0
             for displacing, predicted in ti.static(zip(self.displacing, self.predicted)):
                 displacing[i] = predicted[i]
@@ -460,7 +523,7 @@ class Dfsph(Sph):
         """Displace the particles, and take over their velocities."""
         for g in range(self.ledger.groups * TASK):
             if g % TASK == 0:
-                group, n = g // TASK, ti.static(self.particles.n)
+                group, n = g // TASK, self.particles.count.there()
                 for i in range(group * n // self.ledger.groups, (group + 1) * n // self.ledger.groups):
                     dt, p = self.dt[None], self.particles.position
                     u = tm.vec3([component[i] for component in ti.static(tuple(self.predicted))])

@@ -63,6 +63,8 @@ class Density:
         self.sums = 4 if fluid.exposed else 1
         self.constant = fluid.particles.mass * fluid.smoothing.poly6_constant
         self.clamped, self.minimum = fluid.config.minimum_pressure is not None, fluid.config.minimum_pressure or 0.0
+        if fluid.bodies:
+            self.solid = fluid.boundary.met(self)
 
     @ti.func
     def begin(self, group):
@@ -72,6 +74,11 @@ class Density:
     def image(self, other, mirror):
         """A neighbour as a wall shows it."""
         return mirrored(mirror, other)
+
+    @ti.func
+    def sample(self, own, s, d, mirror):
+        """A sample of a solid body."""
+        return own + d
 
     @ti.func
     def pair(self, own, other):
@@ -88,6 +95,8 @@ class Density:
     @ti.func
     def finish(self, i, own, total, beyond, group):
         fluid, particles = self.fluid, self.fluid.particles
+        if ti.static(fluid.bodies):
+            total += self.solid.total(own, own)
         rho_i = self.constant * total[0]
         p_i = fluid.stiffness * (rho_i - particles.rest_density)  # (2.15)
         if ti.static(self.clamped):
@@ -112,6 +121,8 @@ class Momentum:
         self.constant = 1.5 * particles.mass * smoothing.spiky_constant
         mu = particles.rest_density * fluid.config.kinematic_viscosity
         self.viscous = mu * particles.mass * smoothing.viscosity_constant / self.constant
+        if fluid.bodies:
+            self.solid, self.reaction = fluid.boundary.met(self), fluid.boundary.reaction(self)
 
     @ti.func
     def begin(self, group):
@@ -123,6 +134,21 @@ class Momentum:
         x, image = tm.vec3(other[0], other[1], other[2]), reflected(mirror, other)
         image[6] += self.fluid.particles.rest_density * climbed(mirror, x, self.fluid.pull.at_rest(x))
         return image
+
+    @ti.func
+    def sample(self, own, s, d, mirror):
+        """A sample of a solid body, which has the rest density."""
+        boundary, other = self.fluid.boundary, own
+        v = boundary.rubbing(tm.vec3(own[3], own[4], own[5]), s, mirror)
+        for k in ti.static(range(3)):
+            other[k], other[3 + k] = own[k] + d[k], v[k]
+        head, rho_0 = boundary.head(tm.vec3(own[0], own[1], own[2]), s, d, mirror), self.fluid.particles.rest_density
+        other[6], other[7] = own[6] + rho_0 * head, 1.0 / rho_0
+        return other
+
+    @ti.func
+    def acceleration(self, own, total):
+        return self.constant * own[7] * self.fluid.added(total)
 
     @ti.func
     def pair(self, own, other):
@@ -146,6 +172,8 @@ class Momentum:
         fluid, m = self.fluid, ti.static(self.fluid.particles.mass)
         dt = fluid.dt[None]
         x, v = tm.vec3(own[0], own[1], own[2]), tm.vec3(own[3], own[4], own[5])
+        if ti.static(fluid.bodies):
+            beyond += self.solid.total(x, own)
         scale = self.constant * own[7]
         a_water, a_walls = scale * fluid.added(total), scale * fluid.added(beyond)
         a_wind = self.wind.force(fluid.particles.id[i], x, v, fluid.area(i), m) / m
@@ -187,6 +215,7 @@ class Mueller(Sph):
         self.drive(dt)
         self.move(dt)
         self.arrive()
+        self.emit()
 
     def arrive(self) -> None:
         """Make everything current and sorted where the particles are now."""
@@ -197,6 +226,8 @@ class Mueller(Sph):
     def move(self, dt: float):
         """Move by the forces of here and now."""
         self.dt[None] = dt
+        if ti.static(self.bodies):
+            self.boundary.react(self.momentum.reaction, dt)
         for g in range(self.ledger.groups * TASK):
             if g % TASK == 0:
                 self.neighbours.walk(g // TASK, self.momentum, False)

@@ -4,8 +4,8 @@ from typing import Any
 
 
 def count(fluid: Any) -> int:
-    """Number of particles, 0 of a closed form."""
-    return 0 if fluid.particles is None else int(fluid.particles.n)
+    """Number of particles now, 0 of a closed form."""
+    return 0 if fluid.particles is None else int(fluid.particles.count.now)
 
 
 def spacing(fluid: Any) -> float:

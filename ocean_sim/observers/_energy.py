@@ -20,16 +20,16 @@ def total(simulation: "Simulation") -> float:
 
 
 def falls_around(simulation: "Simulation") -> bool:
-    """Whether what the water falls through is not all in its potential energy: a body force, or gravity along an axis
-    that is periodic."""
+    """Whether what the water falls through is not all in its potential energy: a body force, a tank that moves, or
+    gravity along an axis that is periodic."""
     basin = simulation.basin
     around = any(period > 0.0 and g != 0.0 for period, g in zip(basin.periods, basin.gravity, strict=True))
-    return around or any(simulation.scene.fluid.body_force)
+    return around or any(simulation.scene.fluid.body_force) or basin.config.motion is not None
 
 
 def driven(simulation: "Simulation") -> bool:
     """Whether wind, walls that move, a ship, new water or a body force may give energy to the water."""
     scene, basin = simulation.scene, simulation.basin.config
     wind = scene.wind is not None and scene.wind.kind != "still"
-    walls = basin.motion or basin.wavemaker or (basin.lid is not None and any(basin.lid.velocity))
+    walls = basin.wavemaker or (basin.lid is not None and any(basin.lid.velocity))
     return bool(wind or walls or simulation.ship or getattr(scene.fluid, "emitter", None) or falls_around(simulation))

@@ -8,7 +8,10 @@ ROUNDING = 1.0e-6  # of the basin's largest coordinate: a few roundings of a flo
 
 
 def beyond(position: np.ndarray, basin: Basin) -> np.ndarray:
-    """How far each particle is beyond the walls, floor and lid that there are, (n,) [m]; 0 inside and at open sides."""
+    """How far each particle is beyond the walls, floor and lid that there are, or in an obstacle, (n,) [m]; 0 in the
+    water and at open sides."""
     low, up = (np.array(stop) for stop in basin.stops())
     distance = np.linalg.norm(position - np.clip(position, low, up), axis=1)
+    for least, most in basin.obstacles:
+        distance = np.maximum(distance, np.minimum(position - least, np.array(most) - position).min(axis=1))
     return np.where(distance > ROUNDING * np.abs([basin.lower, basin.upper]).max(), distance, 0.0)

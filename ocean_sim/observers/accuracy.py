@@ -15,7 +15,7 @@ from ocean_sim.parts import ObserverConfig, quantity
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
-TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "diffusion", "shifting")
+TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "obstacles", "ship", "emitter", "diffusion", "shifting")
 BETWEEN_ENERGIES = ("pressure", "gravity")  # their work turns one energy into another
 COLUMNS = (
     "compression_mean",

@@ -95,7 +95,7 @@ class DensityMap:
         for _ in range(1):
             for c in range(bins + 1):
                 self.next[c] = 0
-            for i in range(self.n):
+            for i in range(self.particles.count.there()):
                 x = tm.vec3(p.x[i], p.y[i], p.z[i])
                 place = self.place(x)
                 inside = (x >= self.lower).all() and (x <= self.upper).all()
@@ -108,7 +108,7 @@ class DensityMap:
                 total += self.next[c]
                 self.next[c] = self.start[c]
             outside = total - self.start[bins]
-            for i in range(self.n):
+            for i in range(self.particles.count.there()):
                 to = self.next[self.bin[i]]
                 self.next[self.bin[i]] = to + 1
                 self.x[to], self.y[to], self.z[to] = p.x[i], p.y[i], p.z[i]

@@ -184,13 +184,13 @@ class MarchingCubes:
     def spray(self) -> np.ndarray:
         """(n,) whether a particle, in storage order, is lonely: outside the surface drawn."""
         self.sample()
-        lonely = np.empty(self.map.n, dtype=np.int32)
+        lonely = np.empty(self.map.particles.count.now, dtype=np.int32)
         self.find_spray(lonely)
         return lonely.astype(bool)
 
     @ti.kernel
     def find_spray(self, lonely: ti.types.ndarray(ndim=1)):
-        for i in range(self.map.n):
+        for i in range(lonely.shape[0]):
             p = self.map.particles.position
             lonely[i] = int(self.map.shares(tm.vec3(p.x[i], p.y[i], p.z[i]), 0.0, 1)[0] < self.isovalue)
 

@@ -25,6 +25,7 @@ ORDER = (
     "wall_impact",
     "sloshing",
     "piston_flume",
+    "obstacle",
 )
 
 

@@ -30,6 +30,9 @@ def validate(
         ]
         for case in wanted
     }
+    for case in cases:
+        if not plan[case]:
+            raise console.Refused(f"{case} takes minutes: say --slow (or --coarse)")
     for problem, scheme in [pair for pairs in plan.values() for pair in pairs]:
         problem.load(scheme, overrides)  # what is wrong is said before anything runs
     out.mkdir(parents=True, exist_ok=True)
@@ -40,8 +43,9 @@ def validate(
             found, finding = problem.run(case, scheme, overrides)
             rows += found
             runs.append((problem, scheme, finding))
-        draw(out / f"{case}.png", case, runs)
-        if not as_json:
+        if runs:
+            draw(out / f"{case}.png", case, runs)
+        if runs and not as_json:
             show(case, rows[told:])
     write(out / "validate.csv", rows)
     missed = [row for row in rows if not row["ok"]]

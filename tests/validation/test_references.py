@@ -233,3 +233,18 @@ def test_a_coarse_run_comes_near(case, scheme):
 def test_the_patch_starts_under_the_published_suction():
     at = np.array([[0.0, 0.0, 0.0], [0.5, 0.1, 0.0]])
     assert square_patch.first_pressure(at) == pytest.approx([-0.14734, 0.0], abs=1e-4)
+
+
+def test_the_obstacle_case_scores_its_own_table_as_right_and_a_late_wave_as_late():
+    from ocean_sim.validation import obstacle
+
+    data = table(obstacle.TABLE)
+    channels = {name: data[name] for name in (*obstacle.HEIGHTS, *obstacle.PRESSURES)}
+    assert all(kept(obstacle.PROMISES, obstacle.compared(data["t"], channels)))
+    late = obstacle.compared(1.1 * data["t"], channels)
+    wrong = [p for p, ok in zip(obstacle.PROMISES, kept(obstacle.PROMISES, late)) if not ok]
+    assert len(wrong) >= len(obstacle.ARRIVALS) - 2
+    assert obstacle.arrival(data["t"], data["P1"], 500.0) == pytest.approx(0.393, abs=0.012)
+    assert obstacle.arrival(data["t"], data["P4"], 500.0) == pytest.approx(0.429, abs=0.012)
+    swapped = obstacle.compared(data["t"], channels | {"H1": data["H3"], "H3": data["H1"]})  # the mislabelled columns
+    assert not all(kept(obstacle.PROMISES, swapped))

@@ -1,0 +1,124 @@
+"""What drives water: gravity in any direction, a body force, a tank that moves, and a piston."""
+
+import numpy as np
+import pytest
+
+from ocean_sim.conventions import GRAVITY
+from tests.fluid.conftest import box, by_id, put
+
+OPEN = {"walls": "none", "floor": "none"}
+
+
+def flown(fluid, until: float, dt: float) -> tuple[np.ndarray, np.ndarray]:
+    """Places and velocities in the order of the ids."""
+    for _ in range(round(until / dt)):
+        fluid.advance(dt)
+    p = fluid.particles
+    return by_id(fluid, p.position.to_numpy()), by_id(fluid, p.velocity.to_numpy())
+
+
+def test_gravity_and_a_body_force_pull_in_any_direction(water):
+    basin = OPEN | {"gravity": [1.0, -5.0, 0.5]}
+    fluid = water("ballistic", basin=basin, body_force=(-3.0, 0.0, 2.0), **box(2, 2, 1))
+    start = by_id(fluid, fluid.particles.position.to_numpy())
+    x, v = flown(fluid, 0.5, 0.1)
+    a = np.array([-2.0, -5.0, 2.5])
+    np.testing.assert_allclose(x, start + 0.125 * a, atol=1e-12)
+    np.testing.assert_allclose(v, np.tile(0.5 * a, (len(v), 1)), atol=1e-12)
+
+
+def recorded(tmp_path, axis: str, times: np.ndarray, moved: np.ndarray) -> dict:
+    """A tank moved by a file."""
+    path = tmp_path / "motion.csv"
+    path.write_text(f"time_s,{axis}\n" + "".join(f"{t!r},{x!r}\n" for t, x in zip(times.tolist(), moved.tolist())))
+    return {"file": str(path)}
+
+
+def test_in_a_tank_that_accelerates_free_water_stays_behind(water, tmp_path):
+    times = np.linspace(0.0, 1.0, 11)
+    motion = recorded(tmp_path, "x_m", times, 1.5 * times**2)  # 3 m/s2
+    fluid = water("ballistic", basin=OPEN | {"motion": motion}, **box(2, 1, 1))
+    start = by_id(fluid, fluid.particles.position.to_numpy())
+    x, v = flown(fluid, 0.4, 0.05)
+    np.testing.assert_allclose(x - start, np.tile([-1.5 * 0.16, -0.5 * GRAVITY * 0.16, 0.0], (2, 1)), atol=1e-9)
+    np.testing.assert_allclose(v[:, 0], -1.2, atol=1e-9)
+
+
+def test_in_a_tank_that_shakes_free_water_moves_against_it(water):
+    motion = {"kind": "harmonic", "axis": "x", "amplitude": 0.2, "period": 1.0, "ramp": 0.0}
+    errors = []
+    for dt in (0.02, 0.01):
+        fluid = water("ballistic", basin=OPEN | {"motion": motion}, **box(2, 1, 1))
+        start = by_id(fluid, fluid.particles.position.to_numpy())
+        x, _ = flown(fluid, 0.4, dt)
+        rate = 0.2 * 2.0 * np.pi  # of the tank at first: its water is at rest in it then
+        expected = rate * 0.4 - 0.2 * np.sin(2.0 * np.pi * 0.4)
+        errors.append(abs(float((x - start)[0, 0]) - expected))
+    assert errors[1] < 1e-3 and 3.0 < errors[0] / errors[1] < 5.0  # of second order
+
+
+def test_in_a_tank_that_turns_what_rests_in_the_world_circles_backwards(water, tmp_path):
+    times = np.linspace(0.0, 2.0, 21)
+    motion = recorded(tmp_path, "roll_z_rad", times, 2.0 * times)
+    fluid = water("ballistic", basin=OPEN | {"gravity": [0.0, 0.0, 0.0], "motion": motion}, **box(2, 2, 1))
+    start = by_id(fluid, fluid.particles.position.to_numpy())
+    put(fluid, start, -np.cross([0.0, 0.0, 2.0], start))
+    x, _ = flown(fluid, 0.5, 0.002)
+    c, s = np.cos(1.0), np.sin(1.0)
+    np.testing.assert_allclose(x, start @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), atol=2e-3)
+
+
+def test_pressure_at_the_wall_of_an_accelerating_tank(water, tmp_path):
+    """p = -rho (g y + a x): the surface of water that is carried along is tilted by a over g."""
+    times = np.linspace(0.0, 1.0, 11)
+    motion = recorded(tmp_path, "x_m", times, 2.0 * times**2)  # 4 m/s2
+    fluid = water("delta_sph", basin={"width": None, "motion": motion}, spacing=0.05)
+    fluid.pull.advance(0.3)
+    x = fluid.particles.position.to_numpy()
+    fluid.particles.pressure.from_numpy(-1000.0 * (GRAVITY * x[:, 1] + 4.0 * x[:, 0]) + 3000.0)
+    points = np.array([[0.5, -0.4, 0.0], [-0.5, -0.4, 0.0], [0.0, -0.5, 0.0], [0.5, -0.5, 0.0]])
+    exact = -1000.0 * (GRAVITY * points[:, 1] + 4.0 * points[:, 0]) + 3000.0
+    np.testing.assert_allclose(fluid.pressures(points), exact, atol=1.0)
+
+
+def test_pressure_on_a_piston_that_accelerates(water):
+    maker = {"wall": "x_min", "height": 0.05, "period": 1.0, "ramp": 0.0}
+    fluid = water("delta_sph", basin={"width": None, "wavemaker": maker}, spacing=0.05)
+    fluid.grid.images.advance(0.75)  # where it turns: as far out as it goes, and accelerates into the water
+    displaced, _, a = fluid.grid.basin.piston.at(0.75)
+    x = fluid.particles.position.to_numpy()
+    x[:, 0] += displaced
+    put(fluid, by_id(fluid, x))
+    exact = lambda at: -1000.0 * (GRAVITY * at[:, 1] + a * (at[:, 0] + 0.5))
+    fluid.particles.pressure.from_numpy(exact(fluid.particles.position.to_numpy()))
+    points = np.array([[-0.5 + displaced, -0.4, 0.0], [-0.5 + displaced, -0.25, 0.0]])
+    assert abs(a) > 0.5
+    np.testing.assert_allclose(fluid.pressures(points), exact(points), atol=1.0)
+
+
+@pytest.fixture(scope="module")
+def flume(water):
+    """The thesis's water between a piston and an absorbing side, half a period on."""
+    maker = {"wall": "x_min", "height": 0.08, "period": 0.8, "ramp": 0.0}
+    basin = {"width": None, "length": 2.0, "walls": {"x_max": "absorbing"}, "wavemaker": maker}
+    fluid = water("mueller", basin=basin, spacing=0.05, kinematic_viscosity=1e-3, ledger=True)
+    while fluid.time < 0.2:
+        fluid.advance(0.5 * fluid.limits().acoustic)
+    return fluid
+
+
+def test_the_thesis_water_is_pushed_by_a_piston(flume):
+    displaced, *_ = flume.grid.basin.piston.at(flume.time)
+    x, v = flume.particles.position.to_numpy(), flume.particles.velocity.to_numpy()
+    assert displaced > 0.02
+    assert x[:, 0].min() >= -1.0 + displaced
+    near = x[:, 0] < -0.8
+    assert v[near, 0].mean() > 0.0
+    beside, away = flume.elevations(np.array([[-1.0 + 1.5 * displaced, 0.0], [0.2, 0.0]]))
+    assert beside > away + 0.005
+
+
+def test_and_every_impulse_is_told(flume):
+    momentum = flume.particles.mass * flume.particles.velocity.to_numpy().sum(axis=0)
+    np.testing.assert_allclose(sum(flume.impulse.values()), momentum, atol=1e-9)
+    assert flume.impulse["walls"][0] > 0.0

@@ -15,6 +15,11 @@ if TYPE_CHECKING:
 
 TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "diffusion", "shifting")
 BETWEEN_ENERGIES = ("pressure", "gravity")  # their work turns one energy into another
+SOLVER_ERRORS = {
+    "density": "mean error of the density over the rest density",
+    "divergence": "mean compression in a step over the rest density",
+}
+SOLVED = ("iterations", "iterations_last", "error_last", "error_max", "unsolved")
 COLUMNS = (
     "compression_mean",
     "compression_max",
@@ -46,6 +51,7 @@ class Accuracy:
         self.gravity = np.array(simulation.basin.gravity)  # [m/s2]
         self.pushing: list[str] = []
         self.working: list[str] = []
+        self.solvers: tuple[str, ...] = ()  # of a scheme that iterates
         told: dict[str, object] = {}
         if simulation.fluid.particles is not None:
             fluid = simulation.fluid
@@ -54,6 +60,7 @@ class Accuracy:
             self.driven = driven(simulation)
             self.at_start = self.potential_energy(simulation)
             self.energy_at_start: float | None = None
+            self.solvers = tuple(getattr(fluid, "solvers", {}))
             told = self.told()
         self.csv = CsvFile(
             folder / "accuracy.csv",
@@ -64,6 +71,7 @@ class Accuracy:
                 *(f"impulse_{term}_{axis}_Ns" for term in self.pushing for axis in "xyz"),
                 *(f"work_{term}_J" for term in self.working),
                 *(("outside", "clipped") if told else ()),
+                *(f"{solver}_{what}" for solver in self.solvers for what in SOLVED),
                 "time_step_s",
                 "limited_by",
             ],
@@ -85,6 +93,11 @@ class Accuracy:
             "work": "energy given to the water since the start, by force; gravity with body force",
             "outside": "particles beyond a wall, floor or lid",
             "clipped": "particles that motion_limit held back since the start",
+        } | {
+            solver: f"the solver of that name: iterations since the start and of the last step, {error} that the last "
+            "step and the worst since the start ended with, steps that the limit of iterations ended"
+            for solver, error in SOLVER_ERRORS.items()
+            if solver in self.solvers
         }
 
     def potential_energy(self, simulation: "Simulation") -> float:
@@ -128,11 +141,14 @@ class Accuracy:
     def observe(self, simulation: "Simulation") -> None:
         fluid = simulation.fluid
         values: list[float] = []
-        counts: tuple[int, ...] = ()
+        counts: tuple[float, ...] = ()
         if fluid.particles is not None:
             values = self.balances(simulation)
             outside = beyond(fluid.particles.position.to_numpy(), simulation.basin)
             counts = (int(np.count_nonzero(outside)), fluid.status.clipped)
+            for name in self.solvers:
+                s = fluid.solvers[name]
+                counts += (s.iterations, s.last_iterations, s.last_error, s.error, s.unsolved)
         held = (*counts, float(simulation.next_dt), simulation.time_step.limited_by)
         for time, row, told in self.sampled.rows(simulation.time, np.array(values), held):
             self.csv.row([time, *row, *told])

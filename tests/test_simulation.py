@@ -99,8 +99,8 @@ def test_observers_are_closed_and_the_reason_is_kept_when_a_run_leaves_the_physi
     assert watcher.closed == 1
 
 
-def state(threads: int, steps: int, spacing: float) -> str:
-    scene = ocean_sim.load(SMALL, {"runtime.threads": threads, "fluid.spacing": spacing})
+def state(threads: int, steps: int, spacing: float, kind: str = "mueller") -> str:
+    scene = ocean_sim.load(SMALL, {"runtime.threads": threads, "fluid.spacing": spacing, "fluid.kind": kind})
     with ocean_sim.Simulation(scene) as simulation:
         for _ in range(steps):
             simulation.step()
@@ -115,6 +115,11 @@ def test_the_same_bytes_with_one_and_two_threads_and_run_after_run(steps, spacin
     two = state(2, steps, spacing)
     assert two == state(1, steps, spacing)
     assert two == state(2, steps, spacing)
+
+
+@pytest.mark.parametrize("spacing", [0.1, 0.045], ids=["serial sort", "sort in chunks"])
+def test_solvers_that_iterate_give_the_same_bytes_with_one_and_two_threads(spacing):
+    assert state(2, 20, spacing, "dfsph") == state(1, 20, spacing, "dfsph")
 
 
 def test_another_seed_gives_another_sea():

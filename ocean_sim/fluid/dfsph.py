@@ -38,7 +38,8 @@ from ocean_sim.parts import LedgerRow, quantity
 from ocean_sim.wind import Wind
 
 READS = 7  # fields of a neighbour that the law of the forces reads
-FLAT, SOLID = 3.2, 2.0  # [spacings] support in a slice (32 neighbours) and in space (33)
+FLAT, SOLID = 3.6, 2.0  # [spacings] support in a slice (40 neighbours) and in space (33)
+UNDER_A_SURFACE, ENCLOSED = 1.0e-5, 1.0e-3  # tolerances of the divergence
 SLOW = 2.0  # of the reference speed: water counts as no slower when the next step is chosen, see `limits`
 PILED = 4.0  # largest eigenvalue of A / A_ii for particles piled up in one place beside a wall
 LEAST = 0.05  # of its value on the lattice: A_ii is taken to be no less, which keeps coincident particles finite
@@ -52,15 +53,16 @@ class Config(SphConfig):
 
     kind: Literal["dfsph"] = "dfsph"
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
-    """Support radius of the smoothing kernel over the spacing; by default 3.2 in a slice and 2.0 in space."""
+    """Support radius of the smoothing kernel over the spacing; by default 3.6 in a slice and 2.0 in space."""
     minimum_pressure: float | None = quantity("Pa", 0.0, ge=0.0, le=0.0)
     """Zero: water with a free surface knows no negative pressures."""
     artificial_viscosity: float = quantity("1", 0.02, ge=0.0)
     """alpha: under a free surface alpha times half the support times reference_speed is added to the viscosity."""
     density_tolerance: float = quantity("1", 1.0e-4, gt=0.0)
     """Mean error of the density that a step may end with, over the rest density."""
-    divergence_tolerance: float = quantity("1", 1.0e-5, gt=0.0)
-    """Mean compression in a step that the velocity may end with, over the rest density."""
+    divergence_tolerance: float | None = quantity("1", None, gt=0.0)
+    """Mean compression in a step that the velocity may end with, over the rest density; by default 1e-5 under a free
+    surface, whose weight the water must bear, and 1e-3 without one, where less would damp the flow."""
     max_density_iterations: int = quantity("1", 100, ge=0)
     """The most iterations for the density; steps that would need more are counted."""
     max_divergence_iterations: int = quantity("1", 100, ge=0)
@@ -72,6 +74,10 @@ class Config(SphConfig):
     def closed(self, basin: Basin) -> bool:
         """Whether the water has no free surface."""
         return basin.closed and self.fill is None
+
+    def tolerance(self, basin: Basin) -> float:
+        """Of the divergence."""
+        return self.divergence_tolerance or (ENCLOSED if self.closed(basin) else UNDER_A_SURFACE)
 
     def viscosity(self, basin: Basin) -> float:
         """Kinematic viscosity, the artificial one included [m2/s]."""
@@ -437,12 +443,10 @@ class Dfsph(Sph):
         self.momentum, self.level = (ti.field(float, shape=()) for _ in range(2))  # how far an iteration is carried
         self.level[None] = particles.rest_density  # on; density that is sought [kg/m3]
         self.rows = ti.field(float, shape=(self.ledger.groups, REPORT))
-        self.divergence = Solver(
-            self, self.carried[0], self.predicted, False, config.divergence_tolerance, config.max_divergence_iterations
-        )
-        self.incompressible = Solver(
-            self, ti.field(float, shape=n), self.way, True, config.density_tolerance, config.max_density_iterations
-        )
+        limits = config.tolerance(basin), config.max_divergence_iterations
+        self.divergence = Solver(self, self.carried[0], self.predicted, False, *limits)
+        limits = config.density_tolerance, config.max_density_iterations
+        self.incompressible = Solver(self, ti.field(float, shape=n), self.way, True, *limits)
         self.solvers = {"density": self.incompressible, "divergence": self.divergence}
         self.density, self.forces = Density(self), Forces(self, config.viscosity(basin))
         self.report = np.zeros(REPORT, dtype=particles.position.precision)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "diffusion", "shifting")
 BETWEEN_ENERGIES = ("pressure", "gravity")  # their work turns one energy into another
-SOLVER_ERRORS = {
+SOLVED_FOR = {
     "density": "mean error of the density over the rest density",
     "divergence": "mean compression in a step over the rest density",
 }
@@ -83,7 +83,7 @@ class Accuracy:
         given = " + ".join(f"work_{term}" for term in outer) or "0"
         if self.driven:
             given += " + (work_gravity + potential energy gained), the work of what is no potential"
-        return {
+        means: dict[str, object] = {
             "compression": "max(density / rest density - 1, 0)",
             "surface_deficit": "max(1 - density / rest density, 0): particles near the surface miss neighbours",
             "potential_energy": f"zero in the first state, where it is {self.at_start:.9g} J from y = 0",
@@ -93,12 +93,13 @@ class Accuracy:
             "work": "energy given to the water since the start, by force; gravity with body force",
             "outside": "particles beyond a wall, floor or lid",
             "clipped": "particles that motion_limit held back since the start",
-        } | {
-            solver: f"the solver of that name: iterations since the start and of the last step, {error} that the last "
-            "step and the worst since the start ended with, steps that the limit of iterations ended"
-            for solver, error in SOLVER_ERRORS.items()
-            if solver in self.solvers
         }
+        for solver in self.solvers:
+            means[solver] = (
+                f"its solver: iterations since the start and in the last step, {SOLVED_FOR[solver]} that the last step "
+                "ended with and the worst since the start, steps that the limit of iterations ended"
+            )
+        return means
 
     def potential_energy(self, simulation: "Simulation") -> float:
         """Of the particles in gravity, zero at the origin [J]."""

@@ -14,6 +14,9 @@ SHAKE; Leimkuhler & Skeel 1994, J. Comput. Phys. 112), and still water stays sti
 again, at GAP of its size a step. Where there is none pressures have either sign, particles are shifted along the
 gradient of their number (Lind et al. 2012, J. Comput. Phys. 231), and the density's pressures only displace them
 (Cornelis et al. 2019, Visual Computer 35).
+
+A known weakness: once its lattice has given way, the pressures of single particles scatter in water that hardly moves
+(after 60 s without viscosity, in a tank of 10 rows, by 17 % of that at the bed; their mean there is 3 % high).
 """
 
 from dataclasses import dataclass

@@ -56,9 +56,14 @@ class Smoothing:
         return self.wendland_constant * q * q * q * q * (5.0 - 4.0 * q)
 
     @ti.func
+    def share(self, r):
+        """1 - r/h within the support, else 0."""
+        return positive(1.0 - r / self.support)
+
+    @ti.func
     def shape_grad_wendland(self, r):
         """(1 - r/h)^3 of the distance: no division by r, so two particles in one place are no trouble."""
-        q = positive(1.0 - r / self.support)
+        q = self.share(r)
         return q * q * q
 
     @ti.func

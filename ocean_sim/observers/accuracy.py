@@ -17,6 +17,11 @@ if TYPE_CHECKING:
 
 TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "obstacles", "ship", "emitter", "diffusion", "shifting")
 BETWEEN_ENERGIES = ("pressure", "gravity")  # their work turns one energy into another
+SOLVED_FOR = {
+    "density": "mean error of the density over the rest density",
+    "divergence": "mean compression in a step over the rest density",
+}
+SOLVED = ("iterations", "iterations_last", "error_last", "error_max", "unsolved")
 COLUMNS = (
     "compression_mean",
     "compression_max",
@@ -49,6 +54,7 @@ class Accuracy:
         self.pushing: list[str] = []
         self.working: list[str] = []
         self.surface = SurfaceFit(simulation) if simulation.surface is not None else None
+        self.solvers: tuple[str, ...] = ()  # of a scheme that iterates
         told: dict[str, object] = {}
         if simulation.fluid.particles is not None:
             fluid = simulation.fluid
@@ -57,6 +63,7 @@ class Accuracy:
             self.driven = falls_around(simulation)
             self.at_start = self.potential_energy(simulation)
             self.energy_at_start: float | None = None
+            self.solvers = tuple(getattr(fluid, "solvers", {}))
             told = self.told() | (self.surface.told if self.surface else {})
         self.csv = CsvFile(
             folder / "accuracy.csv",
@@ -68,6 +75,7 @@ class Accuracy:
                 *(f"work_{term}_J" for term in self.working),
                 *(self.surface.columns if self.surface else ()),
                 *(("outside", "clipped") if told else ()),
+                *(f"{solver}_{what}" for solver in self.solvers for what in SOLVED),
                 "time_step_s",
                 "limited_by",
             ],
@@ -79,7 +87,7 @@ class Accuracy:
         given = " + ".join(f"work_{term}" for term in outer) or "0"
         if self.driven:
             given += " + (work_gravity + potential energy gained), the work of what is no potential"
-        return {
+        means: dict[str, object] = {
             "compression": "max(density / rest density - 1, 0)",
             "surface_deficit": "max(1 - density / rest density, 0): particles near the surface miss neighbours",
             "potential_energy": f"zero in the first state, where it is {self.at_start:.9g} J from y = 0",
@@ -90,6 +98,12 @@ class Accuracy:
             "outside": "particles beyond a wall, floor or lid",
             "clipped": "particles that motion_limit held back since the start",
         }
+        for solver in self.solvers:
+            means[solver] = (
+                f"its solver: iterations since the start and in the last step, {SOLVED_FOR[solver]} that the last step "
+                "ended with and the worst since the start, steps that the limit of iterations ended"
+            )
+        return means
 
     def potential_energy(self, simulation: "Simulation") -> float:
         """Of the particles in gravity, zero at the origin [J]."""
@@ -132,11 +146,14 @@ class Accuracy:
     def observe(self, simulation: "Simulation") -> None:
         fluid = simulation.fluid
         values: list[float] = []
-        counts: tuple[int, ...] = ()
+        counts: tuple[float, ...] = ()
         if fluid.particles is not None:
             values = self.balances(simulation) + (self.surface.values(simulation) if self.surface else [])
             outside = beyond(fluid.particles.position.to_numpy(), simulation.basin)
             counts = (int(np.count_nonzero(outside)), fluid.status.clipped)
+            for name in self.solvers:
+                s = fluid.solvers[name]
+                counts += (s.iterations, s.last_iterations, s.last_error, s.error, s.unsolved)
         held = (*counts, float(simulation.next_dt), simulation.time_step.limited_by)
         for time, row, told in self.sampled.rows(simulation.time, np.array(values), held):
             self.csv.row([time, *row, *told])

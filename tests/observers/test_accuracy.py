@@ -132,3 +132,24 @@ def test_a_collapsing_column_loses_little_energy_that_nothing_took(tmp_path):
     assert np.abs(table["energy_residual_J"]).max() < 0.15 * fallen
     given = table["work_walls_J"] + table["work_viscosity_J"] + table["work_diffusion_J"]
     assert np.abs(table["energy_residual_J"] + given).max() > 0.15 * fallen  # without the work it does not close
+
+
+def test_a_scheme_that_iterates_tells_how_its_solvers_fared(tmp_path):
+    scene = {
+        "duration": 0.06,
+        "basin": {"length": 0.4, "depth": 0.2},
+        "fluid": {"kind": "dfsph", "spacing": 0.05, "max_divergence_iterations": 1},
+        "accuracy": {"every": 0.02},
+        "frames": None,
+        "render": None,
+        "report": None,
+        "runtime": {"threads": 1},
+    }
+    ocean_sim.run(ocean_sim.load(scene), out=tmp_path)
+    table = columns(tmp_path / "accuracy.csv")
+    for solver in ("density", "divergence"):
+        total, last = table[f"{solver}_iterations"], table[f"{solver}_iterations_last"]
+        assert (np.diff(total) >= 0).all() and (total >= last).all()
+        assert (table[f"{solver}_error_max"] >= table[f"{solver}_error_last"]).all()
+    assert table["divergence_unsolved"][-1] > 0 and table["divergence_iterations_last"].max() == 1
+    assert table["density_unsolved"][-1] == 0

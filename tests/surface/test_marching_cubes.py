@@ -315,7 +315,7 @@ def test_accuracy_tells_the_free_surface_alone(tmp_path):
     }
     import ocean_sim
 
-    off = {name: None for name in ("render", "frames", "report")}
+    off = dict.fromkeys(("render", "frames", "report"))
     rows = ocean_sim.run(ocean_sim.load(scene | off), out=tmp_path).accuracy
     assert abs(rows["surface_area_m2"][0] / 16.0 - 1.0) < 0.01
     assert abs(rows["surface_volume_m3"][0] / 32.0 - 1.0) < 0.01

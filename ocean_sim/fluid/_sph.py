@@ -21,6 +21,10 @@ from ocean_sim.fluid._water import WaterConfig, free_fall_speed
 from ocean_sim.parts import LedgerRow, quantity
 from ocean_sim.wind import Wind
 
+EXPOSED = 0.1  # of the spacing, in space squared: a particle with a smaller exposed area lies inside the water
+BLOCK = 4096  # particles whose areas are added by one thread
+UNEVEN = 2.0  # factor by which exposed areas are scaled at most
+
 
 class SphConfig(WaterConfig):
     """Keys of water by smoothed particle hydrodynamics."""
@@ -105,7 +109,10 @@ class Sph:
         self.particles = seeded(lattice)
         self.smoothing = Smoothing(basin.dimension, support)
         self.carried = tuple(ti.field(float, shape=self.particles.n) for _ in range(sizes.grid.carried))
-        self.grid = Grid(self.particles, sizes.grid, self.carried)
+        self.exposed = wind.needs_area
+        if self.exposed:
+            self.exposed_area = Components(self.particles.n)  # times the outward normal [m2]
+        self.grid = Grid(self.particles, sizes.grid, (*self.carried, *(self.exposed_area if self.exposed else ())))
         self.ledger = Ledger(sizes.grid.groups, ledger)
         self.neighbours = Neighbours(self.particles, self.grid, self.ledger, sizes)
         self.surface = FreeSurface(self.particles, self.grid, self.smoothing)
@@ -115,16 +122,40 @@ class Sph:
         self.reference_speed, self.sound_speed = config.speed(basin), config.sound_speed(basin)
         self.field = Field(self.particles, self.grid, self.smoothing, self.pull.constant)
         self.dt = ti.field(float, shape=())  # [s]
-        self.exposed = wind.needs_area
         if self.exposed:
-            self.exposed_area = Components(self.particles.n)  # times the outward normal [m2]
+            self.least_area = EXPOSED * self.particles.spacing ** (basin.dimension - 1)  # [m2]
+            self.plan_area = lattice.plan_area or 0.0  # [m2]
+            self.level_area = ti.field(ti.f64, shape=-(-self.particles.n // BLOCK))
+            self.even = ti.field(float, shape=())  # plan area over the sum of level areas
         self.summary = np.zeros(SUMMARY, dtype=self.particles.position.precision)
 
     def drive(self, dt: float) -> None:
         """Put tank and wavemaker where they are in the middle of a step of dt [s]."""
         self.pull.advance(self.time + 0.5 * dt)
         self.grid.images.advance(self.time + 0.5 * dt)
+        if self.exposed:
+            self.weigh()
         self.time += dt
+
+    @ti.kernel
+    def weigh(self):
+        """Scale exposed areas so that, seen from above, they sum to the plan area of the water, where that is known:
+        whatever the order of the particles, and however many of them count as exposed, a stress acts on the surface
+        once. The sum alone is the area of the bed that the water presses on, but for the order of the particles."""
+        for b in self.level_area:
+            total = ti.cast(0.0, ti.f64)
+            for i in range(b * BLOCK, ti.min((b + 1) * BLOCK, self.particles.n)):
+                total += self.exposed_area.y[i]
+            self.level_area[b] = total
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            level = ti.cast(0.0, ti.f64)
+            for b in range(self.level_area.shape[0]):
+                level += self.level_area[b]
+            scale = ti.cast(1.0, ti.f64)
+            if ti.static(self.plan_area > 0.0):
+                scale = ti.min(ti.max(self.plan_area / ti.max(level, 1e-9 * self.plan_area), 1.0 / UNEVEN), UNEVEN)
+            self.even[None] = ti.cast(scale, float)
 
     @ti.kernel
     def lift(self):
@@ -170,10 +201,11 @@ class Sph:
 
     @ti.func
     def area(self, i):
-        """Exposed area of particle i times its outward normal [m2]; zero inside the water."""
+        """Exposed area of particle i times its outward normal [m2]; zero inside the water. Seen from above the areas
+        sum to the plan area of the water."""
         area = tm.vec3(0.0)
         if ti.static(self.exposed):
-            area = tm.vec3(self.exposed_area.x[i], self.exposed_area.y[i], self.exposed_area.z[i])
+            area = self.even[None] * tm.vec3(self.exposed_area.x[i], self.exposed_area.y[i], self.exposed_area.z[i])
         return area
 
     @ti.func
@@ -181,5 +213,7 @@ class Sph:
         """Twice the volume of i times the gradient [1/m] of the smoothed share of water, turned outwards: the share
         falls from 1 to 1/2 on the water's side of a surface; walls are mirrors, so what faces them is not exposed."""
         area = -2.0 * ti.static(self.particles.mass / self.particles.rest_density) * gradient
+        if area.norm() < self.least_area:
+            area = tm.vec3(0.0)
         for k, component in ti.static(enumerate(self.exposed_area)):
             component[i] = area[k]

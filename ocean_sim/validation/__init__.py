@@ -25,6 +25,9 @@ ORDER = (
     "wall_impact",
     "sloshing",
     "piston_flume",
+    "wind_stress",
+    "wind_growth",
+    "wind_setup",
 )
 
 

@@ -1,8 +1,8 @@
 """Growth of a wave under the pressure of a wind: its energy grows at the rate beta - 4 nu k^2.
 
-Jeffreys's pressure, P times the slope, does work on the wave at the rate beta = P k w / (rho g) of its energy, exactly in
-linear theory: P w / (rho c^2) on deep water. What the scheme takes away is measured by the same water under
-still air, whose decay gives its effective viscosity.
+Jeffreys's pressure, P times the slope, does work on the wave at the rate beta = P k w / (rho g) of its energy, exactly
+in linear theory: P w / (rho c^2) on deep water. What the scheme takes away is measured by the same water under still
+air, whose decay gives its effective viscosity.
 """
 
 from math import pi

@@ -80,14 +80,17 @@ def unresolved(u10: float, scene: Any) -> list[str]:
     length, said = 2.0 * pi / k, []
     real = f"over {fetch:g} m a real wind of {u10:g} m/s makes waves {length:.2g} m long and {height:.2g} m high"
     if length < FEWEST * spacing:
-        said.append(f"wind: {real} (Kahma & Calkoen 1992): shorter than {FEWEST:g} spacings of {spacing:g} m, not to be seen")
+        said.append(
+            f"wind: {real} (Kahma & Calkoen 1992): shorter than {FEWEST:g} spacings of {spacing:g} m, not to be seen"
+        )
     if fetch < 2.0 * length:
         said.append(f"wind: {real}: the basin is shorter than two of them")
     seen = 2.0 * pi / max(length, FEWEST * spacing)
     most, nu = plant(u10, seen, pull) / (4.0 * seen**2), getattr(scene.fluid, "kinematic_viscosity", 0.0)
     if nu > most:
         said.append(
-            f"wind: the viscosity of {nu:g} m2/s is more than the {most:.2g} m2/s under which a real wind of {u10:g} m/s "
-            f"makes waves of {2.0 * pi / seen:.3g} m grow (Plant 1982); what the scheme adds comes on top (validate wind_growth)"
+            f"wind: the viscosity of {nu:g} m2/s is more than the {most:.2g} m2/s under which a real wind of {u10:g} "
+            f"m/s makes waves of {2.0 * pi / seen:.3g} m grow (Plant 1982); what the scheme adds comes on top "
+            "(ocean-sim validate wind_growth)"
         )
     return said

@@ -38,7 +38,7 @@ class Config(Scheduled):
     gain: float = quantity("1", 1.0, ge=0.0)
     """Factor on stress and pressure: 1 is a real wind."""
     sheltering: float = quantity("1", 0.0, ge=0.0, le=1.0)
-    """s of Jeffreys: pressure on the slope of waves is s rho_air (U10 - c)^2 times the slope; 0: none. He found 0.27."""
+    """s of Jeffreys, who found 0.27: pressure on waves is s rho_air (U10 - c)^2 times their slope; 0: none."""
     wave_speed: float = quantity("m/s", 0.0)
     """c: speed of the crests that the sheltered wind is relative to, along the wind."""
     targets: list[Literal["fluid", "ship"]] = ["fluid", "ship"]

@@ -209,8 +209,8 @@ class Spectrum(PartConfig):
     seed: int = quantity("1", 0, ge=0, lt=2**31)
     """Seed of the phases."""
     cut_off: float = quantity("1", 4.0, ge=1.2, le=10.0)
-    """Highest frequency over that of the peak; the waves below it carry all the variance. Waves of so many times the
-    frequency are so many squared times shorter: at 4, particles 1/40 of the peak's wavelength apart cannot show them."""
+    """Highest frequency over that of the peak; the waves below it carry all the variance. Deep-water waves of twice the
+    frequency are four times shorter, and particles 1/40 of the peak's wavelength apart show none much shorter."""
 
     @model_validator(mode="after")
     def _gamma_belongs_to_jonswap(self) -> "Spectrum":

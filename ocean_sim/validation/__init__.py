@@ -25,6 +25,7 @@ ORDER = (
     "wall_impact",
     "sloshing",
     "piston_flume",
+    "imposed_sea",
     "wind_stress",
     "wind_growth",
     "wind_setup",

@@ -38,14 +38,16 @@ class Timed(PartConfig):
         """When it has ceased [s], or None."""
         return self.stop if self.duration is None else self.start + self.duration
 
-    def blowing(self, time: float) -> float:
-        """Part of its strength at a time [s], 0 to 1; it rises and falls as 3 s^2 - 2 s^3."""
-        since = time - self.start
-        left = np.inf if self.end is None else self.end - time
-        if since < 0.0 or left <= 0.0:
+    def blowing(self, time: float, dt: float = 0.0) -> float:
+        """Part of its strength in a step of dt [s] from a time [s] on, 0 to 1; it rises and falls as 3 s^2 - 2 s^3.
+        What blows for a part of the step only is weaker by that part, so the impulse is that of the time it blows."""
+        begin, end = max(time, self.start), min(time + dt, np.inf if self.end is None else self.end)
+        if end < begin or (end == begin and dt > 0.0) or time == self.end:
             return 0.0
-        part = min(1.0, min(since, left) / self.ramp) if self.ramp else 1.0
-        return float(part * part * (3.0 - 2.0 * part))
+        middle = 0.5 * (begin + end)
+        left = np.inf if self.end is None else self.end - middle
+        part = min(1.0, min(middle - self.start, left) / self.ramp) if self.ramp else 1.0
+        return float(part * part * (3.0 - 2.0 * part) * ((end - begin) / dt if dt else 1.0))
 
 
 class Row(PartConfig):

@@ -82,14 +82,15 @@ class Volume(Scheduled):
         speed = float(np.linalg.norm(self.velocity))
         return self.include[0].core.chord(self.velocity / speed) / speed if speed else inf
 
-    def blows(self, time: float) -> tuple[float, float]:
-        """Factor on its strength at a time [s], and the angle [rad] by which what it blows is turned."""
+    def blows(self, time: float, dt: float = 0.0) -> tuple[float, float]:
+        """Factor on its strength in a step of dt [s] from a time [s] on, and the angle [rad] by which what it blows is
+        turned."""
         if self.course is None:
-            return self.blowing(time), 0.0
-        speed, heading = self.course.at(time)
+            return self.blowing(time, dt), 0.0
+        speed, heading = self.course.at(time + 0.5 * dt)
         along = degrees(atan2(self.ahead[0], self.ahead[2]))
         fastest = float(self.course.speed.max())
-        return self.blowing(time) * (speed / fastest if fastest else 0.0), radians(heading - along)
+        return self.blowing(time, dt) * (speed / fastest if fastest else 0.0), radians(heading - along)
 
     def redrawn(self, seed: int, number: int, passage: int) -> tuple[float, float]:
         """Turn [rad] and strength of volume `number` in a later passage, from the seed."""
@@ -181,7 +182,7 @@ class Gusts:
         for g, (passage, volume) in enumerate(zip(self.passages, self.volumes)):
             before, blown = passage.number, self.blown[g]
             passage.advance(dt)
-            self.blown[g] = volume.blows(self.time + 0.5 * dt)
+            self.blown[g] = volume.blows(self.time, dt)
             if passage.number != before or self.blown[g] != blown:
                 self._write_passage(g)
             elif passage.speed:

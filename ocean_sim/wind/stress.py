@@ -117,9 +117,8 @@ class Stress:
 
     def advance(self, dt: float) -> None:
         """What blows in the middle of a step of dt [s]."""
-        middle = self.time + 0.5 * dt
-        u10, heading = self.config.blows(middle, self.dimension)
-        part = self.config.blowing(middle)
+        u10, heading = self.config.blows(self.time + 0.5 * dt, self.dimension)
+        part = self.config.blowing(self.time, dt)
         ahead = np.array([sin(radians(heading)), 0.0 if self.dimension == 2 else cos(radians(heading))])
         along = part * self.config.tau(u10) * ahead
         numbers = (*along, part * self.config.sheltered(u10), *ahead, part * u10)

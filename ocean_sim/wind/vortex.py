@@ -87,7 +87,7 @@ class Vortex:
     def advance(self, dt: float) -> None:
         """Algorithm 1."""
         self.passage.advance(dt)
-        before, self.part = self.part, self.config.blowing(self.time + 0.5 * dt)
+        before, self.part = self.part, self.config.blowing(self.time, dt)
         if self.passage.speed or self.part != before:
             self._write_axis()
         self.time += dt

@@ -27,6 +27,7 @@ FOUNDATION = [
         "sums",
         "waves",
         "wave_record",
+        "orbits",
         "motion",
         "basin",
     ),

@@ -307,3 +307,38 @@ def test_it_follows_a_schedule_of_speed_and_heading(build, force):
     wind.advance(9.0)
     wind.advance(0.0)
     np.testing.assert_allclose(force(wind, [0.0, 0.0, 0.0])[0], [2.0, 0.5, 0.0], atol=1e-12)
+
+
+def test_no_field_at_all_is_refused(build):
+    with pytest.raises(ValueError, match="at least 1"):
+        build("gusts", volumes=[])
+
+
+def test_a_thousand_fields_add_up(build, force):
+    n = 1000
+    volumes = [gust(acceleration=[0.001 * k, 1.0, 0.0], drift=[1.0, 0.0, 0.0]) for k in range(n)]
+    wind = build("gusts", volumes=volumes)
+    wind.advance(0.01)
+    np.testing.assert_allclose(force(wind, [0.0, 0.0, 0.0])[0], [0.001 * n * (n - 1) / 2, n, 0.0], rtol=1e-12)
+
+
+@pytest.mark.parametrize("dt", [1.0, 100.0])
+def test_a_field_that_leaves_the_basin_in_mid_step_comes_in_again(build, force, dt):
+    """It is finite and somewhere, also where a step is longer than a whole passage."""
+    small = {"include": [{"kind": "sphere", "radius": 1.0, "centre": [20.5, 0.0, 0.0]}]}
+    wind = build("gusts", volumes=[small | {"acceleration": [1.0, 0.0, 0.0], "drift": [5.0, 0.0, 0.0]}])
+    for _ in range(5):
+        wind.advance(dt)
+        p = wind.passages[0]
+        assert p.number > 0 and np.isfinite(p.centre).all() and p.centre[0] >= -21.0 - 1e-9
+        assert force(wind, p.centre)[0, 0] == 1.0
+
+
+@pytest.mark.parametrize("start, duration", [(0.1, 1e-3), (0.1037, 0.005), (0.1037, 0.0231)])
+def test_a_short_gust_gives_the_impulse_of_its_duration_whatever_the_step(build, force, start, duration):
+    wind = build("gusts", volumes=[gust(acceleration=[2.0, 0.0, 0.0], start=start, duration=duration)])
+    given = 0.0
+    for _ in range(40):
+        wind.advance(0.005)
+        given += 0.005 * force(wind, [0.0, 0.0, 0.0])[0, 0]
+    assert given == pytest.approx(2.0 * duration, rel=1e-9)

@@ -47,7 +47,8 @@ class Timed(PartConfig):
         middle = 0.5 * (begin + end)
         left = np.inf if self.end is None else self.end - middle
         part = min(1.0, min(middle - self.start, left) / self.ramp) if self.ramp else 1.0
-        return float(part * part * (3.0 - 2.0 * part) * ((end - begin) / dt if dt else 1.0))
+        share = (end - begin) / dt if end - begin < (1.0 - 1e-9) * dt else 1.0
+        return float(part * part * (3.0 - 2.0 * part) * share)
 
 
 class Row(PartConfig):

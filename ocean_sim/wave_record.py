@@ -126,24 +126,27 @@ def moments(interval: float, deviation: np.ndarray, up_to: float) -> tuple[float
 def measured(time: np.ndarray, height: np.ndarray) -> Sea:
     """The waves of a record: times (n,) [s] and heights (n,) [m]; raises Unmeasurable where it is no record.
 
-    A constant record is one of still water: nothing is high, and there are no waves.
+    A constant record is one of still water: nothing is high, and there are no waves. One without a whole wave between
+    two zero up-crossings has a deviation, and nothing else.
     """
     interval, values = evenly(time, height)
     if np.ptp(values) <= STILL:
         return Sea(0.0, 0.0, None, None, None, None, 0, 0.0)
     deviation = values - values.mean()
     heights, periods = zero_crossing_waves(interval, deviation)
+    if not len(heights):
+        return Sea(None, 4.0 * float(deviation.std()), None, None, None, None, 0, None)
     f_peak = peak(*welch(interval, deviation))
     m0, m1, m2 = moments(interval, deviation, CUT_OFF * f_peak)
     waves = len(heights)
     highest_third = np.sort(heights)[::-1][: max(1, round(waves / 3.0))]
     return Sea(
-        hs_m=float(highest_third.mean()) if waves else None,
+        hs_m=float(highest_third.mean()),
         hm0_m=4.0 * float(deviation.std()),
-        tz_s=float(periods.mean()) if waves else None,
+        tz_s=float(periods.mean()),
         tp_s=1.0 / f_peak,
         tm01_s=m0 / m1 if m1 > 0.0 else None,
         tm02_s=(m0 / m2) ** 0.5 if m2 > 0.0 else None,
         waves=waves,
-        hmax_m=float(heights.max()) if waves else None,
+        hmax_m=float(heights.max()),
     )

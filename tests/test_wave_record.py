@@ -118,6 +118,12 @@ def test_still_water_has_no_waves():
     }
 
 
+def test_a_record_shorter_than_a_wave_has_a_deviation_alone():
+    time = np.arange(100) * 0.1
+    found = measured(time, np.sin(2.0 * np.pi * time / 15.0)).told()
+    assert found.pop("hm0_m") > 1.0 and found.pop("waves") == 0 and set(found.values()) == {None}
+
+
 @pytest.mark.parametrize(
     "time, height, why",
     [

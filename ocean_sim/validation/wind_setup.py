@@ -10,6 +10,8 @@ The viscosity of 0.01 m2/s settles the flow before the water is sheared by more 
 delta_sph lose their order, which adds to its viscosity. At 0.001 m2/s, sheared by a hundred, the drift falls to half.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from ocean_sim.simulation import Simulation
@@ -33,13 +35,20 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
+    return [problem(10)] if coarse else [problem(10), problem(20, slow=True)]
+
+
+def problem(layers: int, slow: bool = False) -> Problem:
+    """The basin with so many particles over its depth."""
     scene = {
         "duration": 5.0,
         "basin": {"length": LENGTH, "depth": DEPTH, "floor": "no_slip"},
-        "fluid": {"spacing": DEPTH / (10 if coarse else 20), "kinematic_viscosity": VISCOSITY},
+        "fluid": {"spacing": DEPTH / layers, "kinematic_viscosity": VISCOSITY},
         "wind": blowing(STRESS, ramp=1.0),
     }
-    return [Problem(scene, PROMISES, measure, slow=not coarse)]
+    name = f"{layers} layers"
+    promises = tuple(replace(promise, quantity=f"{name}: {promise.quantity}") for promise in PROMISES)
+    return Problem(scene, promises, lambda simulation: measure(simulation, promises), name, slow)
 
 
 def slopes(simulation: Simulation, begin: float, until: float) -> tuple[float, float, np.ndarray]:
@@ -58,7 +67,7 @@ def slopes(simulation: Simulation, begin: float, until: float) -> tuple[float, f
     return on_bed, on_top, np.concatenate(flow)
 
 
-def measure(simulation: Simulation) -> Finding:
+def measure(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
     """Means over the last fifth of the run, and a short look at the same water without wind."""
     until = simulation.scene.duration
     on_bed, on_top, flow = slopes(simulation, 0.8 * until, until)
@@ -80,7 +89,7 @@ def measure(simulation: Simulation) -> Finding:
     mean = np.array([u[bins == k].mean() if (bins == k).any() else np.nan for k in range(1, len(edges))])
     middle = 0.5 * (edges[1:] + edges[:-1])
     return Finding(
-        {promise.quantity: number for promise, number in zip(PROMISES, numbers, strict=True)},
+        {promise.quantity: number for promise, number in zip(promises, numbers, strict=True)},
         [Curve("mean flow", mean, middle, points=True)],
         [Curve("laminar", 3.0 * middle**2 - 2.0 * middle, middle)],
         ("u over tau h / (4 mu)", "z / h"),

@@ -161,6 +161,21 @@ def export(
     export(run, particles, surface, every, out, json)
 
 
+@app.command()
+def waves(
+    run: Annotated[Path, typer.Argument(help="A run folder, or its gauges.csv.")],
+    begin: Annotated[float, typer.Option(help="Leave out what the gauges say before this time [s].")] = 0.0,
+    out: Annotated[
+        Path | None, typer.Option(help="Where the plot and the spectra go; by default beside the record.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """What the gauges say of the waves: heights, periods, spectrum, zero crossings."""
+    from ocean_sim.verbs.waves import waves
+
+    waves(run, begin, out, json)
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and leave with its exit code."""
     sys.exit(answered(sys.argv[1:] if arguments is None else arguments))

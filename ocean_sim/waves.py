@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ocean_sim.basin import Basin
 
 COMPONENTS = 200  # plane waves that stand for a spectrum
-BAND = (0.5, 4.0)  # [peak frequencies] that they cover: all but 0.5 % of the variance, which they share instead
+LOWEST = 0.5  # [peak frequencies] where they begin; up to 4 they cover all but 0.5 % of the variance
 RESOLVED = 4000  # points at which a spectrum is integrated over the band
 FREQUENCY, PHASE = 0x3_0000, 0x3_0001  # streams of random numbers
 STEEPEST = 0.142  # height over wavelength, over tanh(kh), at which a wave breaks (Miche 1944)
@@ -208,6 +208,9 @@ class Spectrum(PartConfig):
     """Where the waves go to: 0 along +z, 90 along +x; by default 0, in a slice 90."""
     seed: int = quantity("1", 0, ge=0, lt=2**31)
     """Seed of the phases."""
+    cut_off: float = quantity("1", 4.0, ge=1.2, le=10.0)
+    """Highest frequency over that of the peak; the waves below it carry all the variance. Deep-water waves of twice the
+    frequency are four times shorter, and particles 1/40 of the peak's wavelength apart show none much shorter."""
 
     @model_validator(mode="after")
     def _gamma_belongs_to_jonswap(self) -> "Spectrum":
@@ -223,7 +226,7 @@ class Spectrum(PartConfig):
     def density(self, frequency) -> np.ndarray:
         """S(f) [m2 s] at f [Hz]; its variance over the band that the components cover is Hs^2 / 16."""
         peak = 1.0 / self.peak_period
-        band = np.linspace(*BAND, RESOLVED) * peak
+        band = np.linspace(LOWEST, self.cut_off, RESOLVED) * peak
         raw = np.trapezoid(jonswap(band, peak, 1.0, self.enhancement), band)
         return self.significant_wave_height**2 / 16.0 / raw * jonswap(frequency, peak, 1.0, self.enhancement)
 
@@ -231,10 +234,10 @@ class Spectrum(PartConfig):
         """Plane waves going along a unit vector in x and z, one in each of equal slices of the band and carrying its
         variance; their frequencies are scattered inside the slices, so that the sea does not repeat itself."""
         peak = 1.0 / self.peak_period
-        edges = np.linspace(*BAND, COMPONENTS + 1) * peak
+        edges = np.linspace(LOWEST, self.cut_off, COMPONENTS + 1) * peak
         n = np.arange(COMPONENTS)
         frequency = edges[:-1] + np.diff(edges) * numpy_uniform(self.seed, FREQUENCY, n, 0)
-        fine = np.linspace(*BAND, RESOLVED) * peak
+        fine = np.linspace(LOWEST, self.cut_off, RESOLVED) * peak
         density = self.density(fine)
         grown = np.append(0.0, np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine)))
         variance = np.diff(np.interp(edges, fine, grown))

@@ -160,3 +160,12 @@ def test_what_cannot_be_is_said():
         waves.Spectrum(kind="pierson_moskowitz", significant_wave_height=1.0, peak_period=5.0, gamma=3.3)
     with pytest.raises(ValidationError, match="either height"):
         waves.WaveTrain(height=1.0)
+
+
+def test_a_spectrum_that_is_cut_off_keeps_its_height():
+    spectrum = waves.Spectrum(significant_wave_height=2.0, peak_period=8.0, cut_off=2.0)
+    sea = spectrum.components(np.array([1.0, 0.0]), 50.0)
+    assert 4.0 * (0.5 * sea.amplitude**2).sum() ** 0.5 == pytest.approx(2.0, rel=1e-6)
+    assert sea.omega.max() <= 2.0 * 2.0 * pi / 8.0 * (1.0 + 1e-9)
+    with pytest.raises(ValidationError, match="cut_off"):
+        waves.Spectrum(significant_wave_height=2.0, peak_period=8.0, cut_off=1.0)

@@ -12,10 +12,13 @@ from ocean_sim.fluid._field import Field
 from ocean_sim.fluid._grid import GridSize
 from ocean_sim.fluid._neighbours import ListSize, Neighbours
 from ocean_sim.fluid._particle_water import ParticleWater
-from ocean_sim.fluid._particles import Components
 from ocean_sim.fluid._water import WaterConfig, free_fall_speed
 from ocean_sim.parts import LedgerRow, quantity
 from ocean_sim.wind import Wind
+
+EXPOSED = 0.1  # of the spacing, in space squared: a particle with a smaller exposed area lies inside the water
+BLOCK = 4096  # particles whose areas are added by one thread
+UNEVEN = 2.0  # factor by which exposed areas are scaled at most
 
 
 class SphConfig(WaterConfig):
@@ -96,7 +99,7 @@ class Sph(ParticleWater):
     """Particles with neighbours, and solid bodies among them; a scheme adds its laws and its step."""
 
     def __init__(self, config: SphConfig, basin: Basin, sizes: ListSize, ledger: bool, wind: Wind) -> None:
-        super().__init__(config, basin, sizes.grid, ledger, wind)
+        super().__init__(config, basin, sizes.grid, ledger, wind, exposed=wind.needs_area)
         self.neighbours = Neighbours(self.particles, self.grid, self.ledger, sizes)
         self.reference_speed, self.sound_speed = config.speed(basin), config.sound_speed(basin)
         self.dt = ti.field(float, shape=())  # [s]
@@ -108,14 +111,38 @@ class Sph(ParticleWater):
         self.field = Field(
             self.particles, self.grid, self.smoothing, self.pull.constant, self.pull, boundary=self.boundary
         )
-        self.exposed = wind.needs_area
         if self.exposed:
-            self.exposed_area = Components(self.particles.n)  # times the outward normal [m2]
+            self.least_area = EXPOSED * self.particles.spacing ** (basin.dimension - 1)  # [m2]
+            self.plan_area = sizes.grid.lattice.plan_area or 0.0  # [m2]
+            self.level_area = ti.field(ti.f64, shape=-(-self.particles.n // BLOCK))
+            self.even = ti.field(float, shape=())  # plan area over the sum of level areas
 
     def drive(self, dt: float) -> None:
         super().drive(dt)
         if self.bodies:
             self.boundary.sort()
+        if self.exposed:
+            self.weigh()
+
+    @ti.kernel
+    def weigh(self):
+        """Scale exposed areas so that, seen from above, they sum to the plan area of the water, where that is known:
+        whatever the order of the particles, and however many of them count as exposed, a stress acts on the surface
+        once. The sum alone is the area of the bed that the water presses on, but for the order of the particles."""
+        for b in self.level_area:
+            total = ti.cast(0.0, ti.f64)
+            for i in range(b * BLOCK, ti.min((b + 1) * BLOCK, self.particles.count.there())):
+                total += self.exposed_area.y[i]
+            self.level_area[b] = total
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            level = ti.cast(0.0, ti.f64)
+            for b in range(self.level_area.shape[0]):
+                level += self.level_area[b]
+            scale = ti.cast(1.0, ti.f64)
+            if ti.static(self.plan_area > 0.0):
+                scale = ti.min(ti.max(self.plan_area / ti.max(level, 1e-9 * self.plan_area), 1.0 / UNEVEN), UNEVEN)
+            self.even[None] = ti.cast(scale, float)
 
     def limits(self) -> Limits:
         status, nu = self.status, self.config.kinematic_viscosity
@@ -139,10 +166,11 @@ class Sph(ParticleWater):
 
     @ti.func
     def area(self, i):
-        """Exposed area of particle i times its outward normal [m2]; zero inside the water."""
+        """Exposed area of particle i times its outward normal [m2]; zero inside the water. Seen from above the areas
+        sum to the plan area of the water."""
         area = tm.vec3(0.0)
         if ti.static(self.exposed):
-            area = tm.vec3(self.exposed_area.x[i], self.exposed_area.y[i], self.exposed_area.z[i])
+            area = self.even[None] * tm.vec3(self.exposed_area.x[i], self.exposed_area.y[i], self.exposed_area.z[i])
         return area
 
     @ti.func
@@ -150,5 +178,7 @@ class Sph(ParticleWater):
         """Twice the volume of i times the gradient [1/m] of the smoothed share of water, turned outwards: the share
         falls from 1 to 1/2 on the water's side of a surface; walls are mirrors, so what faces them is not exposed."""
         area = -2.0 * ti.static(self.particles.mass / self.particles.rest_density) * gradient
+        if area.norm() < self.least_area:
+            area = tm.vec3(0.0)
         for k, component in ti.static(enumerate(self.exposed_area)):
             component[i] = area[k]

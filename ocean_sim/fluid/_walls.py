@@ -10,7 +10,7 @@ from ocean_sim.fluid._images import DRIFT, PLACE, Images
 from ocean_sim.fluid._water import Lattice, free_fall_speed
 
 ABSORBING_PART = 0.25  # of the basin that the zone before an absorbing side takes
-ABSORBING_RATE = 6.0  # [sqrt(|g| / depth)] at the side; falls with the square of the distance, to 0 at the zone's end
+ABSORBING_RATE = 2.5  # [sqrt(|g| / depth)] at the side; falls with the square of the distance, to 0 at the zone's end
 
 
 def absorbing_zones(basin: Basin) -> tuple[tuple[int, float, float, float], ...]:

@@ -177,6 +177,12 @@ class Lattice:
         return self.config.rest_density * self.volume / (total(self.counts) if self.given is None else len(self.given))
 
     @property
+    def plan_area(self) -> float | None:
+        """Area of the still surface [m2], in a slice its length [m]; None where water does not fill the basin."""
+        filled = self.config.fill is None and self.given is None and not self.basin.closed
+        return self.basin.volume / self.basin.depth if filled else None
+
+    @property
     def height(self) -> float:
         """Height of the tallest box of water [m]."""
         return max((float((up - low)[1]) for low, up in self.boxes), default=self.basin.depth)

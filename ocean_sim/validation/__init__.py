@@ -26,6 +26,10 @@ ORDER = (
     "sloshing",
     "piston_flume",
     "obstacle",
+    "imposed_sea",
+    "wind_stress",
+    "wind_growth",
+    "wind_setup",
 )
 
 

@@ -38,6 +38,10 @@ def validate(
     out.mkdir(parents=True, exist_ok=True)
     rows: list[dict[str, Any]] = []
     for case, pairs in plan.items():
+        if not pairs:
+            if not as_json:
+                console.say(f"\n{case}: all its set-ups take minutes; --slow runs them, --coarse a quick look")
+            continue
         runs, told = [], len(rows)
         for problem, scheme in pairs:
             found, finding = problem.run(case, scheme, overrides)

@@ -5,10 +5,14 @@ The coefficient was measured in that form, so drag has no half here; lift, whose
 Wind is taken relative to the surface, where section 2.3 takes wind speed alone.
 """
 
+from typing import Literal
+
 import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.conventions import AIR_DENSITY
+
+DragLaw = Literal["wu", "garratt", "zijlema"]
 
 
 def drag_coefficient(u10):
@@ -16,9 +20,26 @@ def drag_coefficient(u10):
     return max(1.2875e-3, (0.8 + 0.065 * u10) * 1e-3)
 
 
-def stress(u10: float) -> float:
+def garratt(u10: float) -> float:
+    """C_d of Garratt (1977, Mon. Weather Rev. 105)."""
+    return (0.75 + 0.067 * u10) * 1e-3
+
+
+def zijlema(u10: float) -> float:
+    """C_d of Zijlema, van Vledder & Holthuijsen (2012, Coastal Engineering 65), which falls again in a hurricane;
+    beyond 50 m/s, where it would end below zero, it is what it is there."""
+    u = min(u10, 50.0) / 31.5
+    return (0.55 + 2.97 * u - 1.49 * u * u) * 1e-3
+
+
+DRAG_LAWS = {"wu": drag_coefficient, "garratt": garratt, "zijlema": zijlema}
+RANGES = {"wu": (0.0, 20.0), "garratt": (4.0, 21.0), "zijlema": (0.0, 50.0)}
+"""Winds [m/s] that each law is good for: Wu's overestimates above 20 m/s (SWAN technical manual)."""
+
+
+def stress(u10: float, law: DragLaw = "wu") -> float:
     """Stress of the wind on the sea surface [Pa] (2.20)."""
-    return AIR_DENSITY * drag_coefficient(u10) * u10**2
+    return AIR_DENSITY * DRAG_LAWS[law](u10) * u10**2
 
 
 C_d = ti.func(drag_coefficient)

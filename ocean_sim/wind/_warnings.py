@@ -1,23 +1,30 @@
-"""What `check` says of a force field: how much stronger than a real wind it is, and what it will do to the water."""
+"""What `check` says of a wind: how much stronger than a real one it is, and what it will do to the water."""
 
-from math import hypot, isinf
+from math import hypot, isinf, pi
 from typing import Any
 
-from ocean_sim.conventions import WATER_DENSITY
+from ocean_sim import waves
+from ocean_sim.conventions import AIR_DENSITY, GRAVITY, WATER_DENSITY
 from ocean_sim.parts import Vector3
-from ocean_sim.wind._air_load import stress
+from ocean_sim.wind._air_load import DRAG_LAWS, RANGES, DragLaw, stress
 
 U10 = 10.0  # [m/s] the real wind that force fields are compared with
+FEWEST = 10.0  # spacings that a wave must be long to travel well
+
+
+def layer(scene: Any) -> float:
+    """Thickness of one layer of particles [m]; 1 where the water has none."""
+    lattice = getattr(scene.fluid, "lattice", None)
+    return lattice(scene.basin.build()).spacing if lattice else 1.0
 
 
 def stylised(name: str, acceleration: float, scene: Any) -> str:
     """How a force field of this size [m/s2] compares with the stress of a wind on one layer of particles."""
-    lattice = getattr(scene.fluid, "lattice", None)
-    layer = lattice(scene.basin.build()).spacing if lattice else 1.0  # [m]
-    real = stress(U10) / (getattr(scene.fluid, "rest_density", WATER_DENSITY) * layer)
+    thick = layer(scene)
+    real = stress(U10) / (getattr(scene.fluid, "rest_density", WATER_DENSITY) * thick)
     return (
         f"{name}: a stylised force field, not a physical stress: {acceleration:.3g} m/s2 is {acceleration / real:.1e} "
-        f"times what a wind of {U10:g} m/s does to a layer of {layer:g} m"
+        f"times what a wind of {U10:g} m/s does to a layer of {thick:g} m"
     )
 
 
@@ -32,3 +39,58 @@ def kick(name: str, acceleration: Vector3, passing_time: float, scene: Any) -> l
         height = f"{speed**2 / (2.0 * g):.1f} m high, above the depth of {depth:g} m" if g else "away, without gravity"
         sentences.append(f"{name}: throws the water {height}: not a sea; make it weaker, thinner or faster")
     return sentences
+
+
+def out_of_range(u10: float, law: DragLaw) -> list[str]:
+    """Whether a drag law is asked for a wind that it was not made for, and what the others say."""
+    low, high = RANGES[law]
+    if u10 == 0.0 or low <= u10 <= high:
+        return []
+    others = ", ".join(f"{name} {1e3 * coefficient(u10):.2f}" for name, coefficient in DRAG_LAWS.items())
+    return [
+        f"wind: U10 = {u10:g} m/s is outside the range of {law} ({low:g} to {high:g} m/s); 1000 C_d there is {others}"
+    ]
+
+
+def fetch_limited(u10: float, fetch: float, gravity: float = GRAVITY) -> tuple[float, float]:
+    """Significant wave height [m] and peak period [s] that a wind makes over a fetch [m] of deep water: Kahma &
+    Calkoen (1992, J. Phys. Oceanogr. 22), composite, no higher than Pierson & Moskowitz (1964)."""
+    x = gravity * fetch / u10**2
+    energy = min(5.2e-7 * x**0.9, 3.64e-3)
+    omega = max(13.7 * x**-0.27, 2.0 * pi * 0.133)
+    return 4.0 * energy**0.5 * u10**2 / gravity, 2.0 * pi * u10 / (gravity * omega)
+
+
+def plant(u10: float, k: float, gravity: float = GRAVITY) -> float:
+    """Rate [1/s] at which a real wind feeds energy into deep-water waves of wavenumber k [1/m]: 0.04 (u*/c)^2 w, right
+    to a half (Plant 1982, J. Geophys. Res. 87)."""
+    omega = (gravity * k) ** 0.5
+    return 0.04 * stress(u10) / AIR_DENSITY * (k / omega) ** 2 * omega
+
+
+def unresolved(u10: float, scene: Any) -> list[str]:
+    """What keeps this water from showing the waves of a real wind: particles too coarse, water too viscous, a basin too
+    short."""
+    basin, pull = scene.basin, hypot(*scene.basin.gravity)
+    if u10 <= 0.0 or pull <= 0.0 or not hasattr(scene.fluid, "lattice"):
+        return []
+    spacing, fetch = layer(scene), max(basin.length, basin.width or 0.0)
+    height, period = fetch_limited(u10, fetch, pull)
+    k = float(waves.wavenumber(2.0 * pi / period, basin.depth, pull))
+    length, said = 2.0 * pi / k, []
+    real = f"over {fetch:g} m a real wind of {u10:g} m/s makes waves {length:.2g} m long and {height:.2g} m high"
+    if length < FEWEST * spacing:
+        said.append(
+            f"wind: {real} (Kahma & Calkoen 1992): shorter than {FEWEST:g} spacings of {spacing:g} m, not to be seen"
+        )
+    if fetch < 2.0 * length:
+        said.append(f"wind: {real}: the basin is shorter than two of them")
+    seen = 2.0 * pi / max(length, FEWEST * spacing)
+    most, nu = plant(u10, seen, pull) / (4.0 * seen**2), getattr(scene.fluid, "kinematic_viscosity", 0.0)
+    if nu > most:
+        said.append(
+            f"wind: the viscosity of {nu:g} m2/s is more than the {most:.2g} m2/s under which a real wind of {u10:g} "
+            f"m/s makes waves of {2.0 * pi / seen:.3g} m grow (Plant 1982); what the scheme adds comes on top "
+            "(ocean-sim validate wind_growth)"
+        )
+    return said

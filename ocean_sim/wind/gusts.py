@@ -5,7 +5,7 @@ or shallow: stylised, some hundred thousand times a real wind. `wind_speed` is a
 the lift (2.23) on exposed surface. Volumes add up.
 """
 
-from math import atan2, cos, hypot, inf, radians, sin
+from math import atan2, cos, degrees, hypot, inf, radians, sin, sqrt
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -18,6 +18,7 @@ from ocean_sim.parts import LedgerRow, PartConfig, Vector2, Vector3, quantity
 from ocean_sim.random_numbers import numpy_uniform3, uniform3
 from ocean_sim.wind._air_load import drag, lift
 from ocean_sim.wind._passages import Passages
+from ocean_sim.wind._schedule import Scheduled
 from ocean_sim.wind._volumes import Shape, turned, turned_back, within
 from ocean_sim.wind._warnings import kick, stylised
 from ocean_sim.wind.still import Still
@@ -29,12 +30,18 @@ ORIGIN, VELOCITY, ACCELERATION, STRENGTH_OF_NOISE, WIND = 0, 3, 6, 9, 12
 ELAPSED, LIFT, COSINE, SINE, SHAPES = 15, 16, 17, 18, 19
 CENTRE, HALF, RADIUS, SHAPE_COSINE, SHAPE_SINE, SIGN, WIDTH = 0, 3, 6, 7, 8, 9, 10
 
+MOST_DRAWS = 8  # of the noise in a step; a longer step takes one draw, weaker by the root of their number
+
 NotNegative = Annotated[float, Field(ge=0.0)]
 Noise = Annotated[tuple[NotNegative, NotNegative, NotNegative], Field(strict=False)]
 
 
-class Volume(PartConfig):
-    """One volume of moving air: all included shapes less all excluded ones."""
+class Volume(Scheduled):
+    """One volume of moving air: all included shapes less all excluded ones.
+
+    What it blows may begin, end and follow a `schedule`: its speed, over the greatest in the schedule, is a factor on
+    acceleration, noise and wind_speed, which turn to its heading; the volume drifts on as it does.
+    """
 
     include: list[Shape] = Field(min_length=1)
     """Shapes it is made of; the centre of the first is the centre of the volume."""
@@ -75,6 +82,16 @@ class Volume(PartConfig):
         speed = float(np.linalg.norm(self.velocity))
         return self.include[0].core.chord(self.velocity / speed) / speed if speed else inf
 
+    def blows(self, time: float, dt: float = 0.0) -> tuple[float, float]:
+        """Factor on its strength in a step of dt [s] from a time [s] on, and the angle [rad] by which what it blows is
+        turned."""
+        if self.course is None:
+            return self.blowing(time, dt), 0.0
+        speed, heading = self.course.at(time + 0.5 * dt)
+        along = degrees(atan2(self.ahead[0], self.ahead[2]))
+        fastest = float(self.course.speed.max())
+        return self.blowing(time, dt) * (speed / fastest if fastest else 0.0), radians(heading - along)
+
     def redrawn(self, seed: int, number: int, passage: int) -> tuple[float, float]:
         """Turn [rad] and strength of volume `number` in a later passage, from the seed."""
         side, force, _ = numpy_uniform3(seed, PASSAGES + number, 0, passage)[0]
@@ -99,20 +116,25 @@ class Config(PartConfig):
     targets: list[Literal["fluid", "ship"]] = ["fluid", "ship"]
     """What the wind acts on."""
     noise_every: float = quantity("s", 1.0 / 60.0, ge=0.0)
-    """How long a draw of the noise lasts, so that it stirs the water alike whatever our step; 0: a new draw each step,
-    as printed. The default, ours, is PhysX's usual step."""
+    """How long a draw of the noise lasts. A step takes every draw for as long as it lasts in it, so the noise is white
+    in time and stirs the water alike whatever the step; 0: a new draw each step, as printed, which stirs it less the
+    shorter the step. The default, ours, is PhysX's usual step."""
 
     @property
     def stylised(self) -> bool:
         """Whether a force field acts that is no physical stress."""
         return any(any(v.acceleration) or any(v.noise) for v in self.volumes)
 
+    def problems(self, basin: Basin) -> list[tuple[tuple[str | int, ...], str]]:
+        """What is wrong: (path below `wind`, sentence)."""
+        return [(("volumes", g, *path), said) for g, v in enumerate(self.volumes) for path, said in v.unscheduled()]
+
     def build(self, basin: Basin, seed: int) -> "Gusts":
         return Gusts(self, basin, seed)
 
     def ledger(self, basin: Basin, word: int = 8) -> list[LedgerRow]:
         n, row = len(self.volumes), SHAPES + WIDTH * most_shapes(self.volumes)
-        return [LedgerRow("wind", "moving volumes of air", word * n * row + 4, f"{n} in wind.volumes")]
+        return [LedgerRow("wind", "moving volumes of air", word * (n * row + 3) + 8, f"{n} in wind.volumes")]
 
     def warnings(self, scene: Any) -> list[str]:
         sentences = []
@@ -141,30 +163,54 @@ class Gusts:
         self.n, self.shapes = len(self.volumes), most_shapes(self.volumes)
         # One field, so that Python writes single numbers through one compiled writer, a few microseconds each.
         self.row = ti.field(float, shape=(self.n, SHAPES + WIDTH * self.shapes))
-        self.draw = ti.field(int, shape=())  # number of the draw of the noise
-        self.time, self.steps, self.drawn = 0.0, 0, 0
+        self.draws = ti.field(int, shape=2)  # numbers of the first and the last draw of the noise in this step
+        self.shares = ti.field(float, shape=3)  # of the step that the first, each in between, and the last take
+        self.time, self.steps = 0.0, 0
+        self.drawn: tuple[float, ...] = ()
+        self.blown = [volume.blows(0.0) for volume in self.volumes]
         for g, volume in enumerate(self.volumes):
             self._write_shapes(g, volume)
             self._write_passage(g)
+        self._draw(0.0)
 
     def on(self, target: Literal["fluid", "ship"]) -> "Gusts | Still":
         """The wind that a target feels: this, or still air where it is none of `targets`."""
         return self if target in self.targets else Still()
 
     def advance(self, dt: float) -> None:
-        """Algorithm 1 for every volume, and a new draw of the noise when it is due."""
-        for g, passage in enumerate(self.passages):
-            before = passage.number
+        """Algorithm 1 for every volume, what it blows in the middle of a step of dt [s], and the noise of the step."""
+        for g, (passage, volume) in enumerate(zip(self.passages, self.volumes)):
+            before, blown = passage.number, self.blown[g]
             passage.advance(dt)
-            if passage.number != before:
+            self.blown[g] = volume.blows(self.time, dt)
+            if passage.number != before or self.blown[g] != blown:
                 self._write_passage(g)
             elif passage.speed:
                 self.row[g, ELAPSED] = passage.elapsed
-        draw = int(self.time / self.noise_every + 1e-6) & 0x7FFFFFFF if self.noise_every else self.steps
-        if self.noisy and draw != self.drawn:
-            self.draw[None] = self.drawn = draw
+        self._draw(dt)
         self.time += dt
         self.steps += 1
+
+    def _draw(self, dt: float) -> None:
+        """Which draws of the noise a step of dt [s] takes, and for which part of it each lasts."""
+        if not self.noisy:
+            return
+        first, last, shares = self.steps, self.steps, (1.0, 1.0, 1.0)
+        if self.noise_every and dt > 0.0:
+            begin, end = self.time / self.noise_every, (self.time + dt) / self.noise_every
+            first = int(begin + 1e-6)
+            last = max(first, int(end - 1e-6))
+            if last - first >= MOST_DRAWS:
+                last, shares = first, (sqrt(self.noise_every / dt),) * 3
+            elif last > first:
+                shares = tuple(part / (end - begin) for part in (first + 1 - begin, 1.0, end - last))
+        drawn = (first & 0x3FFFFFFF, (first & 0x3FFFFFFF) + last - first, *shares)
+        if drawn != self.drawn:
+            self.drawn = drawn
+            for k in range(2):
+                self.draws[k] = int(drawn[k])
+            for k in range(3):
+                self.shares[k] = drawn[2 + k]
 
     def _write(self, g: int, column: int, *numbers: float) -> None:
         for k, number in enumerate(numbers):
@@ -179,9 +225,10 @@ class Gusts:
 
     def _write_passage(self, g: int) -> None:
         p, volume = self.passages[g], self.volumes[g]
-        acceleration = p.strength * turned(volume.acceleration, p.turn)
-        wind = p.strength * volume.wind_speed * turned(volume.ahead, p.turn)
-        numbers = (*p.origin, *p.velocity, *acceleration, *volume.noise, *wind)
+        part, turn = self.blown[g]
+        acceleration = part * p.strength * turned(volume.acceleration, p.turn + turn)
+        wind = part * p.strength * volume.wind_speed * turned(volume.ahead, p.turn + turn)
+        numbers = (*p.origin, *p.velocity, *acceleration, *np.multiply(part, volume.noise), *wind)
         self._write(g, ORIGIN, *numbers, p.elapsed, volume.lift_coefficient, cos(p.turn), sin(p.turn))
 
     @ti.func
@@ -192,13 +239,21 @@ class Gusts:
             if self.holds(g, position):
                 total += mass * self.vector(g, ACCELERATION)
                 if ti.static(self.noisy):
-                    noise = uniform3(self.seed, NOISE + g, key, self.draw[None])
-                    total += mass * self.vector(g, STRENGTH_OF_NOISE) * noise
+                    total += mass * self.vector(g, STRENGTH_OF_NOISE) * self.noise(g, key)
                 if ti.static(self.needs_area):
                     wind = self.vector(g, WIND)
                     if wind.dot(wind) > 0.0:
                         total += self.load(g, wind - velocity, area.norm())
         return total
+
+    @ti.func
+    def noise(self, g, key):
+        """The draws of this step for a particle, each as long as it lasts in it."""
+        mean, first, last = tm.vec3(0.0), self.draws[0], self.draws[1]
+        for draw in range(first, last + 1):
+            share = ti.select(draw == first, self.shares[0], ti.select(draw == last, self.shares[2], self.shares[1]))
+            mean += share * uniform3(self.seed, NOISE + g, key, draw)
+        return mean
 
     @ti.func
     def load(self, g, wind, area):

@@ -11,13 +11,14 @@ import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.basin import Basin
-from ocean_sim.parts import LedgerRow, PartConfig, Vector2, quantity
+from ocean_sim.parts import LedgerRow, Vector2, quantity
 from ocean_sim.wind._passages import Passages
+from ocean_sim.wind._schedule import Timed
 from ocean_sim.wind._warnings import kick, stylised
 from ocean_sim.wind.still import Still
 
 
-class Config(PartConfig):
+class Config(Timed):
     """A column of air that turns about the vertical."""
 
     kind: Literal["vortex"] = "vortex"
@@ -56,7 +57,7 @@ class Config(PartConfig):
         return [(("kind",), sentence)] if basin.dimension == 2 else []
 
     def ledger(self, basin: Basin, word: int = 8) -> list[LedgerRow]:
-        return [LedgerRow("wind", "axis of the vortex", 2 * word, "wind.kind is vortex")]
+        return [LedgerRow("wind", "axis and strength of the vortex", 3 * word, "wind.kind is vortex")]
 
     def warnings(self, scene: Any) -> list[str]:
         speed = hypot(*self.drift)
@@ -75,7 +76,8 @@ class Vortex:
         self.config, self.targets = config, tuple(config.targets)
         x, z = config.centre
         self.passage = Passages((x, 0.0, z), (config.drift[0], 0.0, config.drift[1]), config.core_radius, basin)
-        self.axis = ti.field(float, shape=2)  # x and z [m]
+        self.axis = ti.field(float, shape=3)  # x and z [m], and the part of its strength that it has now
+        self.time, self.part = 0.0, config.blowing(0.0)
         self._write_axis()
 
     def on(self, target: Literal["fluid", "ship"]) -> "Vortex | Still":
@@ -85,11 +87,14 @@ class Vortex:
     def advance(self, dt: float) -> None:
         """Algorithm 1."""
         self.passage.advance(dt)
-        if self.passage.speed:
+        before, self.part = self.part, self.config.blowing(self.time, dt)
+        if self.passage.speed or self.part != before:
             self._write_axis()
+        self.time += dt
 
     def _write_axis(self) -> None:
         self.axis[0], _, self.axis[1] = self.passage.centre
+        self.axis[2] = self.part
 
     @ti.func
     def force(self, key, position, velocity, area, mass):
@@ -98,6 +103,6 @@ class Vortex:
         r2, core = arm.dot(arm), ti.static(self.config.core_radius)
         around, towards = tm.vec3(arm.z, 0.0, -arm.x), -arm
         profile = core / ti.max(r2, core * core)  # times r: r / core inside, core / r outside
-        depth = tm.clamp(1.0 + position.y / self.config.layer, 0.0, 1.0)
+        depth = self.axis[2] * tm.clamp(1.0 + position.y / self.config.layer, 0.0, 1.0)
         level = self.config.acceleration * around + self.config.inward * towards
         return mass * depth * profile * (level + tm.vec3(0.0, self.config.upward * ti.sqrt(r2), 0.0))

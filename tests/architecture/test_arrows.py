@@ -17,7 +17,20 @@ SOURCES = {
     for path in sorted(PACKAGE.rglob("*.py"))
 }
 FOUNDATION = [
-    *("conventions", "yaml_file", "csv_file", "parts", "runtime", "random_numbers", "sums", "waves", "motion", "basin"),
+    *(
+        "conventions",
+        "yaml_file",
+        "csv_file",
+        "parts",
+        "runtime",
+        "random_numbers",
+        "sums",
+        "waves",
+        "wave_record",
+        "orbits",
+        "motion",
+        "basin",
+    ),
 ]
 
 

@@ -13,7 +13,7 @@ from ocean_sim.validation import names, problems
 from ocean_sim.validation._case import KEYS, Finding, Problem, Promise
 
 SCHEMES = [scheme for scheme in ("mueller", "delta_sph", "dfsph") if scheme in kinds("fluid")]
-OF_A_CASE = {"spacing", "fill", "rest_density", "kinematic_viscosity", "reference_speed", "body_force"}
+OF_A_CASE = {"spacing", "fill", "initial", "rest_density", "kinematic_viscosity", "reference_speed", "body_force"}
 QUICK = {"runtime.threads": 1}
 
 
@@ -23,7 +23,16 @@ def every_problem() -> list[Problem]:
 
 def test_the_cases_asked_for_are_there():
     wanted = "hydrostatic poiseuille couette taylor_green elliptical_drop square_patch standing_wave dam_break_front"
-    assert {*wanted.split(), "wall_impact", "conservation", "sloshing", "piston_flume"} <= set(names())
+    assert {
+        *wanted.split(),
+        "wall_impact",
+        "conservation",
+        "sloshing",
+        "piston_flume",
+        "wind_stress",
+        "wind_setup",
+        "wind_growth",
+    } <= set(names())
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
@@ -39,7 +48,7 @@ def test_a_scheme_has_one_set_of_constants(scheme):
 
 def test_a_case_says_nothing_of_a_scheme():
     for problem in every_problem():
-        assert set(problem.scene) <= {"duration", "basin", "fluid", "runtime"}
+        assert set(problem.scene) <= {"duration", "basin", "fluid", "wind", "runtime"}
         assert set(problem.scene["fluid"]) <= OF_A_CASE
         assert set(problem.scene.get("runtime", {})) <= {"precision"}
 

@@ -245,3 +245,100 @@ def test_in_a_slice_a_slanting_gust_crosses_from_end_to_end(build, force):
         wind.advance(0.01)
         pushed |= force(wind, np.stack([x, 0 * x, 0 * x], axis=1))[:, 1] > 0.0
     assert pushed.all()
+
+
+def velocities(build, force, dt, every, n=400, until=2.0):
+    """What the noise has made of the velocities of particles that stay where they are, (n, 3) [m/s]."""
+    wind = build("gusts", volumes=[gust(noise=[30.0, 30.0, 30.0])], noise_every=every)
+    v = np.zeros((n, 3))
+    for _ in range(round(until / dt)):
+        wind.advance(dt)
+        v += dt * force(wind, np.zeros((n, 3)))
+    return v
+
+
+@pytest.mark.parametrize("dt", [1 / 240, 1 / 100, 1 / 75, 1 / 30, 1 / 10])
+def test_noise_is_white_in_time_and_heats_alike_whatever_the_step(build, force, dt):
+    """Not the variance alone: every particle ends at the same velocity, which is that of the draws."""
+    exact = 30.0 / 60.0 * numpy_uniform3(7, NOISE, np.arange(400)[:, None], np.arange(120)).sum(axis=1)
+    np.testing.assert_allclose(velocities(build, force, dt, 1 / 60), exact, atol=1e-9)
+
+
+def test_a_step_much_longer_than_a_draw_heats_alike_in_the_mean(build, force):
+    n, every = 2000, 1 / 300
+    found = velocities(build, force, 0.05, every, n).var()
+    assert found == pytest.approx(30.0**2 / 3.0 * every * 2.0, rel=4.0 * np.sqrt(2.0 / (3 * n)))
+
+
+def test_a_new_draw_each_step_heats_less_the_shorter_the_step(build, force):
+    """As printed: the negative control."""
+    coarse, fine = (velocities(build, force, dt, 0.0).var() for dt in (1 / 30, 1 / 120))
+    assert fine / coarse == pytest.approx(0.25, rel=0.15)
+
+
+@pytest.mark.parametrize(
+    "keys, parts",
+    [
+        ({"start": 1.0}, {0.5: 0.0, 1.5: 1.0, 9.0: 1.0}),
+        ({"stop": 2.0}, {0.5: 1.0, 1.9: 1.0, 2.1: 0.0}),
+        ({"start": 1.0, "duration": 2.0, "ramp": 0.5}, {0.5: 0.0, 1.25: 0.5, 2.0: 1.0, 2.75: 0.5, 3.5: 0.0}),
+    ],
+)
+def test_it_begins_ends_and_rises_over_its_ramp(build, force, keys, parts):
+    wind, time = build("gusts", volumes=[gust(acceleration=[2.0, 0.0, 0.0], wind_speed=5.0) | keys]), 0.0
+    for moment, part in parts.items():
+        wind.advance(moment + 0.005 - time)
+        wind.advance(0.0)
+        time = moment + 0.005
+        assert force(wind, [0.0, 0.0, 0.0])[0, 0] / 2.0 == pytest.approx(part, abs=0.03), moment
+
+
+def test_it_follows_a_schedule_of_speed_and_heading(build, force):
+    rows = [
+        {"time": 0.0, "speed": 10.0, "heading_deg": 350.0},
+        {"time": 2.0, "speed": 5.0, "heading_deg": 90.0},
+    ]
+    wind = build("gusts", volumes=[gust(acceleration=[0.0, 1.0, 4.0], schedule=rows)])
+    wind.advance(1.0)
+    wind.advance(0.0)
+    a = force(wind, [0.0, 0.0, 0.0])[0]
+    heading = np.radians(40.0)  # half way from 350 to 450 degrees
+    np.testing.assert_allclose(a, 0.75 * np.array([4.0 * np.sin(heading), 1.0, 4.0 * np.cos(heading)]), rtol=1e-12)
+    wind.advance(9.0)
+    wind.advance(0.0)
+    np.testing.assert_allclose(force(wind, [0.0, 0.0, 0.0])[0], [2.0, 0.5, 0.0], atol=1e-12)
+
+
+def test_no_field_at_all_is_refused(build):
+    with pytest.raises(ValueError, match="at least 1"):
+        build("gusts", volumes=[])
+
+
+def test_a_thousand_fields_add_up(build, force):
+    n = 1000
+    volumes = [gust(acceleration=[0.001 * k, 1.0, 0.0], drift=[1.0, 0.0, 0.0]) for k in range(n)]
+    wind = build("gusts", volumes=volumes)
+    wind.advance(0.01)
+    np.testing.assert_allclose(force(wind, [0.0, 0.0, 0.0])[0], [0.001 * n * (n - 1) / 2, n, 0.0], rtol=1e-12)
+
+
+@pytest.mark.parametrize("dt", [1.0, 100.0])
+def test_a_field_that_leaves_the_basin_in_mid_step_comes_in_again(build, force, dt):
+    """It is finite and somewhere, also where a step is longer than a whole passage."""
+    small = {"include": [{"kind": "sphere", "radius": 1.0, "centre": [20.5, 0.0, 0.0]}]}
+    wind = build("gusts", volumes=[small | {"acceleration": [1.0, 0.0, 0.0], "drift": [5.0, 0.0, 0.0]}])
+    for _ in range(5):
+        wind.advance(dt)
+        p = wind.passages[0]
+        assert p.number > 0 and np.isfinite(p.centre).all() and p.centre[0] >= -21.0 - 1e-9
+        assert force(wind, p.centre)[0, 0] == 1.0
+
+
+@pytest.mark.parametrize("start, duration", [(0.1, 1e-3), (0.1037, 0.005), (0.1037, 0.0231)])
+def test_a_short_gust_gives_the_impulse_of_its_duration_whatever_the_step(build, force, start, duration):
+    wind = build("gusts", volumes=[gust(acceleration=[2.0, 0.0, 0.0], start=start, duration=duration)])
+    given = 0.0
+    for _ in range(40):
+        wind.advance(0.005)
+        given += 0.005 * force(wind, [0.0, 0.0, 0.0])[0, 0]
+    assert given == pytest.approx(2.0 * duration, rel=1e-9)

@@ -129,6 +129,19 @@ def test_warnings_give_the_kick_of_a_passage(preset_data, scene):
     assert "does not drift" in warned(preset_data, scene, "vortex")
 
 
+@pytest.mark.parametrize("name, kick", [("calm", "0.17"), ("breeze", "1.1"), ("gale", "2.7"), ("squall", "2.6")])
+def test_our_own_winds_say_their_kick_and_throw_nothing_out(preset_data, scene, name, kick):
+    said = warned(preset_data, scene, name)
+    assert f"the kick of one passage is {kick} m/s" in said and "throws the water" not in said
+
+
+def test_the_front_of_the_squall_passes_a_basin_of_40_m_once(preset_data):
+    place = basin.Config(length=40.0, width=40.0, depth=7.5).build()
+    squall = config_of("wind", "gusts").model_validate(preset_data("wind", "squall"))
+    front = squall.volumes[0].passages(place, 7, 0)
+    assert front.lasts == pytest.approx(7.83, abs=0.01) and squall.volumes[0].end == 7.9
+
+
 def test_a_field_that_throws_the_water_out_is_called_that(preset_data, scene):
     """The listing's strength in the wide box, which the first trial found to be no sea."""
     said = warned(preset_data, scene, "wide", acceleration=[-12.125, 20.0, 7.0])

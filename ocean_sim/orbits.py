@@ -1,0 +1,83 @@
+"""How water moves under waves: the orbits of tagged particles, the drift that they leave, circulation, white caps.
+
+Formulae of linear theory as in Dean & Dalrymple (1991), chapters 4 and 10.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ocean_sim.conventions import GRAVITY
+from ocean_sim.waves import angular_frequency
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """The path of a particle over whole periods, less its mean drift."""
+
+    along_m: float
+    """Half its length along the waves."""
+    up_m: float
+    """Half its height."""
+    drift_m_s: float
+    """Mean velocity along the waves."""
+
+    @property
+    def ratio(self) -> float:
+        """Height over length: 1 on deep water, 0 on the bed."""
+        return self.up_m / self.along_m
+
+
+def orbit(time: np.ndarray, path: np.ndarray, period: float, towards: tuple[float, float] = (1.0, 0.0)) -> Orbit:
+    """The orbit of a path (n, 3) [m] at times (n,) [s], under waves of a period [s] that go along a unit vector in x
+    and z: the first harmonic beside a mean and a drift. Raises ValueError where it is shorter than two periods."""
+    if time[-1] - time[0] < 2.0 * period:
+        raise ValueError(f"a path of {time[-1] - time[0]:g} s is shorter than two periods of {period:g} s")
+    angle = 2.0 * np.pi * (time - time[0]) / period
+    parts = np.stack([np.ones_like(angle), time - time[0], np.cos(angle), np.sin(angle)], axis=1)
+    along = path[:, 0] * towards[0] + path[:, 2] * towards[1]
+    found = np.linalg.lstsq(parts, np.stack([along, path[:, 1]], axis=1), rcond=None)[0]
+    sizes = np.hypot(found[2], found[3])
+    return Orbit(float(sizes[0]), float(sizes[1]), float(found[1, 0]))
+
+
+def orbit_ratio(k: float, y, depth: float) -> np.ndarray:
+    """Height over length of the orbits at a level y [m] below the still surface, on water of this depth [m]."""
+    return np.tanh(k * (np.asarray(y) + depth))
+
+
+def orbit_sizes(amplitude: float, k: float, y, depth: float) -> tuple[np.ndarray, np.ndarray]:
+    """Half length and half height [m] of the orbits under a wave of this amplitude [m]: they fall with depth."""
+    above = k * (np.asarray(y) + depth)
+    return amplitude * np.cosh(above) / np.sinh(k * depth), amplitude * np.sinh(above) / np.sinh(k * depth)
+
+
+def stokes_drift(amplitude: float, k: float, y, depth: float, gravity: float = GRAVITY) -> np.ndarray:
+    """Mean velocity [m/s] of the particles along the waves (Stokes 1847): a^2 w k cosh 2k(y+h) / (2 sinh^2 kh)."""
+    above, omega = k * (np.asarray(y) + depth), angular_frequency(k, depth, gravity)
+    return amplitude**2 * omega * k * np.cosh(2.0 * above) / (2.0 * np.sinh(k * depth) ** 2)
+
+
+def circulation(
+    position: np.ndarray, velocity: np.ndarray, radius: float, width: float, centre: tuple[float, float] = (0.0, 0.0)
+) -> float:
+    """Circulation [m2/s] by the right hand about the vertical through centre (x, z) of the particles (n, 3) whose
+    distance from it is within half a width of a radius [m]; raises ValueError where there are none."""
+    x, z = position[:, 0] - centre[0], position[:, 2] - centre[1]
+    r = np.hypot(x, z)
+    ring = np.abs(r - radius) <= 0.5 * width
+    if not ring.any():
+        raise ValueError(f"there are no particles {radius:g} m from the axis")
+    around = (velocity[ring, 0] * z[ring] - velocity[ring, 2] * x[ring]) / np.maximum(r[ring], 1e-12)
+    return 2.0 * np.pi * radius * float(around.mean())
+
+
+def white_cap_cover(speed: np.ndarray, crest_speed: float, share: float = 0.85) -> float:
+    """Part of the surface whose water runs with the crests: speeds along the waves (n,) [m/s] at points spread evenly,
+    above a share of the crest speed [m/s] (Barthelemy et al. 2018, J. Fluid Mech. 841: waves break from 0.85 on)."""
+    return float(np.mean(np.asarray(speed) > share * crest_speed))
+
+
+def white_caps_of(u10: float) -> float:
+    """Part of the sea that is white under a wind [m/s]: 3.84e-6 U^3.41 (Monahan & O'Muircheartaigh 1980)."""
+    return 3.84e-6 * u10**3.41

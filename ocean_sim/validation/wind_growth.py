@@ -1,0 +1,90 @@
+"""Growth of a wave under the pressure of a wind: its energy grows at the rate beta - 4 nu k^2.
+
+Jeffreys's pressure, P times the slope, does work on the wave at the rate beta = P k w / (rho g) of its energy, exactly
+in linear theory: P w / (rho c^2) on deep water. What the scheme takes away is measured by the same water under still
+air, whose decay gives its effective viscosity.
+"""
+
+from math import pi
+
+import numpy as np
+
+from ocean_sim import waves
+from ocean_sim.conventions import AIR_DENSITY, GRAVITY, WATER_DENSITY
+from ocean_sim.simulation import Simulation
+from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation._state import watched
+from ocean_sim.validation._wind import REAL, U10, blowing, stilled
+
+WAVELENGTH, DEPTH, STEEPNESS, PERIODS = 1.0, 0.5, 0.06, 8  # [m], [m], ka at the start, periods
+K = 2.0 * pi / WAVELENGTH
+OMEGA = float(waves.angular_frequency(K, DEPTH))
+PERIOD, CREST_SPEED = 2.0 * pi / OMEGA, OMEGA / K
+STRENGTH, SHELTERING = 0.02, 0.27  # P / (rho c^2); s of Jeffreys (1925)
+PRESSURE = STRENGTH * WATER_DENSITY * CREST_SPEED**2  # [Pa]
+GAIN = PRESSURE / (SHELTERING * AIR_DENSITY * (U10 - CREST_SPEED) ** 2)
+BETA = PRESSURE * K * OMEGA / (WATER_DENSITY * GRAVITY)  # [1/s]
+SOURCE = "work of P times the slope in linear theory"
+PROMISES = (
+    Promise("growth rate of the energy, over beta - 4 nu_eff k^2 [1/s]", "%", SOURCE, {"delta_sph": 15.0}),
+    Promise("growth rate more than under still air, over beta [1/s]", "%", SOURCE, {"delta_sph": 15.0}),
+    Promise("still air: growth rate [1/s]", "1/s", "decay of the same wave"),
+    Promise("effective viscosity [m2/s]", "m2/s", "decay of the same wave under still air over 4 k^2"),
+    Promise("gain of the wind", "1", f"Jeffreys's pressure of {U10:g} m/s, s {SHELTERING}, times this"),
+)
+
+
+def problems(coarse: bool) -> list[Problem]:
+    scene = {
+        "duration": PERIODS * PERIOD,
+        "basin": {"length": WAVELENGTH, "depth": DEPTH, "walls": {"x": "periodic"}},
+        "fluid": {
+            "spacing": WAVELENGTH / (32 if coarse else 64),
+            "kinematic_viscosity": 1e-6,
+            "initial": {"kind": "regular_wave", "height": 2.0 * STEEPNESS / K, "period": PERIOD},
+        },
+        "wind": blowing(GAIN * REAL, sheltering=SHELTERING, wave_speed=CREST_SPEED),
+    }
+    return [Problem(scene, PROMISES, measure)]
+
+
+def amplitude(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
+    """Times [s] and the amplitude [m] of the wave of this wavenumber, from the velocities."""
+    times, sizes = [], []
+    for water in watched(simulation, PERIODS * PERIOD, PERIOD / 20):
+        y = np.minimum(water.position[:, 1], 0.0)
+        c, s = waves.profiles(K, y, DEPTH)
+        turn = np.exp(-1j * K * water.position[:, 0])
+        mode = np.sum((water.velocity[:, 0] * c + 1j * water.velocity[:, 1] * s) * turn) / np.sum(c * c + s * s)
+        times.append(water.time)
+        sizes.append(abs(mode) * OMEGA / (GRAVITY * K))
+    return np.array(times), np.array(sizes)
+
+
+def rate(times: np.ndarray, sizes: np.ndarray) -> float:
+    """Growth rate of the energy [1/s], from one period on."""
+    later = times > PERIOD
+    return 2.0 * float(np.polyfit(times[later], np.log(sizes[later]), 1)[0])
+
+
+def measure(simulation: Simulation) -> Finding:
+    """The wave under the wind, and under still air."""
+    times, under_wind = amplitude(simulation)
+    with stilled(simulation) as without:
+        _, under_still = amplitude(without)
+    grown, calm = rate(times, under_wind), rate(times, under_still)
+    viscosity = -calm / (4.0 * K**2)
+    numbers = (
+        relative(grown, BETA + calm),
+        relative(grown - calm, BETA),
+        (calm, None, None),
+        (viscosity, None, None),
+        (GAIN, None, None),
+    )
+    first = under_still[0]
+    return Finding(
+        {promise.quantity: number for promise, number in zip(PROMISES, numbers, strict=True)},
+        [Curve("wind", times / PERIOD, under_wind / first), Curve("still air", times / PERIOD, under_still / first)],
+        [Curve("beta - 4 nu_eff k^2", times / PERIOD, np.exp(0.5 * (BETA + calm) * times))],
+        ("t / T", "amplitude over its first"),
+    )

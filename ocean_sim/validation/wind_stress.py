@@ -1,0 +1,59 @@
+"""Momentum that a wind gives: over a periodic slice on a bed that slips, dP/dt = stress times plan area.
+
+Nothing else acts along x, so this is exact, whatever the resolution and however many particles count as surface.
+"""
+
+import numpy as np
+
+from ocean_sim.simulation import Simulation
+from ocean_sim.validation._case import Curve, Finding, Problem, Promise
+from ocean_sim.validation._state import watched
+from ocean_sim.validation._wind import blowing, stilled
+
+LENGTH, DEPTH, STRESS, DURATION = 1.0, 0.5, 5.0, 0.5  # [m], [m], [Pa], [s]
+LIMIT = {"delta_sph": 1e-5}
+SOURCE = "dP/dt = tau A, exact"
+
+
+def problems(coarse: bool) -> list[Problem]:
+    return [problem(DEPTH / layers) for layers in ((5, 10) if coarse else (10, 20))]
+
+
+def problem(spacing: float) -> Problem:
+    name = f"spacing {spacing:g} m"
+    scene = {
+        "duration": DURATION,
+        "basin": {"length": LENGTH, "depth": DEPTH, "walls": {"x": "periodic"}},
+        "fluid": {"spacing": spacing, "kinematic_viscosity": 1e-3},
+        "wind": blowing(STRESS),
+    }
+    promises = (
+        Promise(f"{name}: dP/dt over tau A", "1", SOURCE, LIMIT),
+        Promise(f"{name}: still air, dP/dt over tau A", "1", "no wind, no momentum", LIMIT),
+        Promise(f"{name}: particles that the wind reaches", "particles", "exposed surface"),
+    )
+    return Problem(scene, promises, lambda simulation: measure(simulation, promises), name)
+
+
+def gained(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
+    """Times [s] and momentum along x [N s] since the start."""
+    states = list(watched(simulation, DURATION, DURATION / 20))
+    momentum = np.array([water.momentum[0] for water in states])
+    return np.array([water.time for water in states]), momentum - momentum[0]
+
+
+def measure(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
+    """The momentum over time, beside that of still air."""
+    times, momentum = gained(simulation)
+    reached = np.count_nonzero(simulation.fluid.exposed_area.to_numpy()[:, 1])
+    with stilled(simulation) as without:
+        _, calm = gained(without)
+    wanted = STRESS * LENGTH * times
+    part, rest = momentum[-1] / wanted[-1], calm[-1] / wanted[-1]
+    numbers = ((part, 1.0, part - 1.0), (rest, 0.0, rest), (float(reached), None, None))
+    return Finding(
+        {promise.quantity: number for promise, number in zip(promises, numbers, strict=True)},
+        [Curve("momentum", times, momentum, points=True)],
+        [Curve("tau A t", times, wanted)],
+        ("time [s]", "momentum along the wind [N s/m]"),
+    )

@@ -1,0 +1,152 @@
+"""What a record of the water's height at one point says of the waves: their heights and periods, and their spectrum.
+
+Waves are counted between zero up-crossings of the record less its mean, as in IAHR (1989), List of Sea-State
+Parameters; crests and troughs between samples are those of the parabola through the three nearest. Spectral moments
+are those of the whole record under a Hann window, scaled to the record's own variance, up to five peak frequencies:
+the second moment of a sea grows with where it is cut off. The peak is found in Welch's estimate (1967).
+"""
+
+from dataclasses import asdict, dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+FEWEST = 16  # samples of a record
+CUT_OFF = 5.0  # [peak frequencies] up to which moments are taken
+SEGMENTS = 8  # of the record, in Welch's estimate, each overlapping the next by half
+STILL = 1e-9  # [m] a range within which a record counts as constant
+
+
+class Unmeasurable(ValueError):
+    """Why a record says nothing of waves."""
+
+
+@dataclass(frozen=True)
+class Sea:
+    """Numbers of a record; None where there is no wave to measure."""
+
+    hs_m: float | None
+    """Mean height of the highest third of the waves."""
+    hm0_m: float
+    """Four times the standard deviation."""
+    tz_s: float | None
+    """Mean time between zero up-crossings."""
+    tp_s: float | None
+    """Period at the peak of the spectrum."""
+    tm01_s: float | None
+    """m0 / m1."""
+    tm02_s: float | None
+    """sqrt(m0 / m2)."""
+    waves: int
+    """Waves from one zero up-crossing to the next."""
+    hmax_m: float | None
+    """The highest."""
+
+    def told(self) -> dict[str, Any]:
+        """By name."""
+        return asdict(self)
+
+
+def evenly(time: np.ndarray, height: np.ndarray) -> tuple[float, np.ndarray]:
+    """Interval [s] and heights [m] at equal intervals over a record, on straight lines where it has others; raises
+    Unmeasurable."""
+    if not np.isfinite([time, height]).all():
+        raise Unmeasurable("holds what is not a number")
+    if len(time) < FEWEST:
+        raise Unmeasurable(f"is too short: {len(time)} samples, at least {FEWEST} are needed")
+    steps = np.diff(time)
+    if not (steps > 0.0).all():
+        raise Unmeasurable("is not in the order of time")
+    interval = float(np.median(steps))
+    if np.abs(steps - interval).max() > 1e-3 * interval:
+        even = time[0] + interval * np.arange(int((time[-1] - time[0]) / interval + 1e-6) + 1)
+        return interval, np.interp(even, time, height)
+    return float((time[-1] - time[0]) / (len(time) - 1)), np.asarray(height, dtype=float)
+
+
+def crossings(interval: float, deviation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Times [s] of the zero up-crossings since the first sample, and the last sample before each."""
+    before = np.flatnonzero((deviation[:-1] < 0.0) & (deviation[1:] >= 0.0))
+    low, high = deviation[before], deviation[before + 1]
+    return interval * (before - low / (high - low)), before
+
+
+def highest(values: np.ndarray) -> float:
+    """The top of the parabola through the greatest of some samples and its neighbours."""
+    k = int(values.argmax())
+    if not 0 < k < len(values) - 1:
+        return float(values[k])
+    left, top, right = values[k - 1 : k + 2]
+    bend = left - 2.0 * top + right
+    return float(top - (right - left) ** 2 / (8.0 * bend)) if bend < 0.0 else float(top)
+
+
+def zero_crossing_waves(interval: float, deviation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Heights [m] from trough to crest, and periods [s], of the waves between zero up-crossings."""
+    times, before = crossings(interval, deviation)
+    heights = [
+        highest(deviation[begin : end + 2]) + highest(-deviation[begin : end + 2]) for begin, end in pairwise(before)
+    ]
+    return np.array(heights), np.diff(times)
+
+
+def welch(interval: float, deviation: np.ndarray, segments: int = SEGMENTS) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies [Hz] and spectral density [m2 s]."""
+    from scipy.signal import welch as estimate
+
+    length = max(FEWEST // 2, 2 * len(deviation) // (segments + 1))
+    return estimate(deviation, 1.0 / interval, nperseg=min(length, len(deviation)), detrend="constant")
+
+
+def peak(frequency: np.ndarray, density: np.ndarray) -> float:
+    """Frequency [Hz] at the top of the parabola through the logarithms of the greatest density and its neighbours."""
+    k = 1 + int(density[1:].argmax())
+    if k + 1 >= len(density) or density[k - 1 : k + 2].min() <= 0.0:
+        return float(frequency[k])
+    left, top, right = np.log(density[k - 1 : k + 2])
+    bend = left - 2.0 * top + right
+    shift = 0.5 * (left - right) / bend if bend < 0.0 and k > 1 else 0.0
+    return float(frequency[k] + shift * (frequency[1] - frequency[0]))
+
+
+def moments(interval: float, deviation: np.ndarray, up_to: float) -> tuple[float, float, float]:
+    """m0, m1 and m2 [m2, m2/s, m2/s2] of the part of the spectrum up to a frequency [Hz]."""
+    n = len(deviation)
+    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(n) / n)
+    power = np.abs(np.fft.rfft(window * deviation)) ** 2
+    frequency = np.fft.rfftfreq(n, interval)
+    power[0] = 0.0
+    power *= deviation.var() / power.sum()
+    below = frequency <= up_to
+    m0, m1, m2 = (float((power * frequency**order)[below].sum()) for order in range(3))
+    return m0, m1, m2
+
+
+def measured(time: np.ndarray, height: np.ndarray) -> Sea:
+    """The waves of a record: times (n,) [s] and heights (n,) [m]; raises Unmeasurable where it is no record.
+
+    A constant record is one of still water: nothing is high, and there are no waves. One without a whole wave between
+    two zero up-crossings has a deviation, and nothing else.
+    """
+    interval, values = evenly(time, height)
+    if np.ptp(values) <= STILL:
+        return Sea(0.0, 0.0, None, None, None, None, 0, 0.0)
+    deviation = values - values.mean()
+    heights, periods = zero_crossing_waves(interval, deviation)
+    if not len(heights):
+        return Sea(None, 4.0 * float(deviation.std()), None, None, None, None, 0, None)
+    f_peak = peak(*welch(interval, deviation))
+    m0, m1, m2 = moments(interval, deviation, CUT_OFF * f_peak)
+    waves = len(heights)
+    highest_third = np.sort(heights)[::-1][: max(1, round(waves / 3.0))]
+    return Sea(
+        hs_m=float(highest_third.mean()),
+        hm0_m=4.0 * float(deviation.std()),
+        tz_s=float(periods.mean()),
+        tp_s=1.0 / f_peak,
+        tm01_s=m0 / m1 if m1 > 0.0 else None,
+        tm02_s=(m0 / m2) ** 0.5 if m2 > 0.0 else None,
+        waves=waves,
+        hmax_m=float(heights.max()),
+    )

@@ -1,0 +1,151 @@
+"""A physical wind: the stress rho C_d U10^2 (2.20) on the plan area of the free surface, and pressure on its waves.
+
+The stress acts along the wind on what is seen of the surface from above; so momentum grows by stress times plan area,
+whatever the resolution. Pressure on waves is Jeffreys's (1925, Proc. R. Soc. A 107): s rho_air (U10 - c)^2 times the
+slope along the wind, higher on the windward side, which makes waves grow. In linear theory the energy of a wave of
+frequency w grows at the rate P w / (rho c^2), P = s rho_air (U10 - c)^2.
+"""
+
+from math import cos, hypot, radians, sin
+from typing import Any, Literal
+
+import numpy as np
+import taichi as ti
+import taichi.math as tm
+
+from ocean_sim.basin import Basin
+from ocean_sim.conventions import AIR_DENSITY
+from ocean_sim.parts import LedgerRow, quantity
+from ocean_sim.wind._air_load import DragLaw, drag, stress
+from ocean_sim.wind._schedule import Scheduled
+from ocean_sim.wind._warnings import out_of_range, unresolved
+from ocean_sim.wind.still import Still
+
+ALONG_X, ALONG_Z, PRESSURE, AHEAD_X, AHEAD_Z, SPEED = range(6)
+STEEPEST = 1.0  # slope beyond which the pressure does not rise: the air has long parted from the surface
+
+
+class Config(Scheduled):
+    """The stress of a real wind on the surface, times `gain`."""
+
+    kind: Literal["stress"] = "stress"
+    u10: float = quantity("m/s", 10.0, ge=0.0, le=200.0)
+    """Wind speed 10 m above the water."""
+    heading_deg: float | None = quantity("deg", None)
+    """Where the wind goes to: 0 along +z, 90 along +x; by default 0, in a slice 90."""
+    drag_law: DragLaw = "wu"
+    """Drag coefficient by wind speed: `wu` (1982, (2.21)), `garratt` (1977) or `zijlema` (2012)."""
+    gain: float = quantity("1", 1.0, ge=0.0)
+    """Factor on stress and pressure: 1 is a real wind."""
+    sheltering: float = quantity("1", 0.0, ge=0.0, le=1.0)
+    """s of Jeffreys, who found 0.27: pressure on waves is s rho_air (U10 - c)^2 times their slope; 0: none."""
+    wave_speed: float = quantity("m/s", 0.0)
+    """c: speed of the crests that the sheltered wind is relative to, along the wind."""
+    targets: list[Literal["fluid", "ship"]] = ["fluid", "ship"]
+    """What the wind acts on; on a ship it is the drag (2.22) of the wind relative to the hull, without the gain."""
+
+    @property
+    def stylised(self) -> bool:
+        """A physical stress, no force field."""
+        return False
+
+    def blows(self, time: float, dimension: int) -> tuple[float, float]:
+        """U10 [m/s] and heading [deg] at a time [s]; the ramp acts on the stress."""
+        if self.course is not None:
+            return self.course.at(time)
+        return self.u10, (90.0 if dimension == 2 else 0.0) if self.heading_deg is None else self.heading_deg
+
+    @property
+    def strongest(self) -> float:
+        """The greatest U10 [m/s] that it ever has."""
+        return self.u10 if self.course is None else float(self.course.speed.max())
+
+    def tau(self, u10: float) -> float:
+        """Stress on the water [Pa], the gain included."""
+        return self.gain * stress(u10, self.drag_law)
+
+    def sheltered(self, u10: float) -> float:
+        """P [Pa]: pressure on the waves over their slope along the wind, the gain included."""
+        relative = u10 - self.wave_speed
+        return self.gain * self.sheltering * AIR_DENSITY * relative * abs(relative)
+
+    def problems(self, basin: Basin) -> list[tuple[tuple[str | int, ...], str]]:
+        """What is wrong in this basin: (path below `wind`, sentence)."""
+        found = list(self.unscheduled())
+        if basin.closed:
+            found.append((("kind",), "a stress acts on a free surface; this basin has none"))
+        if self.schedule is None and basin.dimension == 2 and self.heading_deg is not None:
+            if abs(cos(radians(self.heading_deg))) > 1e-9:
+                said = f"in a slice the wind goes along +x (heading 90 degrees) or -x (270), got {self.heading_deg:g}"
+                found.append((("heading_deg",), said))
+        return found
+
+    def build(self, basin: Basin, seed: int) -> "Stress":
+        return Stress(self, basin)
+
+    def ledger(self, basin: Basin, word: int = 8) -> list[LedgerRow]:
+        return [LedgerRow("wind", "stress, pressure and direction", 6 * word, "wind.kind is stress")]
+
+    def warnings(self, scene: Any) -> list[str]:
+        u10 = self.strongest
+        sheltered = f", pressure on waves {self.sheltered(u10):.3g} Pa times their slope" if self.sheltering else ""
+        gain = "a real wind (gain 1)" if self.gain == 1.0 else f"{self.gain:g} times a real wind (gain)"
+        said = f"wind: a physical stress of {self.tau(u10):.3g} Pa at U10 = {u10:g} m/s by {self.drag_law}{sheltered}"
+        return [f"{said}: {gain}", *out_of_range(u10, self.drag_law), *unresolved(u10, scene)]
+
+
+@ti.data_oriented
+class Stress:
+    """The wind as it blows now."""
+
+    needs_area = True
+
+    def __init__(self, config: Config, basin: Basin, afloat: bool = False) -> None:
+        """`afloat`: as a ship feels it."""
+        self.config, self.dimension, self.afloat = config, basin.dimension, afloat
+        self.basin, self.time, self.told = basin, 0.0, None
+        self.sheltering = config.sheltering > 0.0
+        self.air = ti.field(float, shape=6)
+        self.ship = None if afloat or "ship" not in config.targets else Stress(config, basin, afloat=True)
+        self.advance(0.0)
+
+    def on(self, target: Literal["fluid", "ship"]) -> "Stress | Still":
+        """The wind that a target feels: stress, drag on a hull, or still air where it is none of `targets`."""
+        if target not in self.config.targets:
+            return Still()
+        return self if target == "fluid" or self.ship is None else self.ship
+
+    def advance(self, dt: float) -> None:
+        """What blows in the middle of a step of dt [s]."""
+        u10, heading = self.config.blows(self.time + 0.5 * dt, self.dimension)
+        part = self.config.blowing(self.time, dt)
+        ahead = np.array([sin(radians(heading)), 0.0 if self.dimension == 2 else cos(radians(heading))])
+        along = part * self.config.tau(u10) * ahead
+        numbers = (*along, part * self.config.sheltered(u10), *ahead, part * u10)
+        if numbers != self.told:
+            for k, number in enumerate(numbers):
+                self.air[k] = float(number)
+            self.told = numbers
+        self.time += dt
+        if self.ship is not None:
+            self.ship.advance(dt)
+
+    @property
+    def stress(self) -> float:
+        """On the water now [Pa]."""
+        return hypot(self.air[ALONG_X], self.air[ALONG_Z])
+
+    @ti.func
+    def force(self, key, position, velocity, area, mass):
+        """Stress on the plan area, and pressure on the slope [N]; on a hull the drag (2.22)."""
+        total = tm.vec3(0.0)
+        if ti.static(self.afloat):
+            wind = self.air[SPEED] * tm.vec3(self.air[AHEAD_X], 0.0, self.air[AHEAD_Z])
+            total = drag(wind - velocity, area.norm())
+        else:
+            total = area.y * tm.vec3(self.air[ALONG_X], 0.0, self.air[ALONG_Z])
+            if ti.static(self.sheltering):
+                if area.y > 0.0:
+                    slope = -(area.x * self.air[AHEAD_X] + area.z * self.air[AHEAD_Z]) / area.y
+                    total -= self.air[PRESSURE] * tm.clamp(slope, -STEEPEST, STEEPEST) * area
+        return total

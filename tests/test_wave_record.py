@@ -1,0 +1,177 @@
+"""Records of waves against closed forms, a published sea-state and seas whose spectrum is known; and the command."""
+
+import json
+
+import numpy as np
+import pytest
+
+from ocean_sim import waves
+from ocean_sim.__main__ import answered
+from ocean_sim.wave_record import Unmeasurable, measured, welch, zero_crossing_waves
+
+# A known-answer record: a [m], f [Hz], phase [rad] of six cosines over 2000 s. Its moments are closed forms; the
+# numbers of its zero up-crossings come from a script of its own, at 200 Hz.
+SIX = np.array(
+    [
+        (0.5, 0.1, 0.3),
+        (0.8, 0.125, 1.9),
+        (0.6, 0.15, 4.1),
+        (0.35, 0.19, 2.2),
+        (0.2, 0.25, 5.5),
+        (0.1, 0.33, 0.9),
+    ]
+)
+KNOWN = {
+    "hs_m": 3.3809,
+    "hm0_m": 3.37343,
+    "tz_s": 6.4496,
+    "tm01_s": 7.27342,
+    "tm02_s": 7.05111,
+    "waves": 309,
+    "hmax_m": 3.8332,
+}
+
+
+def six_cosines(interval: float) -> tuple[np.ndarray, np.ndarray]:
+    time = np.arange(0.0, 2000.0 + interval / 2, interval)
+    return time, sum(a * np.cos(2.0 * np.pi * f * time + phase) for a, f, phase in SIX)
+
+
+@pytest.mark.parametrize("interval", [0.02, 0.1, 0.25])
+def test_the_known_record_of_six_cosines(interval):
+    found = measured(*six_cosines(interval)).told()
+    for key, value in KNOWN.items():
+        assert found[key] == pytest.approx(value, rel=1e-4 if interval < 0.2 else 3e-4), key
+    assert found["tp_s"] == pytest.approx(8.0, rel=1e-3)  # the greatest of the six
+
+
+@pytest.mark.parametrize("mean", [0.0, -3.0])
+def test_a_single_cosine(mean):
+    time = np.arange(0.0, 60.0, 0.05)
+    found = measured(time, mean + 0.3 * np.cos(2.0 * np.pi * time / 3.1 + 0.2))
+    assert found.hs_m == pytest.approx(0.6, rel=1e-6) and found.hmax_m == pytest.approx(0.6, rel=1e-6)
+    assert found.hm0_m == pytest.approx(0.3 * 8.0**0.5, rel=5e-3)
+    assert found.waves == 18 and found.tz_s == pytest.approx(3.1, rel=1e-6)
+    for period in (found.tp_s, found.tm01_s, found.tm02_s):
+        assert period == pytest.approx(3.1, rel=5e-3)
+
+
+def sea(seed: int) -> waves.Components:
+    spectrum = waves.Spectrum(significant_wave_height=2.0, peak_period=8.0, seed=seed)
+    return spectrum.components(np.array([1.0, 0.0]), 100.0)
+
+
+def test_a_jonswap_sea_has_the_moments_of_its_components():
+    time = np.arange(0.0, 4000.0, 0.5)
+    for seed in range(2):
+        its = sea(seed)
+        angle = its.phase[:, None] - its.omega[:, None] * time
+        found = measured(time, its.amplitude @ np.cos(angle))
+        variance, f = 0.5 * its.amplitude**2, its.omega / (2.0 * np.pi)
+        assert found.hm0_m == pytest.approx(2.0, rel=0.005)
+        assert found.tm01_s == pytest.approx(variance.sum() / (variance * f).sum(), rel=1e-3)
+        assert found.tm02_s == pytest.approx((variance.sum() / (variance * f**2).sum()) ** 0.5, rel=1e-3)
+        assert found.tp_s == pytest.approx(8.0, rel=0.05)
+        assert found.tz_s == pytest.approx(found.tm02_s, rel=0.03)  # Rice: of a Gaussian sea
+        assert 0.94 < found.hs_m / found.hm0_m < 1.0
+
+
+def test_gaussian_waves_of_a_narrow_band():
+    """H1/3 = 4.004 sigma, mean 2.507 sigma, root mean square 2.828 sigma (Longuet-Higgins 1952)."""
+    n, interval, random = 2**20, 0.125, np.random.default_rng(5)
+    frequency = np.fft.rfftfreq(n, interval)
+    size = np.exp(-0.5 * ((frequency - 0.5) / 0.01) ** 2)
+    record = np.fft.irfft(size * np.exp(2j * np.pi * random.uniform(size=len(size))), n)
+    record /= record.std()
+    heights, _ = zero_crossing_waves(interval, record)
+    highest = np.sort(heights)[::-1]
+    assert highest[: len(heights) // 3].mean() == pytest.approx(4.004, rel=0.03)
+    assert heights.mean() == pytest.approx(2.507, rel=0.03)
+    assert np.sqrt((heights**2).mean()) == pytest.approx(2.828, rel=0.03)
+    assert measured(interval * np.arange(n), record).hs_m == pytest.approx(4.004, rel=0.03)
+
+
+def test_the_spectrum_holds_the_variance():
+    _, record = six_cosines(0.25)
+    frequency, density = welch(0.25, record)
+    assert np.trapezoid(density, frequency) == pytest.approx(0.71125, rel=0.02)
+
+
+def test_uneven_samples_are_put_on_even_times():
+    time, record = six_cosines(0.05)
+    kept = np.random.default_rng(2).uniform(size=len(time)) > 0.1
+    found = measured(time[kept], record[kept])
+    assert found.hm0_m == pytest.approx(3.37343, rel=0.002) and abs(found.waves - 309) <= 1
+
+
+def test_still_water_has_no_waves():
+    found = measured(np.arange(100) * 0.1, np.full(100, 0.2))
+    assert found.told() == {
+        "hs_m": 0.0,
+        "hm0_m": 0.0,
+        "tz_s": None,
+        "tp_s": None,
+        "tm01_s": None,
+        "tm02_s": None,
+        "waves": 0,
+        "hmax_m": 0.0,
+    }
+
+
+def test_a_record_shorter_than_a_wave_has_a_deviation_alone():
+    time = np.arange(100) * 0.1
+    found = measured(time, np.sin(2.0 * np.pi * time / 15.0)).told()
+    assert found.pop("hm0_m") > 1.0 and found.pop("waves") == 0 and set(found.values()) == {None}
+
+
+@pytest.mark.parametrize(
+    "time, height, why",
+    [
+        (np.arange(10) * 0.1, np.arange(10.0), "too short: 10 samples"),
+        (np.arange(50) * 0.1, np.full(50, np.nan), "not a number"),
+        (np.zeros(50), np.arange(50.0), "order of time"),
+    ],
+)
+def test_what_is_no_record_says_why(time, height, why):
+    with pytest.raises(Unmeasurable, match=why):
+        measured(time, height)
+
+
+def gauges_file(folder, columns: dict[str, np.ndarray]):
+    """A run's gauges.csv."""
+    folder.mkdir(exist_ok=True)
+    rows = [",".join(f"{value:.9g}" for value in row) for row in zip(*columns.values())]
+    (folder / "gauges.csv").write_text("# frame: world\n" + "\n".join([",".join(columns), *rows]) + "\n")
+    return folder
+
+
+def test_the_command_tells_every_gauge_and_leaves_table_spectra_and_plot(tmp_path, capsys):
+    time, record = six_cosines(0.1)
+    run = gauges_file(tmp_path / "run", {"time_s": time, "mid_m": record, "end_m": 0 * time, "bed_Pa": time})
+    assert answered(["waves", str(run), "--json", "--out", str(tmp_path / "out")]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert set(found) == {"mid", "end"} and set(found["mid"]) == {*KNOWN, "tp_s"}
+    assert {key: found["mid"][key] for key in KNOWN} == pytest.approx(KNOWN, rel=1e-4)
+    assert found["end"]["hs_m"] == 0.0 and found["end"]["tz_s"] is None
+    assert {file.name for file in (tmp_path / "out").iterdir()} == {"waves.csv", "spectra.csv", "waves.png"}
+    assert (tmp_path / "out" / "waves.png").stat().st_size > 10_000
+    assert answered(["waves", str(run / "gauges.csv"), "--begin", "1000"]) == 0
+    said = capsys.readouterr().out
+    assert "end: the record is constant" in said and "from 1000 to 2000 s" in said
+
+
+def test_the_command_says_what_is_missing(tmp_path, capsys):
+    time = np.arange(50) * 0.1
+    asked = {
+        "there is no such run folder": tmp_path / "nowhere",
+        "has no gauges.csv; name gauges": gauges_file(tmp_path / "other", {"time_s": time}).parent,
+        "has no elevation gauge": gauges_file(tmp_path / "pressures", {"time_s": time, "bed_Pa": time}),
+        "too short: 5 samples": gauges_file(tmp_path / "short", {"time_s": time[:5], "a_m": time[:5]}),
+        "no column time_s": gauges_file(tmp_path / "timeless", {"a_m": time, "b_m": time}),
+        "no rows under a heading": gauges_file(tmp_path / "empty", {"time_s": time[:0], "a_m": time[:0]}),
+    }
+    for sentence, run in asked.items():
+        assert answered(["waves", str(run)]) == 2
+        assert sentence in capsys.readouterr().err
+    run = gauges_file(tmp_path / "late", {"time_s": time, "a_m": time})
+    assert answered(["waves", str(run), "--begin", "9"]) == 2 and "before --begin" in capsys.readouterr().err

@@ -1,0 +1,276 @@
+"""A physical wind: its laws, its load on water, and the momentum that water takes from it."""
+
+import numpy as np
+import pytest
+
+import ocean_sim
+from ocean_sim.conventions import AIR_DENSITY, Diverged
+from ocean_sim.fluid import _sph
+from ocean_sim.parts import config_of
+from ocean_sim.scene import observer_names
+from ocean_sim.validation._state import state
+from ocean_sim.wind._air_load import DRAG_LAWS, stress
+from ocean_sim.wind._warnings import fetch_limited, plant
+from ocean_sim.yaml_file import SceneError
+
+UP = (0.0, 1.0, 0.0)
+# 1000 C_d at 10 m wind speed by Wu (1982), Garratt (1977) and Zijlema, van Vledder & Holthuijsen (2012).
+LAWS = {
+    5.0: (1.2875, 1.085, 0.983888),
+    10.0: (1.45, 1.42, 1.34269),
+    20.0: (2.1, 2.09, 1.83506),
+    30.0: (2.75, 2.76, 2.0271),
+    50.0: (4.05, 4.1, 1.51019),
+}
+
+
+@pytest.mark.parametrize("u10", LAWS)
+def test_drag_laws_as_published(u10):
+    found = [1e3 * DRAG_LAWS[law](u10) for law in ("wu", "garratt", "zijlema")]
+    assert found == pytest.approx(LAWS[u10], rel=1e-5)
+
+
+def test_the_stress_of_every_law_grows_with_the_wind_and_is_never_negative():
+    for law in DRAG_LAWS:
+        tau = [stress(u, law) for u in np.linspace(0.0, 80.0, 161)]
+        assert tau[0] == 0.0 and min(tau) >= 0.0 and tau[20] < tau[40] < tau[60]
+
+
+@pytest.mark.parametrize(
+    "heading, ahead", [(0.0, (0.0, 0.0, 1.0)), (90.0, (1.0, 0.0, 0.0)), (225.0, (-(0.5**0.5),) * 3)]
+)
+def test_it_acts_along_the_wind_on_the_area_seen_from_above(build, force, heading, ahead):
+    wind = build("stress", u10=10.0, heading_deg=heading, gain=3.0)
+    assert wind.needs_area
+    tilted = force(wind, [0.0, 0.0, 0.0], area=(0.3, 2.0, -0.7), velocity=(5.0, 0.0, 0.0))[0]
+    expected = 3.0 * stress(10.0) * 2.0 * np.array([ahead[0], 0.0, ahead[2]])
+    np.testing.assert_allclose(tilted, expected, atol=1e-12)
+    assert np.all(force(wind, [0.0, 0.0, 0.0]) == 0.0), "inside the water there is no exposed area"
+
+
+def test_sheltering_presses_on_the_windward_side_of_a_wave(build, force):
+    wind = build("stress", u10=10.0, heading_deg=90.0, sheltering=0.27, wave_speed=2.0)
+    pressure = 0.27 * AIR_DENSITY * 8.0**2  # times the slope
+    slope = 0.1
+    windward, lee = (force(wind, [0.0, 0.0, 0.0], area=(side * slope, 1.0, 0.0))[0] for side in (-1.0, 1.0))
+    tau = np.array([stress(10.0), 0.0, 0.0])
+    np.testing.assert_allclose(windward - tau, pressure * slope * np.array([slope, -1.0, 0.0]), rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(lee - tau, -pressure * slope * np.array([slope, 1.0, 0.0]) * [-1, -1, 1], atol=1e-12)
+    steep = force(wind, [0.0, 0.0, 0.0], area=(-50.0, 1.0, 0.0))[0]
+    assert np.abs(steep - tau).max() == pytest.approx(50.0 * pressure)
+
+
+def test_waves_that_outrun_the_wind_are_pressed_the_other_way(build, force):
+    wind = build("stress", u10=1.0, heading_deg=90.0, sheltering=0.27, wave_speed=5.0)
+    assert force(wind, [0.0, 0.0, 0.0], area=(-0.1, 1.0, 0.0))[0, 1] > 0.0
+
+
+def test_a_ship_feels_the_drag_of_the_relative_wind_without_the_gain(build, force, taichi_cpu):
+    wind = build("stress", u10=12.0, heading_deg=90.0, gain=1000.0).on("ship")
+    wind.advance(0.1)
+    found = force(wind, [0.0, 3.0, 0.0], area=(0.0, 0.0, 2.0), velocity=(2.0, 0.0, 0.0))[0]
+    np.testing.assert_allclose(found, [2.0 * stress(10.0), 0.0, 0.0], atol=1e-12)
+    deaf = build("stress", u10=12.0, targets=["fluid"])
+    assert np.all(force(deaf.on("ship"), [0.0, 3.0, 0.0], area=UP) == 0.0) and deaf.on("fluid") is deaf
+
+
+def test_it_follows_a_schedule_in_a_file(build, force, tmp_path):
+    path = tmp_path / "wind.csv"
+    path.write_text("# a front\ntime_s,speed_m_s,heading_deg\n0,10,90\n10,20,180\n")
+    wind = build("stress", schedule={"file": str(path)}, start=1.0, ramp=2.0, stop=30.0)
+    for time, u10, heading, part in ((0.5, 10.0, 90.0, 0.0), (5.0, 15.0, 135.0, 1.0), (20.0, 20.0, 180.0, 1.0)):
+        wind.advance(time - wind.time)
+        wind.advance(0.0)
+        a = np.radians(heading)
+        expected = part * stress(u10) * np.array([np.sin(a), 0.0, np.cos(a)])
+        np.testing.assert_allclose(force(wind, [0.0, 0.0, 0.0], area=UP)[0], expected, atol=1e-9)
+    wind.advance(11.0)
+    wind.advance(0.0)
+    assert wind.stress == 0.0
+
+
+BOX = {
+    "basin": {"length": 1.0, "depth": 0.4, "walls": {"x": "periodic"}},
+    "fluid": {"kind": "delta_sph", "spacing": 0.05},
+}
+
+
+def scene(overrides: dict | None = None, **parts):
+    quiet = {name: None for name in observer_names() if name != "manifest"}
+    return ocean_sim.load(BOX | {"runtime": {"threads": 1}} | quiet | parts, overrides or {})
+
+
+@pytest.mark.parametrize(
+    "keys, key, said",
+    [
+        ({"u10": -1.0}, "wind.u10", "not at least 0"),
+        ({"drag_law": "wo"}, "wind.drag_law", "'wu'"),
+        ({"heading_deg": 0.0}, "wind.heading_deg", "in a slice the wind goes along"),
+        ({"stop": 1.0, "start": 2.0}, "wind", "stop must be later than start"),
+        ({"stop": 1.0, "duration": 2.0}, "wind", "either stop"),
+        ({"schedule": {"file": "nowhere.csv"}}, "wind.schedule", "nowhere.csv"),
+        ({"schedule": []}, "wind.schedule", "at least one row"),
+        ({"schedule": [{"time": 1.0, "speed": 1.0, "heading_deg": 90.0}] * 2}, "wind.schedule", "order of time"),
+    ],
+)
+def test_what_is_wrong_is_said(keys, key, said):
+    with pytest.raises(SceneError) as error:
+        scene(wind={"kind": "stress", **keys})
+    assert any(problem.key.startswith(key) and said in problem.message for problem in error.value.problems), error.value
+
+
+def momentum(simulation, steps: int) -> tuple[float, float]:
+    """Momentum along x [N s] that the water has gained, and the time [s] it took."""
+    before, time = state(simulation).momentum[0], simulation.time
+    for _ in range(steps):
+        simulation.step()
+    return state(simulation).momentum[0] - before, simulation.time - time
+
+
+WAVE = {"kind": "delta_sph", "spacing": 0.05, "initial": {"kind": "regular_wave", "height": 0.08, "period": 0.8037}}
+
+
+@pytest.fixture(scope="module")
+def under_waves():
+    """A wind on water in waves, a sixth of a period on: what it has given by the accounts, over stress times area and
+    time, what the water has gained, and the simulation."""
+    config = scene(fluid=WAVE, wind={"kind": "stress", "gain": 30.0}, accuracy={})
+    with ocean_sim.Simulation(config) as simulation:
+        gained, time = momentum(simulation, 60)
+        wanted = time * config.wind.tau(10.0)
+        yield simulation.fluid.impulse["wind"][0] / wanted, gained / wanted, simulation
+
+
+def test_momentum_grows_by_stress_times_area(under_waves):
+    """W1 under waves; there the images in the bed give and take some 2e-4 of the momentum along it."""
+    assert under_waves[0] == pytest.approx(1.0, rel=1e-5)
+    assert under_waves[1] == pytest.approx(1.0, rel=1e-3)
+
+
+def test_without_the_scaling_it_would_not(under_waves):
+    """The negative control: the sum of the exposed areas alone is some per cent off."""
+    area = under_waves[2].fluid.exposed_area.to_numpy()[:, 1].sum()
+    assert 0.02 < abs(area - 1.0) < 0.25
+    assert area * under_waves[2].fluid.even[None] == pytest.approx(1.0, rel=0.01)
+
+
+def test_exposed_area_moves_with_its_particle(under_waves):
+    """Under waves particles change their order; the exposed ones stay those at the surface."""
+    fluid = under_waves[2].fluid
+    x, area = fluid.particles.position.to_numpy(), fluid.exposed_area.to_numpy()
+    exposed = area[:, 1] > 0.02
+    assert exposed.sum() >= 15
+    assert (fluid.elevations(x[:, [0, 2]]) - x[:, 1])[exposed].max() < 0.1
+    assert (np.diff(fluid.particles.id.to_numpy()) < 0).any()  # they are in the order of their cells
+
+
+def test_momentum_is_the_same_however_much_counts_as_surface(monkeypatch):
+    """W1 in f32, on flat water; with a lower threshold half as many particles again count as exposed."""
+    monkeypatch.setattr(_sph, "EXPOSED", 0.003)
+    config = scene(wind={"kind": "stress", "gain": 30.0})
+    with ocean_sim.Simulation(config) as simulation:
+        gained, time = momentum(simulation, 60)
+        exposed = np.count_nonzero(simulation.fluid.exposed_area.to_numpy()[:, 1])
+        assert gained / time == pytest.approx(config.wind.tau(10.0), rel=1e-5)
+        assert exposed == 60  # three layers, where it is two
+
+
+@pytest.mark.parametrize("wind", ["stress", "gusts"])
+def test_the_winds_impulse_is_what_water_and_walls_gain(wind, tmp_path):
+    """By the accounts of accuracy.csv: momentum gained = impulse of wind, walls, gravity, pressure and viscosity."""
+    winds = {
+        "stress": {"kind": "stress", "u10": 20.0, "gain": 50.0, "sheltering": 0.3, "heading_deg": 90.0},
+        "gusts": {
+            "kind": "gusts",
+            "volumes": [
+                {
+                    "include": [{"kind": "box", "half_size": [0.2, 1.0, 1.0]}],
+                    "acceleration": [3.0, 1.0, 0.0],
+                    "noise": [2.0, 2.0, 0.0],
+                    "wind_speed": 20.0,
+                    "drift": 1.0,
+                }
+            ],
+        },
+    }
+    basin = {"length": 1.0, "depth": 0.4}
+    config = scene(wind=winds[wind], basin=basin, accuracy={"every": 0.05}, duration=0.3)
+    table = ocean_sim.run(config, tmp_path).accuracy
+    for axis in "xy":
+        terms = [table[f"impulse_{term}_{axis}_Ns"] for term in ("wind", "walls", "gravity", "pressure", "viscosity")]
+        gained = table[f"momentum_{axis}_kg_m_s"] - table[f"momentum_{axis}_kg_m_s"][0]
+        exchanged = max(np.abs(term).max() for term in terms)
+        np.testing.assert_allclose(sum(terms), gained, atol=2e-5 * exchanged)
+    assert np.abs(table["impulse_wind_x_Ns"]).max() > 1.0
+    assert np.abs(table["impulse_wind_x_Ns"] - table["momentum_x_kg_m_s"]).max() > 1e-3  # the walls take their part
+
+
+def test_still_air_costs_nothing():
+    """It is what a scene has that names no wind, so the water compiles and allocates the same."""
+    assert scene().wind == scene(wind="still").wind
+    assert scene().ledger() == scene(wind="still").ledger()
+    assert not [row for row in scene().ledger() if row.part == "wind"]
+
+
+WATER = {"kind": "delta_sph", "spacing": 0.1}
+REVERSED = [{"time": 0.005 * k, "speed": 40.0, "heading_deg": 90.0 + 180.0 * (k % 2)} for k in range(40)]
+EXTREMES = {
+    "no wind at all": {"u10": 0.0},
+    "a hurricane": {"u10": 80.0, "sheltering": 1.0},
+    "a hurricane by zijlema": {"u10": 80.0, "drag_law": "zijlema"},
+    "a hurricane by garratt, times 1e5": {"u10": 80.0, "drag_law": "garratt", "gain": 1e5},
+    "times 1e5 with sheltering": {"u10": 40.0, "gain": 1e5, "sheltering": 0.5},
+    "a gust of one step": {"u10": 80.0, "gain": 1e3, "start": 0.05, "duration": 1e-4},
+    "reversed every step": {"schedule": REVERSED, "gain": 1e3},
+}
+
+
+def ends_well(simulation, until: float) -> None:
+    """A finite state with all particles inside the basin, or a stop that says why."""
+    try:
+        simulation.run(until)
+    except Diverged as stopped:
+        assert "try" in str(stopped) or "t = " in str(stopped), stopped
+        return
+    water = state(simulation)
+    assert np.isfinite(water.position).all() and np.isfinite(water.velocity).all()
+    low, up = simulation.basin.lower, simulation.basin.upper
+    assert (water.position[:, 0] >= low[0]).all() and (water.position[:, 0] <= up[0]).all()
+    assert (water.position[:, 1] >= low[1]).all()
+    assert len(water.position) == simulation.fluid.particles.n
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("extreme", EXTREMES)
+def test_extreme_stresses_end_well(extreme):
+    config = scene(
+        {"health": {}}, fluid=WATER, wind={"kind": "stress", **EXTREMES[extreme]}, basin={"length": 1.0, "depth": 0.5}
+    )
+    with ocean_sim.Simulation(config) as simulation:
+        ends_well(simulation, 0.3)
+
+
+def test_warnings_of_a_real_wind():
+    said = " ".join(scene(wind={"kind": "stress", "u10": 30.0, "gain": 50.0}).warnings())
+    assert "physical stress of 152 Pa at U10 = 30 m/s by wu: 50 times a real wind" in said
+    assert "outside the range of wu (0 to 20 m/s); 1000 C_d there is wu 2.75, garratt 2.76, zijlema 2.03" in said
+    assert "shorter than 10 spacings" in said
+    thick = {"kind": "delta_sph", "spacing": 0.05, "kinematic_viscosity": 0.1}
+    assert "viscosity of 0.1 m2/s is more than" in " ".join(scene(fluid=thick, wind={"kind": "stress"}).warnings())
+    long = {"basin": {"length": 1.0, "depth": 0.4}, "fluid": {"kind": "delta_sph", "spacing": 0.01}}
+    assert "shorter than two of them" not in " ".join(scene(wind={"kind": "stress", "u10": 5.0}, **long).warnings())
+    assert "a real wind (gain 1)" in " ".join(scene(wind={"kind": "stress"}).warnings())
+
+
+def test_fetch_and_growth_laws_as_published():
+    """Kahma & Calkoen (1992), capped at Pierson & Moskowitz; Plant (1982) for waves of 2 m under 10 and 20 m/s."""
+    for u10, fetch, height, period in ((10.0, 60.0, 0.0652848, 0.75447), (10.0, 1e4, 0.652595, 3.0029)):
+        assert fetch_limited(u10, fetch) == pytest.approx((height, period), rel=2e-3)
+    assert fetch_limited(10.0, 3e5)[0] == pytest.approx(2.46, rel=2e-3)
+    assert plant(10.0, np.pi) == pytest.approx(0.0103, rel=0.01) and plant(20.0, np.pi) == pytest.approx(
+        0.0597, rel=0.01
+    )
+
+
+def test_a_stress_is_no_force_field():
+    assert not config_of("wind", "stress")().stylised

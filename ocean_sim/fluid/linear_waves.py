@@ -22,6 +22,8 @@ class Config(waves.WaveTrain):
     """Regular waves (`height`, `period`, `heading_deg`) or a `spectrum`; sides of the basin do not reflect them."""
 
     kind: Literal["linear_waves"] = "linear_waves"
+    height: float | None = quantity("m", None, ge=0.0)
+    """From trough to crest; 0 is calm water."""
     heading_deg: float | None = quantity("deg", None)
     """Where regular waves go to: 0 along +z, 90 along +x; by default 0, in a slice 90."""
     rest_density: float = quantity("kg/m3", WATER_DENSITY, gt=0.0)
@@ -137,6 +139,20 @@ class LinearWaves:
             along = scale * (1.0 + mirrored) * ti.cos(angle) / k
             v += tm.vec3(self.kx[i] * along, scale * (1.0 - mirrored) * ti.sin(angle), self.kz[i] * along)
         return v
+
+    @ti.func
+    def acceleration(self, position):
+        """[m/s2] by linear theory, -grad p / rho less gravity: what a body that is small against the waves feels."""
+        y = self.stretched(position, self.elevation(position.x, position.z))
+        h, g = ti.static(self.sea.depth), ti.static(self.sea.gravity)
+        a = tm.vec3(0.0)
+        for i in range(self.amplitude.shape[0]):
+            k, angle = self.k[i], self.kx[i] * position.x + self.kz[i] * position.z + self.phase[i]
+            scale = g * self.amplitude[i] * ti.exp(k * y) / (1.0 + ti.exp(-2.0 * k * h))
+            mirrored = ti.exp(-2.0 * k * (y + h))
+            along = scale * (1.0 + mirrored) * ti.sin(angle)
+            a += tm.vec3(self.kx[i] * along, -k * scale * (1.0 - mirrored) * ti.cos(angle), self.kz[i] * along)
+        return a
 
     @ti.func
     def pressure(self, position):

@@ -1,0 +1,132 @@
+"""Still water and a hull of cubes: where it floats, its stability, its dry periods.
+
+A cube is wet as far as the water stands over its lower side; a cube that is turned has the same spread of heights, so
+the same straight ramp serves it (variance side^2 / 12 in any direction).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import inf, pi, radians, sin, sqrt
+
+import numpy as np
+
+from ocean_sim.ship._rigid_body import about
+from ocean_sim.ship._voxels import Voxels
+
+SMALL = 0.5  # [deg] heel and trim at which metacentric heights are taken
+HEELS = (5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0)  # [deg]
+
+
+@dataclass(frozen=True)
+class Matter:
+    """What the water carries."""
+
+    mass: float  # [kg]
+    centre: np.ndarray  # (3,) from the hull's origin [m]
+    inertia: np.ndarray  # (3, 3) about the centre, hull axes [kg m2]
+
+
+@dataclass(frozen=True, eq=False)
+class Hydrostatics:
+    """A hull of given matter in still water."""
+
+    voxels: Voxels
+    matter: Matter
+    density: float  # of the water [kg/m3]
+    gravity: float  # [m/s2]
+
+    @property
+    def wanted(self) -> float:
+        """Volume that carries the mass [m3]."""
+        return self.matter.mass / self.density
+
+    def wet(self, height: np.ndarray, level: float) -> np.ndarray:
+        """Volume of each cube under a level [m3]; `height` of their centres on the same axis [m]."""
+        share = np.clip((level - height) / self.voxels.side + 0.5, 0.0, 1.0)
+        return self.voxels.side**3 * self.voxels.share * share
+
+    def level(self, height: np.ndarray) -> float:
+        """How high the water stands where it carries the mass [m]; infinite where it cannot."""
+        if self.wanted >= self.voxels.volume:
+            return inf
+        low, high = float(height.min()) - self.voxels.side, float(height.max()) + self.voxels.side
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if self.wet(height, middle).sum() < self.wanted else (low, middle)
+        return 0.5 * (low + high)
+
+    @cached_property
+    def draught(self) -> float:
+        """Upright [m]."""
+        return self.level(self.voxels.centre[:, 1]) - self.keel
+
+    @cached_property
+    def keel(self) -> float:
+        """Height of the lowest cubes' lower side over the hull's origin [m]: 0, or what an outline's points say."""
+        lowest = self.voxels.centre[:, 1].min()
+        return self.voxels.side * round((lowest - self.voxels.side / 2) / self.voxels.side)
+
+    def centre_of_buoyancy(self, turn: np.ndarray | None = None) -> np.ndarray:
+        """(3,) in the axes of a turned hull (upright by default), from its origin [m]."""
+        x = self.voxels.centre if turn is None else self.voxels.centre @ turn.T
+        volume = self.wet(x[:, 1], self.level(x[:, 1]))
+        return (volume[:, None] * x).sum(axis=0) / volume.sum()
+
+    def lever(self, axis: int, degrees: float) -> float:
+        """Righting lever [m] of a turn about z (2: GZ) or x (0: in trim), with free sinkage."""
+        turn = about(axis, radians(degrees))
+        apart = self.centre_of_buoyancy(turn) - turn @ self.matter.centre
+        return float(-apart[0] if axis == 2 else apart[2])
+
+    def gz(self, degrees: float) -> float:
+        """Righting lever [m] at a heel, starboard down where positive."""
+        return self.lever(2, degrees)
+
+    @cached_property
+    def kb(self) -> float:
+        """Height of the centre of buoyancy over the keel [m]."""
+        return float(self.centre_of_buoyancy()[1]) - self.keel
+
+    def metacentric_height(self, axis: int = 2) -> float:
+        """GM [m], by a small turn both ways."""
+        return (self.lever(axis, SMALL) - self.lever(axis, -SMALL)) / (2.0 * sin(radians(SMALL)))
+
+    @cached_property
+    def waterplane(self) -> float:
+        """Area of the hull at the still water [m2]."""
+        height, level, step = self.voxels.centre[:, 1], self.draught + self.keel, 0.25 * self.voxels.side
+        return float(self.wet(height, level + step).sum() - self.wet(height, level - step).sum()) / (2.0 * step)
+
+    @cached_property
+    def stiffness(self) -> dict[str, float]:
+        """Of heave [N/m], roll and pitch [N m/rad]."""
+        weight = self.matter.mass * self.gravity
+        gm, trim = self.metacentric_height(2), self.metacentric_height(0)
+        return {"heave": self.density * self.gravity * self.waterplane, "roll": weight * gm, "pitch": weight * trim}
+
+    @property
+    def inertia(self) -> dict[str, float]:
+        """Of heave [kg], roll and pitch [kg m2]."""
+        m = self.matter
+        return {"heave": m.mass, "roll": float(m.inertia[2, 2]), "pitch": float(m.inertia[0, 0])}
+
+    def periods(self, added: dict[str, float] | None = None) -> dict[str, float | None]:
+        """Natural periods of heave, roll and pitch [s], with added mass where given; None where nothing rights it."""
+        found = {}
+        for motion, k in self.stiffness.items():
+            inertia = self.inertia[motion] + (added or {}).get(motion, 0.0)
+            found[motion] = 2.0 * pi * sqrt(inertia / k) if k > 0.0 else None
+        return found
+
+    @cached_property
+    def stations(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Place along z, breadth at the still water and draught of every slice of cubes [m]."""
+        v, level, step = self.voxels, self.draught + self.keel, 0.25 * self.voxels.side
+        height, first = v.centre[:, 1], v.centre[:, 2].min()
+        number = np.round((v.centre[:, 2] - first) / v.side).astype(int)
+        n = int(number.max()) + 1
+        shown = self.wet(height, level + step) - self.wet(height, level - step)
+        lowest = np.full(n, level)
+        np.minimum.at(lowest, number, height - v.side / 2)
+        draught = np.clip(level - lowest, 0.0, self.draught)
+        return first + v.side * np.arange(n), np.bincount(number, shown, n) / (2.0 * step * v.side), draught

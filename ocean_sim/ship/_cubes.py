@@ -11,8 +11,8 @@ from ocean_sim.ship._hydrostatics import Hydrostatics
 from ocean_sim.ship._rigid_body import RigidBody
 
 BLOCK = 128  # cubes that are summed one after the other
-BUOYANCY, WAVE, DRAG, LIFT, VOLUME, SPEED, PULL, TURN, TWIST, SPREAD = 0, 6, 12, 18, 24, 25, 28, 31, 34, 37
-SUMS = 39
+BUOYANCY, WAVE, DRAG, LIFT, VOLUME, SPEED, TURN, PULL, TWIST, FACE, SPREAD = 0, 6, 12, 18, 24, 25, 28, 31, 34, 37, 40
+SUMS = 43
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Wetted:
     wind_drag: np.ndarray
     wind_lift: np.ndarray
     volume: float  # under water [m3]
-    velocity: np.ndarray  # (6,) of the water there, mean and turning, body axes [m/s], [rad/s]
+    velocity: np.ndarray  # (6,) of the water at the faces across each motion, body axes [m/s], [rad/s]
     acceleration: np.ndarray  # (6,) [m/s2], [rad/s2]
 
 
@@ -58,14 +58,13 @@ class Cubes:
         self.sum_up(water, wind, body.position, body.matrix, body.velocity, body.angular_velocity)
         total = self.row.to_numpy().sum(axis=0)
         volume = float(total[VOLUME])
-        spread = np.maximum(total[[SPREAD, SPREAD, SPREAD + 1]], 1e-12)
-        mean = max(volume, 1e-12)
+        faces = np.maximum(total[FACE : SPREAD + 3], 1e-12)
 
-        def motion(level: int, turn: int) -> np.ndarray:
-            return np.concatenate([total[level : level + 3] / mean, total[turn : turn + 3] / spread])
+        def motion(level: int) -> np.ndarray:
+            return total[level : level + 6] / faces
 
         parts = (total[k : k + 6].reshape(2, 3) for k in (BUOYANCY, WAVE, DRAG, LIFT))
-        return Wetted(*parts, volume, motion(SPEED, TURN), self.gravity * motion(PULL, TWIST))
+        return Wetted(*parts, volume, motion(SPEED), self.gravity * motion(PULL))
 
     @ti.kernel
     def sum_up(
@@ -98,13 +97,16 @@ class Cubes:
         if wet > 0.0:
             pull = water.push(x, depth)
             self.put(block, WAVE, arm, self.weight * volume * pull)
-            self.row[block, VOLUME] = self.row[block, VOLUME] + ti.cast(volume, ti.f64)
+            self.count(block, VOLUME, volume)
             if ti.static(water.below):
-                own = self.arm[k]
-                self.put_motion(block, SPEED, TURN, own, volume * (turn.transpose() @ water.velocity(x, depth)))
-                self.put_motion(block, PULL, TWIST, own, volume * (turn.transpose() @ pull))
-                self.row[block, SPREAD] = self.row[block, SPREAD] + ti.cast(volume * own.z * own.z, ti.f64)
-                self.row[block, SPREAD + 1] = self.row[block, SPREAD + 1] + ti.cast(volume * own.x * own.x, ti.f64)
+                own, face = self.arm[k], wet * abs(self.area[k])
+                under = depth + 0.5 * self.side  # where its lower face is
+                self.put_motion(block, SPEED, own, face, turn.transpose() @ water.velocity(x, under))
+                self.put_motion(block, PULL, own, face, turn.transpose() @ water.push(x, under))
+                spread = tm.vec3(face.y * own.z * own.z, face.x * own.z * own.z, face.y * own.x * own.x)
+                for c in ti.static(range(3)):
+                    self.count(block, FACE + c, face[c])
+                    self.count(block, SPREAD + c, spread[c])
         bare = (1.0 - wet) * (turn @ self.area[k])
         mass = self.mass_density * self.volume[k]
         blown = wind.force(k, x, velocity + omega.cross(arm), bare, mass)
@@ -112,17 +114,21 @@ class Cubes:
         self.put(block, LIFT, arm, tm.vec3(0.0, blown.y, 0.0))
 
     @ti.func
+    def count(self, block, column: ti.template(), number):
+        self.row[block, column] = self.row[block, column] + ti.cast(number, ti.f64)
+
+    @ti.func
     def put(self, block, column: ti.template(), arm, force):
         torque = arm.cross(force)
         for c in ti.static(range(3)):
-            self.row[block, column + c] = self.row[block, column + c] + ti.cast(force[c], ti.f64)
-            self.row[block, column + 3 + c] = self.row[block, column + 3 + c] + ti.cast(torque[c], ti.f64)
+            self.count(block, column + c, force[c])
+            self.count(block, column + 3 + c, torque[c])
 
     @ti.func
-    def put_motion(self, block, level: ti.template(), turn: ti.template(), own, moved):
-        """Of water that moves with the volume of a cube: its mean, and how it turns about pitch, yaw and roll."""
+    def put_motion(self, block, column: ti.template(), own, face, moved):
+        """Of water at a cube: its motion, and how it turns about pitch, yaw and roll, by the area it meets."""
         for c in ti.static(range(3)):
-            self.row[block, level + c] = self.row[block, level + c] + ti.cast(moved[c], ti.f64)
-        self.row[block, turn] = self.row[block, turn] + ti.cast(-own.z * moved.y, ti.f64)
-        self.row[block, turn + 1] = self.row[block, turn + 1] + ti.cast(own.z * moved.x, ti.f64)
-        self.row[block, turn + 2] = self.row[block, turn + 2] + ti.cast(own.x * moved.y, ti.f64)
+            self.count(block, column + c, face[c] * moved[c])
+        self.count(block, column + 3, -face.y * own.z * moved.y)
+        self.count(block, column + 4, face.x * own.z * moved.x)
+        self.count(block, column + 5, face.y * own.x * moved.y)

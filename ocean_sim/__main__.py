@@ -37,12 +37,14 @@ def run(
     out: Out = None,
     until: Annotated[float | None, typer.Option(help="Simulated time [s], in place of the scene's duration.")] = None,
     overwrite: Annotated[bool, typer.Option(help="Write into --out even where a run lies already.")] = False,
+    frame: Annotated[str | None, typer.Option(help="Axes of motion.csv: ship, ned or flu.")] = None,
     json: Json = False,
 ) -> None:
     """Simulate a scene and write its run folder."""
     from ocean_sim.verbs.run import run
 
-    run(scene, profile, sets or [], out, until, overwrite, json)
+    axes = [] if frame is None else [f"motion.frame={frame}"]
+    run(scene, profile, [*(sets or []), *axes], out, until, overwrite, json)
 
 
 @app.command()
@@ -120,6 +122,20 @@ def validate(
     from ocean_sim.verbs.validate import validate
 
     return validate(cases or [], scheme or [], slow, coarse, sets or [], out, json)
+
+
+@app.command()
+def hull(
+    name: Annotated[str, typer.Argument(help="A name in configs/hull/, or an STL, OBJ or PLY file.")],
+    mass: Annotated[float | None, typer.Option(min=0.001, help="Of the whole ship [kg], over what the hull says.")] = None,
+    cells: Annotated[float, typer.Option(min=1.0, max=64.0, help="Cubes over the draught.")] = 16.0,
+    out: Annotated[Path | None, typer.Option(help="The picture; by default <name>_hull.png, with --json none.")] = None,
+    json: Json = False,
+) -> int:
+    """Is this a ship: watertight, volume, draught, stability, natural periods, picture."""
+    from ocean_sim.verbs.hull import hull
+
+    return hull(name, mass, cells, out, json)
 
 
 @app.command("bench-one", hidden=True)

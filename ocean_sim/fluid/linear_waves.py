@@ -78,7 +78,7 @@ class LinearWaves:
     sound_speed = 0.0  # [m/s] nothing is compressed
 
     def __init__(self, config: Config, basin: Basin) -> None:
-        self.config, self.sea, self.time = config, config.sea(basin), 0.0
+        self.config, self.sea = config, config.sea(basin)
         k = float(waves.wavenumber(2.0 * np.pi / config.scale[1], basin.depth, self.sea.gravity))
         self.spacing = 2.0 * np.pi / k / POINTS_PER_WAVE  # [m] between points that show the waves
         self.still = config.still_limits(basin)
@@ -91,11 +91,16 @@ class LinearWaves:
         self.work: dict[str, float] = {}
         n = len(speed)
         self.amplitude, self.phase, self.k, self.kx, self.kz, self.speed = (ti.field(float, shape=n) for _ in range(6))
-        self.take(self.amplitude, self.sea.amplitude)
-        self.take(self.k, self.sea.wavenumber)
-        self.take(self.kx, self.sea.wavevector[:, 0])
-        self.take(self.kz, self.sea.wavevector[:, 1])
-        self.take(self.speed, speed)
+        self.begin(self.sea)
+
+    def begin(self, sea: waves.Components) -> None:
+        """These waves from time 0 on; as many as there were, of the same depth."""
+        self.sea, self.time = sea, 0.0
+        self.take(self.amplitude, sea.amplitude)
+        self.take(self.k, sea.wavenumber)
+        self.take(self.kx, sea.wavevector[:, 0])
+        self.take(self.kz, sea.wavevector[:, 1])
+        self.take(self.speed, sea.amplitude * sea.gravity * sea.wavenumber / sea.omega)
         self.advance(0.0)
 
     def take(self, field: ti.Field, values: np.ndarray) -> None:

@@ -34,7 +34,7 @@ class AddedMass(PartConfig):
 def by_rule(hull: Hydrostatics) -> np.ndarray:
     """(6,) added mass [kg] and inertia [kg m2] of a hull at its draught."""
     z, breadth, draught = hull.stations
-    ds, rho = hull.voxels.side, hull.density
+    ds, rho = float(hull.voxels.size[2]), hull.density
     z = z - hull.matter.centre[2]
     length, broad = ds * np.count_nonzero(breadth > 0.0), float(breadth.max())
     plate, circle = rho * pi / 8.0 * breadth**2 * ds, rho * pi / 2.0 * draught**2 * ds  # of each slice [kg]

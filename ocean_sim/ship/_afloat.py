@@ -123,8 +123,8 @@ class Afloat:
         return self.cubes.wetted(body, self.water, wind)
 
     def share(self, wet: Wetted) -> float:
-        """Of the hull's usual volume that is under water, at most 1."""
-        return min(1.0, wet.volume / self.displaced)
+        """Of added mass, damping and thrust that is left: all of it until half the usual volume is out of the water."""
+        return min(1.0, 2.0 * wet.volume / self.displaced)
 
     def motion(self, body: RigidBody, wet: Wetted) -> np.ndarray:
         """(6,) velocity in body axes [m/s], [rad/s], relative to the water where that is asked for its own."""
@@ -162,8 +162,7 @@ def afloat_pose(still: Hydrostatics) -> tuple[float, np.ndarray]:
         if np.abs(levers(found.x)).max() < 1e-3 * size and np.abs(found.x).max() < limit:
             upright = found.x
     turn = matrix_of(upright)
-    height = (still.voxels.centre @ turn.T)[:, 1]
-    level = still.level(height)
+    level = still.level(turn[1])
     return float((turn @ still.matter.centre)[1] - level), oriented(upright[0], 0.0, upright[1])
 
 

@@ -34,7 +34,7 @@ class Cubes:
 
     def __init__(self, hull: Hydrostatics) -> None:
         cubes, matter = hull.voxels, hull.matter
-        self.n, self.side = len(cubes.share), cubes.side
+        self.n, self.cubes = len(cubes.share), cubes
         self.blocks = -(-self.n // BLOCK)
         self.weight = hull.density * hull.gravity  # [N/m3]
         self.gravity = hull.gravity
@@ -45,7 +45,7 @@ class Cubes:
         real = self.volume.to_numpy().dtype
         self.arm.from_numpy((cubes.centre - matter.centre).astype(real))
         self.area.from_numpy(cubes.area.astype(real))
-        self.volume.from_numpy((cubes.share * cubes.side**3).astype(real))
+        self.volume.from_numpy((cubes.share * cubes.size.prod()).astype(real))
         self.row = ti.field(ti.f64, shape=(self.blocks, SUMS))
 
     @staticmethod
@@ -55,7 +55,8 @@ class Cubes:
 
     def wetted(self, body: RigidBody, water: Any, wind: Any) -> Wetted:
         """What water and wind do to the hull where it is."""
-        self.sum_up(water, wind, body.position, body.matrix, body.velocity, body.angular_velocity)
+        turn = body.matrix
+        self.sum_up(water, wind, self.cubes.spread(turn[1]), body.position, turn, body.velocity, body.angular_velocity)
         total = self.row.to_numpy().sum(axis=0)
         volume = float(total[VOLUME])
         faces = np.maximum(total[FACE : SPREAD + 3], 1e-12)
@@ -71,6 +72,7 @@ class Cubes:
         self,
         water: ti.template(),
         wind: ti.template(),
+        tall: float,
         position: tm.vec3,
         turn: tm.mat3,
         velocity: tm.vec3,
@@ -82,16 +84,16 @@ class Cubes:
             for j in range(BLOCK):
                 k = block * BLOCK + j
                 if k < self.n:
-                    self.add(block, k, water, wind, position, turn, velocity, omega)
+                    self.add(block, k, water, wind, tall, position, turn, velocity, omega)
 
     @ti.func
     def add(
-        self, block, k, water: ti.template(), wind: ti.template(), position, turn: ti.template(), velocity, omega
+        self, block, k, water: ti.template(), wind: ti.template(), tall, position, turn: ti.template(), velocity, omega
     ):
         arm = turn @ self.arm[k]
         x = position + arm
         depth = water.height(x.x, x.z) - x.y
-        wet = tm.clamp(depth / self.side + 0.5, 0.0, 1.0)
+        wet = tm.clamp(depth / tall + 0.5, 0.0, 1.0)
         volume = wet * self.volume[k]
         self.put(block, BUOYANCY, arm, tm.vec3(0.0, self.weight * volume, 0.0))
         if wet > 0.0:
@@ -100,7 +102,7 @@ class Cubes:
             self.count(block, VOLUME, volume)
             if ti.static(water.below):
                 own, face = self.arm[k], wet * abs(self.area[k])
-                under = depth + 0.5 * self.side  # where its lower face is
+                under = depth + 0.5 * tall  # where its lower face is
                 self.put_motion(block, SPEED, own, face, turn.transpose() @ water.velocity(x, under))
                 self.put_motion(block, PULL, own, face, turn.transpose() @ water.push(x, under))
                 spread = tm.vec3(face.y * own.z * own.z, face.x * own.z * own.z, face.y * own.x * own.x)

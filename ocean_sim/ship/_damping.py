@@ -39,7 +39,7 @@ class Resistance:
             self.linear[number] = 2.0 * getattr(config, motion) * sqrt(inertia * abs(stiffness[motion]))
         z, breadth, draught = hull.stations
         self.z = z - hull.matter.centre[2]
-        self.crossing = 0.5 * hull.density * config.cross_flow * draught * hull.voxels.side
+        self.crossing = 0.5 * hull.density * config.cross_flow * draught * float(hull.voxels.size[2])
         section = float((breadth * draught).max())
         self.surge = 0.05 * hull.density * section if config.surge is None else config.surge
         self.roll = config.roll_quadratic

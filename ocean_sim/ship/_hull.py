@@ -12,7 +12,7 @@ from ocean_sim.ship._hydrostatics import Hydrostatics, Matter
 from ocean_sim.ship._shapes import MeshFile, Shape
 from ocean_sim.ship._voxels import Voxels, voxels
 
-COARSE = 40  # cubes over the height of a hull whose draught is not known yet
+COARSE = 16  # cubes over the height of a hull whose draught is not known yet
 MESHES = (".stl", ".obj", ".ply")
 
 

@@ -1,7 +1,7 @@
 """Still water and a hull of cubes: where it floats, its stability, its dry periods.
 
-A cube is wet as far as the water stands over its lower side; a cube that is turned has the same spread of heights, so
-the same straight ramp serves it (variance side^2 / 12 in any direction).
+A cube is wet as far as the water stands over its lower side; one that is turned has the same spread of heights, so a
+straight ramp serves it too (variance side^2 / 12 in any direction).
 """
 
 from dataclasses import dataclass
@@ -13,6 +13,7 @@ import numpy as np
 from ocean_sim.ship._rigid_body import about
 from ocean_sim.ship._voxels import Voxels
 
+UP = np.array([0.0, 1.0, 0.0])
 SMALL = 0.5  # [deg] heel and trim at which metacentric heights are taken
 HEELS = (5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0)  # [deg]
 
@@ -40,37 +41,40 @@ class Hydrostatics:
         """Volume that carries the mass [m3]."""
         return self.matter.mass / self.density
 
-    def wet(self, height: np.ndarray, level: float) -> np.ndarray:
-        """Volume of each cube under a level [m3]; `height` of their centres on the same axis [m]."""
-        share = np.clip((level - height) / self.voxels.side + 0.5, 0.0, 1.0)
-        return self.voxels.side**3 * self.voxels.share * share
+    def wet(self, up: np.ndarray, level: float) -> np.ndarray:
+        """Volume of each cube under a level [m3] along a unit vector of the hull's axes."""
+        share = np.clip((level - self.voxels.heights(up)) / self.voxels.spread(up) + 0.5, 0.0, 1.0)
+        return self.voxels.size.prod() * self.voxels.share * share
 
-    def level(self, height: np.ndarray) -> float:
-        """How high the water stands where it carries the mass [m]; infinite where it cannot."""
+    def level(self, up: np.ndarray) -> float:
+        """How high along a unit vector the water stands where it carries the mass [m]; infinite where it cannot."""
         if self.wanted >= self.voxels.volume:
             return inf
-        low, high = float(height.min()) - self.voxels.side, float(height.max()) + self.voxels.side
-        for _ in range(60):
+        height, spread = self.voxels.heights(up), self.voxels.spread(up)
+        full = self.voxels.size.prod() * self.voxels.share
+        low, high = float(height.min()) - spread, float(height.max()) + spread
+        for _ in range(40):
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if self.wet(height, middle).sum() < self.wanted else (low, middle)
+            volume = float((full * np.clip((middle - height) / spread + 0.5, 0.0, 1.0)).sum())
+            low, high = (middle, high) if volume < self.wanted else (low, middle)
         return 0.5 * (low + high)
 
     @cached_property
     def draught(self) -> float:
         """Upright [m]."""
-        return self.level(self.voxels.centre[:, 1]) - self.keel
+        return self.level(UP) - self.keel
 
     @cached_property
     def keel(self) -> float:
         """Height of the lowest cubes' lower side over the hull's origin [m]: 0, or what an outline's points say."""
-        lowest = self.voxels.centre[:, 1].min()
-        return self.voxels.side * round((lowest - self.voxels.side / 2) / self.voxels.side)
+        tall = self.voxels.size[1]
+        return float(tall * round((self.voxels.centre[:, 1].min() - tall / 2) / tall))
 
     def centre_of_buoyancy(self, turn: np.ndarray | None = None) -> np.ndarray:
         """(3,) in the axes of a turned hull (upright by default), from its origin [m]."""
-        x = self.voxels.centre if turn is None else self.voxels.centre @ turn.T
-        volume = self.wet(x[:, 1], self.level(x[:, 1]))
-        return (volume[:, None] * x).sum(axis=0) / volume.sum()
+        turn = np.eye(3) if turn is None else turn
+        volume = self.wet(turn[1], self.level(turn[1]))
+        return turn @ (volume[:, None] * self.voxels.centre).sum(axis=0) / volume.sum()
 
     def lever(self, axis: int, degrees: float) -> float:
         """Righting lever [m] of a turn about z (2: GZ) or x (0: in trim), with free sinkage."""
@@ -94,8 +98,8 @@ class Hydrostatics:
     @cached_property
     def waterplane(self) -> float:
         """Area of the hull at the still water [m2]."""
-        height, level, step = self.voxels.centre[:, 1], self.draught + self.keel, 0.25 * self.voxels.side
-        return float(self.wet(height, level + step).sum() - self.wet(height, level - step).sum()) / (2.0 * step)
+        level, step = self.draught + self.keel, 0.25 * self.voxels.size[1]
+        return float(self.wet(UP, level + step).sum() - self.wet(UP, level - step).sum()) / (2.0 * step)
 
     @cached_property
     def stiffness(self) -> dict[str, float]:
@@ -121,12 +125,12 @@ class Hydrostatics:
     @cached_property
     def stations(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Place along z, breadth at the still water and draught of every slice of cubes [m]."""
-        v, level, step = self.voxels, self.draught + self.keel, 0.25 * self.voxels.side
-        height, first = v.centre[:, 1], v.centre[:, 2].min()
-        number = np.round((v.centre[:, 2] - first) / v.side).astype(int)
+        v, level, step = self.voxels, self.draught + self.keel, 0.25 * self.voxels.size[1]
+        long, first = v.size[2], v.centre[:, 2].min()
+        number = np.round((v.centre[:, 2] - first) / long).astype(int)
         n = int(number.max()) + 1
-        shown = self.wet(height, level + step) - self.wet(height, level - step)
+        shown = self.wet(UP, level + step) - self.wet(UP, level - step)
         lowest = np.full(n, level)
-        np.minimum.at(lowest, number, height - v.side / 2)
+        np.minimum.at(lowest, number, v.centre[:, 1] - v.size[1] / 2)
         draught = np.clip(level - lowest, 0.0, self.draught)
-        return first + v.side * np.arange(n), np.bincount(number, shown, n) / (2.0 * step * v.side), draught
+        return first + long * np.arange(n), np.bincount(number, shown, n) / (2.0 * step * long), draught

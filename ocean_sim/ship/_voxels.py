@@ -1,4 +1,7 @@
-"""A hull as cubes with the share of each that lies inside it, made once and kept by content."""
+"""A hull as cubes with the share of each that lies inside it, made once and kept by content.
+
+The cubes are stretched by a little along each axis, so that whole ones fill the box around the hull.
+"""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,7 +20,7 @@ OFFSET = 1.0e-4  # of a cube: columns do not run through the edges of a mesh tha
 class Voxels:
     """Cubes of a hull, in its axes."""
 
-    side: float  # [m]
+    size: np.ndarray  # (3,) of each [m]
     centre: np.ndarray  # (n, 3) of the part of each that lies inside [m]
     share: np.ndarray  # (n,) inside the hull
     area: np.ndarray  # (n, 3) outward area of the hull in each [m2]
@@ -25,7 +28,15 @@ class Voxels:
     @cached_property
     def volume(self) -> float:
         """[m3]."""
-        return float(self.share.sum()) * self.side**3
+        return float(self.share.sum() * self.size.prod())
+
+    def heights(self, up: np.ndarray) -> np.ndarray:
+        """(n,) of their centres along a unit vector [m]; summed by hand, as the same bytes come of any threads."""
+        return up[0] * self.centre[:, 0] + up[1] * self.centre[:, 1] + up[2] * self.centre[:, 2]
+
+    def spread(self, up: np.ndarray) -> float:
+        """How far each reaches along a unit vector [m]: the straight ramp with the variance of a box."""
+        return float(np.linalg.norm(self.size * up))
 
     @cached_property
     def centroid(self) -> np.ndarray:
@@ -36,8 +47,8 @@ class Voxels:
         """(4.18): (3, 3) of a homogeneous body about a point, by parallel axes from its centroid [kg m2]."""
         m = mass * self.share / self.share.sum()
         r = self.centre - about
-        square = (m * (r * r).sum(axis=1)).sum() + mass * self.side**2 / 4.0  # each cube's own spread of matter
-        return square * np.eye(3) - (m[:, None] * r).T @ r - mass * self.side**2 / 12.0 * np.eye(3)
+        moments = np.stack([(m * r[:, a])[:, None] * r for a in range(3)]).sum(axis=1) + mass * np.diag(self.size**2) / 12.0  # and each cube's own spread
+        return np.trace(moments) * np.eye(3) - moments
 
 
 def voxels(shape: Any, side: float) -> Voxels:
@@ -49,16 +60,15 @@ def voxels(shape: Any, side: float) -> Voxels:
             f"a hull of {' x '.join(f'{x:.3g}' for x in upper - lower)} m in cubes of {side:.3g} m needs "
             f"{counts.prod():.3g} of them (at most {MOST:g}); take fewer cells_per_draught"
         )
-    content = shape.content() + f"{side!r} {SAMPLES}".encode()
-    arrays = kept("hulls", content, lambda: sampled(shape, side, counts, lower, upper))
-    return Voxels(side, arrays["centre"], arrays["share"], arrays["area"])
+    content = shape.content() + f"{counts.tolist()} {SAMPLES}".encode()
+    arrays = kept("hulls", content, lambda: sampled(shape, counts, lower, upper))
+    return Voxels((upper - lower) / counts, arrays["centre"], arrays["share"], arrays["area"])
 
 
-def sampled(shape: Any, side: float, counts: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> dict[str, np.ndarray]:
+def sampled(shape: Any, counts: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> dict[str, np.ndarray]:
     """Share, centre and outward area of the cubes that hold something."""
-    start = (lower + upper) / 2 - side * counts / 2
-    start[1] = lower[1]  # whole cubes from the keel upwards
-    axes = [start[a] + side * (np.arange(counts[a] * SAMPLES) + 0.5) / SAMPLES for a in range(3)]
+    size = (upper - lower) / counts
+    axes = [lower[a] + size[a] * (np.arange(counts[a] * SAMPLES) + 0.5) / SAMPLES for a in range(3)]
     share, centre = np.zeros(counts), np.zeros((*counts, 3))
     mesh = shape.closed() if hasattr(shape, "closed") else None
     for k in range(counts[2]):
@@ -69,8 +79,8 @@ def sampled(shape: Any, side: float, counts: np.ndarray, lower: np.ndarray, uppe
         else:
             from ocean_sim.ship._mesh import column_shares
 
-            edges = start[1] + side * np.arange(counts[1] * SAMPLES + 1) / SAMPLES
-            inside = column_shares(mesh, axes[0] + OFFSET * side, z + 0.7 * OFFSET * side, edges)
+            edges = lower[1] + size[1] * np.arange(counts[1] * SAMPLES + 1) / SAMPLES
+            inside = column_shares(mesh, axes[0] + OFFSET * size[0], z + 0.7 * OFFSET * size[2], edges)
         blocks = inside.reshape(counts[0], SAMPLES, counts[1], SAMPLES, 1, SAMPLES)
         share[:, :, k] = blocks.mean(axis=(1, 3, 4, 5))
         for a, along in enumerate((axes[0], axes[1], z)):
@@ -79,7 +89,7 @@ def sampled(shape: Any, side: float, counts: np.ndarray, lower: np.ndarray, uppe
             centre[:, :, k, a] = moment
     full = share > 1e-9
     bare = [[np.maximum(share - beside(share, a, way), 0.0) for way in (1, -1)] for a in range(3)]
-    area = side**2 * np.stack([ahead - behind for ahead, behind in bare], axis=-1)
+    area = size.prod() / size * np.stack([ahead - behind for ahead, behind in bare], axis=-1)
     return {"share": share[full], "centre": centre[full] / share[full][:, None], "area": area[full]}
 
 

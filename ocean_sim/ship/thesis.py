@@ -74,19 +74,19 @@ class Columns:
 
     def __init__(self, afloat: Afloat, basin: Basin) -> None:
         still = afloat.still
-        cubes, side = still.voxels, still.voxels.side
-        down = np.round(cubes.centre[:, [0, 2]] / side * 2.0).astype(int)
+        cubes, size = still.voxels, still.voxels.size
+        down = np.round(cubes.centre[:, [0, 2]] / size[[0, 2]] * 2.0).astype(int)
         _, column = np.unique(down, axis=0, return_inverse=True)
         column = column.ravel()
         n = int(column.max()) + 1
         bottom, volume = np.full(n, np.inf), np.zeros(n)
-        np.minimum.at(bottom, column, cubes.centre[:, 1] - side / 2)
-        np.add.at(volume, column, cubes.share * side**3)
+        np.minimum.at(bottom, column, cubes.centre[:, 1] - size[1] / 2)
+        np.add.at(volume, column, cubes.share * size.prod())
         place = np.zeros((n, 2))
-        np.add.at(place, column, cubes.centre[:, [0, 2]] * (cubes.share * side**3)[:, None])
+        np.add.at(place, column, cubes.centre[:, [0, 2]] * (cubes.share * size.prod())[:, None])
         place /= volume[:, None]
         self.n, self.weight = n, still.density * still.gravity
-        self.height = float(np.ptp(cubes.centre[:, 1]) + side)
+        self.height = float(np.ptp(cubes.centre[:, 1]) + size[1])
         self.cell = (basin.config.length / NODES, (basin.config.width or basin.config.length) / NODES)
         self.bottom, self.area = ti.Vector.field(3, float, shape=n), ti.field(float, shape=n)
         self.out = ti.Vector.field(6, ti.f64, shape=n)

@@ -58,9 +58,9 @@ def report(shape: Any, mass: float | None, cells: float) -> tuple[dict[str, Any]
     cubes = afloat.voxels
     if solid is not None:
         off = cubes.volume / solid.volume - 1.0
-        said.append(f"{len(cubes.share)} cubes of {cubes.side:.3g} m hold {off:+.2%} of the mesh's volume more")
+        said.append(f"{len(cubes.share)} cubes of {cubes.size[1]:.3g} m hold {off:+.2%} of the mesh's volume more")
         if abs(off) > 0.02:
-            problems.append(f"cubes of {cubes.side:.3g} m miss the mesh's volume by {off:+.1%}; take more --cells")
+            problems.append(f"cubes of {cubes.size[1]:.3g} m miss the mesh's volume by {off:+.1%}; take more --cells")
     facts: dict[str, Any] = {"volume_m3": cubes.volume, "displacement_kg": weight}
     if isinf(afloat.draught):
         problems.append(f"{weight:.4g} kg is more than {cubes.volume:.4g} m3 can carry: it sinks")
@@ -126,7 +126,7 @@ def draw(path: Path, shape: Any, found: dict[str, Any]) -> None:
     names = ("x to port [m]", "y up [m]", "z to the bow [m]")
     for number, (across, up) in enumerate(((2, 1), (0, 1), (2, 0))):
         axes = figure.add_subplot(2, 2, number + 1)
-        edges = [np.arange(lower[a] - cubes.side, upper[a] + 2.0 * cubes.side, cubes.side) for a in (across, up)]
+        edges = [lower[a] + cubes.size[a] * np.arange(-1, (upper - lower)[a] / cubes.size[a] + 1.5) for a in (across, up)]
         places = cubes.centre[:, across], cubes.centre[:, up]
         image, *_ = np.histogram2d(*places, bins=edges, weights=cubes.share)
         shown = np.where(image.T > 0.0, image.T, np.nan)

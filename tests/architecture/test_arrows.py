@@ -18,6 +18,7 @@ SOURCES = {
 }
 FOUNDATION = [
     *("conventions", "yaml_file", "csv_file", "parts", "runtime", "random_numbers", "sums", "waves", "motion", "basin"),
+    "cache_file",
 ]
 
 
@@ -173,7 +174,7 @@ def test_who_alone_may_import(package, allowed):
     assert found <= allowed
 
 
-@pytest.mark.parametrize("package", ["pyvista", "imageio", "matplotlib", "h5py", "scipy", "vtk"])
+@pytest.mark.parametrize("package", ["pyvista", "imageio", "matplotlib", "h5py", "scipy", "vtk", "trimesh"])
 def test_what_is_slow_to_import_is_imported_where_it_is_used(package):
     for module, tree in SOURCES.items():
         names = [

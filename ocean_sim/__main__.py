@@ -110,7 +110,10 @@ def bench(
 def validate(
     cases: Annotated[list[str] | None, typer.Argument(help="By default all (ocean-sim list cases).")] = None,
     scheme: Annotated[
-        list[str] | None, typer.Option(help="A kind of fluid or ship; give it twice to compare two. By default delta_sph, and the kinds a case says.")
+        list[str] | None,
+        typer.Option(
+            help="A kind of fluid or ship; give it twice to compare two. By default delta_sph, and the kinds a case says."
+        ),
     ] = None,
     slow: Annotated[bool, typer.Option("--slow", help="Also the set-ups that take minutes.")] = False,
     coarse: Annotated[bool, typer.Option("--coarse", help="At twice the spacing or more, for a quick look.")] = False,
@@ -127,7 +130,7 @@ def validate(
 @app.command()
 def hull(
     name: Annotated[str, typer.Argument(help="A name in configs/hull/, or an STL, OBJ or PLY file.")],
-    mass: Annotated[float | None, typer.Option(min=0.001, help="Of the whole ship [kg], over what the hull says.")] = None,
+    mass: Annotated[float | None, typer.Option(min=0.001, help="Of the whole ship [kg], if not as the hull.")] = None,
     cells: Annotated[float, typer.Option(min=1.0, max=64.0, help="Cubes over the draught.")] = 16.0,
     out: Annotated[Path | None, typer.Option(help="The picture; by default <name>_hull.png, with --json none.")] = None,
     json: Json = False,

@@ -22,7 +22,7 @@ def kept(folder: str, content: bytes, made: Callable[[], dict[str, np.ndarray]])
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         beside = path.with_suffix(f".{os.getpid()}.npz")
-        np.savez(beside, **arrays)
+        np.savez(beside, **arrays)  # type: ignore[arg-type]
         os.replace(beside, path)
     except OSError:
         pass

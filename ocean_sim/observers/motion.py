@@ -72,7 +72,8 @@ class Motion:
         self.every, self.frame = config.every, config.frame
         self.arm = ship.points[config.point] if config.point else np.zeros(3)
         self.sampled, self.gravity = Sampled(config.every), np.array(simulation.basin.gravity)
-        self.number, self.before = 0, None
+        self.number = 0
+        self.before: np.ndarray | None = None
         told = heading(
             simulation,
             f"every {config.every:g} s, linear between steps",

@@ -61,7 +61,9 @@ def hull_of(name: str) -> Hull:
         return Hull.model_validate(data)
     if Path(name).suffix.lower() in MESHES:
         return Hull(shape=MeshFile(kind="mesh", file=name))
-    raise ValueError(f"there is no hull {name!r}, and it is no {', '.join(MESHES)} file; there are {', '.join(named('hull'))}")
+    raise ValueError(
+        f"there is no hull {name!r}, and it is no {', '.join(MESHES)} file; there are {', '.join(named('hull'))}"
+    )
 
 
 def explained(error: ValidationError | ValueError) -> str:

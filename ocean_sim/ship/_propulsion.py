@@ -1,5 +1,6 @@
 """Propeller and rudder, and who moves them: rows, a file, or an autopilot (6.1 and F_ship of (4.27))."""
 
+from itertools import pairwise
 from math import cos, hypot, pi, radians, remainder, sin
 from typing import Any
 
@@ -121,7 +122,7 @@ class Helm(PartConfig):
     def _in_order(self) -> Any:
         if isinstance(self.controls, list):
             times = [row.time for row in self.controls]
-            if any(later <= earlier for earlier, later in zip(times, times[1:])):
+            if any(later <= earlier for earlier, later in pairwise(times)):
                 raise ValueError("controls: the times of the rows must grow")
         return self
 

@@ -179,9 +179,7 @@ def held(body: RigidBody, free: np.ndarray) -> RigidBody:
     """
     if free.all():
         return body
-    pitch, yaw, roll = body.angles
-    r = body.matrix
-    heading = about(1, yaw)
+    r, heading = body.matrix, about(1, body.angles[1])
     rates = np.where(free[3:], body.rates, 0.0)
     return replace(
         body,

@@ -37,7 +37,7 @@ class Box(Solid):
     def inside(self, x: np.ndarray) -> np.ndarray:
         """Whether points (..., 3) [m] lie inside."""
         lower, upper = self.bounds()
-        return ((x >= lower) & (x <= upper)).all(axis=-1)
+        return np.all((x >= lower) & (x <= upper), axis=-1)
 
 
 class Wigley(Solid):

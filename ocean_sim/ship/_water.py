@@ -17,7 +17,9 @@ REACH = 1.1  # of the hull's half sizes
 class Water:
     """Height of the water around a hull; of a closed form also its velocity and acceleration below."""
 
-    def __init__(self, length: float, breadth: float, height: float, draught: float, gravity: float, below: bool) -> None:
+    def __init__(
+        self, length: float, breadth: float, height: float, draught: float, gravity: float, below: bool
+    ) -> None:
         """Sizes of the hull [m]; `below`: whether the water is a closed form that is asked under its surface too."""
         self.below, self.gravity, self.layer = below, gravity, 0.5 * draught
         self.half = (REACH * np.hypot(length / 2, height), REACH * np.hypot(breadth / 2, height))  # [m]

@@ -11,7 +11,7 @@ from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relativ
 from ocean_sim.validation._ship import DENSITY, OF_WATER, at_sea, sunk
 
 HEIGHT = 1.0  # [m] of every shape
-SHAPES = {
+SHAPES: dict[str, dict[str, Any]] = {
     "box": {"kind": "box", "length": 5.0, "breadth": 2.0, "height": HEIGHT},
     "cylinder": {"kind": "cylinder", "length": 4.0, "radius": 0.5},
     "wigley": {"kind": "wigley", "length": 5.0, "breadth": 1.0, "draught": 0.6, "height": HEIGHT},
@@ -66,7 +66,9 @@ def floating(simulation: Simulation, promise: Promise, exact: float) -> Finding:
     ship: Any = simulation.ship
     sunk(simulation, np.array([1.0, 0.0, 0.0, 0.0]))
     found = float(ship.afloat.still.matter.centre[1] - ship.body.position[1])
-    return Finding({promise.quantity: relative(found, exact)}, [Curve("draught", np.array([exact]), np.array([found]), True)])
+    return Finding(
+        {promise.quantity: relative(found, exact)}, [Curve("draught", np.array([exact]), np.array([found]), True)]
+    )
 
 
 def trimmed() -> Problem:

@@ -54,7 +54,12 @@ def printed() -> Problem:
     """The barge under the thesis's columns."""
     scene = at_sea({"hull": "barge20", "cells_per_draught": 16}, 20.0, 0.01)
     promises = tuple(
-        Promise(f"as printed: GZ at {heel} degrees [m]", "m", "columns on the vertical through the bottom", {"thesis": 0.004})
+        Promise(
+            f"as printed: GZ at {heel} degrees [m]",
+            "m",
+            "columns on the vertical through the bottom",
+            {"thesis": 0.004},
+        )
         for heel in AS_PRINTED
     )
 
@@ -74,4 +79,3 @@ def levers(simulation: Simulation, heels: np.ndarray) -> np.ndarray:
     ship: Any = simulation.ship
     weight = ship.body.mass * 9.81
     return np.array([-sunk(simulation, turned(2, float(heel))).torque[2] / weight for heel in heels])
-

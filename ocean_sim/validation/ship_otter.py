@@ -28,7 +28,13 @@ def problems(coarse: bool) -> list[Problem]:
     reported = tuple(Promise(name, "%", SOURCE) for name in TACTICAL)
     return [
         problem("straight", [{"time": 0.0} | ahead], 15.0, straight, measure_straight),
-        problem("turn", [{"time": 0.0} | ahead, {"time": 20.0} | ahead, {"time": 20.01} | turn], 60.0, round_ + reported, measure_turn),
+        problem(
+            "turn",
+            [{"time": 0.0} | ahead, {"time": 20.0} | ahead, {"time": 20.01} | turn],
+            60.0,
+            round_ + reported,
+            measure_turn,
+        ),
     ]
 
 

@@ -65,7 +65,8 @@ def problem(
                 exact = float(np.interp(omega, reference["omega_rad_s"], reference[f"{sea}_{motion}"]))
                 numbers[promises[omega, motion].quantity] = relative(value, exact)
         curves = {
-            motion: np.array([numbers[promises[omega, motion].quantity] for omega in omegas]) for motion in ("heave", turn)
+            motion: np.array([numbers[promises[omega, motion].quantity] for omega in omegas])
+            for motion in ("heave", turn)
         }
         at = np.array(omegas)
         return Finding(

@@ -126,11 +126,15 @@ def draw(path: Path, shape: Any, found: dict[str, Any]) -> None:
     names = ("x to port [m]", "y up [m]", "z to the bow [m]")
     for number, (across, up) in enumerate(((2, 1), (0, 1), (2, 0))):
         axes = figure.add_subplot(2, 2, number + 1)
-        edges = [lower[a] + cubes.size[a] * np.arange(-1, (upper - lower)[a] / cubes.size[a] + 1.5) for a in (across, up)]
+        edges = [
+            lower[a] + cubes.size[a] * np.arange(-1, (upper - lower)[a] / cubes.size[a] + 1.5) for a in (across, up)
+        ]
         places = cubes.centre[:, across], cubes.centre[:, up]
         image, *_ = np.histogram2d(*places, bins=edges, weights=cubes.share)
         shown = np.where(image.T > 0.0, image.T, np.nan)
-        axes.imshow(shown, origin="lower", extent=(*edges[0][[0, -1]], *edges[1][[0, -1]]), cmap="Greys", aspect="equal")
+        axes.imshow(
+            shown, origin="lower", extent=(*edges[0][[0, -1]], *edges[1][[0, -1]]), cmap="Greys", aspect="equal"
+        )
         if up == 1 and found["draught_m"] is not None:
             axes.axhline(lower[1] + found["draught_m"], color="C0", linewidth=1.0)
         axes.set_xlabel(names[across])

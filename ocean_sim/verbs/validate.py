@@ -25,7 +25,11 @@ def validate(
     overrides = console.settings(sets)
     plan = {
         case: sorted(
-            ((problem, scheme) for problem in problems(case, slow=slow, coarse=coarse) for scheme in problem.under(schemes)),
+            (
+                (problem, scheme)
+                for problem in problems(case, slow=slow, coarse=coarse)
+                for scheme in problem.under(schemes)
+            ),
             key=lambda pair: schemes.index(pair[1]) if schemes else pair[0].schemes.index(pair[1]),
         )
         for case in wanted

@@ -171,7 +171,9 @@ def test_an_oscillator_neither_grows_nor_dies_but_under_forward_euler():
 
 
 def test_what_is_not_free_does_not_move():
-    body = rigid.spinning(replace(top((0, 0, 0)), velocity=np.ones(3), orientation=rigid.oriented(0.1, 0.5, 0.2)), np.ones(3))
+    body = rigid.spinning(
+        replace(top((0, 0, 0)), velocity=np.ones(3), orientation=rigid.oriented(0.1, 0.5, 0.2)), np.ones(3)
+    )
     only_heave = rigid.held(body, np.array([False, True, False, False, False, False]))
     np.testing.assert_allclose(only_heave.velocity, [0.0, 1.0, 0.0], atol=1e-12)
     np.testing.assert_allclose(only_heave.angular_velocity, np.zeros(3), atol=1e-12)

@@ -96,7 +96,9 @@ def test_under_way_it_feels_a_centripetal_force(barge):
     simulation, rest = barge
     r = 0.1
     turning = rigid.spinning(rest, np.array([0.0, r, 0.0]))
-    both = load_at(simulation, **vars(turning) | {"velocity": np.array([0.0, 0.0, 3.0])}).parts[PARTS.index("damping"), 0]
+    both = load_at(simulation, **vars(turning) | {"velocity": np.array([0.0, 0.0, 3.0])}).parts[
+        PARTS.index("damping"), 0
+    ]
     alone = load_at(simulation, **vars(turning)).parts[PARTS.index("damping"), 0]
     assert abs(both[0] - alone[0]) > 0.2 * simulation.ship.added[2] * 3.0 * r
 
@@ -167,7 +169,9 @@ def test_every_part_is_told_and_they_sum_to_the_total(told):
             parts = np.stack([motion[f"{what}_{part}_{axis}_{unit}"] for part in PARTS])
             error = np.abs(parts.sum(axis=0) - motion[f"{what}_total_{axis}_{unit}"])
             assert error.max() <= 1e-6 * max(1.0, np.abs(parts).max())
-    assert motion["force_propeller_x_N"][-1] == pytest.approx(14400.0 * np.cos(motion["yaw_rad"][-1] - np.pi / 2), rel=0.02)
+    assert motion["force_propeller_x_N"][-1] == pytest.approx(
+        14400.0 * np.cos(motion["yaw_rad"][-1] - np.pi / 2), rel=0.02
+    )
 
 
 def test_it_heads_along_x_and_positive_rudder_turns_to_port(told):

@@ -111,9 +111,7 @@ def validate(
     cases: Annotated[list[str] | None, typer.Argument(help="By default all (ocean-sim list cases).")] = None,
     scheme: Annotated[
         list[str] | None,
-        typer.Option(
-            help="A kind of fluid or ship; give it twice to compare two. By default delta_sph, and the kinds a case says."
-        ),
+        typer.Option(help="A kind of fluid or ship; give it twice to compare two. By default delta_sph."),
     ] = None,
     slow: Annotated[bool, typer.Option("--slow", help="Also the set-ups that take minutes.")] = False,
     coarse: Annotated[bool, typer.Option("--coarse", help="At twice the spacing or more, for a quick look.")] = False,

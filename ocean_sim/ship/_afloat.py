@@ -81,6 +81,9 @@ class FloatingConfig(Placed):
         if isinf(hull.draught):
             return [f"the ship weighs {hull.matter.mass:.4g} kg, more than its hull can carry: it sinks"]
         found = []
+        cells = hull.draught / float(hull.voxels.size[1])
+        if cells < 0.9 * self.cells_per_draught:
+            found.append(f"the hull has {cells:.2g} cubes over its draught, as it draws little of its height")
         if hull.metacentric_height() <= 0.0:
             found.append(f"the ship is unstable upright: GM = {hull.metacentric_height():.3g} m; it will heel")
         spacing = getattr(scene.fluid, "spacing", None)

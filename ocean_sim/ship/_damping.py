@@ -43,7 +43,7 @@ class Resistance:
         section = float((breadth * draught).max())
         self.surge = 0.05 * hull.density * section if config.surge is None else config.surge
         self.roll = config.roll_quadratic
-        self.low = hull.keel + hull.draught / 2.0 - hull.matter.centre[1]  # where water crosses [m]
+        self.low = hull.keel + float(draught.max()) / 2.0 - hull.matter.centre[1]  # where water crosses [m]
         self.stern = float(self.z[draught > 0.0].min())
         self.lift = pi / 2.0 * hull.density * float(draught.mean()) ** 2  # of a slender body that ends in a stern
 

@@ -13,6 +13,7 @@ from ocean_sim.ship._shapes import MeshFile, Shape
 from ocean_sim.ship._voxels import Voxels, voxels
 
 COARSE = 16  # cubes over the height of a hull whose draught is not known yet
+ENOUGH = 4e5  # cubes of a hull: one that draws little of its height has fewer over its draught than asked for
 MESHES = (".stl", ".obj", ".ply")
 
 
@@ -43,10 +44,11 @@ class Hull(PartConfig):
         draught = rough.draught
         if isinf(draught):
             draught = height
-        fine = self.floating(draught / cells, density, gravity)
+        least = float((upper - lower).prod() / ENOUGH) ** (1.0 / 3.0)
+        fine = self.floating(max(draught / cells, least), density, gravity)
         if isinf(fine.draught) or abs(fine.draught / draught - 1.0) < 0.02:
             return fine
-        return self.floating(fine.draught / cells, density, gravity)
+        return self.floating(max(fine.draught / cells, least), density, gravity)
 
     def floating(self, side: float, density: float, gravity: float) -> Hydrostatics:
         """The hull in cubes of a given side [m]."""

@@ -125,12 +125,13 @@ class Hydrostatics:
     @cached_property
     def stations(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Place along z, breadth at the still water and draught of every slice of cubes [m]."""
-        v, level, step = self.voxels, self.draught + self.keel, 0.25 * self.voxels.size[1]
+        v, step = self.voxels, 0.25 * self.voxels.size[1]
+        level = min(self.draught + self.keel, float(v.centre[:, 1].max()))  # of a ship that sinks, at its deck
         long, first = v.size[2], v.centre[:, 2].min()
         number = np.round((v.centre[:, 2] - first) / long).astype(int)
         n = int(number.max()) + 1
         shown = self.wet(UP, level + step) - self.wet(UP, level - step)
         lowest = np.full(n, level)
         np.minimum.at(lowest, number, v.centre[:, 1] - v.size[1] / 2)
-        draught = np.clip(level - lowest, 0.0, self.draught)
+        draught = np.clip(level - lowest, 0.0, level - self.keel)
         return first + long * np.arange(n), np.bincount(number, shown, n) / (2.0 * step * long), draught

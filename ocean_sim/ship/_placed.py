@@ -99,8 +99,9 @@ class Machine:
 class Voyage:
     """A body on its way: its pose, its machine, what acted last, and what is named on it."""
 
-    def __init__(self, config: Placed, body: RigidBody, machine: Machine) -> None:
-        self.body, self.machine, self.last = body, machine, loaded()
+    def __init__(self, config: Placed, body: RigidBody, machine: Machine, bed: float) -> None:
+        """`bed`: its height [m]; what lies on it is not modelled."""
+        self.bed, self.body, self.machine, self.last = bed, body, machine, loaded()
         self.free = np.array([motion in config.free for motion in Motions._fields])
         self.points = {name: np.array(place) - machine.centre for name, place in config.points.items()}
         self.acceleration, self.turning = np.zeros(3), np.zeros(3)  # of the last step, world axes [m/s2], [rad/s2]
@@ -122,6 +123,9 @@ class Voyage:
                 f"the ship at ({x:.4g}, {y:.4g}, {z:.4g}) m reached {speed:.4g} m/s (bound {FASTEST:g} m/s); "
                 "try a smaller time step"
             )
+        if after.position[1] < self.bed:
+            x, _, z = after.position
+            raise Diverged(f"the ship has sunk to the bed, {-self.bed:g} m down, at ({x:.4g}, {z:.4g}) m")
         self.acceleration = (after.velocity - before.velocity) / dt
         self.turning = (after.angular_velocity - before.angular_velocity) / dt
         self.body, self.last = after, load

@@ -47,7 +47,7 @@ class Config(Placed):
         return ["the Otter's model knows still water alone: neither waves nor wind reach it"]
 
     def build(self, basin: Basin, fluid: Any) -> "Manoeuvring":
-        return Manoeuvring(self)
+        return Manoeuvring(self, basin)
 
 
 def skew(a: np.ndarray) -> np.ndarray:
@@ -119,14 +119,14 @@ class Otter:
 class Manoeuvring(Voyage):
     """The Otter under way; its body is hull and payload, about their centre of mass."""
 
-    def __init__(self, config: Config) -> None:
+    def __init__(self, config: Config, basin: Basin) -> None:
         self.model = model = Otter()
         centre = from_frame("ned", model.centre)
         keel = np.array([centre[0], model.draught + centre[1], centre[2]])
         inertia = from_frame("ned", from_frame("ned", model.inertia).T)
         matter = Matter(model.mass, keel, inertia)
         body = config.body(matter, float(centre[1]), oriented(0.0, 0.0, 0.0))
-        super().__init__(config, body, Machine(config, None, None, keel))
+        super().__init__(config, body, Machine(config, None, None, keel), basin.lower[1])
         self.arm = centre  # of the centre of mass from the model's origin, our axes [m]
         self.revolutions = np.zeros(2)  # port and starboard [rad/s]
 

@@ -85,8 +85,9 @@ class Problem:
         return load(self.scene | quiet | {self.slot: part}, dict(overrides or {}))
 
     def under(self, asked: list[str]) -> list[str]:
-        """The schemes to run: of those asked for the ones that fit, else its own."""
-        return [scheme for scheme in asked if scheme in kinds(self.slot)] if asked else list(self.schemes)
+        """The schemes to run: of those asked for the ones that fit, else its own; a ship's case knows which fit it."""
+        fitting = kinds("fluid") if self.slot == "fluid" else self.schemes
+        return [scheme for scheme in asked if scheme in fitting] if asked else list(self.schemes)
 
     def run(self, case: str, scheme: str, overrides: Mapping[str, Any] | None = None) -> tuple[list[dict], Finding]:
         """The rows of the table and what they were read from; a run that diverged gives rows that say so."""

@@ -37,12 +37,14 @@ def run(
     out: Out = None,
     until: Annotated[float | None, typer.Option(help="Simulated time [s], in place of the scene's duration.")] = None,
     overwrite: Annotated[bool, typer.Option(help="Write into --out even where a run lies already.")] = False,
+    frame: Annotated[str | None, typer.Option(help="Axes of motion.csv: ship, ned or flu.")] = None,
     json: Json = False,
 ) -> None:
     """Simulate a scene and write its run folder."""
     from ocean_sim.verbs.run import run
 
-    run(scene, profile, sets or [], out, until, overwrite, json)
+    axes = [] if frame is None else [f"motion.frame={frame}"]
+    run(scene, profile, [*(sets or []), *axes], out, until, overwrite, json)
 
 
 @app.command()
@@ -108,7 +110,8 @@ def bench(
 def validate(
     cases: Annotated[list[str] | None, typer.Argument(help="By default all (ocean-sim list cases).")] = None,
     scheme: Annotated[
-        list[str] | None, typer.Option(help="A kind of fluid; give it twice to compare two. By default delta_sph.")
+        list[str] | None,
+        typer.Option(help="A kind of fluid or ship; give it twice to compare two. By default delta_sph."),
     ] = None,
     slow: Annotated[bool, typer.Option("--slow", help="Also the set-ups that take minutes.")] = False,
     coarse: Annotated[bool, typer.Option("--coarse", help="At twice the spacing or more, for a quick look.")] = False,
@@ -120,6 +123,20 @@ def validate(
     from ocean_sim.verbs.validate import validate
 
     return validate(cases or [], scheme or [], slow, coarse, sets or [], out, json)
+
+
+@app.command()
+def hull(
+    name: Annotated[str, typer.Argument(help="A name in configs/hull/, or an STL, OBJ or PLY file.")],
+    mass: Annotated[float | None, typer.Option(min=0.001, help="Of the whole ship [kg], if not as the hull.")] = None,
+    cells: Annotated[float, typer.Option(min=1.0, max=64.0, help="Cubes over the draught.")] = 16.0,
+    out: Annotated[Path | None, typer.Option(help="The picture; by default <name>_hull.png, with --json none.")] = None,
+    json: Json = False,
+) -> int:
+    """Is this a ship: watertight, volume, draught, stability, natural periods, picture."""
+    from ocean_sim.verbs.hull import hull
+
+    return hull(name, mass, cells, out, json)
 
 
 @app.command("bench-one", hidden=True)

@@ -41,6 +41,10 @@ class Result:
         return self.table("gauges")
 
     @cached_property
+    def motion(self) -> dict[str, np.ndarray]:
+        return self.table("motion")
+
+    @cached_property
     def accuracy(self) -> dict[str, np.ndarray]:
         return self.table("accuracy")
 

@@ -192,6 +192,9 @@ def _checked(composition: Composition, problems: list[Problem]) -> SceneConfig |
         for name, part in (parts | watching).items():
             if hasattr(part, "problems"):
                 problems += _misplaced(name, part.problems(place), data.get(name, root))
+        for name, part in watching.items():
+            if hasattr(part, "mismatched"):
+                problems += _misplaced(name, part.mismatched(parts), data.get(name, root))
     fluid, surface = parts.get("fluid"), parts.get("surface")
     if surface is not None and fluid is not None and not hasattr(fluid, "lattice"):
         said = f"a surface follows particles, and fluid.kind {fluid.kind} has none; leave it out"
@@ -199,6 +202,10 @@ def _checked(composition: Composition, problems: list[Problem]) -> SceneConfig |
     elif surface is not None and hasattr(surface, "beside") and fluid is not None and not problems:
         parts["surface"] = surface.beside(fluid, place)
         problems += _misplaced("surface", surface.problems_beside(fluid, place), data["surface"])
+    ship = parts.get("ship")
+    if ship is not None and surface is None and hasattr(fluid, "lattice") and ship.needs_surface:
+        said = f"a {ship.kind} ship over particles asks a surface how high the water stands; give a `surface`"
+        problems.append(problem(data["ship"].place, "ship", said))
     if problems or heading is None:
         return None
     values = {key: getattr(heading, key) for key in headings}
@@ -208,8 +215,10 @@ def _checked(composition: Composition, problems: list[Problem]) -> SceneConfig |
 def _observers(data: dict[str, Node], root: Node, problems: list[Problem]) -> dict[str, PartConfig]:
     """The observers that a scene names or does not switch off, in the order in which they watch."""
     watching: dict[str, PartConfig] = {}
+    afloat = data.get("ship") is not None and data["ship"].data is not None
+    unless_null = (*always_on(), *(("motion",) if afloat else ()))
     for name in observer_names():
-        node = data.get(name, root.with_data({} if name in always_on() else None))
+        node = data.get(name, root.with_data({} if name in unless_null else None))
         if node.data is None:
             if name == "manifest":
                 problems.append(problem(node.place, name, "a run always says what was run; this one cannot be null"))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from ocean_sim import runtime
 from ocean_sim.conventions import Diverged
+from ocean_sim.fluid import Limits
 from ocean_sim.observers import Observer
 
 if TYPE_CHECKING:
@@ -31,14 +32,20 @@ class Simulation:
         self.fluid = scene.fluid.build(self.basin, scene.seed, ledger=accounts, wind=self.wind.on("fluid"))
         self.surface = scene.surface.build(self.basin, self.fluid) if scene.surface is not None else None
         self.ship = scene.ship.build(self.basin, self.fluid) if scene.ship is not None else None
+        self.wind_on_ship = self.wind.on("ship")
         self.time_step = scene.time_step.build()
         self.stage: Callable[[str], AbstractContextManager] = lambda name: nullcontext()
         self.time, self.steps = 0.0, 0
-        self.next_dt = self.time_step.next(self.fluid)  # [s] the coming step is known before it is taken
+        self.next_dt = self.time_step.next(self)  # [s] the coming step is known before it is taken
         self.outcome, self.reason = "running", ""
         self.observers: list[Observer] = [
             config.build(folder, self) for config in scene.observers.values() if folder is not None or not config.writes
         ]
+
+    def limits(self) -> Limits:
+        """What the time step must stay a fraction of, for the water and the ship."""
+        water = self.fluid.limits()
+        return water if self.ship is None else water.and_of(self.ship.limits())
 
     def step(self) -> None:
         """Algorithm 8 of the thesis; rendering and logging watch it from outside."""
@@ -52,11 +59,11 @@ class Simulation:
                 self.surface.follow(self.fluid.particles, dt)  # Algorithms 3 and 5
         if self.ship is not None:
             with self.stage("ship"):
-                load = self.ship.load(self.wind.on("ship"), self.fluid, self.surface or self.fluid)  # (4.27)
+                load = self.ship.load(self.wind_on_ship, self.fluid, self.surface or self.fluid)  # (4.27)
                 self.ship.advance(load, dt)  # (4.22) to (4.25)
         self.time += dt
         self.steps += 1
-        self.next_dt = self.time_step.next(self.fluid)
+        self.next_dt = self.time_step.next(self)
 
     def run(self, until: float) -> None:
         """Step until this time [s] is reached; raises Diverged where the run leaves the physical world."""

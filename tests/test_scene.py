@@ -60,7 +60,7 @@ fluid:
   support_ratio: wide
   minimum_pressure: .nan
 time_step: {kind: fixed}
-ship: yacht
+ship: yaht
 gaugs: {elevation: {centre: [0.0, 0.0]}}
 runtime: {arch: cdua, threads: 2.0, pin: 1}
 accuracy: 3
@@ -78,7 +78,7 @@ accuracy: 3
         "mine.yaml:8:18: fluid.support_ratio: expected a number, got 'wide'",
         "mine.yaml:9:21: fluid.minimum_pressure: nan is not a finite number",
         "mine.yaml:10:12: time_step.dt: missing key",
-        "mine.yaml:11:1: ship: there is no kind of ship yet",
+        f"mine.yaml:11:7: ship: no ship 'yaht'; did you mean 'yacht'? there are {', '.join(composition.known('ship'))}",
         "mine.yaml:12:1: gaugs: unknown key; did you mean 'gauges'?",
         "mine.yaml:13:17: runtime.arch: 'cdua' is not a choice; did you mean 'cuda'?",
         "mine.yaml:13:32: runtime.threads: expected a whole number, got 2.0",
@@ -137,7 +137,7 @@ accuracy: 3
             HEAD + "fluid: {kind: mueller, spacing: 1.25}\ngauges: {elevation: {far: [30, 0]}}",
             "s.yaml:3:27: gauges.elevation.far: x = 30 m is outside the basin, which reaches from -20 to 20 m",
         ),
-        (HEAD + "fluid: {kind: mueller, spacing: 1.25}\nmotion: {every: 0.1}", "s.yaml:3:1: motion: unknown key"),
+        (HEAD + "fluid: {kind: mueller, spacing: 1.25}\nmotion: {every: 0.1}", "s.yaml:3:9: motion: there is no ship"),
     ],
 )
 def test_what_is_wrong_is_said_where_it_is(folder, text, sentence):
@@ -258,7 +258,7 @@ def test_settings_reach_into_lists():
             "fluid.spacing.x: fluid.spacing is 1.25, which has no keys; set fluid.spacing as a whole",
         ),
         ("fluid..spacing=1", "fluid..spacing: a dot stands where a key should"),
-        ("ship.hull=yacht", "ship: there is no kind of ship yet"),
+        ("ship.hull=yacht", f"ship.kind: missing key; there are {', '.join(composition.known('ship'))}"),
         ("basin.walls.x_min=non", "basin.walls.x_min: 'non' is not a choice; did you mean 'none'?"),
     ],
 )

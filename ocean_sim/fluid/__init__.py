@@ -1,6 +1,6 @@
 """Water: every module of this folder without a leading underscore is a kind a scene may name."""
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from math import inf
 from typing import Any, Protocol
 
@@ -18,6 +18,11 @@ class Limits:
     acoustic: float = inf
     viscous: float = inf
     force: float = inf
+
+    def and_of(self, other: "Limits") -> "Limits":
+        """The shorter of each."""
+        shorter = (min(a, b) for a, b in zip(astuple(self), astuple(other)))
+        return Limits(*shorter)
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,8 @@ class Config(waves.WaveTrain):
     """Regular waves (`height`, `period`, `heading_deg`) or a `spectrum`; sides of the basin do not reflect them."""
 
     kind: Literal["linear_waves"] = "linear_waves"
+    height: float | None = quantity("m", None, ge=0.0)
+    """From trough to crest; 0 is calm water."""
     heading_deg: float | None = quantity("deg", None)
     """Where regular waves go to: 0 along +z, 90 along +x; by default 0, in a slice 90."""
     rest_density: float = quantity("kg/m3", WATER_DENSITY, gt=0.0)
@@ -78,7 +80,7 @@ class LinearWaves:
     sound_speed = 0.0  # [m/s] nothing is compressed
 
     def __init__(self, config: Config, basin: Basin) -> None:
-        self.config, self.sea, self.time = config, config.sea(basin), 0.0
+        self.config, self.sea = config, config.sea(basin)
         k = float(waves.wavenumber(2.0 * np.pi / config.scale[1], basin.depth, self.sea.gravity))
         self.spacing = 2.0 * np.pi / k / POINTS_PER_WAVE  # [m] between points that show the waves
         self.still = config.still_limits(basin)
@@ -91,11 +93,16 @@ class LinearWaves:
         self.work: dict[str, float] = {}
         n = len(speed)
         self.amplitude, self.phase, self.k, self.kx, self.kz, self.speed = (ti.field(float, shape=n) for _ in range(6))
-        self.take(self.amplitude, self.sea.amplitude)
-        self.take(self.k, self.sea.wavenumber)
-        self.take(self.kx, self.sea.wavevector[:, 0])
-        self.take(self.kz, self.sea.wavevector[:, 1])
-        self.take(self.speed, speed)
+        self.begin(self.sea)
+
+    def begin(self, sea: waves.Components) -> None:
+        """These waves from time 0 on; as many as there were, of the same depth."""
+        self.sea, self.time = sea, 0.0
+        self.take(self.amplitude, sea.amplitude)
+        self.take(self.k, sea.wavenumber)
+        self.take(self.kx, sea.wavevector[:, 0])
+        self.take(self.kz, sea.wavevector[:, 1])
+        self.take(self.speed, sea.amplitude * sea.gravity * sea.wavenumber / sea.omega)
         self.advance(0.0)
 
     def take(self, field: ti.Field, values: np.ndarray) -> None:
@@ -139,6 +146,20 @@ class LinearWaves:
             along = scale * (1.0 + mirrored) * ti.cos(angle) / k
             v += tm.vec3(self.kx[i] * along, scale * (1.0 - mirrored) * ti.sin(angle), self.kz[i] * along)
         return v
+
+    @ti.func
+    def acceleration(self, position):
+        """[m/s2] by linear theory, -grad p / rho less gravity: what a body that is small against the waves feels."""
+        y = self.stretched(position, self.elevation(position.x, position.z))
+        h, g = ti.static(self.sea.depth), ti.static(self.sea.gravity)
+        a = tm.vec3(0.0)
+        for i in range(self.amplitude.shape[0]):
+            k, angle = self.k[i], self.kx[i] * position.x + self.kz[i] * position.z + self.phase[i]
+            scale = g * self.amplitude[i] * ti.exp(k * y) / (1.0 + ti.exp(-2.0 * k * h))
+            mirrored = ti.exp(-2.0 * k * (y + h))
+            along = scale * (1.0 + mirrored) * ti.sin(angle)
+            a += tm.vec3(self.kx[i] * along, -k * scale * (1.0 - mirrored) * ti.cos(angle), self.kz[i] * along)
+        return a
 
     @ti.func
     def pressure(self, position):

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.conventions import Diverged
+from ocean_sim.parts import kinds
 from ocean_sim.scene import load, observer_names
 from ocean_sim.simulation import Simulation
 
@@ -72,12 +73,21 @@ class Problem:
     name: str = ""
     """Which of several set-ups of its case."""
     slow: bool = False
+    slot: str = "fluid"
+    """What a scheme is a kind of."""
+    schemes: tuple[str, ...] = ("delta_sph",)
+    """Those that are run where nobody asks for others."""
 
     def load(self, scheme: str, overrides: Mapping[str, Any] | None = None) -> Any:
         """The scene under a scheme, with nobody watching."""
         quiet = {name: None for name in observer_names() if name != "manifest"}
-        fluid = self.scene["fluid"] | {"kind": scheme}
-        return load(self.scene | quiet | {"fluid": fluid}, dict(overrides or {}))
+        part = self.scene[self.slot] | {"kind": scheme}
+        return load(self.scene | quiet | {self.slot: part}, dict(overrides or {}))
+
+    def under(self, asked: list[str]) -> list[str]:
+        """The schemes to run: of those asked for the ones that fit, else its own; a ship's case knows which fit it."""
+        fitting = kinds("fluid") if self.slot == "fluid" else self.schemes
+        return [scheme for scheme in asked if scheme in fitting] if asked else list(self.schemes)
 
     def run(self, case: str, scheme: str, overrides: Mapping[str, Any] | None = None) -> tuple[list[dict], Finding]:
         """The rows of the table and what they were read from; a run that diverged gives rows that say so."""

@@ -11,27 +11,31 @@ from ocean_sim.validation._case import KEYS
 from ocean_sim.validation._plot import draw
 from ocean_sim.verbs import console
 
-DEFAULT = "delta_sph"
-
 
 def validate(
     cases: list[str], schemes: list[str], slow: bool, coarse: bool, sets: list[str], out: Path, as_json: bool
 ) -> int:
     """Run cases under schemes and tell; the exit code is 1 where a promise was missed."""
     wanted = cases or names()
-    for what, given, known in (("case", wanted, names()), ("scheme", schemes, kinds("fluid"))):
+    known_schemes = [*kinds("fluid"), *kinds("ship")]
+    for what, given, known in (("case", wanted, names()), ("scheme", schemes, known_schemes)):
         for name in given:
             if name not in known:
                 raise console.Refused(f"there is no {what} {name!r}{choice_sentence(name, known)[0]}")
     overrides = console.settings(sets)
     plan = {
-        case: [
-            (problem, scheme) for scheme in schemes or [DEFAULT] for problem in problems(case, slow=slow, coarse=coarse)
-        ]
+        case: sorted(
+            (
+                (problem, scheme)
+                for problem in problems(case, slow=slow, coarse=coarse)
+                for scheme in problem.under(schemes)
+            ),
+            key=lambda pair: schemes.index(pair[1]) if schemes else pair[0].schemes.index(pair[1]),
+        )
         for case in wanted
     }
     for case in cases:
-        if not plan[case]:
+        if not problems(case, slow=slow, coarse=coarse):
             raise console.Refused(f"{case} takes minutes: say --slow (or --coarse)")
     for problem, scheme in [pair for pairs in plan.values() for pair in pairs]:
         problem.load(scheme, overrides)  # what is wrong is said before anything runs
@@ -40,7 +44,7 @@ def validate(
     for case, pairs in plan.items():
         if not pairs:
             if not as_json:
-                console.say(f"\n{case}: all its set-ups take minutes; --slow runs them, --coarse a quick look")
+                console.say(f"\n{case}: nothing to run under these schemes, or only with --slow (minutes) or --coarse")
             continue
         runs, told = [], len(rows)
         for problem, scheme in pairs:

@@ -31,6 +31,7 @@ FOUNDATION = [
         "motion",
         "basin",
     ),
+    "cache_file",
 ]
 
 
@@ -186,7 +187,7 @@ def test_who_alone_may_import(package, allowed):
     assert found <= allowed
 
 
-@pytest.mark.parametrize("package", ["pyvista", "imageio", "matplotlib", "h5py", "scipy", "vtk"])
+@pytest.mark.parametrize("package", ["pyvista", "imageio", "matplotlib", "h5py", "scipy", "vtk", "trimesh"])
 def test_what_is_slow_to_import_is_imported_where_it_is_used(package):
     for module, tree in SOURCES.items():
         names = [

@@ -18,7 +18,10 @@ REQUIRED = {  # keys without which a kind cannot be
     ("fluid", "linear_waves"): {"height": 0.5, "period": 4.0},
     ("wind", "gusts"): {"volumes": [{"include": [{"kind": "sphere", "centre": [0, 0, 0], "radius": 1.0}]}]},
     ("time_step", "fixed"): {"dt": 0.001},
+    **{("ship", kind): {"hull": "wigley"} for kind in ("thesis", "hydrostatic", "dynamic")},
 }
+SEA = {"basin": BASIN, "fluid": {"kind": "linear_waves", "height": 0.5, "period": 4.0}}
+PARTICLES = {"basin": BASIN, "fluid": {"kind": "mueller", "spacing": 2.5}}
 PARTS = [(slot, name) for slot in SLOTS for name in named(slot)]
 KINDS = [(slot, kind) for slot in SLOTS for kind in kinds(slot)]
 MANY = 20_000  # particles: scenes with more are stepped with a coarser lattice
@@ -33,13 +36,13 @@ def test_every_scene_validates_under_every_profile(name, profile):
 
 @pytest.mark.parametrize("slot, name", PARTS)
 def test_every_part_validates(slot, name):
-    scene = {"basin": BASIN, "fluid": {"kind": "mueller", "spacing": 2.5}}
+    scene = SEA if slot == "ship" else PARTICLES
     assert getattr(load(scene | {slot: name}), slot) is not None
 
 
 @pytest.mark.parametrize("slot, kind", KINDS)
 def test_every_kind_validates_and_says_its_own_name(slot, kind):
-    scene = {"basin": BASIN, "fluid": {"kind": "mueller", "spacing": 2.5}}
+    scene = SEA if slot == "ship" else PARTICLES
     config = getattr(load(scene | {slot: {"kind": kind} | REQUIRED.get((slot, kind), {})}), slot)
     assert config.kind == kind and isinstance(config, config_of(slot, kind))
 

@@ -1,0 +1,132 @@
+"""The ship's motion at a fixed rate: pose, rates, specific force at a point, and every part of (4.27)."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ocean_sim.conventions import Frame, Motions, to_frame
+from ocean_sim.observers._csv import CsvFile, heading
+from ocean_sim.observers._sampled import Sampled
+from ocean_sim.parts import ObserverConfig, quantity
+from ocean_sim.ship import PARTS
+
+if TYPE_CHECKING:
+    from ocean_sim.simulation import Simulation
+
+LINES, TURNS = Motions._fields[:3], Motions._fields[3:]
+AXES = {
+    "ship": "right-handed, x to port, y up, z to the bow; world x and z horizontal, y up",
+    "ned": "SNAME: x to the bow, y to starboard, z down; world x along our z, y along our -x, z down",
+    "flu": "ISO 8855: x to the bow, y to port, z up; world x along our z, y along our x, z up",
+}
+COLUMNS = (
+    "time_s",
+    "seq",
+    *(f"{name}_m" for name in LINES),
+    *(f"{name}_rad" for name in TURNS),
+    *("qw", "qx", "qy", "qz"),
+    *(f"{name}_velocity_m_s" for name in LINES),
+    *(f"{name}_rate_rad_s" for name in TURNS),
+    *(f"{name}_acceleration_m_s2" for name in LINES),
+    *(f"specific_force_{axis}_m_s2" for axis in "xyz"),
+    *(
+        f"{what}_{part}_{axis}_{unit}"
+        for part in (*PARTS, "total")
+        for what, unit in (("force", "N"), ("torque", "Nm"))
+        for axis in "xyz"
+    ),
+    "throttle",
+    "rudder_rad",
+)
+ANGLES, QUATERNION = slice(3, 6), slice(6, 10)  # in a row without time and number
+
+
+class Config(ObserverConfig):
+    every: float = quantity("s", 0.01, gt=0.0)
+    """Simulated time between rows."""
+    point: str | None = None
+    """The name in `ship.points` where the specific force is felt; null: the centre of mass."""
+    frame: Frame = "ship"
+    """Axes that are written: ours, `ned` (SNAME) or `flu` (ISO 8855)."""
+
+    def mismatched(self, parts: dict[str, Any]) -> list[tuple[tuple[str, ...], str]]:
+        """What contradicts the other parts of the scene: (path below `motion`, sentence)."""
+        ship = parts.get("ship")
+        if ship is None:
+            return [((), "there is no ship whose motion could be told")]
+        if self.point is not None and self.point not in ship.points:
+            there = f"there are {', '.join(ship.points)}" if ship.points else "it names none"
+            return [(("point",), f"the ship has no point {self.point!r}; {there}")]
+        return []
+
+    def build(self, folder: Path, simulation: "Simulation") -> "Motion":
+        return Motion(self, folder, simulation)
+
+
+class Motion:
+    """motion.csv."""
+
+    def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
+        ship: Any = simulation.ship
+        self.every, self.frame = config.every, config.frame
+        self.arm = ship.points[config.point] if config.point else np.zeros(3)
+        self.sampled, self.gravity = Sampled(config.every), np.array(simulation.basin.gravity)
+        self.number = 0
+        self.before: np.ndarray | None = None
+        told = heading(
+            simulation,
+            f"every {config.every:g} s, linear between steps",
+            rates_and_specific_force=f"body axes, gravity included, felt at {config.point or 'the centre of mass'}",
+            angles="intrinsic yaw, pitch, roll; the quaternion turns body to world",
+            forces="world axes, torques about the centre of mass, of the step that ended",
+            damping="what the water that moves along does back is part of damping",
+        )
+        told |= {"frame": config.frame, "axes": AXES[config.frame]}
+        self.csv = CsvFile(folder / "motion.csv", told, COLUMNS)
+
+    def observe(self, simulation: "Simulation") -> None:
+        for time, values, _ in self.sampled.rows(simulation.time, self.continuous(self.row(simulation.ship))):
+            angles, q = values[ANGLES], values[QUATERNION]
+            values[ANGLES] = np.remainder(angles + np.pi, 2.0 * np.pi) - np.pi
+            values[QUATERNION] = q / np.linalg.norm(q)
+            self.csv.row([time, self.number, *values])
+            self.number += 1
+
+    def row(self, ship: Any) -> np.ndarray:
+        """All columns but time and number."""
+        body, load, turn = ship.body, ship.last, ship.body.matrix
+        arm, omega = turn @ self.arm, body.angular_velocity
+        felt = ship.acceleration + np.cross(ship.turning, arm) + np.cross(omega, np.cross(omega, arm))
+        parts = np.concatenate([load.parts, load.parts.sum(axis=0, keepdims=True)])
+        w, *vector = body.orientation
+        return np.concatenate(
+            [
+                self.named(body.position),
+                self.named(body.angles),
+                [w, *to_frame(self.frame, np.array(vector))],
+                self.named(body.velocity),
+                self.named(body.rates),
+                self.named(ship.acceleration),
+                to_frame(self.frame, turn.T @ (felt - self.gravity)),
+                to_frame(self.frame, parts).ravel(),
+                ship.orders,
+            ]
+        )
+
+    def named(self, motions: np.ndarray) -> np.ndarray:
+        """Sway, heave and surge, or pitch, yaw and roll, positive as the frame's axes are."""
+        signs = to_frame(self.frame, np.eye(3)).sum(axis=1)  # each of our axes is plus or minus one of the frame's
+        return signs * motions
+
+    def continuous(self, row: np.ndarray) -> np.ndarray:
+        """The row with angles and quaternion near those of the row before, so that lines between them are short."""
+        if self.before is not None:
+            turns = np.round((row[ANGLES] - self.before[ANGLES]) / (2.0 * np.pi))
+            row[ANGLES] -= 2.0 * np.pi * turns
+            row[QUATERNION] *= 1.0 if row[QUATERNION] @ self.before[QUATERNION] >= 0.0 else -1.0
+        self.before = row.copy()
+        return row
+
+    def close(self) -> None:
+        self.csv.close()

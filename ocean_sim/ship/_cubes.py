@@ -1,0 +1,136 @@
+"""Forces on the cubes of a hull, summed over fixed blocks: buoyancy, what waves add, and wind."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import taichi as ti
+import taichi.math as tm
+
+from ocean_sim.ship._hydrostatics import Hydrostatics
+from ocean_sim.ship._rigid_body import RigidBody
+
+BLOCK = 128  # cubes that are summed one after the other
+BUOYANCY, WAVE, DRAG, LIFT, VOLUME, SPEED, TURN, PULL, TWIST, FACE, SPREAD = 0, 6, 12, 18, 24, 25, 28, 31, 34, 37, 40
+SUMS = 43
+
+
+@dataclass(frozen=True)
+class Wetted:
+    """What the cubes say together; forces [N] and torques about the centre of mass [N m] are (2, 3), world axes."""
+
+    buoyancy: np.ndarray
+    wave: np.ndarray
+    wind_drag: np.ndarray
+    wind_lift: np.ndarray
+    volume: float  # under water [m3]
+    velocity: np.ndarray  # (6,) of the water at the faces across each motion, body axes [m/s], [rad/s]
+    acceleration: np.ndarray  # (6,) [m/s2], [rad/s2]
+
+
+@ti.data_oriented
+class Cubes:
+    """The cubes of a hull in its body axes, from the centre of mass."""
+
+    def __init__(self, hull: Hydrostatics) -> None:
+        cubes, matter = hull.voxels, hull.matter
+        self.n, self.cubes = len(cubes.share), cubes
+        self.blocks = -(-self.n // BLOCK)
+        self.weight = hull.density * hull.gravity  # [N/m3]
+        self.gravity = hull.gravity
+        self.arm = ti.Vector.field(3, float, shape=self.n)  # [m]
+        self.area = ti.Vector.field(3, float, shape=self.n)  # outward [m2]
+        self.volume = ti.field(float, shape=self.n)  # inside the hull [m3]
+        self.mass_density = matter.mass / cubes.volume  # [kg/m3]
+        real = self.volume.to_numpy().dtype
+        self.arm.from_numpy((cubes.centre - matter.centre).astype(real))
+        self.area.from_numpy(cubes.area.astype(real))
+        self.volume.from_numpy((cubes.share * cubes.size.prod()).astype(real))
+        self.row = ti.field(ti.f64, shape=(self.blocks, SUMS))
+
+    @staticmethod
+    def bytes(n: int, word: int) -> int:
+        """Memory that n cubes take."""
+        return n * 7 * word + (n // BLOCK + 1) * SUMS * 8
+
+    def wetted(self, body: RigidBody, water: Any, wind: Any) -> Wetted:
+        """What water and wind do to the hull where it is."""
+        turn = body.matrix
+        self.sum_up(water, wind, self.cubes.spread(turn[1]), body.position, turn, body.velocity, body.angular_velocity)
+        total = self.row.to_numpy().sum(axis=0)
+        volume = float(total[VOLUME])
+        faces = np.maximum(total[FACE : SPREAD + 3], 1e-12)
+
+        def motion(level: int) -> np.ndarray:
+            return total[level : level + 6] / faces
+
+        parts = (total[k : k + 6].reshape(2, 3) for k in (BUOYANCY, WAVE, DRAG, LIFT))
+        return Wetted(*parts, volume, motion(SPEED), self.gravity * motion(PULL))
+
+    @ti.kernel
+    def sum_up(
+        self,
+        water: ti.template(),
+        wind: ti.template(),
+        tall: float,
+        position: tm.vec3,
+        turn: tm.mat3,
+        velocity: tm.vec3,
+        omega: tm.vec3,
+    ):
+        for block in range(self.blocks):
+            for c in range(SUMS):
+                self.row[block, c] = 0.0
+            for j in range(BLOCK):
+                k = block * BLOCK + j
+                if k < self.n:
+                    self.add(block, k, water, wind, tall, position, turn, velocity, omega)
+
+    @ti.func
+    def add(
+        self, block, k, water: ti.template(), wind: ti.template(), tall, position, turn: ti.template(), velocity, omega
+    ):
+        arm = turn @ self.arm[k]
+        x = position + arm
+        depth = water.height(x.x, x.z) - x.y
+        wet = tm.clamp(depth / tall + 0.5, 0.0, 1.0)
+        volume = wet * self.volume[k]
+        self.put(block, BUOYANCY, arm, tm.vec3(0.0, self.weight * volume, 0.0))
+        if wet > 0.0:
+            pull = water.push(x, depth)
+            self.put(block, WAVE, arm, self.weight * volume * pull)
+            self.count(block, VOLUME, volume)
+            if ti.static(water.below):
+                own, face = self.arm[k], wet * abs(self.area[k])
+                under = depth + 0.5 * tall  # where its lower face is
+                self.put_motion(block, SPEED, own, face, turn.transpose() @ water.velocity(x, under))
+                self.put_motion(block, PULL, own, face, turn.transpose() @ water.push(x, under))
+                spread = tm.vec3(face.y * own.z * own.z, face.x * own.z * own.z, face.y * own.x * own.x)
+                for c in ti.static(range(3)):
+                    self.count(block, FACE + c, face[c])
+                    self.count(block, SPREAD + c, spread[c])
+        bare = (1.0 - wet) * (turn @ self.area[k])
+        mass = self.mass_density * self.volume[k]
+        blown = wind.force(k, x, velocity + omega.cross(arm), bare, mass)
+        self.put(block, DRAG, arm, tm.vec3(blown.x, 0.0, blown.z))
+        self.put(block, LIFT, arm, tm.vec3(0.0, blown.y, 0.0))
+
+    @ti.func
+    def count(self, block, column: ti.template(), number):
+        self.row[block, column] = self.row[block, column] + ti.cast(number, ti.f64)
+
+    @ti.func
+    def put(self, block, column: ti.template(), arm, force):
+        torque = arm.cross(force)
+        for c in ti.static(range(3)):
+            self.count(block, column + c, force[c])
+            self.count(block, column + 3 + c, torque[c])
+
+    @ti.func
+    def put_motion(self, block, column: ti.template(), own, face, moved):
+        """Of water at a cube: its motion, and how it turns about pitch, yaw and roll, by the area it meets."""
+        for c in ti.static(range(3)):
+            self.count(block, column + c, face[c] * moved[c])
+        self.count(block, column + 3, -face.y * own.z * moved.y)
+        self.count(block, column + 4, face.x * own.z * moved.x)
+        self.count(block, column + 5, face.y * own.x * moved.y)

@@ -1,0 +1,132 @@
+"""Where a ship begins, what may move, who steers: keys of every kind of ship, and the state that they become."""
+
+from math import radians
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field
+
+from ocean_sim.basin import Basin
+from ocean_sim.conventions import Diverged, Motions
+from ocean_sim.parts import Vector3, quantity
+from ocean_sim.ship import Load, loaded
+from ocean_sim.ship._hydrostatics import Matter
+from ocean_sim.ship._propulsion import Helm, Propeller, Rudder, towards
+from ocean_sim.ship._rigid_body import RigidBody, held, oriented, product, rotated, spinning
+
+FASTEST = 1.0e3  # [m/s] no ship moves like this
+Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
+Motion = Annotated[str, Field(pattern=f"^({'|'.join(Motions._fields)})$")]
+Place = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
+
+
+class Placed(Helm):
+    """Keys of every kind of ship."""
+
+    position: Place = quantity("m", (0.0, 0.0))
+    """Of the centre of mass: [x, z] afloat, or [x, y, z]."""
+    heading_deg: float = quantity("deg", 0.0)
+    """0 heads along +z, 90 along +x."""
+    attitude_deg: Vector3 = quantity("deg", (0.0, 0.0, 0.0))
+    """Pitch (bow down), a further yaw (to port) and roll (starboard down) at the beginning."""
+    velocity: Vector3 = quantity("m/s", (0.0, 0.0, 0.0))
+    """At the beginning, world axes."""
+    rates: Vector3 = quantity("rad/s", (0.0, 0.0, 0.0))
+    """Pitch, yaw and roll rate at the beginning."""
+    free: list[Motion] = list(Motions._fields)
+    """Motions that are not held; surge and sway along and across the heading."""
+    points: dict[Name, Vector3] = {}
+    """Named places, from the hull's origin [m]: x to port, y up from the keel, z to the bow from amidships."""
+
+    def misplaced(self, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
+        """What contradicts the basin: (path below `ship`, sentence)."""
+        found: list[tuple[tuple[str, ...], str]] = []
+        if basin.dimension == 2:
+            found.append((("kind",), "a ship needs a basin with a width"))
+        if basin.gravity[0] or basin.gravity[2] or not basin.gravity[1] < 0.0:
+            found.append((("kind",), f"a ship needs gravity straight down, here it is {list(basin.gravity)} m/s2"))
+        for axis, value in zip((0, 2), (self.position[0], self.position[-1])):
+            low, high = basin.lower[axis], basin.upper[axis]
+            if basin.dimension == 3 and not low <= value <= high:
+                where = f"{'xyz'[axis]} = {value:g} m is outside the basin, which reaches from {low:g} to {high:g} m"
+                found.append((("position",), where))
+        return found
+
+    def body(self, matter: Matter, height: float, trim: np.ndarray) -> RigidBody:
+        """The body at the beginning; `height` of the centre of mass afloat [m], `trim` (4,) quaternion afloat."""
+        pitch, yaw, roll = (radians(angle) for angle in self.attitude_deg)
+        turn = oriented(pitch, yaw + radians(self.heading_deg), roll)
+        if not (pitch or roll):
+            turn = product(turn, trim)
+        x, z = self.position[0], self.position[-1]
+        y = self.position[1] if len(self.position) == 3 else height
+        body = RigidBody(matter.mass, matter.inertia, np.array([x, y, z]), turn, np.array(self.velocity), np.zeros(3))
+        return spinning(body, rotated(turn, np.array(self.rates)))
+
+
+class Machine:
+    """Propeller and rudder of one ship, and what they do."""
+
+    def __init__(self, config: Helm, propeller: Propeller | None, rudder: Rudder | None, centre: np.ndarray) -> None:
+        """`centre`: the centre of mass from the hull's origin [m]."""
+        self.crew, self.propeller, self.rudder_blade, self.centre = config.crew(), propeller, rudder, centre
+        self.time, self.throttle, self.rudder = 0.0, 0.0, 0.0
+
+    def steer(self, body: RigidBody, dt: float) -> None:
+        """What the crew orders, as fast as the machines follow; dt 0 is the first time."""
+        throttle, rudder = self.crew.order(self.time, body)
+        blade, screw = self.rudder_blade, self.propeller
+        self.throttle = towards(self.throttle, throttle, screw.rate if screw and dt else None, dt, 1.0)
+        limit = blade.limit if blade else radians(90.0)
+        self.rudder = towards(self.rudder, rudder, blade.rate if blade and dt else None, dt, limit)
+        self.time += dt
+
+    def load(self, motion: np.ndarray, density: float, wet: float) -> dict[str, np.ndarray]:
+        """(2, 3) of propeller and rudder in body axes, at a velocity relative to the water (6,), `wet` from 0 to 1."""
+        found = {}
+        if self.propeller is not None:
+            place = self.propeller.position
+            arm = np.zeros(3) if place is None else np.array(place) - self.centre
+            force = np.array([0.0, 0.0, wet * self.propeller.force(self.throttle, float(motion[2]))])
+            found["propeller"] = np.stack([force, np.cross(arm, force)])
+        if self.rudder_blade is not None:
+            arm = np.array(self.rudder_blade.position) - self.centre
+            force = wet * self.rudder_blade.load(self.rudder, motion[:3] + np.cross(motion[3:], arm), density)
+            found["rudder"] = np.stack([force, np.cross(arm, force)])
+        return found
+
+
+class Voyage:
+    """A body on its way: its pose, its machine, what acted last, and what is named on it."""
+
+    def __init__(self, config: Placed, body: RigidBody, machine: Machine, bed: float) -> None:
+        """`bed`: its height [m]; what lies on it is not modelled."""
+        self.bed, self.body, self.machine, self.last = bed, body, machine, loaded()
+        self.free = np.array([motion in config.free for motion in Motions._fields])
+        self.points = {name: np.array(place) - machine.centre for name, place in config.points.items()}
+        self.acceleration, self.turning = np.zeros(3), np.zeros(3)  # of the last step, world axes [m/s2], [rad/s2]
+        machine.steer(body, 0.0)
+
+    @property
+    def orders(self) -> tuple[float, float]:
+        """Throttle and rudder [rad] as they stand."""
+        return self.machine.throttle, self.machine.rudder
+
+    def moved(self, step: Any, load: Load, dt: float) -> None:
+        """Take a step of a law of motion; raises Diverged where the ship has left the physical world."""
+        before = self.body
+        after = held(step(before, load.force, load.torque, dt), self.free)
+        speed = float(np.linalg.norm(after.velocity))
+        if not speed <= FASTEST:
+            x, y, z = before.position
+            raise Diverged(
+                f"the ship at ({x:.4g}, {y:.4g}, {z:.4g}) m reached {speed:.4g} m/s (bound {FASTEST:g} m/s); "
+                "try a smaller time step"
+            )
+        if after.position[1] < self.bed:
+            x, _, z = after.position
+            raise Diverged(f"the ship has sunk to the bed, {-self.bed:g} m down, at ({x:.4g}, {z:.4g}) m")
+        self.acceleration = (after.velocity - before.velocity) / dt
+        self.turning = (after.angular_velocity - before.angular_velocity) / dt
+        self.body, self.last = after, load
+        self.machine.steer(after, dt)

@@ -1,0 +1,108 @@
+"""What a hull asks of the water, on a small lattice around it that turns with its heading.
+
+Asked at a few hundred nodes instead of at every cube; between nodes lines are straight, so still water is exact.
+"""
+
+from typing import Any
+
+import numpy as np
+import taichi as ti
+import taichi.math as tm
+
+ALONG, ACROSS, LEVELS = 25, 13, 4  # nodes; levels lie half a draught apart, downwards from the surface
+REACH = 1.1  # of the hull's half sizes
+
+
+@ti.data_oriented
+class Water:
+    """Height of the water around a hull; of a closed form also its velocity and acceleration below."""
+
+    def __init__(
+        self, length: float, breadth: float, height: float, draught: float, gravity: float, below: bool
+    ) -> None:
+        """Sizes of the hull [m]; `below`: whether the water is a closed form that is asked under its surface too."""
+        self.below, self.gravity, self.layer = below, gravity, 0.5 * draught
+        self.half = (REACH * np.hypot(length / 2, height), REACH * np.hypot(breadth / 2, height))  # [m]
+        self.step = (2.0 * self.half[0] / (ALONG - 1), 2.0 * self.half[1] / (ACROSS - 1))  # [m]
+        self.elevation = ti.field(float, shape=(ALONG, ACROSS))
+        self.frame = ti.field(float, shape=4)  # x, z of the middle [m], cosine and sine of the heading
+        if below:
+            self.speed = ti.Vector.field(3, float, shape=(ALONG, ACROSS, LEVELS))  # [m/s]
+            self.pull = ti.Vector.field(3, float, shape=(ALONG, ACROSS, LEVELS))  # acceleration / gravity
+
+    @staticmethod
+    def bytes(below: bool, word: int) -> int:
+        """Memory that it takes."""
+        return word * ALONG * ACROSS * (1 + (6 * LEVELS if below else 0))
+
+    def look(self, water: Any, position: np.ndarray, heading: float) -> None:
+        """Ask the water [ti.func elevation; velocity and acceleration if `below`] around a place [m]."""
+        frame = np.array([position[0], position[2], np.cos(heading), np.sin(heading)])
+        self.frame.from_numpy(frame.astype(self.frame.to_numpy().dtype))
+        self.ask(water)
+
+    @ti.kernel
+    def ask(self, water: ti.template()):
+        for i, k in self.elevation:
+            along, across = i * self.step[0] - self.half[0], k * self.step[1] - self.half[1]
+            x = self.frame[0] + along * self.frame[3] + across * self.frame[2]
+            z = self.frame[1] + along * self.frame[2] - across * self.frame[3]
+            eta = water.elevation(x, z)
+            self.elevation[i, k] = eta
+            if ti.static(self.below):
+                for l in range(LEVELS):
+                    place = tm.vec3(x, eta - l * self.layer, z)
+                    self.speed[i, k, l] = water.velocity(place)
+                    self.pull[i, k, l] = water.acceleration(place) / self.gravity
+
+    @ti.func
+    def corner(self, x, z):
+        """Number of the lower node, and the shares of the way to the next, along and across."""
+        dx, dz = x - self.frame[0], z - self.frame[1]
+        a = (dx * self.frame[3] + dz * self.frame[2] + self.half[0]) / self.step[0]
+        b = (dx * self.frame[2] - dz * self.frame[3] + self.half[1]) / self.step[1]
+        i = tm.clamp(int(ti.floor(a)), 0, ALONG - 2)
+        k = tm.clamp(int(ti.floor(b)), 0, ACROSS - 2)
+        return i, k, tm.clamp(a - i, 0.0, 1.0), tm.clamp(b - k, 0.0, 1.0)
+
+    @ti.func
+    def height(self, x, z):
+        """Of the water [m]."""
+        i, k, a, b = self.corner(x, z)
+        near = (1.0 - b) * self.elevation[i, k] + b * self.elevation[i, k + 1]
+        far = (1.0 - b) * self.elevation[i + 1, k] + b * self.elevation[i + 1, k + 1]
+        return (1.0 - a) * near + a * far
+
+    @ti.func
+    def push(self, position, depth):
+        """What the waves add to the push of still water, over its weight: the pressure's slope where the water is
+        asked below, else that of long waves, along the surface's own slope."""
+        i, k, a, b = self.corner(position.x, position.z)
+        out = tm.vec3(0.0)
+        if ti.static(self.below):
+            out = self.between(self.pull, i, k, a, b, depth)
+        else:
+            here, left = self.elevation[i, k], self.elevation[i, k + 1]
+            ahead, across = self.elevation[i + 1, k], self.elevation[i + 1, k + 1]
+            slope = ((1.0 - b) * (ahead - here) + b * (across - left)) / self.step[0]
+            aside = ((1.0 - a) * (left - here) + a * (across - ahead)) / self.step[1]
+            c, s = self.frame[2], self.frame[3]
+            out = -tm.vec3(slope * s + aside * c, 0.0, slope * c - aside * s)
+        return out
+
+    @ti.func
+    def velocity(self, position, depth):
+        """[m/s]; only where the water is asked below."""
+        i, k, a, b = self.corner(position.x, position.z)
+        return self.between(self.speed, i, k, a, b, depth)
+
+    @ti.func
+    def between(self, field: ti.template(), i, k, a, b, depth):
+        level = tm.clamp(depth / self.layer, 0.0, LEVELS - 1.0)
+        l = ti.min(int(level), LEVELS - 2)
+        c = level - l
+        near = (1.0 - b) * field[i, k, l] + b * field[i, k + 1, l]
+        far = (1.0 - b) * field[i + 1, k, l] + b * field[i + 1, k + 1, l]
+        near_low = (1.0 - b) * field[i, k, l + 1] + b * field[i, k + 1, l + 1]
+        far_low = (1.0 - b) * field[i + 1, k, l + 1] + b * field[i + 1, k + 1, l + 1]
+        return (1.0 - c) * ((1.0 - a) * near + a * far) + c * ((1.0 - a) * near_low + a * far_low)

@@ -1,0 +1,178 @@
+"""The Otter, a catamaran of 2 m that steers by two propellers: a published manoeuvring model, in still water.
+
+Model and numbers: T. I. Fossen, PythonVehicleSimulator (MIT), otter.py, and Fossen (2021), Handbook of Marine Craft
+Hydrodynamics and Motion Control, 2nd ed., Wiley; cross-flow drag by Hoerner's curve. It knows neither waves nor wind,
+and holds for small heel and trim.
+"""
+
+from math import pi, sqrt
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from ocean_sim.basin import Basin
+from ocean_sim.conventions import from_frame, to_frame
+from ocean_sim.fluid import Limits
+from ocean_sim.ship import Load, loaded
+from ocean_sim.ship._hydrostatics import Matter
+from ocean_sim.ship._placed import Machine, Placed, Voyage
+from ocean_sim.ship._rigid_body import advanced, oriented
+
+G, DENSITY, CROSSED_DENSITY = 9.81, 1025.0, 1026.0  # [m/s2], [kg/m3]; the second is that of its cross-flow drag
+LENGTH, BREADTH, PONTOON, ASIDE = 2.0, 1.08, 0.25, 0.395  # [m]; a hull's breadth, and its place from the middle
+HULL, PAYLOAD = 55.0, 25.0  # [kg]
+AHEAD, ASTERN = 0.02216 / 2.0, 0.01289 / 2.0  # thrust of a propeller over revolutions squared [N s2]
+FASTEST = sqrt(0.5 * 24.4 * G / AHEAD)  # [rad/s]
+SLOWEST = sqrt(0.5 * 13.6 * G / ASTERN)  # [rad/s] astern
+DELAY = 0.1  # [s] of the propellers
+FULL = pi * 35.0 / 180.0  # [rad] rudder order at which one propeller stops at half throttle on both
+HOERNER = (
+    (0.0109, 0.1766, 0.3530, 0.4519, 0.4728, 0.4929, 0.4933, 0.5585, 0.6464, 0.8336)
+    + (0.9880, 1.3081, 1.6392, 1.8600, 2.3129, 2.6000, 3.0088, 3.4508, 3.7379, 4.0031),
+    (1.9661, 1.9657, 1.8976, 1.7872, 1.5837, 1.2786, 1.2108, 1.0836, 0.9986, 0.8796)
+    + (0.8284, 0.7599, 0.6914, 0.6571, 0.6307, 0.5962, 0.5868, 0.5859, 0.5599, 0.5593),
+)  # breadth over twice the draught, coefficient of drag
+
+
+class Config(Placed):
+    """Where it begins and who steers; its numbers are those of the model."""
+
+    needs_surface: ClassVar[bool] = False
+    kind: Literal["manoeuvring"] = "manoeuvring"
+
+    def problems(self, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
+        return self.misplaced(basin)
+
+    def warnings(self, scene: Any) -> list[str]:
+        return ["the Otter's model knows still water alone: neither waves nor wind reach it"]
+
+    def build(self, basin: Basin, fluid: Any) -> "Manoeuvring":
+        return Manoeuvring(self, basin)
+
+
+def skew(a: np.ndarray) -> np.ndarray:
+    """(3, 3) with skew(a) b = a x b."""
+    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
+
+
+def shifted(arm: np.ndarray) -> np.ndarray:
+    """(6, 6) that moves a motion to a point `arm` away."""
+    whole = np.eye(6)
+    whole[:3, 3:] = skew(arm).T
+    return whole
+
+
+class Otter:
+    """The matrices of the model, in SNAME axes about its origin, half way along at the still water."""
+
+    def __init__(self) -> None:
+        self.mass = HULL + PAYLOAD
+        self.payload = np.array([0.05, 0.0, -0.35])
+        self.centre = (HULL * np.array([0.2, 0.0, -0.2]) + PAYLOAD * self.payload) / self.mass
+        volume = self.mass / DENSITY
+        self.draught = volume / (2.0 * 0.4 * PONTOON * LENGTH)
+        gyration = np.array([0.4 * BREADTH, 0.25 * LENGTH, 0.25 * LENGTH])
+        own, load = skew(self.centre), skew(self.payload)
+        self.inertia = HULL * np.diag(gyration**2) - HULL * own @ own - PAYLOAD * load @ load
+        at_centre = np.zeros((6, 6))
+        at_centre[:3, :3], at_centre[3:, 3:] = self.mass * np.eye(3), self.inertia
+        self.shift = shifted(self.centre)
+        diagonal = np.diag(self.inertia)
+        self.added = np.array([0.1 * HULL, 1.5 * HULL, HULL, 0.2 * diagonal[0], 0.8 * diagonal[1], 1.7 * diagonal[2]])
+        self.whole = self.shift.T @ at_centre @ self.shift + np.diag(self.added)
+        plane = 0.75 * LENGTH * PONTOON
+        roll = LENGTH * PONTOON**3 / 6.0 * (6.0 * 0.75**3 / (1.75 * 2.5)) + 2.0 * plane * ASIDE**2
+        pitch = 0.8 / 6.0 * PONTOON * LENGTH**3
+        above = (2.5 * self.draught - 0.5 * volume / (LENGTH * PONTOON)) / 3.0 - (self.draught - self.centre[2])
+        spring = DENSITY * G * np.array([2.0 * plane, roll + volume * above, pitch + volume * above])
+        at_flotation = np.diag([0.0, 0.0, *spring, 0.0])
+        flotation = shifted(np.array([-0.2, 0.0, 0.0]))
+        self.spring = flotation.T @ at_flotation @ flotation
+        m = np.diag(self.whole)
+        omega = np.sqrt(spring / m[2:5])
+        swing = 2.0 * np.array([0.3, 0.2, 0.4]) * omega * m[2:5]
+        self.damping = np.array([24.4 * G / (6.0 * 0.5144), m[1], *swing, m[5]])
+        self.across = float(np.interp(PONTOON / (2.0 * self.draught), *HOERNER))
+
+    def drag(self, nu: np.ndarray) -> np.ndarray:
+        """(6,) linear, quadratic in yaw, and by cross-flow."""
+        load = -self.damping * nu
+        load[5] -= 10.0 * self.damping[5] * abs(nu[5]) * nu[5]
+        x = np.linspace(-LENGTH / 2.0, LENGTH / 2.0, 21)
+        speed = nu[1] + x * nu[5]
+        strip = -0.5 * CROSSED_DENSITY * self.draught * self.across * np.abs(speed) * speed * LENGTH / 20.0
+        load[1] += strip.sum()
+        load[5] += (x * strip).sum()
+        return load
+
+    def centripetal(self, nu: np.ndarray) -> np.ndarray:
+        """(6,) C(nu) nu of hull and added mass (Fossen 2021, 3.3)."""
+        own = np.zeros((6, 6))
+        own[:3, :3], own[3:, 3:] = self.mass * skew(nu[3:]), -skew(self.inertia @ nu[3:])
+        moved = self.added * nu
+        water = np.zeros((6, 6))
+        water[:3, 3:] = water[3:, :3] = -skew(moved[:3])
+        water[3:, 3:] = -skew(moved[3:])
+        return (self.shift.T @ own @ self.shift + water) @ nu
+
+
+class Manoeuvring(Voyage):
+    """The Otter under way; its body is hull and payload, about their centre of mass."""
+
+    def __init__(self, config: Config, basin: Basin) -> None:
+        self.model = model = Otter()
+        centre = from_frame("ned", model.centre)
+        keel = np.array([centre[0], model.draught + centre[1], centre[2]])
+        inertia = from_frame("ned", from_frame("ned", model.inertia).T)
+        matter = Matter(model.mass, keel, inertia)
+        body = config.body(matter, float(centre[1]), oriented(0.0, 0.0, 0.0))
+        super().__init__(config, body, Machine(config, None, None, keel), basin.lower[1])
+        self.arm = centre  # of the centre of mass from the model's origin, our axes [m]
+        self.revolutions = np.zeros(2)  # port and starboard [rad/s]
+
+    def load(self, wind: Any, fluid: Any, surface: Any) -> Load:
+        """The model's own sum, and the force and torque about the centre of mass that it amounts to."""
+        model, body, r = self.model, self.body, self.body.matrix
+        omega = body.rates
+        origin = r.T @ body.velocity - np.cross(omega, self.arm)
+        nu = np.concatenate([to_frame("ned", origin), to_frame("ned", omega)])
+        pitch, _, roll = body.angles
+        low = -(body.position - r @ self.arm)[1]
+        place = np.array([0.0, 0.0, low, roll, -pitch, 0.0])
+        weight = to_frame("ned", r.T @ np.array([0.0, -PAYLOAD * G, 0.0]))
+        parts = {
+            "gravity": np.concatenate([weight, np.cross(model.payload, weight)]),
+            "buoyancy": -model.spring @ place,
+            "damping": model.drag(nu) - model.centripetal(nu),
+            "propeller": self.thrust(),
+        }
+        rate = np.linalg.solve(model.whole, sum(parts.values()))
+        spin, twist = from_frame("ned", nu[3:]), from_frame("ned", rate[3:])
+        line = from_frame("ned", rate[:3]) + np.cross(spin, origin)
+        line += np.cross(twist, self.arm) + np.cross(spin, np.cross(spin, self.arm))
+        turn = body.inertia_body @ twist + np.cross(spin, body.inertia_body @ spin)
+        whole = np.stack([body.mass * line, turn])
+        told = {name: self.about_centre(load) for name, load in parts.items()}
+        told["damping"] = whole - told["gravity"] - told["buoyancy"] - told["propeller"]  # with the added mass's answer
+        return loaded(**{name: load @ r.T for name, load in told.items()})
+
+    def about_centre(self, load: np.ndarray) -> np.ndarray:
+        """(2, 3) about the centre of mass, our body axes, of (6,) about the model's origin."""
+        force, torque = from_frame("ned", load[:3]), from_frame("ned", load[3:])
+        return np.stack([force, torque - np.cross(self.arm, force)])
+
+    def thrust(self) -> np.ndarray:
+        """(6,) of both propellers."""
+        n = self.revolutions
+        port, starboard = np.where(n > 0.0, AHEAD, ASTERN) * n * np.abs(n)
+        return np.array([port + starboard, 0.0, 0.0, 0.0, 0.0, ASIDE * (port - starboard)])
+
+    def advance(self, load: Load, dt: float) -> None:
+        throttle, rudder = self.orders
+        share = np.clip(throttle + np.array([-1.0, 1.0]) * rudder / FULL, -1.0, 1.0)
+        asked = np.where(share > 0.0, FASTEST, SLOWEST) * share
+        self.revolutions = self.revolutions + (asked - self.revolutions) * min(1.0, dt / DELAY)
+        self.moved(advanced, load, dt)
+
+    def limits(self) -> Limits:
+        return Limits(force=0.08)

@@ -1,0 +1,114 @@
+"""The ship of the thesis as printed, errors and all, for comparison: column buoyancy and forward Euler.
+
+Every piece of the hull's bottom carries a column of water as high as the water stands over it, at the nearest node of
+the surface, deeper than the deck if need be; its push acts on the vertical through the bottom, half as deep (5.3,
+`addBuoyancy`), so of the metacentric height only BM - KG remains. Damping is 0.2 and 0.4 a second, of what PhysX calls
+linear and angular damping; it hides what forward Euler adds.
+"""
+
+from typing import Any, Literal
+
+import numpy as np
+import taichi as ti
+import taichi.math as tm
+
+from ocean_sim.basin import Basin
+from ocean_sim.fluid import Limits
+from ocean_sim.parts import quantity
+from ocean_sim.ship import Load, loaded
+from ocean_sim.ship._afloat import Afloat, FloatingConfig
+from ocean_sim.ship._placed import Voyage
+from ocean_sim.ship._rigid_body import RigidBody, thesis_advanced
+
+NODES = 32  # along the basin, as `getWaveHeight` counts them
+
+
+class Config(FloatingConfig):
+    """Columns of water under a hull, and the thesis's damping and step."""
+
+    kind: Literal["thesis"] = "thesis"
+    linear_damping: float = quantity("1/s", 0.2, ge=0.0)
+    """Share of the velocity that is lost a second."""
+    angular_damping: float = quantity("1/s", 0.4, ge=0.0)
+    """Share of the angular velocity that is lost a second."""
+
+    def build(self, basin: Basin, fluid: Any) -> "Thesis":
+        return Thesis(self, basin, fluid)
+
+
+class Thesis(Voyage):
+    """The hull as columns."""
+
+    def __init__(self, config: Config, basin: Basin, fluid: Any) -> None:
+        self.afloat = Afloat(config, basin, fluid, below=False)
+        super().__init__(config, self.afloat.body, self.afloat.machine, basin.lower[1])
+        self.damping = np.array([config.linear_damping, config.angular_damping])
+        self.columns = Columns(self.afloat, basin)
+
+    def load(self, wind: Any, fluid: Any, surface: Any) -> Load:
+        """(4.27)."""
+        afloat, body, r = self.afloat, self.body, self.body.matrix
+        wet = afloat.wetted(body, wind, surface)
+        motion = afloat.motion(body, wet)
+        driven = self.machine.load(motion, afloat.still.density, afloat.share(wet))
+        slowed = np.stack([body.mass * body.velocity, body.angular_momentum])
+        return loaded(
+            gravity=afloat.weight,
+            buoyancy=self.columns.push(surface, body),
+            wind_drag=wet.wind_drag,
+            wind_lift=wet.wind_lift,
+            damping=-self.damping[:, None] * slowed,
+            **{part: load @ r.T for part, load in driven.items()},
+        )
+
+    def advance(self, load: Load, dt: float) -> None:
+        self.moved(thesis_advanced, load, dt)
+
+    def limits(self) -> Limits:
+        return self.afloat.limits()
+
+
+@ti.data_oriented
+class Columns:
+    """The bottom of a hull in squares."""
+
+    def __init__(self, afloat: Afloat, basin: Basin) -> None:
+        still = afloat.still
+        cubes, size = still.voxels, still.voxels.size
+        down = np.round(cubes.centre[:, [0, 2]] / size[[0, 2]] * 2.0).astype(int)
+        _, column = np.unique(down, axis=0, return_inverse=True)
+        column = column.ravel()
+        n = int(column.max()) + 1
+        bottom, volume = np.full(n, np.inf), np.zeros(n)
+        np.minimum.at(bottom, column, cubes.centre[:, 1] - size[1] / 2)
+        np.add.at(volume, column, cubes.share * size.prod())
+        place = np.zeros((n, 2))
+        np.add.at(place, column, cubes.centre[:, [0, 2]] * (cubes.share * size.prod())[:, None])
+        place /= volume[:, None]
+        self.n, self.weight = n, still.density * still.gravity
+        self.height = float(np.ptp(cubes.centre[:, 1]) + size[1])
+        self.cell = (basin.config.length / NODES, (basin.config.width or basin.config.length) / NODES)
+        self.bottom, self.area = ti.Vector.field(3, float, shape=n), ti.field(float, shape=n)
+        self.out = ti.Vector.field(6, ti.f64, shape=n)
+        real = self.area.to_numpy().dtype
+        arms = np.stack([place[:, 0], bottom, place[:, 1]], axis=1) - still.matter.centre
+        self.bottom.from_numpy(arms.astype(real))
+        self.area.from_numpy((volume / self.height).astype(real))  # _segVolume / _shipSize.y
+
+    def push(self, surface: Any, body: RigidBody) -> np.ndarray:
+        """(2, 3) force [N] and torque [N m]."""
+        self.lift(surface, body.position, body.matrix)
+        return self.out.to_numpy().sum(axis=0).reshape(2, 3)
+
+    @ti.kernel
+    def lift(self, surface: ti.template(), position: tm.vec3, turn: tm.mat3):
+        for k in range(self.n):
+            arm = turn @ self.bottom[k]
+            x = position + arm
+            # The thesis takes the nearest node of the cloth, which makes buoyancy jump.
+            i, j = ti.round(x.x / self.cell[0]), ti.round(x.z / self.cell[1])
+            depth = ti.max(surface.elevation(i * self.cell[0], j * self.cell[1]) - x.y, 0.0)
+            force = tm.vec3(0.0, self.weight * self.area[k] * depth, 0.0)
+            torque = (arm + tm.vec3(0.0, 0.5 * depth, 0.0)).cross(force)
+            for c in ti.static(range(3)):
+                self.out[k][c], self.out[k][3 + c] = ti.cast(force[c], ti.f64), ti.cast(torque[c], ti.f64)

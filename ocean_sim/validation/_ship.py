@@ -1,0 +1,70 @@
+"""A ship in water in closed form: scenes, and what is done to the ship by hand."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ocean_sim.simulation import Simulation
+
+G, DENSITY = 9.81, 1000.0
+OF_WATER = ("hydrostatic", "dynamic")
+
+
+def at_sea(ship: dict[str, Any], size: float, dt: float, duration: float = 1.0, **waves: float) -> dict[str, Any]:
+    """A scene of a ship on a wide and deep sea; calm where no waves are given."""
+    return {
+        "duration": duration,
+        "basin": {"length": 40.0 * size, "width": 40.0 * size, "depth": 20.0 * size, "walls": "none"},
+        "fluid": {"kind": "linear_waves", "period": 5.0, "height": 0.0} | waves,
+        "ship": ship,
+        "time_step": {"kind": "fixed", "dt": dt},
+        "runtime": {"precision": "f64"},
+    }
+
+
+def posed(simulation: Simulation, **changes: Any) -> None:
+    """The ship with other parts of its state, and without momentum unless that is given."""
+    ship: Any = simulation.ship
+    still = {"velocity": np.zeros(3), "angular_momentum": np.zeros(3)}
+    ship.body = replace(ship.body, **(still | changes))
+
+
+def acting(simulation: Simulation) -> Any:
+    """The load on the ship where it is."""
+    ship: Any = simulation.ship
+    return ship.load(simulation.wind_on_ship, simulation.fluid, simulation.surface or simulation.fluid)
+
+
+def sunk(simulation: Simulation, orientation: np.ndarray) -> Any:
+    """The load at an orientation, where weight and buoyancy balance, and the ship there."""
+    ship: Any = simulation.ship
+    span = float(np.linalg.norm(ship.afloat.upper - ship.afloat.lower))
+    low, high = -span, span
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        posed(simulation, position=np.array([0.0, middle, 0.0]), orientation=orientation)
+        load = acting(simulation)
+        low, high = (middle, high) if load.force[1] > 0.0 else (low, middle)
+    return load
+
+
+def turned(axis: int, degrees: float) -> np.ndarray:
+    """Quaternion of a turn about x, y or z."""
+    half = np.radians(degrees) / 2.0
+    return np.concatenate([[np.cos(half)], np.sin(half) * np.eye(3)[axis]])
+
+
+def voyage(simulation: Simulation, until: float) -> Iterator[tuple[float, Any]]:
+    """Time and body after every step."""
+    while simulation.time < until:
+        simulation.step()
+        yield simulation.time, simulation.ship.body  # type: ignore[union-attr]
+
+
+def period_of(times: np.ndarray, values: np.ndarray) -> float:
+    """Twice the mean time between crossings of zero [s]."""
+    k = np.flatnonzero(values[1:] * values[:-1] < 0.0)
+    crossings = times[k] + (times[k + 1] - times[k]) * values[k] / (values[k] - values[k + 1])
+    return 2.0 * float(np.diff(crossings).mean())

@@ -1,0 +1,81 @@
+"""Righting levers of three hulls at large heel, by the forces of the ship itself.
+
+References by clipping polygons: a barge 20 x 8 x 4 m (draught 2 m, KG 2.5 m), Wigley's hull of 3 m (KG 0.12 m), and a
+cylinder half under water, of which GZ = (R - KG) sin(heel) at every heel. The thesis's columns push on the vertical
+through the hull's bottom, so its own lever is another: of its metacentric height only BM - KG is left.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from ocean_sim.simulation import Simulation
+from ocean_sim.validation._case import Curve, Finding, Problem, Promise
+from ocean_sim.validation._ship import OF_WATER, at_sea, sunk, turned
+
+LEVERS = {  # heel [deg]: GZ [m]
+    "barge20": {10: 0.20979, 20: 0.45944, 30: 0.76036, 40: 0.77401, 60: 0.37254, 90: -0.5},
+    "wigley": {10: 0.00671, 20: 0.01356, 30: 0.02081, 40: 0.02897, 60: 0.04252},
+    "cylinder": {heel: 0.2 * np.sin(np.radians(heel)) for heel in (10, 20, 30, 60, 90)},
+}
+SIZE = {"barge20": 20.0, "wigley": 3.0, "cylinder": 6.0}
+AS_PRINTED = {10: 0.022, 30: -0.095}  # [m] of a barge by the thesis's columns
+SOURCE = "hull sections clipped as polygons"
+
+
+def problems(coarse: bool) -> list[Problem]:
+    cells = ((8, 4.0),) if coarse else ((8, 4.0), (16, 2.0))
+    found = [problem(hull, n, limit) for n, limit in cells for hull in LEVERS]
+    return [*found, printed()]
+
+
+def problem(hull: str, cells: int, limit: float) -> Problem:
+    """A hull at a resolution."""
+    name = f"{hull}, {cells} cells"
+    scene = at_sea({"hull": hull, "cells_per_draught": cells}, SIZE[hull], 0.01)
+    promise = Promise(f"{name}: largest error of GZ", "%", SOURCE, dict.fromkeys(OF_WATER, limit))
+
+    def measure(simulation: Simulation) -> Finding:
+        heels, exact = np.array(list(LEVERS[hull])), np.array(list(LEVERS[hull].values()))
+        found = levers(simulation, heels)
+        error = 100.0 * (found / exact - 1.0)
+        worst = int(np.abs(error).argmax())
+        return Finding(
+            {promise.quantity: (found[worst], exact[worst], error[worst])},
+            [Curve("GZ", heels, found, points=True)],
+            [Curve("exact", heels, exact)],
+            ("heel [deg]", "GZ [m]"),
+        )
+
+    return Problem(scene, (promise,), measure, name, slot="ship", schemes=("hydrostatic",))
+
+
+def printed() -> Problem:
+    """The barge under the thesis's columns."""
+    scene = at_sea({"hull": "barge20", "cells_per_draught": 16}, 20.0, 0.01)
+    promises = tuple(
+        Promise(
+            f"as printed: GZ at {heel} degrees [m]",
+            "m",
+            "columns on the vertical through the bottom",
+            {"thesis": 0.004},
+        )
+        for heel in AS_PRINTED
+    )
+
+    def measure(simulation: Simulation) -> Finding:
+        found = levers(simulation, np.array(list(AS_PRINTED)))
+        numbers = {
+            promise.quantity: (gz, wrong, gz - wrong)
+            for promise, gz, wrong in zip(promises, found, AS_PRINTED.values(), strict=True)
+        }
+        return Finding(numbers)
+
+    return Problem(scene, promises, measure, "as printed", slot="ship", schemes=("thesis",))
+
+
+def levers(simulation: Simulation, heels: np.ndarray) -> np.ndarray:
+    """Righting levers [m] at heels [deg], the ship free to sink."""
+    ship: Any = simulation.ship
+    weight = ship.body.mass * 9.81
+    return np.array([-sunk(simulation, turned(2, float(heel))).torque[2] / weight for heel in heels])

@@ -1,0 +1,153 @@
+"""Hulls as cubes: volume, inertia, draught, stability; shapes, outlines and mesh files; what is refused."""
+
+import json
+
+import numpy as np
+import pytest
+
+from ocean_sim.__main__ import answered
+from ocean_sim.parts import named
+from ocean_sim.ship._added_mass import by_rule, slenderness
+from ocean_sim.ship._hull import Hull, hull_of
+from ocean_sim.ship._mesh import BadMesh
+from ocean_sim.ship._voxels import voxels
+
+WATER = (1000.0, 9.81)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def cache(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+def hull(shape: dict, **keys) -> Hull:
+    return Hull.model_validate({"shape": shape, **keys})
+
+
+BOX = {"kind": "box", "length": 20.0, "breadth": 8.0, "height": 4.0}
+VOLUMES = {
+    "box": (BOX, 640.0),
+    "cylinder": ({"kind": "cylinder", "length": 6.0, "radius": 1.0}, 6.0 * np.pi),
+    "sphere": ({"kind": "sphere", "radius": 5.0}, 4.0 / 3.0 * np.pi * 125.0),
+    "wigley": ({"kind": "wigley", "length": 3.0, "breadth": 0.3, "draught": 0.1875, "height": 0.1875}, 0.075),
+}
+
+
+@pytest.mark.parametrize("name", VOLUMES)
+def test_cubes_hold_the_volume_of_their_shape_and_are_closed(name):
+    shape, volume = VOLUMES[name]
+    solid = hull(shape).shape
+    height = solid.bounds()[1][1]
+    cubes = voxels(solid, height / 16.0)
+    assert cubes.volume == pytest.approx(volume, rel=0.01)
+    np.testing.assert_allclose(cubes.area.sum(axis=0), np.zeros(3), atol=1e-9 * volume)
+
+
+def test_cubes_are_the_same_from_the_cache_and_other_shapes_are_others():
+    solid = hull(BOX).shape
+    first, again = voxels(solid, 0.5), voxels(solid, 0.5)
+    for a, b in ((first.centre, again.centre), (first.share, again.share), (first.area, again.area)):
+        np.testing.assert_array_equal(a, b)
+    assert len(voxels(hull({**BOX, "height": 5.0}).shape, 0.5).share) > len(first.share)
+
+
+def test_inertia_of_cubes_is_that_of_a_box():
+    cubes = voxels(hull(BOX).shape, 0.5)
+    found = np.diag(cubes.inertia(12.0, np.array([0.0, 2.0, 0.0])))
+    np.testing.assert_allclose(found, [20.0**2 + 4.0**2, 20.0**2 + 8.0**2, 8.0**2 + 4.0**2], rtol=1e-9)
+    lower = np.diag(cubes.inertia(12.0, np.zeros(3)))
+    np.testing.assert_allclose(lower - found, [12.0 * 4.0, 0.0, 12.0 * 4.0], atol=1e-6)
+
+
+def test_a_barge_floats_and_stands_by_the_book():
+    """KB T/2, BM B^2 / 12 T, BM_L L^2 / 12 T; dry periods 2 pi sqrt(m / k)."""
+    barge = hull_of("barge20").afloat(8, *WATER)
+    assert barge.draught == pytest.approx(2.0, rel=1e-6) and barge.kb == pytest.approx(1.0, rel=1e-6)
+    assert barge.metacentric_height() == pytest.approx(1.166667, rel=2e-3)
+    assert barge.metacentric_height(0) == pytest.approx(15.16667, rel=2e-3)
+    dry = barge.periods()
+    np.testing.assert_allclose([dry["heave"], dry["roll"], dry["pitch"]], [2.837, 5.200, 2.576], rtol=2e-3)
+
+
+def test_wigleys_hull_floats_and_stands_by_the_book():
+    """KB 5/8 T, BM 3/35 B^2 / T, waterplane 2/3 L B; with its centre of mass at 0.17 m it is unstable."""
+    wigley = hull_of("wigley").afloat(16, *WATER)
+    assert wigley.draught == pytest.approx(0.1875, rel=2e-3) and wigley.kb == pytest.approx(0.1171875, rel=2e-3)
+    assert wigley.metacentric_height() == pytest.approx(0.0383304, rel=0.02)
+    assert wigley.waterplane == pytest.approx(0.6, rel=5e-3)
+    top_heavy = hull_of("wigley").model_copy(update={"centre_of_mass": (0.0, 0.17, 0.0)})
+    assert top_heavy.afloat(16, *WATER).metacentric_height() < 0.0
+
+
+def test_what_is_too_heavy_sinks():
+    assert hull(BOX, mass=641e3).afloat(8, *WATER).draught == np.inf
+    assert hull(BOX, mass=639e3).afloat(8, *WATER).draught < 4.0
+
+
+def test_added_mass_by_rule_is_near_that_of_a_panel_method():
+    """The barge at its natural frequencies: 431.7 t, 11261 and 1167.8 t m2, within 15 %."""
+    added = by_rule(hull_of("barge20").afloat(8, *WATER))
+    np.testing.assert_allclose(added[[1, 3, 5]], [431.7e3, 11261e3, 1167.8e3], rtol=0.15)
+    assert slenderness(1e6) == pytest.approx(1.0) and slenderness(0.4) == slenderness(2.5)
+
+
+@pytest.mark.parametrize("name", named("hull"))
+def test_every_ready_made_hull_floats_upright(name):
+    afloat = hull_of(name).afloat(4, *WATER)
+    assert 0.0 < afloat.draught < np.inf and afloat.metacentric_height() > 0.0
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """A barge in millimetres with z up and x ahead; the same with a face missing; a ball in metres."""
+    import trimesh
+
+    folder = tmp_path_factory.mktemp("meshes")
+    box = trimesh.creation.box((20000.0, 8000.0, 4000.0))
+    box.export(folder / "barge_mm.stl")
+    box.export(folder / "barge_mm.obj")
+    box.update_faces(np.arange(len(box.faces)) > 1)
+    box.export(folder / "hole.stl")
+    trimesh.creation.icosphere(4, 5.0).export(folder / "ball.ply")
+    (folder / "empty.stl").write_text("no mesh\n")
+    return folder
+
+
+@pytest.mark.parametrize("kind", ["stl", "obj"])
+def test_a_mesh_is_turned_scaled_and_filled(files, kind):
+    barge = hull_of(str(files / f"barge_mm.{kind}")).model_copy(update={"mass": 320e3, "centre_of_mass": (0, 2.5, 0)})
+    afloat = barge.afloat(8, *WATER)
+    assert afloat.voxels.volume == pytest.approx(640.0, rel=1e-3)
+    assert afloat.draught == pytest.approx(2.0, rel=1e-3)
+    assert afloat.metacentric_height() == pytest.approx(1.166667, rel=5e-3)
+
+
+def test_a_ball_from_a_mesh_is_the_ball_of_the_formula(files):
+    cubes = voxels(hull_of(str(files / "ball.ply")).shape, 0.4)
+    assert cubes.volume == pytest.approx(4.0 / 3.0 * np.pi * 125.0, rel=0.005)
+
+
+def test_a_bad_mesh_is_refused_with_what_is_wrong_and_where(files, capsys):
+    with pytest.raises(BadMesh, match=r"hole.stl: not watertight: 4 edges bound a hole, around \(-5000, "):
+        hull_of(str(files / "hole.stl")).shape.bounds()
+    assert answered(["hull", str(files / "hole.stl")]) == 2
+    assert "not watertight" in capsys.readouterr().err
+    assert answered(["hull", str(files / "hole.stl"), "--json"]) == 2
+    told = json.loads(capsys.readouterr().out)
+    assert told["volume_m3"] is None and "not watertight" in told["problems"][0]
+    assert answered(["hull", str(files / "empty.stl")]) == 2
+    assert answered(["hull", "barg20"]) == 2
+
+
+def test_the_command_answers_with_the_agreed_keys_and_a_picture(capsys, tmp_path):
+    words = ["hull", "barge20", "--cells", "8", "--json", "--out", str(tmp_path / "barge.png")]
+    assert answered(words) == 0
+    told = json.loads(capsys.readouterr().out)
+    keys = "volume_m3 displacement_kg draught_m kb_m bm_m gm_m gz periods_s problems".split()
+    assert set(keys) <= set(told) and told["problems"] == []
+    assert told["draught_m"] == pytest.approx(2.0) and told["bm_m"] == pytest.approx(2.6667, rel=2e-3)
+    assert {row["heel_deg"]: row["gz_m"] for row in told["gz"]}[30.0] == pytest.approx(0.76036, rel=0.01)
+    assert told["periods_s"]["heave"] == pytest.approx(4.348, rel=0.1)
+    assert (tmp_path / "barge.png").stat().st_size > 10_000

@@ -1,0 +1,279 @@
+"""Ships in a scene: forces, what moves, who steers, what is told, and what is refused."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ocean_sim import scene
+from ocean_sim.conventions import Diverged
+from ocean_sim.observers.motion import COLUMNS
+from ocean_sim.result import Result
+from ocean_sim.scene import load, observer_names
+from ocean_sim.ship import PARTS
+from ocean_sim.ship import _rigid_body as rigid
+from ocean_sim.simulation import Simulation
+from ocean_sim.yaml_file import SceneError
+
+QUIET = {name: None for name in observer_names() if name != "manifest"} | {"runtime.threads": 1}
+BARGE = {"hull": "barge20", "cells_per_draught": 4}
+
+
+def calm(ship: dict, **keys) -> dict:
+    return {
+        "duration": 1.0,
+        "basin": {"length": 100.0, "width": 100.0, "depth": 50.0, "walls": "none"},
+        "fluid": {"kind": "linear_waves", "height": 0.0, "period": 5.0},
+        "time_step": {"kind": "fixed", "dt": 0.02},
+        "ship": ship,
+        **keys,
+    }
+
+
+def load_at(simulation: Simulation, **changes):
+    """The load with another state."""
+    ship = simulation.ship
+    ship.body = replace(ship.body, **changes)
+    return ship.load(simulation.wind_on_ship, simulation.fluid, simulation.fluid)
+
+
+@pytest.fixture(scope="module")
+def barge():
+    """A dynamic barge in calm water that tests may push about; the state it begins with."""
+    config = load(calm({"kind": "dynamic", **BARGE}), QUIET | {"runtime.precision": "f64"})
+    with Simulation(config) as simulation:
+        yield simulation, simulation.ship.body
+
+
+def test_afloat_nothing_acts(barge):
+    simulation, rest = barge
+    load = load_at(simulation, **vars(rest))
+    weight = rest.mass * 9.81
+    assert load.parts[PARTS.index("buoyancy"), 0, 1] == pytest.approx(weight, rel=1e-6)
+    np.testing.assert_allclose(load.force, np.zeros(3), atol=1e-6 * weight)
+    np.testing.assert_allclose(load.torque, np.zeros(3), atol=1e-6 * weight)
+
+
+def test_deep_under_water_it_is_pushed_with_its_whole_volume_and_in_the_air_by_nothing(barge):
+    simulation, rest = barge
+    sunk = load_at(simulation, **vars(rest) | {"position": np.array([0.0, -20.0, 0.0])})
+    assert sunk.parts[PARTS.index("buoyancy"), 0, 1] == pytest.approx(2.0 * rest.mass * 9.81, rel=1e-6)
+    flying = load_at(simulation, **vars(rest) | {"position": np.array([0.0, 20.0, 0.0])})
+    np.testing.assert_allclose(flying.force, [0.0, -rest.mass * 9.81, 0.0], rtol=1e-9, atol=1e-6)
+
+
+@pytest.mark.parametrize("heading", [0.0, 50.0, 137.0])
+def test_a_heeled_and_trimmed_ship_is_righted_whatever_its_heading(barge, heading):
+    simulation, rest = barge
+    yaw = np.radians(heading)
+    heeled = load_at(simulation, **vars(rest) | {"orientation": rigid.oriented(0.0, yaw, 0.1)})
+    own = rigid.about(1, yaw).T @ heeled.torque
+    added = simulation.ship.added[5] / (simulation.ship.added[5] + rest.inertia_body[2, 2])
+    assert own[2] / (1.0 - added) == pytest.approx(-rest.mass * 9.81 * 1.166667 * 0.1, rel=0.03)
+    assert abs(own[0]) < 1e-3 * abs(own[2])
+
+
+def test_added_mass_makes_it_slower_by_its_share(barge):
+    """A force of one newton on m + A: the acceleration from the total load."""
+    simulation, rest = barge
+    higher = load_at(simulation, **vars(rest) | {"position": rest.position + np.array([0.0, 0.1, 0.0])})
+    stiffness = 1000.0 * 9.81 * 160.0
+    whole = rest.mass + simulation.ship.added[1]
+    assert higher.force[1] / rest.mass == pytest.approx(-0.1 * stiffness / whole, rel=1e-3)
+
+
+def test_motion_is_damped(barge):
+    simulation, rest = barge
+    sinking = load_at(simulation, **vars(rest) | {"velocity": np.array([0.0, -1.0, 0.0])})
+    assert sinking.force[1] > 0.0
+    sliding = load_at(simulation, **vars(rest) | {"velocity": np.array([1.0, 0.0, 0.0])})
+    assert sliding.force[0] < 0.0
+    turning = load_at(simulation, **vars(rigid.spinning(rest, np.array([0.0, 0.2, 0.0]))))
+    assert turning.torque[1] < 0.0
+
+
+def test_under_way_it_feels_a_centripetal_force(barge):
+    """With added mass in sway and surge apart, way and yaw together push sideways (C(v) of 4.26)."""
+    simulation, rest = barge
+    r = 0.1
+    turning = rigid.spinning(rest, np.array([0.0, r, 0.0]))
+    both = load_at(simulation, **vars(turning) | {"velocity": np.array([0.0, 0.0, 3.0])}).parts[
+        PARTS.index("damping"), 0
+    ]
+    alone = load_at(simulation, **vars(turning)).parts[PARTS.index("damping"), 0]
+    assert abs(both[0] - alone[0]) > 0.2 * simulation.ship.added[2] * 3.0 * r
+
+
+def test_the_same_bytes_with_one_thread_or_two():
+    states = []
+    for threads in (1, 2):
+        ship = {"kind": "dynamic", **BARGE, "attitude_deg": [2.0, 0.0, 5.0]}
+        fluid = {"kind": "linear_waves", "height": 0.5, "period": 4.0}
+        with Simulation(load(calm(ship, fluid=fluid), QUIET | {"runtime.threads": threads})) as simulation:
+            for _ in range(5):
+                simulation.step()
+            states.append(np.concatenate([simulation.ship.body.position, simulation.ship.last.parts.ravel()]))
+    np.testing.assert_array_equal(*states)
+
+
+def test_a_ship_in_a_long_wave_follows_its_slope():
+    """Twenty lengths long: heave 1, pitch k a; a hull that is pushed straight up would pitch BM / GM = 1.1 times."""
+    period = np.sqrt(2.0 * np.pi * 400.0 / 9.81)
+    fluid = {"kind": "linear_waves", "height": 1.0, "period": period}
+    basin = {"length": 400.0, "width": 400.0, "depth": 400.0, "walls": "none"}
+    for kind in ("hydrostatic", "dynamic"):
+        config = load(calm({"kind": kind, **BARGE}, fluid=fluid, basin=basin), QUIET | {"time_step.dt": 0.1})
+        with Simulation(config) as simulation:
+            rows = []
+            while simulation.time < 3.0 * period:
+                simulation.step()
+                rows.append((simulation.time, simulation.ship.body.position[1] - 0.5, simulation.ship.body.angles[0]))
+        t, heave, pitch = np.array(rows).T
+        late = t > 2.0 * period
+        wave = np.exp(2j * np.pi / period * t[late])
+        found = [2.0 * abs(np.mean((y[late] - y[late].mean()) * wave)) for y in (heave, pitch)]
+        assert found[0] / 0.5 == pytest.approx(1.0, abs=0.05)
+        assert found[1] / (0.5 * 2.0 * np.pi / 400.0) == pytest.approx(1.0, abs=0.05)
+
+
+@pytest.fixture(scope="module")
+def told(tmp_path_factory):
+    """A yacht that steers to port from rest, its forces and its motion at the helm, in two frames."""
+    folder = tmp_path_factory.mktemp("yacht")
+    ship = {
+        "kind": "yacht",
+        "cells_per_draught": 3.0,
+        "heading_deg": 90.0,
+        "controls": [{"time": 0.0, "throttle": 1.0}, {"time": 2.0, "throttle": 1.0, "rudder": 0.4}],
+    }
+    results = {}
+    for frame in ("ship", "ned"):
+        keys = {"motion": {"every": 0.05, "point": "helm", "frame": frame}}
+        over = {name: value for name, value in QUIET.items() if name != "motion"}
+        config = load(calm(ship, **keys, duration=6.0), over)
+        scene.run(config, folder / frame)
+        results[frame] = Result(folder / frame).motion
+    return results
+
+
+def test_motion_has_its_columns_at_its_rate(told):
+    motion = told["ship"]
+    assert tuple(motion) == COLUMNS
+    np.testing.assert_allclose(motion["time_s"], 0.05 * np.arange(121), atol=1e-9)
+    np.testing.assert_array_equal(motion["seq"], np.arange(121))
+
+
+def test_every_part_is_told_and_they_sum_to_the_total(told):
+    motion = told["ship"]
+    for what, unit in (("force", "N"), ("torque", "Nm")):
+        for axis in "xyz":
+            parts = np.stack([motion[f"{what}_{part}_{axis}_{unit}"] for part in PARTS])
+            error = np.abs(parts.sum(axis=0) - motion[f"{what}_total_{axis}_{unit}"])
+            assert error.max() <= 1e-6 * max(1.0, np.abs(parts).max())
+    assert motion["force_propeller_x_N"][-1] == pytest.approx(
+        14400.0 * np.cos(motion["yaw_rad"][-1] - np.pi / 2), rel=0.02
+    )
+
+
+def test_it_heads_along_x_and_positive_rudder_turns_to_port(told):
+    motion = told["ship"]
+    assert motion["yaw_rad"][0] == pytest.approx(np.pi / 2)
+    assert motion["sway_velocity_m_s"][-1] > 1.0
+    assert motion["yaw_rad"][-1] > np.pi / 2 + 0.01 and motion["yaw_rate_rad_s"][-1] > 0.0
+    assert motion["rudder_rad"][-1] == pytest.approx(np.radians(5.0) * 6.0, rel=0.4)  # limited in rate
+    assert motion["force_rudder_z_N"][-1] > 0.0  # to starboard of a ship along x is +z
+
+
+def test_at_rest_one_g_is_felt_upwards_and_under_way_the_thrust_too(told):
+    motion = told["ship"]
+    felt = np.stack([motion[f"specific_force_{axis}_m_s2"] for axis in "xyz"])
+    np.testing.assert_allclose(felt[:, 0], [0.0, 9.81, 0.0], atol=0.02)
+    assert felt[2, 20] == pytest.approx(14400.0 / 30000.0, abs=0.15)
+
+
+def test_ned_is_the_same_motion_in_other_axes(told):
+    ours, ned = told["ship"], told["ned"]
+    np.testing.assert_allclose(ned["heave_m"], -ours["heave_m"], atol=1e-9)
+    np.testing.assert_allclose(ned["surge_m"], ours["surge_m"], atol=1e-9)
+    np.testing.assert_allclose(ned["yaw_rad"], -ours["yaw_rad"], atol=1e-9)
+    np.testing.assert_allclose(ned["specific_force_z_m_s2"], -ours["specific_force_y_m_s2"], atol=1e-9)
+    np.testing.assert_allclose(ned["specific_force_x_m_s2"], ours["specific_force_z_m_s2"], atol=1e-9)
+    np.testing.assert_allclose(ned["qz"], -ours["qy"], atol=1e-9)
+
+
+def test_an_autopilot_turns_to_its_course():
+    ship = {"kind": "otter", "controls": {"autopilot": {"heading_deg": 60.0, "throttle": 0.6}}}
+    with Simulation(load(calm(ship), QUIET)) as simulation:
+        while simulation.time < 15.0:
+            simulation.step()
+        assert np.degrees(simulation.ship.body.angles[1]) == pytest.approx(60.0, abs=3.0)
+
+
+def test_wind_pushes_a_ship_downwind_and_only_where_it_is_a_target():
+    box = {"kind": "box", "centre": [0.0, 0.0, 0.0], "half_size": [60.0, 60.0, 60.0]}
+    for targets, blown in ((["ship"], True), (["fluid"], False)):
+        wind = {"kind": "gusts", "volumes": [{"include": [box], "wind_speed": 20.0, "heading_deg": 90.0}]}
+        with Simulation(load(calm({"kind": "hydrostatic", **BARGE}, wind=wind | {"targets": targets}), QUIET)) as sim:
+            sim.step()
+            parts = dict(zip(PARTS, sim.ship.last.parts, strict=True))
+            exposed = 20.0 * 8.0 + 2.0 * 2.0 * 28.0  # deck and sides above the water [m2]
+            drag = 1.225 * (0.8 + 0.065 * 20.0) * 1e-3 * 20.0**2 * exposed
+            assert parts["wind_drag"][0, 0] == pytest.approx(drag if blown else 0.0, rel=0.15)
+            assert (parts["wind_lift"][0, 1] > 0.0) == blown
+
+
+@pytest.mark.parametrize(
+    "ship, keys, sentence",
+    [
+        ({"kind": "dynamic", "hull": "barg20"}, {}, "there is no hull 'barg20'"),
+        ({"kind": "dynamic", "hull": "barge20", "position": [80.0, 0.0]}, {}, "x = 80 m is outside the basin"),
+        ({"kind": "dynamic", "hull": {"shape": {"kind": "sphere", "radius": 1.0}}}, {}, "says no mass"),
+        ({"kind": "dynamic", "hull": "barge20", "free": ["hove"]}, {}, "free"),
+        ({"kind": "otter", "controls": [{"time": 1.0}, {"time": 0.5}]}, {}, "times of the rows must grow"),
+        ({"kind": "dynamic", **BARGE}, {"motion": {"point": "mast"}}, "the ship has no point 'mast'"),
+        ({"kind": "dynamic", **BARGE}, {"fluid": {"kind": "mueller", "spacing": 10.0}}, "give a `surface`"),
+        ({"kind": "dynamic", **BARGE}, {"basin": {"length": 99.0, "depth": 9.0}}, "a ship needs a basin with a width"),
+        ({"kind": "dynamic", **BARGE}, {"basin": {"length": 99.0, "width": 99.0, "depth": 1.0}}, "the ship draws 2 m"),
+    ],
+)
+def test_what_cannot_be_is_refused_with_a_sentence(ship, keys, sentence):
+    with pytest.raises(SceneError) as refused:
+        load(calm(ship, **keys))
+    assert any(sentence in str(problem) for problem in refused.value.problems), refused.value
+
+
+def test_motion_without_a_ship_is_refused():
+    without = calm({"kind": "dynamic", **BARGE}, motion={})
+    del without["ship"]
+    with pytest.raises(SceneError, match="there is no ship whose motion could be told"):
+        load(without)
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {"attitude_deg": [0.0, 0.0, 180.0]},
+        {"position": [0.0, 5.0, 0.0]},
+        {"position": [0.0, -10.0, 0.0]},
+        {"rates": [0.5, 0.5, 0.5]},
+        {"mass": 32e3},
+        {"mass": 630e3},
+    ],
+)
+def test_a_ship_in_distress_stays_in_the_physical_world(keys):
+    """Capsized, dropped, under water, tumbling, light, nearly sunk: four times the usual step."""
+    config = load(calm({"kind": "dynamic", **BARGE, **keys}), QUIET | {"time_step.dt": 0.1})
+    with Simulation(config) as simulation:
+        first = abs(simulation.ship.body.position[1])
+        for _ in range(150):
+            simulation.step()
+        body = simulation.ship.body
+        assert np.isfinite(body.position).all() and np.linalg.norm(body.velocity) < 25.0
+        assert abs(body.position[1]) < max(first, 4.0)
+
+
+def test_a_ship_that_is_too_heavy_sinks_to_the_bed_and_the_run_says_so():
+    config = load(calm({"kind": "dynamic", **BARGE, "mass": 3200e3}), QUIET | {"time_step.dt": 0.1})
+    assert "it sinks" in " ".join(config.warnings())
+    with Simulation(config) as simulation, pytest.raises(Diverged, match="sunk to the bed, 50 m down"):
+        simulation.run(60.0)

@@ -12,6 +12,7 @@ MOTIONS = ("sway_m", "heave_m", "surge_m", "pitch_rad", "yaw_rad", "roll_rad")
 RATES = ("roll_rate_rad_s", "pitch_rate_rad_s", "yaw_rate_rad_s")
 FORCES = ("specific_force_x_m_s2", "specific_force_y_m_s2", "specific_force_z_m_s2")
 REQUIRED = ("time_s", *MOTIONS, *RATES, *FORCES)
+UNITS = ("_rad_s", "_m_s2", "_rad", "_m", "_s")
 
 # Components along the axes of each frame, from those along FLU (x forward, y left, z up). All are right-handed.
 AXES = {
@@ -100,9 +101,8 @@ def heading(path: Path, lines: list[str]) -> tuple[list[str], list[str]]:
     names = [name.strip() for name in lines[0].split(",")]
     missing = [name for name in REQUIRED if name not in names]
     if missing:
-        stems = {name: name.removesuffix(unit) for name in missing for unit in ("_rad_s", "_m_s2", "_rad", "_m", "_s")}
-        stem = next((stem for name, stem in stems.items() if stem != name), missing[0])
-        other = [name for name in names if name not in REQUIRED and name.startswith(f"{stem}_")]
+        unit = next(unit for unit in UNITS if missing[0].endswith(unit))
+        other = [name for name in names if name not in REQUIRED and name.startswith(missing[0].removesuffix(unit) + "_")]
         said = f", but {other[0]}: its unit is another" if other else ""
         raise ValueError(f"{path} has no column {missing[0]}{said}")
     uneven = next((k for k, line in enumerate(lines[1:], 1) if line.count(",") != len(names) - 1), None)
@@ -153,6 +153,10 @@ def believable(path: Path, table: dict[str, np.ndarray], ride: Ride, frame: str)
         raise ValueError(f"{path}: the ship jumps by {jump[k]:.3g} m between {time[k]:g} s and {time[k + 1]:g} s")
     if np.abs(ride.rate).max() > FASTEST_TURN or np.abs(ride.attitude).max() > 1000.0:
         raise ValueError(f"{path}: it turns at {np.abs(ride.rate).max():.3g} rad/s; are its angles in degrees?")
+    rates = euler_rates(ride)[1:]
+    far = np.linalg.norm(turns(ride.attitude) / np.diff(time)[:, None] - rates, axis=1)
+    if np.median(far) > 0.05 + 0.5 * np.median(np.linalg.norm(rates, axis=1)):
+        raise ValueError(f"{path}: its rates are not those of its angles; is one of them in degrees or in other axes?")
     upward = turned(ride.attitude, ride.specific_force)[:, 2]
     felt, up = float(np.median(np.linalg.norm(ride.specific_force, axis=1))), float(upward.mean())
     if 0.5 < felt < 2.0:
@@ -160,9 +164,6 @@ def believable(path: Path, table: dict[str, np.ndarray], ride: Ride, frame: str)
     if felt > 5.0 and up < 0.5 * felt:
         means = f"frame {frame}, {AXES_IN_WORDS['ship' if frame == 'world' else frame]}"
         raise ValueError(f"{path}: gravity does not point down ({up:.3g} m/s2 upward); is it really in {means}?")
-    far = np.abs(turns(ride.attitude) / np.diff(time)[:, None] - euler_rates(ride)[1:])
-    if np.median(far) > 0.05 + 0.5 * np.median(np.abs(euler_rates(ride))):
-        raise ValueError(f"{path}: its rates are not those of its angles; is one of them in degrees or in other axes?")
 
 
 def turns(attitude: np.ndarray) -> np.ndarray:

@@ -206,7 +206,8 @@ def _observers(data: dict[str, Node], root: Node, problems: list[Problem]) -> di
     """The observers that a scene names or does not switch off, in the order in which they watch."""
     watching: dict[str, PartConfig] = {}
     for name in observer_names():
-        node = data.get(name, root.with_data({} if name in always_on() else None))
+        on = name in always_on() or (name == "platform_log" and "platform" in data and "motion" in watching)
+        node = data.get(name, root.with_data({} if on else None))
         if node.data is None:
             if name == "manifest":
                 problems.append(problem(node.place, name, "a run always says what was run; this one cannot be null"))

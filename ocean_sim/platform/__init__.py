@@ -19,7 +19,7 @@ COLUMNS = (
 # What `limited` is the sum of.
 STROKE, LEG_SPEED, LEG_ACCELERATION, TILT_RATE, INPUT, SINGULAR = 1, 2, 4, 8, 16, 32
 LIMITS = {
-    STROKE: "scaled back into the stroke of a leg",
+    STROKE: "scaled back near the end of a stroke, or from beyond it",
     LEG_SPEED: "held to the speed of a leg",
     LEG_ACCELERATION: "held to the acceleration of a leg",
     TILT_RATE: "tilt held to its rate",

@@ -121,8 +121,12 @@ class Hexapod:
 
     def usage(self, pose: np.ndarray) -> np.ndarray:
         """(n,) part of its stroke that the leg nearest to its end uses, counted from neutral; above 1 is outside."""
+        return self.strokes(pose).max(axis=1)
+
+    def strokes(self, pose: np.ndarray) -> np.ndarray:
+        """(n, 6) part of its stroke, out or in from neutral, that each leg uses."""
         legs, neutral = self.legs(pose), self.neutral_legs
-        return ((legs - neutral) / np.where(legs > neutral, self.high - neutral, self.low - neutral)).max(axis=1)
+        return (legs - neutral) / np.where(legs > neutral, self.high - neutral, self.low - neutral)
 
     def allowed(self, pose: np.ndarray) -> np.ndarray:
         """(n,) whether a pose is within the stroke and not singular."""
@@ -162,11 +166,11 @@ def rotation(angles: np.ndarray) -> np.ndarray:
         [c * cb, c * b * a + cc * ca, c * b * ca - cc * a],
         [-b, cb * a, cb * ca],
     ]
-    return np.moveaxis(np.array(rows), 2, 0)
+    return np.array(rows).transpose(2, 0, 1)
 
 
 def rates_to_turn(angles: np.ndarray) -> np.ndarray:
     """(n, 3, 3) from rates of roll, pitch and yaw to the rate of turn [rad/s] in the axes of the floor."""
     (_, b, c), (_, cb, cc) = np.sin(angles).T, np.cos(angles).T
     zero, one = np.zeros_like(b), np.ones_like(b)
-    return np.moveaxis(np.array([[cc * cb, -c, zero], [c * cb, cc, zero], [-b, zero, one]]), 2, 0)
+    return np.array([[cc * cb, -c, zero], [c * cb, cc, zero], [-b, zero, one]]).transpose(2, 0, 1)

@@ -5,18 +5,21 @@ import numpy as np
 from ocean_sim.platform import LEG_ACCELERATION, LEG_SPEED, SINGULAR, STROKE
 from ocean_sim.platform._hexapod import FINE, Geometry, Hexapod
 
-KNEE = 0.95  # part of the stroke that is used as it is; the rest is approached ever more slowly
+KNEE = 0.75  # part of the stroke that is used as it is; the rest is approached ever more slowly
 SAME = 1e-9  # [m] of a leg
-EXACT = 1e-12  # part of the stroke
+TURNS = np.repeat([0.0, 1.0], 3)
+NORM = 32
+EXACT = 1e-10  # part of the stroke
 
 
-def softened(usage: np.ndarray) -> np.ndarray:
+def softened(usage: np.ndarray, knee: np.ndarray | float = KNEE) -> np.ndarray:
     """(n,) part of the stroke to use for (n,) that is wanted: itself up to the knee, then towards 1, without a bend."""
-    return np.where(usage > KNEE, KNEE + (1.0 - KNEE) * np.tanh((usage - KNEE) / (1.0 - KNEE)), usage)
+    room = np.maximum(1.0 - knee, EXACT)
+    return np.where(usage > knee, knee + room * np.tanh((usage - knee) / room), usage)
 
 
 class Workspace:
-    """The poses that a hexapod may take: every leg within its stroke, no motion beyond what it could reach alone, and
+    """The poses that a hexapod may take: every leg within its stroke, no angle beyond what it could reach alone, and
     none that is singular."""
 
     def __init__(self, hexapod: Hexapod) -> None:
@@ -24,32 +27,48 @@ class Workspace:
         self.ends = hexapod.excursions()  # (6, 2) [m, rad]
 
     def usage(self, pose: np.ndarray) -> np.ndarray:
-        """(n,) part of the way to the edge of the workspace, of a leg or of a motion; above 1 is outside."""
-        alone = pose / np.where(pose > 0.0, self.ends[:, 1], self.ends[:, 0])
-        return np.maximum(self.hexapod.usage(pose), alone.max(axis=1))
+        """(n,) part of the stroke that is used, up to 6 % more than that of the leg nearest to its end: a norm, which
+        does not bend where another leg becomes the nearest."""
+        strokes = self.hexapod.strokes(pose)
+        most = strokes.max(axis=1)
+        return most * ((strokes / np.maximum(most, EXACT)[:, None]) ** NORM).sum(axis=1) ** (1.0 / NORM)
 
     def scaled_back(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(n, 6) poses inside, on the way from neutral to the poses wanted; and (n,) which limits that took."""
-        limited = np.zeros(len(pose), dtype=int)
-        kept = pose.copy()
-        usage = self.usage(pose)
-        far = usage > KNEE
-        if far.any():
-            kept[far] *= self.factor(pose[far], usage[far], softened(usage[far]))[:, None]
-            limited[far] |= STROKE
+        """(n, 6) poses inside, near the poses wanted; and (n,) which limits that took.
+
+        Angles are scaled back as if there were no displacement, then the displacement by what they leave: a deck that
+        is tilted wrongly is felt at once, one that travels less is not.
+        """
+        far = pose / np.where(pose > 0.0, self.ends[:, 1], self.ends[:, 0])
+        angles = pose * TURNS * np.where(far > KNEE, softened(far) / np.maximum(far, KNEE), 1.0)
+        shift = pose * (1.0 - TURNS)
+        turned = self.factor(np.zeros_like(pose), angles, np.full(len(pose), KNEE))
+        angles = angles * turned[:, None]
+        moved = self.factor(angles, shift, np.maximum(KNEE, self.usage(angles)))
+        kept = angles + shift * moved[:, None]
+        limited = np.where((far[:, 3:] > KNEE).any(axis=1) | (turned < 1.0) | (moved < 1.0), STROKE, 0)
         bad = self.hexapod.condition(kept) > self.hexapod.condition_limit
         if bad.any():
             kept[bad] *= self.held(kept[bad])[:, None]
             limited[bad] |= SINGULAR
         return kept, limited
 
-    def factor(self, pose: np.ndarray, usage: np.ndarray, goal: np.ndarray) -> np.ndarray:
-        """(n,) by which poses are multiplied to use as much as the goal: false position, after Illinois."""
-        low, high = np.zeros(len(pose)), np.ones(len(pose))
-        below, above = -goal, usage - goal
-        guess = goal / usage
+    def factor(self, fixed: np.ndarray, moving: np.ndarray, knee: np.ndarray) -> np.ndarray:
+        """(n,) by which `moving`, added to `fixed`, is multiplied to use the softened part of the stroke."""
+        usage, factor = self.usage(fixed + moving), np.ones(len(fixed))
+        far = usage > knee
+        if far.any():
+            goal = softened(usage[far], knee[far])
+            factor[far] = self.using(goal, fixed[far], moving[far], usage[far])
+        return factor
+
+    def using(self, goal: np.ndarray, fixed: np.ndarray, moving: np.ndarray, usage: np.ndarray) -> np.ndarray:
+        """(n,) factors with which so much of the stroke is used: false position, after Illinois."""
+        low, high = np.zeros(len(goal)), np.ones(len(goal))
+        below, above = np.minimum(self.usage(fixed) - goal, -EXACT), usage - goal + EXACT
+        guess = (low * above - high * below) / (above - below)
         for _ in range(FINE):
-            miss = self.usage(guess[:, None] * pose) - goal
+            miss = self.usage(fixed + guess[:, None] * moving) - goal
             off = np.abs(miss) > EXACT
             if not off.any():
                 break

@@ -18,6 +18,7 @@ SOURCES = {
 }
 FOUNDATION = [
     *("conventions", "yaml_file", "csv_file", "parts", "runtime", "random_numbers", "sums", "waves", "motion", "basin"),
+    "motion_log",
 ]
 
 

@@ -102,7 +102,9 @@ def heading(path: Path, lines: list[str]) -> tuple[list[str], list[str]]:
     missing = [name for name in REQUIRED if name not in names]
     if missing:
         unit = next(unit for unit in UNITS if missing[0].endswith(unit))
-        other = [name for name in names if name not in REQUIRED and name.startswith(missing[0].removesuffix(unit) + "_")]
+        other = [
+            name for name in names if name not in REQUIRED and name.startswith(missing[0].removesuffix(unit) + "_")
+        ]
         said = f", but {other[0]}: its unit is another" if other else ""
         raise ValueError(f"{path} has no column {missing[0]}{said}")
     uneven = next((k for k, line in enumerate(lines[1:], 1) if line.count(",") != len(names) - 1), None)
@@ -190,7 +192,7 @@ def euler_rates(ride: Ride) -> np.ndarray:
 def converted(log: MotionLog, frame: str) -> Iterator[list[str | float]]:
     """The rows of a log in the axes of another frame; columns that have no axes stay as they are written."""
     turn = AXES[frame] @ AXES[log.frame].T
-    vectors = [triple for triple in triples(log.names)]
+    vectors = triples(log.names)
     flipped = [k for k, name in enumerate(log.names) if name.split("_")[0] in ("sway", "heave", "pitch", "yaw")]
     flip = -1.0 if "ned" in (frame, log.frame) and frame != log.frame else 1.0
     for line in log.lines:

@@ -21,7 +21,9 @@ class Config(ObserverConfig):
     def build(self, folder: Path, simulation: "Simulation") -> "PlatformLog":
         scene = simulation.scene
         if scene.platform is None or "motion" not in scene.observers:
-            raise ValueError("platform_log needs a platform and the motion log of a ship: name both, and leave motion on")
+            raise ValueError(
+                "platform_log needs a platform and the motion log of a ship: name both, and leave motion on"
+            )
         return PlatformLog(folder, simulation)
 
 

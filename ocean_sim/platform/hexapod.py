@@ -61,10 +61,11 @@ class Moving:
 
     def __init__(self, config: Config, every: float) -> None:
         geometry: Any = config.geometry
+        washout: Any = config.washout
         self.every, self.ramp = every, config.ramp
         self.hexapod = Hexapod(geometry)
         self.workspace = Workspace(self.hexapod)
-        self.washout: Washout = config.washout.build(every, self.workspace.ends[:3])
+        self.washout: Washout = washout.build(every, self.workspace.ends[:3])
         self.legs = Legs(geometry, every, self.hexapod.neutral_legs)
         self.start: float | None = None  # [s]
         self.past = np.zeros((2, 6))  # the last two poses

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.platform import Commands
+from ocean_sim.platform import Commands, Cue
 from ocean_sim.platform._hexapod import Hexapod
 from ocean_sim.platform.hexapod import Config, Moving
 
@@ -19,13 +19,19 @@ FRAMES, FRAME_RATE = 100, 10  # of a film
 def draw(folder: Path, done: Commands, config: Config, machine: Moving, film: bool) -> None:
     """Every picture of a ride."""
     stride = max(1, len(done.time) // MOST)
-    some = Commands(*(column[::stride] for column in done[:-1]), cue=type(done.cue)(*(c[::stride] for c in done.cue)))
+    some = every(done, stride)
     save(motion(some), folder / "motion.png")
     save(legs(some, config.geometry), folder / "legs.png")
     save(workspace(some, machine), folder / "workspace.png")
     save(strips(machine.hexapod), folder / "strips.png")
     if film:
         filmed(folder / "film.gif", done, machine)
+
+
+def every(done: Commands, stride: int) -> Commands:
+    """Some of the rows, evenly."""
+    cue = Cue(*(column[::stride] for column in done.cue))
+    return Commands._make([*(column[::stride] for column in done[:-1]), cue])
 
 
 def figure(rows: int, columns: int, size: tuple[float, float], **more: Any) -> tuple[Any, np.ndarray]:
@@ -54,9 +60,10 @@ def motion(done: Commands) -> Any:
     for axis, columns in ((axes[0, 0], range(3)), (axes[1, 0], range(3, 6))):
         for k in columns:
             axis.plot(done.time, pose[:, k], label=AXES[k], lw=1.2)
-    groups = ((axes[2, 0], done.felt_force, done.cue.force, "force", "m/s²"),)
-    groups += ((axes[3, 0], done.felt_rate, done.cue.rate, "rate", "rad/s"),)
-    for axis, felt, wanted, name, unit in groups:
+    for axis, felt, wanted, name, unit in (
+        (axes[2, 0], done.felt_force, done.cue.force, "force", "m/s²"),
+        (axes[3, 0], done.felt_rate, done.cue.rate, "rate", "rad/s"),
+    ):
         for k, letter in enumerate("xyz"):
             (line,) = axis.plot(done.time, felt[:, k], label=f"felt {name} {letter} [{unit}]", lw=1.2)
             axis.plot(done.time, wanted[:, k], ls="--", lw=0.8, color=line.get_color())
@@ -96,7 +103,7 @@ def workspace(done: Commands, machine: Moving) -> Any:
     picture, axes = figure(2, 2, (10, 9))
     ends, pose = told(machine.workspace.ends.T).T, told(done.pose)
     for axis, (one, other) in zip(axes.flat, ((0, 2), (1, 2), (0, 1), (3, 4))):
-        grid = [np.linspace(*(1.1 * ends[k]), 121) for k in (one, other)]
+        grid = [np.linspace(1.1 * ends[k, 0], 1.1 * ends[k, 1], 121) for k in (one, other)]
         across, up = np.meshgrid(*grid)
         poses = np.zeros((across.size, 6))
         for k, values in ((one, across), (other, up)):
@@ -122,7 +129,7 @@ def strips(hexapod: Hexapod) -> Any:
             pose = np.zeros(6)
             pose[motion] = SWING * phase
             stand(axis, hexapod, pose, k * apart)
-            axis.text(k * apart, 1.25 * hexapod.neutral_height, f"{np.degrees(pose[motion]):+.0f}°", ha="center")
+            axis.text(k * apart, 1.25 * hexapod.neutral_height, f"{round(np.degrees(pose[motion])):+d}°", ha="center")
         axis.set_title(name, loc="left")
     return picture
 

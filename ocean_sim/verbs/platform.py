@@ -101,8 +101,7 @@ def joined(parts: Sequence[Commands]) -> Commands:
     """Commands that follow each other, as one."""
     cues = [part.cue for part in parts]
     cue = Cue(*(np.concatenate(column) for column in zip(*cues)))
-    columns = [np.concatenate([part[k] for part in parts]) for k in range(len(Commands._fields) - 1)]
-    return Commands(*columns, cue=cue)
+    return Commands._make([*(np.concatenate(column) for column in list(zip(*parts))[:-1]), cue])
 
 
 def turned(done: Commands, frame: str) -> Commands:
@@ -130,8 +129,8 @@ def written(
         rows = [[metric.quantity, metric.value, metric.unit] for metric in found]
         table(folder / "metrics.csv", {}, ("quantity", "value", "unit"), rows)
         if frame is not None:
-            head = log.head | {"frame": frame, "axes": motion_log.AXES_IN_WORDS[frame]}
-            table(folder / f"motion_{frame}.csv", head, log.names, motion_log.converted(log, frame))
+            told = log.head | {"frame": frame, "axes": motion_log.AXES_IN_WORDS[frame]}
+            table(folder / f"motion_{frame}.csv", told, log.names, motion_log.converted(log, frame))
         pictures.draw(folder, done, config, machine, film)
         return [path.replace(out / path.name) for path in sorted(folder.iterdir())]
 

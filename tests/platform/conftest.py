@@ -1,10 +1,13 @@
 """Rides and motion logs that are computed, not simulated."""
 
+import socket
+import threading
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from ocean_sim.datagrams import unpacked
 from ocean_sim.motion_log import Ride
 
 DATA = Path(__file__).parent / "data"
@@ -28,7 +31,11 @@ def columns(seconds=10.0, dt=0.01, heave=1.0, roll=0.05, period=6.0):
     table |= {"pitch_rate_rad_s": zero, "yaw_rate_rad_s": zero, "roll_rate_rad_s": roll * omega * np.cos(omega * t)}
     force = np.sin(angle) * (G + up), np.cos(angle) * (G + up), zero
     table |= {f"specific_force_{axis}_m_s2": value for axis, value in zip("xyz", force)}
-    return table | {"force_buoyancy_x_N": zero + 1.0, "force_buoyancy_y_N": zero + 2.0, "force_buoyancy_z_N": zero + 3.0}
+    return table | {
+        "force_buoyancy_x_N": zero + 1.0,
+        "force_buoyancy_y_N": zero + 2.0,
+        "force_buoyancy_z_N": zero + 3.0,
+    }
 
 
 def write(path, table, frame="world"):
@@ -42,3 +49,25 @@ def write(path, table, frame="world"):
 def log(tmp_path):
     """A motion log of 10 s, and how to write another."""
     return write(tmp_path / "motion.csv", columns())
+
+
+class Listener:
+    """A receiver on a free port of this machine that waits for so many packets."""
+
+    def __init__(self, count):
+        self.socket, self.seen = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), []
+        self.socket.bind(("127.0.0.1", 0))
+        self.socket.settimeout(60.0)
+        self.url = f"udp://127.0.0.1:{self.socket.getsockname()[1]}"
+        self.thread = threading.Thread(target=self.listen, args=(count,))
+        self.thread.start()
+
+    def listen(self, count):
+        while len(self.seen) < count:
+            self.seen.append(unpacked(self.socket.recv(2048)))
+
+    def packets(self):
+        """All packets, when they are there."""
+        self.thread.join()
+        self.socket.close()
+        return self.seen

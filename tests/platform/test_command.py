@@ -1,19 +1,15 @@
 """`ocean-sim platform`: what it writes, answers and refuses."""
 
 import json
-import threading
-import time
 
 import numpy as np
 import pytest
 
 from ocean_sim import motion_log
 from ocean_sim.__main__ import answered
-from ocean_sim.datagrams import received
 from ocean_sim.observers._csv import columns as read_columns
 from ocean_sim.platform import COLUMNS
-from tests.platform.conftest import columns, write
-from tests.platform.test_stream import free_port
+from tests.platform.conftest import Listener, columns, write
 
 PICTURES = {"motion.png", "legs.png", "workspace.png", "strips.png"}
 
@@ -50,17 +46,18 @@ def test_a_log_becomes_a_ride(ask, log, tmp_path):
     code, _, _ = ask(folder / "motion_ned.csv", "--out", "third")  # the converted log is the same ride
     third = read_columns(tmp_path / "third" / "platform.csv")
     np.testing.assert_allclose(third["leg3_m"], flu["leg3_m"], atol=1e-6)
-    assert {metric["quantity"] for metric in answer["metrics"]} >= {"force_z_correlation", "stroke_used", "rate_x_delay"}
+    assert {metric["quantity"] for metric in answer["metrics"]} >= {
+        "force_z_correlation",
+        "stroke_used",
+        "rate_x_delay",
+    }
 
 
 def test_it_streams_at_the_pace_of_the_log_and_comes_to_rest(ask, tmp_path):
-    short, port, seen = write(tmp_path / "short.csv", columns(0.5)), free_port(), []
-    thread = threading.Thread(target=lambda: received(f"udp://127.0.0.1:{port}", 2.0, seen.append))
-    thread.start()
-    time.sleep(0.2)
-    code, out, _ = ask(short, "--stream", f"udp://127.0.0.1:{port}")
-    thread.join()
-    assert code == 0 and f"udp://127.0.0.1:{port}: 351 packets, every" in out
+    short, listener = write(tmp_path / "short.csv", columns(0.5)), Listener(351)
+    code, out, _ = ask(short, "--stream", listener.url)
+    seen = listener.packets()
+    assert code == 0 and f"{listener.url}: 351 packets, every" in out
     assert [packet.seq for packet in seen] == list(range(351))
     assert not np.any(seen[-1].pose) and np.allclose(seen[-1].legs, 2.706)
 

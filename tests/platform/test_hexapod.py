@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 from pydantic import ValidationError
-from tests.platform.conftest import DATA
 
 from ocean_sim.platform._hexapod import Geometry, Hexapod, rotation
 from ocean_sim.platform.hexapod import ready_made
+from tests.platform.conftest import DATA
 
 INCH = 0.0254
 HEX_A = ready_made("geometry", "hexapod_a")

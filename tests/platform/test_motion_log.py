@@ -59,7 +59,7 @@ def test_other_units_and_frames_are_named(tmp_path):
     path = write(tmp_path / "d.csv", table)
     lines = path.read_text().splitlines()
     path.write_text("\n".join([*lines[:50], lines[50].rpartition(",")[0], *lines[51:]]))
-    with pytest.raises(ValueError, match="row 48 has 21 cells under 22 names"):
+    with pytest.raises(ValueError, match="row 48 has 20 cells under 21 names"):
         read(path)
     path.write_text("\n".join([*lines[:50], lines[50].replace(lines[50].split(",")[4], "word", 1), *lines[51:]]))
     with pytest.raises(ValueError, match="word"):
@@ -84,7 +84,7 @@ def test_a_log_is_the_same_ride_in_every_frame(log, tmp_path):
 
 
 def test_axes_of_the_frames(log):
-    """NED (1, 2, 3) is ours (-2, -3, 1) and FLU (1, -2, -3); the worked specific force of a head, and the quaternion."""
+    """NED (1, 2, 3) is ours (-2, -3, 1) and FLU (1, -2, -3); a worked specific force, and the quaternion."""
     ned = np.array([-0.187498, -0.991343, -8.237563])
     flu = ned @ FRAMES["ned"]
     np.testing.assert_allclose(flu, [-0.187498, 0.991343, 8.237563])

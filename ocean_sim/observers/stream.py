@@ -4,11 +4,13 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
 from pydantic import field_validator
 
 from ocean_sim.csv_file import Growing
-from ocean_sim.datagrams import Sender, address, packets
+from ocean_sim.datagrams import POSE, Sender, address, packets
 from ocean_sim.parts import ObserverConfig
+from ocean_sim.platform import Platform
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -32,30 +34,35 @@ class Config(ObserverConfig):
         scene = simulation.scene
         if scene.platform is None or "platform_log" not in scene.observers:
             raise ValueError("stream sends what a platform does: name a ship and a platform, and leave platform_log on")
-        return Stream(self, folder, scene.observers["motion"].every)
+        every = scene.observers["motion"].every
+        return Stream(self, folder, every, scene.platform.build(every))
 
 
 class Stream:
     """Rows of platform.csv as they are written. A run faster than time is held back to it; a slower one stalls, and
-    the receiver holds its pose."""
+    the receiver holds its pose. At the end the platform goes back to neutral."""
 
-    def __init__(self, config: Config, folder: Path, every: float) -> None:
-        self.config, self.every = config, every
+    def __init__(self, config: Config, folder: Path, every: float, platform: Platform) -> None:
+        self.config, self.every, self.platform = config, every, platform
         self.log = Growing(folder / "platform.csv")
+        self.last: dict[str, np.ndarray] = {}  # the last row
         self.sender = Sender(config.to, config.packets)
 
     def observe(self, simulation: "Simulation") -> None:
-        self.send()
+        self.send(self.log.rows())
 
-    def send(self) -> None:
-        """Send the rows that are new."""
-        table = self.log.rows()
-        if table:
+    def send(self, table: dict[str, np.ndarray]) -> None:
+        """Send rows, each at its time."""
+        if table and len(table["seq"]):
+            self.last = {name: column[-1] for name, column in table.items()}
             for packet in packets(table, self.config.frame):
                 self.sender.send(packet)
 
     def close(self) -> None:
         if self.log.path.is_file():
-            self.send()
+            self.send(self.log.rows())
+        if self.last:
+            pose = np.array([self.last[name] for name in POSE])
+            self.send(self.platform.settled(pose, float(self.last["time_s"]), int(self.last["seq"])).table())
         print(f"stream to {self.config.to}: {self.sender.jitter()}", file=sys.stderr, flush=True)
         self.sender.close()

@@ -50,6 +50,12 @@ class Commands(NamedTuple):
     limited: np.ndarray  # (n,) sum of what held it back
     cue: Cue  # what the washout wanted
 
+    def table(self) -> dict[str, np.ndarray]:
+        """The columns of platform.csv by name."""
+        head, end = [self.time[:, None], self.seq[:, None]], [self.limited[:, None]]
+        body = [self.pose, self.legs, self.leg_velocity, self.felt_force, self.felt_rate]
+        return dict(zip(COLUMNS, np.hstack([*head, *body, *end]).T))
+
     def rows(self) -> list[list[float | int]]:
         """The rows of platform.csv."""
         columns = (self.pose, self.legs, self.leg_velocity, self.felt_force, self.felt_rate)
@@ -68,3 +74,7 @@ class Platform(Protocol):
     """A washout and the machine under it."""
 
     def follow(self, ride: Ride) -> Commands: ...
+
+    def settled(self, pose: np.ndarray, time: float, seq: int) -> Commands:
+        """The way back to neutral from the (6,) pose of a last row."""
+        ...

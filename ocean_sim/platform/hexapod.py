@@ -13,7 +13,7 @@ from ocean_sim import yaml_file
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.motion_log import Ride
 from ocean_sim.parts import PartConfig, library, named, quantity
-from ocean_sim.platform import Commands, Washout
+from ocean_sim.platform import SINGULAR, Commands, Cue, Washout
 from ocean_sim.platform._hexapod import Geometry, Hexapod, rates_to_turn, rotation
 from ocean_sim.platform._limits import Legs, Workspace
 
@@ -32,7 +32,7 @@ class Config(PartConfig):
     washout: str | AnyWashout = Field("ship", validate_default=True)
     """A name in configs/washout/, or a washout itself."""
     ramp: float = quantity("s", 3.0, ge=0.0)
-    """Time over which the platform goes over from neutral to the motion."""
+    """Time over which the platform goes over from neutral to the motion, and of a stream back to neutral at its end."""
 
     @field_validator("geometry", "washout", mode="before")
     @classmethod
@@ -79,14 +79,30 @@ class Moving:
         legs, velocity, held = self.legs.follow(self.hexapod.legs(pose))
         late = held > 0
         if late.any():
-            pose[late] = self.hexapod.pose(legs[late], pose[late])
+            found = self.hexapod.pose(legs[late], pose[late])
+            lost = np.isnan(found)  # legs that no pose near has: the one that was wanted is told
+            pose[late] = np.where(lost, pose[late], found)
+            limited[late] |= np.where(lost.any(axis=1), SINGULAR, 0)
         force, rate = self.felt(pose)
         return Commands(ride.time, ride.seq, pose, legs, velocity, force, rate, cue.limited | limited | held, cue)
 
+    def settled(self, pose: np.ndarray, time: float, seq: int) -> Commands:
+        """The rows after a last one of (6,) pose, time [s] and number, that bring the platform back to neutral within
+        its ramp."""
+        count = np.arange(1, round(self.ramp / self.every) + 1)
+        fading = pose * (1.0 - smoothly(count / max(1, len(count))))[:, None]
+        legs = self.hexapod.legs(np.vstack([pose, fading]))
+        speed, none = np.diff(legs, axis=0) / self.every, np.zeros(len(count), dtype=int)
+        self.past = np.vstack([pose, pose])
+        force, rate = self.felt(fading)
+        cue = Cue(fading, none, force, rate)
+        return Commands(time + count * self.every, seq + count, fading, legs[1:], speed, force, rate, none, cue)
+
     def part(self, time: np.ndarray) -> np.ndarray:
-        """(n,) from 0 to 1 over the ramp, by 10 s^3 - 15 s^4 + 6 s^5: no jump in acceleration."""
-        s = np.clip((time - self.start) / self.ramp, 0.0, 1.0) if self.ramp > 0.0 else np.ones(len(time))
-        return s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+        """(n,) from 0 to 1 over the ramp."""
+        if self.ramp == 0.0:
+            return np.ones(len(time))
+        return smoothly(np.clip((time - self.start) / self.ramp, 0.0, 1.0))
 
     def felt(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(n, 3) specific force [m/s2] and (n, 3) rate [rad/s] on the platform in its own axes, from differences of
@@ -99,3 +115,8 @@ class Moving:
         acceleration[:, 2] += GRAVITY
         spin = (rates_to_turn(pose[:, 3:]) @ rates[:, :, None])[:, :, 0]
         return np.einsum("nji,nj->ni", turn, acceleration), np.einsum("nji,nj->ni", turn, spin)
+
+
+def smoothly(s: np.ndarray) -> np.ndarray:
+    """10 s^3 - 15 s^4 + 6 s^5, from 0 to 1 without a jump in acceleration."""
+    return s**3 * (10.0 - 15.0 * s + 6.0 * s * s)

@@ -1,6 +1,6 @@
 """`ocean-sim platform`: from a motion log to a motion platform, as a run does it; metrics, pictures, a live replay."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -20,7 +20,6 @@ from ocean_sim.verbs import _platform_pictures as pictures
 from ocean_sim.verbs import console
 from ocean_sim.yaml_file import Node, Place, Problem, SceneError, node_of, read
 
-STOP = 3.0  # [s] over which a stream brings the platform back to neutral
 WITHIN = ("force_x", "force_y", "force_z", "rate_x", "rate_y", "rate_z")
 
 
@@ -44,8 +43,6 @@ def platform(
     ride = opened_log(log)
     machine = config.build(ride.every)
     done = joined([machine.follow(rows) for rows in ride.ride.chunks()])
-    if not np.isfinite(np.hstack([done.pose, done.legs])).all():
-        raise console.Failed(f"{log}: the platform found no pose for its legs; is the log one of a ship?")
     found = metrics(ride.ride, done, machine.hexapod, ride.every)
     files = written(out, ride, done, found, config, machine, frame, film)
     if not as_json:
@@ -145,37 +142,16 @@ def table(path: Path, head: dict[str, Any], columns: Sequence[str], rows: Any) -
 
 def streamed(sender: datagrams.Sender, done: Commands, machine: Moving, frame: str) -> datagrams.Jitter:
     """Send every row at its time, and then the way back to neutral, also when a person stops it."""
-    last = len(done.time) - 1
     try:
-        for k, packet in enumerate(sent(done, frame)):
+        for packet in datagrams.packets(done.table(), frame):
             sender.send(packet)
-            last = k
     finally:
-        for packet in sent(stopping(done, last, machine), frame):
+        last = max(0, len(sender.sent) - 1)
+        back = machine.settled(done.pose[last], float(done.time[last]), int(done.seq[last]))
+        for packet in datagrams.packets(back.table(), frame):
             sender.send(packet)
         sender.close()
     return sender.jitter()
-
-
-def sent(done: Commands, frame: str) -> Iterator[datagrams.Packet]:
-    names = dict(zip(datagrams.POSE, done.pose.T)) | dict(zip(datagrams.LEGS, done.legs.T))
-    return datagrams.packets({"seq": done.seq, "time_s": done.time, "limited": done.limited} | names, frame)
-
-
-def stopping(done: Commands, last: int, machine: Moving) -> Commands:
-    """From the pose of row `last` to neutral, by 1 - 10 s^3 + 15 s^4 - 6 s^5."""
-    count = np.arange(1, round(STOP / machine.every) + 1)
-    s = count / len(count)
-    pose = done.pose[last] * (1.0 - s**3 * (10.0 - 15.0 * s + 6.0 * s * s))[:, None]
-    still = np.zeros((len(count), 6))
-    return done._replace(
-        time=done.time[last] + count * machine.every,
-        seq=done.seq[last] + count,
-        pose=pose,
-        legs=machine.hexapod.legs(pose),
-        leg_velocity=still,
-        limited=np.zeros(len(count), dtype=int),
-    )
 
 
 def show(done: Commands, found: list[Metric], files: list[Path]) -> None:

@@ -32,8 +32,11 @@ BAD = {
     "no rows": (without(columns(), np.r_[0:0]), "has 0 rows"),
     "one row": (without(columns(), np.r_[0:1]), "has 1 rows"),
     "forces in g": (columns() | {name: columns()[name] / G for name in FORCES}, "is it in g?"),
-    "rates in degrees": (changed("roll_rate_rad_s", np.degrees), "rates are not those of its angles"),
-    "angles in degrees": (changed("roll_rad", np.degrees), "rates are not those"),
+    "rates in degrees": (
+        changed("roll_rate_rad_s", np.degrees),
+        "its angles turn at .*, its rates are .* in degrees",
+    ),
+    "angles in degrees": (changed("roll_rad", np.degrees), "is one in degrees?"),
     "too few rows a second": (columns(60.0, dt=0.5), "a platform needs at least 10 a second"),
 }
 

@@ -6,6 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ocean_sim.conventions import GRAVITY
+
 MOTIONS = ("sway_m", "heave_m", "surge_m", "pitch_rad", "yaw_rad", "roll_rad")
 RATES = ("roll_rate_rad_s", "pitch_rate_rad_s", "yaw_rate_rad_s")
 FORCES = ("specific_force_x_m_s2", "specific_force_y_m_s2", "specific_force_z_m_s2")

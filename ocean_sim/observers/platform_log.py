@@ -1,7 +1,7 @@
 """What a motion platform would do: washout and leg lengths, row by row beside the motion log."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from ocean_sim.csv_file import Growing
 from ocean_sim.motion_log import AXES_IN_WORDS, ride_of
@@ -18,12 +18,9 @@ FRAME = "flu"
 class Config(ObserverConfig):
     """It has no keys: its rate is that of `motion`."""
 
+    needs: ClassVar[tuple[str, ...]] = ("platform", "motion")
+
     def build(self, folder: Path, simulation: "Simulation") -> "PlatformLog":
-        scene = simulation.scene
-        if scene.platform is None or "motion" not in scene.observers:
-            raise ValueError(
-                "platform_log needs a platform and the motion log of a ship: name both, and leave motion on"
-            )
         return PlatformLog(folder, simulation)
 
 

@@ -2,7 +2,7 @@
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 from pydantic import field_validator
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 
 class Config(ObserverConfig):
+    needs: ClassVar[tuple[str, ...]] = ("platform", "motion", "platform_log")
+
     to: str = "udp://127.0.0.1:5005"
     """Where packets go; another machine only when it is named."""
     packets: Literal["ocean_sim", "openmotionsim"] = "ocean_sim"
@@ -32,8 +34,6 @@ class Config(ObserverConfig):
 
     def build(self, folder: Path, simulation: "Simulation") -> "Stream":
         scene = simulation.scene
-        if scene.platform is None or "platform_log" not in scene.observers:
-            raise ValueError("stream sends what a platform does: name a ship and a platform, and leave platform_log on")
         every = scene.observers["motion"].every
         return Stream(self, folder, every, scene.platform.build(every))
 

@@ -244,9 +244,19 @@ def test_the_platform_beside_a_ship_is_the_one_of_the_command(tmp_path):
     whole = Config().build(DT).follow(ride_of(read_columns(tmp_path / "motion.csv"), "world"))
     assert len(beside["time_s"]) == 301 and beside["seq"][-1] == 300
     np.testing.assert_allclose(np.column_stack([beside[f"leg{k}_m"] for k in range(1, 7)]), whole.legs, rtol=1e-8)
-    with pytest.raises(ValueError, match="needs a platform and the motion log"):
-        scene.observers = {}
-        platform_log.Config().build(tmp_path, simulation)
+
+
+@pytest.mark.parametrize(
+    "name, absent", [("platform_log", "platform, motion"), ("stream", "platform, motion, platform_log")]
+)
+def test_a_scene_without_a_ship_has_no_platform_to_watch(name, absent):
+    from ocean_sim.scene import load
+    from ocean_sim.yaml_file import SceneError
+
+    sea = {"basin": {"length": 9.0, "width": 9.0, "depth": 2.0}, "fluid": {"kind": "mueller", "spacing": 0.5}}
+    with pytest.raises(SceneError, match=f"{name}: needs platform, motion.*, which this scene does not have"):
+        load(sea | {name: {}})
+    assert name not in load(sea | {"platform": "hexapod_a"}).observers
 
 
 def test_a_platform_alone_imports_no_ship_and_no_taichi():

@@ -132,9 +132,6 @@ def test_a_run_streams_what_its_platform_does(tmp_path, capsys):
     assert "80 packets" in capsys.readouterr().err
     with pytest.raises(ValidationError, match="is not like udp://"):
         stream.Config(to="somewhere")
-    simulation.scene.platform = None
-    with pytest.raises(ValueError, match="name a ship and a platform"):
-        stream.Config(to=listener.url).build(tmp_path, simulation)
 
 
 def test_the_formats_are_the_ones_offered():

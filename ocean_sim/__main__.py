@@ -193,6 +193,30 @@ def waves(
     waves(run, begin, out, json)
 
 
+@app.command()
+def platform(
+    log: Annotated[Path, typer.Argument(help="A motion log, or a run folder that has one.")],
+    geometry: Annotated[str, typer.Option(help="A name in configs/geometry/, or a file.")] = "hexapod_a",
+    washout: Annotated[str, typer.Option(help="A name in configs/washout/, or a file.")] = "ship",
+    frame: Annotated[
+        str | None, typer.Option(help="ship, ned or flu: the axes written; the motion log is written in them, too.")
+    ] = None,
+    stream: Annotated[
+        str | None, typer.Option(help="udp://127.0.0.1:5005: replay in real time, to this machine unless named.")
+    ] = None,
+    packets: Annotated[str, typer.Option(help="ocean_sim or openmotionsim.")] = "ocean_sim",
+    film: Annotated[bool, typer.Option("--film", help="Also film.gif: the hexapod, drawn from its joints.")] = False,
+    out: Annotated[Path, typer.Option(help="Where platform.csv, metrics.csv and the pictures go.")] = Path(
+        "runs/platform"
+    ),
+    json: Json = False,
+) -> None:
+    """Motion log, washout, hexapod: poses and leg lengths, how good they are, and a replay in real time."""
+    from ocean_sim.verbs.platform import platform
+
+    platform(log, geometry, washout, frame, stream, packets, film, out, json)
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and leave with its exit code."""
     sys.exit(answered(sys.argv[1:] if arguments is None else arguments))

@@ -15,3 +15,28 @@ def columns(path: str | Path) -> dict[str, np.ndarray]:
     if table.shape[1] != len(names):
         raise ValueError(f"{path} has {len(names)} names and {table.shape[1]} columns")
     return dict(zip(names, table.T))
+
+
+class Growing:
+    """A CSV file that is still being written: its whole rows, each seen once."""
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+        self.head: dict[str, str] = {}
+        self.names: list[str] = []
+        self.read, self.rest = 0, ""  # bytes read, and the part of a line at their end
+
+    def rows(self) -> dict[str, np.ndarray]:
+        """The columns, (n,), of the rows that were written since the last call; what is no number is NaN."""
+        with self.path.open("rb") as file:
+            file.seek(self.read)
+            new = file.read()
+        self.read += len(new)
+        *lines, self.rest = (self.rest + new.decode("utf-8")).split("\n")
+        comments = [line[1:].partition(":") for line in lines if line.startswith("#")]
+        self.head |= {key.strip(): value.strip() for key, _, value in comments}
+        lines = [line for line in lines if line.strip() and line[0] != "#"]
+        if not self.names and lines:
+            self.names = [name.strip() for name in lines.pop(0).split(",")]
+        table = np.genfromtxt(lines, delimiter=",", ndmin=2) if lines else np.zeros((0, len(self.names)))
+        return dict(zip(self.names, table.T))

@@ -30,6 +30,7 @@ class PartConfig(BaseModel):
 class ObserverConfig(PartConfig):
     """What a user may write for one observer."""
 
+    needs: ClassVar[tuple[str, ...]] = ()  # slots and other observers without which there is nothing to watch
     writes: ClassVar[bool] = True  # whether it needs a run folder; one that does not also watches a bare Simulation
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from ocean_sim import basin
 from ocean_sim.composition import Composition, composed, unknown_name
-from ocean_sim.parts import SLOTS, LedgerRow, PartConfig, config_of, kinds, library, named, quantity
+from ocean_sim.parts import SLOTS, LedgerRow, ObserverConfig, PartConfig, config_of, kinds, library, named, quantity
 from ocean_sim.runtime import RuntimeConfig
 from ocean_sim.translation import choice_sentence, dotted, likeliest, validated
 from ocean_sim.yaml_file import Node, Place, Problem, SceneError, node_of, problem, read, shown
@@ -179,6 +179,11 @@ def _checked(composition: Composition, problems: list[Problem]) -> SceneConfig |
         elif name == "runtime":
             parts[name] = RuntimeConfig()
     watching = _observers(data, root, problems)
+    for name, config in watching.items():
+        absent = [need for need in config.needs if parts.get(need) is None and need not in watching]
+        if absent:
+            place = data.get(name, root).place
+            problems.append(problem(place, name, f"needs {', '.join(absent)}, which this scene does not have"))
     notes = [*composition.notes]
     if parts.get("basin") is not None and heading is not None:
         place = parts["basin"].build()
@@ -212,13 +217,14 @@ def _checked(composition: Composition, problems: list[Problem]) -> SceneConfig |
     return SceneConfig(**values, **parts, observers=watching, notes=notes)
 
 
-def _observers(data: dict[str, Node], root: Node, problems: list[Problem]) -> dict[str, PartConfig]:
+def _observers(data: dict[str, Node], root: Node, problems: list[Problem]) -> dict[str, ObserverConfig]:
     """The observers that a scene names or does not switch off, in the order in which they watch."""
-    watching: dict[str, PartConfig] = {}
+    watching: dict[str, ObserverConfig] = {}
     afloat = data.get("ship") is not None and data["ship"].data is not None
     unless_null = (*always_on(), *(("motion",) if afloat else ()))
     for name in observer_names():
-        node = data.get(name, root.with_data({} if name in unless_null else None))
+        on = name in unless_null or (name == "platform_log" and "platform" in data and "motion" in watching)
+        node = data.get(name, root.with_data({} if on else None))
         if node.data is None:
             if name == "manifest":
                 problems.append(problem(node.place, name, "a run always says what was run; this one cannot be null"))

@@ -9,7 +9,7 @@ from ocean_sim.validation import names
 from ocean_sim.verbs import console
 from ocean_sim.yaml_file import read
 
-SECTIONS = ("scenes", *SLOTS, "hull", "observers", "profiles", "cases")
+SECTIONS = ("scenes", *SLOTS, "hull", "geometry", "washout", "observers", "profiles", "cases")
 
 
 def list_choices(section: str | None, as_json: bool) -> None:

@@ -32,6 +32,7 @@ FOUNDATION = [
         "basin",
     ),
     "cache_file",
+    "motion_log",
 ]
 
 

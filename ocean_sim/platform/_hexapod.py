@@ -1,0 +1,176 @@
+"""A hexapod: two bodies joined by six legs. X forward, Y left, Z up; a pose is x, y, z [m] from neutral, roll, pitch,
+yaw [rad], turned by Rz(yaw) Ry(pitch) Rx(roll)."""
+
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from ocean_sim.parts import PartConfig, Vector3, quantity
+
+Joints = Annotated[tuple[Vector3, Vector3, Vector3, Vector3, Vector3, Vector3], Field(strict=False)]
+
+NEWTON_STEPS = 30
+CLOSE = 1e-13  # [m] of a leg
+FINE = 60  # halvings of an interval
+
+
+class Geometry(PartConfig):
+    """Where the joints are, and what the legs can do."""
+
+    base: Joints = quantity("m")
+    """The joints on the floor, leg by leg: x, y, z."""
+    platform: Joints = quantity("m")
+    """The joints on the platform, leg by leg, from the point whose pose is told."""
+    shortest: float = quantity("m", gt=0.0)
+    """Length of a leg that is all the way in."""
+    longest: float = quantity("m", gt=0.0)
+    """Length of a leg that is all the way out."""
+    buffer: float = quantity("m", 0.0, ge=0.0)
+    """Kept free at both ends of the stroke."""
+    leg_speed: float = quantity("m/s", 1.0, gt=0.0)
+    """Fastest that a leg may move."""
+    leg_acceleration: float = quantity("m/s2", 10.0, gt=0.0)
+    """Largest acceleration of a leg."""
+    condition_limit: float = quantity("1", 10.0, gt=1.0)
+    """Poses whose Jacobian is worse conditioned, with turns measured at the radius of the platform's joints, are
+    refused as singular."""
+
+    @model_validator(mode="after")
+    def _assembles(self) -> "Geometry":
+        if self.longest - self.shortest <= 2.0 * self.buffer:
+            stroke = f"{self.shortest:g} to {self.longest:g} m"
+            raise ValueError(f"a stroke of {stroke} with a buffer of {self.buffer:g} m at both ends leaves no travel")
+        hexapod = Hexapod(self)
+        if not hexapod.neutral_height > 0.0:
+            length = 0.5 * (self.shortest + self.longest)
+            raise ValueError(f"it cannot be assembled: legs of {length:g} m, half way out, do not reach the platform")
+        for k, length in enumerate(hexapod.neutral_legs, 1):
+            if not hexapod.low < length < hexapod.high:
+                ends = f"{hexapod.low:g} to {hexapod.high:g} m"
+                raise ValueError(f"it cannot be assembled: in neutral leg {k} is {length:.4g} m long, outside {ends}")
+        condition = hexapod.condition(np.zeros((1, 6)))[0]
+        if not condition < self.condition_limit:
+            told = f"condition number {condition:.3g}, limit {self.condition_limit:g}"
+            raise ValueError(f"it cannot be held: its neutral pose is singular ({told})")
+        return self
+
+
+class Hexapod:
+    """Kinematics of one geometry; neutral is level, with legs that are half way out on average."""
+
+    def __init__(self, geometry: Geometry) -> None:
+        self.base = np.array(geometry.base)  # (6, 3) [m]
+        self.joints = np.array(geometry.platform)  # (6, 3) [m]
+        self.low, self.high = geometry.shortest + geometry.buffer, geometry.longest - geometry.buffer  # [m]
+        self.radius = float(np.linalg.norm(self.joints, axis=1).mean())  # [m]
+        self.condition_limit = geometry.condition_limit
+        self.neutral_height = self.height(0.5 * (self.low + self.high))
+        self.neutral_legs = self.legs(np.zeros((1, 6)))[0]
+
+    def height(self, length: float) -> float:
+        """Of the level platform [m] when its legs are so long on average; NaN where they cannot be."""
+        offset = self.joints - self.base
+        reach = np.linalg.norm(offset[:, :2], axis=1)
+
+        def mean(z: float) -> float:
+            return float(np.hypot(reach, offset[:, 2] + z).mean())
+
+        low, high = -float(offset[:, 2].min()), length + float(np.abs(offset[:, 2]).max()) + 1.0
+        if not mean(low) < length:
+            return float("nan")
+        return halved(lambda z: mean(z) <= length, low, high)
+
+    def arms(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(n, 6, 3) legs from base to platform, and (n, 6, 3) joints from the platform's origin, of (n, 6) poses."""
+        arm = self.joints @ np.swapaxes(rotation(pose[:, 3:]), 1, 2)
+        leg = pose[:, None, :3] + [0.0, 0.0, self.neutral_height] + arm - self.base
+        return leg, arm
+
+    def legs(self, pose: np.ndarray) -> np.ndarray:
+        """(n, 6) leg lengths [m] of (n, 6) poses: inverse kinematics, |t + R p - b|."""
+        return np.sqrt((self.arms(pose)[0] ** 2).sum(axis=2))
+
+    def jacobian(self, pose: np.ndarray) -> np.ndarray:
+        """(n, 6, 6) leg speeds over velocity [m/s] and rate [rad/s] in the axes of the floor: rows (u, R p x u)."""
+        leg, arm = self.arms(pose)
+        along = leg / np.sqrt((leg**2).sum(axis=2))[:, :, None]
+        return np.concatenate([along, np.cross(arm, along)], axis=2)
+
+    def condition(self, pose: np.ndarray) -> np.ndarray:
+        """(n,) condition number of the Jacobian, with turns measured at the radius of the platform's joints."""
+        values = np.linalg.svd(self.jacobian(pose) / np.repeat([1.0, self.radius], 3), compute_uv=False)
+        return values[:, 0] / np.maximum(values[:, -1], 1e-300)
+
+    def pose(self, legs: np.ndarray, guess: np.ndarray | None = None) -> np.ndarray:
+        """(n, 6) poses of (n, 6) leg lengths by Newton's method from (n, 6) guesses, or else from neutral; NaN where
+        there is none near."""
+        pose = np.zeros((len(legs), 6)) if guess is None else guess.copy()
+        for _ in range(NEWTON_STEPS):
+            miss = legs - self.legs(pose)
+            far = np.abs(miss).max(axis=1) > CLOSE
+            if not far.any():
+                break
+            jacobian = self.jacobian(pose[far])
+            jacobian[:, :, 3:] = jacobian[:, :, 3:] @ rates_to_turn(pose[far, 3:])
+            with np.errstate(all="ignore"):
+                step = np.linalg.solve(jacobian, miss[far][:, :, None])[:, :, 0]
+            pose[far] += np.clip(step, -0.5, 0.5)
+        pose[np.abs(legs - self.legs(pose)).max(axis=1) > 1e3 * CLOSE] = np.nan
+        return pose
+
+    def usage(self, pose: np.ndarray) -> np.ndarray:
+        """(n,) part of its stroke that the leg nearest to its end uses, counted from neutral; above 1 is outside."""
+        return self.strokes(pose).max(axis=1)
+
+    def strokes(self, pose: np.ndarray) -> np.ndarray:
+        """(n, 6) part of its stroke, out or in from neutral, that each leg uses."""
+        legs, neutral = self.legs(pose), self.neutral_legs
+        return (legs - neutral) / np.where(legs > neutral, self.high - neutral, self.low - neutral)
+
+    def allowed(self, pose: np.ndarray) -> np.ndarray:
+        """(n,) whether a pose is within the stroke and not singular."""
+        return (self.usage(pose) <= 1.0) & (self.condition(pose) <= self.condition_limit)
+
+    def excursions(self) -> np.ndarray:
+        """(6, 2) lowest and highest that each motion alone can reach from neutral [m, rad]."""
+        ends = np.zeros((6, 2))
+        for axis in range(6):
+            for side, sign in enumerate((-1.0, 1.0)):
+
+                def at(values: np.ndarray, axis: int = axis, sign: float = sign) -> np.ndarray:
+                    pose = np.zeros((len(values), 6))
+                    pose[:, axis] = sign * values
+                    return self.allowed(pose)
+
+                steps = np.linspace(0.0, 2.0 * (self.high if axis < 3 else 1.5), 400)
+                last = int(np.argmin(at(steps))) - 1
+                inside = halved(lambda v: bool(at(np.array([v]))[0]), steps[last], steps[last + 1])
+                ends[axis, side] = sign * inside
+        return ends
+
+
+def halved(holds, low: float, high: float) -> float:
+    """The last number between `low`, where it holds, and `high` for which it does."""
+    for _ in range(FINE):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if holds(middle) else (low, middle)
+    return low
+
+
+def rotation(angles: np.ndarray) -> np.ndarray:
+    """(n, 3, 3) Rz(yaw) Ry(pitch) Rx(roll) of (n, 3) roll, pitch, yaw [rad]."""
+    (a, b, c), (ca, cb, cc) = np.sin(angles).T, np.cos(angles).T
+    rows = [
+        [cc * cb, cc * b * a - c * ca, cc * b * ca + c * a],
+        [c * cb, c * b * a + cc * ca, c * b * ca - cc * a],
+        [-b, cb * a, cb * ca],
+    ]
+    return np.array(rows).transpose(2, 0, 1)
+
+
+def rates_to_turn(angles: np.ndarray) -> np.ndarray:
+    """(n, 3, 3) from rates of roll, pitch and yaw to the rate of turn [rad/s] in the axes of the floor."""
+    (_, b, c), (_, cb, cc) = np.sin(angles).T, np.cos(angles).T
+    zero, one = np.zeros_like(b), np.ones_like(b)
+    return np.array([[cc * cb, -c, zero], [c * cb, cc, zero], [-b, zero, one]]).transpose(2, 0, 1)

@@ -1,0 +1,122 @@
+"""The platform of figure 6-9: a washout, and a hexapod under it that keeps within its limits."""
+
+from functools import reduce
+from importlib import import_module
+from operator import or_
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from pydantic import Field, field_validator
+
+from ocean_sim import yaml_file
+from ocean_sim.conventions import GRAVITY
+from ocean_sim.motion_log import Ride
+from ocean_sim.parts import PartConfig, library, named, quantity
+from ocean_sim.platform import SINGULAR, Commands, Cue, Washout
+from ocean_sim.platform._hexapod import Geometry, Hexapod, rates_to_turn, rotation
+from ocean_sim.platform._limits import Legs, Workspace
+
+if TYPE_CHECKING:
+    from ocean_sim.scene import SceneConfig
+
+# A washout is one file, `_washout_<kind>.py`: a Config with its `kind`, that builds what follows a ride.
+WASHOUTS = sorted(path.stem for path in Path(__file__).parent.glob("_washout_*.py"))
+AnyWashout: Any = reduce(or_, [import_module(f"ocean_sim.platform.{name}").Config for name in WASHOUTS])
+
+
+class Config(PartConfig):
+    kind: Literal["hexapod"] = "hexapod"
+    geometry: str | Geometry = Field("hexapod_a", validate_default=True)
+    """A name in configs/geometry/, or the joints and legs themselves."""
+    washout: str | AnyWashout = Field("ship", validate_default=True)
+    """A name in configs/washout/, or a washout itself."""
+    ramp: float = quantity("s", 3.0, ge=0.0)
+    """Time over which the platform goes over from neutral to the motion, and of a stream back to neutral at its end."""
+
+    @field_validator("geometry", "washout", mode="before")
+    @classmethod
+    def _named(cls, value: Any, info: Any) -> Any:
+        """What a name stands for."""
+        return ready_made(info.field_name, value) if isinstance(value, str) else value
+
+    def warnings(self, scene: "SceneConfig") -> list[str]:
+        """What this platform has to say against the scene."""
+        return ["platform: there is no ship whose motion it could follow"] if scene.ship is None else []
+
+    def build(self, every: float) -> "Moving":
+        """`every`: time between the rows that it will follow [s]."""
+        return Moving(self, every)
+
+
+def ready_made(what: str, name: str) -> dict[str, Any]:
+    """The data of configs/<what>/<name>.yaml; raises ValueError."""
+    if name not in named(what):
+        raise ValueError(f"there is no {what} {name!r}; there are {', '.join(named(what))}")
+    return yaml_file.read(library("configs") / what / f"{name}.yaml").plain()
+
+
+class Moving:
+    """The platform in motion: rows in, commands out, as many at once as there are."""
+
+    def __init__(self, config: Config, every: float) -> None:
+        geometry: Any = config.geometry
+        washout: Any = config.washout
+        self.every, self.ramp = every, config.ramp
+        self.hexapod = Hexapod(geometry)
+        self.workspace = Workspace(self.hexapod)
+        self.washout: Washout = washout.build(every, self.workspace.ends[:3])
+        self.legs = Legs(geometry, every, self.hexapod.neutral_legs)
+        self.start: float | None = None  # [s]
+        self.past = np.zeros((2, 6))  # the last two poses
+
+    def follow(self, ride: Ride) -> Commands:
+        if self.start is None:
+            self.start = float(ride.time[0])
+        cue = self.washout.follow(ride)
+        wanted = cue.pose * self.part(ride.time)[:, None]
+        pose, limited = self.workspace.scaled_back(wanted)
+        legs, velocity, held = self.legs.follow(self.hexapod.legs(pose))
+        late = held > 0
+        if late.any():
+            found = self.hexapod.pose(legs[late], pose[late])
+            lost = np.isnan(found)  # legs that no pose near has: the one that was wanted is told
+            pose[late] = np.where(lost, pose[late], found)
+            limited[late] |= np.where(lost.any(axis=1), SINGULAR, 0)
+        force, rate = self.felt(pose)
+        return Commands(ride.time, ride.seq, pose, legs, velocity, force, rate, cue.limited | limited | held, cue)
+
+    def settled(self, pose: np.ndarray, time: float, seq: int) -> Commands:
+        """The rows after a last one of (6,) pose, time [s] and number, that bring the platform back to neutral within
+        its ramp."""
+        count = np.arange(1, round(self.ramp / self.every) + 1)
+        fading = pose * (1.0 - smoothly(count / max(1, len(count))))[:, None]
+        legs = self.hexapod.legs(np.vstack([pose, fading]))
+        speed, none = np.diff(legs, axis=0) / self.every, np.zeros(len(count), dtype=int)
+        self.past = np.vstack([pose, pose])
+        force, rate = self.felt(fading)
+        cue = Cue(fading, none, force, rate)
+        return Commands(time + count * self.every, seq + count, fading, legs[1:], speed, force, rate, none, cue)
+
+    def part(self, time: np.ndarray) -> np.ndarray:
+        """(n,) from 0 to 1 over the ramp."""
+        if self.ramp == 0.0:
+            return np.ones(len(time))
+        return smoothly(np.clip((time - self.start) / self.ramp, 0.0, 1.0))
+
+    def felt(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(n, 3) specific force [m/s2] and (n, 3) rate [rad/s] on the platform in its own axes, from differences of
+        its poses."""
+        known = np.vstack([self.past, pose])
+        self.past = known[-2:]
+        rates = np.diff(known, axis=0)[1:, 3:] / self.every
+        acceleration = np.diff(known[:, :3], n=2, axis=0) / self.every**2
+        turn = rotation(pose[:, 3:])
+        acceleration[:, 2] += GRAVITY
+        spin = (rates_to_turn(pose[:, 3:]) @ rates[:, :, None])[:, :, 0]
+        return np.einsum("nji,nj->ni", turn, acceleration), np.einsum("nji,nj->ni", turn, spin)
+
+
+def smoothly(s: np.ndarray) -> np.ndarray:
+    """10 s^3 - 15 s^4 + 6 s^5, from 0 to 1 without a jump in acceleration."""
+    return s**3 * (10.0 - 15.0 * s + 6.0 * s * s)

@@ -1,0 +1,167 @@
+"""`ocean-sim platform`: from a motion log to a motion platform, as a run does it; metrics, pictures, a live replay."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from ocean_sim import datagrams, motion_log
+from ocean_sim.motion_log import AXES, MotionLog
+from ocean_sim.observers._csv import CsvFile
+from ocean_sim.observers.platform_log import heading
+from ocean_sim.parts import library, named
+from ocean_sim.platform import COLUMNS, Commands, Cue
+from ocean_sim.platform._metrics import Metric, metrics
+from ocean_sim.platform.hexapod import Config, Moving
+from ocean_sim.translation import choice_sentence, validated
+from ocean_sim.verbs import _platform_pictures as pictures
+from ocean_sim.verbs import console
+from ocean_sim.yaml_file import Node, Place, Problem, SceneError, node_of, read
+
+WITHIN = ("force_x", "force_y", "force_z", "rate_x", "rate_y", "rate_z")
+
+
+def platform(
+    log: Path,
+    geometry: str,
+    washout: str,
+    frame: str | None,
+    stream: str | None,
+    packets: str,
+    film: bool,
+    out: Path,
+    as_json: bool,
+) -> None:
+    """Follow a log and tell; everything is computed before anything is written."""
+    for what, name, known in (("frame", frame or "flu", AXES), ("packets", packets, datagrams.FORMATS)):
+        if name not in known:
+            raise console.Refused(f"--{what}: there is no {name!r}{choice_sentence(name, known)[0]}")
+    config = configured(geometry, washout)
+    sender = opened(stream, packets) if stream is not None else None
+    ride = opened_log(log)
+    machine = config.build(ride.every)
+    done = joined([machine.follow(rows) for rows in ride.ride.chunks()])
+    found = metrics(ride.ride, done, machine.hexapod, ride.every)
+    files = written(out, ride, done, found, config, machine, frame, film)
+    if not as_json:
+        show(done, found, files)
+    jitter = streamed(sender, done, machine, frame or "flu") if sender is not None else None
+    if as_json:
+        answer: dict[str, Any] = {"log": log, "rows": len(done.time), "every_s": ride.every, "files": files}
+        answer["metrics"] = [metric._asdict() for metric in found]
+        answer["stream"] = jitter._asdict() if jitter is not None else None
+        console.answer(answer)
+    elif jitter is not None:
+        console.say(f"{stream}: {jitter}")
+
+
+def configured(geometry: str, washout: str) -> Config:
+    """The platform of a geometry and a washout, each a name or a file; raises SceneError or Refused."""
+    nodes = {"geometry": chosen("geometry", geometry), "washout": chosen("washout", washout)}
+    problems: list[Problem] = []
+    config = validated(Config, node_of(nodes, Place("--geometry, --washout")), (), problems)
+    if config is None:
+        raise SceneError(problems)
+    return config
+
+
+def chosen(what: str, name: str) -> Node:
+    """What a name in configs/<what>/, or a file, says."""
+    if name in named(what):
+        return read(library("configs") / what / f"{name}.yaml")
+    if Path(name).suffix in (".yaml", ".yml"):
+        return read(Path(name))
+    raise console.Refused(f"--{what}: there is no {what} {name!r}{choice_sentence(name, named(what))[0]}")
+
+
+def opened(stream: str, packets: str) -> datagrams.Sender:
+    try:
+        return datagrams.Sender(stream, packets)
+    except ValueError as error:
+        raise console.Refused(f"--stream: {error}") from None
+
+
+def opened_log(log: Path) -> MotionLog:
+    """A motion log, or the one in a run folder; raises Refused."""
+    path = log / "motion.csv" if log.is_dir() else log
+    try:
+        return motion_log.read(path)
+    except OSError as error:
+        raise console.Refused(f"{path}: {error.strerror or error}") from None
+    except ValueError as error:
+        raise console.Refused(str(error)) from None
+
+
+def joined(parts: Sequence[Commands]) -> Commands:
+    """Commands that follow each other, as one."""
+    cues = [part.cue for part in parts]
+    cue = Cue(*(np.concatenate(column) for column in zip(*cues)))
+    return Commands._make([*(np.concatenate(column) for column in list(zip(*parts))[:-1]), cue])
+
+
+def turned(done: Commands, frame: str) -> Commands:
+    """Commands told along the axes of another frame."""
+    force, rate = done.felt_force @ AXES[frame].T, done.felt_rate @ AXES[frame].T
+    return done._replace(pose=datagrams.in_frame(done.pose, frame), felt_force=force, felt_rate=rate)
+
+
+def written(
+    out: Path,
+    log: MotionLog,
+    done: Commands,
+    found: list[Metric],
+    config: Config,
+    machine: Moving,
+    frame: str | None,
+    film: bool,
+) -> list[Path]:
+    """Every file, made beside its place and moved there when all are whole."""
+    out.mkdir(parents=True, exist_ok=True)
+    with TemporaryDirectory(prefix=".platform-", dir=out) as name:
+        folder = Path(name)
+        head = heading(log.every, frame or "flu") | ({"seed": log.head["seed"]} if "seed" in log.head else {})
+        table(folder / "platform.csv", head, COLUMNS, turned(done, frame or "flu").rows())
+        rows = [[metric.quantity, metric.value, metric.unit] for metric in found]
+        table(folder / "metrics.csv", {}, ("quantity", "value", "unit"), rows)
+        if frame is not None:
+            told = log.head | {"frame": frame, "axes": motion_log.AXES_IN_WORDS[frame]}
+            table(folder / f"motion_{frame}.csv", told, log.names, motion_log.converted(log, frame))
+        pictures.draw(folder, done, config, machine, film)
+        return [path.replace(out / path.name) for path in sorted(folder.iterdir())]
+
+
+def table(path: Path, head: dict[str, Any], columns: Sequence[str], rows: Any) -> None:
+    """A CSV file as a run writes it."""
+    csv = CsvFile(path, head, columns)
+    for row in rows:
+        csv.row(row)
+    csv.close()
+
+
+def streamed(sender: datagrams.Sender, done: Commands, machine: Moving, frame: str) -> datagrams.Jitter:
+    """Send every row at its time, and then the way back to neutral, also when a person stops it."""
+    try:
+        for packet in datagrams.packets(done.table(), frame):
+            sender.send(packet)
+    finally:
+        last = max(0, len(sender.sent) - 1)
+        back = machine.settled(done.pose[last], float(done.time[last]), int(done.seq[last]))
+        for packet in datagrams.packets(back.table(), frame):
+            sender.send(packet)
+        sender.close()
+    return sender.jitter()
+
+
+def show(done: Commands, found: list[Metric], files: list[Path]) -> None:
+    """What people want to know of a ride."""
+    value = {metric.quantity: metric.value for metric in found}
+    kinds = ("scaled_rms", "felt_rms", "error_rms", "correlation", "delay", "false_cue")
+    rows = [[name, *(f"{value[f'{name}_{kind}']:.4g}" for kind in kinds)] for name in WITHIN]
+    console.table("felt against scaled motion, m/s2 and rad/s", ["", *(kind.replace("_", " ") for kind in kinds)], rows)
+    sick = (value["motion_sickness_dose_ship"], value["motion_sickness_dose_platform"])
+    limited, stroke = 100.0 * value["share_limited"], 100.0 * value["stroke_used"]
+    console.say(f"\n{len(done.time)} rows, {limited:.3g} % of them limited; {stroke:.3g} % of the stroke used")
+    console.say(f"motion sickness dose {sick[0]:.3g} m/s1.5 on the ship, {sick[1]:.3g} on the platform (ISO 2631-1)")
+    console.say(f"{files[0].parent}: {', '.join(path.name for path in files)}")

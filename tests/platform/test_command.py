@@ -1,0 +1,100 @@
+"""`ocean-sim platform`: what it writes, answers and refuses."""
+
+import json
+
+import numpy as np
+import pytest
+
+from ocean_sim import motion_log
+from ocean_sim.__main__ import answered
+from ocean_sim.observers._csv import columns as read_columns
+from ocean_sim.platform import COLUMNS
+from tests.platform.conftest import Listener, columns, write
+
+PICTURES = {"motion.png", "legs.png", "workspace.png", "strips.png"}
+
+
+@pytest.fixture
+def ask(capsys, tmp_path, monkeypatch):
+    """What a command line answers: exit code, standard output, standard error."""
+    monkeypatch.chdir(tmp_path)
+
+    def asked(*words):
+        code = answered(["platform", *map(str, words)])
+        said = capsys.readouterr()
+        assert "Traceback" not in said.out + said.err
+        return code, said.out, said.err
+
+    return asked
+
+
+def test_a_log_becomes_a_ride(ask, log, tmp_path):
+    code, out, err = ask(log, "--json", "--frame", "ned")
+    answer = json.loads(out)
+    assert (code, err, answer["rows"], answer["stream"]) == (0, "", 1001, None)
+    names = {"platform.csv", "metrics.csv", "motion_ned.csv", *PICTURES}
+    folder = tmp_path / "runs" / "platform"
+    assert {path.name for path in folder.iterdir()} == names == {path.rsplit("/", 1)[-1] for path in answer["files"]}
+    ned = read_columns(folder / "platform.csv")
+    assert tuple(ned) == COLUMNS and "# frame: ned\n" in (folder / "platform.csv").read_text()
+    assert motion_log.read(folder / "motion_ned.csv").frame == "ned"
+    code, out, _ = ask(log.parent, "--out", "again")  # a run folder
+    assert code == 0 and "motion sickness dose" in out and "1001 rows" in out
+    flu = read_columns(tmp_path / "again" / "platform.csv")
+    np.testing.assert_allclose(ned["z_m"], -flu["z_m"], atol=1e-12)
+    np.testing.assert_array_equal(ned["leg1_m"], flu["leg1_m"])
+    code, _, _ = ask(folder / "motion_ned.csv", "--out", "third")  # the converted log is the same ride
+    third = read_columns(tmp_path / "third" / "platform.csv")
+    np.testing.assert_allclose(third["leg3_m"], flu["leg3_m"], atol=1e-6)
+    assert {metric["quantity"] for metric in answer["metrics"]} >= {
+        "force_z_correlation",
+        "stroke_used",
+        "rate_x_delay",
+    }
+
+
+def test_it_streams_at_the_pace_of_the_log_and_comes_to_rest(ask, tmp_path):
+    short, listener = write(tmp_path / "short.csv", columns(0.5)), Listener(351)
+    code, out, _ = ask(short, "--stream", listener.url)
+    seen = listener.packets()
+    assert code == 0 and f"{listener.url}: 351 packets, every" in out
+    assert [packet.seq for packet in seen] == list(range(351))
+    assert not np.any(seen[-1].pose) and np.allclose(seen[-1].legs, 2.706)
+
+
+def test_other_geometries_and_washouts(ask, log, tmp_path):
+    assert ask(log, "--geometry", "linuxcnc", "--washout", "srs", "--out", "a")[0] == 0
+    (tmp_path / "mine.yaml").write_text("kind: classical\nforce_scale: [1, 1, 1]\n")
+    code, _, err = ask(log, "--washout", "mine.yaml", "--out", "b")
+    assert code == 2 and "mine.yaml:1:1: washout.rotation_scale: missing key" in err
+    (tmp_path / "tall.yaml").write_text("base: [[1, 0, 0]]\nplatform: 3\nshortest: 2\nlongest: 1\n")
+    code, _, err = ask(log, "--geometry", "tall.yaml", "--out", "b")
+    assert code == 2 and "tall.yaml:" in err
+    assert not (tmp_path / "b").exists()
+
+
+@pytest.mark.parametrize(
+    "words, sentence",
+    [
+        (["--geometry", "hexapd_a"], "--geometry: there is no geometry 'hexapd_a'; did you mean 'hexapod_a'?"),
+        (["--washout", "none"], "--washout: there is no washout 'none'"),
+        (["--frame", "enu"], "--frame: there is no 'enu'; there are flu, ned, ship"),
+        (["--packets", "x"], "--packets: there is no 'x'"),
+        (["--stream", "tcp://there"], "--stream: 'tcp://there' is not like udp://127.0.0.1:5005"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(ask, log, tmp_path, words, sentence):
+    code, out, err = ask(log, *words, "--out", "there")
+    assert code == 2 and out == "" and err.startswith(sentence) and err.count("\n") == 1
+    assert not (tmp_path / "there").exists()
+
+
+def test_a_log_that_is_none_is_refused_and_nothing_is_written(ask, tmp_path):
+    broken = columns(2.0)
+    broken["heave_m"][50:] += 10.0
+    for path in (tmp_path / "absent.csv", tmp_path, write(tmp_path / "jump.csv", broken)):
+        code, out, err = ask(path, "--out", "there")
+        assert code == 2 and out == "" and err.count("\n") == 1
+        code, out, _ = ask(path, "--out", "there", "--json")
+        assert code == 2 and json.loads(out)["error"]
+    assert not (tmp_path / "there").exists()

@@ -1,0 +1,117 @@
+import numpy as np
+import pytest
+
+from ocean_sim import csv_file
+from ocean_sim.motion_log import FORCES, FRAMES, converted, read, ride_of
+from tests.platform.conftest import G, columns, write
+
+
+def without(table, keep):
+    return {name: column[keep] for name, column in table.items()}
+
+
+def changed(name, change):
+    table = columns()
+    return table | {name: change(table[name])}
+
+
+def with_value(name, row, value):
+    table = columns()
+    table[name] = table[name].copy()
+    table[name][row] = value
+    return table
+
+
+BAD = {
+    "rows that are missing": (without(columns(), np.r_[0:300, 340:1001]), "rows are missing or out of order"),
+    "rows that are shuffled": (without(columns(), np.r_[0:300, 301, 300, 302:1001]), "not in the order of time"),
+    "rows that are there twice": (without(columns(), np.r_[0:300, 299:1001]), "not in the order of time"),
+    "NaN": (with_value("roll_rad", 500, np.nan), "roll_rad is nan in row 501"),
+    "infinity": (with_value("pitch_rate_rad_s", 3, np.inf), "pitch_rate_rad_s is inf in row 4"),
+    "a jump": (with_value("heave_m", 700, 10.0), "the ship jumps by .* m between"),
+    "no rows": (without(columns(), np.r_[0:0]), "has 0 rows"),
+    "one row": (without(columns(), np.r_[0:1]), "has 1 rows"),
+    "forces in g": (columns() | {name: columns()[name] / G for name in FORCES}, "is it in g?"),
+    "rates in degrees": (
+        changed("roll_rate_rad_s", np.degrees),
+        "its angles turn at .*, its rates are .* in degrees",
+    ),
+    "angles in degrees": (changed("roll_rad", np.degrees), "is one in degrees?"),
+    "too few rows a second": (columns(60.0, dt=0.5), "a platform needs at least 10 a second"),
+}
+
+
+@pytest.mark.parametrize("what", BAD)
+def test_a_log_that_cannot_be_is_refused_with_a_sentence(tmp_path, what):
+    table, sentence = BAD[what]
+    with pytest.raises(ValueError, match=sentence) as error:
+        read(write(tmp_path / "bad.csv", table))
+    assert "\n" not in str(error.value) and str(error.value).startswith(str(tmp_path / "bad.csv"))
+
+
+def test_other_units_and_frames_are_named(tmp_path):
+    table = columns()
+    in_degrees = {("roll_deg" if name == "roll_rad" else name): column for name, column in table.items()}
+    with pytest.raises(ValueError, match="has no column roll_rad, but roll_deg: its unit is another"):
+        read(write(tmp_path / "a.csv", in_degrees))
+    with pytest.raises(ValueError, match="frame 'enu'; a frame is one of"):
+        read(write(tmp_path / "b.csv", table, frame="enu"))
+    for frame in ("ned", "flu"):
+        with pytest.raises(ValueError, match="gravity does not point down"):
+            read(write(tmp_path / "c.csv", table, frame=frame))
+    path = write(tmp_path / "d.csv", table)
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join([*lines[:50], lines[50].rpartition(",")[0], *lines[51:]]))
+    with pytest.raises(ValueError, match="row 48 has 20 cells under 21 names"):
+        read(path)
+    path.write_text("\n".join([*lines[:50], lines[50].replace(lines[50].split(",")[4], "word", 1), *lines[51:]]))
+    with pytest.raises(ValueError, match="word"):
+        read(path)
+    path.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(ValueError, match="is not UTF-8 text"):
+        read(path)
+
+
+def test_a_log_is_the_same_ride_in_every_frame(log, tmp_path):
+    whole = read(log)
+    assert whole.every == pytest.approx(0.01) and whole.frame == "ship" and whole.head["seed"] == "7"
+    np.testing.assert_allclose(whole.ride.specific_force[0], [0.0, 0.0, G - (2 * np.pi / 6.0) ** 2], atol=1e-7)
+    for frame in ("ned", "flu", "ship"):
+        names = whole.names
+        rows = np.array([[float(cell) for cell in row] for row in converted(whole, frame)])
+        there = read(write(tmp_path / f"{frame}.csv", dict(zip(names, rows.T)), frame))
+        for one, other in zip(there.ride, whole.ride):
+            np.testing.assert_allclose(one, other, atol=1e-8)
+        back = np.array([[float(cell) for cell in row] for row in converted(there, "ship")])
+        np.testing.assert_allclose(back, [[float(cell) for cell in line.split(",")] for line in whole.lines], atol=1e-8)
+
+
+def test_axes_of_the_frames(log):
+    """NED (1, 2, 3) is ours (-2, -3, 1) and FLU (1, -2, -3); a worked specific force, and the quaternion."""
+    ned = np.array([-0.187498, -0.991343, -8.237563])
+    flu = ned @ FRAMES["ned"]
+    np.testing.assert_allclose(flu, [-0.187498, 0.991343, 8.237563])
+    np.testing.assert_allclose(FRAMES["ship"] @ flu, [0.991343, 8.237563, -0.187498])
+    assert all(np.linalg.det(axes) == pytest.approx(1.0) for axes in FRAMES.values())
+    whole = read(log)
+    row = dict(zip(whole.names, list(converted(whole, "ned"))[150]))
+    own = dict(zip(whole.names, whole.lines[150].split(",")))
+    assert float(row["qx"]) == float(own["qz"]) and float(row["heave_m"]) == -float(own["heave_m"])
+    assert float(row["roll_rad"]) == float(own["roll_rad"]) and row["surge_m"] == own["surge_m"]
+    assert [row[f"force_buoyancy_{axis}_N"] for axis in "xyz"] == [3.0, -1.0, -2.0]
+
+
+def test_a_ship_at_rest_feels_gravity_upward(tmp_path):
+    ride = read(write(tmp_path / "still.csv", columns(1.0, heave=0.0, roll=0.0))).ride
+    np.testing.assert_array_equal(ride.specific_force, np.tile([0.0, 0.0, G], (101, 1)))
+    assert ride_of(csv_file.columns(tmp_path / "still.csv"), "world").seq[-1] == 100
+
+
+def test_a_file_that_grows_is_read_row_by_row(tmp_path):
+    path = tmp_path / "grows.csv"
+    path.write_text("# frame: ned\na,b\n1,2\n3")
+    growing = csv_file.Growing(path)
+    assert growing.rows()["a"].tolist() == [1.0] and growing.head == {"frame": "ned"}
+    with path.open("a") as file:
+        file.write(",4\n5,6\n")
+    assert growing.rows()["b"].tolist() == [4.0, 6.0] and len(growing.rows()["a"]) == 0

@@ -1,0 +1,138 @@
+import socket
+import threading
+import time
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from ocean_sim import datagrams
+from ocean_sim.datagrams import Packet, Sender, Smooth, address, packed, received, unpacked
+from ocean_sim.observers import stream
+from ocean_sim.observers._csv import CsvFile
+from ocean_sim.platform import COLUMNS
+from tests.platform.conftest import Listener
+
+
+def packet(seq, height=0.0, every=0.01):
+    return Packet(seq, seq * every, "flu", (0.0, 0.0, height, 0.1, 0.2, 0.3), (2.7,) * 6, 0)
+
+
+def free_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asked:
+        asked.bind(("127.0.0.1", 0))
+        return asked.getsockname()[1]
+
+
+def test_packets_are_what_their_description_says():
+    sent = Packet(7, 1.25, "ned", (1.0, 2.0, -3.0, 0.1, 0.2, 0.3), (2.1, 2.2, 2.3, 2.4, 2.5, 2.6), 9)
+    data = packed(sent, "ocean_sim")
+    assert len(data) == 120 and data[:8] == b"OSPF\x01\x00\x01\x00" and data[8:16] == b"\x07\0\0\0\x09\0\0\0"
+    assert unpacked(data) == sent
+    theirs = np.frombuffer(packed(sent, "openmotionsim"), "<f4")
+    np.testing.assert_allclose(theirs, [1.25, *np.degrees([0.3, 0.2, 0.1]), 3.0], rtol=1e-6)  # down is -z in NED
+    for wrong in (data[:-1], b"XXXX" + data[4:], data[:4] + b"\x02\0" + data[6:]):
+        with pytest.raises(ValueError):
+            unpacked(wrong)
+
+
+def test_an_address_is_this_machine_unless_another_is_named():
+    assert address("udp://:5005") == address("udp://127.0.0.1:5005") == address("127.0.0.1:5005") == ("127.0.0.1", 5005)
+    assert address("udp://platform.local:99") == ("platform.local", 99)
+    for wrong in (
+        "tcp://127.0.0.1:5",
+        "udp://127.0.0.1",
+        "udp://127.0.0.1:no",
+        "udp://127.0.0.1:99999",
+        "",
+        "udp://:0",
+    ):
+        with pytest.raises(ValueError, match="is not like udp://"):
+            address(wrong)
+
+
+def test_a_stream_on_loopback_loses_nothing_and_keeps_its_pace():
+    """100 packets a second, for a short while; the deviation is reported, and depends on who else uses the machine."""
+    listener = Listener(150)
+    sender = Sender(listener.url)
+    for k in range(150):
+        sender.send(packet(k))
+    sender.close()
+    assert [told.seq for told in listener.packets()] == list(range(150))
+    jitter = sender.jitter()
+    assert jitter.packets == 150 and jitter.interval == pytest.approx(0.01, rel=0.5)
+    assert "150 packets, every" in str(jitter)
+
+
+def test_the_receiver_tells_what_came_and_counts():
+    """The one that `python -m ocean_sim.datagrams` runs."""
+    url, told, seen = f"udp://127.0.0.1:{free_port()}", [], []
+    thread = threading.Thread(target=lambda: seen.append(received(url, 3.0, told.append)))
+    thread.start()
+    time.sleep(0.3)
+    sender = Sender(url)
+    for k in (0, 1, 4, 3):
+        sender.send(packet(k, every=0.0))
+    sender.close()
+    thread.join()
+    assert (seen[0].lost, seen[0].reordered, len(told)) == (2, 1, 4)
+
+
+def test_a_sender_that_is_late_does_not_burst():
+    sender = Sender(f"udp://127.0.0.1:{free_port()}")
+    for k in range(5):
+        sender.send(packet(k))
+        if k == 1:
+            time.sleep(0.1)
+    sender.close()
+    assert sender.jitter().longest > 0.09 and np.diff(sender.sent)[2:].min() > 0.005
+
+
+def test_a_receiver_lies_on_the_line_between_packets():
+    smooth = Smooth(ramp=0.0001)
+    smooth.take(packet(0, 0.0), 10.00)
+    smooth.take(packet(1, 1.0), 10.01)
+    assert smooth.pose(10.015)[2] == pytest.approx(0.5) and smooth.pose(10.02)[2] == pytest.approx(1.0)
+    smooth.take(packet(4, 2.0), 10.02)
+    smooth.take(packet(3, 9.0), 10.03)
+    assert (smooth.lost, smooth.reordered) == (2, 1) and smooth.pose(10.03)[2] == pytest.approx(2.0)
+
+
+def test_on_a_stall_the_pose_holds_and_then_ramps():
+    smooth, poses = Smooth(hold=0.1, ramp=1.0), []
+    for k in range(2500):  # at 1 ms; packets every 10 ms, none from 1.0 to 1.5 s
+        now = k * 0.001
+        if k % 10 == 0 and not 1000 < k < 1500:
+            smooth.take(packet(k // 10, 0.1 if k <= 1000 else 0.5), now)
+        poses.append(smooth.pose(now)[2])
+    height = np.array(poses)
+    assert smooth.stalls == 1 and np.ptp(height[1011:1500]) < 1e-12
+    assert np.abs(np.diff(height)).max() < 0.002 and np.abs(np.diff(height, n=2)).max() < 2e-4
+    assert height[-1] == pytest.approx(0.5, abs=1e-3) and height[1750] < 0.2
+
+
+def test_a_run_streams_what_its_platform_does(tmp_path, capsys):
+    from types import SimpleNamespace
+
+    from ocean_sim.platform.hexapod import Config
+
+    listener = Listener(80)
+    observers = {"motion": SimpleNamespace(every=0.01), "platform_log": None}
+    simulation = SimpleNamespace(scene=SimpleNamespace(platform=Config(ramp=0.5), observers=observers))
+    log = CsvFile(tmp_path / "platform.csv", {"frame": "flu"}, COLUMNS)
+    observer = stream.Config(to=listener.url, frame="ned").build(tmp_path, simulation)
+    for k in range(30):
+        log.row([k * 0.01, k, 0.1, 0.2, 0.3, 0.01, 0.02, 0.03, *[2.7] * 6, *[0.0] * 6, *[0.0] * 6, 1])
+        observer.observe(simulation)
+    log.close()
+    observer.close()
+    seen = listener.packets()
+    assert [told.seq for told in seen] == list(range(80)) and not any(seen[-1].pose) and seen[0].limited == 1
+    np.testing.assert_allclose(seen[0].pose, [0.1, -0.2, -0.3, 0.01, -0.02, -0.03])
+    assert "80 packets" in capsys.readouterr().err
+    with pytest.raises(ValidationError, match="is not like udp://"):
+        stream.Config(to="somewhere")
+
+
+def test_the_formats_are_the_ones_offered():
+    assert set(datagrams.FORMATS) == set(stream.Config.model_fields["packets"].annotation.__args__)

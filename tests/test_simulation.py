@@ -9,6 +9,7 @@ import pytest
 
 import ocean_sim
 from ocean_sim import conventions
+from ocean_sim.fluid import Limits
 
 SMALL = {
     "duration": 0.2,
@@ -50,7 +51,9 @@ def test_the_stages_of_a_step_are_those_of_algorithm_8_in_order(small, monkeypat
 
     surface = SimpleNamespace(follow=lambda particles, dt: order.append("follow"))
     ship = SimpleNamespace(
-        load=lambda *who: order.append("load"), advance=lambda load, dt: order.append("advance ship")
+        load=lambda *who: order.append("load"),
+        advance=lambda load, dt: order.append("advance ship"),
+        limits=Limits,
     )
     for name, part in {"stage": stage, "surface": surface, "ship": ship}.items():
         monkeypatch.setattr(small, name, part)

@@ -50,9 +50,9 @@ def state(simulation: Simulation) -> State:
     """The particles now."""
     particles = simulation.fluid.particles
     order = np.argsort(particles.id.to_numpy())
-    fields = (particles.position, particles.velocity, particles.pressure, particles.density)
+    fields = (particles.velocity, particles.pressure, particles.density)
     arrays = [values.to_numpy()[order].astype(float) for values in fields]
-    return State(simulation.time, particles.mass, particles.spacing, *arrays)
+    return State(simulation.time, particles.mass, particles.spacing, simulation.fluid.places()[order], *arrays)
 
 
 def place(

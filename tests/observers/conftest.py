@@ -43,6 +43,7 @@ class Sea:
         n = len(x)
         self.particles = SimpleNamespace(
             n=n,
+            count=SimpleNamespace(now=n),
             mass=1000.0 * SPACING**3,
             rest_density=1000.0,
             spacing=SPACING,

@@ -36,7 +36,7 @@ def test_every_scene_validates_under_every_profile(name, profile):
 
 @pytest.mark.parametrize("slot, name", PARTS)
 def test_every_part_validates(slot, name):
-    scene = SEA if slot == "ship" else PARTICLES
+    scene = {"ship": SEA, "surface": PARTICLES | {"fluid": "thesis_6000"}}.get(slot, PARTICLES)
     assert getattr(load(scene | {slot: name}), slot) is not None
 
 

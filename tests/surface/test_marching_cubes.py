@@ -13,7 +13,7 @@ from ocean_sim import runtime
 from ocean_sim.basin import Basin
 from ocean_sim.basin import Config as BasinConfig
 from ocean_sim.conventions import Diverged
-from ocean_sim.fluid._particles import Components
+from ocean_sim.fluid._particles import Components, Count
 from ocean_sim.surface._density_map import flat_share
 from ocean_sim.surface._taubin import smoothed
 from ocean_sim.surface.marching_cubes import Config, MarchingCubes
@@ -36,7 +36,8 @@ def water(places: np.ndarray, spacing: float = SPACING) -> Any:
     position.from_numpy(places)
     volume = {"mass": 1000.0 * spacing**3, "rest_density": 1000.0, "spacing": spacing}
     lattice = SimpleNamespace(spacing=spacing, n=len(places))
-    particles = SimpleNamespace(n=len(places), position=position, **volume)
+    n = len(places)
+    particles = SimpleNamespace(n=n, count=Count(n, n), position=position, **volume)
     return SimpleNamespace(particles=particles, lattice=lambda _: lattice)
 
 

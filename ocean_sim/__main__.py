@@ -167,7 +167,7 @@ def render(
 def export(
     run: Annotated[Path, typer.Argument(help="A run folder.")],
     particles: Annotated[str | None, typer.Option(help="vtkhdf: for ParaView.")] = None,
-    surface: Annotated[str | None, typer.Option(help="ply or vtp: one mesh a frame, for Blender or ParaView.")] = None,
+    surface: Annotated[str | None, typer.Option(help="ply or vtp: one mesh a frame; vtkhdf: all in one file.")] = None,
     every: Annotated[int, typer.Option(min=1, help="Every how many frames.")] = 1,
     out: Annotated[Path | None, typer.Option(help="By default the folder export/ of the run.")] = None,
     json: Json = False,

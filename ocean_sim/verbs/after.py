@@ -7,7 +7,7 @@ from ocean_sim.verbs import console
 from ocean_sim.verbs.progress import Drawing
 from ocean_sim.yaml_file import Node, Place, Problem, SceneError, node_of
 
-PARTICLES, SURFACES = ("vtkhdf",), ("ply", "vtp")
+PARTICLES, SURFACES = ("vtkhdf",), ("ply", "vtp", "vtkhdf")
 
 
 def render(folder: Path, camera: str, quality: str, out: Path | None, as_json: bool) -> None:
@@ -40,7 +40,7 @@ def export(
     if particles is not None and particles not in PARTICLES:
         raise console.Refused(f"--particles {particles}: choose vtkhdf")
     if surface is not None and surface not in SURFACES:
-        raise console.Refused(f"--surface {surface}: choose ply or vtp")
+        raise console.Refused(f"--surface {surface}: choose ply, vtp or vtkhdf")
     finished(folder)
     from ocean_sim.observers._export import export_run
 

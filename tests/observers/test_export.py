@@ -5,6 +5,7 @@ import pytest
 
 from ocean_sim.observers import frames
 from ocean_sim.observers._export import NothingToExport, export_run
+from ocean_sim.observers._vtkhdf import Series
 
 
 @pytest.fixture
@@ -68,3 +69,37 @@ def test_what_was_not_kept_is_named(kept, tmp_path):
         export_run(folder, "vtkhdf", None, folder / "export")
     with pytest.raises(NothingToExport, match="has no frames"):
         export_run(tmp_path / "nowhere", "vtkhdf", None, folder / "export")
+
+
+def test_what_changes_from_moment_to_moment_reads_back(tmp_path):
+    """Another number of points and other triangles in each moment, and once the same as before."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkIOHDF import vtkHDFReader
+
+    rng = np.random.default_rng(3)
+    moments = []
+    for n, m in ((5, 3), (9, 4), (9, 4), (4, 1)):
+        same = moments and len(moments[-1][0]) == n
+        faces = moments[-1][1] if same else np.stack([rng.permutation(n)[:3] for _ in range(m)])
+        moments.append((rng.random((n, 3)).astype(np.float32), faces, rng.random((n, 3)).astype(np.float32)))
+    with Series(tmp_path / "s.vtkhdf", "Polygons") as series:
+        for k, (points, faces, normals) in enumerate(moments):
+            series.add(0.1 * k, points, faces, Normals=normals)
+    reader = vtkHDFReader()
+    reader.SetFileName(str(tmp_path / "s.vtkhdf"))
+    reader.Update()
+    assert reader.GetNumberOfSteps() == len(moments)
+    for k, (points, faces, normals) in enumerate(moments):
+        reader.SetStep(k)
+        reader.Update()
+        data = reader.GetOutputDataObject(0)
+        np.testing.assert_array_equal(vtk_to_numpy(data.GetPoints().GetData()), points)
+        np.testing.assert_array_equal(vtk_to_numpy(data.GetPointData().GetArray("Normals")), normals)
+        cells = vtk_to_numpy(data.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+        np.testing.assert_array_equal(cells, faces)
+
+
+def test_a_series_that_fails_leaves_no_file(tmp_path):
+    with pytest.raises(ValueError), Series(tmp_path / "s.vtkhdf", "Polygons"):
+        raise ValueError
+    assert list(tmp_path.iterdir()) == []

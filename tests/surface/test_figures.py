@@ -13,7 +13,7 @@ from ocean_sim.parts import PACKAGE, library
 @pytest.fixture(scope="module")
 def figures(tmp_path_factory):
     out = tmp_path_factory.mktemp("figures")
-    for name in ("fig3_3", "fig6_1"):
+    for name in ("fig3_3", "fig6_1", "fig6_2"):
         command = [sys.executable, str(library("figures") / f"{name}.py"), "--fast", "--out", str(out)]
         here = os.environ | {"PYTHONPATH": str(PACKAGE.parent)}
         done = subprocess.run(command, capture_output=True, text=True, env=here)
@@ -32,3 +32,13 @@ def test_figure_6_1_fits(figures):
     table = columns(figures / "fig6_1.csv")
     assert len(table["x_m"]) == 64
     assert abs(table["cloth_m"] - table["particles_m"]).max() < 0.25 * 2.5
+
+
+def test_figure_6_2_cuts_the_same_triangles_as_flying_edges_and_closes(figures):
+    lines = [line.split(",") for line in (figures / "fig6_2.csv").read_text().splitlines()[4:]]
+    rows = {name: values for name, *values in lines}
+    assert list(rows) == ["cloth", "marching_cubes", "flying_edges"]
+    assert rows["marching_cubes"][1] == rows["flying_edges"][1]
+    assert rows["marching_cubes"][4] == rows["flying_edges"][4] == "0"
+    assert rows["cloth"][4] == "64"  # its rim: 16 springs a side
+    assert all(abs(float(row[3])) < 0.05 for row in rows.values())

@@ -1,0 +1,111 @@
+"""Figure 6-2: the cloth beside marching cubes on the same water: milliseconds, triangles, distance, topology: CSV, PNG.
+
+python figures/fig6_2.py [--fast] [--out DIR]
+
+`flying_edges` cuts the field of our marching cubes by VTK's code; its time is that of the cut alone.
+"""
+
+import argparse
+import csv
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from ocean_sim.observers._surface_fit import fit, highest
+from ocean_sim.scene import load
+from ocean_sim.simulation import Simulation
+from ocean_sim.surface._mesh import Mesh
+
+SCENE, MOMENT, ROUNDS = "thesis/fig6_3c_wide", 6.0, 9  # [s]; medians of so many
+
+
+def taken(make: Callable[[], object]) -> float:
+    """Median time [ms], after a first time that compiles."""
+    make()
+    times = []
+    for _ in range(ROUNDS):
+        begin = perf_counter()
+        make()
+        times.append(perf_counter() - begin)
+    return 1e3 * float(np.median(times))
+
+
+def open_edges(triangles: np.ndarray) -> int:
+    """Edges that belong to one triangle alone."""
+    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    return int((np.unique(edges, axis=0, return_counts=True)[1] == 1).sum())
+
+
+def flying_edges(cubes: Any) -> Callable[[], Any]:
+    """VTK's isosurface of the same field."""
+    import pyvista
+
+    nodes = cubes.nodes
+    origin = tuple(np.array(nodes.lower) - 0.5 * np.array(nodes.width))
+    image = pyvista.ImageData(dimensions=nodes.shape, spacing=nodes.width, origin=origin)
+    values = cubes.isosurface.value.to_numpy()
+    return lambda: image.contour([0.0], values, method="flying_edges")
+
+
+def drawn(meshes: dict[str, Mesh], said: dict[str, str], path: Path) -> None:
+    """Both surfaces, seen from the same place."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(13.0, 4.8), layout="constrained")
+    for k, (name, mesh) in enumerate(meshes.items()):
+        axes = figure.add_subplot(1, 2, k + 1, projection="3d")
+        x, y, z = mesh.vertices.T
+        axes.plot_trisurf(x, z, y, triangles=mesh.triangles, color="#3f88b5", linewidth=0.1, edgecolor="#1b4965")
+        axes.set_box_aspect((np.ptp(x), np.ptp(z), 20.0))  # heights larger
+        axes.set(title=f"{name.replace('_', ' ')}: {said[name]}", xlabel="x [m]", ylabel="z [m]", zlim=(-4.0, 4.0))
+        axes.view_init(elev=24.0, azim=-60.0)
+    figure.savefig(path, dpi=150)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--fast", action="store_true", help="coarse and short")
+    parser.add_argument("--out", type=Path, default=Path("figures_out"))
+    options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
+    coarse = {"resolution": 2.0} if options.fast else {}
+    config = load(SCENE, {"render": None, "frames": None, "accuracy": None, "surface": "cloth", **coarse})
+    other = load(SCENE, {"surface": "marching_cubes", **coarse}).surface
+    with Simulation(config) as simulation:
+        simulation.run(until=0.2 if options.fast else MOMENT)
+        cloth, fluid = simulation.surface, simulation.fluid
+        cubes, spacing = other.build(simulation.basin, fluid), fluid.particles.spacing
+        top = highest(fluid.particles.position.to_numpy().astype(float), simulation.basin, spacing)
+
+        def frame() -> None:
+            cubes.follow(fluid.particles, 0.0)
+            cubes.mesh()
+
+        every = cloth.config.every
+        step = taken(lambda: (fluid.advance(simulation.next_dt), fluid.elevations(np.zeros((1, 2)))))
+        times = {"cloth": taken(lambda: (cloth.update(every), cloth.mesh())), "marching_cubes": taken(frame)}
+        meshes = {"cloth": cloth.mesh(), "marching_cubes": cubes.free_surface()}
+        whole = {"cloth": meshes["cloth"], "marching_cubes": cubes.mesh()}
+        rows = []
+        for name, surface in (("cloth", cloth), ("marching_cubes", cubes)):
+            mean, rms = (value / spacing for value in fit(surface, top))
+            rows.append((name, times[name], len(whole[name].triangles), mean, rms, open_edges(whole[name].triangles)))
+        cut = flying_edges(cubes)
+        triangles = cut().regular_faces
+        rows.append(("flying_edges", taken(cut), len(triangles), rows[1][3], rows[1][4], open_edges(triangles)))
+    with (options.out / "fig6_2.csv").open("w", newline="", encoding="utf-8") as file:
+        file.write(f"# {SCENE} at {simulation.time:.3f} s, {fluid.particles.n} particles {spacing:g} m apart\n")
+        file.write(f"# medians of {ROUNDS}; a step of the water took {step:.3f} ms\n")
+        file.write("# distance over the highest particle of every column, in spacings; an open edge has one triangle\n")
+        writer = csv.writer(file)
+        writer.writerow(["surface", "ms", "triangles", "mean_spacings", "rms_spacings", "open_edges"])
+        writer.writerows([(name, *(round(value, 4) for value in values)) for name, *values in rows])
+    said = {name: f"{ms:.2f} ms, {count} triangles, {rms:.3f} spacings" for name, ms, count, _, rms, _ in rows}
+    drawn(meshes, said, options.out / "fig6_2.png")
+
+
+if __name__ == "__main__":
+    main()

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 PILED = 4.0  # largest eigenvalue of A / A_ii for particles piled up in one place beside a wall
 REPORT = 3  # numbers that an iteration reports: sums over all particles
 TOO_DENSE, TOO_THIN, UPHILL = range(REPORT)
+SHARE = 0.5  # of the error that a step begins with: iterations go on until it is less, so that calm water comes to rest
 
 
 @ti.func
@@ -184,19 +185,24 @@ class Solver:
         velocity: Components,
         tolerance: float,
         most: int,
+        least: float,
         start: ti.Field | None = None,
     ) -> None:
-        """`start`: pressures to start from, of a solver that undoes only what the velocity adds; one without them
-        undoes compression that is there already."""
+        """`least`: the error [tolerances] below which nothing is left to be done; `start`: pressures to start from, of
+        a solver that undoes only what the velocity adds; one without them undoes compression that is there already."""
         self.velocity, self.restores = tuple(velocity), start is None
         self.start = start if start is not None else ti.field(float, shape=())
         self.forces = not (self.restores and fluid.closed)  # whether its pressures are forces
-        self.tolerance, self.most = tolerance, most
+        self.tolerance, self.most, self.least = tolerance, most, least * tolerance
         self.gain, self.next, self.best = (ti.field(float, shape=fluid.particles.n) for _ in range(3))
         self.compression, self.push = Compression(fluid, self), Push(fluid, self)
         self.account = Account(fluid, self)
         self.last_iterations, self.last_error = 0, 0.0  # of the last step; the error is over the rest density
         self.iterations, self.error, self.unsolved = 0, 0.0, 0  # since the start: all, the worst, and steps above
+
+    def enough(self, first: float) -> float:
+        """The error to stop at, of a step that begins with the error `first`."""
+        return min(self.tolerance, max(self.least, SHARE * first))
 
     def ended(self, iterations: int, error: float) -> None:
         """Put a step to its account."""

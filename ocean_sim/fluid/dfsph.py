@@ -43,7 +43,7 @@ from ocean_sim.wind import Wind
 
 READS = 7  # fields of a neighbour that the law of the forces reads
 FLAT, SOLID = 3.6, 2.0  # [spacings] support in a slice (40 neighbours) and in space (33)
-UNDER_A_SURFACE, ENCLOSED = 1.0e-5, 1.0e-3  # tolerances of the divergence
+CALM = {"density": 0.1, "divergence": 0.003}  # [tolerances] errors below which water counts as calm
 SLOW = 2.0  # of the reference speed: water counts as no slower when the next step is chosen, see `limits`
 LEAST = 0.05  # of its value on the lattice: A_ii is taken to be no less, which keeps coincident particles finite
 GAP = 0.1  # of what is missing in a gap that may close in a step; wider gaps close as fast as they are wide
@@ -59,11 +59,10 @@ class Config(SphConfig):
     """Zero: water with a free surface knows no negative pressures."""
     artificial_viscosity: float = quantity("1", 0.02, ge=0.0)
     """alpha: under a free surface alpha times half the support times reference_speed is added to the viscosity."""
-    density_tolerance: float = quantity("1", 1.0e-4, gt=0.0)
-    """Mean error of the density that a step may end with, over the rest density."""
-    divergence_tolerance: float | None = quantity("1", None, gt=0.0)
-    """Mean compression in a step that the velocity may end with, over the rest density; by default 1e-5 under a free
-    surface, whose weight the water must bear, and 1e-3 without one, where less would damp the flow."""
+    density_tolerance: float = quantity("1", 5.0e-4, gt=0.0)
+    """Mean error of the density that a step may end with, over the rest density; calm water ends with less."""
+    divergence_tolerance: float = quantity("1", 1.0e-3, gt=0.0)
+    """Mean compression in a step that the velocity may end with, over the rest density; calm water ends with less."""
     max_density_iterations: int = quantity("1", 100, ge=0)
     """The most iterations for the density; steps that would need more are counted."""
     max_divergence_iterations: int = quantity("1", 100, ge=0)
@@ -75,10 +74,6 @@ class Config(SphConfig):
     def closed(self, basin: Basin) -> bool:
         """Whether the water has no free surface."""
         return basin.closed and self.fill is None
-
-    def tolerance(self, basin: Basin) -> float:
-        """Of the divergence."""
-        return self.divergence_tolerance or (ENCLOSED if self.closed(basin) else UNDER_A_SURFACE)
 
     def viscosity(self, basin: Basin) -> float:
         """Kinematic viscosity, the artificial one included [m2/s]."""
@@ -301,9 +296,10 @@ class Dfsph(Sph):
         self.momentum, self.level = (ti.field(float, shape=()) for _ in range(2))  # how far an iteration is carried
         self.level[None] = particles.rest_density  # on; density that is sought [kg/m3]
         self.rows = ti.field(float, shape=(self.ledger.groups, REPORT))
-        limits = config.tolerance(basin), config.max_divergence_iterations
+        calm = 1.0 if self.closed else CALM["divergence"]  # without a surface less would damp the flow
+        limits = config.divergence_tolerance, config.max_divergence_iterations, calm
         self.divergence = Solver(self, self.predicted, *limits, self.held_pressure)
-        limits = config.density_tolerance, config.max_density_iterations
+        limits = config.density_tolerance, config.max_density_iterations, CALM["density"]
         self.incompressible = Solver(self, self.way, *limits)
         self.solvers = {"density": self.incompressible, "divergence": self.divergence}
         self.density, self.forces = Density(self), Forces(self, config.viscosity(basin))
@@ -335,16 +331,16 @@ class Dfsph(Sph):
         self.status = self.ledger.status(self.summary, self.grid)
 
     def solve(self, solver: Solver) -> None:
-        """Iterate until the water is neither pressed together nor apart by more than its tolerance in the mean, at most
-        so often."""
+        """Iterate until the water is neither pressed together nor apart by more than enough in the mean, at most so often."""
         scale = 1.0 / (self.particles.count.now * self.particles.rest_density)
-        done, along = 0, 1.0
-        while not (error := scale * float(self.report[:UPHILL].max())) <= solver.tolerance and done < solver.most:
+        done, along, error = 0, 1.0, scale * float(self.report[:UPHILL].max())
+        enough = solver.enough(error)
+        while not error <= enough and done < solver.most:
             if self.report[UPHILL] > 0.0:
                 along = 1.0
             ahead = 0.5 + sqrt(0.25 + along * along)
             self.iterate(solver, (along - 1.0) / ahead, self.report)
-            done, along = done + 1, ahead
+            done, along, error = done + 1, ahead, scale * float(self.report[:UPHILL].max())
         solver.ended(done, error)
         if self.ledger.impulses and solver.forces:
             self.count(solver)

@@ -73,4 +73,3 @@ def flips(mirror):
     for k in ti.static(range(3)):
         turned += int(mirror[SIGN, k] < 0.0) << k
     return turned * MOST_PARTICLES
-

@@ -5,10 +5,8 @@ transpose, to velocities; A = B B^T is symmetric. Sought are the pressures p wit
 wanted), r <= 0, and r = 0 where p > 0.
 """
 
-from math import sqrt
 from typing import TYPE_CHECKING
 
-import numpy as np
 import taichi as ti
 import taichi.math as tm
 

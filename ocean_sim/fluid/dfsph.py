@@ -27,12 +27,11 @@ import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.basin import Basin
-from ocean_sim.fluid import Limits
+from ocean_sim.fluid import Limits, _pairs
 from ocean_sim.fluid._grid import TASK
 from ocean_sim.fluid._images import climbed, mirrored, turned
 from ocean_sim.fluid._ledger import GRAVITY, PRESSURE, VISCOSITY, WALLS, WIND
 from ocean_sim.fluid._pairs import Pairs
-from ocean_sim.fluid import _pairs
 from ocean_sim.fluid._particles import Components
 from ocean_sim.fluid._pressure_solver import REPORT, TOO_DENSE, UPHILL, Solver, away_from
 from ocean_sim.fluid._smoothing import Smoothing

@@ -175,7 +175,7 @@ class Neighbours:
 
     @ti.func
     def closest(self, x, begin, end, first, found):
-        """Note which of these candidates lie within a support of x, and not in its place; how many with those before."""
+        """Note which of these candidates lie within a support of x, though not in its place; how many there are now."""
         px, py, pz = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
         for a in range(begin, end):
             away = x - tm.vec3(px[a], py[a], pz[a])

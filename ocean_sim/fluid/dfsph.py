@@ -7,7 +7,8 @@ under which the particles arrive at its rest density (density). Each solver iter
 
 by relaxed Jacobi steps p = max(p + omega r / A_ii, 0) (their kappa is p / density), carried on along the way of the
 last ones (Nesterov 1983) unless that leads uphill (O'Donoghue & Candes 2015, Found. Comput. Math. 15). An iteration
-is two walks over the neighbours; the pressures of a step are where the next begins, so calm water needs few.
+reads the kept pairs twice. The pressures of a step are where the next begins; iterations go on until the error is
+within its tolerance and half of what it was, so that calm water, which needs few, comes to rest.
 
 Where there is a free surface both pressures are forces, and never negative: with them the step is symplectic (it is
 SHAKE; Leimkuhler & Skeel 1994, J. Comput. Phys. 112), and still water stays still. A gap inside the water may close
@@ -95,7 +96,7 @@ class Config(SphConfig):
         sizes = self.sized(basin, READS, 1)
         n, neighbours = sizes.grid.lattice.n, Stencil(Smoothing(basin.dimension, self.ratio(basin)), 1.0).neighbours
         pairs = LedgerRow("fluid", "pairs", _pairs.size(n, neighbours, word), f"{neighbours} neighbours on the lattice")
-        return [*rows(sizes, word, 24 + 3 * self.closed(basin), what), pairs]
+        return [*rows(sizes, word, 26 + 2 * self.closed(basin), what), pairs]
 
     def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "Dfsph":
         return Dfsph(self, basin, ledger, wind)
@@ -330,7 +331,8 @@ class Dfsph(Sph):
         self.status = self.ledger.status(self.summary, self.grid)
 
     def solve(self, solver: Solver) -> None:
-        """Iterate until the water is neither pressed together nor apart by more than enough in the mean, at most so often."""
+        """Iterate until the water is pressed neither together nor apart by more than is allowed in the mean, at most so
+        often."""
         scale = 1.0 / (self.particles.count.now * self.particles.rest_density)
         done, along, error = 0, 1.0, scale * float(self.report[:UPHILL].max())
         enough = solver.enough(error)

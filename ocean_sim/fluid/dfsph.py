@@ -57,7 +57,7 @@ class Config(SphConfig):
     """Support radius of the smoothing kernel over the spacing; by default 3.6 in a slice and 2.0 in space."""
     minimum_pressure: float | None = quantity("Pa", 0.0, ge=0.0, le=0.0)
     """Zero: water with a free surface knows no negative pressures."""
-    artificial_viscosity: float = quantity("1", 0.02, ge=0.0)
+    artificial_viscosity: float = quantity("1", 0.01, ge=0.0)
     """alpha: under a free surface alpha times half the support times reference_speed is added to the viscosity."""
     density_tolerance: float = quantity("1", 5.0e-4, gt=0.0)
     """Mean error of the density that a step may end with, over the rest density; calm water ends with less."""

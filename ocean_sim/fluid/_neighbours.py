@@ -14,8 +14,9 @@ from ocean_sim.basin import OPEN
 from ocean_sim.fluid._grid import Grid, GridSize
 from ocean_sim.fluid._images import mirrored
 from ocean_sim.fluid._ledger import Ledger
+from ocean_sim.fluid._pairs import Pairs, flips
 from ocean_sim.fluid._particles import Particles
-from ocean_sim.fluid._smoothing import positive
+from ocean_sim.fluid._smoothing import Smoothing, positive
 from ocean_sim.fluid._water import MOST_PARTICLES
 
 
@@ -62,6 +63,12 @@ class Neighbours:
         self.candidates = ti.field(int, shape=size.grid.occupied)
         self.candidate = ti.field(int, shape=self.groups * self.segment)
         self.scratch = tuple(ti.field(float, shape=self.groups * self.capacity) for _ in range(size.reads))
+        self.keeps = False  # whether pairs are kept
+
+    def keep(self, pairs: Pairs, smoothing: Smoothing) -> None:
+        """From now on a walk that finds its candidates also keeps their pairs."""
+        self.keeps, self.pairs, self.smoothing = True, pairs, smoothing
+        self.name, self.close = (ti.field(int, shape=self.groups * self.capacity) for _ in range(2))
 
     @ti.func
     def bounds(self, c):
@@ -157,12 +164,41 @@ class Neighbours:
                 run = self.candidate[entry]
                 for b in range(run):
                     a = scratch + self.candidate[entry + 1 + b]
+                    if ti.static(find and self.keeps):
+                        self.name[scratch + m + b] = self.name[a] ^ flips(mirror)
                     other = ti.Vector([self.scratch[t][a] for t in ti.static(range(len(law.reads)))])
                     image = law.image(other, mirror)
                     for t in ti.static(range(len(law.reads))):
                         self.scratch[t][scratch + m + b] = image[t]
                 m, entry = m + run, entry + 1 + run
         return tm.ivec2(m, entry)
+
+    @ti.func
+    def closest(self, x, begin, end, first, found):
+        """Note which of these candidates lie within a support of x, though not in its place; how many there are now."""
+        px, py, pz = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
+        for a in range(begin, end):
+            away = x - tm.vec3(px[a], py[a], pz[a])
+            r2 = away.dot(away)
+            self.close[first + found] = a
+            found += int(r2 < self.grid.support * self.grid.support) & int(r2 > 0.0)
+        return found
+
+    @ti.func
+    def keep_pairs(self, i, x, scratch, n, m, group):
+        """Keep the pairs of particle i with the m candidates in the scratch, the first n of them particles."""
+        px, py, pz = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
+        near = self.closest(x, scratch, scratch + n, scratch, 0)
+        seen = self.closest(x, scratch + n, scratch + m, scratch, near)
+        if seen > self.pairs.room:
+            near, seen = 0, 0
+            self.ledger.overflow[group] = self.ledger.overflow[group] + 1
+        self.pairs.near[i], self.pairs.seen[i] = near, seen
+        for b in range(seen):
+            a, to = self.close[scratch + b], i * self.pairs.room + b
+            away = x - tm.vec3(px[a], py[a], pz[a])
+            self.pairs.name[to] = self.name[a]
+            self.pairs.gradient[to] = self.smoothing.shape_grad_wendland(ti.sqrt(away.dot(away))) * away
 
     @ti.func
     def walk(self, group, law: ti.template(), find: ti.template()):
@@ -198,9 +234,13 @@ class Neighbours:
                 if ti.static(self.periodic):
                     shift = self.shift(j // MOST_PARTICLES)
                     j = j % MOST_PARTICLES
+                    if ti.static(find and self.keeps):
+                        self.name[scratch + a] = j
                     for t, field in ti.static(enumerate(law.reads)):
                         self.scratch[t][scratch + a] = field[j] + (shift[t] if ti.static(t < 3) else 0.0)
                 else:
+                    if ti.static(find and self.keeps):
+                        self.name[scratch + a] = j
                     for t, field in ti.static(enumerate(law.reads)):
                         self.scratch[t][scratch + a] = field[j]
             seen = tm.ivec2(n, kept + n)
@@ -218,5 +258,7 @@ class Neighbours:
                     for a in range(scratch + n, scratch + m):
                         other = ti.Vector([self.scratch[t][a] for t in ti.static(range(len(law.reads)))])
                         beyond += law.pair(own, other)
+                if ti.static(find and self.keeps):
+                    self.keep_pairs(i, tm.vec3(own[0], own[1], own[2]), scratch, n, m, group)
                 law.finish(i, own, total, beyond, group)
             kept = seen[1]

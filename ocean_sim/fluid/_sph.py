@@ -47,6 +47,10 @@ class SphConfig(WaterConfig):
         """Support over spacing."""
         return self.support_ratio
 
+    def enclosed(self, basin: Basin) -> bool:
+        """Whether the water has no free surface."""
+        return basin.closed and self.fill is None
+
     def problems(self, basin: Basin) -> list[tuple[tuple[str | int, ...], str]]:
         found = super().problems(basin)
         if self.sound_speed(basin) == 0.0:

@@ -61,13 +61,9 @@ class Config(SphConfig):
         smoothing = Smoothing(basin.dimension, self.ratio(basin) * self.lattice(basin).spacing)
         return self.limited(smoothing, self.sound_speed(basin), 0.0, 0.0)
 
-    def shifted(self, basin: Basin) -> bool:
-        """Whether particles are shifted: where the water has no free surface."""
-        return basin.closed and self.fill is None
-
     def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
         what = "position, velocity, density, pressure, its deviation and rate, number"
-        return rows(self.sized(basin, READS, CARRIED), word, 12 + 3 * self.shifted(basin), what)
+        return rows(self.sized(basin, READS, CARRIED), word, 12 + 3 * self.enclosed(basin), what)
 
     def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "DeltaSph":
         return DeltaSph(self, basin, ledger, wind)
@@ -287,7 +283,7 @@ class DeltaSph(Sph):
         self.deviation, self.pressing = self.carried  # [kg/m3] in the middle of the step; p / rho^2 there
         self.excess, self.rate = (ti.field(float, shape=particles.n) for _ in range(2))  # [kg/m3] at its end, and rate
         self.slope = particles.mass * self.smoothing.wendland_slope  # -m grad W / x_ij over its shape
-        self.clamped, self.shifting = config.minimum_pressure is not None, config.shifted(basin)
+        self.clamped, self.shifting = config.minimum_pressure is not None, config.enclosed(basin)
         if self.shifting:
             self.shift = Components(particles.n)  # [1/m] where to
         self.per_reach = 1.0 / (FLAT * particles.spacing)  # [1/m]

@@ -7,7 +7,8 @@ under which the particles arrive at its rest density (density). Each solver iter
 
 by relaxed Jacobi steps p = max(p + omega r / A_ii, 0) (their kappa is p / density), carried on along the way of the
 last ones (Nesterov 1983) unless that leads uphill (O'Donoghue & Candes 2015, Found. Comput. Math. 15). An iteration
-is two walks over the neighbours; the pressures of a step are where the next begins, so calm water needs few.
+reads the kept pairs twice. The pressures of a step are where the next begins; iterations go on until the error is
+within its tolerance and half of what it was, so that calm water, which needs few, comes to rest.
 
 Where there is a free surface both pressures are forces, and never negative: with them the step is symplectic (it is
 SHAKE; Leimkuhler & Skeel 1994, J. Comput. Phys. 112), and still water stays still. A gap inside the water may close
@@ -16,12 +17,9 @@ gradient of their number (Lind et al. 2012, J. Comput. Phys. 231), and the densi
 (Cornelis et al. 2019, Visual Computer 35).
 
 A known weakness: once its lattice has given way, the pressures of single particles scatter in water that hardly moves
-(after 60 s without viscosity, in a tank of 10 rows, by 17 % of that at the bed; their mean there is 3 % high).
+(after 24 s without viscosity, in a tank of 10 rows, by 10 % of that at the bed; their mean there is 2 % high).
 """
 
-from dataclasses import dataclass
-from functools import cached_property
-from itertools import product
 from math import sqrt
 from typing import Literal
 
@@ -30,25 +28,25 @@ import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.basin import Basin
-from ocean_sim.fluid import Limits
+from ocean_sim.fluid import Limits, _pairs
 from ocean_sim.fluid._grid import TASK
-from ocean_sim.fluid._images import PUSH, SIGN, climbed, mirrored, turned
+from ocean_sim.fluid._images import climbed, mirrored, turned
 from ocean_sim.fluid._ledger import GRAVITY, PRESSURE, VISCOSITY, WALLS, WIND
+from ocean_sim.fluid._pairs import Pairs
 from ocean_sim.fluid._particles import Components
+from ocean_sim.fluid._pressure_solver import REPORT, TOO_DENSE, UPHILL, Solver, away_from
 from ocean_sim.fluid._smoothing import Smoothing
 from ocean_sim.fluid._sph import Sph, SphConfig, limits, rows
+from ocean_sim.fluid._stencil import Stencil
 from ocean_sim.parts import LedgerRow, quantity
 from ocean_sim.wind import Wind
 
 READS = 7  # fields of a neighbour that the law of the forces reads
-FLAT, SOLID = 3.6, 2.0  # [spacings] support in a slice (40 neighbours) and in space (33)
-UNDER_A_SURFACE, ENCLOSED = 1.0e-5, 1.0e-3  # tolerances of the divergence
+FLAT, SOLID = 3.6, 2.0  # [spacings] support in a slice (36 neighbours) and in space (26)
+CALM = {"density": 0.1, "divergence": 0.003}  # [tolerances] errors below which water counts as calm
 SLOW = 2.0  # of the reference speed: water counts as no slower when the next step is chosen, see `limits`
-PILED = 4.0  # largest eigenvalue of A / A_ii for particles piled up in one place beside a wall
 LEAST = 0.05  # of its value on the lattice: A_ii is taken to be no less, which keeps coincident particles finite
 GAP = 0.1  # of what is missing in a gap that may close in a step; wider gaps close as fast as they are wide
-REPORT = 3  # numbers that an iteration reports: sums over all particles
-TOO_DENSE, TOO_THIN, UPHILL = range(REPORT)
 
 
 class Config(SphConfig):
@@ -59,13 +57,12 @@ class Config(SphConfig):
     """Support radius of the smoothing kernel over the spacing; by default 3.6 in a slice and 2.0 in space."""
     minimum_pressure: float | None = quantity("Pa", 0.0, ge=0.0, le=0.0)
     """Zero: water with a free surface knows no negative pressures."""
-    artificial_viscosity: float = quantity("1", 0.02, ge=0.0)
+    artificial_viscosity: float = quantity("1", 0.01, ge=0.0)
     """alpha: under a free surface alpha times half the support times reference_speed is added to the viscosity."""
-    density_tolerance: float = quantity("1", 1.0e-4, gt=0.0)
-    """Mean error of the density that a step may end with, over the rest density."""
-    divergence_tolerance: float | None = quantity("1", None, gt=0.0)
-    """Mean compression in a step that the velocity may end with, over the rest density; by default 1e-5 under a free
-    surface, whose weight the water must bear, and 1e-3 without one, where less would damp the flow."""
+    density_tolerance: float = quantity("1", 5.0e-4, gt=0.0)
+    """Mean error of the density that a step may end with, over the rest density; calm water ends with less."""
+    divergence_tolerance: float = quantity("1", 1.0e-3, gt=0.0)
+    """Mean compression in a step that the velocity may end with, over the rest density; calm water ends with less."""
     max_density_iterations: int = quantity("1", 100, ge=0)
     """The most iterations for the density; steps that would need more are counted."""
     max_divergence_iterations: int = quantity("1", 100, ge=0)
@@ -74,18 +71,10 @@ class Config(SphConfig):
     def ratio(self, basin: Basin) -> float:
         return self.support_ratio or (FLAT if basin.dimension == 2 else SOLID)
 
-    def closed(self, basin: Basin) -> bool:
-        """Whether the water has no free surface."""
-        return basin.closed and self.fill is None
-
-    def tolerance(self, basin: Basin) -> float:
-        """Of the divergence."""
-        return self.divergence_tolerance or (ENCLOSED if self.closed(basin) else UNDER_A_SURFACE)
-
     def viscosity(self, basin: Basin) -> float:
         """Kinematic viscosity, the artificial one included [m2/s]."""
         half = 0.5 * self.ratio(basin) * self.lattice(basin).spacing
-        artificial = 0.0 if self.closed(basin) else self.artificial_viscosity * half * self.speed(basin)
+        artificial = 0.0 if self.enclosed(basin) else self.artificial_viscosity * half * self.speed(basin)
         return self.kinematic_viscosity + artificial
 
     def limited(self, basin: Basin, speed: float, acceleration: float) -> Limits:
@@ -100,82 +89,13 @@ class Config(SphConfig):
 
     def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
         what = "position, velocity, density, pressure, number; predicted velocity, way and two solvers' fields"
-        return rows(self.sized(basin, READS, 1), word, 20 + 3 * self.closed(basin), what)
+        sizes = self.sized(basin, READS, 1)
+        n, neighbours = sizes.grid.lattice.n, Stencil(Smoothing(basin.dimension, self.ratio(basin)), 1.0).neighbours
+        pairs = LedgerRow("fluid", "pairs", _pairs.size(n, neighbours, word), f"{neighbours} neighbours on the lattice")
+        return [*rows(sizes, word, 26 + 2 * self.enclosed(basin), what), pairs]
 
     def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "Dfsph":
         return Dfsph(self, basin, ledger, wind)
-
-
-@dataclass(frozen=True)
-class Stencil:
-    """What Wendland's kernel makes of a lattice of particles; its constant is such that their density is at rest."""
-
-    smoothing: Smoothing
-    spacing: float  # [m]
-
-    @cached_property
-    def offsets(self) -> np.ndarray:
-        """Places of the neighbours on the lattice, and of the particle itself [m]."""
-        last = int(self.smoothing.support / self.spacing) + 1
-        return self.spacing * np.array(list(product(range(-last, last + 1), repeat=self.smoothing.dimension)), float)
-
-    @cached_property
-    def q(self) -> np.ndarray:
-        """1 - r/h of each of them, where it is positive."""
-        return np.maximum(1.0 - np.linalg.norm(self.offsets, axis=1) / self.smoothing.support, 0.0)
-
-    @property
-    def shape(self) -> np.ndarray:
-        """The kernel over its constant."""
-        return self.q**4 * (5.0 - 4.0 * self.q)
-
-    @property
-    def volume(self) -> float:
-        """Of a particle [m3], in a slice [m2]."""
-        return self.spacing**self.smoothing.dimension
-
-    @property
-    def constant(self) -> float:
-        """[m^-3], in a slice [m^-2]."""
-        return 1.0 / (self.volume * float(self.shape.sum()))
-
-    @property
-    def slope(self) -> float:
-        """grad W = -slope (1 - r/h)^3 x [m^-5], in a slice [m^-4]."""
-        return 20.0 * self.constant / self.smoothing.support**2
-
-    @property
-    def gain(self) -> float:
-        """What the lattice makes of a gradient of one; forces are divided by it."""
-        return self.slope * self.volume * float(self.q**3 @ self.offsets[:, 0] ** 2)
-
-    @property
-    def lacking(self) -> float:
-        """What the top row of a lattice lacks of its density, over the gradient of the share of water there [m]."""
-        above = self.offsets[:, 1] > 0.5 * self.spacing
-        lack = self.constant * float(self.shape[above].sum())
-        return lack / (self.slope * float(self.q[above] ** 3 @ self.offsets[above, 1]))
-
-    @property
-    def squares(self) -> float:
-        """Sum of the squared gradients [m^-8], in a slice [m^-6]."""
-        return self.slope**2 * float(self.q**6 @ (self.offsets**2).sum(axis=1))
-
-    @property
-    def stiffest(self) -> float:
-        """Largest eigenvalue of A / A_ii, of plane waves along the axes of the lattice and its diagonals."""
-        largest = 0.0
-        for wave in product(np.linspace(0.0, np.pi, 13), repeat=self.smoothing.dimension):
-            gradients = (self.slope * self.q**3 * np.sin(self.offsets @ wave / self.spacing)) @ self.offsets
-            largest = max(largest, float(gradients @ gradients) / self.squares)
-        return largest
-
-
-@ti.func
-def away_from(fluid: ti.template(), own, other):
-    """x_ij times the shape of grad W, of two particles whose places come first."""
-    x_ij = tm.vec3(own[0] - other[0], own[1] - other[1], own[2] - other[2])
-    return fluid.smoothing.shape_grad_wendland(ti.sqrt(x_ij.dot(x_ij))) * x_ij
 
 
 @ti.data_oriented
@@ -229,7 +149,7 @@ class Density:
         gradient = self.slope * tm.vec3(total[1], total[2], total[3])
         rho, squares = self.mass * total[0], gradient.dot(gradient) + self.square * total[4]
         gradient *= self.volume  # of the share of water
-        fluid.particles.density[i], fluid.particles.pressure[i] = rho, fluid.divergence.pressure[i]
+        fluid.particles.density[i], fluid.particles.pressure[i] = rho, fluid.held_pressure[i]
         fluid.diagonal[i] = self.scale * tm.max(rho / rest, 1.0) * tm.max(squares, self.least)
         fluid.rows[group, TOO_DENSE] += rho
         if ti.static(fluid.closed):
@@ -253,7 +173,7 @@ class Forces:
 
     def __init__(self, fluid: "Dfsph", viscosity: float) -> None:
         self.fluid, self.viscous = fluid, viscosity > 0.0
-        self.reads = (*fluid.particles.position, fluid.divergence.pressure)
+        self.reads = (*fluid.particles.position, fluid.held_pressure)
         if self.viscous:
             self.reads += tuple(fluid.particles.velocity)
         self.apart = fluid.ledger.impulses
@@ -338,147 +258,9 @@ class Forces:
         u = fluid.pushed(group, WALLS, u, fluid.walls.calmed(x, u, dt) - u)
         u = fluid.pressed(group, u, dt, total, beyond)
         for k, component in ti.static(enumerate(fluid.predicted)):
-            component[i] = u[k]
-        fluid.divergence.best[i] = own[3]
+            component[i] = fluid.base[k][i] = u[k]
+        fluid.divergence.begin(i)
         fluid.ledger.count_motion(group, before, a, 0)
-
-
-@ti.data_oriented
-class Compression:
-    """The residual r of each particle with the pressures so far, and the next pressures; 2015, eqs. 6, 7, 12, 13."""
-
-    apart = False
-    sums = 1
-
-    def __init__(self, fluid: "Dfsph", solver: "Solver") -> None:
-        self.fluid, self.solver = fluid, solver
-        self.reads = (*fluid.particles.position, *solver.velocity)
-        self.rate = -fluid.particles.mass * fluid.stencil.slope
-        self.relaxation = 1.0 / max(fluid.stencil.stiffest, PILED)
-        if fluid.bodies:
-            self.solid = fluid.boundary.met(self)
-
-    @ti.func
-    def begin(self, group):
-        self.fluid.begin_report(group)
-
-    @ti.func
-    def image(self, other, mirror):
-        """A neighbour as a side shows it: only its normal velocity is turned round, whatever the slip."""
-        x, v = tm.vec3(other[0], other[1], other[2]), tm.vec3(other[3], other[4], other[5])
-        x_image, image = mirrored(mirror, x), other
-        for k in ti.static(range(3)):
-            image[k] = x_image[k]
-            image[3 + k] = mirror[SIGN, k] * v[k] + ti.select(mirror[SIGN, k] < 0.0, mirror[PUSH, k], 0.0)
-        return image
-
-    @ti.func
-    def sample(self, own, s, d, mirror):
-        """A sample of a solid body."""
-        other, v = own, self.fluid.boundary.own_velocity(s, mirror)
-        for k in ti.static(range(3)):
-            other[k], other[3 + k] = own[k] + d[k], v[k]
-        return other
-
-    @ti.func
-    def pair(self, own, other):
-        v_ij = tm.vec3(own[3] - other[3], own[4] - other[4], own[5] - other[5])
-        return ti.Vector([v_ij.dot(away_from(self.fluid, own, other))])
-
-    @ti.func
-    def finish(self, i, own, total, beyond, group):
-        fluid, solver, dt = self.fluid, self.solver, self.fluid.dt[None]
-        if ti.static(fluid.bodies):
-            total += self.solid.total(tm.vec3(own[0], own[1], own[2]), own)
-        r = dt * self.rate * total[0]
-        if ti.static(solver.restores):
-            r += fluid.particles.density[i] - fluid.level[None]
-        elif ti.static(not fluid.closed):
-            r -= fluid.closing[i]
-        p, scale = solver.pressure[i], dt * dt * fluid.diagonal[i]
-        best, last = fluid.held(p + self.relaxation * r / scale), solver.best[i]
-        ahead = fluid.held(best + fluid.momentum[None] * (best - last))
-        solver.change[i], solver.best[i] = ahead - p, best
-        thin = tm.max(-r, 0.0)
-        if ti.static(not fluid.closed):
-            thin = tm.min(thin, p * scale)  # what less pressure would undo
-        fluid.rows[group, TOO_DENSE] += tm.max(r, 0.0)
-        fluid.rows[group, TOO_THIN] += thin
-        fluid.rows[group, UPHILL] += (p - best) * scale * (best - last)
-
-
-@ti.data_oriented
-class Push:
-    """The change of the velocity by a change of the pressures; it is the adjoint of Compression."""
-
-    sums = 3
-
-    def __init__(self, fluid: "Dfsph", solver: "Solver") -> None:
-        self.fluid, self.solver = fluid, solver
-        self.reads = (*fluid.particles.position, solver.change)
-        self.apart = fluid.ledger.impulses and solver.forces
-        if fluid.bodies:
-            self.solid = fluid.boundary.met(self)
-
-    @ti.func
-    def begin(self, group):
-        pass
-
-    @ti.func
-    def image(self, other, mirror):
-        """A neighbour as a side shows it: with its own change of pressure."""
-        x_image = mirrored(mirror, tm.vec3(other[0], other[1], other[2]))
-        return tm.vec4(x_image, other[3])
-
-    @ti.func
-    def sample(self, own, s, d, mirror):
-        """A sample of a solid body."""
-        return tm.vec4(own[0] + d[0], own[1] + d[1], own[2] + d[2], 0.0)
-
-    @ti.func
-    def pair(self, own, other):
-        return (own[3] + other[3]) * away_from(self.fluid, own, other)
-
-    @ti.func
-    def finish(self, i, own, total, beyond, group):
-        fluid, solver, dt = self.fluid, self.solver, self.fluid.dt[None]
-        u = tm.vec3([component[i] for component in ti.static(tuple(solver.velocity))])
-        if ti.static(fluid.bodies):
-            solid = self.solid.total(tm.vec3(own[0], own[1], own[2]), own)
-            if ti.static(self.apart):
-                beyond += solid
-            else:
-                total += solid
-        if ti.static(solver.forces):
-            u = fluid.pressed(group, u, dt, total, beyond)
-        else:
-            u += dt * fluid.pressing * total
-        for k, component in ti.static(enumerate(solver.velocity)):
-            component[i] = u[k]
-        solver.pressure[i] = solver.pressure[i] + own[3]
-
-
-@ti.data_oriented
-class Solver:
-    """One of the two: its pressures [Pa], the velocity [m/s] that they change, and how it fared."""
-
-    def __init__(
-        self, fluid: "Dfsph", pressure: ti.Field, velocity: Components, restores: bool, tolerance: float, most: int
-    ) -> None:
-        """`restores`: whether it undoes compression that is there already, or only what the velocity adds."""
-        self.pressure, self.velocity, self.restores = pressure, velocity, restores
-        self.forces = not (restores and fluid.closed)  # whether its pressures are forces
-        self.tolerance, self.most = tolerance, most
-        self.best, self.change = (ti.field(float, shape=fluid.particles.n) for _ in range(2))
-        self.compression, self.push = Compression(fluid, self), Push(fluid, self)
-        self.last_iterations, self.last_error = 0, 0.0  # of the last step; the error is over the rest density
-        self.iterations, self.error, self.unsolved = 0, 0.0, 0  # since the start: all, the worst, and steps above
-
-    def ended(self, iterations: int, error: float) -> None:
-        """Put a step to its account."""
-        self.last_iterations, self.last_error = iterations, error
-        self.iterations, self.error = self.iterations + iterations, max(self.error, error)
-        self.unsolved += not error <= self.tolerance
 
 
 @ti.data_oriented
@@ -492,12 +274,16 @@ class Dfsph(Sph):
     def __init__(self, config: Config, basin: Basin, ledger: bool, wind: Wind) -> None:
         super().__init__(config, basin, config.sized(basin, READS, 1), ledger, wind)
         particles, n = self.particles, self.particles.n
-        self.basin, self.closed = basin, config.closed(basin)
+        self.basin, self.closed = basin, config.enclosed(basin)
         side = (particles.mass / particles.rest_density) ** (1.0 / basin.dimension)
         self.stencil = Stencil(self.smoothing, side)
         self.weight = particles.mass / (self.stencil.gain * particles.rest_density**2)  # of p_i + p_j in acceleration
         self.pressing = self.weight * self.stencil.slope
         self.predicted, self.way = Components(n), Components(n)  # velocity at the end of the step; way over dt [m/s]
+        self.base = tuple(Components(n))  # [m/s] before what the pressures gain
+        self.pairs = Pairs(particles, self.grid.images, self.ledger.groups, self.stencil.neighbours)
+        self.neighbours.keep(self.pairs, self.smoothing)
+        self.held_pressure = self.carried[0]  # [Pa]
         if self.closed:
             self.shift = Components(n)  # [1/m] where to
         else:
@@ -506,10 +292,11 @@ class Dfsph(Sph):
         self.momentum, self.level = (ti.field(float, shape=()) for _ in range(2))  # how far an iteration is carried
         self.level[None] = particles.rest_density  # on; density that is sought [kg/m3]
         self.rows = ti.field(float, shape=(self.ledger.groups, REPORT))
-        limits = config.tolerance(basin), config.max_divergence_iterations
-        self.divergence = Solver(self, self.carried[0], self.predicted, False, *limits)
-        limits = config.density_tolerance, config.max_density_iterations
-        self.incompressible = Solver(self, ti.field(float, shape=n), self.way, True, *limits)
+        calm = 1.0 if self.closed else CALM["divergence"]  # without a surface less would damp the flow
+        limits = config.divergence_tolerance, config.max_divergence_iterations, calm
+        self.divergence = Solver(self, self.predicted, *limits, self.held_pressure)
+        limits = config.density_tolerance, config.max_density_iterations, CALM["density"]
+        self.incompressible = Solver(self, self.way, *limits)
         self.solvers = {"density": self.incompressible, "divergence": self.divergence}
         self.density, self.forces = Density(self), Forces(self, config.viscosity(basin))
         self.report = np.zeros(REPORT, dtype=particles.position.precision)
@@ -517,7 +304,7 @@ class Dfsph(Sph):
 
     def begin(self) -> None:
         """Start from the particles as they are now."""
-        self.divergence.pressure.fill(0.0)
+        self.held_pressure.fill(0.0)
         self.lift()
         self.arrive()
 
@@ -540,17 +327,20 @@ class Dfsph(Sph):
         self.status = self.ledger.status(self.summary, self.grid)
 
     def solve(self, solver: Solver) -> None:
-        """Iterate until the water is neither pressed together nor apart by more than its tolerance in the mean, at most
-        so often."""
+        """Iterate until the water is pressed neither together nor apart by more than is allowed in the mean, at most so
+        often."""
         scale = 1.0 / (self.particles.count.now * self.particles.rest_density)
-        done, along = 0, 1.0
-        while not (error := scale * float(self.report[:UPHILL].max())) <= solver.tolerance and done < solver.most:
+        done, along, error = 0, 1.0, scale * float(self.report[:UPHILL].max())
+        enough = solver.enough(error)
+        while not error <= enough and done < solver.most:
             if self.report[UPHILL] > 0.0:
                 along = 1.0
             ahead = 0.5 + sqrt(0.25 + along * along)
             self.iterate(solver, (along - 1.0) / ahead, self.report)
-            done, along = done + 1, ahead
+            done, along, error = done + 1, ahead, scale * float(self.report[:UPHILL].max())
         solver.ended(done, error)
+        if self.ledger.impulses and solver.forces:
+            self.count(solver)
 
     @ti.kernel
     def predict(self, dt: float, report: ti.types.ndarray(ndim=1)):
@@ -561,7 +351,7 @@ class Dfsph(Sph):
                 self.neighbours.walk(g // TASK, self.forces, False)
         for g in range(self.ledger.groups * TASK):
             if g % TASK == 0:
-                self.neighbours.walk(g // TASK, self.divergence.compression, False)
+                self.pairs.walk(g // TASK, self.divergence.compression)
         self.add(report)
 
     @ti.kernel
@@ -570,34 +360,44 @@ class Dfsph(Sph):
         self.momentum[None] = momentum
         for g in range(self.ledger.groups * TASK):
             if g % TASK == 0:
-                self.neighbours.walk(g // TASK, solver.push, False)
+                self.pairs.walk(g // TASK, solver.push)
         for g in range(self.ledger.groups * TASK):
             if g % TASK == 0:
-                self.neighbours.walk(g // TASK, solver.compression, False)
+                self.pairs.walk(g // TASK, solver.compression)
         self.add(report)
+
+    @ti.kernel
+    def count(self, solver: ti.template()):
+        """Put what a solver's pressures have done to their account."""
+        for g in range(self.ledger.groups * TASK):
+            if g % TASK == 0:
+                self.pairs.walk(g // TASK, solver.account)
 
     @ti.kernel
     def compress(self, speed: float, report: ti.types.ndarray(ndim=1)):
         """The density that these velocities, and shifts of particles as fast as `speed`, lead to."""
         self.momentum[None] = 0.0
         for i in range(self.particles.count.there()):
-            self.incompressible.pressure[i] = self.incompressible.best[i] = 0.0
+            self.incompressible.begin(i)
             for way, predicted in ti.static(zip(self.way, self.predicted)):
                 way[i] = predicted[i]
             if ti.static(self.closed):
                 for way, shift in ti.static(zip(self.way, self.shift)):
                     way[i] += speed * self.smoothing.support * shift[i]
+            for base, way in ti.static(zip(self.base, self.way)):
+                base[i] = way[i]
         for g in range(self.ledger.groups * TASK):
             if g % TASK == 0:
-                self.neighbours.walk(g // TASK, self.incompressible.compression, False)
+                self.pairs.walk(g // TASK, self.incompressible.compression)
         self.add(report)
 
     @ti.kernel
     def move(self):
         """Displace the particles, and take over their velocities and, where they were forces, all pressures."""
-        if ti.static(not self.closed):
-            for i in range(self.particles.count.there()):
-                self.divergence.pressure[i] += self.incompressible.pressure[i]
+        for i in range(self.particles.count.there()):
+            self.held_pressure[i] += self.divergence.gain[i]
+            if ti.static(not self.closed):
+                self.held_pressure[i] += self.incompressible.gain[i]
         if ti.static(self.bodies):
             self.boundary.react(self.forces.reaction, self.dt[None])
         for g in range(self.ledger.groups * TASK):

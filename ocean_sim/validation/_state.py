@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from math import fsum
 
 import numpy as np
 
@@ -31,14 +32,14 @@ class State:
 
     @property
     def momentum(self) -> np.ndarray:
-        """(3,) [N s]"""
-        return self.mass * self.velocity.sum(axis=0)
+        """(3,) [N s], of sums without rounding: what is left of a momentum that cancels is far below a plain sum's."""
+        return self.mass * np.array([fsum(component) for component in self.velocity.T])
 
     @property
     def angular_momentum(self) -> float:
         """About z [N m s]."""
         x, v = self.position, self.velocity
-        return self.mass * float((x[:, 0] * v[:, 1] - x[:, 1] * v[:, 0]).sum())
+        return self.mass * fsum(x[:, 0] * v[:, 1] - x[:, 1] * v[:, 0])
 
     @property
     def max_speed(self) -> float:

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from ocean_sim.conventions import GRAVITY
+from ocean_sim.conventions import GRAVITY, Diverged
+from ocean_sim.fluid._water import MOST_PARTICLES
 from tests.fluid.conftest import box, put
 
 OPEN = {"length": 1.0, "width": 1.0, "depth": 0.5, "walls": "none", "floor": "none"}
@@ -17,6 +18,44 @@ def test_a_lattice_has_the_rest_density_inside_and_at_walls(water, dimension):
     x, rho = fluid.particles.position.to_numpy(), fluid.particles.density.to_numpy()
     np.testing.assert_allclose(rho[x[:, 1] < -0.25], 1000.0, rtol=1e-9)
     assert rho[x[:, 1] > -0.1].max() < 900.0, "a surface lacks neighbours, and says so"
+
+
+def test_kept_pairs_are_all_neighbours_and_all_images(water):
+    fluid = water("dfsph", basin=TANK, spacing=0.05, fill=COLUMN)
+    x = fluid.particles.position.to_numpy()
+    x += 0.01 * np.random.default_rng(5).uniform(-1.0, 1.0, x.shape)
+    put(fluid, x, np.zeros_like(x))
+    x, pairs, h = fluid.particles.position.to_numpy(), fluid.pairs, fluid.smoothing.support
+    near, seen = pairs.near.to_numpy(), pairs.seen.to_numpy()
+    names = pairs.name.to_numpy().reshape(-1, pairs.room)
+    gradients = pairs.gradient.to_numpy().reshape(-1, pairs.room, 3)
+    planes = [(-0.4, 0.4), (-0.4, None), (-0.2, 0.2)]  # of the sides on each axis
+    images = {0: x}
+    for axis, sides in enumerate(planes):
+        for flips, seen_so_far in list(images.items()):
+            mirrored = [seen_so_far * np.where(np.arange(3) == axis, -1.0, 1.0) for _ in range(2)]
+            for image, side in zip(mirrored, sides):
+                if side is not None:
+                    image[:, axis] += 2.0 * side
+                    both = images.get(flips | 1 << axis, np.empty((0, 3)))
+                    images[flips | 1 << axis] = np.concatenate([both, image])
+    for i in range(0, len(x), 7):
+        expected = []
+        for flips, places in images.items():
+            away = x[i] - places
+            r = np.linalg.norm(away, axis=1)
+            for k in np.nonzero((r < h) & (r > 0.0))[0]:
+                expected.append((flips * MOST_PARTICLES + k % len(x), *((1.0 - r[k] / h) ** 3 * away[k])))
+        found = [(name, *g) for name, g in zip(names[i, : seen[i]], gradients[i, : seen[i]])]
+        assert (names[i, : near[i]] < MOST_PARTICLES).all() and (names[i, near[i] : seen[i]] >= MOST_PARTICLES).all()
+        np.testing.assert_allclose(sorted(found), sorted(expected), atol=1e-12)
+
+
+def test_more_neighbours_than_there_are_slots_for_stop_the_run(water):
+    fluid = water("dfsph", basin=OPEN, **box(6, 6, 6, spacing=0.05))
+    x = fluid.particles.position.to_numpy()
+    with pytest.raises(Diverged, match="more neighbours than their lists hold"):
+        put(fluid, x.mean(axis=0) + 0.4 * (x - x.mean(axis=0)), np.zeros_like(x))
 
 
 def rushing_together(water, **keys):
@@ -117,5 +156,6 @@ def test_a_falling_column_is_not_compressed(water):
 
 
 def test_without_its_solvers_water_is_compressed(water):
-    """Negative control."""
-    assert collapsed(water, max_density_iterations=0, max_divergence_iterations=0) > 0.05
+    """Negative control: so far that there are more neighbours than slots, which stops the run."""
+    with pytest.raises(Diverged, match="more neighbours than their lists hold"):
+        collapsed(water, max_density_iterations=0, max_divergence_iterations=0)

@@ -20,7 +20,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid._grid import TASK
 from ocean_sim.fluid._images import climbed, reflected, slid
-from ocean_sim.fluid._ledger import DIFFUSION, GRAVITY, PRESSURE, VISCOSITY, WALLS, WIND
+from ocean_sim.fluid._ledger import DIFFUSION, PRESSURE, VISCOSITY, WALLS
 from ocean_sim.fluid._particles import Components
 from ocean_sim.fluid._smoothing import Smoothing, positive
 from ocean_sim.fluid._sph import Sph, SphConfig, limits, rows
@@ -181,11 +181,8 @@ class Momentum:
         fluid.ledger.count_motion(group, v_new, a, fast)
         if ti.static(self.apart):
             a_pressure, mean = fluid.slope * tm.vec3(total[0], total[1], total[2]), 0.5 * (v + v_new)
-            fluid.ledger.count_impulse(group, PRESSURE, m * dt * a_pressure, mean)
-            fluid.ledger.count_impulse(group, VISCOSITY, m * dt * (a_water - a_pressure), mean)
-            fluid.ledger.count_impulse(group, WIND, m * dt * a_wind, mean)
-            fluid.ledger.count_impulse(group, GRAVITY, m * dt * a_pull, mean)
-            fluid.ledger.count_impulse(group, WALLS, m * (v_new - v - dt * (a - a_walls)), mean)
+            rubbed, held = a_water - a_pressure, m * (v_new - v - dt * (a - a_walls))
+            fluid.ledger.count_step(group, m * dt, a_pressure, rubbed, a_wind, a_pull, held, mean)
             squeezed = m * dt * fluid.slope * tm.vec3(beyond[0], beyond[1], beyond[2]).dot(mean)
             fluid.ledger.count_work(group, WALLS, -squeezed)  # what images press becomes internal energy
             fluid.ledger.count_work(group, PRESSURE, squeezed)

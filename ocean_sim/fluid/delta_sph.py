@@ -30,9 +30,9 @@ from ocean_sim.wind import Wind
 READS = 7  # fields of a neighbour that either law reads
 TENSION = 0.3  # of the artificial stress that keeps water under tension together (Monaghan 2000, J. Comput. Phys. 159)
 CROWDING = 0.2  # weight of near neighbours in a shift (Sun et al. 2017)
-DAMPER = 0.7  # bulk viscosity over h c; steps of the default Courant number are stable below 1.5
+DAMPER = 0.7  # bulk viscosity over h c; at the default Courant number 1 is stable and 2 is not
 IMPACT = 1.0  # of the dissipation between particles that meet, over their density and the square of their speed
-CARRIED = 2  # deviation of the density, and pressure over density squared
+CARRIED = 2  # deviation of the density, and damped pressure over density squared
 FLAT, SOLID = 4.0, 2.6  # [spacings] support in a slice (50 neighbours) and in space (74)
 
 
@@ -80,7 +80,7 @@ class Config(SphConfig):
 
 @ti.data_oriented
 class Momentum:
-    """Pressure (Monaghan 1992, eq. 3.3), viscosity, wind and gravity (2.25).
+    """Damped pressure (Monaghan 1992, eq. 3.3), viscosity, wind and gravity (2.25).
 
     Under a free surface viscosity is the central form of Monaghan & Gingold (1983), whose free surface is free of
     stress (Colagrossi, Antuono, Souto-Iglesias & Le Touze 2011, Phys. Rev. E 84); without one it is that of Morris, Fox
@@ -294,9 +294,7 @@ class DeltaSph(Sph):
         sizes = config.sized(basin, READS, CARRIED)
         super().__init__(config, basin, sizes, ledger, wind)
         particles, self.closed = self.particles, basin.closed
-        self.deviation, self.pressing = (
-            self.carried
-        )  # [kg/m3] in the middle of the step; (p - bulk div u) / rho^2 there
+        self.deviation, self.pressing = self.carried  # in mid-step: [kg/m3], and (p + bulk rate) / rho^2
         self.excess, self.rate = (ti.field(float, shape=particles.n) for _ in range(2))  # [kg/m3] at its end, and rate
         self.slope = particles.mass * self.smoothing.wendland_slope  # -m grad W / x_ij over its shape
         self.clamped, self.shifting = config.minimum_pressure is not None, config.shifted(basin)

@@ -31,6 +31,7 @@ READS = 7  # fields of a neighbour that either law reads
 TENSION = 0.3  # of the artificial stress that keeps water under tension together (Monaghan 2000, J. Comput. Phys. 159)
 CROWDING = 0.2  # weight of near neighbours in a shift (Sun et al. 2017)
 DAMPER = 0.7  # bulk viscosity over h c; at the default Courant number 1 is stable and 2 is not
+LAG = 0.42  # bulk viscosity over h^2 / dt at most: longer steps than the default damp less, and stay stable
 IMPACT = 1.0  # of the dissipation between particles that meet, over their density and the square of their speed
 CARRIED = 2  # deviation of the density, and damped pressure over density squared
 FLAT, SOLID = 4.0, 2.6  # [spacings] support in a slice (50 neighbours) and in space (74)
@@ -301,7 +302,6 @@ class DeltaSph(Sph):
         if self.shifting:
             self.shift = Components(particles.n)  # [1/m] where to
         self.per_density = 1.0 / particles.rest_density  # [m3/kg]
-        self.bulk = DAMPER * 0.5 * self.smoothing.support * self.sound_speed  # [m2/s]
         self.per_reach = 1.0 / (FLAT * particles.spacing)  # [1/m]
         q = 1.0 - 1.0 / FLAT
         self.per_W_spacing = 1.0 / (q**4 * (5.0 - 4.0 * q))
@@ -378,6 +378,8 @@ class DeltaSph(Sph):
     def step(self, dt: float, speed: float, summary: ti.types.ndarray(ndim=1)):
         """Drift half a step, sort, kick, drift to the end, find the rate of the density there."""
         self.dt[None] = dt
+        h = 0.5 * self.smoothing.support
+        bulk = tm.min(DAMPER * self.sound_speed * h, LAG * h * h / dt)  # [m2/s]
         for i in range(self.particles.count.there()):
             p, u = self.particles.position, self.particles.velocity
             x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
@@ -388,7 +390,7 @@ class DeltaSph(Sph):
             middle = self.excess[i] + 0.5 * dt * self.rate[i]
             self.grid.leave(i, x + self.grid.gone(i, way), v)
             self.grid.moved[7][i] = middle
-            pressed = self.pressure_of(middle) + self.bulk * self.rate[i]
+            pressed = self.pressure_of(middle) + bulk * self.rate[i]
             self.grid.moved[8][i] = pressed / (self.particles.rest_density + middle) ** 2
         self.grid.sort()
         if ti.static(self.bodies):

@@ -60,6 +60,16 @@ class Ledger:
         self.count_work(group, term, impulse.dot(v))
 
     @ti.func
+    def count_step(self, group, kick, pressure, viscosity, wind, gravity, walls, mean):
+        """Accelerations [m/s2] of a particle, each for `kick` [kg s], and the impulse of the walls on it [N s]; `mean`
+        is its mean velocity of the step."""
+        self.count_impulse(group, PRESSURE, kick * pressure, mean)
+        self.count_impulse(group, VISCOSITY, kick * viscosity, mean)
+        self.count_impulse(group, WIND, kick * wind, mean)
+        self.count_impulse(group, GRAVITY, kick * gravity, mean)
+        self.count_impulse(group, WALLS, walls, mean)
+
+    @ti.func
     def count_work(self, group, term: ti.template(), work):
         self.work[group, term] = self.work[group, term] + ti.cast(work, ti.f64)
 

@@ -3,7 +3,10 @@
 Density follows the continuity equation (Monaghan 1994, J. Comput. Phys. 110, eq. 2.4), smoothed by diffusion (Molteni &
 Colagrossi 2009, Comput. Phys. Commun. 180; Antuono, Colagrossi, Marrone & Molteni 2010, eq. 1) of its part beyond the
 hydrostatic (Fourtakas et al. 2019, Comput. Fluids 190, eq. 9); pressure forces are its exact counterpart, so momentum
-is kept to rounding. Steps are drift, kick, drift: second-order and symmetric in time without viscosity.
+is kept to rounding. Two dissipations belong to the scheme and leave smooth flow alone: a bulk viscosity, which damps
+sound and nothing that keeps its volume (Sun, Pilloton, Antuono & Colagrossi 2023, J. Comput. Phys. 483, 112177), and
+under a free surface that of a Riemann problem between particles that meet (Zhang, Hu & Adams 2017, J. Comput. Phys.
+335, 605), which is quadratic in their speed. Steps are drift, kick, drift.
 What is stored is the deviation from the rest density, which single precision would lose in the density itself.
 """
 
@@ -17,7 +20,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid._grid import TASK
 from ocean_sim.fluid._images import climbed, reflected, slid
-from ocean_sim.fluid._ledger import DIFFUSION, GRAVITY, PRESSURE, VISCOSITY, WALLS, WIND
+from ocean_sim.fluid._ledger import DIFFUSION, PRESSURE, VISCOSITY, WALLS
 from ocean_sim.fluid._particles import Components
 from ocean_sim.fluid._smoothing import Smoothing, positive
 from ocean_sim.fluid._sph import Sph, SphConfig, limits, rows
@@ -27,7 +30,10 @@ from ocean_sim.wind import Wind
 READS = 7  # fields of a neighbour that either law reads
 TENSION = 0.3  # of the artificial stress that keeps water under tension together (Monaghan 2000, J. Comput. Phys. 159)
 CROWDING = 0.2  # weight of near neighbours in a shift (Sun et al. 2017)
-CARRIED = 2  # deviation of the density, and pressure over density squared
+DAMPER = 0.7  # bulk viscosity over h c; at the default Courant number 1 is stable and 2 is not
+LAG = 0.42  # bulk viscosity over h^2 / dt at most: longer steps than the default damp less, and stay stable
+IMPACT = 1.0  # of the dissipation between particles that meet, over their density and the square of their speed
+CARRIED = 2  # deviation of the density, and damped pressure over density squared
 FLAT, SOLID = 4.0, 2.6  # [spacings] support in a slice (50 neighbours) and in space (74)
 
 
@@ -71,12 +77,13 @@ class Config(SphConfig):
 
 @ti.data_oriented
 class Momentum:
-    """Pressure (Monaghan 1992, eq. 3.3), viscosity, wind and gravity (2.25).
+    """Damped pressure (Monaghan 1992, eq. 3.3), viscosity, wind and gravity (2.25).
 
     Under a free surface viscosity is the central form of Monaghan & Gingold (1983), whose free surface is free of
     stress (Colagrossi, Antuono, Souto-Iglesias & Le Touze 2011, Phys. Rev. E 84); without one it is that of Morris, Fox
     & Zhu (1997, eq. 22), which has no error on a lattice. Artificial viscosity is of the central form (Monaghan 1992,
-    eq. 4.2).
+    eq. 4.2), and so is what particles lose that meet at u: beta u / rho along the line between them, beta = min(IMPACT
+    u, c) (Zhang, Hu & Adams 2017, whose factor is 3). Without a free surface nothing meets, and nothing is lost.
     """
 
     def __init__(self, fluid: "DeltaSph") -> None:
@@ -87,7 +94,8 @@ class Momentum:
         self.central = fluid.smoothing.dimension + 2.0  # of the central form, over that of the sum of all components
         self.inside = fluid.shifting  # whether there is no free surface
         self.artificial = config.artificial_viscosity * h * fluid.sound_speed / fluid.particles.rest_density
-        self.viscous = self.laminar > 0.0 or self.artificial > 0.0
+        self.meeting = not self.inside
+        self.viscous = self.laminar > 0.0 or self.artificial > 0.0 or self.meeting
         self.apart = fluid.ledger.impulses  # pressure and viscosity summed apart
         self.sums = 6 if self.apart else 3
         self.tiny = 1e-6 * h * h  # [m2]
@@ -134,7 +142,10 @@ class Momentum:
         if ti.static(self.viscous):
             v_ij = tm.vec3(own[3] - other[3], own[4] - other[4], own[5] - other[5])
             along = v_ij.dot(x_ij) / (r2 + self.tiny)
-            strength = ti.select(along < 0.0, ti.static(self.artificial), 0.0)
+            lost = float(self.artificial)
+            if ti.static(self.meeting):
+                lost += ti.min(-IMPACT * r * along, self.fluid.sound_speed) * r * self.fluid.per_density
+            strength = ti.select(along < 0.0, lost, 0.0)
             if ti.static(self.inside):
                 rub = -self.laminar * v_ij
             else:
@@ -167,11 +178,8 @@ class Momentum:
         fluid.ledger.count_motion(group, v_new, a, fast)
         if ti.static(self.apart):
             a_pressure, mean = fluid.slope * tm.vec3(total[0], total[1], total[2]), 0.5 * (v + v_new)
-            fluid.ledger.count_impulse(group, PRESSURE, m * dt * a_pressure, mean)
-            fluid.ledger.count_impulse(group, VISCOSITY, m * dt * (a_water - a_pressure), mean)
-            fluid.ledger.count_impulse(group, WIND, m * dt * a_wind, mean)
-            fluid.ledger.count_impulse(group, GRAVITY, m * dt * a_pull, mean)
-            fluid.ledger.count_impulse(group, WALLS, m * (v_new - v - dt * (a - a_walls)), mean)
+            rubbed, held = a_water - a_pressure, m * (v_new - v - dt * (a - a_walls))
+            fluid.ledger.count_step(group, m * dt, a_pressure, rubbed, a_wind, a_pull, held, mean)
             squeezed = m * dt * fluid.slope * tm.vec3(beyond[0], beyond[1], beyond[2]).dot(mean)
             fluid.ledger.count_work(group, WALLS, -squeezed)  # what images press becomes internal energy
             fluid.ledger.count_work(group, PRESSURE, squeezed)
@@ -263,8 +271,11 @@ class Continuity:
                     component[i] = -gradient[k]
         fluid.ledger.count_density(group, rho_0 + excess)
         if ti.static(fluid.ledger.impulses):
-            gained = particles.mass * dt * fluid.pressure_of(own[6]) / (rho_0 + own[6]) ** 2
-            fluid.ledger.count_work(group, DIFFUSION, gained * fluid.slope * total[1])
+            closer, p = particles.mass * dt * fluid.slope, fluid.pressure_of(own[6]) / (rho_0 + own[6]) ** 2
+            damped = closer * total[0] * (fluid.pressing[i] - p)
+            fluid.ledger.count_work(group, DIFFUSION, closer * total[1] * p)
+            fluid.ledger.count_work(group, PRESSURE, damped)
+            fluid.ledger.count_work(group, VISCOSITY, -damped)
 
 
 @ti.data_oriented
@@ -280,12 +291,13 @@ class DeltaSph(Sph):
         sizes = config.sized(basin, READS, CARRIED)
         super().__init__(config, basin, sizes, ledger, wind)
         particles, self.closed = self.particles, basin.closed
-        self.deviation, self.pressing = self.carried  # [kg/m3] in the middle of the step; p / rho^2 there
+        self.deviation, self.pressing = self.carried  # in mid-step: [kg/m3], and (p + bulk rate) / rho^2
         self.excess, self.rate = (ti.field(float, shape=particles.n) for _ in range(2))  # [kg/m3] at its end, and rate
         self.slope = particles.mass * self.smoothing.wendland_slope  # -m grad W / x_ij over its shape
         self.clamped, self.shifting = config.minimum_pressure is not None, config.enclosed(basin)
         if self.shifting:
             self.shift = Components(particles.n)  # [1/m] where to
+        self.per_density = 1.0 / particles.rest_density  # [m3/kg]
         self.per_reach = 1.0 / (FLAT * particles.spacing)  # [1/m]
         q = 1.0 - 1.0 / FLAT
         self.per_W_spacing = 1.0 / (q**4 * (5.0 - 4.0 * q))
@@ -362,6 +374,8 @@ class DeltaSph(Sph):
     def step(self, dt: float, speed: float, summary: ti.types.ndarray(ndim=1)):
         """Drift half a step, sort, kick, drift to the end, find the rate of the density there."""
         self.dt[None] = dt
+        h = 0.5 * self.smoothing.support
+        bulk = tm.min(DAMPER * self.sound_speed * h, LAG * h * h / dt)  # [m2/s]
         for i in range(self.particles.count.there()):
             p, u = self.particles.position, self.particles.velocity
             x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
@@ -372,7 +386,8 @@ class DeltaSph(Sph):
             middle = self.excess[i] + 0.5 * dt * self.rate[i]
             self.grid.leave(i, x + self.grid.gone(i, way), v)
             self.grid.moved[7][i] = middle
-            self.grid.moved[8][i] = self.pressure_of(middle) / (self.particles.rest_density + middle) ** 2
+            pressed = self.pressure_of(middle) + bulk * self.rate[i]
+            self.grid.moved[8][i] = pressed / (self.particles.rest_density + middle) ** 2
         self.grid.sort()
         if ti.static(self.bodies):
             self.boundary.react(self.momentum.reaction, dt)

@@ -15,7 +15,6 @@ from pydantic import model_validator
 from ocean_sim.basin import Basin
 from ocean_sim.fluid._grid import TASK
 from ocean_sim.fluid._images import climbed, mirrored, reflected
-from ocean_sim.fluid._ledger import GRAVITY, PRESSURE, VISCOSITY, WALLS, WIND
 from ocean_sim.fluid._smoothing import positive
 from ocean_sim.fluid._sph import Sph, SphConfig, rows
 from ocean_sim.parts import LedgerRow, quantity
@@ -185,13 +184,9 @@ class Momentum:
         grid.leave(i, x_new, v_new)
         fluid.ledger.count_motion(group, v_new, a, fast)
         if ti.static(self.apart):
-            mean = 0.5 * (v + v_new)
-            a_pressure = scale * tm.vec3(total[0], total[1], total[2])
-            fluid.ledger.count_impulse(group, PRESSURE, m * dt * a_pressure, mean)
-            fluid.ledger.count_impulse(group, VISCOSITY, m * dt * (a_water - a_pressure), mean)
-            fluid.ledger.count_impulse(group, WIND, m * dt * a_wind, mean)
-            fluid.ledger.count_impulse(group, GRAVITY, m * dt * a_pull, mean)
-            fluid.ledger.count_impulse(group, WALLS, m * (v_new - v - dt * (a - a_walls)), mean)
+            a_pressure, mean = scale * tm.vec3(total[0], total[1], total[2]), 0.5 * (v + v_new)
+            rubbed, held = a_water - a_pressure, m * (v_new - v - dt * (a - a_walls))
+            fluid.ledger.count_step(group, m * dt, a_pressure, rubbed, a_wind, a_pull, held, mean)
 
 
 @ti.data_oriented

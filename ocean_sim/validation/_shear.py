@@ -38,7 +38,7 @@ def couette(y: np.ndarray, time: float) -> np.ndarray:
 def problem(exact: Exact, column: str, lid: list[float], force: float, coarse: bool) -> Problem:
     """A periodic stretch of the gap; `column` of the published table is shown beside it.
 
-    Compression follows the largest of V^2, nu V / L and F L (Morris, Fox & Zhu 1997, section 2.3).
+    Compression follows the largest of V^2, nu V / L and F L, as Morris, Fox & Zhu (1997) advise.
     """
     spacing = 0.1 if coarse else 0.05
     duration = TIMES[2] if coarse else TIMES[-1]

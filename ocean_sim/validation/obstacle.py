@@ -3,7 +3,8 @@
 Measured at MARIN (Kleefsman, Fekken, Veldman, Iwanowski & Buchner 2005, J. Comput. Phys. 206; SPHERIC test 2) in a tank
 of 3.22 x 1 x 1 m: water 1.228 m long and 0.55 m deep behind a gate, and a box of 0.161 x 0.161 x 0.403 m 1.1675 m
 behind it. One run, of unknown uncertainty. Probes go by their place, not by their label: H4 is in the reservoir, H1, H2
-and H3 follow the wave. Arrivals are when 20 mm or 500 Pa are first passed; the table holds means over 10 ms.
+and H3 follow the wave. Arrivals are when 20 mm or 500 Pa are first passed in the record of every millisecond; the table
+of all channels holds means over 10 ms, in which a blow begins up to 10 ms early.
 """
 
 import numpy as np
@@ -18,18 +19,24 @@ BOX, BOX_WIDTH, FACE = 0.161, 0.403, 2.3955  # side and width of the box, and ho
 HEIGHTS = {"H1": 1.732, "H2": 2.228, "H3": 2.724, "H4": 0.582}  # distance from the end of the reservoir [m]
 ALONG = (0.021, 0.061, 0.101, 0.141)  # of P1 to P4 above the bed, of P5 to P8 behind the front edge [m]
 PRESSURES = tuple(f"P{k}" for k in range(1, 9))
-END, EVERY = 2.0, 0.01  # [s]
+END, EVERY = 2.0, 0.005  # [s]
 WET, HIT = 0.02, 500.0  # [m], [Pa] that arrival is
 SCALE = 1000.0 * 9.81 * DEPTH  # [Pa]
 TABLE = "spheric02_kleefsman_10ms"
 SOURCE = "Kleefsman et al. 2005, measured"
-ARRIVALS = ("H1", "H2", "H3", "P1", "P2", "P3", "P4", "P5", "P7")
+ARRIVALS = {"H1": 0.218, "H2": 0.368, "H3": 0.920}  # [s]
+ARRIVALS |= {"P1": 0.393, "P2": 0.410, "P3": 0.423, "P4": 0.429, "P5": 1.097, "P7": 1.069}
+SPRAYED = ("P5", "P7")  # where drops arrive first
 PROMISES = (
     Promise("H4, largest error to 2 s over H0", "%", f"{SOURCE}; 5 %", {"delta_sph": 5.0}),
     *(Promise(f"{name}, root mean square error to 2 s over H0", "%", SOURCE) for name in HEIGHTS),
     *(Promise(f"{name}, largest error to 2 s over H0", "%", SOURCE) for name in ("H1", "H2", "H3")),
-    *(Promise(f"{name} arrival [s]", "%", f"{SOURCE}; 5 %", {"delta_sph": 5.0}) for name in ARRIVALS[:-2]),
-    *(Promise(f"{name} arrival [s]", "%", f"{SOURCE}; spray, lost in its means") for name in ARRIVALS[-2:]),
+    *(
+        Promise(f"{name} arrival [s]", "%", f"{SOURCE}; 5 %", {"delta_sph": 5.0})
+        for name in ARRIVALS
+        if name not in SPRAYED
+    ),
+    *(Promise(f"{name} arrival [s]", "%", f"{SOURCE}; drops") for name in SPRAYED),
     *(Promise(f"{name} impulse to 2 s [Pa s]", "% of 2 s rho g H0", SOURCE) for name in PRESSURES),
 )
 
@@ -94,11 +101,9 @@ def compared(time: np.ndarray, channels: dict[str, np.ndarray]) -> Finding:
         found[f"{name}, largest error to 2 s over H0"] = (worst, 0.0, worst)
         spread = 100.0 * float(np.sqrt(np.mean(off**2))) / DEPTH
         found[f"{name}, root mean square error to 2 s over H0"] = (spread, 0.0, spread)
-    for name in ARRIVALS:
+    for name, measured in ARRIVALS.items():
         least = WET if name.startswith("H") else HIT
-        found[f"{name} arrival [s]"] = relative(
-            arrival(time, channels[name], least), arrival(data["t"], data[name], least)
-        )
+        found[f"{name} arrival [s]"] = relative(arrival(time, channels[name], least), measured)
     for name in PRESSURES:
         mine = float(np.trapezoid(channels[name], time))
         theirs = float(np.trapezoid(data[name][within], data["t"][within]))

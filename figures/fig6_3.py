@@ -18,7 +18,7 @@ from ocean_sim.scene import load
 from ocean_sim.simulation import Simulation
 
 SETTLED, LASTS = 5.0, 15.0  # [s]
-QUIET = {key: None for key in ("accuracy", "timings", "health", "frames", "render", "report")}
+QUIET = dict.fromkeys(("accuracy", "timings", "health", "frames", "render", "report"))
 PRESETS = ("noise_only", "narrow", "wide", "vortex", "calm", "breeze", "gale", "squall")
 RING = 8.0  # [m] radius at which circulation is taken
 
@@ -45,7 +45,9 @@ def varied() -> list[tuple[str, float, dict, float]]:
     return rows
 
 
-def sea(wind: dict | str, length: float, seed: int, lasts: float, resolution: float) -> tuple[float, float, float, tuple]:
+def sea(
+    wind: dict | str, length: float, seed: int, lasts: float, resolution: float
+) -> tuple[float, float, float, tuple]:
     """4 sqrt m0 over time [m], the highest crest [m], the circulation at the end [m2/s], and the elevation as a map."""
     scene = {
         "title": "figure 6-3",
@@ -109,7 +111,9 @@ def main() -> None:
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     seeds, resolution, lasts = ((1,), 3.0, 7.0) if options.fast else ((1, 2, 3, 4, 5), 2.0, LASTS)
-    calm = {length: [sea("still", length, seed, lasts, resolution) for seed in seeds[:1]] for length in (20.0, 40.0, 80.0)}
+    calm = {
+        length: [sea("still", length, seed, lasts, resolution) for seed in seeds[:1]] for length in (20.0, 40.0, 80.0)
+    }
     rest = {length: spread([found[0] for found in runs])[0] for length, runs in calm.items()}
     columns = ["what", "value", "length_m", "seeds", "hm0_m", "hm0_sd_m", "still_hm0_m", "still_over_hm0"]
     columns += ["crest_m", "circulation_m2_s", "circulation_sd_m2_s", "sigmas"]

@@ -176,7 +176,9 @@ class Gusts:
         # One field, so that Python writes single numbers through one compiled writer, a few microseconds each.
         self.row = ti.field(float, shape=(self.n, SHAPES + WIDTH * self.shapes))
         self.draws = ti.field(int, shape=2)  # numbers of the first and the last draw of the noise in this step
-        self.shares = ti.field(float, shape=3)  # of the step that the first of several, each other, and the last of several take
+        self.shares = ti.field(
+            float, shape=3
+        )  # of the step that the first of several, each other, and the last of several take
         self.time, self.steps = 0.0, 0
         self.drawn: tuple[float, ...] = ()
         self.blown = [volume.blows(0.0) for volume in self.volumes]

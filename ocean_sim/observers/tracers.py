@@ -1,7 +1,7 @@
 """Tagged particles: where they are and how fast they go, at a fixed rate; `ocean-sim waves` finds their orbits."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -47,6 +47,24 @@ class Config(ObserverConfig):
             raise ValueError("give at least one of ids and boxes")
         return self
 
+    def mismatched(self, parts: dict[str, Any]) -> list[tuple[tuple[str | int, ...], str]]:
+        """What contradicts the other parts of the scene: (path below `tracers`, sentence)."""
+        basin, fluid = parts.get("basin"), parts.get("fluid")
+        if basin is None or fluid is None:
+            return []
+        if not hasattr(fluid, "lattice"):
+            return [((), f"fluid.kind {fluid.kind} has no particles to follow")]
+        place = basin.build()
+        found: list[tuple[tuple[str | int, ...], str]] = []
+        n, upper = fluid.lattice(place).n, (*place.upper[:1], np.inf, *place.upper[2:])
+        for k, name in enumerate(self.ids):
+            if name >= n:
+                found.append((("ids", k), f"there is no particle {name}; there are {n}"))
+        for k, box in enumerate(self.boxes):
+            if (np.greater(box.min, upper) | np.less(box.max, place.lower)).any():
+                found.append((("boxes", k), "lies outside the basin"))
+        return found
+
     def build(self, folder: Path, simulation: "Simulation") -> "Tracers":
         return Tracers(self, folder, simulation)
 
@@ -86,7 +104,7 @@ class Tracers:
 
 def chosen(config: Config, simulation: "Simulation") -> np.ndarray:
     """Numbers of the particles that are followed, each once; raises ValueError where there are none or too many."""
-    particles, basin = simulation.fluid.particles, simulation.basin
+    particles = simulation.fluid.particles
     ids, x = particles.id.to_numpy(), particles.position.to_numpy()
     missing = [name for name in config.ids if name >= len(ids)]
     if missing:
@@ -95,9 +113,7 @@ def chosen(config: Config, simulation: "Simulation") -> np.ndarray:
     for k, box in enumerate(config.boxes):
         inside = ids[((x >= box.min) & (x <= box.max)).all(axis=1)]
         if not len(inside):
-            raise ValueError(
-                f"tracers.boxes[{k}]: no particle is in it; the water of {basin.depth:g} m begins at y = 0"
-            )
+            raise ValueError(f"tracers.boxes[{k}]: no particle is in it")
         found.append(inside)
     names = np.unique(np.concatenate(found))
     if len(names) > MOST:

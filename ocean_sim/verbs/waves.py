@@ -25,7 +25,7 @@ COLUMNS = {
 
 
 def waves(run: Path, begin: float, out: Path | None, as_json: bool) -> None:
-    """Measures every elevation gauge, and leaves waves.csv, spectra.csv and waves.png; orbits.csv where tracers were."""
+    """Measures every elevation gauge; leaves waves.csv, spectra.csv, waves.png, and orbits.csv where there were tracers."""
     path = record(run)
     time, heights = gauges(path, begin)
     try:
@@ -60,7 +60,7 @@ def tagged(path: Path, folder: Path, begin: float, period: float | None) -> list
         return []
     heads = ["particle", "level_m", "along_m", "up_m", "ratio", "drift_m_s"]
     rows = [
-        [name, *(f"{value:.6g}" for value in (level, o.along_m, o.up_m, o.ratio, o.drift_m_s))]
+        [f"{name}", *(f"{value:.6g}" for value in (level, o.along_m, o.up_m, o.ratio, o.drift_m_s))]
         for name, level, o in sorted(zip(names, found.level_m, found.orbits), key=lambda row: -row[1])
     ]
     with (folder / "orbits.csv").open("w", encoding="utf-8", newline="") as file:

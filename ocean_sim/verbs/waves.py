@@ -25,7 +25,7 @@ COLUMNS = {
 
 
 def waves(run: Path, begin: float, out: Path | None, as_json: bool) -> None:
-    """Measures every elevation gauge; leaves waves.csv, spectra.csv, waves.png, and orbits.csv where there were tracers."""
+    """Measures every elevation gauge; leaves waves.csv, spectra.csv, waves.png, and of tracers orbits.csv."""
     path = record(run)
     time, heights = gauges(path, begin)
     try:

@@ -54,15 +54,15 @@ class Config(ObserverConfig):
             return []
         if not hasattr(fluid, "lattice"):
             return [((), f"fluid.kind {fluid.kind} has no particles to follow")]
-        place = basin.build()
+        lattice = fluid.lattice(basin.build())
         found: list[tuple[tuple[str | int, ...], str]] = []
-        n, upper = fluid.lattice(place).n, (*place.upper[:1], np.inf, *place.upper[2:])
         for k, name in enumerate(self.ids):
-            if name >= n:
-                found.append((("ids", k), f"there is no particle {name}; there are {n}"))
+            if name >= lattice.n:
+                found.append((("ids", k), f"there is no particle {name}; there are {lattice.n}"))
+        x, near = lattice.positions(), lattice.spacing  # what begins in a wave is moved by less
         for k, box in enumerate(self.boxes):
-            if (np.greater(box.min, upper) | np.less(box.max, place.lower)).any():
-                found.append((("boxes", k), "lies outside the basin"))
+            if not ((x >= np.subtract(box.min, near)) & (x <= np.add(box.max, near))).all(axis=1).any():
+                found.append((("boxes", k), "holds no water"))
         return found
 
     def build(self, folder: Path, simulation: "Simulation") -> "Tracers":

@@ -79,7 +79,7 @@ def test_waves_that_go_the_other_way_are_told_apart():
         ({}, "at least one of ids and boxes"),
         ({"ids": [-1]}, "not at least 0"),
         ({"ids": [100_000]}, "no particle 100000; there are 200"),
-        ({"boxes": [{"min": [3.0, -0.5, -1.0], "max": [4.0, 0.0, 1.0]}]}, "outside the basin"),
+        ({"boxes": [{"min": [3.0, -0.5, -1.0], "max": [4.0, 0.0, 1.0]}]}, "holds no water"),
         ({"boxes": [{"min": [0.0, 0.0, 0.0], "max": [0.0, 1.0, 1.0]}]}, "greater than min"),
     ],
 )
@@ -89,6 +89,6 @@ def test_what_is_wrong_is_said(tracers, said):
     assert any(said in problem.message for problem in error.value.problems), error.value
 
 
-def test_a_box_without_water_is_refused(tmp_path):
+def test_a_box_between_particles_is_refused(tmp_path):
     with pytest.raises(ValueError, match="is in it"):
-        ocean_sim.Simulation(scene(boxes=[{"min": [0.0, 1.0, -1.0], "max": [1.0, 2.0, 1.0]}]), tmp_path)
+        ocean_sim.Simulation(scene(boxes=[{"min": [0.0, -0.26, -1.0], "max": [0.001, -0.25, 1.0]}]), tmp_path)

@@ -4,9 +4,11 @@ Formulae of linear theory as in Dean & Dalrymple (1991), chapters 4 and 10.
 """
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
+from ocean_sim import csv_file
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.waves import angular_frequency
 
@@ -81,3 +83,50 @@ def white_cap_cover(speed: np.ndarray, crest_speed: float, share: float = 0.85) 
 def white_caps_of(u10: float) -> float:
     """Part of the sea that is white under a wind [m/s]: 3.84e-6 U^3.41 (Monahan & O'Muircheartaigh 1980)."""
     return 3.84e-6 * u10**3.41
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What tagged particles say of the waves above them."""
+
+    level_m: np.ndarray
+    """(n,) mean height of each path over the still surface."""
+    orbits: list[Orbit]
+    """Their orbits, in the same order."""
+    decay_per_m: float | None
+    """Fall of the logarithm of the orbits' length per metre downwards; k on deep water. None: all at one level."""
+
+
+def motion(time: np.ndarray, paths: np.ndarray, period: float, towards: tuple[float, float] = (1.0, 0.0)) -> Motion:
+    """Orbits of paths (n, m, 3) [m] at times (m,) [s] under waves of a period [s], over the whole periods that the
+    record holds; raises ValueError where it is shorter than two."""
+    whole = time <= time[0] + period * np.floor((time[-1] - time[0]) / period + 1e-6)
+    level = paths[:, whole, 1].mean(axis=1)
+    found = [orbit(time[whole], path[whole], period, towards) for path in paths]
+    decay = None
+    if np.ptp(level) > 1e-6:
+        decay = float(np.polyfit(level, np.log([each.along_m for each in found]), 1)[0])
+    return Motion(level, found, decay)
+
+
+def read_tracers(path: Path) -> tuple[list[int], np.ndarray, np.ndarray, np.ndarray]:
+    """Numbers of the n particles of a tracers.csv, times (m,) [s], places (n, m, 3) [m] and velocities (n, m, 3) [m/s];
+    raises OSError or ValueError."""
+    table = csv_file.columns(path)
+    names = [int(column[1 : -len("_x_m")]) for column in table if column.endswith("_x_m")]
+    if "time_s" not in table or not names:
+        raise ValueError("has no column time_s, or no particle")
+    places = [np.stack([table[f"p{name}_{axis}_m"] for axis in "xyz"], axis=1) for name in names]
+    speeds = [np.stack([table[f"p{name}_{axis}_m_s"] for axis in "uvw"], axis=1) for name in names]
+    return names, table["time_s"], np.array(places), np.array(speeds)
+
+
+def towards(places: np.ndarray, speeds: np.ndarray) -> tuple[float, float]:
+    """Unit vector in x and z of where waves go to, by the water in them, (n, m, 3) each: the axis along which it moves
+    most, to the side to which it goes when it is high."""
+    level = speeds[..., [0, 2]] - speeds[..., [0, 2]].mean(axis=1, keepdims=True)
+    flat = level.reshape(-1, 2)
+    axis = np.linalg.eigh(flat.T @ flat)[1][:, -1]
+    high = places[..., 1] - places[..., 1].mean(axis=1, keepdims=True)
+    side = float(np.sum((level @ axis) * high))
+    return (float(axis[0]), float(axis[1])) if side >= 0.0 else (-float(axis[0]), -float(axis[1]))

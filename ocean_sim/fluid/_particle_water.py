@@ -13,7 +13,7 @@ from ocean_sim.fluid._field import Field
 from ocean_sim.fluid._free_surface import FreeSurface
 from ocean_sim.fluid._grid import Grid, GridSize
 from ocean_sim.fluid._ledger import SUMMARY, Ledger
-from ocean_sim.fluid._particles import Components, seeded
+from ocean_sim.fluid._particles import seeded
 from ocean_sim.fluid._pull import Pull
 from ocean_sim.fluid._smoothing import Smoothing
 from ocean_sim.fluid._walls import Walls
@@ -27,19 +27,13 @@ class ParticleWater:
     field: Field
     status: Status
 
-    def __init__(
-        self, config: Any, basin: Basin, size: GridSize, ledger: bool, wind: Wind, exposed: bool = False
-    ) -> None:
-        """`exposed`: whether the area that each particle shows to the air is kept."""
+    def __init__(self, config: Any, basin: Basin, size: GridSize, ledger: bool, wind: Wind) -> None:
         self.config, self.wind = config, wind
         lattice = size.lattice
         self.particles = seeded(lattice)
         self.smoothing = Smoothing(basin.dimension, size.support)
         self.carried = tuple(ti.field(float, shape=self.particles.n) for _ in range(size.carried))
-        self.exposed = exposed
-        if exposed:
-            self.exposed_area = Components(self.particles.n)  # times the outward normal [m2]
-        self.grid = Grid(self.particles, size, (*self.carried, *(self.exposed_area if exposed else ())))
+        self.grid = Grid(self.particles, size, self.carried)
         self.ledger = Ledger(size.groups, ledger)
         self.surface = FreeSurface(self.particles, self.grid, self.smoothing)
         self.around = self.surface.around

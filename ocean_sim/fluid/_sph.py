@@ -16,10 +16,6 @@ from ocean_sim.fluid._water import WaterConfig, free_fall_speed
 from ocean_sim.parts import LedgerRow, quantity
 from ocean_sim.wind import Wind
 
-EXPOSED = 0.1  # of the spacing, in space squared: a particle with a smaller exposed area lies inside the water
-BLOCK = 4096  # particles whose areas are added by one thread
-UNEVEN = 2.0  # factor by which exposed areas are scaled at most
-
 
 class SphConfig(WaterConfig):
     """Keys of water by smoothed particle hydrodynamics."""
@@ -103,7 +99,7 @@ class Sph(ParticleWater):
     """Particles with neighbours, and solid bodies among them; a scheme adds its laws and its step."""
 
     def __init__(self, config: SphConfig, basin: Basin, sizes: ListSize, ledger: bool, wind: Wind) -> None:
-        super().__init__(config, basin, sizes.grid, ledger, wind, exposed=wind.needs_area)
+        super().__init__(config, basin, sizes.grid, ledger, wind)
         self.neighbours = Neighbours(self.particles, self.grid, self.ledger, sizes)
         self.reference_speed, self.sound_speed = config.speed(basin), config.sound_speed(basin)
         self.dt = ti.field(float, shape=())  # [s]
@@ -115,38 +111,23 @@ class Sph(ParticleWater):
         self.field = Field(
             self.particles, self.grid, self.smoothing, self.pull.constant, self.pull, boundary=self.boundary
         )
+        self.exposed = wind.needs_area
         if self.exposed:
-            self.least_area = EXPOSED * self.particles.spacing ** (basin.dimension - 1)  # [m2]
-            self.plan_area = sizes.grid.lattice.plan_area or 0.0  # [m2]
-            self.level_area = ti.field(ti.f64, shape=-(-self.particles.n // BLOCK))
-            self.even = ti.field(float, shape=())  # plan area over the sum of level areas
+            from ocean_sim.fluid._exposure import Exposure
+
+            self.exposure = Exposure(self, sizes.grid.lattice.plan_area or 0.0)
+
+    @property
+    def places(self) -> tuple[ti.Field, ...]:
+        """Where the particles are [m], x, y and z as the lists of candidates know them."""
+        return tuple(self.particles.position)
 
     def drive(self, dt: float) -> None:
+        if self.exposed:
+            self.exposure.renew(dt)
         super().drive(dt)
         if self.bodies:
             self.boundary.sort()
-        if self.exposed:
-            self.weigh()
-
-    @ti.kernel
-    def weigh(self):
-        """Scale exposed areas so that, seen from above, they sum to the plan area of the water, where that is known:
-        whatever the order of the particles, and however many of them count as exposed, a stress acts on the surface
-        once. The sum alone is the area of the bed that the water presses on, but for the order of the particles."""
-        for b in self.level_area:
-            total = ti.cast(0.0, ti.f64)
-            for i in range(b * BLOCK, ti.min((b + 1) * BLOCK, self.particles.count.there())):
-                total += self.exposed_area.y[i]
-            self.level_area[b] = total
-        ti.loop_config(serialize=True)
-        for _ in range(1):
-            level = ti.cast(0.0, ti.f64)
-            for b in range(self.level_area.shape[0]):
-                level += self.level_area[b]
-            scale = ti.cast(1.0, ti.f64)
-            if ti.static(self.plan_area > 0.0):
-                scale = ti.min(ti.max(self.plan_area / ti.max(level, 1e-9 * self.plan_area), 1.0 / UNEVEN), UNEVEN)
-            self.even[None] = ti.cast(scale, float)
 
     def limits(self) -> Limits:
         status, nu = self.status, self.config.kinematic_viscosity
@@ -174,15 +155,5 @@ class Sph(ParticleWater):
         sum to the plan area of the water."""
         area = tm.vec3(0.0)
         if ti.static(self.exposed):
-            area = self.even[None] * tm.vec3(self.exposed_area.x[i], self.exposed_area.y[i], self.exposed_area.z[i])
+            area = self.exposure.of(i)
         return area
-
-    @ti.func
-    def expose(self, i, gradient):
-        """Twice the volume of i times the gradient [1/m] of the smoothed share of water, turned outwards: the share
-        falls from 1 to 1/2 on the water's side of a surface; walls are mirrors, so what faces them is not exposed."""
-        area = -2.0 * ti.static(self.particles.mass / self.particles.rest_density) * gradient
-        if area.norm() < self.least_area:
-            area = tm.vec3(0.0)
-        for k, component in ti.static(enumerate(self.exposed_area)):
-            component[i] = area[k]

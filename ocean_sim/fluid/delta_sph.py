@@ -187,7 +187,7 @@ class Momentum:
 
 @ti.data_oriented
 class Continuity:
-    """Rate of the density: sum m v_ij . grad W, and diffusion by delta h c; where asked, exposed area and shift.
+    """Rate of the density: sum m v_ij . grad W, and diffusion by delta h c; in a closed basin, shift.
 
     Read are the places at the end of the step and the deviation in its middle.
     """
@@ -200,8 +200,7 @@ class Continuity:
         h, rho_0 = fluid.smoothing.support / 2.0, fluid.particles.rest_density
         self.diffusion = 2.0 * fluid.config.density_diffusion * h * fluid.sound_speed / rho_0
         self.heavier = rho_0 / fluid.sound_speed**2  # density [kg/m3] over p / rho [m2/s2]
-        self.leaning = fluid.exposed or fluid.shifting  # whether the sum of grad W is wanted
-        self.sums = 5 if self.leaning else 2
+        self.sums = 5 if fluid.shifting else 2
         if fluid.bodies:
             self.solid = fluid.boundary.met(self)
 
@@ -239,10 +238,9 @@ class Continuity:
         total[0] = -weight * v_ij.dot(x_ij)
         still = self.heavier * self.fluid.pull.at_rest(x_own)  # gradient of the density at rest [kg/m4]
         total[1] = weight * self.diffusion * (other[6] - own[6] + still.dot(x_ij))
-        if ti.static(self.leaning):
-            if ti.static(self.fluid.shifting):
-                near = self.fluid.closeness(r)
-                weight *= 1.0 + CROWDING * near * near * near * near
+        if ti.static(self.fluid.shifting):
+            near = self.fluid.closeness(r)
+            weight *= 1.0 + CROWDING * near * near * near * near
             for k in ti.static(range(3)):
                 total[2 + k] = -weight * x_ij[k]
         return total
@@ -262,13 +260,10 @@ class Continuity:
             component[i] = x[k]
         for k, component in ti.static(enumerate(particles.velocity)):
             component[i] = own[3 + k]
-        if ti.static(self.leaning):
+        if ti.static(fluid.shifting):
             gradient = fluid.slope / rho_0 * tm.vec3(total[2], total[3], total[4])  # of the share of water [1/m]
-            if ti.static(fluid.exposed):
-                fluid.expose(i, gradient)
-            if ti.static(fluid.shifting):
-                for k, component in ti.static(enumerate(fluid.shift)):
-                    component[i] = -gradient[k]
+            for k, component in ti.static(enumerate(fluid.shift)):
+                component[i] = -gradient[k]
         fluid.ledger.count_density(group, rho_0 + excess)
         if ti.static(fluid.ledger.impulses):
             closer, p = particles.mass * dt * fluid.slope, fluid.pressure_of(own[6]) / (rho_0 + own[6]) ** 2
@@ -316,6 +311,11 @@ class DeltaSph(Sph):
             deepest = p + rho_0 * pull * (x[:, 1] - bed)
             x[:, 1] -= np.maximum(deepest**2 - p**2, 0.0) / (2.0 * pull * (rho_0 * self.sound_speed) ** 2)
             self.particles.position.from_numpy(x)
+
+    @property
+    def places(self) -> tuple[ti.Field, ...]:
+        """At the end of the step, in the order of its middle, with nothing wrapped into the period since."""
+        return self.grid.moved[:3]
 
     def begin(self) -> None:
         """Start from the particles as they are now, with the pressures that they have."""

@@ -158,8 +158,6 @@ class Density:
         else:
             gap = tm.max(1.0 - rho / rest - self.lacking * gradient.norm(), 0.0)
             fluid.closing[i] = rest * gap * tm.max(gap, GAP)
-        if ti.static(fluid.exposed):
-            fluid.expose(i, gradient)
         fluid.ledger.count_density(group, rho)
 
 

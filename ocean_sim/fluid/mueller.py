@@ -52,14 +52,13 @@ class Config(SphConfig):
 
 @ti.data_oriented
 class Density:
-    """(2.13) with the poly6 kernel, then (2.15); where the wind asks for it, the exposed area as well."""
+    """(2.13) with the poly6 kernel, then (2.15)."""
 
-    apart = False
+    apart, sums = False, 1
 
     def __init__(self, fluid: "Mueller") -> None:
         self.fluid = fluid
         self.reads = tuple(fluid.particles.position)
-        self.sums = 4 if fluid.exposed else 1
         self.constant = fluid.particles.mass * fluid.smoothing.poly6_constant
         self.clamped, self.minimum = fluid.config.minimum_pressure is not None, fluid.config.minimum_pressure or 0.0
         if fluid.bodies:
@@ -83,13 +82,7 @@ class Density:
     def pair(self, own, other):
         x_ij = own - other
         r2 = x_ij.dot(x_ij)
-        total = ti.Vector.zero(float, self.sums)
-        total[0] = self.fluid.smoothing.shape_poly6(r2)
-        if ti.static(self.fluid.exposed):
-            w = positive(self.fluid.smoothing.support**2 - r2)
-            for k in ti.static(range(3)):
-                total[1 + k] = w * w * x_ij[k]
-        return total
+        return ti.Vector([self.fluid.smoothing.shape_poly6(r2)])
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
@@ -101,9 +94,6 @@ class Density:
         if ti.static(self.clamped):
             p_i = tm.max(p_i, self.minimum)
         particles.density[i], particles.pressure[i], fluid.specific_volume[i] = rho_i, p_i, 1.0 / rho_i
-        if ti.static(fluid.exposed):
-            along = -6.0 * fluid.smoothing.poly6_constant * tm.vec3(total[1], total[2], total[3])
-            fluid.expose(i, fluid.particles.mass / fluid.particles.rest_density * along)
         fluid.ledger.count_density(group, rho_i)
 
 

@@ -45,7 +45,7 @@ def gained(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
 def measure(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
     """The momentum over time, beside that of still air."""
     times, momentum = gained(simulation)
-    reached = np.count_nonzero(simulation.fluid.exposed_area.to_numpy()[:, 1])
+    reached = np.count_nonzero(simulation.fluid.exposure.area.to_numpy()[:, 1])
     with stilled(simulation) as without:
         _, calm = gained(without)
     wanted = STRESS * LENGTH * times

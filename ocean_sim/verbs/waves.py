@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ocean_sim import csv_file
+from ocean_sim.orbits import motion, read_tracers, towards
 from ocean_sim.verbs import console
 from ocean_sim.wave_record import CUT_OFF, Sea, Unmeasurable, evenly, measured, welch
 
@@ -24,7 +25,7 @@ COLUMNS = {
 
 
 def waves(run: Path, begin: float, out: Path | None, as_json: bool) -> None:
-    """Measures every elevation gauge, and leaves waves.csv, spectra.csv and waves.png."""
+    """Measures every elevation gauge; leaves waves.csv, spectra.csv, waves.png, and of tracers orbits.csv."""
     path = record(run)
     time, heights = gauges(path, begin)
     try:
@@ -42,7 +43,34 @@ def waves(run: Path, begin: float, out: Path | None, as_json: bool) -> None:
         console.answer({name: sea.told() for name, sea in found.items()})
         return
     show(found, path, len(time), time)
+    files += tagged(path.parent / "tracers.csv", folder, begin, next((s.tp_s for s in found.values() if s.tp_s), None))
     console.say("\n".join(str(file) for file in files))
+
+
+def tagged(path: Path, folder: Path, begin: float, period: float | None) -> list[Path]:
+    """The orbits of tagged particles under waves of a period [s], shown, and left in orbits.csv; none, no file."""
+    if not path.is_file() or period is None:
+        return []
+    try:
+        names, time, places, speeds = read_tracers(path)
+        kept = time >= begin
+        found = motion(time[kept], places[:, kept], period, towards(places[:, kept], speeds[:, kept]))
+    except (OSError, ValueError, IndexError) as error:
+        console.say(f"{path}: says nothing of orbits: {error}")
+        return []
+    heads = ["particle", "level_m", "along_m", "up_m", "ratio", "drift_m_s"]
+    rows = [
+        [f"{name}", *(f"{value:.6g}" for value in (level, o.along_m, o.up_m, o.ratio, o.drift_m_s))]
+        for name, level, o in sorted(zip(names, found.level_m, found.orbits), key=lambda row: -row[1])
+    ]
+    with (folder / "orbits.csv").open("w", encoding="utf-8", newline="") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerows([heads, *rows])
+    some = rows[:: max(1, len(rows) // 10)]
+    console.table(f"{path}: orbits under waves of {period:.4g} s (half length and height, and drift)", heads, some)
+    if found.decay_per_m is not None:
+        console.say(f"orbits fall off with depth by exp({found.decay_per_m:.4g} y)")
+    return [folder / "orbits.csv"]
 
 
 def record(run: Path) -> Path:

@@ -38,6 +38,11 @@ class Timed(PartConfig):
         """When it has ceased [s], or None."""
         return self.stop if self.duration is None else self.start + self.duration
 
+    @cached_property
+    def always(self) -> bool:
+        """Whether it blows from the beginning and for ever, at once."""
+        return self.start == 0.0 and self.end is None and self.ramp == 0.0
+
     def blowing(self, time: float, dt: float = 0.0) -> float:
         """Part of its strength in a step of dt [s] from a time [s] on, 0 to 1; it rises and falls as 3 s^2 - 2 s^3.
         What blows for a part of the step only is weaker by that part, so the impulse is that of the time it blows."""

@@ -27,10 +27,12 @@ NOISE, PASSAGES = 0x1_0000, 0x2_0000  # streams of random numbers; the volume's 
 
 # Columns of a volume's row; after them come its shapes, whose columns count from where the shape begins.
 ORIGIN, VELOCITY, ACCELERATION, STRENGTH_OF_NOISE, WIND = 0, 3, 6, 9, 12
-ELAPSED, LIFT, COSINE, SINE, SHAPES = 15, 16, 17, 18, 19
+ELAPSED, LIFT, COSINE, SINE, MIDDLE, EXTENT, SHAPES = 15, 16, 17, 18, 19, 22, 25
 CENTRE, HALF, RADIUS, SHAPE_COSINE, SHAPE_SINE, SIGN, WIDTH = 0, 3, 6, 7, 8, 9, 10
 
 MOST_DRAWS = 8  # of the noise in a step; a longer step takes one draw, weaker by the root of their number
+
+ROUNDING = 1e-4  # by which the box around a volume is larger than it
 
 NotNegative = Annotated[float, Field(ge=0.0)]
 Noise = Annotated[tuple[NotNegative, NotNegative, NotNegative], Field(strict=False)]
@@ -100,6 +102,16 @@ class Volume(Scheduled):
         weak, strong = self.redraw_strength
         return (low + high + side * (high - low)) / 2 - given, (weak + strong + force * (strong - weak)) / 2
 
+    def bounds(self, turn: float) -> tuple[np.ndarray, np.ndarray]:
+        """Middle and half size [m] of an upright box along the axes that holds the volume, turned by `turn` [rad]; the
+        middle is seen from the centre of the volume."""
+        cores = [shape.core for shape in self.include]
+        centres = np.array([turned(core.centre - cores[0].centre, turn) for core in cores])
+        axes = [turned(axis, -turn) for axis in np.eye(3)]
+        reach = np.array([[core.reach(axis) for axis in axes] for core in cores]) * (1.0 + ROUNDING) + ROUNDING
+        low, high = (centres - reach).min(axis=0), (centres + reach).max(axis=0)
+        return (low + high) / 2.0, (high - low) / 2.0
+
     def passages(self, basin: Basin, seed: int, number: int) -> Passages:
         """The way of volume `number` across the basin."""
         first, speed = self.include[0].core, float(np.linalg.norm(self.velocity))
@@ -164,10 +176,13 @@ class Gusts:
         # One field, so that Python writes single numbers through one compiled writer, a few microseconds each.
         self.row = ti.field(float, shape=(self.n, SHAPES + WIDTH * self.shapes))
         self.draws = ti.field(int, shape=2)  # numbers of the first and the last draw of the noise in this step
-        self.shares = ti.field(float, shape=3)  # of the step that the first, each in between, and the last take
+        self.shares = ti.field(
+            float, shape=3
+        )  # of the step that the first of several, each other, and the last of several take
         self.time, self.steps = 0.0, 0
         self.drawn: tuple[float, ...] = ()
         self.blown = [volume.blows(0.0) for volume in self.volumes]
+        self.steady = [volume.always and volume.schedule is None for volume in self.volumes]
         for g, volume in enumerate(self.volumes):
             self._write_shapes(g, volume)
             self._write_passage(g)
@@ -182,7 +197,8 @@ class Gusts:
         for g, (passage, volume) in enumerate(zip(self.passages, self.volumes)):
             before, blown = passage.number, self.blown[g]
             passage.advance(dt)
-            self.blown[g] = volume.blows(self.time, dt)
+            if not self.steady[g]:
+                self.blown[g] = volume.blows(self.time, dt)
             if passage.number != before or self.blown[g] != blown:
                 self._write_passage(g)
             elif passage.speed:
@@ -195,22 +211,26 @@ class Gusts:
         """Which draws of the noise a step of dt [s] takes, and for which part of it each lasts."""
         if not self.noisy:
             return
-        first, last, shares = self.steps, self.steps, (1.0, 1.0, 1.0)
+        first = last = self.steps
+        begun, ended = self.drawn[2::2] if self.drawn else (1.0, 1.0)  # not read of a step within one draw
+        shares = (begun, 1.0, ended)
         if self.noise_every and dt > 0.0:
             begin, end = self.time / self.noise_every, (self.time + dt) / self.noise_every
             first = int(begin + 1e-6)
             last = max(first, int(end - 1e-6))
             if last - first >= MOST_DRAWS:
-                last, shares = first, (sqrt(self.noise_every / dt),) * 3
+                last, shares = first, (begun, sqrt(self.noise_every / dt), ended)
             elif last > first:
                 shares = tuple(part / (end - begin) for part in (first + 1 - begin, 1.0, end - last))
         drawn = (first & 0x3FFFFFFF, (first & 0x3FFFFFFF) + last - first, *shares)
         if drawn != self.drawn:
-            self.drawn = drawn
-            for k in range(2):
-                self.draws[k] = int(drawn[k])
-            for k in range(3):
-                self.shares[k] = drawn[2 + k]
+            before, self.drawn = self.drawn or (None,) * 5, drawn
+            for k, number in enumerate(drawn):
+                if number != before[k]:
+                    if k < 2:
+                        self.draws[k] = int(number)
+                    else:
+                        self.shares[k - 2] = number
 
     def _write(self, g: int, column: int, *numbers: float) -> None:
         for k, number in enumerate(numbers):
@@ -229,14 +249,18 @@ class Gusts:
         acceleration = part * p.strength * turned(volume.acceleration, p.turn + turn)
         wind = part * p.strength * volume.wind_speed * turned(volume.ahead, p.turn + turn)
         numbers = (*p.origin, *p.velocity, *acceleration, *np.multiply(part, volume.noise), *wind)
-        self._write(g, ORIGIN, *numbers, p.elapsed, volume.lift_coefficient, cos(p.turn), sin(p.turn))
+        middle, extent = volume.bounds(p.turn)
+        turn = cos(p.turn), sin(p.turn)
+        self._write(g, ORIGIN, *numbers, p.elapsed, volume.lift_coefficient, *turn, *middle, *extent)
 
     @ti.func
     def force(self, key, position, velocity, area, mass):
         """(2.26), summed over the volumes that hold the position [N]."""
         total = tm.vec3(0.0)
         for g in range(self.n):
-            if self.holds(g, position):
+            x = position - self.vector(g, ORIGIN) - self.row[g, ELAPSED] * self.vector(g, VELOCITY)
+            beyond = ti.abs(x - self.vector(g, MIDDLE)) - self.vector(g, EXTENT)
+            if ti.max(beyond.x, beyond.y, beyond.z) <= 0.0 and self.holds(g, x):
                 total += mass * self.vector(g, ACCELERATION)
                 if ti.static(self.noisy):
                     total += mass * self.vector(g, STRENGTH_OF_NOISE) * self.noise(g, key)
@@ -251,7 +275,9 @@ class Gusts:
         """The draws of this step for a particle, each as long as it lasts in it."""
         mean, first, last = tm.vec3(0.0), self.draws[0], self.draws[1]
         for draw in range(first, last + 1):
-            share = ti.select(draw == first, self.shares[0], ti.select(draw == last, self.shares[2], self.shares[1]))
+            share = self.shares[1]
+            if first < last:
+                share = ti.select(draw == first, self.shares[0], ti.select(draw == last, self.shares[2], share))
             mean += share * uniform3(self.seed, NOISE + g, key, draw)
         return mean
 
@@ -261,10 +287,9 @@ class Gusts:
         return drag(wind, area) + lift(wind, area, self.row[g, LIFT])
 
     @ti.func
-    def holds(self, g, position):
-        """Whether the position lies in an included shape of volume g and in no excluded one."""
-        centre = self.vector(g, ORIGIN) + self.row[g, ELAPSED] * self.vector(g, VELOCITY)
-        x = turned_back(position - centre, self.row[g, COSINE], self.row[g, SINE])
+    def holds(self, g, x):
+        """Whether x, seen from the centre of volume g [m], lies in an included shape of it and in no excluded one."""
+        x = turned_back(x, self.row[g, COSINE], self.row[g, SINE])
         included, excluded = False, False
         for s in range(self.shapes):
             k = SHAPES + WIDTH * s

@@ -87,7 +87,9 @@ class Vortex:
     def advance(self, dt: float) -> None:
         """Algorithm 1."""
         self.passage.advance(dt)
-        before, self.part = self.part, self.config.blowing(self.time, dt)
+        before = self.part
+        if not self.config.always:
+            self.part = self.config.blowing(self.time, dt)
         if self.passage.speed or self.part != before:
             self._write_axis()
         self.time += dt

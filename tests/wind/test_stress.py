@@ -5,7 +5,7 @@ import pytest
 
 import ocean_sim
 from ocean_sim.conventions import AIR_DENSITY, Diverged
-from ocean_sim.fluid import _sph
+from ocean_sim.fluid import _exposure
 from ocean_sim.parts import config_of
 from ocean_sim.scene import observer_names
 from ocean_sim.validation._state import state
@@ -149,15 +149,17 @@ def test_momentum_grows_by_stress_times_area(under_waves):
 
 def test_without_the_scaling_it_would_not(under_waves):
     """The negative control: the sum of the exposed areas alone is some per cent off."""
-    area = under_waves[2].fluid.exposed_area.to_numpy()[:, 1].sum()
+    exposure = under_waves[2].fluid.exposure
+    area = exposure.area.to_numpy()[:, 1].sum()
     assert 0.02 < abs(area - 1.0) < 0.25
-    assert area * under_waves[2].fluid.even[None] == pytest.approx(1.0, rel=0.01)
+    assert area * exposure.even[None] == pytest.approx(1.0, rel=0.01)
 
 
 def test_exposed_area_moves_with_its_particle(under_waves):
     """Under waves particles change their order; the exposed ones stay those at the surface."""
     fluid = under_waves[2].fluid
-    x, area = fluid.particles.position.to_numpy(), fluid.exposed_area.to_numpy()
+    x = fluid.particles.position.to_numpy()
+    area = fluid.exposure.area.to_numpy()[fluid.particles.id.to_numpy()]
     exposed = area[:, 1] > 0.02
     assert exposed.sum() >= 15
     assert (fluid.elevations(x[:, [0, 2]]) - x[:, 1])[exposed].max() < 0.1
@@ -166,11 +168,11 @@ def test_exposed_area_moves_with_its_particle(under_waves):
 
 def test_momentum_is_the_same_however_much_counts_as_surface(monkeypatch):
     """W1 in f32, on flat water; with a lower threshold half as many particles again count as exposed."""
-    monkeypatch.setattr(_sph, "EXPOSED", 0.003)
+    monkeypatch.setattr(_exposure, "EXPOSED", 0.003)
     config = scene(wind={"kind": "stress", "gain": 30.0})
     with ocean_sim.Simulation(config) as simulation:
         gained, time = momentum(simulation, 60)
-        exposed = np.count_nonzero(simulation.fluid.exposed_area.to_numpy()[:, 1])
+        exposed = np.count_nonzero(simulation.fluid.exposure.area.to_numpy()[:, 1])
         assert gained / time == pytest.approx(config.wind.tau(10.0), rel=1e-5)
         assert exposed == 60  # three layers, where it is two
 

@@ -1,0 +1,121 @@
+"""Tagged particles: where they are and how fast they go, at a fixed rate; `ocean-sim waves` finds their orbits."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from ocean_sim.observers._csv import CsvFile, heading
+from ocean_sim.observers._sampled import Sampled
+from ocean_sim.parts import ObserverConfig, PartConfig, Vector3, quantity
+
+if TYPE_CHECKING:
+    from ocean_sim.simulation import Simulation
+
+MOST = 1000  # tagged particles; each is six columns
+Number = Annotated[int, Field(ge=0)]
+UNITS = {"x": "m", "y": "m", "z": "m", "u": "m_s", "v": "m_s", "w": "m_s"}
+
+
+class Box(PartConfig):
+    """All particles that begin in a box."""
+
+    min: Vector3 = quantity("m")
+    """Its lowest corner."""
+    max: Vector3 = quantity("m")
+    """Its highest corner."""
+
+    @model_validator(mode="after")
+    def _has_inside(self) -> "Box":
+        if any(low >= high for low, high in zip(self.min, self.max)):
+            raise ValueError("max must be greater than min along every axis [m]")
+        return self
+
+
+class Config(ObserverConfig):
+    ids: list[Number] = []
+    """Numbers of particles."""
+    boxes: list[Box] = []
+    """Boxes [m] whose particles, as they are at the start, are followed; in a slice z is 0."""
+    every: float = quantity("s", 0.05, gt=0.0)
+    """Simulated time between rows."""
+
+    @model_validator(mode="after")
+    def _follows(self) -> "Config":
+        if not self.ids and not self.boxes:
+            raise ValueError("give at least one of ids and boxes")
+        return self
+
+    def mismatched(self, parts: dict[str, Any]) -> list[tuple[tuple[str | int, ...], str]]:
+        """What contradicts the other parts of the scene: (path below `tracers`, sentence)."""
+        basin, fluid = parts.get("basin"), parts.get("fluid")
+        if basin is None or fluid is None:
+            return []
+        if not hasattr(fluid, "lattice"):
+            return [((), f"fluid.kind {fluid.kind} has no particles to follow")]
+        lattice = fluid.lattice(basin.build())
+        found: list[tuple[tuple[str | int, ...], str]] = []
+        for k, name in enumerate(self.ids):
+            if name >= lattice.n:
+                found.append((("ids", k), f"there is no particle {name}; there are {lattice.n}"))
+        x, near = lattice.positions(), lattice.spacing  # what begins in a wave is moved by less
+        for k, box in enumerate(self.boxes):
+            if not ((x >= np.subtract(box.min, near)) & (x <= np.add(box.max, near))).all(axis=1).any():
+                found.append((("boxes", k), "holds no water"))
+        return found
+
+    def build(self, folder: Path, simulation: "Simulation") -> "Tracers":
+        return Tracers(self, folder, simulation)
+
+
+class Tracers:
+    """tracers.csv: position and velocity of each tagged particle; across a periodic side its path goes on."""
+
+    def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
+        if simulation.fluid.particles is None:
+            raise ValueError("tracers: this water has no particles to follow")
+        self.every, self.sampled = config.every, Sampled(config.every)
+        self.names = chosen(config, simulation)
+        self.periods = np.array(simulation.basin.periods)
+        self.last: np.ndarray | None = None
+        self.around = np.zeros((len(self.names), 3))  # [m] by which paths have gone on beyond periodic sides
+        columns = [f"p{name}_{what}_{unit}" for name in self.names for what, unit in UNITS.items()]
+        rate = f"every {config.every:g} s, linear between steps"
+        told = heading(simulation, rate, depth=f"{simulation.basin.depth:.9g} m", still_surface="y = 0")
+        self.csv = CsvFile(folder / "tracers.csv", told, ["time_s", *columns])
+
+    def observe(self, simulation: "Simulation") -> None:
+        particles = simulation.fluid.particles
+        order = np.argsort(particles.id.to_numpy())[self.names]
+        x = particles.position.to_numpy()[order].astype(float)
+        if self.last is not None:
+            periods = np.where(self.periods > 0.0, self.periods, np.inf)
+            wrapped = np.where(self.periods > 0.0, np.round((x - self.last) / periods) * self.periods, 0.0)
+            self.around -= wrapped
+        self.last = x
+        values = np.concatenate([x + self.around, particles.velocity.to_numpy()[order]], axis=1)
+        for time, row, _ in self.sampled.rows(simulation.time, values.ravel()):
+            self.csv.row([time, *row])
+
+    def close(self) -> None:
+        self.csv.close()
+
+
+def chosen(config: Config, simulation: "Simulation") -> np.ndarray:
+    """Numbers of the particles that are followed, each once; raises ValueError where there are none or too many."""
+    particles = simulation.fluid.particles
+    ids, x = particles.id.to_numpy(), particles.position.to_numpy()
+    missing = [name for name in config.ids if name >= len(ids)]
+    if missing:
+        raise ValueError(f"tracers.ids: there is no particle {missing[0]}; there are {len(ids)}")
+    found = [np.array(config.ids, dtype=int)]
+    for k, box in enumerate(config.boxes):
+        inside = ids[((x >= box.min) & (x <= box.max)).all(axis=1)]
+        if not len(inside):
+            raise ValueError(f"tracers.boxes[{k}]: no particle is in it")
+        found.append(inside)
+    names = np.unique(np.concatenate(found))
+    if len(names) > MOST:
+        raise ValueError(f"tracers: {len(names)} particles are too many to follow, at most {MOST}")
+    return names

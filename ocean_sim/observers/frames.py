@@ -1,4 +1,5 @@
-"""Keeps what a picture or an export needs: particles, the height of the water, and its surface; one file a frame."""
+"""Keeps what a picture or an export needs: particles, the height of the water, its surface, and
+where the ship is; one file a frame."""
 
 import os
 from pathlib import Path
@@ -60,6 +61,10 @@ class Frames:
         x, z = grid(basin, config.spacing or spacing(fluid))
         self.shape = (len(x), len(z))
         self.points = pairs(x, z)
+        self.ship = simulation.ship is not None and simulation.ship.drawn() is not None
+        hull = {}
+        if self.ship:
+            hull["ship_vertices"], hull["ship_triangles"] = simulation.ship.drawn()
         self.write(
             "grid",
             x=x,
@@ -69,6 +74,7 @@ class Frames:
             depth=basin.depth,
             spacing=spacing(fluid),
             every=config.every,
+            **hull,
             has_surface=basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0),
         )
 
@@ -81,6 +87,9 @@ class Frames:
         if simulation.surface is not None:
             mesh = simulation.surface.mesh()
             frame |= {"vertices": mesh.vertices, "triangles": mesh.triangles, "normals": mesh.normals}
+        if self.ship:
+            body = simulation.ship.body
+            frame |= {"ship_position": body.position, "ship_turn": body.matrix}  # body to world
         if self.config.particles and particles is not None:
             frame["position"] = particles.position.to_numpy()
             frame["velocity"] = particles.velocity.to_numpy()

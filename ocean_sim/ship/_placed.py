@@ -102,6 +102,7 @@ class Voyage:
     def __init__(self, config: Placed, body: RigidBody, machine: Machine, bed: float) -> None:
         """`bed`: its height [m]; what lies on it is not modelled."""
         self.bed, self.body, self.machine, self.last = bed, body, machine, loaded()
+        self.hull = getattr(config, "whole_hull", None)  # what it looks like
         self.free = np.array([motion in config.free for motion in Motions._fields])
         self.points = {name: np.array(place) - machine.centre for name, place in config.points.items()}
         self.acceleration, self.turning = np.zeros(3), np.zeros(3)  # of the last step, world axes [m/s2], [rad/s2]
@@ -111,6 +112,16 @@ class Voyage:
     def orders(self) -> tuple[float, float]:
         """Throttle and rudder [rad] as they stand."""
         return self.machine.throttle, self.machine.rudder
+
+    def drawn(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """Vertices from the centre of mass, body axes (n, 3) [m], and triangles (m, 3); None where only a law of motion
+        is known."""
+        if self.hull is None:
+            return None
+        from ocean_sim.ship._drawn import drawn
+
+        vertices, triangles = drawn(self.hull.shape)
+        return vertices - self.machine.centre, triangles
 
     def moved(self, step: Any, load: Load, dt: float) -> None:
         """Take a step of a law of motion; raises Diverged where the ship has left the physical world."""

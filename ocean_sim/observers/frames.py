@@ -61,10 +61,9 @@ class Frames:
         x, z = grid(basin, config.spacing or spacing(fluid))
         self.shape = (len(x), len(z))
         self.points = pairs(x, z)
-        self.ship = simulation.ship is not None and simulation.ship.drawn() is not None
-        hull = {}
-        if self.ship:
-            hull["ship_vertices"], hull["ship_triangles"] = simulation.ship.drawn()
+        drawn = simulation.ship.drawn() if simulation.ship is not None else None
+        self.ship = simulation.ship if drawn is not None else None
+        hull = {} if drawn is None else {"ship_vertices": drawn[0], "ship_triangles": drawn[1]}
         self.write(
             "grid",
             x=x,
@@ -87,8 +86,8 @@ class Frames:
         if simulation.surface is not None:
             mesh = simulation.surface.mesh()
             frame |= {"vertices": mesh.vertices, "triangles": mesh.triangles, "normals": mesh.normals}
-        if self.ship:
-            body = simulation.ship.body
+        if self.ship is not None:
+            body = self.ship.body
             frame |= {"ship_position": body.position, "ship_turn": body.matrix}  # body to world
         if self.config.particles and particles is not None:
             frame["position"] = particles.position.to_numpy()

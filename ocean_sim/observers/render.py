@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 Quality = Literal["draft", "final"]
 NODES = {"draft": 40_000, "final": 160_000}  # of the drawn surface
 HULL, DECK = np.array([206.0, 74.0, 52.0]), np.array([238.0, 226.0, 204.0])  # colours in full sun
-SHIPS = 2.5  # lengths of a ship that a camera which follows it sees each way
+SHIPS = 1.5  # lengths of a ship that a camera which follows it sees each way
 Progress = Callable[[int, int], None]  # pictures drawn, pictures in all
 OpenGLMissing = _opengl.OpenGLMissing
 probe = _opengl.probe
@@ -267,7 +267,8 @@ class Picture:
             lower[1] = max(lower[1], -self.ship.length)
             self.camera = placed("third_person", lower, upper, self.order.size[0] / self.order.size[1])
             self.dome.position = tuple(self.camera.eye - self.first_eye)
-            self.content.eye = self.camera.eye
+            if not isinstance(self.content, Particles):
+                self.content.eye = self.camera.eye
             self.aim()
 
     def smooth(self, on: bool) -> None:

@@ -63,10 +63,10 @@ class Voxels:
         return np.trace(moments) * np.eye(3) - moments
 
 
-def voxels(shape: Any, side: float) -> Voxels:
-    """The cubes of a shape; raises ValueError where they are too many."""
+def voxels(shape: Any, side: float, flat: float = FLAT) -> Voxels:
+    """The cubes of a shape, up to `flat` times as long as tall; raises ValueError where they are too many."""
     lower, upper = shape.bounds()
-    sides = np.clip((upper - lower) / ENOUGH, side, FLAT * side)
+    sides = np.clip((upper - lower) / ENOUGH, side, flat * side)
     counts = np.maximum(1, np.ceil((upper - lower) / sides - 1e-6).astype(int))
     if counts.prod() > MOST:
         raise ValueError(

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 Quality = Literal["draft", "final"]
 NODES = {"draft": 40_000, "final": 160_000}  # of the drawn surface
 HULL, DECK = np.array([206.0, 74.0, 52.0]), np.array([238.0, 226.0, 204.0])  # colours in full sun
+FAR = 6.0  # lengths of a ship; in a longer basin the camera follows it
 SHIPS = 1.5  # lengths of a ship that a camera which follows it sees each way
 Progress = Callable[[int, int], None]  # pictures drawn, pictures in all
 OpenGLMissing = _opengl.OpenGLMissing
@@ -263,7 +264,7 @@ class Picture:
         reach = SHIPS * self.ship.length * np.array([1.0, 0.0, 1.0])
         lower, upper = np.maximum(self.lower, position - reach), np.minimum(self.upper, position + reach)
         lower[1], upper[1] = self.lower[1], self.upper[1]
-        if (upper - lower < self.upper - self.lower).any():
+        if (self.upper - self.lower).max() > FAR * self.ship.length:
             lower[1] = max(lower[1], -self.ship.length)
             self.camera = placed("third_person", lower, upper, self.order.size[0] / self.order.size[1])
             self.dome.position = tuple(self.camera.eye - self.first_eye)

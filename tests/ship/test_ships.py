@@ -5,8 +5,9 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from ocean_sim import scene
+from ocean_sim import csv_file, scene
 from ocean_sim.conventions import Diverged
+from ocean_sim.observers.manifest import state_sha256
 from ocean_sim.observers.motion import COLUMNS
 from ocean_sim.result import Result
 from ocean_sim.scene import load, observer_names
@@ -204,6 +205,32 @@ def test_ned_is_the_same_motion_in_other_axes(told):
     np.testing.assert_allclose(ned["specific_force_z_m_s2"], -ours["specific_force_y_m_s2"], atol=1e-9)
     np.testing.assert_allclose(ned["specific_force_x_m_s2"], ours["specific_force_z_m_s2"], atol=1e-9)
     np.testing.assert_allclose(ned["qz"], -ours["qy"], atol=1e-9)
+
+
+def test_a_sea_a_ship_and_a_platform_run_to_their_files(tmp_path):
+    ship = {"kind": "yacht", "cells_per_draught": 3.0, "controls": [{"time": 0.0, "throttle": 1.0}]}
+    platform = {"kind": "hexapod", "geometry": "hexapod_a", "washout": "ship"}
+    over = {name: value for name, value in QUIET.items() if name not in ("motion", "platform_log", "frames")}
+    fluid = {"kind": "linear_waves", "height": 0.8, "period": 4.0}
+    keys = {"motion": {"every": 0.01, "point": "helm"}, "frames": {"every": 0.5, "spacing": 10.0}}
+    scene.run(load(calm(ship, fluid=fluid, platform=platform, duration=1.0, **keys), over), tmp_path)
+    motion = Result(tmp_path).motion
+    platform_log = csv_file.columns(tmp_path / "platform.csv")
+    assert len(motion["time_s"]) == 101 and len(platform_log["time_s"]) >= 100
+    assert np.ptp(motion["heave_m"]) > 0.02 and np.ptp(platform_log["leg1_m"]) > 1e-3
+    with np.load(tmp_path / "frames" / "grid.npz") as grid, np.load(tmp_path / "frames" / "frame_00002.npz") as frame:
+        drawn = grid["ship_vertices"] @ frame["ship_turn"].T + frame["ship_position"]
+        assert np.ptp(grid["ship_vertices"][:, 2]) == pytest.approx(14.7, rel=1e-3)
+        assert drawn[:, 1].min() < -0.5 and drawn[:, 1].max() > 1.0
+    assert "state_sha256" in (tmp_path / "manifest.json").read_text()
+
+
+def test_the_hash_of_the_state_knows_the_ship(barge):
+    simulation, rest = barge
+    simulation.ship.body = rest
+    before = state_sha256(simulation)
+    simulation.ship.body = replace(rest, position=rest.position + 1e-9)
+    assert state_sha256(simulation) != before
 
 
 def test_an_autopilot_turns_to_its_course():

@@ -12,6 +12,7 @@ import numpy as np
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
+from ocean_sim.parts import LedgerRow
 from ocean_sim.ship import Load, loaded
 from ocean_sim.ship._afloat import FloatingConfig, afloat_pose
 from ocean_sim.ship._hydrostatics import Hydrostatics, Matter
@@ -54,6 +55,10 @@ class Config(FloatingConfig):
         if (upper - lower).min() < FEWEST * spacing:
             found.append(f"the hull is {(upper - lower).min() / spacing:.2g} spacings thin: water feels through it")
         return found
+
+    def ledger(self, basin: Basin, word: int = 8) -> list[LedgerRow]:
+        """Nothing of its own: the water keeps the samples."""
+        return []
 
     def build(self, basin: Basin, fluid: Any) -> "Pressure":
         return Pressure(self, basin, fluid)

@@ -118,6 +118,31 @@ def test_light_and_heavy_bodies_are_stable(density):
         assert draught(simulation) == pytest.approx(0.8 * density / 1000.0, rel=0.03)
 
 
+@pytest.mark.slow
+def test_a_half_immersed_cylinder_bobs_as_potential_flow_says():
+    """Ito's cylinder of 0.1524 m, let go 0.0254 m too high: extrema of linear theory (Ursell 1949; Yeung 1982)."""
+    radius, rise = 0.0762, 0.0254
+    shape = {"kind": "cylinder", "length": 1.0, "radius": radius}
+    hull = {"shape": shape, "mass": 500.0 * np.pi * radius**2, "centre_of_mass": [0.0, radius, 0.0]}
+    water = {"kind": "delta_sph", "spacing": radius / 10, "compression": 0.02, "artificial_viscosity": 0.03}
+    scene = {
+        "duration": 1.0,
+        "basin": {"length": 1.6, "depth": 0.45, "walls": {"x": "absorbing"}},
+        "fluid": water,
+        "ship": {"kind": "pressure", "hull": hull, "position": [0.0, rise, 0.0], "free": ["heave"]},
+    }
+    with Simulation(load(scene, QUIET)) as simulation:
+        rows = []
+        while simulation.time < 0.7:
+            simulation.step()
+            rows.append((simulation.time, simulation.ship.body.position[1] / rise))
+    t, y = np.array(rows).T
+    low = int(np.argmin(y))
+    high = low + int(np.argmax(y[low:]))
+    assert y[low] == pytest.approx(-0.6408, rel=0.10) and t[low] == pytest.approx(0.326, rel=0.05)
+    assert t[high] == pytest.approx(0.635, rel=0.05)
+
+
 def test_water_that_cannot_carry_it_is_refused():
     scene = slice_of_water() | {"fluid": {"kind": "dfsph", "spacing": 0.1}}
     with pytest.raises(SceneError, match="does not carry a ship of kind pressure"):

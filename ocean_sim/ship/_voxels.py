@@ -15,7 +15,7 @@ from ocean_sim.cache_file import kept
 SAMPLES = 4  # along each edge of a cube
 MOST = 4_000_000  # cubes
 FLAT = 3.0  # the most that a cube is longer and broader than tall
-ENOUGH = np.array([12, 1e9, 24])  # cubes across and along a hull, which leave no error that the height does not
+ENOUGH = np.array([14, 1e9, 24])  # cubes across and along a hull, which leave no error that the height does not
 OFFSET = 1.0e-4  # of a cube: columns do not run through the edges of a mesh that was drawn on a lattice
 
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
@@ -160,6 +160,7 @@ class Basin:
     """The box of water, in plain numbers."""
 
     config: Config
+    afloat: tuple[Any, ...] = ()  # what floats in it: `origin`, `inside` of places, `samples` (ship/_solid.py)
 
     @property
     def dimension(self) -> int:

@@ -211,6 +211,9 @@ def _checked(composition: Composition, problems: list[Problem]) -> SceneConfig |
     if ship is not None and surface is None and hasattr(fluid, "lattice") and ship.needs_surface:
         said = f"a {ship.kind} ship over particles asks a surface how high the water stands; give a `surface`"
         problems.append(problem(data["ship"].place, "ship", said))
+    if ship is not None and fluid is not None and fluid.kind not in getattr(ship, "waters", (fluid.kind,)):
+        said = f"water of kind {fluid.kind} does not carry a ship of kind {ship.kind}; take {' or '.join(ship.waters)}"
+        problems.append(problem(data["ship"].place, "ship", said))
     if problems or heading is None:
         return None
     values = {key: getattr(heading, key) for key in headings}

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
 from math import floor
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -27,6 +28,8 @@ class Simulation:
         self.scene = scene
         self.backend = runtime.start(scene.runtime)
         self.basin = scene.basin.build()
+        if hasattr(scene.ship, "floating"):  # the water is built around it
+            self.basin = replace(self.basin, afloat=(scene.ship.floating(self.basin, scene.fluid.rest_density),))
         self.wind = scene.wind.build(self.basin, scene.seed)
         accounts = "accuracy" in scene.observers  # whether the fluid sums the impulse of each term
         self.fluid = scene.fluid.build(self.basin, scene.seed, ledger=accounts, wind=self.wind.on("fluid"))

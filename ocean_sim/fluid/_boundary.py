@@ -59,6 +59,11 @@ def boxes(lattice: Lattice, support: float) -> list[Body]:
     return bodies
 
 
+def floating(lattice: Lattice, support: float) -> list[Body]:
+    """What floats in the basin, likewise."""
+    return [Body(*solid.samples(lattice.spacing, support), False, solid.origin) for solid in lattice.basin.afloat]
+
+
 @ti.data_oriented
 class Boundary:
     """All solid bodies in the water: `place` them, `sort`, `react`; then `forces` says what they feel."""

@@ -103,11 +103,12 @@ class Sph(ParticleWater):
         self.neighbours = Neighbours(self.particles, self.grid, self.ledger, sizes)
         self.reference_speed, self.sound_speed = config.speed(basin), config.sound_speed(basin)
         self.dt = ti.field(float, shape=())  # [s]
-        self.bodies, self.boundary = len(basin.obstacles) > 0, None
+        self.bodies, self.boundary = bool(basin.obstacles or basin.afloat), None
         if self.bodies:
-            from ocean_sim.fluid._boundary import Boundary, boxes
+            from ocean_sim.fluid._boundary import Boundary, boxes, floating
 
-            self.boundary = Boundary(boxes(sizes.grid.lattice, sizes.grid.support), self)
+            lattice, support = sizes.grid.lattice, sizes.grid.support
+            self.boundary = Boundary([*boxes(lattice, support), *floating(lattice, support)], self)
         self.field = Field(
             self.particles, self.grid, self.smoothing, self.pull.constant, self.pull, boundary=self.boundary
         )
@@ -137,8 +138,9 @@ class Sph(ParticleWater):
     def impulse(self) -> dict[str, np.ndarray]:
         total = super().impulse
         if total and self.bodies:
-            total["obstacles"] = -self.boundary.impulses().sum(axis=0)
-            total["walls"] = total["walls"] - total["obstacles"]  # the laws count both as walls
+            given, fixed = -self.boundary.impulses(), len(self.grid.basin.obstacles)
+            total["obstacles"], total["ship"] = given[:fixed].sum(axis=0), given[fixed:].sum(axis=0)
+            total["walls"] = total["walls"] - given.sum(axis=0)  # the laws count all as walls
         return total
 
     @ti.func

@@ -152,7 +152,7 @@ class Lattice:
     @cached_property
     def started(self) -> int:
         """How many of them are there without an emitter."""
-        if self.given is None and not self.basin.obstacles:
+        if self.given is None and not (self.basin.obstacles or self.basin.afloat):
             return total(self.counts)
         return len(self.positions())
 
@@ -206,8 +206,11 @@ class Lattice:
 
     @cached_property
     def wet(self) -> np.ndarray:
-        """(m,) which of them are in no obstacle."""
-        return ~inside(self.full, self.basin)
+        """(m,) which of them are in no obstacle and in nothing that floats."""
+        wet = ~inside(self.full, self.basin)
+        for solid in self.basin.afloat:
+            wet &= ~solid.inside(self.full, self.spacing)
+        return wet
 
     def positions(self) -> np.ndarray:
         """(n, 3) places of the particles [m], x running fastest."""

@@ -1,4 +1,5 @@
-"""Keeps what a picture or an export needs: particles, the height of the water, and its surface; one file a frame."""
+"""Keeps what a picture or an export needs: particles, the height of the water, its surface, and
+where the ship is; one file a frame."""
 
 import os
 from pathlib import Path
@@ -60,6 +61,9 @@ class Frames:
         x, z = grid(basin, config.spacing or spacing(fluid))
         self.shape = (len(x), len(z))
         self.points = pairs(x, z)
+        drawn = simulation.ship.drawn() if simulation.ship is not None else None
+        self.ship = simulation.ship if drawn is not None else None
+        hull = {} if drawn is None else {"ship_vertices": drawn[0], "ship_triangles": drawn[1]}
         self.write(
             "grid",
             x=x,
@@ -69,6 +73,7 @@ class Frames:
             depth=basin.depth,
             spacing=spacing(fluid),
             every=config.every,
+            **hull,
             has_surface=basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0),
         )
 
@@ -81,6 +86,9 @@ class Frames:
         if simulation.surface is not None:
             mesh = simulation.surface.mesh()
             frame |= {"vertices": mesh.vertices, "triangles": mesh.triangles, "normals": mesh.normals}
+        if self.ship is not None:
+            body = self.ship.body
+            frame |= {"ship_position": body.position, "ship_turn": body.matrix}  # body to world
         if self.config.particles and particles is not None:
             frame["position"] = particles.position.to_numpy()
             frame["velocity"] = particles.velocity.to_numpy()

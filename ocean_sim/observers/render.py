@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 
 Quality = Literal["draft", "final"]
 NODES = {"draft": 40_000, "final": 160_000}  # of the drawn surface
+HULL, DECK = np.array([206.0, 74.0, 52.0]), np.array([238.0, 226.0, 204.0])  # colours in full sun
+FAR = 6.0  # lengths of a ship; in a longer basin the camera follows it
+SHIPS = 1.5  # lengths of a ship that a camera which follows it sees each way
 Progress = Callable[[int, int], None]  # pictures drawn, pictures in all
 OpenGLMissing = _opengl.OpenGLMissing
 probe = _opengl.probe
@@ -161,6 +164,7 @@ class Frame:
             self.elevation = file["elevation"].astype(np.float64)
             self.position = file["position"] if "position" in file else None
             self.velocity = file["velocity"] if "velocity" in file else None
+            self.ship = (file["ship_position"], file["ship_turn"]) if "ship_position" in file else None
             self.mesh = [file[name] for name in ("vertices", "triangles", "normals")] if "vertices" in file else None
 
     @property
@@ -196,6 +200,7 @@ class Picture:
             self.content = Shell(self, float(grid["depth"]))
         else:
             self.content = Water(self, grid)
+        self.ship = Ship(self, grid) if "ship_vertices" in grid else None
         self.caption = self.plotter.add_text("t", position=(14, 10), font_size=9, color="#eef3f6", shadow=True)
         self.aim()
 
@@ -220,7 +225,8 @@ class Picture:
         directions = _sky.unit(np.asarray(dome.points, dtype=float))
         dome.points = (self.camera.eye + radius * directions).astype(np.float32)
         dome["colour"] = _water_shading.display(_sky.around(directions))
-        self.plotter.add_mesh(dome, scalars="colour", rgb=True, lighting=False, smooth_shading=False)
+        self.dome = self.plotter.add_mesh(dome, scalars="colour", rgb=True, lighting=False, smooth_shading=False)
+        self.first_eye = self.camera.eye
         if self.camera.forward[1] > -0.9:
             self.shadow()
 
@@ -243,10 +249,28 @@ class Picture:
         self.plotter.add_mesh(plane, scalars="colour", rgba=True, lighting=False)
 
     def draw(self, frame: Frame) -> np.ndarray:
+        if self.ship is not None and frame.ship is not None:
+            self.ship.show(*frame.ship)
+            if self.order.camera == "third_person":
+                self.follow(frame.ship[0])
         self.content.show(frame)
         self.caption.input = f"t = {frame.time:.2f} s"
         self.plotter.render()
         return self.plotter.screenshot(None, return_img=True)
+
+    def follow(self, position: np.ndarray) -> None:
+        """Move with the ship, where the basin is many times as long as it."""
+        assert self.ship is not None
+        reach = SHIPS * self.ship.length * np.array([1.0, 0.0, 1.0])
+        lower, upper = np.maximum(self.lower, position - reach), np.minimum(self.upper, position + reach)
+        lower[1], upper[1] = self.lower[1], self.upper[1]
+        if (self.upper - self.lower).max() > FAR * self.ship.length:
+            lower[1] = max(lower[1], -self.ship.length)
+            self.camera = placed("third_person", lower, upper, self.order.size[0] / self.order.size[1])
+            self.dome.position = tuple(self.camera.eye - self.first_eye)
+            if not isinstance(self.content, Particles):
+                self.content.eye = self.camera.eye
+            self.aim()
 
     def smooth(self, on: bool) -> None:
         """Whether edges are smoothed: slow, so only for final pictures and the preview."""
@@ -304,6 +328,26 @@ class Shell:
         up = np.clip(2.5 * normals[:, 1:2], 0.0, 1.0)
         shape["colour"] = _water_shading.display(up * top + (1.0 - up) * side)
         self.plotter.add_mesh(shape, scalars="colour", rgb=True, lighting=False, name="shell", reset_camera=False)
+
+
+class Ship:
+    """The hull, its sides as bright as the sun makes them."""
+
+    def __init__(self, picture: Picture, grid: Any) -> None:
+        self.vertices, triangles = grid["ship_vertices"].astype(float), grid["ship_triangles"].astype(int)
+        self.length = float(np.ptp(self.vertices, axis=0).max())  # [m]
+        a, b, c = (self.vertices[triangles[:, k]] for k in range(3))
+        self.normals = _sky.unit(np.cross(b - a, c - a))
+        deck = self.normals[:, 1:2] > 0.7
+        self.paint = np.where(deck, DECK, HULL)
+        self.shape = picture.pyvista.PolyData.from_regular_faces(self.vertices.astype(np.float32), triangles)
+        self.shape.cell_data["colour"] = np.zeros((len(triangles), 3), np.uint8)
+        picture.plotter.add_mesh(self.shape, scalars="colour", rgb=True, lighting=False)
+
+    def show(self, position: np.ndarray, turn: np.ndarray) -> None:
+        self.shape.points = (self.vertices @ turn.T + position).astype(np.float32)
+        light = 0.45 + 0.55 * np.clip((self.normals @ turn.T) @ _sky.SUN, 0.0, 1.0)
+        self.shape.cell_data["colour"] = (self.paint * light[:, None]).astype(np.uint8)
 
 
 class Particles:

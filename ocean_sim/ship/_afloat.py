@@ -122,8 +122,7 @@ class Afloat:
 
     def wetted(self, body: RigidBody, wind: Any, water: Any) -> Wetted:
         """What the cubes say of the water and the wind around the body."""
-        self.water.look(water, body.position, float(body.angles[1]))
-        return self.cubes.wetted(body, self.water, wind)
+        return self.cubes.wetted(body, self.water, water, wind)
 
     def share(self, wet: Wetted) -> float:
         """Of added mass, damping and thrust that is left: all of it until half the usual volume is out of the water."""

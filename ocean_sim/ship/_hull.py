@@ -10,8 +10,9 @@ from ocean_sim import yaml_file
 from ocean_sim.parts import PartConfig, Vector3, library, named, quantity
 from ocean_sim.ship._hydrostatics import Hydrostatics, Matter
 from ocean_sim.ship._shapes import MeshFile, Shape
-from ocean_sim.ship._voxels import Voxels, voxels
+from ocean_sim.ship._voxels import FLAT, Voxels, voxels
 
+OF_MOTIONS = 8.0  # cubes over a draught, up to which they may be flat; more are for curves of stability
 COARSE = 16  # cubes over the height of a hull whose draught is not known yet
 ENOUGH = 4e5  # cubes of a hull: one that draws little of its height has fewer over its draught than asked for
 MESHES = (".stl", ".obj", ".ply")
@@ -40,19 +41,20 @@ class Hull(PartConfig):
         """The hull in still water, with so many cubes over its draught; raises ValueError."""
         lower, upper = self.shape.bounds()
         height = float(upper[1] - lower[1])
+        flat = FLAT if cells <= OF_MOTIONS else 1.0
         rough = self.floating(height / COARSE, density, gravity)
         draught = rough.draught
         if isinf(draught):
             draught = height
         least = float((upper - lower).prod() / ENOUGH) ** (1.0 / 3.0)
-        fine = self.floating(max(draught / cells, least), density, gravity)
+        fine = self.floating(max(draught / cells, least), density, gravity, flat)
         if isinf(fine.draught) or abs(fine.draught / draught - 1.0) < 0.02:
             return fine
-        return self.floating(max(fine.draught / cells, least), density, gravity)
+        return self.floating(max(fine.draught / cells, least), density, gravity, flat)
 
-    def floating(self, side: float, density: float, gravity: float) -> Hydrostatics:
-        """The hull in cubes of a given side [m]."""
-        cubes = voxels(self.shape, side)
+    def floating(self, side: float, density: float, gravity: float, flat: float = FLAT) -> Hydrostatics:
+        """The hull in cubes of a given height [m], up to `flat` times as long."""
+        cubes = voxels(self.shape, side, flat)
         return Hydrostatics(cubes, self.matter(cubes), density, gravity)
 
 

@@ -43,19 +43,26 @@ class Hydrostatics:
 
     def wet(self, up: np.ndarray, level: float) -> np.ndarray:
         """Volume of each cube under a level [m3] along a unit vector of the hull's axes."""
-        share = np.clip((level - self.voxels.heights(up)) / self.voxels.spread(up) + 0.5, 0.0, 1.0)
-        return self.voxels.size.prod() * self.voxels.share * share
+        return self.whole * np.clip(self.shares(up, level), 0.0, 1.0)
+
+    def shares(self, up: np.ndarray, level: float) -> np.ndarray:
+        """How far each cube is wet: 0 where it touches the water, 1 where it is under it."""
+        return (level - self.voxels.heights(up)) / self.voxels.spread(up) + 0.5
+
+    @cached_property
+    def whole(self) -> np.ndarray:
+        """Volume of each cube inside the hull [m3]."""
+        return self.voxels.size.prod() * self.voxels.share
 
     def level(self, up: np.ndarray) -> float:
         """How high along a unit vector the water stands where it carries the mass [m]; infinite where it cannot."""
         if self.wanted >= self.voxels.volume:
             return inf
         height, spread = self.voxels.heights(up), self.voxels.spread(up)
-        full = self.voxels.size.prod() * self.voxels.share
         low, high = float(height.min()) - spread, float(height.max()) + spread
         for _ in range(40):
             middle = 0.5 * (low + high)
-            volume = float((full * np.clip((middle - height) / spread + 0.5, 0.0, 1.0)).sum())
+            volume = float((self.whole * np.clip((middle - height) / spread + 0.5, 0.0, 1.0)).sum())
             low, high = (middle, high) if volume < self.wanted else (low, middle)
         return 0.5 * (low + high)
 
@@ -73,8 +80,10 @@ class Hydrostatics:
     def centre_of_buoyancy(self, turn: np.ndarray | None = None) -> np.ndarray:
         """(3,) in the axes of a turned hull (upright by default), from its origin [m]."""
         turn = np.eye(3) if turn is None else turn
-        volume = self.wet(turn[1], self.level(turn[1]))
-        return turn @ (volume[:, None] * self.voxels.centre).sum(axis=0) / volume.sum()
+        share = self.shares(turn[1], self.level(turn[1]))
+        volume = self.whole * np.clip(share, 0.0, 1.0)
+        aside = self.voxels.aside(turn[1], float(self.whole[(share > 0.0) & (share < 1.0)].sum()))
+        return turn @ ((volume[:, None] * self.voxels.centre).sum(axis=0) + aside) / volume.sum()
 
     def lever(self, axis: int, degrees: float) -> float:
         """Righting lever [m] of a turn about z (2: GZ) or x (0: in trim), with free sinkage."""

@@ -1,7 +1,7 @@
 """Where a ship begins, what may move, who steers: keys of every kind of ship, and the state that they become."""
 
 from math import radians
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -23,6 +23,8 @@ Place = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_lengt
 class Placed(Helm):
     """Keys of every kind of ship."""
 
+    slices: ClassVar[bool] = False  # whether it also floats in a slice
+
     position: Place = quantity("m", (0.0, 0.0))
     """Of the centre of mass: [x, z] afloat, or [x, y, z]."""
     heading_deg: float = quantity("deg", 0.0)
@@ -41,13 +43,13 @@ class Placed(Helm):
     def misplaced(self, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
         """What contradicts the basin: (path below `ship`, sentence)."""
         found: list[tuple[tuple[str, ...], str]] = []
-        if basin.dimension == 2:
+        if basin.dimension == 2 and not self.slices:
             found.append((("kind",), "a ship needs a basin with a width"))
         if basin.gravity[0] or basin.gravity[2] or not basin.gravity[1] < 0.0:
             found.append((("kind",), f"a ship needs gravity straight down, here it is {list(basin.gravity)} m/s2"))
-        for axis, value in zip((0, 2), (self.position[0], self.position[-1])):
+        for axis, value in zip((0, 2), (self.position[0], 0.0 if basin.dimension == 2 else self.position[-1])):
             low, high = basin.lower[axis], basin.upper[axis]
-            if basin.dimension == 3 and not low <= value <= high:
+            if not low <= value <= high:
                 where = f"{'xyz'[axis]} = {value:g} m is outside the basin, which reaches from {low:g} to {high:g} m"
                 found.append((("position",), where))
         return found
@@ -102,6 +104,7 @@ class Voyage:
     def __init__(self, config: Placed, body: RigidBody, machine: Machine, bed: float) -> None:
         """`bed`: its height [m]; what lies on it is not modelled."""
         self.bed, self.body, self.machine, self.last = bed, body, machine, loaded()
+        self.hull = getattr(config, "whole_hull", None)  # what it looks like
         self.free = np.array([motion in config.free for motion in Motions._fields])
         self.points = {name: np.array(place) - machine.centre for name, place in config.points.items()}
         self.acceleration, self.turning = np.zeros(3), np.zeros(3)  # of the last step, world axes [m/s2], [rad/s2]
@@ -111,6 +114,16 @@ class Voyage:
     def orders(self) -> tuple[float, float]:
         """Throttle and rudder [rad] as they stand."""
         return self.machine.throttle, self.machine.rudder
+
+    def drawn(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """Vertices from the centre of mass, body axes (n, 3) [m], and triangles (m, 3); None where only a law of motion
+        is known."""
+        if self.hull is None:
+            return None
+        from ocean_sim.ship._drawn import drawn
+
+        vertices, triangles = drawn(self.hull.shape)
+        return vertices - self.machine.centre, triangles
 
     def moved(self, step: Any, load: Load, dt: float) -> None:
         """Take a step of a law of motion; raises Diverged where the ship has left the physical world."""

@@ -5,6 +5,7 @@ at the midpoint: second-order in the step, at the cost of the thesis's forward E
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -20,22 +21,22 @@ class RigidBody:
     velocity: np.ndarray  # (3,) of the centre of mass [m/s]
     angular_momentum: np.ndarray  # (3,) about the centre of mass [kg m2/s]
 
-    @property
+    @cached_property
     def matrix(self) -> np.ndarray:
         """(3, 3) rotation, body to world."""
         return matrix(self.orientation)
 
-    @property
+    @cached_property
     def angular_velocity(self) -> np.ndarray:
         """(3,) in world axes [rad/s]."""
         return angular_velocity(self.orientation, self.angular_momentum, self.inertia_body)
 
-    @property
+    @cached_property
     def rates(self) -> np.ndarray:
         """(3,) angular velocity in body axes: pitch, yaw and roll rate [rad/s]."""
         return self.matrix.T @ self.angular_velocity
 
-    @property
+    @cached_property
     def angles(self) -> np.ndarray:
         """(3,) pitch, yaw, roll [rad]: intrinsic yaw about Y, then pitch about X, then roll about Z."""
         return angles(self.orientation)
@@ -51,7 +52,13 @@ class RigidBody:
 
     def point_velocity(self, arm: np.ndarray) -> np.ndarray:
         """(4.15): world velocity [m/s] of such a point."""
-        return self.velocity + np.cross(self.angular_velocity, self.matrix @ arm)
+        return self.velocity + cross(self.angular_velocity, self.matrix @ arm)
+
+
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """a x b of two (3,), many times as quick as NumPy's."""
+    (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()
+    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
 
 
 def quaternion(axis: np.ndarray, angle: float) -> np.ndarray:
@@ -61,8 +68,8 @@ def quaternion(axis: np.ndarray, angle: float) -> np.ndarray:
 
 def product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     """(4.7): first q, then p."""
-    a, b, c, d = p
-    e, f, g, h = q
+    a, b, c, d = p.tolist()
+    e, f, g, h = q.tolist()
     return np.array(
         [
             a * e - b * f - c * g - d * h,
@@ -85,10 +92,15 @@ def rotated(q: np.ndarray, vector: np.ndarray) -> np.ndarray:
 
 def matrix(q: np.ndarray) -> np.ndarray:
     """(4.10): (3, 3) rotation of a quaternion of any length."""
-    a, b = q[0], q[1:]
-    norm = q @ q
-    hat = np.array([[0.0, -b[2], b[1]], [b[2], 0.0, -b[0]], [-b[1], b[0], 0.0]])
-    return np.eye(3) - 2.0 / norm * ((b @ b) * np.eye(3) - np.outer(b, b)) + 2.0 * a / norm * hat
+    w, x, y, z = q.tolist()
+    s = 2.0 / (w * w + x * x + y * y + z * z)
+    return np.array(
+        [
+            [1.0 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)],
+            [s * (x * y + w * z), 1.0 - s * (x * x + z * z), s * (y * z - w * x)],
+            [s * (x * z - w * y), s * (y * z + w * x), 1.0 - s * (x * x + y * y)],
+        ]
+    )
 
 
 def normalised(q: np.ndarray) -> np.ndarray:
@@ -160,7 +172,7 @@ def thesis_advanced(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: 
     """
     r, omega = body.matrix, body.angular_velocity
     inertia = r @ body.inertia_body @ r.T
-    faster = omega + np.linalg.solve(inertia, torque - np.cross(omega, inertia @ omega)) * dt
+    faster = omega + np.linalg.solve(inertia, torque - cross(omega, inertia @ omega)) * dt
     orientation = normalised(product(rotation(omega * dt), body.orientation))
     turned = matrix(orientation)
     return replace(

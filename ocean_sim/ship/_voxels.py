@@ -1,6 +1,7 @@
 """A hull as cubes with the share of each that lies inside it, made once and kept by content.
 
-The cubes are stretched by a little along each axis, so that whole ones fill the box around the hull.
+They are as tall as asked for, and up to FLAT times as long and broad where a hull has plenty of them that way: what is
+clipped at the water is their height. Whole ones fill the box around the hull.
 """
 
 from dataclasses import dataclass
@@ -13,6 +14,8 @@ from ocean_sim.cache_file import kept
 
 SAMPLES = 4  # along each edge of a cube
 MOST = 4_000_000  # cubes
+FLAT = 3.0  # the most that a cube is longer and broader than tall
+ENOUGH = np.array([14, 1e9, 24])  # cubes across and along a hull, which leave no error that the height does not
 OFFSET = 1.0e-4  # of a cube: columns do not run through the edges of a mesh that was drawn on a lattice
 
 
@@ -38,6 +41,13 @@ class Voxels:
         """How far each reaches along a unit vector [m]: the straight ramp with the variance of a box."""
         return float(np.linalg.norm(self.size * up))
 
+    def aside(self, up: np.ndarray, cut: float) -> np.ndarray:
+        """(3,) by how much what is wet of the cubes that the water's surface cuts, of volume `cut` [m3], lies to the
+        lower side of their centres, times its volume [m4]."""
+        leaning = self.size**2 * up
+        leaning -= up * (up @ leaning)
+        return -cut / (12.0 * self.spread(up)) * leaning
+
     @cached_property
     def centroid(self) -> np.ndarray:
         """(3,) [m]."""
@@ -53,10 +63,11 @@ class Voxels:
         return np.trace(moments) * np.eye(3) - moments
 
 
-def voxels(shape: Any, side: float) -> Voxels:
-    """The cubes of a shape; raises ValueError where they are too many."""
+def voxels(shape: Any, side: float, flat: float = FLAT) -> Voxels:
+    """The cubes of a shape, up to `flat` times as long as tall; raises ValueError where they are too many."""
     lower, upper = shape.bounds()
-    counts = np.maximum(1, np.ceil((upper - lower) / side - 1e-6).astype(int))
+    sides = np.clip((upper - lower) / ENOUGH, side, flat * side)
+    counts = np.maximum(1, np.ceil((upper - lower) / sides - 1e-6).astype(int))
     if counts.prod() > MOST:
         raise ValueError(
             f"a hull of {' x '.join(f'{x:.3g}' for x in upper - lower)} m in cubes of {side:.3g} m needs "

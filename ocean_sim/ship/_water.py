@@ -3,8 +3,6 @@
 Asked at a few hundred nodes instead of at every cube; between nodes lines are straight, so still water is exact.
 """
 
-from typing import Any
-
 import numpy as np
 import taichi as ti
 import taichi.math as tm
@@ -35,25 +33,22 @@ class Water:
         """Memory that it takes."""
         return word * ALONG * ACROSS * (1 + (6 * LEVELS if below else 0))
 
-    def look(self, water: Any, position: np.ndarray, heading: float) -> None:
-        """Ask the water [ti.func elevation; velocity and acceleration if `below`] around a place [m]."""
-        frame = np.array([position[0], position[2], np.cos(heading), np.sin(heading)])
-        self.frame.from_numpy(frame.astype(self.frame.to_numpy().dtype))
-        self.ask(water)
-
-    @ti.kernel
-    def ask(self, water: ti.template()):
+    @ti.func
+    def look(self, water: ti.template(), x, z, cosine, sine):
+        """Ask the water [ti.func elevation; velocity and acceleration if `below`] around a place [m] along a heading;
+        call it at the top of a kernel."""
         for i, k in self.elevation:
             along, across = i * self.step[0] - self.half[0], k * self.step[1] - self.half[1]
-            x = self.frame[0] + along * self.frame[3] + across * self.frame[2]
-            z = self.frame[1] + along * self.frame[2] - across * self.frame[3]
-            eta = water.elevation(x, z)
+            place = tm.vec3(x + along * sine + across * cosine, 0.0, z + along * cosine - across * sine)
+            eta = water.elevation(place.x, place.z)
             self.elevation[i, k] = eta
             if ti.static(self.below):
                 for l in range(LEVELS):
-                    place = tm.vec3(x, eta - l * self.layer, z)
+                    place.y = eta - l * self.layer
                     self.speed[i, k, l] = water.velocity(place)
                     self.pull[i, k, l] = water.acceleration(place) / self.gravity
+        for c in self.frame:
+            self.frame[c] = ti.select(c == 0, x, ti.select(c == 1, z, ti.select(c == 2, cosine, sine)))
 
     @ti.func
     def corner(self, x, z):

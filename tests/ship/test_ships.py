@@ -1,12 +1,13 @@
 """Ships in a scene: forces, what moves, who steers, what is told, and what is refused."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
-from ocean_sim import scene
+from ocean_sim import csv_file, scene
 from ocean_sim.conventions import Diverged
+from ocean_sim.observers.manifest import state_sha256
 from ocean_sim.observers.motion import COLUMNS
 from ocean_sim.result import Result
 from ocean_sim.scene import load, observer_names
@@ -30,6 +31,11 @@ def calm(ship: dict, **keys) -> dict:
     }
 
 
+def state(body: rigid.RigidBody) -> dict:
+    """What the body is replaced by."""
+    return {field.name: getattr(body, field.name) for field in fields(body)}
+
+
 def load_at(simulation: Simulation, **changes):
     """The load with another state."""
     ship = simulation.ship
@@ -47,7 +53,7 @@ def barge():
 
 def test_afloat_nothing_acts(barge):
     simulation, rest = barge
-    load = load_at(simulation, **vars(rest))
+    load = load_at(simulation, **state(rest))
     weight = rest.mass * 9.81
     assert load.parts[PARTS.index("buoyancy"), 0, 1] == pytest.approx(weight, rel=1e-6)
     np.testing.assert_allclose(load.force, np.zeros(3), atol=1e-6 * weight)
@@ -56,9 +62,9 @@ def test_afloat_nothing_acts(barge):
 
 def test_deep_under_water_it_is_pushed_with_its_whole_volume_and_in_the_air_by_nothing(barge):
     simulation, rest = barge
-    sunk = load_at(simulation, **vars(rest) | {"position": np.array([0.0, -20.0, 0.0])})
+    sunk = load_at(simulation, **state(rest) | {"position": np.array([0.0, -20.0, 0.0])})
     assert sunk.parts[PARTS.index("buoyancy"), 0, 1] == pytest.approx(2.0 * rest.mass * 9.81, rel=1e-6)
-    flying = load_at(simulation, **vars(rest) | {"position": np.array([0.0, 20.0, 0.0])})
+    flying = load_at(simulation, **state(rest) | {"position": np.array([0.0, 20.0, 0.0])})
     np.testing.assert_allclose(flying.force, [0.0, -rest.mass * 9.81, 0.0], rtol=1e-9, atol=1e-6)
 
 
@@ -66,7 +72,7 @@ def test_deep_under_water_it_is_pushed_with_its_whole_volume_and_in_the_air_by_n
 def test_a_heeled_and_trimmed_ship_is_righted_whatever_its_heading(barge, heading):
     simulation, rest = barge
     yaw = np.radians(heading)
-    heeled = load_at(simulation, **vars(rest) | {"orientation": rigid.oriented(0.0, yaw, 0.1)})
+    heeled = load_at(simulation, **state(rest) | {"orientation": rigid.oriented(0.0, yaw, 0.1)})
     own = rigid.about(1, yaw).T @ heeled.torque
     added = simulation.ship.added[5] / (simulation.ship.added[5] + rest.inertia_body[2, 2])
     assert own[2] / (1.0 - added) == pytest.approx(-rest.mass * 9.81 * 1.166667 * 0.1, rel=0.03)
@@ -76,7 +82,7 @@ def test_a_heeled_and_trimmed_ship_is_righted_whatever_its_heading(barge, headin
 def test_added_mass_makes_it_slower_by_its_share(barge):
     """A force of one newton on m + A: the acceleration from the total load."""
     simulation, rest = barge
-    higher = load_at(simulation, **vars(rest) | {"position": rest.position + np.array([0.0, 0.1, 0.0])})
+    higher = load_at(simulation, **state(rest) | {"position": rest.position + np.array([0.0, 0.1, 0.0])})
     stiffness = 1000.0 * 9.81 * 160.0
     whole = rest.mass + simulation.ship.added[1]
     assert higher.force[1] / rest.mass == pytest.approx(-0.1 * stiffness / whole, rel=1e-3)
@@ -84,11 +90,11 @@ def test_added_mass_makes_it_slower_by_its_share(barge):
 
 def test_motion_is_damped(barge):
     simulation, rest = barge
-    sinking = load_at(simulation, **vars(rest) | {"velocity": np.array([0.0, -1.0, 0.0])})
+    sinking = load_at(simulation, **state(rest) | {"velocity": np.array([0.0, -1.0, 0.0])})
     assert sinking.force[1] > 0.0
-    sliding = load_at(simulation, **vars(rest) | {"velocity": np.array([1.0, 0.0, 0.0])})
+    sliding = load_at(simulation, **state(rest) | {"velocity": np.array([1.0, 0.0, 0.0])})
     assert sliding.force[0] < 0.0
-    turning = load_at(simulation, **vars(rigid.spinning(rest, np.array([0.0, 0.2, 0.0]))))
+    turning = load_at(simulation, **state(rigid.spinning(rest, np.array([0.0, 0.2, 0.0]))))
     assert turning.torque[1] < 0.0
 
 
@@ -97,10 +103,10 @@ def test_under_way_it_feels_a_centripetal_force(barge):
     simulation, rest = barge
     r = 0.1
     turning = rigid.spinning(rest, np.array([0.0, r, 0.0]))
-    both = load_at(simulation, **vars(turning) | {"velocity": np.array([0.0, 0.0, 3.0])}).parts[
+    both = load_at(simulation, **state(turning) | {"velocity": np.array([0.0, 0.0, 3.0])}).parts[
         PARTS.index("damping"), 0
     ]
-    alone = load_at(simulation, **vars(turning)).parts[PARTS.index("damping"), 0]
+    alone = load_at(simulation, **state(turning)).parts[PARTS.index("damping"), 0]
     assert abs(both[0] - alone[0]) > 0.2 * simulation.ship.added[2] * 3.0 * r
 
 
@@ -199,6 +205,32 @@ def test_ned_is_the_same_motion_in_other_axes(told):
     np.testing.assert_allclose(ned["specific_force_z_m_s2"], -ours["specific_force_y_m_s2"], atol=1e-9)
     np.testing.assert_allclose(ned["specific_force_x_m_s2"], ours["specific_force_z_m_s2"], atol=1e-9)
     np.testing.assert_allclose(ned["qz"], -ours["qy"], atol=1e-9)
+
+
+def test_a_sea_a_ship_and_a_platform_run_to_their_files(tmp_path):
+    ship = {"kind": "yacht", "cells_per_draught": 3.0, "controls": [{"time": 0.0, "throttle": 1.0}]}
+    platform = {"kind": "hexapod", "geometry": "hexapod_a", "washout": "ship"}
+    over = {name: value for name, value in QUIET.items() if name not in ("motion", "platform_log", "frames")}
+    fluid = {"kind": "linear_waves", "height": 0.8, "period": 4.0}
+    keys = {"motion": {"every": 0.01, "point": "helm"}, "frames": {"every": 0.5, "spacing": 10.0}}
+    scene.run(load(calm(ship, fluid=fluid, platform=platform, duration=1.0, **keys), over), tmp_path)
+    motion = Result(tmp_path).motion
+    platform_log = csv_file.columns(tmp_path / "platform.csv")
+    assert len(motion["time_s"]) == 101 and len(platform_log["time_s"]) >= 100
+    assert np.ptp(motion["heave_m"]) > 0.02 and np.ptp(platform_log["leg1_m"]) > 1e-3
+    with np.load(tmp_path / "frames" / "grid.npz") as grid, np.load(tmp_path / "frames" / "frame_00002.npz") as frame:
+        drawn = grid["ship_vertices"] @ frame["ship_turn"].T + frame["ship_position"]
+        assert np.ptp(grid["ship_vertices"][:, 2]) == pytest.approx(14.7, rel=1e-3)
+        assert drawn[:, 1].min() < -0.5 and drawn[:, 1].max() > 1.0
+    assert "state_sha256" in (tmp_path / "manifest.json").read_text()
+
+
+def test_the_hash_of_the_state_knows_the_ship(barge):
+    simulation, rest = barge
+    simulation.ship.body = rest
+    before = state_sha256(simulation)
+    simulation.ship.body = replace(rest, position=rest.position + 1e-9)
+    assert state_sha256(simulation) != before
 
 
 def test_an_autopilot_turns_to_its_course():

@@ -1,0 +1,40 @@
+"""A hull as triangles, to be drawn."""
+
+from typing import Any
+
+import numpy as np
+
+STATIONS, WATERLINES, HALVINGS = 25, 13, 24
+
+
+def drawn(shape: Any) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 3) vertices [m] in the hull's axes and (m, 3) triangles that face outwards: of a mesh its own, of another
+    shape the convex hull of its sections."""
+    from scipy.spatial import ConvexHull
+
+    if hasattr(shape, "closed"):
+        mesh = shape.closed()
+        return np.array(mesh.vertices), np.array(mesh.faces)
+    points = shape.vertices() if hasattr(shape, "vertices") else sections(shape)
+    hull = ConvexHull(points)
+    a, b, c = (points[hull.simplices[:, k]] for k in range(3))
+    inwards = (np.cross(b - a, c - a) * hull.equations[:, :3]).sum(axis=1) < 0.0
+    triangles = np.where(inwards[:, None], hull.simplices[:, ::-1], hull.simplices)
+    return points, triangles
+
+
+def sections(shape: Any) -> np.ndarray:
+    """(n, 3) points of the sides [m], where halving finds them."""
+    lower, upper = shape.bounds()
+    tiny = 1e-6 * (upper - lower)
+    z = np.linspace(lower[2] + tiny[2], upper[2] - tiny[2], STATIONS)
+    y = np.linspace(lower[1] + tiny[1], upper[1] - tiny[1], WATERLINES)
+    y, z = (grid.ravel() for grid in np.meshgrid(y, z, indexing="ij"))
+    least, most = np.zeros(len(y)), np.full(len(y), upper[0])
+    for _ in range(HALVINGS):
+        middle = 0.5 * (least + most)
+        within = shape.inside(np.stack([middle, y, z], axis=1))
+        least, most = np.where(within, middle, least), np.where(within, most, middle)
+    there = shape.inside(np.stack([np.zeros(len(y)), y, z], axis=1))
+    port = np.stack([most, y, z], axis=1)[there]
+    return np.concatenate([port, port * [-1.0, 1.0, 1.0]])

@@ -1,0 +1,149 @@
+"""Ships on particles: what floats by a law over a surface, and what floats by pressure alone."""
+
+import inspect
+
+import numpy as np
+import pytest
+
+from ocean_sim.conventions import Diverged
+from ocean_sim.scene import load, observer_names
+from ocean_sim.ship import pressure
+from ocean_sim.simulation import Simulation
+from ocean_sim.yaml_file import SceneError
+
+QUIET = {name: None for name in observer_names() if name != "manifest"} | {"runtime.threads": 1}
+REST = ("thesis", "dynamic")
+BOX = {"kind": "box", "length": 2.0, "breadth": 1.0, "height": 0.6}
+
+
+def tank(ship: dict, **keys) -> dict:
+    """A coarse tank at rest."""
+    fluid = {"kind": "mueller", "spacing": 0.2, "kinematic_viscosity": 0.01, "compression": 0.008}
+    basin = {"length": 4.0, "width": 4.0, "depth": 1.2}
+    return {"duration": 1.0, "basin": basin, "fluid": fluid, "surface": "cloth", "ship": ship, **keys}
+
+
+@pytest.mark.parametrize("kind", ["hydrostatic", *(pytest.param(kind, marks=pytest.mark.slow) for kind in REST)])
+def test_a_barge_floats_at_its_draught_on_the_surface_of_particles(kind):
+    """A third of 0.6 m under the surface that the water shows, to 5 %."""
+    hull = {"shape": BOX, "mass": 400.0, "centre_of_mass": [0.0, 0.2, 0.0]}
+    with Simulation(load(tank({"kind": kind, "hull": hull}), QUIET)) as simulation:
+        body, draughts = simulation.ship.body, []
+        while simulation.time < 3.0:
+            simulation.step()
+            body = simulation.ship.body
+            x, z = np.meshgrid(np.linspace(-0.5, 0.5, 5), np.linspace(-1.0, 1.0, 9))
+            level = simulation.surface.elevations(np.stack([x.ravel(), z.ravel()], axis=1)).mean()
+            if simulation.time > 1.5:
+                draughts.append(level - (body.position[1] - 0.2))
+        assert np.mean(draughts) == pytest.approx(0.2, rel=0.05)
+        assert abs(np.degrees(body.angles[[0, 2]])).max() < 2.0
+
+
+def slice_of_water(mass: float = 400.0, start: float | None = None, spacing: float = 0.08, **ship) -> dict:
+    """A box 0.8 m broad and high in a slice, a metre of it."""
+    box = {"kind": "box", "length": 1.0, "breadth": 0.8, "height": 0.8}
+    place = {} if start is None else {"position": [0.0, start, 0.0]}
+    hull = {"shape": box, "mass": 0.64 * mass, "centre_of_mass": [0.0, 0.3, 0.0]}
+    return {
+        "duration": 2.0,
+        "basin": {"length": 3.2, "depth": 1.2},
+        "fluid": {"kind": "delta_sph", "spacing": spacing, "compression": 0.02, "artificial_viscosity": 0.1},
+        "ship": {"kind": "pressure", "hull": hull, **place, **ship},
+    }
+
+
+def draught(simulation: Simulation) -> float:
+    """Keel under the level that the water and what it displaces reach together [m]."""
+    keel, water = simulation.ship.body.position[1] - 0.3, simulation.fluid.particles
+    volume = water.n * water.mass / water.rest_density
+    return (volume - 3.2 * (1.2 + keel)) / (3.2 - 0.8)
+
+
+def settled(simulation: Simulation, first: float, last: float) -> float:
+    """Mean draught between two times [m]."""
+    draughts = []
+    while simulation.time < last:
+        simulation.step()
+        if simulation.time > first:
+            draughts.append(draught(simulation))
+    return float(np.mean(draughts))
+
+
+def test_the_waters_pressure_alone_carries_a_box():
+    config = load(slice_of_water(500.0, spacing=0.1), QUIET)
+    with Simulation(config) as simulation:
+        first = simulation.ship.body.velocity * simulation.ship.body.mass
+        pushed = np.zeros(3)
+        before = simulation.fluid.boundary.impulses()[0]
+        while simulation.time < 0.6:
+            dt = simulation.next_dt
+            simulation.step()
+            pushed += dt * simulation.ship.last.force
+        body = simulation.ship.body
+        assert draught(simulation) == pytest.approx(0.4, rel=0.05)
+        np.testing.assert_allclose(body.mass * body.velocity - first, pushed * [1.0, 1.0, 0.0], atol=1e-6 * body.mass)
+        weight = body.mass * 9.81 * simulation.time
+        water = simulation.fluid.boundary.impulses()[0] - before
+        assert pushed[1] + weight == pytest.approx(water[1], rel=1e-5)
+        x = simulation.fluid.particles.position.to_numpy()
+        own = (x - body.position) @ body.matrix + [0.0, 0.3, 0.0]
+        inside = (abs(own[:, 0]) < 0.38) & (own[:, 1] > 0.02) & (own[:, 1] < 0.78)
+        assert not inside.any()
+        # Negative control: without what the water presses, nothing else carries it.
+        assert "elevation" not in inspect.getsource(pressure) and "wetted" not in inspect.getsource(pressure)
+        simulation.fluid.boundary.shares[:] = 0.0
+        start, height, speed = simulation.time, body.position[1], body.velocity[1]
+        with pytest.raises(Diverged, match="sunk to the bed"):
+            simulation.run(3.0)
+        fallen, t = height - simulation.ship.body.position[1], simulation.time - start
+        assert fallen == pytest.approx(0.5 * 9.81 * t * t - speed * t, abs=0.05)
+
+
+@pytest.mark.slow
+def test_its_draught_at_ten_spacings():
+    with Simulation(load(slice_of_water(500.0, spacing=0.04), QUIET)) as simulation:
+        assert settled(simulation, 1.0, 1.5) == pytest.approx(0.4, rel=0.03)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("density", [100.0, 900.0])
+def test_light_and_heavy_bodies_are_stable(density):
+    """At a tenth of the water's density the water beside a body outweighs it six times; it draws two spacings."""
+    with Simulation(load(slice_of_water(density, spacing=0.04), QUIET)) as simulation:
+        while simulation.time < 0.6:
+            simulation.step()
+        body = simulation.ship.body
+        assert np.linalg.norm(body.velocity) < 0.1
+        assert draught(simulation) == pytest.approx(0.8 * density / 1000.0, rel=0.03)
+
+
+@pytest.mark.slow
+def test_a_half_immersed_cylinder_bobs_as_potential_flow_says():
+    """Ito's cylinder of 0.1524 m, let go 0.0254 m too high: extrema of linear theory (Ursell 1949; Yeung 1982)."""
+    radius, rise = 0.0762, 0.0254
+    shape = {"kind": "cylinder", "length": 1.0, "radius": radius}
+    hull = {"shape": shape, "mass": 500.0 * np.pi * radius**2, "centre_of_mass": [0.0, radius, 0.0]}
+    water = {"kind": "delta_sph", "spacing": radius / 10, "compression": 0.02, "artificial_viscosity": 0.03}
+    scene = {
+        "duration": 1.0,
+        "basin": {"length": 1.6, "depth": 0.45, "walls": {"x": "absorbing"}},
+        "fluid": water,
+        "ship": {"kind": "pressure", "hull": hull, "position": [0.0, rise, 0.0], "free": ["heave"]},
+    }
+    with Simulation(load(scene, QUIET)) as simulation:
+        rows = []
+        while simulation.time < 0.7:
+            simulation.step()
+            rows.append((simulation.time, simulation.ship.body.position[1] / rise))
+    t, y = np.array(rows).T
+    low = int(np.argmin(y))
+    high = low + int(np.argmax(y[low:]))
+    assert y[low] == pytest.approx(-0.6408, rel=0.10) and t[low] == pytest.approx(0.326, rel=0.05)
+    assert t[high] == pytest.approx(0.635, rel=0.05)
+
+
+def test_water_that_cannot_carry_it_is_refused():
+    scene = slice_of_water() | {"fluid": {"kind": "dfsph", "spacing": 0.1}}
+    with pytest.raises(SceneError, match="does not carry a ship of kind pressure"):
+        load(scene)

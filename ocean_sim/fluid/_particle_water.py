@@ -122,7 +122,7 @@ class ParticleWater:
     def elevations(self, points: np.ndarray) -> np.ndarray:
         return self.surface.elevations(points)
 
-    def places(self) -> np.ndarray:
+    def positions(self) -> np.ndarray:
         """(n, 3) where the particles are [m], in float64: with what is left of their ways, which `position` rounds."""
         x = self.particles.position.to_numpy().astype(float)
         for k, left in zip(self.grid.axes, self.grid.left):

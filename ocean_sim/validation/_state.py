@@ -53,7 +53,7 @@ def state(simulation: Simulation) -> State:
     order = np.argsort(particles.id.to_numpy())
     fields = (particles.velocity, particles.pressure, particles.density)
     arrays = [values.to_numpy()[order].astype(float) for values in fields]
-    return State(simulation.time, particles.mass, particles.spacing, simulation.fluid.places()[order], *arrays)
+    return State(simulation.time, particles.mass, particles.spacing, simulation.fluid.positions()[order], *arrays)
 
 
 def place(

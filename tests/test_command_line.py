@@ -232,7 +232,7 @@ def test_render_and_export_want_a_finished_run(ask):
     Path("bare/manifest.json").write_text("{}")
     assert "kept no frames" in ask("render", "bare")[2]
     assert ask("export", "bare")[0] == 2
-    assert ask("export", "bare", "--surface", "stl")[::2] == (2, "--surface stl: choose ply or vtp\n")
+    assert ask("export", "bare", "--surface", "stl")[::2] == (2, "--surface stl: choose ply, vtp or vtkhdf\n")
 
 
 def test_render_without_opengl_is_exit_code_3(ask, monkeypatch):

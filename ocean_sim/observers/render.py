@@ -312,15 +312,19 @@ class Water:
 
 
 class Shell:
-    """A closed surface with drops and folds, as its triangles are; what faces down or sideways is seen as through
-    glass."""
+    """A closed surface with drops and folds, smoothed; what faces down or sideways is seen as through glass."""
 
     def __init__(self, picture: Picture, depth: float) -> None:
+        self.lower, self.upper = tuple(picture.lower), tuple(picture.upper)
         self.eye, self.depth, self.plotter, self.pyvista = picture.camera.eye, depth, picture.plotter, picture.pyvista
 
     def show(self, frame: Frame) -> None:
+        from ocean_sim.observers._taubin import smoothed
+        from ocean_sim.surface import Mesh
+
         assert frame.mesh is not None
-        points, triangles, normals = frame.mesh
+        smooth = smoothed(Mesh(*frame.mesh), self.lower, self.upper)
+        points, triangles, normals = smooth.vertices, smooth.triangles, smooth.normals
         shape = self.pyvista.PolyData.from_regular_faces(points, triangles)
         height = np.clip(points[:, 1] / max(2.5 * float(frame.elevation.std()), 0.02 * self.depth), -1.0, 1.0)
         top = _water_shading.surface(points, normals, height, self.eye)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ocean_sim.surface._mesh import Mesh
+from ocean_sim.surface import Mesh
 
 INWARD, PASS_BAND = 0.5, 0.03  # lambda, and k_PB = 1 / lambda + 1 / mu
 NEAR = 1.0e-4  # of the box: what is nearer to one of its sides lies on it

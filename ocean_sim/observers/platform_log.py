@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
 FRAME = "flu"
+ROWS = 25  # answered at once, where no stream waits for each
 
 
 class Config(ObserverConfig):
@@ -40,10 +41,11 @@ class PlatformLog:
     """platform.csv. It reads the rows of motion.csv as they are written, so it is what the command would say later."""
 
     def __init__(self, folder: Path, simulation: "Simulation") -> None:
-        self.every = simulation.scene.observers["motion"].every
-        self.platform = simulation.scene.platform.build(self.every)
+        rate = simulation.scene.observers["motion"].every  # [s]
+        self.every = rate if "stream" in simulation.scene.observers else ROWS * rate
+        self.platform = simulation.scene.platform.build(rate)
         self.motion = Growing(folder / "motion.csv")
-        head = heading(self.every) | {"seed": simulation.scene.seed}
+        head = heading(rate) | {"seed": simulation.scene.seed}
         self.csv = CsvFile(folder / "platform.csv", head, COLUMNS)
 
     def observe(self, simulation: "Simulation") -> None:

@@ -3,12 +3,12 @@
 python figures/fig3_2.py [--fast] [--out DIR]
 """
 
-import argparse
 import csv
 from itertools import permutations, product
 from pathlib import Path
 
 import numpy as np
+from _options import options
 
 from ocean_sim.surface._cube_cases import CORNERS, EDGES, MIDDLES, table
 
@@ -58,11 +58,7 @@ def drawn(found: dict[int, int], counts: np.ndarray, cuts: np.ndarray, path: Pat
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--fast", action="store_true", help="nothing here takes long")
-    parser.add_argument("--out", type=Path, default=Path("figures_out"))
-    out = parser.parse_args().out
-    out.mkdir(parents=True, exist_ok=True)
+    out = options(__doc__, "nothing here takes long").out
     found, (counts, cuts, ambiguous) = patterns(), table()
     with (out / "fig3_2.csv").open("w", newline="", encoding="utf-8") as file:
         file.write("# corner c lies at (c & 1, c >> 1 & 1, c >> 2 & 1); edges by their corners\n")

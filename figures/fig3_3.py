@@ -3,11 +3,11 @@
 python figures/fig3_3.py [--fast] [--out DIR]
 """
 
-import argparse
 import csv
 from pathlib import Path
 
 import numpy as np
+from _options import options
 
 from ocean_sim.surface._springs import springs
 
@@ -35,11 +35,7 @@ def drawn(found: dict[str, np.ndarray], path: Path) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--fast", action="store_true", help="nothing here takes long")
-    parser.add_argument("--out", type=Path, default=Path("figures_out"))
-    out = parser.parse_args().out
-    out.mkdir(parents=True, exist_ok=True)
+    out = options(__doc__, "nothing here takes long").out
     found = springs(NX, NZ)
     with (out / "fig3_3.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)

@@ -3,11 +3,11 @@
 python figures/fig6_1.py [--fast] [--out DIR]
 """
 
-import argparse
 import csv
 from pathlib import Path
 
 import numpy as np
+from _options import options
 
 from ocean_sim.observers._surface_fit import fit, highest
 from ocean_sim.scene import load
@@ -36,27 +36,23 @@ def drawn(position: np.ndarray, mesh, said: str, path: Path) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--fast", action="store_true", help="coarse and short")
-    parser.add_argument("--out", type=Path, default=Path("figures_out"))
-    options = parser.parse_args()
-    options.out.mkdir(parents=True, exist_ok=True)
-    coarse = {"resolution": 2.0} if options.fast else {}
+    asked = options(__doc__, "coarse and short")
+    coarse = {"resolution": 2.0} if asked.fast else {}
     with Simulation(load(SCENE, {"render": None, "frames": None, "accuracy": None, **coarse})) as simulation:
-        simulation.run(until=0.2 if options.fast else MOMENT)
+        simulation.run(until=0.2 if asked.fast else MOMENT)
         mesh, position = simulation.surface.mesh(), simulation.fluid.particles.position.to_numpy()
         spacing, moment = simulation.fluid.particles.spacing, simulation.time
         top = highest(position.astype(float), simulation.basin, spacing)
         cloth = simulation.surface.elevations(top[:, [0, 2]])
         mean, rms = fit(simulation.surface, top)
-    with (options.out / "fig6_1.csv").open("w", newline="", encoding="utf-8") as file:
+    with (asked.out / "fig6_1.csv").open("w", newline="", encoding="utf-8") as file:
         file.write(f"# {SCENE} at {moment:.3f} s, {len(position)} particles {spacing:g} m apart\n")
         file.write("# particles: the highest in every column two spacings wide, half a spacing above its centre\n")
         file.write(f"# cloth minus particles: mean {mean:.5f} m, root mean square {rms:.5f} m\n")
         writer = csv.writer(file)
         writer.writerow(["x_m", "z_m", "cloth_m", "particles_m"])
         writer.writerows(np.column_stack([top[:, [0, 2]], cloth, top[:, 1]]).round(6).tolist())
-    drawn(position, mesh, f"{rms / spacing:.3f} spacings (RMS)", options.out / "fig6_1.png")
+    drawn(position, mesh, f"{rms / spacing:.3f} spacings (RMS)", asked.out / "fig6_1.png")
 
 
 if __name__ == "__main__":

@@ -5,7 +5,6 @@ python figures/fig6_2.py [--fast] [--out DIR]
 `flying_edges` cuts the field of our marching cubes by VTK's code; its time is that of the cut alone.
 """
 
-import argparse
 import csv
 from collections.abc import Callable
 from pathlib import Path
@@ -13,6 +12,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from _options import options
 
 from ocean_sim.observers._surface_fit import fit, highest
 from ocean_sim.scene import load
@@ -66,16 +66,12 @@ def drawn(meshes: dict[str, Mesh], said: dict[str, str], path: Path) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--fast", action="store_true", help="coarse and short")
-    parser.add_argument("--out", type=Path, default=Path("figures_out"))
-    options = parser.parse_args()
-    options.out.mkdir(parents=True, exist_ok=True)
-    coarse = {"resolution": 2.0} if options.fast else {}
+    asked = options(__doc__, "coarse and short")
+    coarse = {"resolution": 2.0} if asked.fast else {}
     config = load(SCENE, {"render": None, "frames": None, "accuracy": None, "surface": "cloth", **coarse})
     other = load(SCENE, {"surface": "marching_cubes", **coarse}).surface
     with Simulation(config) as simulation:
-        simulation.run(until=0.2 if options.fast else MOMENT)
+        simulation.run(until=0.2 if asked.fast else MOMENT)
         cloth, fluid = simulation.surface, simulation.fluid
         cubes, spacing = other.build(simulation.basin, fluid), fluid.particles.spacing
         top = highest(fluid.particles.position.to_numpy().astype(float), simulation.basin, spacing)
@@ -96,7 +92,7 @@ def main() -> None:
         cut = flying_edges(cubes)
         triangles = cut().regular_faces
         rows.append(("flying_edges", taken(cut), len(triangles), rows[1][3], rows[1][4], open_edges(triangles)))
-    with (options.out / "fig6_2.csv").open("w", newline="", encoding="utf-8") as file:
+    with (asked.out / "fig6_2.csv").open("w", newline="", encoding="utf-8") as file:
         file.write(f"# {SCENE} at {simulation.time:.3f} s, {fluid.particles.n} particles {spacing:g} m apart\n")
         file.write(f"# medians of {ROUNDS}; a step of the water took {step:.3f} ms\n")
         file.write("# distance over the highest particle of every column, in spacings; an open edge has one triangle\n")
@@ -104,7 +100,7 @@ def main() -> None:
         writer.writerow(["surface", "ms", "triangles", "mean_spacings", "rms_spacings", "open_edges"])
         writer.writerows([(name, *(round(value, 4) for value in values)) for name, *values in rows])
     said = {name: f"{ms:.2f} ms, {count} triangles, {rms:.3f} spacings" for name, ms, count, _, rms, _ in rows}
-    drawn(meshes, said, options.out / "fig6_2.png")
+    drawn(meshes, said, asked.out / "fig6_2.png")
 
 
 if __name__ == "__main__":

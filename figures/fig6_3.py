@@ -8,11 +8,11 @@ Nothing of the vortex is drawn, so its seeds are all one.
 python figures/fig6_3.py [--fast] [--out DIR]
 """
 
-import argparse
 import csv
 from pathlib import Path
 
 import numpy as np
+from _options import options
 
 from ocean_sim.orbits import circulation
 from ocean_sim.scene import load
@@ -103,17 +103,13 @@ def drawn(seas: dict[str, tuple], trends: dict[str, list[tuple]], path: Path) ->
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("--fast", action="store_true", help="one seed, and shorter")
-    parser.add_argument("--out", type=Path, default=Path("figures_out"))
-    options = parser.parse_args()
-    options.out.mkdir(parents=True, exist_ok=True)
-    seeds, resolution, lasts = ((1,), 2.0, 7.0) if options.fast else ((1, 2, 3, 4, 5), 2.0, LASTS)
+    asked = options(__doc__, "one seed, and shorter")
+    seeds, resolution, lasts = ((1,), 2.0, 7.0) if asked.fast else ((1, 2, 3, 4, 5), 2.0, LASTS)
     rest = {length: sea("still", length, seeds[0], lasts, resolution)[0] for length in (20.0, 40.0, 80.0)}
     columns = ["what", "value", "length_m", "seeds", "hm0_m", "hm0_sd_m", "still_hm0_m", "still_over_hm0"]
     columns += ["crest_m", "circulation_m2_s", "circulation_sd_m2_s", "sigmas"]
     seas, trends = {}, {}
-    with (options.out / "fig6_3.csv").open("w", newline="", encoding="utf-8") as file:
+    with (asked.out / "fig6_3.csv").open("w", newline="", encoding="utf-8") as file:
         file.write(f"# thesis_6000 at {resolution:g} times its spacing; from {SETTLED:g} to {lasts:g} s\n")
         file.write("# stylised force fields, not physical stresses; sigmas: mean circulation over its standard error\n")
         table = csv.writer(file, lineterminator="\n")
@@ -132,7 +128,7 @@ def main() -> None:
                 seas[value] = runs[0][3]
             else:
                 trends.setdefault(what, []).append((value, mean, deviation, rest[length]))
-    drawn(seas, trends, options.out / "fig6_3.png")
+    drawn(seas, trends, asked.out / "fig6_3.png")
 
 
 if __name__ == "__main__":

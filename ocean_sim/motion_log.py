@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ocean_sim import conventions
 from ocean_sim.conventions import GRAVITY
 
 MOTIONS = ("sway_m", "heave_m", "surge_m", "pitch_rad", "yaw_rad", "roll_rad")
@@ -14,12 +15,8 @@ FORCES = ("specific_force_x_m_s2", "specific_force_y_m_s2", "specific_force_z_m_
 REQUIRED = ("time_s", *MOTIONS, *RATES, *FORCES)
 UNITS = ("_rad_s", "_m_s2", "_rad", "_m", "_s")
 
-# Components along the axes of each frame, from those along FLU (x forward, y left, z up). All are right-handed.
-AXES = {
-    "flu": np.eye(3),
-    "ned": np.diag([1.0, -1.0, -1.0]),  # SNAME: x forward, y to starboard, z down
-    "ship": np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]),  # ours: x to port, y up, z forward
-}
+# Components along the axes of each frame, from those along FLU (x forward, y left, z up).
+AXES = {frame: conventions.FRAMES[frame] @ conventions.FRAMES["flu"].T for frame in ("flu", "ned", "ship")}
 FRAMES = {**AXES, "world": AXES["ship"]}
 AXES_IN_WORDS = {
     "flu": "x forward, y left, z up (ISO 8855, ROS)",

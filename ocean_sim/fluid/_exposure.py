@@ -6,7 +6,7 @@ import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.fluid._grid import TASK
-from ocean_sim.fluid._images import mirrored
+from ocean_sim.fluid._images import OfPlaces
 from ocean_sim.fluid._particles import Components
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ LAG = 0.5  # [spacings] that water and crests may go before areas, smoothed over
 
 
 @ti.data_oriented
-class Exposure:
+class Exposure(OfPlaces):
     """Exposed area of every particle times its outward normal [m2]: a law of pairs, and its sum."""
 
     apart, sums = False, 3
@@ -78,16 +78,6 @@ class Exposure:
     @ti.func
     def begin(self, group):
         pass
-
-    @ti.func
-    def image(self, other, mirror):
-        """A neighbour as a wall shows it."""
-        return mirrored(mirror, other)
-
-    @ti.func
-    def sample(self, own, s, d, mirror):
-        """A sample of a solid body."""
-        return own + d
 
     @ti.func
     def pair(self, own, other):

@@ -114,3 +114,28 @@ def slid(mirror, other):
         if mirror[SIGN, k] > 0.0:
             image[3 + k] = other[3 + k]
     return image
+
+
+@ti.func
+def beside(own, d, v):
+    """What a law reads, place and velocity first, of what lies at d [m] from a particle and moves with v [m/s]; all
+    else is the particle's own."""
+    other = own
+    for k in ti.static(range(3)):
+        other[k], other[3 + k] = own[k] + d[k], v[k]
+    return other
+
+
+@ti.data_oriented
+class OfPlaces:
+    """A law that reads nothing but places, whatever it sums."""
+
+    @ti.func
+    def image(self, other, mirror):
+        """A neighbour as a side shows it."""
+        return mirrored(mirror, other)
+
+    @ti.func
+    def sample(self, own, s, d, mirror):
+        """A sample of a solid body."""
+        return own + d

@@ -44,10 +44,6 @@ class ParticleWater:
         self.emitted_impulse, self.emitted_work = np.zeros(3), 0.0  # [N s], [J]
         self.summary = np.zeros(SUMMARY, dtype=self.particles.position.precision)
 
-    def begin(self) -> None:
-        """Start from the particles as they are now."""
-        raise NotImplementedError
-
     def drive(self, dt: float) -> None:
         """Put tank and wavemaker where they are in the middle of a step of dt [s]."""
         self.pull.advance(self.time + 0.5 * dt)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import taichi as ti
 import taichi.math as tm
 
+from ocean_sim.fluid._images import beside
 from ocean_sim.fluid._particles import Components
 from ocean_sim.fluid._water import MOST_PARTICLES
 
@@ -63,10 +64,7 @@ class Compression:
     @ti.func
     def sample(self, own, s, d, mirror):
         """A sample of a solid body."""
-        other, v = own, self.fluid.boundary.own_velocity(s, mirror)
-        for k in ti.static(range(3)):
-            other[k], other[3 + k] = own[k] + d[k], v[k]
-        return other
+        return beside(own, d, self.fluid.boundary.own_velocity(s, mirror))
 
     @ti.func
     def pair(self, own, other):

@@ -19,7 +19,7 @@ import taichi.math as tm
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid._grid import TASK
-from ocean_sim.fluid._images import climbed, reflected, slid
+from ocean_sim.fluid._images import beside, climbed, reflected, slid
 from ocean_sim.fluid._ledger import DIFFUSION, PRESSURE, VISCOSITY, WALLS
 from ocean_sim.fluid._particles import Components
 from ocean_sim.fluid._smoothing import Smoothing, positive
@@ -116,10 +116,8 @@ class Momentum:
     @ti.func
     def sample(self, own, s, d, mirror):
         """A sample of a solid body."""
-        boundary, other = self.fluid.boundary, own
-        v = boundary.rubbing(tm.vec3(own[3], own[4], own[5]), s, mirror)
-        for k in ti.static(range(3)):
-            other[k], other[3 + k] = own[k] + d[k], v[k]
+        boundary = self.fluid.boundary
+        other = beside(own, d, boundary.rubbing(tm.vec3(own[3], own[4], own[5]), s, mirror))
         head = boundary.head(tm.vec3(own[0], own[1], own[2]), s, d, mirror)
         other[6] = own[6] + head / self.fluid.particles.rest_density
         return other
@@ -219,9 +217,7 @@ class Continuity:
     @ti.func
     def sample(self, own, s, d, mirror):
         """A sample of a solid body: it moves against the water, and nothing diffuses into it."""
-        other, v = own, self.fluid.boundary.opposed(tm.vec3(own[3], own[4], own[5]), s, mirror)
-        for k in ti.static(range(3)):
-            other[k], other[3 + k] = own[k] + d[k], v[k]
+        other = beside(own, d, self.fluid.boundary.opposed(tm.vec3(own[3], own[4], own[5]), s, mirror))
         still = self.heavier * self.fluid.pull.at_rest(tm.vec3(own[0], own[1], own[2]))
         other[6] = own[6] + still.dot(d)
         return other

@@ -30,7 +30,7 @@ import taichi.math as tm
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits, _pairs
 from ocean_sim.fluid._grid import TASK
-from ocean_sim.fluid._images import climbed, mirrored, turned
+from ocean_sim.fluid._images import OfPlaces, climbed, mirrored, turned
 from ocean_sim.fluid._ledger import GRAVITY, PRESSURE, VISCOSITY, WALLS, WIND
 from ocean_sim.fluid._pairs import Pairs
 from ocean_sim.fluid._particles import Components
@@ -99,7 +99,7 @@ class Config(SphConfig):
 
 
 @ti.data_oriented
-class Density:
+class Density(OfPlaces):
     """Density by summation, how much of it is missing in gaps, and the diagonal A_ii of the solvers over dt^2 (2015,
     eq. 9: their 1 / alpha); more of it where particles crowd, since A / A_ii reaches further beyond one there."""
 
@@ -120,16 +120,6 @@ class Density:
     def begin(self, group):
         self.fluid.ledger.begin_density(group)
         self.fluid.begin_report(group)
-
-    @ti.func
-    def image(self, other, mirror):
-        """A neighbour as a side shows it."""
-        return mirrored(mirror, other)
-
-    @ti.func
-    def sample(self, own, s, d, mirror):
-        """A sample of a solid body."""
-        return own + d
 
     @ti.func
     def pair(self, own, other):

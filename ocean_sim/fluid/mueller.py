@@ -14,7 +14,7 @@ from pydantic import model_validator
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid._grid import TASK
-from ocean_sim.fluid._images import climbed, mirrored, reflected
+from ocean_sim.fluid._images import OfPlaces, beside, climbed, reflected
 from ocean_sim.fluid._smoothing import positive
 from ocean_sim.fluid._sph import Sph, SphConfig, rows
 from ocean_sim.parts import LedgerRow, quantity
@@ -51,7 +51,7 @@ class Config(SphConfig):
 
 
 @ti.data_oriented
-class Density:
+class Density(OfPlaces):
     """(2.13) with the poly6 kernel, then (2.15)."""
 
     apart, sums = False, 1
@@ -67,16 +67,6 @@ class Density:
     @ti.func
     def begin(self, group):
         self.fluid.ledger.begin_density(group)
-
-    @ti.func
-    def image(self, other, mirror):
-        """A neighbour as a wall shows it."""
-        return mirrored(mirror, other)
-
-    @ti.func
-    def sample(self, own, s, d, mirror):
-        """A sample of a solid body."""
-        return own + d
 
     @ti.func
     def pair(self, own, other):
@@ -127,10 +117,8 @@ class Momentum:
     @ti.func
     def sample(self, own, s, d, mirror):
         """A sample of a solid body, which has the rest density."""
-        boundary, other = self.fluid.boundary, own
-        v = boundary.rubbing(tm.vec3(own[3], own[4], own[5]), s, mirror)
-        for k in ti.static(range(3)):
-            other[k], other[3 + k] = own[k] + d[k], v[k]
+        boundary = self.fluid.boundary
+        other = beside(own, d, boundary.rubbing(tm.vec3(own[3], own[4], own[5]), s, mirror))
         head, rho_0 = boundary.head(tm.vec3(own[0], own[1], own[2]), s, d, mirror), self.fluid.particles.rest_density
         other[6], other[7] = own[6] + rho_0 * head, 1.0 / rho_0
         return other

@@ -19,6 +19,12 @@ class Solid(PartConfig):
         return self.model_dump_json().encode()
 
 
+def upright(breadth: float, height: float, length: float) -> Box3:
+    """Corners of a box on its keel, in the middle of x and z [m]."""
+    half = np.array([breadth / 2, 0.0, length / 2])
+    return -half, half + [0.0, height, 0.0]
+
+
 class Box(Solid):
     """A barge: a box."""
 
@@ -31,8 +37,7 @@ class Box(Solid):
     """From keel to deck."""
 
     def bounds(self) -> Box3:
-        half = np.array([self.breadth / 2, 0.0, self.length / 2])
-        return -half, half + [0.0, self.height, 0.0]
+        return upright(self.breadth, self.height, self.length)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
         """Whether points (..., 3) [m] lie inside."""
@@ -52,8 +57,7 @@ class Wigley(Solid):
     """From keel to deck."""
 
     def bounds(self) -> Box3:
-        half = np.array([self.breadth / 2, 0.0, self.length / 2])
-        return -half, half + [0.0, self.height, 0.0]
+        return upright(self.breadth, self.height, self.length)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
         below = np.clip(1.0 - x[..., 1] / self.draught, 0.0, 1.0)

@@ -7,7 +7,17 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from ocean_sim.observers import _camera, _opengl, _points, _sky, _water_mesh, _water_shading, frames, render
+from ocean_sim.observers import (
+    _camera,
+    _kept_frames,
+    _opengl,
+    _points,
+    _sky,
+    _water_mesh,
+    _water_shading,
+    frames,
+    render,
+)
 
 with_opengl = pytest.mark.skipif(_opengl.probe() is not None, reason="no OpenGL on this machine")
 
@@ -77,9 +87,9 @@ def test_every_camera_sees_the_whole_basin(name, size):
 
 def test_the_film_takes_the_nearest_frame_in_real_time():
     times = np.array([0.0, 0.034, 0.066, 0.101, 0.133])
-    assert render.schedule(times, 0.033) == [0, 1, 2, 3, 4]
-    assert render.schedule(times, 0.066) == [0, 2, 4]
-    assert render.schedule(times[:1], 0.033) == [0]
+    assert _kept_frames.schedule(times, 0.033) == [0, 1, 2, 3, 4]
+    assert _kept_frames.schedule(times, 0.066) == [0, 2, 4]
+    assert _kept_frames.schedule(times[:1], 0.033) == [0]
 
 
 @pytest.mark.parametrize("size", [(961, 540), (960, 541), (0, 0), (960,), (20000, 540)])
@@ -170,7 +180,7 @@ def test_a_surface_that_folds_is_drawn_as_its_triangles_are(kept):
 
     folder = kept()
     ball = pyvista.Sphere(radius=1.0, center=(0.0, -1.0, 0.0))
-    for path in render.frame_files(folder):
+    for path in _kept_frames.frame_files(folder):
         frame = dict(np.load(path)) | {
             "vertices": ball.points,
             "triangles": ball.regular_faces,

@@ -1,0 +1,26 @@
+"""What to draw of a run, and what says that it cannot be drawn."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from ocean_sim.observers._camera import Name
+
+Quality = Literal["draft", "final"]
+
+
+class RenderFailed(Exception):
+    """No picture came out; the message says why."""
+
+
+@dataclass(frozen=True)
+class Order:
+    """What to draw and where to put it."""
+
+    folder: str
+    out: str
+    camera: Name
+    size: tuple[int, int]
+    particles: bool
+    quality: Quality
+    every: float
+    film: bool

@@ -1,0 +1,123 @@
+"""One picture after another: sky, water, ship, words."""
+
+from typing import Any
+
+import numpy as np
+
+from ocean_sim.observers import _sky, _water_shading
+from ocean_sim.observers._camera import VIEW_ANGLE, placed
+from ocean_sim.observers._drawn_particles import Particles
+from ocean_sim.observers._drawn_ship import Ship
+from ocean_sim.observers._drawn_water import Shell, Water
+from ocean_sim.observers._kept_frames import Frame
+from ocean_sim.observers._order import Order, RenderFailed
+
+FAR = 6.0  # lengths of a ship; in a longer basin the camera follows it
+SHIPS = 1.5  # lengths of a ship that a camera which follows it sees each way
+
+
+class Picture:
+    """One plotter, built once; each frame only moves its points and colours."""
+
+    def __init__(self, grid: Any, order: Order, first: Frame, fastest: float) -> None:
+        import pyvista
+
+        self.pyvista, self.order = pyvista, order
+        self.plotter = pyvista.Plotter(off_screen=True, window_size=order.size, lighting="none")
+        self.plotter.disable_anti_aliasing()  # PyVista's default multiplies the time of a picture
+        self.plotter.render_window.SetMultiSamples(0)
+        self.lower, self.upper = grid["lower"].copy(), grid["upper"].copy()
+        self.upper[1] = max(0.12 * float(grid["depth"]), float(first.elevation.max()))
+        flat = bool(self.lower[2] == self.upper[2])
+        self.camera = placed("side" if flat else order.camera, self.lower, self.upper, order.size[0] / order.size[1])
+        self.reach = float(np.linalg.norm(self.camera.eye - 0.5 * (self.lower + self.upper)))  # [m]
+        self.backdrop()
+        if order.particles or not bool(grid["has_surface"]):
+            if first.position is None:
+                raise RenderFailed("these frames hold no particles to draw; run with frames.particles: true")
+            self.content: Water | Shell | Particles = Particles(self, first, float(grid["spacing"]), fastest)
+        elif first.folds:
+            self.content = Shell(self, float(grid["depth"]))
+        else:
+            self.content = Water(self, grid)
+        self.ship = Ship(self, grid) if "ship_vertices" in grid else None
+        self.caption = self.plotter.add_text("t", position=(14, 10), font_size=9, color="#eef3f6", shadow=True)
+        self.aim()
+
+    def aim(self) -> None:
+        camera, plotter = self.camera, self.plotter
+        plotter.camera.position, plotter.camera.focal_point = tuple(camera.eye), tuple(camera.eye + camera.forward)
+        plotter.camera.up, plotter.camera.view_angle = tuple(camera.up), VIEW_ANGLE
+        reach = self.reach
+        plotter.camera.clipping_range = (0.01 * reach, 12.0 * reach)
+        if camera.parallel_height is not None:
+            plotter.enable_parallel_projection()
+            plotter.camera.parallel_scale = camera.parallel_height
+
+    def backdrop(self) -> None:
+        """The sky around the eye; in parallel projection there is no horizon, and a plain gradient stands for it."""
+        if self.camera.parallel_height is not None:
+            low, high = _water_shading.display(_sky.around(np.array([[0.0, 0.02, -1.0], [0.0, 0.2, -0.98]]))) / 255.0
+            self.plotter.set_background(low, top=high)
+            return
+        radius = 6.0 * self.reach
+        dome = self.pyvista.Sphere(radius=1.0, theta_resolution=90, phi_resolution=361, direction=(0.0, 1.0, 0.0))
+        directions = _sky.unit(np.asarray(dome.points, dtype=float))
+        dome.points = (self.camera.eye + radius * directions).astype(np.float32)
+        dome["colour"] = _water_shading.display(_sky.around(directions))
+        self.dome = self.plotter.add_mesh(dome, scalars="colour", rgb=True, lighting=False, smooth_shading=False)
+        self.first_eye = self.camera.eye
+        if self.camera.forward[1] > -0.9:
+            self.shadow()
+
+    def shadow(self) -> None:
+        """A soft shadow on the ground, so that the block of water stands on something."""
+        size, middle = self.upper - self.lower, 0.5 * (self.lower + self.upper)
+        plane = self.pyvista.Plane(
+            center=(middle[0], self.lower[1] - 0.005 * size[1], middle[2]),  # below a dry bed
+            direction=(0.0, 1.0, 0.0),
+            i_size=2.4 * size[2],
+            j_size=2.4 * size[0],
+            i_resolution=80,
+            j_resolution=80,
+        )
+        away = np.asarray(plane.points, dtype=float) + 0.5 * size[1] * _sky.SUN
+        outside = np.maximum(0.0, np.maximum(self.lower - away, away - self.upper))[:, [0, 2]]
+        reach = 0.10 * max(size[0], size[2])
+        darkness = 0.5 * np.exp(-np.square(outside / reach).sum(axis=1))
+        plane["colour"] = np.column_stack([np.full((plane.n_points, 3), (8, 20, 30)), 255 * darkness]).astype(np.uint8)
+        self.plotter.add_mesh(plane, scalars="colour", rgba=True, lighting=False)
+
+    def draw(self, frame: Frame) -> np.ndarray:
+        if self.ship is not None and frame.ship is not None:
+            self.ship.show(*frame.ship)
+            if self.order.camera == "third_person":
+                self.follow(frame.ship[0])
+        self.content.show(frame)
+        self.caption.input = f"t = {frame.time:.2f} s"
+        self.plotter.render()
+        return self.plotter.screenshot(None, return_img=True)
+
+    def follow(self, position: np.ndarray) -> None:
+        """Move with the ship, where the basin is many times as long as it."""
+        assert self.ship is not None
+        reach = SHIPS * self.ship.length * np.array([1.0, 0.0, 1.0])
+        lower, upper = np.maximum(self.lower, position - reach), np.minimum(self.upper, position + reach)
+        lower[1], upper[1] = self.lower[1], self.upper[1]
+        if (self.upper - self.lower).max() > FAR * self.ship.length:
+            lower[1] = max(lower[1], -self.ship.length)
+            self.camera = placed("third_person", lower, upper, self.order.size[0] / self.order.size[1])
+            self.dome.position = tuple(self.camera.eye - self.first_eye)
+            if not isinstance(self.content, Particles):
+                self.content.eye = self.camera.eye
+            self.aim()
+
+    def smooth(self, on: bool) -> None:
+        """Whether edges are smoothed: slow, so only for final pictures and the preview."""
+        if on:
+            self.plotter.enable_anti_aliasing("ssaa")
+        else:
+            self.plotter.disable_anti_aliasing()
+
+    def close(self) -> None:
+        self.plotter.close()

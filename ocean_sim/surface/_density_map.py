@@ -158,24 +158,56 @@ class DensityMap:
         return total
 
     @ti.kernel
-    def fill(self, value: ti.template(), level: float):
-        """Share less `level` at all nodes within the box."""
-        for g in range(GROUPS * TASK):
-            if g % TASK == 0:
-                self.fill_group(g // TASK, value, level)
+    def mark(self, rows: ti.template()):
+        """The rows of nodes within a radius and a node of any particle that counts there, so that the next nodes around
+        every wet one are marked, too; a row beyond a side is as near as the row beside it."""
+        for row in rows.near:
+            inner = tm.clamp(tm.ivec2(row % rows.across, row // rows.across) - 1, 0, tm.ivec2(self.nodes.inner[1:]) - 1)
+            y = self.lower.y + self.width.y * (inner.x + 0.5)
+            z = self.lower.z + self.width.z * (inner.y + 0.5)
+            rows.near[row] = int(self.beside(y, z))
 
     @ti.func
-    def fill_group(self, group, value: ti.template(), level):
+    def beside(self, y, z):
+        """Whether there are particles in the bins around a row of nodes and the rows next to it, or their images."""
+        found = 0
+        for c in range(IMAGES):
+            along = self.image[2, c, 0] * z + self.image[2, c, 1]
+            if self.in_reach(along - self.width.z, along + self.width.z, 2):
+                for b in range(IMAGES):
+                    up = self.image[1, b, 0] * y + self.image[1, b, 1]
+                    if self.in_reach(up - self.width.y, up + self.width.y, 1):
+                        margin = tm.vec3(0.0, self.width.y, self.width.z)
+                        low = tm.max(self.place(tm.vec3(self.lower.x, up, along) - margin) - 1, 0)
+                        high = self.place(tm.vec3(self.lower.x, up, along) + margin) + 1
+                        high = tm.min(high, tm.ivec3(self.bins) - 1)
+                        for k in range(low.z, high.z + 1):
+                            for j in range(low.y, high.y + 1):
+                                found |= int(
+                                    self.start[self.bin_at(0, j, k)] < self.start[self.bin_at(self.bins[0], j, k)]
+                                )
+        return found == 1
+
+    @ti.kernel
+    def fill(self, rows: ti.template(), value: ti.template(), level: float):
+        """Share less `level` at all nodes of the rows kept that lie within the box."""
+        for g in range(GROUPS * TASK):
+            if g % TASK == 0:
+                self.fill_group(g // TASK, rows, value, level)
+
+    @ti.func
+    def fill_group(self, group, rows: ti.template(), value: ti.template(), level):
         """Every GROUPS-th row of nodes."""
         nx, ny, nz = ti.static(self.nodes.inner)
-        for turn in range((ny * nz - group + GROUPS - 1) // GROUPS):
-            row = group + turn * GROUPS
-            j, k = row % ny, row // ny
-            first = ((k + 1) * (ny + 2) + j + 1) * (nx + 2) + 1
-            for part in range((nx + RUN - 1) // RUN):
-                i = part * RUN
-                x = self.lower + self.width * (tm.vec3(i, j, k) + 0.5)
-                shares = self.shares(x, self.width.x, RUN)
-                for m in ti.static(range(RUN)):
-                    if i + m < nx:
-                        value[first + i + m] = shares[m] - level
+        for turn in range((rows.count[None] - group + GROUPS - 1) // GROUPS):
+            n = group + turn * GROUPS
+            j, k = rows.place(n)
+            if 0 < j <= ny and 0 < k <= nz:
+                first = n * rows.length + 1
+                for part in range((nx + RUN - 1) // RUN):
+                    i = part * RUN
+                    x = self.lower + self.width * (tm.vec3(i, j - 1, k - 1) + 0.5)
+                    shares = self.shares(x, self.width.x, RUN)
+                    for m in ti.static(range(RUN)):
+                        if i + m < nx:
+                            value[first + i + m] = shares[m] - level

@@ -1,8 +1,8 @@
 """Triangles around the nodes where a field is positive: marching cubes (thesis 3.1, Algorithm 4; Lorensen & Cline
 1987, SIGGRAPH '87).
 
-Vertices are shared: each lies on an edge between two nodes and belongs to the lower of them. Slabs of nodes are counted
-apart and their vertices and triangles numbered in the order of slabs, so the mesh does not depend on threads.
+Vertices are shared: each lies on an edge between two nodes and belongs to the lower of them. Slabs of rows of nodes are
+counted apart and their vertices and triangles numbered in the order of slabs, so the mesh does not depend on threads.
 """
 
 from typing import NamedTuple
@@ -14,10 +14,11 @@ from taichi.lang.util import to_numpy_type
 
 from ocean_sim.surface._cube_cases import MOST, table
 from ocean_sim.surface._mesh import Mesh
-from ocean_sim.surface._nodes import Nodes
+from ocean_sim.surface._nodes import MOST_NODES, Nodes
+from ocean_sim.surface._rows import Rows
 
 TASK = 512  # Taichi never cuts a parallel loop finer than this: a task every TASK iterations
-SLABS = 32  # of nodes, each a task of its own; set here, never by the number of threads
+SLABS = 32  # of rows of nodes, each a task of its own; set here, never by the number of threads
 LEAST = 1.0e-6  # a dry value that is not zero
 VERTICES, TRIANGLES, CUT, AMBIGUOUS = range(4)  # what is counted
 
@@ -38,15 +39,22 @@ class Counts(NamedTuple):
 
 @ti.data_oriented
 class Isosurface:
-    """A field on nodes, and the surface on which it is zero."""
+    """A field on the nodes that are kept, and the surface on which it is zero."""
 
-    def __init__(self, nodes: Nodes, periodic: tuple[bool, bool, bool] = (False, False, False)) -> None:
-        """`periodic`: the axes along which the field repeats."""
-        self.nodes, self.shape, self.periodic = nodes, nodes.shape, periodic
+    def __init__(
+        self,
+        nodes: Nodes,
+        periodic: tuple[bool, bool, bool] = (False, False, False),
+        most_nodes: int = MOST_NODES,
+        dry: float = -1.0,
+    ) -> None:
+        """`periodic`: the axes along which the field repeats; `dry`: the field at nodes that are not kept."""
+        self.nodes, self.shape, self.periodic, self.rows = nodes, nodes.shape, periodic, Rows(nodes, most_nodes)
         self.lower, self.upper, self.width = tm.vec3(nodes.lower), tm.vec3(nodes.upper), tm.vec3(nodes.width)
-        self.strides = (1, nodes.shape[0], nodes.shape[0] * nodes.shape[1])
-        self.value = ti.field(float, shape=nodes.count)  # positive in the water
-        self.owned = ti.field(int, shape=nodes.count)  # 8 * first vertex of a node + a bit for each of its edges cut
+        kept = (self.rows.most + 1) * self.rows.length
+        self.value = ti.field(float, shape=kept)  # positive in the water
+        self.value.fill(dry)
+        self.owned = ti.field(int, shape=kept)  # 8 * first vertex of a node + a bit for each of its edges cut
         self.counted = ti.field(int, shape=(SLABS, 4))
         self.triangles_of, self.ambiguous = ti.field(int, shape=256), ti.field(int, shape=256)
         self.edges_of = ti.field(int, shape=(256, 3 * MOST))
@@ -55,15 +63,16 @@ class Isosurface:
         self.precision = to_numpy_type(self.value.dtype)
 
     @staticmethod
-    def bytes(nodes: Nodes, word: int) -> int:
+    def bytes(nodes: Nodes, most_nodes: int, word: int) -> int:
         """Of the fields, where `word` is the size of a `float` [bytes]."""
-        return (word + 4) * nodes.count + 4 * (4 * SLABS + 256 * (2 + 3 * MOST))
+        kept = (Rows.fitting(nodes, most_nodes) + 1) * nodes.shape[0]
+        return (word + 4) * kept + Rows.bytes(nodes, most_nodes) + 4 * (4 * SLABS + 256 * (2 + 3 * MOST))
 
     @ti.kernel
     def pad(self, goes_on: int):
         """The field beyond the sides of the box: the surface goes on through a side whose bit is set (2 * axis, + 1 for
         the upper one), level or into the next period, and closes at the others, where the field turns its sign."""
-        for n in self.value:
+        for n in range(self.rows.count[None] * self.rows.length):
             place = self.place(n)
             inner = tm.clamp(place, 1, tm.ivec3(self.shape) - 2)
             if (place != inner).any():
@@ -96,17 +105,17 @@ class Isosurface:
 
     @ti.func
     def at(self, i, j, k):
-        """Number of a node."""
-        return i + self.strides[1] * j + self.strides[2] * k
+        """Number of a node; all that are not kept share theirs."""
+        return i + self.rows.first[j + self.shape[1] * k]
 
     @ti.func
     def place(self, n):
-        """The inverse of `at`."""
-        nx, ny = ti.static(self.shape[0], self.shape[1])
-        return tm.ivec3(n % nx, n // nx % ny, n // (nx * ny))
+        """The inverse of `at` for nodes that are kept."""
+        j, k = self.rows.place(n // self.rows.length)
+        return tm.ivec3(n % self.rows.length, j, k)
 
     @ti.func
-    def rows(self, j, k):
+    def edge_rows(self, j, k):
         """The first nodes of the four rows along x between which cubes lie; beyond the last row there is that row."""
         up, on = tm.min(j + 1, self.shape[1] - 1), tm.min(k + 1, self.shape[2] - 1)
         return tm.ivec4(self.at(0, j, k), self.at(0, up, k), self.at(0, j, on), self.at(0, up, on))
@@ -121,8 +130,8 @@ class Isosurface:
 
     @ti.func
     def first(self, slab):
-        """The first layer of nodes of a slab."""
-        return slab * self.shape[2] // SLABS
+        """The first row of a slab, of those kept."""
+        return slab * self.rows.count[None] // SLABS
 
     @ti.kernel
     def number(self, totals: ti.types.ndarray(ndim=1)):
@@ -142,21 +151,21 @@ class Isosurface:
     def count_slab(self, slab):
         nx, ny, nz = ti.static(self.shape)
         vertices, triangles, cut, ambiguous = 0, 0, 0, 0
-        for k in range(self.first(slab), self.first(slab + 1)):
-            for j in range(ny):
-                rows = self.rows(j, k)
-                front = self.across(rows, 0)
-                for i in range(nx):
-                    back = self.across(rows, tm.min(i + 1, nx - 1))
-                    case = front | back << 1
-                    front = back
-                    mask = (case ^ case >> 1) & 1 | ((case ^ case >> 2) & 1) << 1 | ((case ^ case >> 4) & 1) << 2
-                    self.owned[rows[0] + i] = vertices << 3 | mask
-                    vertices += (mask & 1) + (mask >> 1 & 1) + (mask >> 2)
-                    if i < nx - 1 and j < ny - 1 and k < nz - 1 and case > 0 and case < 255:
-                        triangles += self.triangles_of[case]
-                        cut += 1
-                        ambiguous += self.ambiguous[case]
+        for n in range(self.first(slab), self.first(slab + 1)):
+            j, k = self.rows.place(n)
+            rows = self.edge_rows(j, k)
+            front = self.across(rows, 0)
+            for i in range(nx):
+                back = self.across(rows, tm.min(i + 1, nx - 1))
+                case = front | back << 1
+                front = back
+                mask = (case ^ case >> 1) & 1 | ((case ^ case >> 2) & 1) << 1 | ((case ^ case >> 4) & 1) << 2
+                self.owned[rows[0] + i] = vertices << 3 | mask
+                vertices += (mask & 1) + (mask >> 1 & 1) + (mask >> 2)
+                if i < nx - 1 and j < ny - 1 and k < nz - 1 and case > 0 and case < 255:
+                    triangles += self.triangles_of[case]
+                    cut += 1
+                    ambiguous += self.ambiguous[case]
         for what, n in ti.static(enumerate((vertices, triangles, cut, ambiguous))):
             self.counted[slab, what] = n
 
@@ -170,8 +179,8 @@ class Isosurface:
         for s in range(SLABS * TASK):
             if s % TASK == 0:
                 slab = s // TASK
-                first = self.strides[2] * self.first(slab)
-                for n in range(first, self.strides[2] * self.first(slab + 1)):
+                length = ti.static(self.rows.length)
+                for n in range(length * self.first(slab), length * self.first(slab + 1)):
                     self.owned[n] = self.owned[n] + (self.counted[slab, VERTICES] << 3)
                     if self.owned[n] & 7:
                         self.write_vertices(n, vertices, normals)
@@ -188,7 +197,7 @@ class Isosurface:
         for axis in ti.static(range(3)):
             if mask >> axis & 1:
                 step = tm.ivec3([int(axis == k) for k in range(3)])
-                there = self.value[n + ti.static(self.strides[axis])]
+                there = self.value[self.at(place.x + step.x, place.y + step.y, place.z + step.z)]
                 along = own / (own - there)
                 x = self.lower + self.width * (ti.cast(place, float) - 0.5 + along * ti.cast(step, float))
                 x = tm.clamp(x, self.lower, self.upper)
@@ -205,19 +214,21 @@ class Isosurface:
         """(3.2) to (3.4) by central differences, with the factor 1/2 that they leave out; one-sided at the rim."""
         gradient = tm.vec3(0.0)
         for axis in ti.static(range(3)):
-            n, up, down = self.at(place.x, place.y, place.z), place[axis] < self.shape[axis] - 1, place[axis] > 0
-            stride = ti.static(self.strides[axis])
-            rise = self.value[n + stride * int(up)] - self.value[n - stride * int(down)]
-            gradient[axis] = rise / (self.width[axis] * (int(up) + int(down)))
+            step = tm.ivec3([int(axis == k) for k in range(3)])
+            up = tm.min(place + step, tm.ivec3(self.shape) - 1)
+            down = tm.max(place - step, 0)
+            rise = self.value[self.at(up.x, up.y, up.z)] - self.value[self.at(down.x, down.y, down.z)]
+            gradient[axis] = rise / (self.width[axis] * (up[axis] - down[axis]))
         return gradient
 
     @ti.func
     def write_triangles(self, slab, triangles: ti.template()):
         nx, ny, nz = ti.static(self.shape)
         written = self.counted[slab, TRIANGLES]
-        for k in range(self.first(slab), tm.min(self.first(slab + 1), nz - 1)):
-            for j in range(ny - 1):
-                rows = self.rows(j, k)
+        for n in range(self.first(slab), self.first(slab + 1)):
+            j, k = self.rows.place(n)
+            if j < ny - 1 and k < nz - 1:
+                rows = self.edge_rows(j, k)
                 front = self.across(rows, 0)
                 for i in range(nx - 1):
                     back = self.across(rows, i + 1)

@@ -28,7 +28,7 @@ WIDEST = 6.0  # [spacings] radius at most: a node then counts 900 particles
 
 
 class Config(PartConfig):
-    """Triangles around the water, from a grid over the whole basin."""
+    """Triangles around the water, from the rows near it of a grid over the whole basin."""
 
     kind: Literal["marching_cubes"] = "marching_cubes"
     spacing: float | None = quantity("m", None, gt=0.0)
@@ -40,6 +40,8 @@ class Config(PartConfig):
     """Smoothed share of water at the surface; null: what it is where flat water ends."""
     height: float | None = quantity("m", None, gt=0.0)
     """How far above the still water the grid ends (the listing's range); null: as far as the bed lies below."""
+    most_nodes: int = quantity("nodes", 2**23, ge=1, le=MOST_NODES)
+    """Nodes near water that are kept at a time; more stop the run."""
     most_triangles: int = quantity("triangles", 4_000_000, ge=1)
     """A mesh of more stops the run."""
 
@@ -72,6 +74,10 @@ class Config(PartConfig):
             found.append((("radius",), said + "them one by one, more smooths the waves away"))
         if (count := self.beside(fluid, basin).count(basin)) > MOST_NODES:
             found.append((("spacing",), f"makes {count:.3g} nodes, more than the {MOST_NODES} there can be"))
+        fine = self.spacing or FINE * apart
+        if (wet := fluid.lattice(basin).n * (apart / fine) ** 3) > self.most_nodes:
+            said = f"{self.most_nodes} is less than the about {wet:.3g} that the water at rest fills"
+            found.append((("most_nodes",), said))
         return found
 
     def nodes(self, basin: Basin) -> Nodes:
@@ -94,11 +100,11 @@ class Config(PartConfig):
     def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
         nodes = self.nodes(basin)
         assert self.radius is not None
-        grid = Isosurface.bytes(nodes, word) + word * nodes.inner[0] * nodes.inner[2]
+        grid = Isosurface.bytes(nodes, self.most_nodes, word) + word * nodes.inner[0] * nodes.inner[2]
         bins = DensityMap.bytes(self._particles, nodes, self.radius, word)
         why = f"surface.spacing {nodes.cell:g} m"
         return [
-            LedgerRow("surface", f"grid of {nodes.count} nodes", grid, why),
+            LedgerRow("surface", f"at most {min(nodes.count, self.most_nodes)} of {nodes.count} nodes", grid, why),
             LedgerRow("surface", f"{self._particles} particles in bins", bins, f"surface.radius {self.radius:g} m"),
         ]
 
@@ -115,8 +121,8 @@ class MarchingCubes:
         self.config, self.basin, self.nodes = config, basin, config.nodes(basin)
         self.map = DensityMap(particles, basin, self.nodes, config.radius)
         self.periodic = tuple(period > 0.0 for period in basin.periods)
-        self.isosurface = Isosurface(self.nodes, self.periodic)
         self.isovalue = config.isovalue or flat_share(config.radius, particles.spacing)
+        self.isosurface = Isosurface(self.nodes, self.periodic, config.most_nodes, dry=-self.isovalue)
         self.columns = (self.nodes.inner[0], self.nodes.inner[2])
         self.height = ti.field(float, shape=self.columns)  # [m] highest water of each column of nodes
         self.low, self.width = tm.vec2(self.nodes.lower[::2]), tm.vec2(self.nodes.width[::2])
@@ -143,7 +149,9 @@ class MarchingCubes:
         """Make the field current."""
         if self.sampled != self.moment:
             self.outside = self.map.sort()
-            self.map.fill(self.isosurface.value, self.isovalue)
+            self.map.mark(self.isosurface.rows)
+            self.isosurface.rows.keep()
+            self.map.fill(self.isosurface.rows, self.isosurface.value, self.isovalue)
             self.sampled = self.moment
 
     def level(self) -> None:

@@ -12,7 +12,7 @@ TORUS, TUBE = 0.9, 0.35  # [m] radii
 
 def cut(nodes: Nodes, field: np.ndarray, isosurface: Isosurface | None = None) -> Mesh:
     isosurface = isosurface or Isosurface(nodes)
-    isosurface.value.from_numpy(field.ravel())
+    isosurface.value.from_numpy(np.append(field.ravel(), np.full(nodes.shape[0], -1.0)))  # and the dry row
     return isosurface.mesh(isosurface.count())
 
 

@@ -217,6 +217,30 @@ def test_a_jet_and_a_film_have_their_size(tank):
     assert film.free_surface().volume(bed=-0.6) == pytest.approx(2.0 * 1.2 * 0.1, rel=0.03)
 
 
+def test_only_rows_near_water_are_kept_and_the_rest_is_dry(tank):
+    jet = put(tank, np.concatenate([lattice((-0.2, 0.2), (-0.6, 0.3), (-0.2, 0.2)), [[0.8, 0.4, 0.5]]]))
+    rows, banded = tank.isosurface.rows, jet.mesh()
+    assert rows.count[None] < 0.8 * rows.all
+    rows.near.fill(1)
+    rows.keep()
+    tank.map.fill(rows, tank.isosurface.value, tank.isovalue)
+    whole = tank.cut(0)[0]
+    assert rows.count[None] == rows.all
+    for array in ("vertices", "triangles", "normals"):
+        np.testing.assert_array_equal(getattr(banded, array), getattr(whole, array))
+    rows.near.fill(0)  # a control: without rows there is nothing
+    rows.keep()
+    assert len(tank.cut(0)[0].triangles) == 0
+
+
+def test_rows_without_room_stop_with_a_sentence(taichi_cpu):
+    surface = built(STILL, basin(2.0, 1.2, 0.6), most_nodes=24_000)
+    surface.mesh()
+    apart = np.linspace(-0.55, 0.55, len(STILL))
+    with pytest.raises(Diverged, match=r"\d+ nodes .* near water, more than surface\.most_nodes 24000; try a larger"):
+        put(surface, np.stack([0.0 * apart, apart, np.roll(apart, 600)], axis=1)).mesh()
+
+
 def test_a_surface_of_too_many_triangles_stops_with_a_sentence(sea, monkeypatch):
     monkeypatch.setattr(sea, "config", sea.config.model_copy(update={"most_triangles": 1000}))
     with pytest.raises(Diverged, match=r"has \d+ triangles, more than surface\.most_triangles 1000; try a larger"):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.conventions import GRAVITY
+from ocean_sim.fluid.delta_sph import DAMPER, IMPACT
 from tests.fluid.conftest import box, by_id, put
 
 OPEN = {"length": 1.0, "width": 1.0, "depth": 0.5, "walls": "none", "floor": "none", "gravity": [0.0, 0.0, 0.0]}
@@ -154,3 +155,68 @@ def test_energy_is_accounted_for(water):
     drained = sum(work[term] for term in ("viscosity", "walls", "diffusion"))
     assert energy() - start - drained == pytest.approx(0.0, abs=0.01 * kinetic)
     assert abs(drained) > 1e-3 * kinetic
+
+
+@pytest.fixture(scope="module")
+def endless(water):
+    """Water that goes on through all sides, of sound speed 10 m/s."""
+    return water(
+        "delta_sph", basin=ROUND | {"width": None}, spacing=0.025, reference_speed=1.0, kinematic_viscosity=0.0
+    )
+
+
+def kept_of_a_wave(fluid, axis: int) -> float:
+    """Share of the energy of a wave along x, of velocity along `axis`, after 0.1 s: a period of its sound."""
+    y, x = np.divmod(np.arange(1600), 40)
+    places = np.stack([(x + 0.5) / 40.0 - 0.5, (y + 0.5) / 40.0 - 1.0, 0.0 * x], axis=1)
+    v = np.zeros((1600, 3))
+    v[:, axis] = 0.01 * np.sin(2.0 * np.pi * places[:, 0])
+    fluid.particles.pressure.fill(0.0)
+    put(fluid, places, v)
+
+    def energy() -> float:
+        v = fluid.particles.velocity.to_numpy()
+        return 0.5 * fluid.particles.mass * (v**2).sum() + fluid.internal_energy()
+
+    before = energy()
+    advance(fluid, 0.1, number=0.25)
+    return energy() / before
+
+
+def test_sound_is_damped_by_the_bulk_viscosity_and_the_diffusion_of_density(endless):
+    """exp(-(nu_b + D) k^2 t) of its energy is kept, nu_b = DAMPER c h, D = delta c h (Landau & Lifshitz, §79)."""
+    h, k = 0.05, 2.0 * np.pi
+    expected = np.exp(-(DAMPER + 0.1) * h * 10.0 * k**2 * 0.1)
+    assert np.log(kept_of_a_wave(endless, 0)) == pytest.approx(np.log(expected), rel=0.1)
+
+
+def test_what_keeps_its_volume_is_not_damped(endless):
+    assert kept_of_a_wave(endless, 1) == pytest.approx(1.0, abs=2e-3)
+
+
+@pytest.fixture(scope="module")
+def pair(water):
+    """What two particles lose a spacing apart, of their velocity towards each other, in a step of 1e-7 s."""
+    fluid = water("delta_sph", basin=OPEN, reference_speed=2.0, **box(2, 1, 1))
+
+    def lost(speed: float) -> float:
+        fluid.particles.pressure.fill(0.0)
+        put(fluid, [[-0.05, 0.0, 0.0], [0.05, 0.0, 0.0]], [[speed, 0.0, 0.0], [-speed, 0.0, 0.0]])
+        fluid.advance(1e-7)
+        v = by_id(fluid, fluid.particles.velocity.to_numpy())
+        assert v.sum() == pytest.approx(0.0, abs=1e-13)
+        return speed - v[0, 0]
+
+    return lost
+
+
+def test_particles_that_meet_lose_speed_with_its_square(pair):
+    """Beside what the bulk viscosity takes, which is linear: m IMPACT u^2 / rho |W'(r)| at a relative speed u, with
+    Wendland's W in space."""
+    h, r, u = 0.13, 0.1, 2.0
+    slope = 21.0 / (16.0 * np.pi * h**4) * 5.0 * (r / h) * (1.0 - 0.5 * r / h) ** 3  # [1/m4]
+    assert pair(u) - 2.0 * pair(0.5 * u) == pytest.approx(0.5 * 1e-7 * 1e-3 * IMPACT * (2.0 * u) ** 2 * slope, rel=1e-3)
+
+
+def test_particles_that_part_lose_nothing_with_its_square(pair):
+    assert pair(-2.0) == pytest.approx(2.0 * pair(-1.0), rel=1e-5)

@@ -81,6 +81,42 @@ def test_pressure_at_the_wall_of_an_accelerating_tank(water, tmp_path):
     np.testing.assert_allclose(fluid.pressures(points), exact, atol=1.0)
 
 
+def settled(fluid, until: float) -> tuple[np.ndarray, np.ndarray]:
+    """Places and pressures at rest, away from the free surface."""
+    while fluid.time < until:
+        fluid.advance(min(0.5 * fluid.limits().acoustic, 0.125 * fluid.limits().viscous))
+    p = fluid.particles
+    assert np.abs(p.velocity.to_numpy()).max() < 0.05
+    inside = p.pressure.to_numpy() > 500.0
+    return p.position.to_numpy()[inside], p.pressure.to_numpy()[inside]
+
+
+def coefficients(pressure: np.ndarray, *terms: np.ndarray) -> np.ndarray:
+    """Of a least-squares sum of terms and a constant."""
+    return np.linalg.lstsq(np.stack([*terms, np.ones_like(pressure)], axis=1), pressure, rcond=None)[0][:-1]
+
+
+def test_water_in_a_tank_that_has_been_tilted_is_level_in_the_world(water, tmp_path):
+    """p = rho (g_x x + g_y y), gravity as the tilted tank sees it."""
+    times, tilt = np.linspace(0.0, 6.0, 121), 0.1
+    share = np.minimum(times, 1.0)
+    motion = recorded(tmp_path, "roll_z_rad", times, tilt * share**2 * (3.0 - 2.0 * share))
+    fluid = water("delta_sph", basin={"width": None, "motion": motion}, spacing=0.05, kinematic_viscosity=0.02)
+    x, p = settled(fluid, 4.0)
+    found = coefficients(p, x[:, 0], x[:, 1])
+    np.testing.assert_allclose(found, -1000.0 * GRAVITY * np.array([np.sin(tilt), np.cos(tilt)]), rtol=0.03)
+
+
+def test_water_in_a_tank_that_spins_is_hollow(water, tmp_path):
+    """p = rho (omega^2 r^2 / 2 - g y) about the vertical through the middle: the surface is a paraboloid."""
+    times, omega = np.linspace(0.0, 6.0, 61), 3.0
+    motion = recorded(tmp_path, "roll_y_rad", times, omega * times)
+    fluid = water("delta_sph", basin={"motion": motion}, spacing=0.1, kinematic_viscosity=0.05)
+    x, p = settled(fluid, 2.0)
+    found = coefficients(p, x[:, 0] ** 2 + x[:, 2] ** 2, x[:, 1])
+    np.testing.assert_allclose(found, [500.0 * omega**2, -1000.0 * GRAVITY], rtol=0.05)
+
+
 def test_pressure_on_a_piston_that_accelerates(water):
     maker = {"wall": "x_min", "height": 0.05, "period": 1.0, "ramp": 0.0}
     fluid = water("delta_sph", basin={"width": None, "wavemaker": maker}, spacing=0.05)

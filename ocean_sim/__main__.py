@@ -194,6 +194,19 @@ def waves(
 
 
 @app.command()
+def figure(
+    names: Annotated[list[str], typer.Argument(help="As in 6-3, or all (ocean-sim list figures).")],
+    fast: Annotated[bool, typer.Option("--fast", help="Coarse and short, for a quick look.")] = False,
+    out: Annotated[Path, typer.Option(help="Where data (CSV) and pictures (PNG) go.")] = Path("runs/figures"),
+    json: Json = False,
+) -> int:
+    """The figures of the thesis, drawn anew: data and picture of each."""
+    from ocean_sim.verbs.figure import figure
+
+    return figure(names, fast, out, json)
+
+
+@app.command()
 def platform(
     log: Annotated[Path, typer.Argument(help="A motion log, or a run folder that has one.")],
     geometry: Annotated[str, typer.Option(help="A name in configs/geometry/, or a file.")] = "hexapod_a",

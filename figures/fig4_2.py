@@ -99,7 +99,7 @@ def drawn(places: np.ndarray, rows: list[tuple], course: list[tuple], path: Path
     for way, colour, text in ((FALLS / 2.0, INK, "velocity before"), (total / np.linalg.norm(total), RED, "sum on it")):
         tip = CENTRE + 2.2 * way
         left.annotate("", tip[:2], CENTRE[:2], arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 2.2})
-        left.text(tip[0] + 0.3, tip[1], text, color=colour, fontsize=9, va="center")
+        left.text(tip[0] - 0.3, tip[1], text, color=colour, fontsize=9, va="center", ha="right")
     left.set(aspect="equal", xlim=(-10.0, 10.0), ylim=(-8.2, 4.6), xlabel="x [m]", ylabel="y [m]")
     left.set_title(f"impulses on {len(rows)} particles of all layers (the longest {size / 1e3:.2g} kN s)")
     left.legend(loc="upper right")
@@ -115,7 +115,7 @@ def drawn(places: np.ndarray, rows: list[tuple], course: list[tuple], path: Path
         if k == 0:
             axes.set_title("the ball after it, and what both have gained or lost")
             axes.text(0.51, columns[1].min(), "the listing's 0.5", color=GREY, fontsize=9, va="bottom")
-    axes.set_xlabel("part of the impulses that the ball takes (collisionResponseCoefficient)")
+    axes.set_xlabel("part of the impulses that the ball takes")
     keep(figure, path)
 
 

@@ -22,6 +22,10 @@ HULL, SHIFT, TURN = "yacht", 2.0, 15.0  # [m], [deg]
 COLOURS = (RED, GREEN, BLUE)  # of x, y, z
 TIPS = {"bow": (0.0, 3.2, 7.5), "port side": (2.3, 3.2, 0.0), "keel": (0.0, 0.0, 0.0)}  # [m] from the hull's origin
 LIGHT = np.array([0.55, 0.75, 0.4]) / np.linalg.norm([0.55, 0.75, 0.4])
+ELEVATION, AZIMUTH = np.radians([24.0, 38.0])  # from where they are seen
+EYE = np.array(
+    [np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)]
+)  # as matplotlib draws axes
 EFFECTS = ("to port", "up", "ahead", "bow down", "bow to port", "port side up")
 
 
@@ -48,16 +52,18 @@ def shown(axes: Any, points: np.ndarray, triangles: np.ndarray, colour: str, alp
     corners = points[triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
+    front = seen(normal) @ EYE > 0.0  # what looks away would show through where it is sorted wrongly
+    corners, normal = corners[front], normal[front]
     shade = 0.55 + 0.45 * np.clip(normal @ LIGHT, 0.0, 1.0)[:, None]
     colours = np.hstack([shade * np.array(to_rgb(colour)), np.full((len(shade), 1), alpha)])
-    axes.add_collection3d(Poly3DCollection(seen(corners), facecolors=colours, edgecolors=colours, lw=0.4))
+    axes.add_collection3d(Poly3DCollection(seen(corners), facecolors=colours, edgecolors=colours if alpha == 1.0 else "none", lw=0.4))
 
 
 def framed(axes: Any, half: float, zoom: float) -> None:
     axes.set(xlim=(-half, half), ylim=(-half, half), zlim=(-half, half))
     axes.set_box_aspect((1, 1, 1), zoom=zoom)
     axes.set_proj_type("ortho")
-    axes.view_init(elev=24.0, azim=38.0)
+    axes.view_init(elev=np.degrees(ELEVATION), azim=np.degrees(AZIMUTH))
     axes.set_axis_off()
 
 
@@ -90,19 +96,18 @@ def drawn(points: np.ndarray, triangles: np.ndarray, centre: np.ndarray, path: P
     for k, (reach, letter) in enumerate(zip((6.5, 6.0, 11.0), "XYZ")):
         arrowed(axes, k, reach)
         turning(axes, k, 1.1, 0.82 * reach)
-        tip = np.zeros(3)
-        tip[k] = reach + (1.9 if k != 1 else 0.9)
+        tip = np.array([(reach + 1.9, 0.0, 0.0), (0.0, reach + 0.9, 0.0), (0.0, -2.4, reach)][k])
         text = f"{letter}: {Motions._fields[k]},\n{Motions._fields[k + 3]}"
         axes.text(*seen(tip), text, color=COLOURS[k], fontsize=12, ha="center", va="center", zorder=30)
-    framed(axes, 8.0, 1.22)
+    framed(axes, 8.0, 1.5)
     for k, name in enumerate(Motions._fields):
         panel = figure.add_subplot(grid[k // 3, 2 + k % 3], projection="3d", computed_zorder=False)
         shown(panel, points - centre, triangles, "#c9d3d9", 0.35)
-        shown(panel, moved(k, points, centre), triangles, ORANGE, 0.9)
+        shown(panel, moved(k, points, centre), triangles, ORANGE, 1.0)
         arrowed(panel, k % 3, (5.5, 6.0, 10.5)[k % 3])
         by = f"+{SHIFT:g} m along" if k < 3 else f"+{TURN:g}° about"
         panel.set_title(f"{name}: {by} {'XYZ'[k % 3]}\n{EFFECTS[k]}", fontsize=10, loc="center", color=INK, y=0.98)
-        framed(panel, 6.6, 1.22)
+        framed(panel, 6.6, 1.42)
     keep(figure, path)
 
 

@@ -73,7 +73,7 @@ def drawn(still: Hydrostatics, share: np.ndarray, curve: list[tuple], path: Path
     axes.set_title(f"{HULL}: {len(share)} cubes of {size[0]:.2f} x {size[1]:.2f} x {size[2]:.2f} m", y=1.0)
     parts = ((WET, "under water"), (CUT, "cut by the surface"), (DRY, "above it"))
     handles = [Patch(facecolor=c, edgecolor=INK, lw=0.5, label=t) for c, t in parts]
-    axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.95), ncols=3)
+    axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.9), ncols=3)
     section = figure.add_subplot(grid[0, 1])
     middle = np.argmin(np.abs(np.unique(np.round(corner[:, 2], 6)) + 0.5 * size[2]))
     z = np.unique(np.round(corner[:, 2], 6))[middle]

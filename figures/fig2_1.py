@@ -74,7 +74,9 @@ def drawn(time: np.ndarray, fixed: np.ndarray, moving: np.ndarray, path: Path) -
     right.plot(time[along], moving[along], color=RED, lw=2.0, ls="--", label="on particle A (Lagrange): $T_A(t)$")
     right.axhline(AIR, color=GREY, lw=0.8)
     right.text(LASTS, AIR - 0.8, "air", ha="right", va="top", color=GREY, fontsize=9)
-    right.set(xlabel="time [s]", ylabel="temperature [°C]", title="the two thermometers", xlim=(0, LASTS), ylim=(10, 94))
+    right.set(
+        xlabel="time [s]", ylabel="temperature [°C]", title="the two thermometers", xlim=(0, LASTS), ylim=(10, 94)
+    )
     right.legend(loc="upper left")
     right.grid(color=PALE, lw=0.7)
     keep(figure, path)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from _options import options
-from _paper import BLUE, GREY, INK, RED, keep, paper, table
+from _paper import BLUE, GREY, INK, keep, paper, table
 
 from ocean_sim.scene import load
 from ocean_sim.simulation import Simulation
@@ -72,7 +72,9 @@ def main() -> None:
         water = np.hstack([particles.position.to_numpy()[:, :2], particles.velocity.to_numpy()[:, :2]]).astype(float)
         water = water[np.argsort(particles.id.to_numpy())]
         across, up = np.arange(-LENGTH / 2 + CELL / 2, LENGTH / 2, CELL), np.arange(-DEPTH + CELL / 2, 0.0, CELL)
-        places = np.stack([grid.ravel() for grid in np.meshgrid(across, up)] + [np.zeros(across.size * up.size)], axis=1)
+        places = np.stack(
+            [grid.ravel() for grid in np.meshgrid(across, up)] + [np.zeros(across.size * up.size)], axis=1
+        )
         found = simulation.fluid.velocities(places)[:, :2].astype(float)
     k_x, above = wavenumber * (places[:, 0] + LENGTH / 2), wavenumber * (places[:, 1] + DEPTH)
     size = 0.5 * HEIGHT * omega / np.sinh(wavenumber * DEPTH) * np.sin(omega * moment)

@@ -1,5 +1,5 @@
-"""Figure 3-7: where light goes that meets the sea, and how much of it is mirrored: exact, as printed, by the listing and
-by Schlick: CSV and PNG.
+"""Figure 3-7: where light goes that meets the sea, and how much of it is mirrored: exact, as printed, by the listing
+and by Schlick: CSV and PNG.
 
 python figures/fig3_7.py [--fast] [--out DIR]
 """
@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 from _options import options
-from _paper import BLUE, GREY, INK, ORANGE, RED, keep, paper, table
+from _paper import BLUE, GREY, INK, ORANGE, PALE, RED, keep, paper, table
 
 from ocean_sim.observers._water_shading import REFRACTIVE_INDEX, fresnel
 
@@ -49,7 +49,9 @@ def drawn(degrees: np.ndarray, path: Path) -> None:
     left.axhline(below[-1], color=GREY, ls="--", lw=1.0)
     left.text(2.0, below[-1] + 1.0, f"limit {below[-1]:.2f}° (the thesis prints 48.59°)", color=GREY, fontsize=9)
     left.plot(degrees, degrees, color=GREY, ls=":", lw=1.0)
-    left.text(33.0, 34.5, "without refraction", color=GREY, fontsize=9, rotation=52, ha="center", rotation_mode="anchor")
+    left.text(
+        33.0, 34.5, "without refraction", color=GREY, fontsize=9, rotation=52, ha="center", rotation_mode="anchor"
+    )
     left.set(xlabel="angle of incidence [°]", ylabel="transmitted angle [°]", title="(3.7), n = 1.333")
     left.set(xlim=(0, 90), ylim=(0, 60), xticks=range(0, 91, 15))
     right.plot(degrees, fresnel(np.cos(incident)), color=BLUE, lw=2.5, label="exact, in cosines; (3.8) from 1° on")
@@ -60,13 +62,15 @@ def drawn(degrees: np.ndarray, path: Path) -> None:
         right.plot(angle, value, "o", color=INK, ms=4, clip_on=False, zorder=5)
         beside = (-44, 5) if angle == 45.0 else (4, -13)
         right.annotate(f"{value:.4f}", (angle, value), beside, textcoords="offset points", fontsize=9, color=INK)
-    right.set(xlabel="angle of incidence [°]", ylabel="reflectance", title="share of unpolarised light that is mirrored")
+    right.set(
+        xlabel="angle of incidence [°]", ylabel="reflectance", title="share of unpolarised light that is mirrored"
+    )
     right.set(xlim=(0, 90), ylim=(0.012, 1.1), yscale="log", xticks=range(0, 91, 15))
     right.set_yticks([0.02, 0.05, 0.1, 0.2, 0.5, 1.0], ["0.02", "0.05", "0.1", "0.2", "0.5", "1"])
     right.minorticks_off()
     right.legend(loc="upper left")
     for axes in (left, right):
-        axes.grid(color="#dde5ea", lw=0.7)
+        axes.grid(color=PALE, lw=0.7)
     keep(figure, path)
 
 

@@ -104,7 +104,11 @@ def drawn(places: np.ndarray, rows: list[tuple], course: list[tuple], path: Path
     left.set_title(f"impulses on {len(rows)} particles of all layers (the longest {size / 1e3:.2g} kN s)")
     left.legend(loc="upper right")
     columns = np.array(course).T
-    said = (("velocity upwards\n[m/s]", 1.0, BLUE), ("momentum made\n[kN s]", 1e3, RED), ("energy lost\n[kJ]", 1e3, GREEN))
+    said = (
+        ("velocity upwards\n[m/s]", 1.0, BLUE),
+        ("momentum made\n[kN s]", 1e3, RED),
+        ("energy lost\n[kJ]", 1e3, GREEN),
+    )
     for k, (label, unit, colour) in enumerate(said):
         axes = figure.add_subplot(grid[k, 1])
         axes.plot(columns[0], columns[k + 1] / unit, color=colour, lw=2.0)
@@ -135,7 +139,9 @@ def main() -> None:
         course.append((float(response), float(velocity[1]), momentum, energy))
     head = [f"a ball of {body:.6g} kg at ({FALLS[0]:g}, {FALLS[1]:g}, 0) m/s among particles of {MASS:.6g} kg at rest"]
     head += [f"restitution {RESTITUTION:g}, friction {FRICTION:g}; each pair by itself, from the velocities before"]
-    columns = [f"{name}_{axis}{unit}" for name, unit in (("at", "_m"), ("normal", ""), ("impulse", "_Ns")) for axis in "xyz"]
+    columns = [
+        f"{name}_{axis}{unit}" for name, unit in (("at", "_m"), ("normal", ""), ("impulse", "_Ns")) for axis in "xyz"
+    ]
     table(out / "fig4_2.csv", head, columns, [(*places[k], *normal, *push) for k, _, normal, push in rows])
     head = ["the ball after the impulses, by the part of them that it takes, and what both have gained or lost"]
     columns = ["response", "ball_y_m_s", "momentum_made_Ns", "energy_lost_J"]

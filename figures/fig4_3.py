@@ -56,7 +56,9 @@ def shown(axes: Any, points: np.ndarray, triangles: np.ndarray, colour: str, alp
     corners, normal = corners[front], normal[front]
     shade = 0.55 + 0.45 * np.clip(normal @ LIGHT, 0.0, 1.0)[:, None]
     colours = np.hstack([shade * np.array(to_rgb(colour)), np.full((len(shade), 1), alpha)])
-    axes.add_collection3d(Poly3DCollection(seen(corners), facecolors=colours, edgecolors=colours if alpha == 1.0 else "none", lw=0.4))
+    axes.add_collection3d(
+        Poly3DCollection(seen(corners), facecolors=colours, edgecolors=colours if alpha == 1.0 else "none", lw=0.4)
+    )
 
 
 def framed(axes: Any, half: float, zoom: float) -> None:
@@ -83,7 +85,13 @@ def turning(axes: Any, axis: int, radius: float, at: float) -> None:
     axes.plot(*seen(ring).T, color=COLOURS[axis], lw=2.0, zorder=20)
     tip = seen(ring[[-3, -1]])
     axes.quiver(
-        *tip[0], *(tip[1] - tip[0]) * 4.0, color=COLOURS[axis], lw=2.0, arrow_length_ratio=0.9, zorder=20, pivot="middle"
+        *tip[0],
+        *(tip[1] - tip[0]) * 4.0,
+        color=COLOURS[axis],
+        lw=2.0,
+        arrow_length_ratio=0.9,
+        zorder=20,
+        pivot="middle",
     )
 
 
@@ -124,7 +132,9 @@ def main() -> None:
         for place, vector in zip(TIPS, gone.tolist()):
             size, unit = (SHIFT, "m") if k < 3 else (TURN, "deg")
             rows.append((name, "xyz"[k % 3], size, unit, place, *vector, *(ned.tolist())))
-    head = [f"how places of the {HULL} go [m] when one motion is positive; ned: its axis in north, east, down of the ship"]
+    head = [
+        f"how places of the {HULL} go [m] when one motion is positive; ned: its axis in north, east, down of the ship"
+    ]
     columns = ["motion", "axis", "by", "unit", "place", "x_m", "y_m", "z_m", "ned_x", "ned_y", "ned_z"]
     table(out / "fig4_3.csv", head, columns, rows)
     drawn(points, triangles, centre, out / "fig4_3.png")

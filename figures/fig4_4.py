@@ -63,13 +63,19 @@ def drawn(still: Hydrostatics, share: np.ndarray, curve: list[tuple], path: Path
     colours = [WET if s >= 1.0 else DRY if s <= 0.0 else CUT for s in share]
     boxes(axes, corner, size, colours)
     axes.set_box_aspect((15.0, 4.6, 3.2), zoom=1.05)
-    axes.set(xlim=(-7.5, 7.5), ylim=(-2.3, 2.3), zlim=(0.0, 3.2), xlabel="z, to the bow [m]", ylabel="x, to port [m]", zlabel="y [m]")
+    axes.set(
+        xlim=(-7.5, 7.5),
+        ylim=(-2.3, 2.3),
+        zlim=(0.0, 3.2),
+        xlabel="z, to the bow [m]",
+        ylabel="x, to port [m]",
+        zlabel="y [m]",
+    )
     axes.set_yticks([-2, 0, 2])
     axes.set_zticks([0, 1, 2, 3])
     axes.xaxis.labelpad, axes.yaxis.labelpad = 16, 6
     axes.view_init(elev=20.0, azim=-48.0)
     axes.set_proj_type("ortho")
-    count = len(share)
     axes.set_title(f"{HULL}: {len(share)} cubes of {size[0]:.2f} x {size[1]:.2f} x {size[2]:.2f} m", y=1.0)
     parts = ((WET, "under water"), (CUT, "cut by the surface"), (DRY, "above it"))
     handles = [Patch(facecolor=c, edgecolor=INK, lw=0.5, label=t) for c, t in parts]
@@ -90,10 +96,12 @@ def drawn(still: Hydrostatics, share: np.ndarray, curve: list[tuple], path: Path
     section.set(xlim=(-2.8, 4.2), ylim=(-0.15, 3.4), aspect="equal", xlabel="x, to port [m]", ylabel="y [m]")
     section.set_title("amidships; numbers: % of a cube inside the hull")
     errors = figure.add_subplot(grid[1, 1])
-    cells, wanted, plain = (np.array(column) for column in zip(*[(row[0], row[3], row[5]) for row in curve]))
+    cells, wanted, plain = (np.array(column) for column in zip(*[(row[0], row[3], row[4]) for row in curve]))
     errors.loglog(cells, 100 * np.maximum(np.abs(plain - 1.0), 1e-6), "s--", color=RED, label="whole cubes, wet or dry")
     errors.loglog(cells, 100 * np.maximum(np.abs(wanted - 1.0), 1e-6), "o-", color=BLUE, label="with shares, as here")
-    errors.set(xlabel="cubes over the draught", ylabel="error of the lift [%]", title="lift over weight at the finest draught")
+    errors.set(
+        xlabel="cubes over the draught", ylabel="error of the lift [%]", title="lift over weight at the finest draught"
+    )
     errors.set_xticks(CELLS, [f"{c:g}" for c in CELLS])
     errors.minorticks_off()
     errors.grid(color=PALE, lw=0.7)
@@ -115,15 +123,17 @@ def main() -> None:
         lift = DENSITY * float(each.wet(UP, level).sum()) / each.matter.mass
         centre = cells_of(hull, each)
         whole = each.voxels.size.prod() * (each.voxels.share >= 0.5) * (centre < level)
-        curve.append((cells, len(each.voxels.share), each.draught, lift, 0.0, DENSITY * float(whole.sum()) / each.matter.mass))
-    head = [f"the {HULL} in cubes of {', '.join(f'{s:.6g}' for s in still.voxels.size)} m (x, y, z), afloat in still water"]
+        plain = DENSITY * float(whole.sum()) / each.matter.mass
+        curve.append((cells, len(each.voxels.share), each.draught, lift, plain))
+    size = ", ".join(f"{side:.6g}" for side in still.voxels.size)
+    head = [f"the {HULL} in cubes of {size} m (x, y, z), afloat in still water"]
     head += [f"they carry {carried.sum():.6g} N, the ship weighs {still.matter.mass * GRAVITY:.6g} N"]
     columns = ["x_m", "y_m", "z_m", "inside", "under_water", "buoyancy_N"]
     rows = np.column_stack([still.voxels.centre, still.voxels.share, np.clip(share, 0.0, 1.0), carried])
     table(out / "fig4_4.csv", head, columns, rows.tolist())
     head = [f"lift over weight at a draught of {finest.draught:.6g} m, that of 24 cubes over the draught"]
     columns = ["cells_per_draught", "cubes", "draught_m", "lift_over_weight", "whole_cubes_lift_over_weight"]
-    table(out / "fig4_4_cells.csv", head, columns, [(*row[:4], row[5]) for row in curve])
+    table(out / "fig4_4_cells.csv", head, columns, curve)
     drawn(still, share, curve, out / "fig4_4.png")
 
 

@@ -1,4 +1,4 @@
-"""Figure 6-10: the platform in pitch, roll and yaw, each over one swing, and what its six legs do meanwhile: CSV and PNG.
+"""Figure 6-10: the platform in pitch, roll and yaw, each over one swing, and what its legs do meanwhile: CSV and PNG.
 
 The thesis shows photographs of its hydraulic platform and prints no size of it; this is `hexapod_a`.
 

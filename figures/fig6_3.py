@@ -18,7 +18,7 @@ from _paper import BLUE, INK, PALE, keep, paper, table
 from ocean_sim.orbits import circulation
 from ocean_sim.scene import load
 from ocean_sim.simulation import Simulation
-from ocean_sim.wave_record import measured
+from ocean_sim.wave_record import evenly, zero_crossing_waves
 
 SETTLED, LASTS = 5.0, 15.0  # [s]
 QUIET = dict.fromkeys(("accuracy", "timings", "health", "frames", "render", "report"))
@@ -52,8 +52,8 @@ class Waves(NamedTuple):
     """What one sea is."""
 
     hm0: float  # 4 sqrt m0 over time [m]
-    hs: float  # mean height of the highest third of the waves at a gauge, over all gauges [m]
-    tz: float  # mean time between zero up-crossings, over all gauges [s]
+    hs: float  # mean height of the highest third of all waves between zero up-crossings, of all gauges together [m]
+    tz: float  # their mean period [s]
     crest: float  # [m]
     circulation: float  # at the end [m2/s]
     chart: tuple[np.ndarray, np.ndarray, np.ndarray]  # places [m] and elevation [m] at the end
@@ -88,17 +88,23 @@ def sea(wind: dict | str, length: float, seed: int, lasts: float, resolution: fl
         x, z = np.meshgrid(*fine)
         top = simulation.fluid.elevations(np.stack([x.ravel(), z.ravel()], axis=1)).reshape(x.shape)
     record = np.array(heights)
-    found = [measured(np.array(times), height) for height in record.T]
-    hs = [each.hs_m for each in found if each.hs_m is not None]
-    tz = [each.tz_s for each in found if each.tz_s is not None]
+    waves = [zero_crossing_waves(*level(np.array(times), height)) for height in record.T]
+    sizes, periods = (np.concatenate([each[k] for each in waves]) for k in (0, 1))
+    highest = np.sort(sizes)[::-1][: max(1, round(len(sizes) / 3.0))]
     return Waves(
         hm0=4.0 * float(np.sqrt(np.mean(record.var(axis=0)))),
-        hs=float(np.mean(hs)) if hs else float("nan"),
-        tz=float(np.mean(tz)) if tz else float("nan"),
+        hs=float(highest.mean()) if len(sizes) else float("nan"),
+        tz=float(periods.mean()) if len(sizes) else float("nan"),
         crest=float(record.max()),
         circulation=float(np.mean(turning)),
         chart=(fine[0], fine[1], top),
     )
+
+
+def level(time: np.ndarray, height: np.ndarray) -> tuple[float, np.ndarray]:
+    """A record at equal intervals [s], less its mean [m]."""
+    interval, even = evenly(time, height)
+    return interval, even - even.mean()
 
 
 def spread(values: list[float]) -> tuple[float, float]:
@@ -134,7 +140,7 @@ def told(runs: list[Waves]) -> str:
     several = len(runs) > 1
     height = f"$H_s$ {hs:.2f}" + (f"±{hs_sd:.2f}" if several else "")
     period = f"$T_z$ {tz:.1f}" + (f"±{tz_sd:.1f}" if several else "")
-    return f"{height} m, {period} s, Γ {turn:.0f}" + (f"±{turn_sd:.0f}" if several else "") + " m²/s"
+    return f"{height} m, {period} s, Γ {round(turn)}" + (f"±{turn_sd:.0f}" if several else "") + " m²/s"
 
 
 def main() -> None:
@@ -166,7 +172,9 @@ def main() -> None:
             trends.setdefault(what, []).append((value, mean, deviation, rest[length]))
     head = [f"thesis_6000 at {resolution:g} times its spacing; from {SETTLED:g} to {lasts:g} s"]
     head += ["stylised force fields, not physical stresses; sigmas: mean circulation over its standard error"]
-    head += ["hm0: 4 sqrt m0 over time at 25 gauges; hs: highest third of the zero-crossing waves, tz: their mean period"]
+    head += [
+        "hm0: 4 sqrt m0 over time at 25 gauges; hs: highest third of the waves of all gauges, tz: their mean period"
+    ]
     table(asked.out / "fig6_3.csv", head, columns, rows)
     drawn(seas, trends, asked.out / "fig6_3.png")
 

@@ -18,12 +18,12 @@ from _paper import BLUE, GREY, INK, ORANGE, PALE, RED, keep, paper, table
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.orbits import white_caps_of
 from ocean_sim.random_numbers import numpy_uniform
-from ocean_sim.waves import Spectrum, wavenumber
+from ocean_sim.waves import COMPONENTS, Spectrum, wavenumber
 
 WINDS, SHOWN = np.arange(4.0, 25.0, 1.0), (7.0, 10.0, 15.0, 20.0)  # [m/s]
 PHILLIPS, PEAK = 0.0081, 0.13  # of the spectrum; peak frequency times wind over g
 FULL = 0.8  # [m] height at which the thesis's foam is whole
-DEPTH, SIDE, POINTS, WAVES = 500.0, 1.0, 512, 200  # [m], [peak wavelengths times 6], along a side, components
+DEPTH, SIDE, POINTS = 500.0, 6.0, 512  # [m], [peak wavelengths], along a side
 SHORTEST = 6.0  # [peak frequencies] of the waves that are drawn
 
 
@@ -42,7 +42,7 @@ def sea(wind: float, points: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     amplitude, k, phase = waves.amplitude, waves.wavenumber, waves.phase
     n = np.arange(len(k))
     angle = spread(numpy_uniform(11, 0x4_0000, n, 0))
-    side = 6.0 * 2.0 * pi / float(wavenumber(2.0 * pi / period, DEPTH))
+    side = SIDE * 2.0 * pi / float(wavenumber(2.0 * pi / period, DEPTH))
     along = (np.arange(points) + 0.5) / points * side - side / 2
     # a sum of plane waves is a product of what they do along x and along z
     x = np.exp(1j * np.outer(along, k * np.cos(angle)))
@@ -117,7 +117,7 @@ def main() -> None:
         if wind in SHOWN:
             seas[wind] = along, elevation, foam
         progress((done + 1) / len(winds), f"a sea under {wind:g} m/s")
-    head = [f"fully developed seas of {WAVES} waves scattered as cos^2, {points} x {points} points over six peak wavelengths"]
+    head = [f"fully developed seas of {COMPONENTS} waves, {points} x {points} points over six peak wavelengths"]
     head += ["foam where the convergence of crests is above `convergence`; thesis: height over 0.8 m, cut to 0 and 1"]
     columns = ["u10_m_s", "hm0_m", "tp_s", "measured_at_sea", "drawn", "convergence", "thesis", "thesis_closed_form"]
     table(asked.out / "fig6_4.csv", head, columns, rows)

@@ -1,5 +1,5 @@
-"""Figure 6-8: ships under way: a catamaran by its manoeuvring model in still water, a yacht in a closed-form sea and the
-same yacht on the surface of particles under a gust; tracks and motions: CSV and PNG.
+"""Figure 6-8: ships under way: a catamaran by its manoeuvring model in still water, a yacht in a closed-form sea and
+the same yacht on the surface of particles under a gust; tracks and motions: CSV and PNG.
 
 python figures/fig6_8.py [--fast] [--out DIR]
 """
@@ -28,27 +28,27 @@ def voyages(fast: bool) -> dict[str, dict[str, Any]]:
             "duration": 60.0,
             "basin": open_sea,
             "fluid": {"kind": "linear_waves", "height": 0.0, "period": 5.0},
-            "ship": {"kind": "manoeuvring", "position": [0.0, -20.0], "controls": turns(8.0, 20.0, 40.0, 0.6, 0.35)},
+            "ship": {"kind": "manoeuvring", "position": [0.0, -20.0], "controls": turns(6.0, 26.0, 46.0, 0.6, 0.1)},
         },
         "a yacht, hydrostatic, in waves of 0.8 m": {
             "duration": 15.0 if fast else 60.0,
             "basin": open_sea,
             "fluid": {"kind": "linear_waves", "spectrum": spectrum},
-            "ship": ship([0.0, -100.0], turns(8.0, 22.0, 44.0, 0.7, 0.35)),
+            "ship": ship([0.0, -100.0], 3.0, turns(8.0, 22.0, 44.0, 0.7, 0.35)),
         },
         "the yacht on particles under a wide gust": {
-            "duration": 1.5 if fast else 12.0,
+            "duration": 1.5 if fast else 9.0,
             "basin": {"length": 40.0, "width": 40.0, "depth": 7.5},
             "fluid": "thesis_6000",
             "wind": "wide",
             "surface": "cloth",
-            "ship": ship([-3.0, -9.0], turns(1.5, 6.0, 9.0, 0.6, 0.5)),
+            "ship": ship([-4.0, -11.5], 2.0, turns(0.5, 5.0, 8.0, 0.5, 0.6)),
             "resolution": 2.0 if fast else 1.0,
         },
     }
 
 
-def ship(position: list[float], controls: list[dict[str, float]]) -> dict[str, Any]:
+def ship(position: list[float], speed: float, controls: list[dict[str, float]]) -> dict[str, Any]:
     """The yacht, a displacement hull of 30 t."""
     damping = {"heave": 0.15, "pitch": 0.15, "roll": 0.08, "surge": 400.0}
     return {
@@ -59,7 +59,7 @@ def ship(position: list[float], controls: list[dict[str, float]]) -> dict[str, A
         "propeller": {"thrust": 14400.0, "position": [0.0, 0.4, -6.3]},
         "rudder": {"area": 0.8, "aspect_ratio": 1.5, "position": [0.0, 0.5, -6.8]},
         "position": position,
-        "velocity": [0.0, 0.0, 3.0],
+        "velocity": [0.0, 0.0, speed],
         "controls": controls,
     }
 
@@ -112,16 +112,22 @@ def drawn(found: dict[str, tuple], path: Path) -> None:
         track, strips = axes[0, column], axes[1:, column]
         track.plot(*place.T, color=BLUE, lw=1.5)
         span = max(float(np.ptp(place, axis=0).max()), 4.0)
-        size = max(1.0, 0.05 * span)  # small boats are drawn larger
-        for k in np.linspace(0, len(time) - 1, 7).round().astype(int):
+        large = max(1.0, 0.06 * span / float(np.ptp(outline[:, 1])))  # a small boat is drawn larger
+        way = float(np.linalg.norm(np.diff(place, axis=0), axis=1).sum())
+        count = int(np.clip(1.0 + way / (1.2 * large * float(np.ptp(outline[:, 1]))), 2, 7))
+        for k in np.linspace(0, len(time) - 1, count).round().astype(int):
             yaw = np.radians(angles[k, 1])
             turn = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
-            shape = place[k] + (size if len(outline) == 4 else 1.0) * outline @ turn.T
-            track.fill(*shape.T, facecolor=ORANGE, edgecolor=INK, lw=0.8, alpha=0.9, zorder=3)
-            track.annotate(f"{time[k]:.0f} s" if time[-1] > 5 else f"{time[k]:.1f} s", place[k], (11, 6), fontsize=8,
-                           textcoords="offset points", color=INK, zorder=4)
+            shape = place[k] + large * outline @ turn.T
+            track.fill(*shape.T, facecolor=ORANGE, edgecolor=INK, lw=0.8, alpha=0.75, zorder=3)
+            beside = place[k] - (0.035 * span + large * float(np.ptp(outline[:, 0]))) * turn[:, 0]
+            track.text(*beside, f"{time[k]:.0f} s", fontsize=8, ha="center", va="center", color=INK, zorder=4)
+        if large > 1.0:
+            track.text(
+                0.98, 0.02, f"boat drawn {large:.1f} times as large", transform=track.transAxes, ha="right", fontsize=8
+            )
         centre = 0.5 * (place.min(axis=0) + place.max(axis=0))
-        half = 0.5 * span + 9.0
+        half = 0.5 * span + 0.75 * large * float(np.ptp(outline[:, 1]))
         track.set(xlim=(centre[0] + half, centre[0] - half), ylim=(centre[1] - half, centre[1] + half), aspect="equal")
         track.set(xlabel="x, to port at the start [m]", ylabel="z [m]")
         track.set_title(title, fontsize=11)

@@ -1,5 +1,5 @@
-"""Figure 6-9: the architecture of the whole, read from the program: the stages of a step, what each reads, the kinds that
-it may be, and the way from the ship's motion to the legs of the platform: CSV and PNG.
+"""Figure 6-9: the architecture of the whole, read from the program: the stages of a step, what each reads, the kinds
+that it may be, and the way from the ship's motion to the legs of the platform: CSV and PNG.
 
 python figures/fig6_9.py [--fast] [--out DIR]
 """
@@ -79,13 +79,16 @@ def box(axes: Any, x: float, y: float, wide: float, high: float, title: str, lin
     axes.add_patch(FancyBboxPatch((x, y), wide, high, boxstyle=style, fc=colour, ec=INK, lw=1.2, alpha=0.16))
     axes.add_patch(FancyBboxPatch((x, y), wide, high, boxstyle=style, fc="none", ec=colour, lw=1.6))
     axes.text(x + wide / 2, y + high - 0.16, title, ha="center", va="top", fontsize=11, weight="bold", color=INK)
-    axes.text(x + wide / 2, y + high - 0.56, "\n".join(lines), ha="center", va="top", fontsize=8.5, color=INK, linespacing=1.3)
+    axes.text(
+        x + wide / 2, y + high - 0.56, "\n".join(lines), ha="center", va="top", fontsize=8.5, color=INK, linespacing=1.3
+    )
 
 
-def arrow(axes: Any, begin: tuple, end: tuple, text: str = "", bend: float = 0.0, at: tuple = (0.0, 0.12)) -> None:
-    shape = {"arrowstyle": "-|>", "color": INK, "lw": 1.3, "connectionstyle": f"arc3,rad={bend}", "shrinkA": 0, "shrinkB": 0}
+def arrow(axes: Any, begin: tuple[float, float], end: tuple[float, float], text: str) -> None:
+    """From one place to another, with words over its middle."""
+    shape = {"arrowstyle": "-|>", "color": INK, "lw": 1.3, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", end, begin, arrowprops=shape)
-    middle = (begin[0] + end[0]) / 2 + at[0], (begin[1] + end[1]) / 2 + at[1]
+    middle = (begin[0] + end[0]) / 2, (begin[1] + end[1]) / 2 + 0.12
     axes.text(*middle, text, ha="center", va="bottom", fontsize=8.5, color=INK)
 
 
@@ -95,7 +98,10 @@ def drawn(found: list[Stage], path: Path) -> None:
     axes = figure.add_subplot()
     axes.set(xlim=(-0.2, 14.9), ylim=(-0.2, 8.2))
     axes.axis("off")
-    for low, high, text in ((3.55, 8.1, "vehicle dynamics: one step of Algorithm 8"), (-0.1, 3.1, "washout filter and motion platform")):
+    for low, high, text in (
+        (3.55, 8.1, "vehicle dynamics: one step of Algorithm 8"),
+        (-0.1, 3.1, "washout filter and motion platform"),
+    ):
         axes.axhspan(low, high, color="#f4f6f7", zorder=0)
         axes.text(0.0, high - 0.12, text, fontsize=10, color=GREY, va="top")
     wide, gap, place = 2.35, 1.5, {}
@@ -104,7 +110,16 @@ def drawn(found: list[Stage], path: Path) -> None:
         place[stage.name] = x
         lines = [*stage.kinds, "", THESIS.get(stage.name, "")]
         box(axes, x, 4.5, wide, 2.25, stage.name, lines, BLUE)
-        axes.text(x + wide / 2, 4.36, "\n".join(stage.calls), ha="center", va="top", fontsize=7.5, color=GREY, family="monospace")
+        axes.text(
+            x + wide / 2,
+            4.36,
+            "\n".join(stage.calls),
+            ha="center",
+            va="top",
+            fontsize=7.5,
+            color=GREY,
+            family="monospace",
+        )
     order = [stage.name for stage in found]
     for stage in found:
         for other in stage.reads:
@@ -124,14 +139,25 @@ def drawn(found: list[Stage], path: Path) -> None:
     washouts = [name.removeprefix("_washout_") for name in WASHOUTS]
     box(axes, place["surface"], 1.0, wide, 1.55, "washout", [*washouts, "forces and rates to poses"], PURPLE)
     box(axes, place["fluid"], 1.0, wide, 1.55, "hexapod", [*kinds("platform"), "limits; poses to legs"], ORANGE)
-    box(axes, place["wind"], 1.0, wide, 1.55, "platform", ["six legs, cabin, driver", "platform.csv, UDP stream"], ORANGE)
+    box(
+        axes,
+        place["wind"],
+        1.0,
+        wide,
+        1.55,
+        "platform",
+        ["six legs, cabin, driver", "platform.csv, UDP stream"],
+        ORANGE,
+    )
     for begin, end, text in (("ship", "surface", "a, ω"), ("surface", "fluid", "pose"), ("fluid", "wind", "legs")):
         arrow(axes, (place[begin], 1.75), (place[end] + wide, 1.75), text)
     driver = place["wind"] + wide / 2
     axes.plot([driver, driver, ship + 0.8 * wide], [1.0, 0.45, 0.45], color=INK, lw=1.3)
     axes.plot([ship + 0.8 * wide, ship + wide + 0.35, ship + wide + 0.35], [0.45, 0.45, 5.6], color=INK, lw=1.3)
     arrow(axes, (ship + wide + 0.35, 5.6), (ship + wide, 5.6), "")
-    axes.text(7.4, 0.5, "throttle and rudder: rows, a file, an autopilot, a person", ha="center", va="bottom", fontsize=8.5)
+    axes.text(
+        7.4, 0.5, "throttle and rudder: rows, a file, an autopilot, a person", ha="center", va="bottom", fontsize=8.5
+    )
     watching = ", ".join(kinds("observers"))
     figure.supxlabel(f"Observers watch from outside: {watching}.", fontsize=8.5, color=GREY)
     keep(figure, path)
@@ -142,7 +168,9 @@ def main() -> None:
     found = stages()
     rows = [(stage.name, " ".join(stage.calls), " ".join(stage.reads), " ".join(stage.kinds)) for stage in found]
     rows.append(("platform", "platform.follow", "ship", " ".join(kinds("platform"))))
-    rows.append(("washout", "washout.follow", "platform", " ".join(name.removeprefix("_washout_") for name in WASHOUTS)))
+    rows.append(
+        ("washout", "washout.follow", "platform", " ".join(name.removeprefix("_washout_") for name in WASHOUTS))
+    )
     head = ["stages of Simulation.step in their order, then what follows the motion log; read from the source"]
     table(out / "fig6_9.csv", head, ["stage", "calls", "reads", "kinds"], rows)
     drawn(found, out / "fig6_9.png")

@@ -1,4 +1,4 @@
-"""`ocean-sim figure`: the figures of the thesis, each by its script in a process of its own; data (CSV), picture (PNG)."""
+"""`ocean-sim figure`: the figures of the thesis, each by its script in a process of its own; CSV and PNG."""
 
 import ast
 import os
@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ocean_sim.parts import PACKAGE, library
 from ocean_sim.translation import choice_sentence
@@ -90,9 +90,9 @@ def drawn(name: str, script: Path, fast: bool, out: Path, show) -> Outcome:
     with TemporaryDirectory(prefix=".figure-", dir=out) as folder:
         command = [sys.executable, str(script), "--out", folder, *(["--fast"] if fast else [])]
         environment = os.environ | {"PYTHONPATH": paths}
-        quiet, heard = subprocess.DEVNULL, subprocess.PIPE
+        streams: Any = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
         said = ""
-        with subprocess.Popen(command, stdout=quiet, stderr=heard, text=True, errors="replace", env=environment) as child:
+        with subprocess.Popen(command, text=True, errors="replace", env=environment, **streams) as child:
             try:
                 for line in child.stderr or ():
                     share = SHARE.fullmatch(line.rstrip("\n"))

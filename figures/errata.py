@@ -1,5 +1,6 @@
-"""What the thesis prints, what is meant, the difference, and what this program measures: CSV, also on standard output,
-and PNG.
+"""What the thesis prints, what is meant, the difference, and what this program measures: CSV and PNG.
+
+The table goes to standard output, too.
 
 python figures/errata.py [--fast] [--out DIR]
 """

@@ -18,7 +18,7 @@ from ocean_sim.verbs._platform_pictures import stand
 GEOMETRY = "hexapod_a"
 MOTIONS = {"pitch": 4, "roll": 3, "yaw": 5}  # their place in a pose
 SWING, PERIOD, STEPS = np.radians(12.0), 6.0, 120  # [rad], [s], rows of a swing
-SHOWN = np.arange(0, STEPS + 1, STEPS // 4)  # rows that are drawn
+SHOWN = np.arange(0, STEPS, STEPS // 4)  # rows that are drawn
 CLOSE = 0.06  # [m] legs that are told together
 LEGS = (BLUE, ORANGE, GREEN, RED, SKY, PURPLE)
 
@@ -45,7 +45,7 @@ def alike(lengths: np.ndarray) -> list[list[int]]:
 def drawn(hexapod: Hexapod, ends: tuple[float, float], rides: dict[str, tuple], path: Path) -> None:
     """A strip a motion, and its legs beside it."""
     figure = paper(14.0, 8.6)
-    apart = 2.7 * float(np.abs(hexapod.base).max())
+    apart = 2.5 * float(np.abs(hexapod.base).max())
     for row, (name, (time, pose, legs)) in enumerate(rides.items()):
         strip = figure.add_subplot(3, 5, (5 * row + 1, 5 * row + 3))
         for k, at in enumerate(SHOWN):
@@ -53,7 +53,7 @@ def drawn(hexapod: Hexapod, ends: tuple[float, float], rides: dict[str, tuple], 
             angle = round(float(np.degrees(pose[at, MOTIONS[name]])))
             said = f"{angle:+d}°, {time[at]:.1f} s" if angle else f"0°, {time[at]:.1f} s"
             strip.text(k * apart, 1.42 * hexapod.neutral_height, said, ha="center", fontsize=9, color=INK)
-        strip.set_title(name, loc="left", fontsize=12, pad=10)
+        strip.set_title(name, loc="left", fontsize=12, pad=20)
         curve = figure.add_subplot(3, 5, (5 * row + 4, 5 * row + 5))
         for k, colour in enumerate(LEGS):
             curve.plot(time, legs[:, k], color=colour, lw=1.8, ls=("-", "--")[k % 2], label=f"{k + 1}")

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from _options import options
-from _paper import table
+from _paper import INK, keep, paper, table
 
 from ocean_sim.observers._surface_fit import fit, highest
 from ocean_sim.scene import load
@@ -52,17 +52,17 @@ def flying_edges(cubes: Any) -> Callable[[], Any]:
 
 def drawn(meshes: dict[str, Mesh], said: dict[str, str], path: Path) -> None:
     """Both surfaces, seen from the same place."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(13.0, 4.8), layout="constrained")
+    figure = paper(14.0, 5.0)
     for k, (name, mesh) in enumerate(meshes.items()):
         axes = figure.add_subplot(1, 2, k + 1, projection="3d")
         x, y, z = mesh.vertices.T
-        axes.plot_trisurf(x, z, y, triangles=mesh.triangles, color="#3f88b5", linewidth=0.1, edgecolor="#1b4965")
-        axes.set_box_aspect((np.ptp(x), np.ptp(z), 20.0))  # heights larger
-        axes.set(title=f"{name.replace('_', ' ')}: {said[name]}", xlabel="x [m]", ylabel="z [m]", zlim=(-4.0, 4.0))
+        axes.plot_trisurf(x, z, y, triangles=mesh.triangles, color="#8cc4e0", linewidth=0.12, edgecolor=INK)
+        axes.set_box_aspect((np.ptp(x), np.ptp(z), 20.0), zoom=1.2)  # heights larger
+        axes.set_title(f"{name.replace('_', ' ')}: {said[name]}", y=0.97)
+        axes.set(xlabel="x [m]", ylabel="z [m]", zlabel="y [m]", zlim=(-4.0, 4.0), zticks=(-4, -2, 0, 2, 4))
+        axes.set(xticks=(-20, -10, 0, 10, 20), yticks=(-20, -10, 0, 10, 20))
         axes.view_init(elev=24.0, azim=-60.0)
-    figure.savefig(path, dpi=150)
+    keep(figure, path)
 
 
 def main() -> None:

@@ -57,7 +57,9 @@ def check(scene: Scene, profile: Profile = None, sets: Sets = None, json: Json =
 
 @app.command("list")
 def list_(
-    slot: Annotated[str | None, typer.Argument(help="scenes, profiles, observers, or a slot such as wind.")] = None,
+    slot: Annotated[
+        str | None, typer.Argument(help="scenes, observers, cases, figures, or a slot such as wind.")
+    ] = None,
     json: Json = False,
 ) -> None:
     """Scenes, parts, kinds and profiles, each with one sentence."""

@@ -2,7 +2,9 @@
 cost: CSV and PNG.
 
 The thesis says that the impulse is found by solving the collision equation (4.2) and prints none; this is Newton's law
-with restitution and Coulomb's friction, with the numbers of its listing (5.1.1).
+with restitution and Coulomb's friction, with the numbers of its listing (5.1.1). One by one, from the velocities
+before, n particles push a body n times; solved together, without friction, once. Either way the coefficient by which
+the listing halves what the body feels makes momentum, and energy.
 
 python figures/fig4_2.py [--fast] [--out DIR]
 """
@@ -73,6 +75,29 @@ def after(rows: list[tuple], response: float, body: float, inertia: np.ndarray) 
     return velocity, float(np.linalg.norm(momentum)), energy
 
 
+def together(rows: list[tuple], response: float, body: float, inertia: np.ndarray) -> tuple[float, float, float]:
+    """The same of collisions that are solved together: every particle that met the ball leaves the skin, as it moves
+    then, with the restitution; no friction."""
+    normals = np.array([row[2] for row in rows])
+    ways = np.hstack([normals, np.cross([row[1] for row in rows], normals)])  # (n, 6) of the ball's motions
+    before, masses = np.concatenate([FALLS, np.zeros(3)]), np.zeros((6, 6))
+    masses[:3, :3], masses[3:, 3:] = body * np.eye(3), inertia
+    closing = -ways @ before
+    pushing = closing < 0.0
+    while True:
+        some, speed = ways[pushing], closing[pushing]
+        wanted = MASS * (1.0 + RESTITUTION) * some.T @ speed
+        change = np.linalg.solve(masses + response * MASS * some.T @ some, response * wanted)
+        push = MASS * (some @ change - (1.0 + RESTITUTION) * speed)
+        if (push >= 0.0).all():
+            break
+        pushing[np.flatnonzero(pushing)[push < 0.0]] = False
+    after = before + change
+    made = masses[:3, :3] @ change[:3] + push @ normals[pushing]
+    energy = 0.5 * float(before @ masses @ before - after @ masses @ after) - 0.5 * float(push @ push) / MASS
+    return float(after[1]), float(np.linalg.norm(made)), energy
+
+
 def drawn(places: np.ndarray, rows: list[tuple], course: list[tuple], path: Path) -> None:
     """The layer through the middle of the ball with its impulses; what the response coefficient does."""
     from matplotlib.patches import Circle, Wedge
@@ -111,11 +136,13 @@ def drawn(places: np.ndarray, rows: list[tuple], course: list[tuple], path: Path
     )
     for k, (label, unit, colour) in enumerate(said):
         axes = figure.add_subplot(grid[k, 1])
-        axes.plot(columns[0], columns[k + 1] / unit, color=colour, lw=2.0)
+        axes.plot(columns[0], columns[k + 1] / unit, color=colour, lw=2.0, label="one by one")
+        axes.plot(columns[0], columns[k + 4] / unit, color=colour, lw=2.0, ls="--", label="solved together")
         axes.axvline(0.5, color=GREY, lw=1.0, ls=":")
         axes.set(ylabel=label, xlim=(0, 1))
         axes.axhline(0.0, color=INK, lw=0.8)
         axes.grid(color=PALE, lw=0.7)
+        axes.legend(loc="best")
         if k == 0:
             axes.set_title("the ball after it, and what both have gained or lost")
             axes.text(0.51, columns[1].min(), "the listing's 0.5", color=GREY, fontsize=9, va="bottom")
@@ -136,7 +163,8 @@ def main() -> None:
     course = []
     for response in RESPONSES:
         velocity, momentum, energy = after(rows, float(response), body, inertia)
-        course.append((float(response), float(velocity[1]), momentum, energy))
+        at_once = together(rows, float(response), body, inertia)
+        course.append((float(response), float(velocity[1]), momentum, energy, *at_once))
     head = [f"a ball of {body:.6g} kg at ({FALLS[0]:g}, {FALLS[1]:g}, 0) m/s among particles of {MASS:.6g} kg at rest"]
     head += [f"restitution {RESTITUTION:g}, friction {FRICTION:g}; each pair by itself, from the velocities before"]
     columns = [
@@ -145,6 +173,7 @@ def main() -> None:
     table(out / "fig4_2.csv", head, columns, [(*places[k], *normal, *push) for k, _, normal, push in rows])
     head = ["the ball after the impulses, by the part of them that it takes, and what both have gained or lost"]
     columns = ["response", "ball_y_m_s", "momentum_made_Ns", "energy_lost_J"]
+    columns += [f"together_{name}" for name in columns[1:]]
     table(out / "fig4_2_response.csv", head, columns, course)
     drawn(places, rows, course, out / "fig4_2.png")
 

@@ -27,7 +27,7 @@ def drawn(position: np.ndarray, mesh, said: str, path: Path) -> None:
         if k:
             vx, vy, vz = mesh.vertices.T
             axes.plot_trisurf(vx, vz, vy, triangles=mesh.triangles, color="#7fb7d6", alpha=0.85, edgecolor=INK, lw=0.1)
-        axes.set_box_aspect((size[0], size[2], 2.0 * size[1]), zoom=1.25)  # heights twice as large
+        axes.set_box_aspect((size[0], size[2], 2.0 * size[1]), zoom=1.08)  # heights twice as large
         axes.set_title(title, y=0.97)
         axes.set(xlabel="x [m]", ylabel="z [m]", zlabel="y [m]", zticks=(-6, -3, 0, 3))
         axes.set(xticks=(-20, -10, 0, 10, 20), yticks=(-20, -10, 0, 10, 20))

@@ -57,7 +57,7 @@ def drawn(meshes: dict[str, Mesh], said: dict[str, str], path: Path) -> None:
         axes = figure.add_subplot(1, 2, k + 1, projection="3d")
         x, y, z = mesh.vertices.T
         axes.plot_trisurf(x, z, y, triangles=mesh.triangles, color="#8cc4e0", linewidth=0.12, edgecolor=INK)
-        axes.set_box_aspect((np.ptp(x), np.ptp(z), 20.0), zoom=1.2)  # heights larger
+        axes.set_box_aspect((np.ptp(x), np.ptp(z), 20.0), zoom=1.05)  # heights larger
         axes.set_title(f"{name.replace('_', ' ')}: {said[name]}", y=0.97)
         axes.set(xlabel="x [m]", ylabel="z [m]", zlabel="y [m]", zlim=(-4.0, 4.0), zticks=(-4, -2, 0, 2, 4))
         axes.set(xticks=(-20, -10, 0, 10, 20), yticks=(-20, -10, 0, 10, 20))

@@ -111,6 +111,14 @@ def test_figure_4_2_the_impulses_leave_momentum_alone_only_where_the_ball_takes_
     assert along[steepest] == pytest.approx(expected, rel=1e-5)
 
 
+def test_figure_4_2_half_of_the_impulses_makes_energy_and_all_of_them_lose_it(figures):
+    """The thesis's coefficient is 0.5."""
+    names = ("energy_lost_J", "together_energy_lost_J", "together_momentum_made_Ns")
+    alone, together, made = numbers(figures / "fig4_2_response.csv", *names)[[10, -1]].T
+    assert alone[0] < together[0] < 0.0 < alone[1] < together[1]
+    assert abs(made[1]) < 1e-6 and made[0] > 1e4
+
+
 def test_figure_4_3_each_motion_does_what_the_conventions_say(figures):
     moved = {(row["motion"], row["place"]): row for row in rows(figures / "fig4_3.csv")}
     assert {motion for motion, _ in moved} == set(Motions._fields)

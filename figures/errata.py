@@ -257,6 +257,15 @@ def of_the_water(own: Program) -> list[Erratum]:
             "(2.22) halves the stress (2.20) that it is set equal to; C_d (2.21) was measured without the half",
         ),
         erratum(
+            "(2.22), (2.25): rho",
+            "stress of a wind of 10 m/s with the density that (2.25) calls rho",
+            "Pa",
+            WATER_DENSITY * drag_coefficient(BLOWS) * BLOWS**2,
+            stress(BLOWS),
+            own.stress,
+            "rho is the density of air in (2.22) and that of water in (2.25)",
+        ),
+        erratum(
             "(2.22), v",
             "stress of a wind of 10 m/s on water that moves along at 5 m/s",
             "Pa",

@@ -1,6 +1,7 @@
-"""What every script of a figure takes on its command line."""
+"""What every script of a figure takes on its command line, and how it tells how far it is."""
 
 import argparse
+import sys
 from pathlib import Path
 
 
@@ -13,3 +14,8 @@ def options(doc: str | None, fast: str) -> argparse.Namespace:
     found = parser.parse_args()
     found.out.mkdir(parents=True, exist_ok=True)
     return found
+
+
+def progress(share: float, doing: str) -> None:
+    """A line on standard error, which `ocean-sim figure` shows as its bar; `share` from 0 to 1."""
+    print(f"{share:4.0%}  {doing}", file=sys.stderr, flush=True)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from _options import options
+from _paper import keep, paper
 
 from ocean_sim.surface._cube_cases import CORNERS, EDGES, MIDDLES, table
 
@@ -37,10 +38,9 @@ def patterns() -> dict[int, int]:
 
 def drawn(found: dict[int, int], counts: np.ndarray, cuts: np.ndarray, path: Path) -> None:
     """A cube a pattern: balls are corners in the water."""
-    from matplotlib.figure import Figure
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-    figure = Figure(figsize=(12.5, 8.0), layout="constrained")
+    figure = paper(12.5, 8.0)
     for k, (case, alike) in enumerate(found.items()):
         axes = figure.add_subplot(3, 5, k + 1, projection="3d")
         for edge in EDGES:
@@ -49,12 +49,12 @@ def drawn(found: dict[int, int], counts: np.ndarray, cuts: np.ndarray, path: Pat
         axes.scatter(*wet.T[[0, 2, 1]], color=WATER, s=40.0, depthshade=False)
         corners = MIDDLES[cuts[case, : 3 * counts[case]]].reshape(-1, 3, 3)[..., [0, 2, 1]]
         axes.add_collection3d(Poly3DCollection(corners, facecolor=SKIN, edgecolor=WATER, alpha=0.8))
-        axes.set_title(f"case {case}, {alike} alike", fontsize=9)
+        axes.set_title(f"case {case}, {alike} alike", fontsize=9, loc="center")
         axes.set(xlim=(0, 1), ylim=(0, 1), zlim=(0, 1))
         axes.set_box_aspect((1, 1, 1))
         axes.view_init(elev=26.0, azim=-52.0)
         axes.set_axis_off()
-    figure.savefig(path, dpi=150)
+    keep(figure, path)
 
 
 def main() -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 from _options import options
+from _paper import keep, paper
 
 from ocean_sim.surface._springs import springs
 
@@ -17,9 +18,8 @@ COLOURS = {"stretch": "#0b4f6c", "shear": "#c8553d", "bend": "#588157"}
 
 def drawn(found: dict[str, np.ndarray], path: Path) -> None:
     """One panel a kind; bend springs are bowed, for they lie on stretch springs."""
-    from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(10.0, 3.2), layout="constrained")
+    figure = paper(10.0, 3.2)
     for axes, (kind, ends) in zip(figure.subplots(1, 3), found.items(), strict=True):
         for pair in ends:
             (x0, z0), (x1, z1) = (divmod(int(node), NZ) for node in pair)
@@ -31,7 +31,7 @@ def drawn(found: dict[str, np.ndarray], path: Path) -> None:
         axes.plot(x, z, "o", color="#222", ms=5)
         axes.set(title=f"{kind}: {len(ends)}", aspect="equal")
         axes.axis("off")
-    figure.savefig(path, dpi=150)
+    keep(figure, path)
 
 
 def main() -> None:

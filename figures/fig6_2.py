@@ -5,7 +5,6 @@ python figures/fig6_2.py [--fast] [--out DIR]
 `flying_edges` cuts the field of our marching cubes by VTK's code; its time is that of the cut alone.
 """
 
-import csv
 from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
@@ -13,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from _options import options
+from _paper import INK, keep, paper, table
 
 from ocean_sim.observers._surface_fit import fit, highest
 from ocean_sim.scene import load
@@ -52,17 +52,17 @@ def flying_edges(cubes: Any) -> Callable[[], Any]:
 
 def drawn(meshes: dict[str, Mesh], said: dict[str, str], path: Path) -> None:
     """Both surfaces, seen from the same place."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(13.0, 4.8), layout="constrained")
+    figure = paper(14.0, 5.0)
     for k, (name, mesh) in enumerate(meshes.items()):
         axes = figure.add_subplot(1, 2, k + 1, projection="3d")
         x, y, z = mesh.vertices.T
-        axes.plot_trisurf(x, z, y, triangles=mesh.triangles, color="#3f88b5", linewidth=0.1, edgecolor="#1b4965")
-        axes.set_box_aspect((np.ptp(x), np.ptp(z), 20.0))  # heights larger
-        axes.set(title=f"{name.replace('_', ' ')}: {said[name]}", xlabel="x [m]", ylabel="z [m]", zlim=(-4.0, 4.0))
+        axes.plot_trisurf(x, z, y, triangles=mesh.triangles, color="#8cc4e0", linewidth=0.12, edgecolor=INK)
+        axes.set_box_aspect((np.ptp(x), np.ptp(z), 20.0), zoom=1.05)  # heights larger
+        axes.set_title(f"{name.replace('_', ' ')}: {said[name]}", y=0.97)
+        axes.set(xlabel="x [m]", ylabel="z [m]", zlabel="y [m]", zlim=(-4.0, 4.0), zticks=(-4, -2, 0, 2, 4))
+        axes.set(xticks=(-20, -10, 0, 10, 20), yticks=(-20, -10, 0, 10, 20))
         axes.view_init(elev=24.0, azim=-60.0)
-    figure.savefig(path, dpi=150)
+    keep(figure, path)
 
 
 def main() -> None:
@@ -92,13 +92,13 @@ def main() -> None:
         cut = flying_edges(cubes)
         triangles = cut().regular_faces
         rows.append(("flying_edges", taken(cut), len(triangles), rows[1][3], rows[1][4], open_edges(triangles)))
-    with (asked.out / "fig6_2.csv").open("w", newline="", encoding="utf-8") as file:
-        file.write(f"# {SCENE} at {simulation.time:.3f} s, {fluid.particles.n} particles {spacing:g} m apart\n")
-        file.write(f"# medians of {ROUNDS}; a step of the water took {step:.3f} ms\n")
-        file.write("# distance over the highest particle of every column, in spacings; an open edge has one triangle\n")
-        writer = csv.writer(file)
-        writer.writerow(["surface", "ms", "triangles", "mean_spacings", "rms_spacings", "open_edges"])
-        writer.writerows([(name, *(round(value, 4) for value in values)) for name, *values in rows])
+    head = [f"{SCENE} at {simulation.time:.3f} s, {fluid.particles.n} particles {spacing:g} m apart"]
+    head += ["distance over the highest particle of every column, in spacings; an open edge has one triangle"]
+    columns = ["surface", "triangles", "mean_spacings", "rms_spacings", "open_edges"]
+    counted = [(name, count, round(mean, 4), round(rms, 4), open) for name, _, count, mean, rms, open in rows]
+    table(asked.out / "fig6_2.csv", head, columns, counted)
+    timed = [(name, round(ms, 4)) for name, ms, *_ in rows] + [("step of the water", round(step, 4))]
+    table(asked.out / "fig6_2_timings.csv", [f"medians of {ROUNDS} [ms]"], ["surface", "ms"], timed)
     said = {name: f"{ms:.2f} ms, {count} triangles, {rms:.3f} spacings" for name, ms, count, _, rms, _ in rows}
     drawn(meshes, said, asked.out / "fig6_2.png")
 

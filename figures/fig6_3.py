@@ -8,19 +8,22 @@ Nothing of the vortex is drawn, so its seeds are all one.
 python figures/fig6_3.py [--fast] [--out DIR]
 """
 
-import csv
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
-from _options import options
+from _options import options, progress
+from _paper import BLUE, INK, PALE, keep, paper, table
 
 from ocean_sim.orbits import circulation
 from ocean_sim.scene import load
 from ocean_sim.simulation import Simulation
+from ocean_sim.wave_record import evenly, zero_crossing_waves
 
 SETTLED, LASTS = 5.0, 15.0  # [s]
 QUIET = dict.fromkeys(("accuracy", "timings", "health", "frames", "render", "report"))
 PRESETS = ("noise_only", "narrow", "wide", "vortex", "calm", "breeze", "gale", "squall")
+PRINTED = {"noise_only": "(a) ", "narrow": "(b) ", "wide": "(c) ", "vortex": "(d) "}
 RING = 8.0  # [m] radius at which circulation is taken
 
 
@@ -45,8 +48,19 @@ def varied() -> list[tuple[str, float, dict, float]]:
     return rows
 
 
-def sea(wind: dict | str, length: float, seed: int, lasts: float, resolution: float) -> tuple:
-    """4 sqrt m0 over time [m], the highest crest [m], the circulation at the end [m2/s], and the elevation as a map."""
+class Waves(NamedTuple):
+    """What one sea is."""
+
+    hm0: float  # 4 sqrt m0 over time [m]
+    hs: float  # mean height of the highest third of all waves between zero up-crossings, of all gauges together [m]
+    tz: float  # their mean period [s]
+    crest: float  # [m]
+    circulation: float  # at the end [m2/s]
+    chart: tuple[np.ndarray, np.ndarray, np.ndarray]  # places [m] and elevation [m] at the end
+
+
+def sea(wind: dict | str, length: float, seed: int, lasts: float, resolution: float) -> Waves:
+    """The sea that a wind raises."""
     scene = {
         "title": "figure 6-3",
         "seed": seed,
@@ -59,12 +73,13 @@ def sea(wind: dict | str, length: float, seed: int, lasts: float, resolution: fl
     }
     side = np.linspace(-0.4, 0.4, 5)
     x, z = np.meshgrid(side * length, side * 40.0)
-    gauges, heights = np.stack([x.ravel(), z.ravel()], axis=1), []
+    gauges, times, heights = np.stack([x.ravel(), z.ravel()], axis=1), [], []
     with Simulation(load(scene)) as simulation:
         turning, every = [], 0.1
         while simulation.time < lasts:
             simulation.run(until=simulation.time + every)
             if simulation.time >= SETTLED:
+                times.append(simulation.time)
                 heights.append(simulation.fluid.elevations(gauges))
             if simulation.time >= lasts - 2.0:
                 water = simulation.fluid.particles
@@ -73,8 +88,23 @@ def sea(wind: dict | str, length: float, seed: int, lasts: float, resolution: fl
         x, z = np.meshgrid(*fine)
         top = simulation.fluid.elevations(np.stack([x.ravel(), z.ravel()], axis=1)).reshape(x.shape)
     record = np.array(heights)
-    waves = 4.0 * float(np.sqrt(np.mean(record.var(axis=0))))
-    return waves, float(record.max()), float(np.mean(turning)), (fine[0], fine[1], top)
+    waves = [zero_crossing_waves(*level(np.array(times), height)) for height in record.T]
+    sizes, periods = (np.concatenate([each[k] for each in waves]) for k in (0, 1))
+    highest = np.sort(sizes)[::-1][: max(1, round(len(sizes) / 3.0))]
+    return Waves(
+        hm0=4.0 * float(np.sqrt(np.mean(record.var(axis=0)))),
+        hs=float(highest.mean()) if len(sizes) else float("nan"),
+        tz=float(periods.mean()) if len(sizes) else float("nan"),
+        crest=float(record.max()),
+        circulation=float(np.mean(turning)),
+        chart=(fine[0], fine[1], top),
+    )
+
+
+def level(time: np.ndarray, height: np.ndarray) -> tuple[float, np.ndarray]:
+    """A record at equal intervals [s], less its mean [m]."""
+    interval, even = evenly(time, height)
+    return interval, even - even.mean()
 
 
 def spread(values: list[float]) -> tuple[float, float]:
@@ -84,50 +114,68 @@ def spread(values: list[float]) -> tuple[float, float]:
 
 def drawn(seas: dict[str, tuple], trends: dict[str, list[tuple]], path: Path) -> None:
     """The sea under each preset from above, and the four trends."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(14.0, 10.0), layout="constrained")
-    axes = figure.subplots(3, 4)
-    for panel, (name, (x, z, top)) in zip(axes[:2].ravel(), seas.items()):
-        image = panel.pcolormesh(x, z, top, vmin=-1.5, vmax=1.5, cmap="RdBu_r", shading="auto")
-        panel.set(title=name, aspect="equal", xlabel="x [m]", ylabel="z [m]")
+    figure = paper(15.0, 11.2)
+    axes = figure.subplots(3, 4, height_ratios=(1.15, 1.15, 1.0))
+    for panel, (name, (chart, said)) in zip(axes[:2].ravel(), seas.items()):
+        x, z, top = chart
+        image = panel.pcolormesh(x, z, top, vmin=-1.5, vmax=1.5, cmap="RdBu_r", shading="auto", rasterized=True)
+        letter = PRINTED.get(name, "")
+        panel.set_title(f"{letter}{name.replace('_', ' ')}\n{said}", fontsize=9.5, loc="left")
+        panel.set(aspect="equal", xlabel="x [m]", ylabel="z [m]")
     figure.colorbar(image, ax=axes[:2].ravel().tolist(), label="elevation [m]", shrink=0.6)
     for panel, (what, rows) in zip(axes[2], trends.items()):
         value, mean, deviation, still = np.array(rows).T
-        panel.errorbar(value, mean, deviation, marker="o", capsize=3.0, label="wind")
-        panel.plot(value, still, "k--", label="still air")
-        panel.set(xlabel=what, ylabel="4 sqrt m0 [m]", ylim=(0.0, None))
-        panel.grid(alpha=0.3)
-        panel.legend(fontsize="x-small")
-    figure.savefig(path, dpi=110)
+        panel.errorbar(value, mean, deviation, marker="o", capsize=3.0, color=BLUE, label="wind, mean and spread")
+        panel.plot(value, still, "--", color=INK, label="still air")
+        panel.set(xlabel=what, ylabel=r"$4\sqrt{m_0}$ [m]", ylim=(0.0, max(mean + deviation) * 1.35))
+        panel.grid(color=PALE, lw=0.7)
+        panel.legend(loc="upper left")
+    keep(figure, path)
+
+
+def told(runs: list[Waves]) -> str:
+    """Height, period and circulation of a wind with their spread over seeds, for a picture."""
+    rows = [spread([getattr(run, name) for run in runs]) for name in ("hs", "tz", "circulation")]
+    (hs, hs_sd), (tz, tz_sd), (turn, turn_sd) = rows
+    several = len(runs) > 1
+    height = f"$H_s$ {hs:.2f}" + (f"±{hs_sd:.2f}" if several else "")
+    period = f"$T_z$ {tz:.1f}" + (f"±{tz_sd:.1f}" if several else "")
+    return f"{height} m, {period} s, Γ {round(turn)}" + (f"±{turn_sd:.0f}" if several else "") + " m²/s"
 
 
 def main() -> None:
     asked = options(__doc__, "one seed, and shorter")
     seeds, resolution, lasts = ((1,), 2.0, 7.0) if asked.fast else ((1, 2, 3, 4, 5), 2.0, LASTS)
-    rest = {length: sea("still", length, seeds[0], lasts, resolution)[0] for length in (20.0, 40.0, 80.0)}
+    lengths = (20.0, 40.0, 80.0)
+    cases = [("preset", name, name, 40.0) for name in PRESETS] + varied()
+    if asked.fast:  # the ends of each trend
+        cases = [case for k, case in enumerate(cases) if k < len(PRESETS) or (k - len(PRESETS)) % 3 != 1]
+    rest = {length: sea("still", length, seeds[0], lasts, resolution).hm0 for length in lengths}
     columns = ["what", "value", "length_m", "seeds", "hm0_m", "hm0_sd_m", "still_hm0_m", "still_over_hm0"]
-    columns += ["crest_m", "circulation_m2_s", "circulation_sd_m2_s", "sigmas"]
-    seas, trends = {}, {}
-    with (asked.out / "fig6_3.csv").open("w", newline="", encoding="utf-8") as file:
-        file.write(f"# thesis_6000 at {resolution:g} times its spacing; from {SETTLED:g} to {lasts:g} s\n")
-        file.write("# stylised force fields, not physical stresses; sigmas: mean circulation over its standard error\n")
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(columns)
-        cases = [("preset", name, name, 40.0) for name in PRESETS] + varied()
-        for what, value, wind, length in cases:
-            runs = [sea(wind, length, seed, lasts, resolution) for seed in seeds]
-            mean, deviation = spread([run[0] for run in runs])
-            turn, scatter = spread([run[2] for run in runs])
-            sigmas = abs(turn) / (scatter / len(seeds) ** 0.5) if scatter > 0.0 else float("nan")
-            numbers = (mean, deviation, rest[length], rest[length] / mean, max(run[1] for run in runs))
-            numbers += (turn, scatter, sigmas)
-            table.writerow([what, value, length, len(seeds), *(f"{number:.4g}" for number in numbers)])
-            file.flush()
-            if what == "preset":
-                seas[value] = runs[0][3]
-            else:
-                trends.setdefault(what, []).append((value, mean, deviation, rest[length]))
+    columns += ["crest_m", "circulation_m2_s", "circulation_sd_m2_s", "sigmas", "hs_m", "hs_sd_m", "tz_s", "tz_sd_s"]
+    seas, trends, rows = {}, {}, []
+    for done, (what, value, wind, length) in enumerate(cases):
+        runs = []
+        for seed in seeds:
+            share = (done + len(runs) / len(seeds)) / len(cases)
+            progress(share, f"{what} {value}, seed {seed}")
+            runs.append(sea(wind, length, seed, lasts, resolution))
+        mean, deviation = spread([run.hm0 for run in runs])
+        turn, scatter = spread([run.circulation for run in runs])
+        sigmas = abs(turn) / (scatter / len(seeds) ** 0.5) if scatter > 0.0 else float("nan")
+        numbers = (mean, deviation, rest[length], rest[length] / mean, max(run.crest for run in runs))
+        numbers += (turn, scatter, sigmas, *spread([run.hs for run in runs]), *spread([run.tz for run in runs]))
+        rows.append((what, value, length, len(seeds), *(f"{number:.4g}" for number in numbers)))
+        if what == "preset":
+            seas[value] = runs[0].chart, told(runs)
+        else:
+            trends.setdefault(what, []).append((value, mean, deviation, rest[length]))
+    head = [f"thesis_6000 at {resolution:g} times its spacing; from {SETTLED:g} to {lasts:g} s"]
+    head += ["stylised force fields, not physical stresses; sigmas: mean circulation over its standard error"]
+    head += [
+        "hm0: 4 sqrt m0 over time at 25 gauges; hs: highest third of the waves of all gauges, tz: their mean period"
+    ]
+    table(asked.out / "fig6_3.csv", head, columns, rows)
     drawn(seas, trends, asked.out / "fig6_3.png")
 
 

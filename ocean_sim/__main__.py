@@ -57,7 +57,9 @@ def check(scene: Scene, profile: Profile = None, sets: Sets = None, json: Json =
 
 @app.command("list")
 def list_(
-    slot: Annotated[str | None, typer.Argument(help="scenes, profiles, observers, or a slot such as wind.")] = None,
+    slot: Annotated[
+        str | None, typer.Argument(help="scenes, observers, cases, figures, or a slot such as wind.")
+    ] = None,
     json: Json = False,
 ) -> None:
     """Scenes, parts, kinds and profiles, each with one sentence."""
@@ -191,6 +193,19 @@ def waves(
     from ocean_sim.verbs.waves import waves
 
     waves(run, begin, out, json)
+
+
+@app.command()
+def figure(
+    names: Annotated[list[str], typer.Argument(help="As in 6-3, or all (ocean-sim list figures).")],
+    fast: Annotated[bool, typer.Option("--fast", help="Coarse and short, for a quick look.")] = False,
+    out: Annotated[Path, typer.Option(help="Where data (CSV) and pictures (PNG) go.")] = Path("runs/figures"),
+    json: Json = False,
+) -> int:
+    """The figures of the thesis, drawn anew: data and picture of each."""
+    from ocean_sim.verbs.figure import figure
+
+    return figure(names, fast, out, json)
 
 
 @app.command()

@@ -6,10 +6,10 @@ from pathlib import Path
 from ocean_sim.parts import PACKAGE, SLOTS, kinds, library, named
 from ocean_sim.translation import choice_sentence
 from ocean_sim.validation import names
-from ocean_sim.verbs import console
+from ocean_sim.verbs import console, figure
 from ocean_sim.yaml_file import read
 
-SECTIONS = ("scenes", *SLOTS, "hull", "geometry", "washout", "observers", "profiles", "cases")
+SECTIONS = ("scenes", *SLOTS, "hull", "geometry", "washout", "observers", "profiles", "cases", "figures")
 
 
 def list_choices(section: str | None, as_json: bool) -> None:
@@ -38,6 +38,8 @@ def entries(section: str) -> list[dict[str, str]]:
         return [row(section, name, "profile", of_file(folder / f"{name}.yaml")) for name in named("run")]
     if section == "cases":
         return [row(section, name, "case", of_module(PACKAGE / "validation" / f"{name}.py")) for name in names()]
+    if section == "figures":
+        return [row(section, name, "figure", figure.sentence(path)) for name, path in figure.scripts().items()]
     parts = [
         row(section, name, "part", of_file(library("configs") / section / f"{name}.yaml")) for name in named(section)
     ]

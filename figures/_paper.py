@@ -1,0 +1,42 @@
+"""The paper that figures are drawn on, and the table beside each."""
+
+import csv
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+# Okabe & Ito (2008): told apart by the colour-blind as well.
+BLUE, ORANGE, GREEN, RED, SKY, PURPLE = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#56B4E9", "#CC79A7"
+INK, GREY, PALE = "#16242c", "#7a8790", "#dde5ea"
+DPI = 150
+
+
+def paper(width: float, height: float) -> Any:
+    """A matplotlib figure of this size [inch], without a display, whose parts keep apart."""
+    from matplotlib import rcParams
+    from matplotlib.figure import Figure
+
+    rcParams.update({"axes.spines.top": False, "axes.spines.right": False, "axes.titlelocation": "left"})
+    rcParams.update({"axes.titlesize": 11, "axes.labelsize": 10, "legend.fontsize": 9, "legend.frameon": False})
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def keep(figure: Any, path: Path) -> None:
+    """The figure as a PNG, the same bytes each time."""
+    figure.savefig(path, dpi=DPI, metadata={"Software": None})
+
+
+def table(path: Path, head: Sequence[str], columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
+    """A CSV file: comment lines, columns with their units, rows; numbers to seven digits."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        file.writelines(f"# {line}\n" for line in head)
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows([written(value) for value in row] for row in rows)
+
+
+def written(value: Any) -> Any:
+    """A number as it is written; negative zero is zero."""
+    if hasattr(value, "item"):
+        value = value.item()
+    return f"{value + 0.0:.7g}" if isinstance(value, float) else value

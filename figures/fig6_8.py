@@ -1,0 +1,171 @@
+"""Figure 6-8: ships under way: a catamaran by its manoeuvring model in still water, a yacht in a closed-form sea and
+the same yacht on the surface of particles under a gust; tracks and motions: CSV and PNG.
+
+python figures/fig6_8.py [--fast] [--out DIR]
+"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from _options import options, progress
+from _paper import BLUE, GREY, INK, ORANGE, PALE, RED, keep, paper, table
+
+from ocean_sim.scene import load
+from ocean_sim.simulation import Simulation
+
+QUIET = dict.fromkeys(("accuracy", "timings", "health", "frames", "render", "report", "motion"))
+EVERY = 0.1  # [s] between rows
+OTTER = np.array([[0.54, 1.0], [0.54, -1.0], [-0.54, -1.0], [-0.54, 1.0]])  # its corners, x to port, z to the bow [m]
+
+
+def voyages(fast: bool) -> dict[str, dict[str, Any]]:
+    """Scenes by title: the rudder goes to port and then to starboard."""
+    open_sea = {"length": 400.0, "width": 400.0, "depth": 20.0, "walls": "none"}
+    spectrum = {"kind": "jonswap", "significant_wave_height": 0.8, "peak_period": 5.0, "heading_deg": 150.0, "seed": 7}
+    return {
+        "the Otter, manoeuvring, in still water": {
+            "duration": 60.0,
+            "basin": open_sea,
+            "fluid": {"kind": "linear_waves", "height": 0.0, "period": 5.0},
+            "ship": {"kind": "manoeuvring", "position": [0.0, -20.0], "controls": turns(6.0, 26.0, 46.0, 0.6, 0.1)},
+        },
+        "a yacht, hydrostatic, in waves of 0.8 m": {
+            "duration": 15.0 if fast else 60.0,
+            "basin": open_sea,
+            "fluid": {"kind": "linear_waves", "spectrum": spectrum},
+            "ship": ship([0.0, -100.0], 3.0, turns(8.0, 22.0, 44.0, 0.7, 0.35)),
+        },
+        "the yacht on particles under a wide gust": {
+            "duration": 1.5 if fast else 9.0,
+            "basin": {"length": 40.0, "width": 40.0, "depth": 7.5},
+            "fluid": "thesis_6000",
+            "wind": "wide",
+            "surface": "cloth",
+            "ship": ship([-4.0, -11.5], 2.0, turns(0.5, 5.0, 8.0, 0.5, 0.6)),
+            "resolution": 2.0 if fast else 1.0,
+        },
+    }
+
+
+def ship(position: list[float], speed: float, controls: list[dict[str, float]]) -> dict[str, Any]:
+    """The yacht, a displacement hull of 30 t."""
+    damping = {"heave": 0.15, "pitch": 0.15, "roll": 0.08, "surge": 400.0}
+    return {
+        "kind": "hydrostatic",
+        "hull": "yacht",
+        "cells_per_draught": 6.0,
+        "damping": damping,
+        "propeller": {"thrust": 14400.0, "position": [0.0, 0.4, -6.3]},
+        "rudder": {"area": 0.8, "aspect_ratio": 1.5, "position": [0.0, 0.5, -6.8]},
+        "position": position,
+        "velocity": [0.0, 0.0, speed],
+        "controls": controls,
+    }
+
+
+def turns(begin: float, other: float, end: float, throttle: float, rudder: float) -> list[dict[str, float]]:
+    """Straight on, rudder to port, to starboard, amidships: at these times [s], within a second each."""
+    rows, angle = [(0.0, 0.0)], 0.0
+    for time, then in ((begin, rudder), (other, -rudder), (end, 0.0)):
+        rows += [(time, angle), (time + 1.0, then)]
+        angle = then
+    return [{"time": time, "throttle": throttle, "rudder": angle} for time, angle in rows]
+
+
+def sailed(scene: dict[str, Any], done: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Rows (n, 11): time, sway, heave, surge [m], pitch, yaw, roll [deg], speed ahead [m/s], throttle, rudder [deg],
+    the water's height at the ship [m]; and the outline of the deck, x to port and z to the bow [m]."""
+    rows = []
+    with Simulation(load({"title": "figure 6-8", **scene, **QUIET})) as simulation:
+        vessel = simulation.ship
+        outline = OTTER if vessel.drawn() is None else deck(vessel.drawn()[0])
+        for moment in np.arange(0.0, scene["duration"] + 0.5 * EVERY, EVERY):
+            if moment > simulation.time:
+                simulation.run(until=float(moment))
+            body = vessel.body
+            throttle, rudder = vessel.orders
+            height = (simulation.surface or simulation.fluid).elevations(body.position[None, [0, 2]])[0]
+            ahead = float(body.matrix[:, 2] @ body.velocity)
+            angles = np.degrees(body.angles)
+            rows.append([simulation.time, *body.position, *angles, ahead, throttle, np.degrees(rudder), float(height)])
+            done(moment / scene["duration"])
+    table = np.array(rows)
+    table[:, 5] = np.degrees(np.unwrap(np.radians(table[:, 5])))
+    return table, outline
+
+
+def deck(vertices: np.ndarray) -> np.ndarray:
+    """The convex outline of a hull from above."""
+    from scipy.spatial import ConvexHull
+
+    flat = vertices[:, [0, 2]]
+    return flat[ConvexHull(flat).vertices]
+
+
+def drawn(found: dict[str, tuple], path: Path) -> None:
+    """A column a ship: its track from above, X to port, so to the left; its motions below."""
+    figure = paper(14.5, 10.0)
+    axes = figure.subplots(4, 3, height_ratios=(2.4, 1.0, 1.0, 1.0))
+    for column, (title, (rows, outline)) in enumerate(found.items()):
+        time, place, angles = rows[:, 0], rows[:, [1, 3]], rows[:, 4:7]
+        track, strips = axes[0, column], axes[1:, column]
+        track.plot(*place.T, color=BLUE, lw=1.5)
+        span = max(float(np.ptp(place, axis=0).max()), 4.0)
+        large = max(1.0, 0.06 * span / float(np.ptp(outline[:, 1])))  # a small boat is drawn larger
+        way = float(np.linalg.norm(np.diff(place, axis=0), axis=1).sum())
+        count = int(np.clip(1.0 + way / (1.2 * large * float(np.ptp(outline[:, 1]))), 2, 7))
+        for k in np.linspace(0, len(time) - 1, count).round().astype(int):
+            yaw = np.radians(angles[k, 1])
+            turn = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
+            shape = place[k] + large * outline @ turn.T
+            track.fill(*shape.T, facecolor=ORANGE, edgecolor=INK, lw=0.8, alpha=0.75, zorder=3)
+            beside = place[k] - (0.035 * span + large * float(np.ptp(outline[:, 0]))) * turn[:, 0]
+            track.text(*beside, f"{time[k]:.0f} s", fontsize=8, ha="center", va="center", color=INK, zorder=4)
+        if large > 1.0:
+            track.text(
+                0.98, 0.02, f"boat drawn {large:.1f} times as large", transform=track.transAxes, ha="right", fontsize=8
+            )
+        centre = 0.5 * (place.min(axis=0) + place.max(axis=0))
+        half = 0.5 * span + 0.75 * large * float(np.ptp(outline[:, 1]))
+        track.set(xlim=(centre[0] + half, centre[0] - half), ylim=(centre[1] - half, centre[1] + half), aspect="equal")
+        track.set(xlabel="x, to port at the start [m]", ylabel="z [m]")
+        track.set_title(title, fontsize=11)
+        track.grid(color=PALE, lw=0.7)
+        strips[0].plot(time, rows[:, 7], color=BLUE, lw=1.6, label="speed ahead [m/s]")
+        strips[0].plot(time, rows[:, 8], color=GREY, lw=1.4, ls="--", label="throttle")
+        strips[1].plot(time, angles[:, 1], color=BLUE, lw=1.6, label="yaw, to port [°]")
+        strips[1].plot(time, rows[:, 9], color=RED, lw=1.4, ls="--", label="rudder [°]")
+        strips[2].plot(time, angles[:, 2], color=BLUE, lw=1.4, label="roll, port up [°]")
+        strips[2].plot(time, angles[:, 0], color=ORANGE, lw=1.4, ls="--", label="pitch, bow down [°]")
+        for strip in strips:
+            low, high = strip.get_ylim()
+            strip.set(xlim=(0, time[-1]), ylim=(low, high + 0.35 * (high - low)))
+            strip.grid(color=PALE, lw=0.7)
+            strip.legend(loc="upper right", ncols=2)
+        strips[-1].set_xlabel("time [s]")
+    keep(figure, path)
+
+
+def main() -> None:
+    asked = options(__doc__, "shorter, on coarse particles")
+    scenes = voyages(asked.fast)
+    found, rows = {}, []
+    for k, (title, scene) in enumerate(scenes.items()):
+        found[title] = sailed(scene, lambda share, k=k, title=title: progress_of(k, share, title, len(scenes)))
+        rows += [(title, *row) for row in found[title][0].tolist()]
+    head = ["x to port, y up, z to the bow at the start; angles: intrinsic yaw (Y), pitch (X), roll (Z)"]
+    columns = ["voyage", "time_s", "sway_m", "heave_m", "surge_m", "pitch_deg", "yaw_deg", "roll_deg"]
+    columns += ["speed_ahead_m_s", "throttle", "rudder_deg", "water_m"]
+    table(asked.out / "fig6_8.csv", head, columns, rows)
+    drawn(found, asked.out / "fig6_8.png")
+
+
+def progress_of(voyage: int, share: float, title: str, voyages: int) -> None:
+    """A line every tenth of a voyage."""
+    if abs(10.0 * share - round(10.0 * share)) < 0.02:
+        progress((voyage + share) / voyages, title)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,110 @@
+"""`ocean-sim figure`: the figures of the thesis, each by its script in a process of its own; CSV and PNG."""
+
+import ast
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
+from typing import Any, NamedTuple
+
+from ocean_sim.parts import PACKAGE, library
+from ocean_sim.translation import choice_sentence
+from ocean_sim.verbs import console
+from ocean_sim.verbs.progress import Bar
+
+SHARE = re.compile(r" *(\d+)%  (.*)")  # how a script tells how far it is
+ALL = "all"
+
+
+class Outcome(NamedTuple):
+    """What became of a figure."""
+
+    figure: str
+    ok: bool
+    wall_s: float
+    files: list[Path]
+    error: str
+
+
+def scripts() -> dict[str, Path]:
+    """The script of every figure, in the order of the thesis: `6-3` is figures/fig6_3.py, `errata` is errata.py."""
+    found = {named(path.stem): path for path in library("figures").glob("[!_]*.py")}
+    return {name: found[name] for name in sorted(found, key=place)}
+
+
+def named(stem: str) -> str:
+    return re.sub(r"^fig(\d+)_(\d+)$", r"\1-\2", stem)
+
+
+def place(name: str) -> tuple[list[int], str]:
+    """Chapter and number; what has none comes last."""
+    return [int(part) if part.isdigit() else 99 for part in name.split("-")], name
+
+
+def sentence(path: Path) -> str:
+    """What a script draws: the first paragraph of its docstring."""
+    text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+    return " ".join(text.split("\n\n")[0].split())
+
+
+def figure(names: list[str], fast: bool, out: Path, as_json: bool) -> int:
+    """Draw figures one after the other and tell; the exit code is 1 where one failed, and the others are there."""
+    known = scripts()
+    for name in names:
+        if name not in known and name != ALL:
+            raise console.Refused(f"there is no figure {name!r}{choice_sentence(name, [*known, ALL])[0]}")
+    wanted = list(known) if ALL in names else list(dict.fromkeys(names))
+    out.mkdir(parents=True, exist_ok=True)
+    bar = Bar(len(wanted), as_json)
+    done: list[Outcome] = []
+    try:
+        for name in wanted:
+            if not as_json:
+                console.say(f"[{len(done) + 1}/{len(wanted)}] {sentence(known[name])}")
+            done.append(drawn(name, known[name], fast, out, lambda share, text: bar.show(len(done) + share, text)))
+            if not as_json:
+                console.say(told(done[-1]))
+    finally:
+        bar.close()
+    failed = [outcome.figure for outcome in done if not outcome.ok]
+    if as_json:
+        console.answer([outcome._asdict() for outcome in done])
+    elif failed:
+        console.complain(f"{len(failed)} of {len(done)} figures failed: {', '.join(failed)}")
+    return 1 if failed else 0
+
+
+def told(outcome: Outcome) -> str:
+    """An outcome, for people."""
+    what = ", ".join(map(str, outcome.files)) if outcome.ok else f"FAILED: {outcome.error}"
+    return f"      {console.duration(outcome.wall_s)}  {what}"
+
+
+def drawn(name: str, script: Path, fast: bool, out: Path, show) -> Outcome:
+    """One figure, in a child process, so that Taichi starts afresh; its files are moved to `out` when all are whole."""
+    began = perf_counter()
+    paths = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
+    with TemporaryDirectory(prefix=".figure-", dir=out) as folder:
+        command = [sys.executable, str(script), "--out", folder, *(["--fast"] if fast else [])]
+        environment = os.environ | {"PYTHONPATH": paths}
+        streams: Any = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
+        said = ""
+        with subprocess.Popen(command, text=True, errors="replace", env=environment, **streams) as child:
+            try:
+                for line in child.stderr or ():
+                    share = SHARE.fullmatch(line.rstrip("\n"))
+                    if share is not None:
+                        show(int(share[1]) / 100.0, f"{name}: {share[2]}")
+                    elif line.strip():
+                        said = line.strip()
+            except BaseException:
+                child.kill()
+                raise
+        code = child.returncode
+        files = [path.replace(out / path.name) for path in sorted(Path(folder).iterdir())] if code == 0 else []
+    ok = bool(files)
+    error = "" if ok else said or (f"its process died ({code})" if code else "it wrote nothing")
+    return Outcome(name, ok, perf_counter() - began, files, error)

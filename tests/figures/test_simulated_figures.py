@@ -1,0 +1,52 @@
+"""Figures that simulate, in haste; one always, the others where there is time."""
+
+import csv
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from ocean_sim.parts import PACKAGE, library
+
+
+def drawn(name: str, out) -> list[dict[str, str]]:
+    """The rows of a figure, made by its script."""
+    command = [sys.executable, str(library("figures") / f"{name}.py"), "--fast", "--out", str(out)]
+    here = os.environ | {"PYTHONPATH": str(PACKAGE.parent)}
+    done = subprocess.run(command, capture_output=True, text=True, env=here)
+    assert done.returncode == 0, done.stderr
+    assert (out / f"{name}.png").stat().st_size > 20_000
+    lines = [line for line in (out / f"{name}.csv").read_text().splitlines() if not line.startswith("#")]
+    return list(csv.DictReader(lines))
+
+
+def test_figure_2_2_grid_and_particles_tell_of_the_same_wave(tmp_path):
+    table = drawn("fig2_2", tmp_path)
+    grid = [row for row in table if row["kind"] == "grid"]
+    found = np.array([[float(row[name]) for name in ("u_m_s", "v_m_s")] for row in grid])
+    theory = np.array([[float(row[f"theory_{name}"]) for name in ("u_m_s", "v_m_s")] for row in grid])
+    assert np.sqrt(((found - theory) ** 2).sum() / (theory**2).sum()) < 0.2  # particles 20 to a wave
+    assert len(table) - len(grid) == 100
+
+
+@pytest.mark.slow
+def test_figure_6_3_only_the_vortex_turns_the_water(tmp_path):
+    table = {row["value"]: row for row in drawn("fig6_3", tmp_path) if row["what"] == "preset"}
+    turn = {name: abs(float(row["circulation_m2_s"])) for name, row in table.items()}
+    assert turn["vortex"] > 3.0 * max(value for name, value in turn.items() if name != "vortex")
+    assert all(float(row["hm0_m"]) > float(row["still_hm0_m"]) for row in table.values())
+
+
+@pytest.mark.slow
+def test_figure_6_8_ships_turn_to_the_side_of_the_rudder(tmp_path):
+    table = drawn("fig6_8", tmp_path)
+    otter = [row for row in table if "Otter" in row["voyage"]]
+    yaw, rudder, ahead = (
+        np.array([float(row[name]) for row in otter]) for name in ("yaw_deg", "rudder_deg", "speed_ahead_m_s")
+    )
+    turning = np.gradient(yaw, 0.1)
+    assert turning[rudder > 5.0].mean() > 5.0 and turning[rudder < -5.0].mean() < -5.0
+    assert 1.0 < ahead[-1] < 1.5
+    assert len({row["voyage"] for row in table}) == 3

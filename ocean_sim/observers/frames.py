@@ -63,7 +63,7 @@ class Frames:
         self.points = pairs(x, z)
         drawn = simulation.ship.drawn() if simulation.ship is not None else None
         self.ship = simulation.ship if drawn is not None else None
-        hull = {} if drawn is None else {"ship_vertices": drawn[0], "ship_triangles": drawn[1]}
+        hull = {} if drawn is None else {"ship_vertices": drawn[0], "ship_triangles": drawn[1]} | looks(simulation)
         self.write(
             "grid",
             x=x,
@@ -105,6 +105,19 @@ class Frames:
 
     def close(self) -> None:
         pass
+
+
+def looks(simulation: "Simulation") -> dict[str, object]:
+    """What a picture of the ship needs beside its hull: names of hull and shape, its helm from the centre of mass in
+    body axes [m] (not numbers where none is named), and the share of its volume that is under water at rest."""
+    ship, config = simulation.ship, simulation.scene.ship
+    still = config.afloat(-simulation.basin.gravity[1], simulation.scene.fluid.rest_density)
+    name = config.hull if isinstance(config.hull, str) else ""
+    return {
+        "ship_look": f"{name} {config.whole_hull.shape.kind}",
+        "ship_helm": ship.points.get("helm", np.full(3, np.nan)),
+        "ship_submerged": min(1.0, still.wanted / still.voxels.volume),
+    }
 
 
 def single(array: np.ndarray) -> np.ndarray:

@@ -24,3 +24,9 @@ class Order:
     quality: Quality
     every: float
     film: bool
+    eye: tuple[float, float, float] | None = None
+    target: tuple[float, float, float] | None = None
+    stills: tuple[float, ...] = ()
+    strip: int = 0
+    preview: bool = True
+    caption: bool = True

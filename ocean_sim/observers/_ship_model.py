@@ -4,6 +4,7 @@ A model stands on the deck of the physical hull and is scaled by its dimensions.
 """
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,7 +27,10 @@ class Model(NamedTuple):
 
 
 def model(vertices: np.ndarray, triangles: np.ndarray, submerged: float, look: str, helm: np.ndarray) -> Model:
-    """The ship on a hull, the share `submerged` of whose volume is under water at rest. `look`: name of the hull, then its kind of shape; `helm`: a named place, or not numbers."""
+    """The ship on a hull, the share `submerged` of whose volume is under water at rest.
+
+    `look`: name of the hull, then its kind of shape; `helm`: a named place, or not numbers.
+    """
     hull = Hull(np.asarray(vertices, dtype=float), np.asarray(triangles, dtype=int), submerged)
     build = next((made for word, made in MODELS.items() if word in look.lower()), tested)
     if build is not tested and len(hull.edge() if hull.is_deck.any() else ()) < 2:
@@ -321,7 +325,7 @@ def house_rail(roof: np.ndarray, height: float, radius: float) -> list[Mesh]:
     """Posts and bars along the edge of a roof."""
     line = np.concatenate([roof, roof[:1]]) * [0.96, 1.0, 1.0]
     parts = [path(line + [0.0, share * height, 0.0], radius, STEEL) for share in (0.5, 1.0)]
-    for a, b in zip(line[:-1], line[1:]):
+    for a, b in pairwise(line):
         count = max(1, round(float(np.linalg.norm(b - a)) / height))
         for place in a + (b - a) * (np.arange(count) / count)[:, None]:
             parts.append(tube(place, place + [0.0, height, 0.0], radius, STEEL, 6))

@@ -4,6 +4,7 @@ Axes of a ship: x to port, y up, z to the bow.
 """
 
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -131,7 +132,7 @@ def tube(
 
 def path(points: np.ndarray, radius: float, colour: Sequence[float], sides: int = 6) -> Mesh:
     """Bars from place to place."""
-    return merged(tube(a, b, radius, colour, sides) for a, b in zip(points[:-1], points[1:]))
+    return merged(tube(a, b, radius, colour, sides) for a, b in pairwise(points))
 
 
 def both(mesh: Mesh) -> Mesh:
@@ -199,7 +200,7 @@ def banded(
 
 
 def refined(values: np.ndarray, longest: float) -> np.ndarray:
-    """Triangles (m, 3, k), places first, quartered until no edge is longer than `longest` [m], but six times at most."""
+    """Triangles (m, 3, k), places first, quartered, six times at most, until no edge is longer than `longest` [m]."""
     for _ in range(6):
         edges = np.linalg.norm(values[:, :, :3] - np.roll(values[:, :, :3], -1, axis=1), axis=2).max(axis=1)
         large = edges > longest

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+Triple = Sequence[float] | np.ndarray  # a place [m] or a colour, linear RGB
 CREASE = np.cos(np.radians(38.0))  # faces that meet at a sharper edge are shaded apart
 UP = np.array([0.0, 1.0, 0.0])
 
@@ -27,7 +28,7 @@ def merged(parts: Iterable[Mesh]) -> Mesh:
     return Mesh(*(np.concatenate(arrays) for arrays in zip(*parts)))
 
 
-def faceted(corners: np.ndarray, colour: Sequence[float], gloss: float = 0.0, middle: np.ndarray | None = None) -> Mesh:
+def faceted(corners: np.ndarray, colour: Triple, gloss: float = 0.0, middle: np.ndarray | None = None) -> Mesh:
     """Flat triangles (m, 3, 3); with `middle` each is turned to face away from it."""
     corners = np.array(corners, dtype=float).reshape(-1, 3, 3)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -58,7 +59,7 @@ class Block:
         self.bottom, self.top = np.array(bottom, dtype=float), np.array(top, dtype=float)
         self.middle = np.concatenate([self.bottom, self.top]).mean(axis=0)
 
-    def mesh(self, walls: Sequence[float], lid: Sequence[float] | None = None) -> Mesh:
+    def mesh(self, walls: Triple, lid: Triple | None = None) -> Mesh:
         """Its walls and its lid; the floor is never seen, but for one in the air."""
         ahead = [np.roll(outline, -1, axis=0) for outline in (self.bottom, self.top)]
         sides = quads(self.bottom, ahead[0], ahead[1], self.top)
@@ -71,7 +72,7 @@ class Block:
         )
 
     def panes(
-        self, wall: int, count: int, low: float, high: float, colour: Sequence[float], post: float = 0.22, gloss=1.0
+        self, wall: int, count: int, low: float, high: float, colour: Triple, post: float = 0.22, gloss=1.0
     ) -> Mesh:
         """`count` windows in a row on one wall, between shares `low` and `high` of its height; `post`: the share of the
         wall between them."""
@@ -91,7 +92,7 @@ class Block:
         return faceted(shape, colour, gloss, self.middle)
 
 
-def outline(half: Sequence[float], z: Sequence[float], y: float) -> np.ndarray:
+def outline(half: Triple, z: Triple, y: float) -> np.ndarray:
     """(k, 3): a level outline from half breadths at places along the ship, port and then back along starboard."""
     half, z = np.array(half), np.array(z)
     port = np.stack([half, np.full(len(z), y), z], axis=1)
@@ -100,18 +101,14 @@ def outline(half: Sequence[float], z: Sequence[float], y: float) -> np.ndarray:
     return np.concatenate([port, starboard[keep]])
 
 
-def box(
-    lower: Sequence[float], upper: Sequence[float], walls: Sequence[float], lid: Sequence[float] | None = None
-) -> Mesh:
+def box(lower: Triple, upper: Triple, walls: Triple, lid: Triple | None = None) -> Mesh:
     """A box along the axes."""
     (x0, y0, z0), (x1, y1, z1) = lower, upper
     plan = np.array([[x0, 0.0, z0], [x1, 0.0, z0], [x1, 0.0, z1], [x0, 0.0, z1]])
     return Block(plan + y0 * UP, plan + y1 * UP).mesh(walls, lid)
 
 
-def tube(
-    start: Sequence[float], end: Sequence[float], radius: float | tuple[float, float], colour: Sequence[float], sides=8
-) -> Mesh:
+def tube(start: Triple, end: Triple, radius: float | tuple[float, float], colour: Triple, sides=8) -> Mesh:
     """A round bar between two places; two radii make a cone."""
     a, b = np.array(start, dtype=float), np.array(end, dtype=float)
     r = radius if isinstance(radius, tuple) else (radius, radius)
@@ -130,7 +127,7 @@ def tube(
     return mesh
 
 
-def path(points: np.ndarray, radius: float, colour: Sequence[float], sides: int = 6) -> Mesh:
+def path(points: np.ndarray, radius: float, colour: Triple, sides: int = 6) -> Mesh:
     """Bars from place to place."""
     return merged(tube(a, b, radius, colour, sides) for a, b in pairwise(points))
 
@@ -183,9 +180,7 @@ def cut(values: np.ndarray, height: np.ndarray, level: float) -> tuple[np.ndarra
     return pieces[:, :, :-1], pieces[:, :, -1]
 
 
-def banded(
-    corners: np.ndarray, normals: np.ndarray, height: np.ndarray, bands: Sequence[tuple[float, Sequence[float]]]
-) -> Mesh:
+def banded(corners: np.ndarray, normals: np.ndarray, height: np.ndarray, bands: Sequence[tuple[float, Triple]]) -> Mesh:
     """Paint by height: `bands` are (upper limit, colour) from below, the last without limit; triangles are cut at the
     limits."""
     values = np.concatenate([corners, normals], axis=2)

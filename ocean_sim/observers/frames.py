@@ -3,7 +3,7 @@ where the ship is; one file a frame."""
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -110,7 +110,8 @@ class Frames:
 def looks(simulation: "Simulation") -> dict[str, object]:
     """What a picture of the ship needs beside its hull: names of hull and shape, its helm from the centre of mass in
     body axes [m] (not numbers where none is named), and the share of its volume that is under water at rest."""
-    ship, config = simulation.ship, simulation.scene.ship
+    ship: Any = simulation.ship
+    config: Any = simulation.scene.ship
     still = config.afloat(-simulation.basin.gravity[1], simulation.scene.fluid.rest_density)
     name = config.hull if isinstance(config.hull, str) else ""
     return {

@@ -11,6 +11,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -218,12 +219,12 @@ def draw(order: Order) -> Iterator[tuple[int, int]]:
     if order.preview:
         write(out / "preview.png", lambda path: save_png(path, picture.draw(lively)))
     for time in order.stills:
-        frame = Frame(log.nearest(time))
-        write(out / still(time), lambda path, frame=frame: save_png(path, picture.draw(frame)))
+        image = picture.draw(Frame(log.nearest(time)))
+        write(out / still(time), partial(save_png, image=image))
     if order.strip:
         times = np.linspace(*log.span, order.strip) if order.strip > 1 else [sum(log.span) / 2.0]
         row = side_by_side([picture.draw(Frame(log.nearest(float(time)))) for time in times])
-        write(out / "strip.png", lambda path: save_png(path, row))
+        write(out / "strip.png", partial(save_png, image=row))
     picture.smooth(order.quality == "final")
     if order.film:
         chosen = [log.files[k] for k in schedule(log.times, order.every)]

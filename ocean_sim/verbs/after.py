@@ -33,6 +33,10 @@ def render(folder: Path, asked: dict[str, Any], fps: float | None, out: Path | N
         files = render_run(folder, **options, out=out, progress=drawing)
     finally:
         drawing.close()
+    if out is None and (folder / "report.html").exists():
+        from ocean_sim.observers import report
+
+        files = [*files, report.write(folder)]  # with the new pictures
     made(files, as_json)
 
 

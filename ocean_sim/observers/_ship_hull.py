@@ -46,6 +46,15 @@ class Hull:
         """Of the top of the hull [m], not below a tenth of its depth."""
         return max(float(self.over_water(self.upper * [0.0, 1.0, 0.0])), 0.1 * self.depth)
 
+    @property
+    def has_deck(self) -> bool:
+        """Whether something can stand on it: a deck from end to end, more or less level."""
+        deck = self.values[self.is_deck][:, :, :3].reshape(-1, 3)
+        if not len(deck):
+            return False
+        _, rise, run = np.ptp(deck, axis=0)
+        return bool(run > 0.8 * self.length and rise < 0.4 * self.depth)
+
     def painted(self, antifouling: Any, boot_top: Any, topsides: Any, deck: Any) -> Mesh:
         """Antifouling up to the waterline at rest and a little above, boot top, topsides; the deck apart."""
         low, high = 0.04 * self.freeboard, 0.14 * self.freeboard
@@ -112,7 +121,7 @@ class Sheer:
         """(n, 3) of the bulwark on port, on the edge of the physical hull."""
         return np.stack([self.half(z), self.deck(z), z], axis=1)
 
-    def top(self, z: np.ndarray, inwards: float = 0.0, above: float = 0.0) -> np.ndarray:
+    def top(self, z: np.ndarray, inwards: float = 0.0, above: Any = 0.0) -> np.ndarray:
         """(n, 3) of the bulwark on port; never inside of its foot."""
         s = np.clip((z - self.stern) / (self.bow - self.stern), 0.0, 1.0)
         round_half = np.maximum(self.smooth(z), self.half(z)) + 0.06 * self.rise(z) * np.sin(np.pi * s**2) ** 2

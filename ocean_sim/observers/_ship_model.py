@@ -33,8 +33,8 @@ def model(vertices: np.ndarray, triangles: np.ndarray, submerged: float, look: s
     """
     hull = Hull(np.asarray(vertices, dtype=float), np.asarray(triangles, dtype=int), submerged)
     build = next((made for word, made in MODELS.items() if word in look.lower()), tested)
-    if build is not tested and len(hull.edge() if hull.is_deck.any() else ()) < 2:
-        build = tested  # nothing to stand on
+    if build is not plain and not hull.has_deck:
+        build = tested
     given = np.asarray(helm, dtype=float) if np.isfinite(helm).all() else None
     return build(hull, given)
 
@@ -229,6 +229,12 @@ def barge(hull: Hull, helm: np.ndarray | None) -> Model:
     return Model(merged(parts), eye)
 
 
+def plain(hull: Hull, helm: np.ndarray | None) -> Model:
+    """A hull from a file, which may bring its own house: paint and nothing else."""
+    eye = helm if helm is not None else np.array([0.0, hull.upper[1] + 0.15 * hull.depth, 0.1 * hull.length])
+    return Model(hull.painted(OXIDE, WHITE, NAVY, TEAK), eye)
+
+
 def tested(hull: Hull, helm: np.ndarray | None) -> Model:
     """A body of a test: yellow above the waterline at rest, dark below, and white at the waterline, a mark at half
     its freeboard and one at half its draught; a deck of another colour."""
@@ -354,6 +360,7 @@ def containers(half: float, y: float, start: float, end: float, u: float) -> lis
 
 
 MODELS: dict[str, Callable[[Hull, np.ndarray | None], Model]] = {
+    "mesh": plain,
     "yacht": yacht,
     "tug": tug,
     "barge": barge,

@@ -191,7 +191,8 @@ def banded(corners: np.ndarray, normals: np.ndarray, height: np.ndarray, bands: 
     size = np.linalg.norm(np.cross(values[:, 1, :3] - values[:, 0, :3], values[:, 2, :3] - values[:, 0, :3]), axis=1)
     values, which = values[size > 0.0], which[size > 0.0]
     colour = np.array([paint for _, paint in bands], dtype=float)[which]
-    return Mesh(values[:, :, :3], values[:, :, 3:], colour, np.zeros(len(colour)))
+    between = values[:, :, 3:] / np.linalg.norm(values[:, :, 3:], axis=2, keepdims=True)
+    return Mesh(values[:, :, :3], between, colour, np.zeros(len(colour)))
 
 
 def refined(values: np.ndarray, longest: float) -> np.ndarray:

@@ -121,8 +121,6 @@ def render_run(
 
     Raises OpenGLMissing or RenderFailed.
     """
-    if not frame_files(folder):
-        raise RenderFailed(f"{folder} has no frames to draw; run with the observer `frames`")
     sentence = impossible(folder, camera, stills)
     if sentence is not None:
         raise RenderFailed(sentence)
@@ -153,9 +151,11 @@ def render_run(
 
 
 def impossible(folder: Path, camera: Name, stills: Sequence[float]) -> str | None:
-    """Why a camera or a time cannot be had of these frames, or None."""
-    files = frame_files(folder)
-    with np.load(folder / "frames" / "grid.npz") as grid:
+    """Why there is no picture from a camera or at a time, or None."""
+    files, ground = frame_files(folder), folder / "frames" / "grid.npz"
+    if not files or not ground.is_file():
+        return f"{folder} has no frames to draw; run with the observer `frames`"
+    with np.load(ground) as grid:
         if camera in ABOARD and "ship_vertices" not in grid:
             return (
                 f"camera {camera} needs a ship, and this run has none; choose third_person, orbit, fixed, top or side"

@@ -123,7 +123,7 @@ class Run:
                 yield slot.replace("_", " "), f"{part.get('kind', 'unknown')}{hull}"
         backend = manifest.get("backend")
         if backend:
-            threads = f", {backend['threads']} threads" if backend.get("threads") else ""
+            threads = f", threads: {backend['threads']}" if backend.get("threads") else ""
             yield "machine", f"{backend['arch']}, {backend['precision']}{threads}"
         if "seed" in manifest:
             yield "seed", str(manifest["seed"])

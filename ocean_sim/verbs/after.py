@@ -26,7 +26,7 @@ def render(folder: Path, asked: dict[str, Any], fps: float | None, out: Path | N
     finished(folder)
     sentence = impossible(folder, config.camera, config.stills)
     if sentence is not None:
-        raise console.Refused(f"{folder}: {sentence}")
+        raise console.Refused(sentence)
     options = config.model_dump() | ({} if fps is None else {"every": 1.0 / fps})
     drawing = Drawing(quiet=as_json)
     try:

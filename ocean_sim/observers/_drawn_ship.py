@@ -6,7 +6,7 @@ import numpy as np
 
 from ocean_sim.observers import _sky, _water_shading
 from ocean_sim.observers._order import RenderFailed
-from ocean_sim.observers._ship_model import Model, model
+from ocean_sim.observers._ship_model import Model, modelled
 
 if TYPE_CHECKING:
     from ocean_sim.observers._picture import Picture
@@ -21,7 +21,7 @@ def kept_model(grid: Any) -> Model:
     """The model of a ship that frames keep; raises RenderFailed."""
     if "ship_look" not in grid:
         raise RenderFailed("these frames are of an older version, which kept no ship to draw; run the scene again")
-    return model(
+    return modelled(
         grid["ship_vertices"],
         grid["ship_triangles"],
         float(grid["ship_submerged"]),
@@ -33,10 +33,8 @@ def kept_model(grid: Any) -> Model:
 class Ship:
     """A model in the light of sun and sky, moved from frame to frame."""
 
-    def __init__(self, picture: "Picture", grid: Any) -> None:
-        self.model = kept_model(grid)
-        mesh = self.model.mesh
-        self.length = float(np.ptp(grid["ship_vertices"], axis=0).max())  # [m]
+    def __init__(self, picture: "Picture", model: Model) -> None:
+        mesh = model.mesh
         self.corners, self.normals = mesh.corners.reshape(-1, 3), mesh.normals.reshape(-1, 3)
         self.paint, self.gloss = np.repeat(mesh.colour, 3, axis=0), np.repeat(mesh.gloss, 3)[:, None]
         triangles = np.arange(len(self.corners)).reshape(-1, 3)

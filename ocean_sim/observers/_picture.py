@@ -7,7 +7,7 @@ import numpy as np
 from ocean_sim.observers import _sky, _water_shading
 from ocean_sim.observers._camera import Camera, Operator, Vessel
 from ocean_sim.observers._drawn_particles import Particles
-from ocean_sim.observers._drawn_ship import Ship
+from ocean_sim.observers._drawn_ship import Ship, kept_model
 from ocean_sim.observers._drawn_water import Shell, Water
 from ocean_sim.observers._kept_frames import Frame, Log
 from ocean_sim.observers._order import Order, RenderFailed
@@ -26,10 +26,8 @@ class Picture:
         self.lower, self.upper = grid["lower"].copy(), grid["upper"].copy()
         self.upper[1] = max(0.12 * float(grid["depth"]), float(first.elevation.max()))
         flat = bool(self.lower[2] == self.upper[2])
-        self.ship = Ship(self, grid) if "ship_vertices" in grid else None
-        vessel = None
-        if self.ship is not None and log.track is not None:
-            vessel = Vessel(self.ship.length, self.ship.model.helm, log.track)
+        model = kept_model(grid) if "ship_vertices" in grid else None
+        vessel = None if model is None or log.track is None else Vessel(model.length, model.helm, log.track)
         self.operator = Operator(
             "side" if flat else order.camera,
             self.lower,
@@ -52,6 +50,7 @@ class Picture:
             self.content = Shell(self, float(grid["depth"]))
         else:
             self.content = Water(self, grid)
+        self.ship = Ship(self, model) if model is not None else None
         self.caption = self.plotter.add_text("t", position=(14, 10), font_size=9, color="#eef3f6", shadow=True)
         self.aim()
 

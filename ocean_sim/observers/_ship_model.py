@@ -24,9 +24,10 @@ class Model(NamedTuple):
 
     mesh: Mesh
     helm: np.ndarray  # (3,) where the eye of a helmsman is [m]
+    length: float  # of the hull [m]
 
 
-def model(vertices: np.ndarray, triangles: np.ndarray, submerged: float, look: str, helm: np.ndarray) -> Model:
+def modelled(vertices: np.ndarray, triangles: np.ndarray, submerged: float, look: str, helm: np.ndarray) -> Model:
     """The ship on a hull, the share `submerged` of whose volume is under water at rest.
 
     `look`: name of the hull, then its kind of shape; `helm`: a named place, or not numbers.
@@ -114,7 +115,7 @@ def yacht(hull: Hull, helm: np.ndarray | None) -> Model:
         rubbing(sheer, 0.045 * u, WOOD),
         portholes(hull, deck - 0.85 * u, np.linspace(front - 3.6 * u, front + 3.6 * u, 6), 0.17 * u),
     ]
-    return Model(merged(parts), eye)
+    return Model(merged(parts), eye, hull.length)
 
 
 def tug(hull: Hull, helm: np.ndarray | None) -> Model:
@@ -191,7 +192,7 @@ def tug(hull: Hull, helm: np.ndarray | None) -> Model:
         *house_rail(house.top, 0.75 * u, 0.026 * u),
         *ensign(floor, back - 3.2 * u, 1.4 * u),
     ]
-    return Model(merged(parts), eye)
+    return Model(merged(parts), eye, hull.length)
 
 
 def barge(hull: Hull, helm: np.ndarray | None) -> Model:
@@ -226,13 +227,13 @@ def barge(hull: Hull, helm: np.ndarray | None) -> Model:
         ),
     ]
     eye = helm if helm is not None else np.array([0.0, deck + 1.9 * u, end + 0.35 * u])
-    return Model(merged(parts), eye)
+    return Model(merged(parts), eye, hull.length)
 
 
 def plain(hull: Hull, helm: np.ndarray | None) -> Model:
     """A hull from a file, which may bring its own house: paint and nothing else."""
     eye = helm if helm is not None else np.array([0.0, hull.upper[1] + 0.15 * hull.depth, 0.1 * hull.length])
-    return Model(hull.painted(OXIDE, WHITE, NAVY, TEAK), eye)
+    return Model(hull.painted(OXIDE, WHITE, NAVY, TEAK), eye, hull.length)
 
 
 def tested(hull: Hull, helm: np.ndarray | None) -> Model:
@@ -258,7 +259,7 @@ def tested(hull: Hull, helm: np.ndarray | None) -> Model:
             [mesh, banded(deck[:, :, :3], deck[:, :, 3:], hull.over_water(deck[:, :, :3]), [(np.inf, ORANGE)])]
         )
     eye = helm if helm is not None else np.array([0.0, hull.upper[1] + 0.15 * hull.depth, 0.1 * hull.length])
-    return Model(mesh, eye)
+    return Model(mesh, eye, hull.length)
 
 
 def rubbing(sheer: Sheer, radius: float, colour: Any) -> Mesh:

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 from ocean_sim.observers import _drawn_ship, _ship_hull, _ship_parts
-from ocean_sim.observers._ship_model import BLACK, OXIDE, WHITE, model
+from ocean_sim.observers._ship_model import BLACK, OXIDE, WHITE, modelled
 from ocean_sim.ship._drawn import drawn
 from ocean_sim.ship._hull import hull_of
 
@@ -33,7 +33,7 @@ def placed(name):
 @pytest.fixture(scope="module", params=HULLS)
 def ship(request):
     vertices, triangles, share, helm = placed(request.param)
-    made = model(vertices, triangles, share, request.param, helm)
+    made = modelled(vertices, triangles, share, request.param, helm)
     return request.param, made, _ship_hull.Hull(vertices, triangles, share)
 
 
@@ -117,7 +117,7 @@ def hits(corners, eye, ray):
 
 @pytest.mark.parametrize("name", ["yacht", "tug"])
 def test_the_helmsman_sees_the_sea_ahead_and_the_bow_below(name):
-    made = model(*placed(name)[:3], name, placed(name)[3])
+    made = modelled(*placed(name)[:3], name, placed(name)[3])
 
     def looks(eye, down, aside):
         ray = np.array([np.sin(aside), -np.sin(down), np.cos(aside)])
@@ -145,8 +145,8 @@ def test_smooth_shading_stops_at_a_crease():
 
 def test_a_hull_without_a_deck_to_stand_on_is_a_test_body():
     vertices, triangles, share, _ = placed("sphere")
-    round_yacht = model(vertices, triangles, share, "yacht", NOWHERE)
-    plain = model(vertices, triangles, share, "sphere", NOWHERE)
+    round_yacht = modelled(vertices, triangles, share, "yacht", NOWHERE)
+    plain = modelled(vertices, triangles, share, "sphere", NOWHERE)
     assert len(round_yacht.mesh.corners) == len(plain.mesh.corners)
 
 

@@ -85,6 +85,7 @@ def yacht(hull: Hull, helm: np.ndarray | None) -> Model:
         *(bridge.panes(k, 1, 0.62, 1.12, GLASS, 0.06) for k in (1, 2, 3)),
         coach.mesh(WHITE, TEAK),
         *(coach.panes(k, 4, 0.30, 0.72, GLASS, 0.5) for k in (0, 4)),
+        seams(coach.top, 0.16 * u, WOOD),
         hatch(0.0, deck + 0.36 * u, 0.5 * (end + nose), 0.36 * u),
         tube([0.0, deck, nose + 0.6 * u], [0.0, deck + 0.28 * u, nose + 0.6 * u], 0.13 * u, STEEL),  # windlass
         both(bitts(0.0, deck, nose - 0.4 * u, 0.26 * u, 0.55 * float(sheer.half(nose - 0.4 * u)))),
@@ -317,8 +318,19 @@ def ensign(y: float, z: float, u: float) -> list[Mesh]:
     """A staff with a flag at the stern."""
     head = np.array([0.0, y + 1.5 * u, z - 0.35 * u])
     cloth = box((-0.008 * u, y + 0.95 * u, z - 1.10 * u), (0.008 * u, y + 1.42 * u, z - 0.34 * u), RED)
-    stripe = box((-0.012 * u, y + 1.11 * u, z - 1.10 * u), (0.012 * u, y + 1.26 * u, z - 0.34 * u), WHITE)
-    return [tube([0.0, y, z], head, 0.022 * u, WOOD), cloth, stripe]
+    return [tube([0.0, y, z], head, 0.022 * u, WOOD), cloth]
+
+
+def seams(top: np.ndarray, apart: float, colour: Any) -> Mesh:
+    """Thin lines along the planks of a roof (k, 3) that tapers to the bow."""
+    half = top[top[:, 0] > 0.0]
+    half = half[np.argsort(half[:, 2])]
+    start, y, thin = float(half[0, 2]), float(half[0, 1]), 0.05 * apart
+    parts = []
+    for x in np.arange(0.5 * apart, 0.97 * float(half[:, 0].max()), apart):
+        end = float(np.interp(-x, -half[:, 0], half[:, 2])) - thin
+        parts.append(box((x - thin, y, start + thin), (x + thin, y + 0.4 * thin, end), colour))
+    return both(merged(parts))
 
 
 def tyre(middle: np.ndarray, radius: float, thick: float) -> Mesh:

@@ -16,6 +16,7 @@ WHITE, CREAM, GREY, STEEL = (0.80, 0.80, 0.77), (0.74, 0.64, 0.42), (0.30, 0.32,
 BLACK, RUBBER, GLASS = (0.018, 0.019, 0.021), (0.030, 0.029, 0.028), (0.010, 0.014, 0.018)
 NAVY, GREEN, OXIDE, RED = (0.014, 0.030, 0.105), (0.012, 0.075, 0.055), (0.26, 0.050, 0.028), (0.42, 0.030, 0.022)
 TEAK, WOOD, ORANGE, YELLOW = (0.46, 0.27, 0.12), (0.28, 0.115, 0.038), (0.78, 0.24, 0.020), (0.80, 0.52, 0.030)
+PITCH = (0.11, 0.055, 0.024)  # between planks
 CARGO = ((0.0, 0.165, 0.445), (0.665, 0.115, 0.0), (0.0, 0.342, 0.171), (0.55, 0.53, 0.48), (0.42, 0.17, 0.03))
 
 
@@ -85,7 +86,7 @@ def yacht(hull: Hull, helm: np.ndarray | None) -> Model:
         *(bridge.panes(k, 1, 0.62, 1.12, GLASS, 0.06) for k in (1, 2, 3)),
         coach.mesh(WHITE, TEAK),
         *(coach.panes(k, 4, 0.30, 0.72, GLASS, 0.5) for k in (0, 4)),
-        seams(coach.top, 0.16 * u, WOOD),
+        seams(coach.top, 0.16 * u, PITCH),
         hatch(0.0, deck + 0.36 * u, 0.5 * (end + nose), 0.36 * u),
         tube([0.0, deck, nose + 0.6 * u], [0.0, deck + 0.28 * u, nose + 0.6 * u], 0.13 * u, STEEL),  # windlass
         both(bitts(0.0, deck, nose - 0.4 * u, 0.26 * u, 0.55 * float(sheer.half(nose - 0.4 * u)))),
@@ -325,7 +326,7 @@ def seams(top: np.ndarray, apart: float, colour: Any) -> Mesh:
     """Thin lines along the planks of a roof (k, 3) that tapers to the bow."""
     half = top[top[:, 0] > 0.0]
     half = half[np.argsort(half[:, 2])]
-    start, y, thin = float(half[0, 2]), float(half[0, 1]), 0.05 * apart
+    start, y, thin = float(half[0, 2]), float(half[0, 1]), 0.03 * apart
     parts = []
     for x in np.arange(0.5 * apart, 0.97 * float(half[:, 0].max()), apart):
         end = float(np.interp(-x, -half[:, 0], half[:, 2])) - thin

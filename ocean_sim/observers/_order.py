@@ -24,3 +24,7 @@ class Order:
     quality: Quality
     every: float
     film: bool
+    far_sea: bool = True
+    ripples: bool = True
+    foam: bool = True
+    sky: bool = True

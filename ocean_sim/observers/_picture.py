@@ -1,12 +1,14 @@
 """One picture after another: sky, water, ship, words."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ocean_sim.observers import _sky, _water_shading
+from ocean_sim.observers import _far_sea, _sea_state, _sky, _water_shading
 from ocean_sim.observers._camera import VIEW_ANGLE, placed
 from ocean_sim.observers._drawn_particles import Particles
+from ocean_sim.observers._drawn_sea import Sea
 from ocean_sim.observers._drawn_ship import Ship
 from ocean_sim.observers._drawn_water import Shell, Water
 from ocean_sim.observers._kept_frames import Frame
@@ -31,11 +33,17 @@ class Picture:
         flat = bool(self.lower[2] == self.upper[2])
         self.camera = placed("side" if flat else order.camera, self.lower, self.upper, order.size[0] / order.size[1])
         self.reach = float(np.linalg.norm(self.camera.eye - 0.5 * (self.lower + self.upper)))  # [m]
-        self.backdrop()
+        bare = flat or order.particles or not bool(grid["has_surface"]) or first.folds
+        state = None if bare or not order.far_sea else _sea_state.of_run(Path(order.folder), grid)
+        self.at_sea = state is not None and state.covered and self.camera.parallel_height is None
+        if not self.at_sea:
+            self.backdrop()
         if order.particles or not bool(grid["has_surface"]):
             if first.position is None:
                 raise RenderFailed("these frames hold no particles to draw; run with frames.particles: true")
-            self.content: Water | Shell | Particles = Particles(self, first, float(grid["spacing"]), fastest)
+            self.content: Sea | Water | Shell | Particles = Particles(self, first, float(grid["spacing"]), fastest)
+        elif self.at_sea and state is not None:
+            self.content = Sea(self, grid, state)
         elif first.folds:
             self.content = Shell(self, float(grid["depth"]))
         else:
@@ -49,7 +57,7 @@ class Picture:
         plotter.camera.position, plotter.camera.focal_point = tuple(camera.eye), tuple(camera.eye + camera.forward)
         plotter.camera.up, plotter.camera.view_angle = tuple(camera.up), VIEW_ANGLE
         reach = self.reach
-        plotter.camera.clipping_range = (0.01 * reach, 12.0 * reach)
+        plotter.camera.clipping_range = (0.005 * reach, 4.0 * _far_sea.OUT) if self.at_sea else (0.01 * reach, 12.0 * reach)
         if camera.parallel_height is not None:
             plotter.enable_parallel_projection()
             plotter.camera.parallel_scale = camera.parallel_height
@@ -107,8 +115,9 @@ class Picture:
         if (self.upper - self.lower).max() > FAR * self.ship.length:
             lower[1] = max(lower[1], -self.ship.length)
             self.camera = placed("third_person", lower, upper, self.order.size[0] / self.order.size[1])
-            self.dome.position = tuple(self.camera.eye - self.first_eye)
-            if not isinstance(self.content, Particles):
+            if not self.at_sea:
+                self.dome.position = tuple(self.camera.eye - self.first_eye)
+            if isinstance(self.content, Water | Shell):
                 self.content.eye = self.camera.eye
             self.aim()
 

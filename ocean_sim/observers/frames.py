@@ -3,7 +3,7 @@ where the ship is; one file a frame."""
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -74,6 +74,7 @@ class Frames:
             spacing=spacing(fluid),
             every=config.every,
             **hull,
+            **plane_waves(fluid),
             has_surface=basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0),
         )
 
@@ -105,6 +106,14 @@ class Frames:
 
     def close(self) -> None:
         pass
+
+
+def plane_waves(fluid: Any) -> dict[str, np.ndarray]:
+    """The waves of water in closed form, by which a picture goes on with them beyond the basin."""
+    sea = getattr(fluid, "sea", None) if fluid.particles is None else None
+    if sea is None:
+        return {}
+    return {"sea_amplitude": sea.amplitude, "sea_wavevector": sea.wavevector, "sea_phase": sea.phase}
 
 
 def single(array: np.ndarray) -> np.ndarray:

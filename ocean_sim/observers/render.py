@@ -42,7 +42,15 @@ class Config(ObserverConfig):
     particles: bool = False
     """Draw the particles, coloured by speed, in place of the surface of the water."""
     quality: Quality = "draft"
-    """`draft`: quick; `final`: finer mesh and smooth edges."""
+    """`draft`: quick; `final`: finer mesh, smooth edges and the ship mirrored in the water."""
+    far_sea: bool = True
+    """Draw the sea around the basin out to the horizon; without it, a block of water with cut sides."""
+    ripples: bool = True
+    """Draw waves finer than the particles, of the wind's strength and heading."""
+    foam: bool = True
+    """Draw white water on crests that converge, along the hull, and spray."""
+    sky: bool = True
+    """Draw a scattered sky with clouds; without it, a clear gradient."""
 
     @field_validator("size")
     @classmethod
@@ -87,6 +95,10 @@ def render_run(
     size: tuple[int, int] = (960, 540),
     particles: bool = False,
     every: float = 0.033,
+    far_sea: bool = True,
+    ripples: bool = True,
+    foam: bool = True,
+    sky: bool = True,
     film: bool = True,
     out: Path | None = None,
     progress: Progress | None = None,
@@ -99,7 +111,7 @@ def render_run(
         raise OpenGLMissing
     out = out or folder
     out.mkdir(parents=True, exist_ok=True)
-    order = Order(str(folder), str(out), camera, size, particles, quality, every, film)
+    order = Order(str(folder), str(out), camera, size, particles, quality, every, film, far_sea, ripples, foam, sky)
     command = [sys.executable, "-m", "ocean_sim.observers.render", json.dumps(asdict(order))]
     with tempfile.TemporaryFile("w+") as complaints:
         child = subprocess.Popen(

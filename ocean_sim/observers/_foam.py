@@ -8,7 +8,7 @@ BREAKING = 0.30  # convergence of a linear wave, its downward acceleration over 
 # Snyder & Kennedy 1983, J. Phys. Oceanogr. 13, take 0.4 for the points where breaking begins)
 MOST = 0.10  # share of the sea that may be white where none is asked for
 MIDDLE, SPREAD = 0.521, 0.137  # mean and standard deviation of `patches`
-SOFT = 0.10  # of a share: how far the edges of foam fade
+SOFT = 0.20  # of a share: how far the edges of foam fade
 
 
 def convergence(elevation: np.ndarray, spacing_x: float, spacing_z: float) -> np.ndarray:
@@ -59,7 +59,7 @@ def white(share: np.ndarray, x: np.ndarray, z: np.ndarray, footprint: np.ndarray
     rank = 1.0 / (1.0 + np.exp(-1.702 * (patches(x, z) - MIDDLE) / SPREAD))
     low = np.maximum(rank - SOFT, 0.0)
     edge = np.clip((share - low) / (2.0 * SOFT), 0.0, 1.0)
-    fine = np.clip(1.0 - footprint / 0.5, 0.0, 1.0)
+    fine = np.clip(1.0 - footprint / 0.3, 0.0, 1.0)
     return np.where(share > 0.0, share + (edge * edge * (3.0 - 2.0 * edge) - share) * fine, 0.0)
 
 

@@ -48,7 +48,10 @@ class Picture:
             self.content = Shell(self, float(grid["depth"]))
         else:
             self.content = Water(self, grid)
+        before = set(self.plotter.actors)
         self.ship = Ship(self, grid) if "ship_vertices" in grid else None
+        if isinstance(self.content, Sea) and order.quality == "final":
+            self.content.reflect([actor for name, actor in self.plotter.actors.items() if name not in before])
         self.caption = self.plotter.add_text("t", position=(14, 10), font_size=9, color="#eef3f6", shadow=True)
         self.aim()
 
@@ -129,4 +132,6 @@ class Picture:
             self.plotter.disable_anti_aliasing()
 
     def close(self) -> None:
+        if isinstance(self.content, Sea):
+            self.content.close()
         self.plotter.close()

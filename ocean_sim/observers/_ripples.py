@@ -12,7 +12,7 @@ LACUNARITY, ACROSS = 0.52, 0.62  # wavelength to wavelength; crests are longer t
 TURN, STRETCH, SHIFT, STEP = (0.8, 0.6), 1.13, 5.1, 13.7  # of the second noise in an octave, and between octaves
 SPEED = 1.2  # [m^0.5/s] phase speed over the root of the wavelength: 1.25 in deep water
 UNRESOLVED = 0.25  # share of the variance that no octave holds
-SHARPEST = 0.035  # variance of slopes beyond which nothing gets wider
+SMOOTHEST, SHARPEST = 0.0008, 0.035  # variances of slopes between which the drawn ones stay
 GRADIENT_VARIANCE = 0.4204  # of the slopes of an octave of unit height and wavelength, along and across together
 
 

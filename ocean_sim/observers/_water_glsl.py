@@ -41,6 +41,7 @@ vec3 radiance(vec3 shown) {{
 vec3 foggy(vec3 c, vec3 away, float dist) {{
   float f = 1.0 - exp(-dist / fogReach);
   f *= 0.5 + 0.5 * f * (3.0 - 2.0 * f);
+  f = mix(f, 1.0, smoothstep({number(w.END[0])}, {number(w.END[1])}, dist / fogReach));
   vec3 air = min(skyAt(normalize(vec3(away.x, 0.012, away.z)), 3.0), vec3(3.0));
   return mix(c, air, f * useFog);
 }}
@@ -73,7 +74,7 @@ float patches(vec2 q) {{
 }}
 float white(float share, vec2 q, float footprint) {{
   if (share <= 0.0) return 0.0;
-  float fine = clamp(1.0 - footprint / 0.5, 0.0, 1.0);
+  float fine = clamp(1.0 - footprint / 0.3, 0.0, 1.0);
   if (fine <= 0.0) return share;
   float rank = 1.0 / (1.0 + exp(-1.702 * (patches(q) - {number(_foam.MIDDLE)}) / {number(_foam.SPREAD)}));
   float edge = clamp((share - max(rank - {number(_foam.SOFT)}, 0.0)) / {number(2 * _foam.SOFT)}, 0.0, 1.0);
@@ -142,7 +143,7 @@ WATER = f"""
     n = normalize(vec3(n.x / up - r.x, 1.0, n.z / up - r.y));
     variance += r.z;
   }}
-  variance = min(variance + {number(0.0)}, {number(_ripples.SHARPEST)});
+  variance = clamp(variance, {number(_ripples.SMOOTHEST)}, {number(_ripples.SHARPEST)});
   float back = 0.03 - dot(n, e);
   if (back > 0.01) n = normalize(n + e * back);
   float ci = max(dot(n, e), 0.02), blur = sqrt(variance);
@@ -154,12 +155,13 @@ WATER = f"""
   vec3 mirrored = min(skyAt(normalize(ray), min(26.0 * blur, 5.0)), vec3({number(w.BRIGHTEST)}));
   float hidden = 0.0;
   if (useMirror > 0.5) {{
-    vec4 seen = mirrorView * vec4(posW + straight * length(mirrorAt - posW), 1.0);
+    float reach = dot(mirrorAt.xz - posW.xz, normalize(straight.xz));
+    vec4 seen = mirrorView * vec4(posW + straight * max(reach, 1.0), 1.0);
     vec2 place = 0.5 + 0.5 * seen.xy / seen.w;
-    if (seen.w > 0.0 && all(greaterThan(place, vec2(0.0))) && all(lessThan(place, vec2(1.0)))) {{
-      vec4 ship = textureLod(mirror, place, 0.0);
-      hidden = ship.a;
-      if (hidden > 0.0) mirrored = mix(mirrored, radiance(min(ship.rgb / max(hidden, 0.01), vec3(1.0))), hidden);
+    if (reach > -mirrorSize && seen.w > 0.0 && all(greaterThan(place, vec2(0.0))) && all(lessThan(place, vec2(1.0)))) {{
+      vec4 ship = textureLod(mirror, place, clamp(log2(blur * max(reach, 1.0) / (dist * mirrorPixel)), 0.0, 4.0));
+      hidden = ship.a * smoothstep(-mirrorSize, 0.0, reach);
+      if (hidden > 0.0) mirrored = mix(mirrored, radiance(min(ship.rgb / max(ship.a, 0.01), vec3(1.0))), hidden);
     }}
   }}
   if (glintKind > 1.5) mirrored *= 1.0 + {number(w.HDR_FACTOR)} *
@@ -182,6 +184,7 @@ def texture(image: np.ndarray, *, smaller: bool = False, repeat: bool = False) -
     made = vtkOpenGLTexture()
     made.SetMipmap(smaller)
     made.InterpolateOn()
+    made.SetMaximumAnisotropicFiltering(1)  # else levels asked for are not those read, where neighbours look elsewhere
     made.SetRepeat(repeat)
     if not repeat:
         made.EdgeClampOn()
@@ -253,6 +256,14 @@ class Shaded:
 def lit_by(sky: Sky) -> dict[str, Any]:
     """Uniforms that a sky sets."""
     return {"sunDir": sky.sun, "sunLight": sky.sunlight, "skyLight": sky.ambient}
+
+
+def plain() -> dict[str, Any]:
+    """Uniforms of still, smooth water without a ship: every one that the program knows besides light and terms."""
+    nothing = dict.fromkeys(("useHull", "useMirror", "rippleVariance", "windAngle", "time"), 0.0)
+    ones = dict.fromkeys(("rippleLongest", "mirrorPixel", "mirrorSize"), 1.0)
+    vectors = {"hullBox": np.zeros(3), "hullSize": np.ones(3), "hullFoam": np.ones(3), "mirrorAt": np.zeros(3)}
+    return {"exposure": w.EXPOSURE, "fogReach": w.FOG, "mirrorView": np.eye(4)} | nothing | ones | vectors
 
 
 def switched(terms: w.Terms) -> dict[str, float]:

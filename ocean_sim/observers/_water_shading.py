@@ -24,9 +24,10 @@ FOAM = np.array([0.78, 0.82, 0.84])  # reflectance of foam
 BRIGHTEST = 12.0  # to which the mirrored sky is cut: no single pixel burns
 HDR_THRESHOLD, HDR_EXCESS, HDR_FACTOR = 0.9, 0.6, 3.0  # of (3.16); the thesis's 100 is meant for a sky of at most 1
 SHININESS = 120.0
-SUN_STRENGTH = 2.6  # of the drawn sun over its colour
-EXPOSURE = 0.72
+SUN_STRENGTH = 1.6  # of the drawn sun over its colour
+EXPOSURE = 0.60
 FOG = 6000.0  # [m] in which the air takes 1 - 1/e of a colour
+END = 1.2, 2.2  # [of that] between which the sea ends in the horizon's colour
 FOAM_HEIGHT, FOAM_GAIN = 0.8, 1.5  # [m] and the factor of the thesis's foam (5.2.3)
 
 
@@ -136,6 +137,8 @@ def foggy(colour: np.ndarray, horizon: np.ndarray, distance: np.ndarray, reach: 
     """A colour behind so many metres of air, which takes on that of the horizon."""
     lost = (1.0 - np.exp(-distance / reach))[:, None]
     lost = lost * (0.5 + 0.5 * lost * (3.0 - 2.0 * lost))
+    end = np.clip((distance[:, None] / reach - END[0]) / (END[1] - END[0]), 0.0, 1.0)
+    lost = lost + (1.0 - lost) * end * end * (3.0 - 2.0 * end)
     return colour * (1.0 - lost) + horizon * lost
 
 

@@ -10,6 +10,7 @@ from ocean_sim.observers._kept_frames import Frame
 from ocean_sim.observers._mirror import SHARE, Mirror
 from ocean_sim.observers._sea_state import SeaState
 from ocean_sim.observers._sea_surface import SeaSurface
+from ocean_sim.observers._spray import Spray
 from ocean_sim.observers._water_shading import EXPOSURE, FOG, Terms, slope_variance
 
 if TYPE_CHECKING:
@@ -66,6 +67,7 @@ class Sea:
         shown["rippleLongest"] = np.clip(2.0 * state.resolved, *RIPPLES)
         self.shaded.set(**shown)
         self.mirror: Mirror | None = None
+        self.spray = Spray(picture, float(grid["spacing"])) if order.foam and state.exact is None else None
         if "ship_vertices" in grid:
             self.hull, self.hull_triangles = grid["ship_vertices"].astype(float), grid["ship_triangles"].astype(int)
             self.beam = float(np.ptp(self.hull[:, 0]))
@@ -88,6 +90,8 @@ class Sea:
         self.dome.stand(eye)
         if frame.ship is not None:
             self.meet(*frame.ship)
+        if self.spray is not None and frame.position is not None:
+            self.spray.show(frame.position, self.heights_at(frame.position[:, [0, 2]]))
 
     def heights_at(self, places: np.ndarray) -> np.ndarray:
         """(n,) drawn heights [m] at places x, z (n, 2) [m]."""

@@ -60,7 +60,8 @@ class Picture:
         plotter.camera.position, plotter.camera.focal_point = tuple(camera.eye), tuple(camera.eye + camera.forward)
         plotter.camera.up, plotter.camera.view_angle = tuple(camera.up), VIEW_ANGLE
         reach = self.reach
-        plotter.camera.clipping_range = (0.005 * reach, 4.0 * _far_sea.OUT) if self.at_sea else (0.01 * reach, 12.0 * reach)
+        near, far = (0.005 * reach, 4.0 * _far_sea.OUT) if self.at_sea else (0.01 * reach, 12.0 * reach)
+        plotter.camera.clipping_range = (near, far)
         if camera.parallel_height is not None:
             plotter.enable_parallel_projection()
             plotter.camera.parallel_scale = camera.parallel_height

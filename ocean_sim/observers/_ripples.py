@@ -59,9 +59,8 @@ def slopes(
         along = (x * cos + z * sin) / wave + STEP * octave - time * SPEED / np.sqrt(wave)
         across = ACROSS * (z * cos - x * sin) / wave + STEP * octave
         _, a, b = noise(along, across)
-        _, c, d = noise(
-            STRETCH * (TURN[0] * along - TURN[1] * across) + SHIFT, STRETCH * (TURN[1] * along + TURN[0] * across) + SHIFT
-        )
+        turned = TURN[0] * along - TURN[1] * across, TURN[1] * along + TURN[0] * across
+        _, c, d = noise(STRETCH * turned[0] + SHIFT, STRETCH * turned[1] + SHIFT)
         down = a + 0.8 * (TURN[0] * c + TURN[1] * d)
         beside = ACROSS * (b + 0.8 * (TURN[0] * d - TURN[1] * c))
         slope_x += fade * steep * (down * cos - beside * sin)

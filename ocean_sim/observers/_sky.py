@@ -22,10 +22,13 @@ HAZE = np.array([0.72, 0.74, 0.74])  # at the horizon below the sun
 GROUND = np.array([0.13, 0.16, 0.19])  # what lies around the basin, straight down
 
 LOWEST = 0.004  # height of a direction at which the sky is read for any lower one
-GROUND_RADIUS, TOP_RADIUS = 6360e3, 6420e3  # [m] of the Earth and of its air (Nishita et al. 1993, Bruneton & Neyret 2008)
+GROUND_RADIUS, TOP_RADIUS = (
+    6360e3,
+    6420e3,
+)  # [m] of the Earth and of its air (Nishita et al. 1993, Bruneton & Neyret 2008)
 RAYLEIGH, RAYLEIGH_HEIGHT = np.array([5.8e-6, 13.5e-6, 33.1e-6]), 8000.0  # [1/m] at sea level, [m]
-MIE, MIE_HEIGHT, MIE_FORWARD = np.full(3, 8.0e-6), 1200.0, 0.76  # [1/m], [m], Henyey-Greenstein's g
-MULTIPLE = np.array([-0.10, 0.06, -0.60])  # taken off at the horizon: light scattered often is whiter than once (ours)
+MIE, MIE_HEIGHT, MIE_FORWARD = np.full(3, 5.0e-6), 1200.0, 0.76  # [1/m], [m], Henyey-Greenstein's g
+MULTIPLE = np.array([0.04, 0.02, -0.75])  # taken off at the horizon: light scattered often is whiter than once (ours)
 SOLAR = 22.0  # radiance of the sun before the air, in the units of these pictures
 DISK = np.cos(np.radians(0.6))  # of the drawn sun, wider than the true 0.27 degrees
 
@@ -71,12 +74,12 @@ class Sky:
         horizon that just above it."""
         up = np.maximum(direction[:, 1], LOWEST)
         d = unit(np.stack([direction[:, 0], up, direction[:, 2]], axis=1))
-        level = np.clip(np.broadcast_to(level, len(d)), 0.0, len(self.levels) - 1.0)
-        low = np.floor(level).astype(int)
+        levels = np.clip(np.broadcast_to(level, len(d)), 0.0, len(self.levels) - 1.0)
+        low = np.floor(levels).astype(int)
         result = np.empty((len(d), 3))
         for k in np.unique(low):
             here = low == k
-            share = (level[here] - k)[:, None]
+            share = (levels[here] - k)[:, None]
             result[here] = (1.0 - share) * bilinear(self.levels[k], d[here], k, len(self.levels[int(k)]))
             if (share > 0.0).any():
                 coarser = self.levels[min(k + 1, len(self.levels) - 1)]
@@ -109,7 +112,7 @@ def directions(width: int, height: int) -> np.ndarray:
 
 def cloudy(sun: np.ndarray = SUN, width: int = 2048, cover: float = 0.5, seed: int = 3) -> Sky:
     """The scattered sky with clouds over a share of it, from the cache where it was made before."""
-    content = json.dumps(["sky 7", [round(float(s), 9) for s in sun], width, cover, seed]).encode()
+    content = json.dumps(["sky 9", [round(float(s), 9) for s in sun], width, cover, seed]).encode()
     arrays = kept("sky", content, lambda: made(sun, width, cover, seed))
     return Sky(arrays["image"], sun, arrays["sunlight"])
 
@@ -185,7 +188,13 @@ def way_out(place: np.ndarray, d: np.ndarray) -> np.ndarray:
 
 
 def clouds(
-    d: np.ndarray, towards: np.ndarray, clear: np.ndarray, sunlight: np.ndarray, sun: np.ndarray, cover: float, seed: int
+    d: np.ndarray,
+    towards: np.ndarray,
+    clear: np.ndarray,
+    sunlight: np.ndarray,
+    sun: np.ndarray,
+    cover: float,
+    seed: int,
 ) -> tuple[np.ndarray, np.ndarray]:
     """The sky with a flat layer of clouds in front of it, and how much of it they hide (..., 1): fractal noise whose
     domain is warped by itself, brighter at thin edges and towards the sun."""
@@ -199,7 +208,7 @@ def clouds(
     thick = np.clip((sunward - (0.60 - 0.22 * cover)) / 0.25, 0.0, 1.0)
     near = np.clip(towards, 0.0, 1.0)
     bright = np.exp(-2.2 * thick) * (0.35 + 1.6 * near**12 + 0.6 * near**3)
-    lit = sunlight * [1.0, 0.93, 0.85] * (3.0 * bright)[..., None] + 0.55 * clear + [0.015, 0.018, 0.024]
+    lit = sunlight * [1.0, 0.93, 0.85] * (2.2 * bright)[..., None] + 0.55 * clear + [0.015, 0.018, 0.024]
     veil = hidden[..., None]
     return clear * (1.0 - veil) + lit * veil, veil
 

@@ -81,7 +81,8 @@ float white(float share, vec2 q, float footprint) {{
   return mix(share, edge * edge * (3.0 - 2.0 * edge), fine);
 }}
 vec3 ripples(vec2 p, float footprint) {{
-  float c = cos(windAngle), s = sin(windAngle), wave = rippleLongest, lost = {number(_ripples.UNRESOLVED)} * rippleVariance;
+  float c = cos(windAngle), s = sin(windAngle), wave = rippleLongest;
+  float lost = {number(_ripples.UNRESOLVED)} * rippleVariance;
   float each = {number((1 - _ripples.UNRESOLVED) / _ripples.OCTAVES)} * rippleVariance;
   float steep = sqrt(each / {number(_ripples.GRADIENT_VARIANCE)});
   vec2 slope = vec2(0.0);
@@ -118,7 +119,8 @@ vec3 sunGlint(vec3 n, vec3 e, float variance) {{
   float c2 = max(dot(h, n), 0.001);
   c2 *= c2;
   float facets = exp(-(1.0 - c2) / (c2 * 2.0 * variance)) / (6.283185307 * variance * c2 * c2);
-  return {number(w.SUN_STRENGTH)} * sunLight * fresnel(clamp(dot(h, e), 0.0, 1.0)) * facets / (4.0 * max(dot(n, e), 0.12));
+  float share = fresnel(clamp(dot(h, e), 0.0, 1.0));
+  return {number(w.SUN_STRENGTH)} * sunLight * share * facets / (4.0 * max(dot(n, e), 0.12));
 }}
 """
 
@@ -159,7 +161,7 @@ WATER = f"""
     vec4 seen = mirrorView * vec4(posW + straight * max(reach, 1.0), 1.0);
     vec2 place = 0.5 + 0.5 * seen.xy / seen.w;
     if (reach > -mirrorSize && seen.w > 0.0 && all(greaterThan(place, vec2(0.0))) && all(lessThan(place, vec2(1.0)))) {{
-      vec4 ship = textureLod(mirror, place, clamp(log2(blur * max(reach, 1.0) / (dist * mirrorPixel)), 0.0, 4.0));
+      vec4 ship = textureLod(mirror, place, clamp(log2(2.0 * blur * max(reach, 1.0) / (dist * mirrorPixel)), 0.0, 4.0));
       hidden = ship.a * smoothstep(-mirrorSize, 0.0, reach);
       if (hidden > 0.0) mirrored = mix(mirrored, radiance(min(ship.rgb / max(ship.a, 0.01), vec3(1.0))), hidden);
     }}

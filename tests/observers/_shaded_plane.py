@@ -22,7 +22,7 @@ CASES = {
 }
 SUN = _sky.unit(np.array([-0.7, 0.5, 0.4]))
 EYES = {"above": (40.0, 30.0, -30.0), "aslant": (-14.0, 6.0, 9.0), "grazing": (-300.0, 1.0, 200.0)}
-VARIANCE = 0.004
+VARIANCE, PIXEL = 0.004, 0.0004  # of slopes; angle of a pixel [rad]
 FACES = {"+x": (1, 0, 0), "-x": (0, 1, 1), "+y": (0, 1, 0), "-y": (1, 0, 1), "+z": (0, 0, 1), "-z": (1, 1, 0)}
 
 
@@ -60,9 +60,14 @@ def water(eye: np.ndarray, foam: float = 0.0) -> w.Water:
     away = points - eye
     distance = np.linalg.norm(away, axis=1)
     n = len(points)
-    return w.Water(
-        _sky.unit(normals(points)), -away / distance[:, None], distance, np.full(n, 0.4), np.full(n, VARIANCE), np.full(n, foam)
-    )
+    height, variance, white = np.full(n, 0.4), np.full(n, VARIANCE), np.full(n, foam)
+    return w.Water(_sky.unit(normals(points)), -away / distance[:, None], distance, height, variance, white)
+
+
+def footprints(seen: w.Water) -> np.ndarray:
+    """(n,) of the pixels on the water [m], as the program has them."""
+    slant = np.sqrt(np.maximum(w.cosine(seen.to_eye, seen.normal), 0.06))
+    return np.maximum(PIXEL * seen.distance / slant, 0.004)
 
 
 def main(out: str) -> None:
@@ -86,11 +91,9 @@ def main(out: str) -> None:
     def draw(name: str, sky: str, eye: np.ndarray, terms: w.Terms, foam: float = 0.0, ripples: float = 0.0) -> None:
         mesh.point_data["att"] = np.tile(np.float32([foam, 0.4, VARIANCE]), (4, 1))
         inputs = {"sky": textures[sky], "hull": none, "mirror": none}
-        shaded = _water_glsl.Shaded(
-            mesh, _water_glsl.WATER, _water_glsl.WATER_FUNCTIONS, inputs, attributes=True
-        )
+        shaded = _water_glsl.Shaded(mesh, _water_glsl.WATER, _water_glsl.WATER_FUNCTIONS, inputs, attributes=True)
         shaded.set(**_water_glsl.plain(), **_water_glsl.lit_by(skies[sky]), **_water_glsl.switched(terms))
-        shaded.set(eyeW=eye, rippleVariance=ripples, pixel=0.0004)
+        shaded.set(eyeW=eye, rippleVariance=ripples, pixel=PIXEL)
         plotter.add_actor(shaded.actor, reset_camera=False, render=False, name="plane")
         plotter.render()
         drawn[name] = plotter.screenshot(None, return_img=True)
@@ -102,7 +105,13 @@ def main(out: str) -> None:
     for share in (0.1, 0.3, 0.7):
         draw(f"foam {share}", "smooth", np.array(EYES["above"]), w.Terms(glint=None), foam=share)
     mirror = CASES["mirror"]
-    for name, towards in (("+x", (40, 2, 0)), ("-x", (-40, 2, 0)), ("+z", (0, 2, 40)), ("-z", (0, 2, -40)), ("+y", (0, 40, 0))):
+    for name, towards in (
+        ("+x", (40, 2, 0)),
+        ("-x", (-40, 2, 0)),
+        ("+z", (0, 2, 40)),
+        ("-z", (0, 2, -40)),
+        ("+y", (0, 40, 0)),
+    ):
         draw(f"six {name}", "six", np.array(towards, float) * [-1, 1, -1], mirror)
     np.savez(out, **drawn)
     plotter.close()

@@ -132,7 +132,7 @@ def test_no_direction_below_the_horizon_shows_the_nadir():
 def test_ripples_of_the_program_are_numpy_s(drawn):
     water = plane.water(np.array(plane.EYES["above"]))
     points = plane.places().reshape(-1, 3)
-    footprint = np.maximum(0.0004 * water.distance / np.sqrt(np.maximum(w.cosine(water.to_eye, water.normal), 0.06)), 0.004)
+    footprint = plane.footprints(water)
     x, z, lost = _ripples.slopes(points[:, 0], points[:, 2], 0.0, footprint, _ripples.Wind(5.0, 0.0), 1.0, 0.03)
     water = water._replace(normal=_ripples.tilted(water.normal, x, z), variance=water.variance + lost)
     expected = w.display(w.final_colour(water, plane.smooth_sky()), w.EXPOSURE).reshape(plane.PIXELS, plane.PIXELS, 3)
@@ -180,7 +180,7 @@ def test_the_cover_of_foam_is_the_one_asked_for(cover):
 def test_foam_of_the_program_is_numpy_s(drawn, share):
     water = plane.water(np.array(plane.EYES["above"]))
     points = plane.places().reshape(-1, 3)
-    footprint = np.maximum(0.0004 * water.distance / np.sqrt(np.maximum(w.cosine(water.to_eye, water.normal), 0.06)), 0.004)
+    footprint = plane.footprints(water)
     white = _foam.white(np.full(len(points), share), points[:, 0], points[:, 2], footprint)
     water = water._replace(foam=white)
     colours = w.final_colour(water, plane.smooth_sky(), w.Terms(glint=None))

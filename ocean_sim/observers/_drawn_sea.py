@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ocean_sim.observers import _far_sea, _foam, _sky, _water_glsl
-from ocean_sim.observers._camera import VIEW_ANGLE
 from ocean_sim.observers._kept_frames import Frame
 from ocean_sim.observers._mirror import SHARE, Mirror
 from ocean_sim.observers._sea_state import SeaState
@@ -43,6 +42,7 @@ class Sea:
 
     def __init__(self, picture: "Picture", grid: Any, state: SeaState) -> None:
         order, self.picture, self.state = picture.order, picture, state
+        self.eye = picture.camera.eye
         self.surface = SeaSurface(grid, state, NODES[order.quality])
         self.points = np.insert(self.surface.places, 1, 0.0, axis=1).astype(np.float32)
         mesh = picture.pyvista.PolyData.from_regular_faces(self.points, self.surface.triangles)
@@ -57,10 +57,7 @@ class Sea:
         self.shaded = _water_glsl.Shaded(mesh, *program, textures, attributes=True)
         self.dome = Dome(picture, sky, image)
         picture.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
-        pixel = 2.0 * np.tan(np.radians(VIEW_ANGLE / 2.0)) / order.size[1]  # [rad]
         shown = _water_glsl.plain() | _water_glsl.lit_by(sky) | _water_glsl.switched(Terms(foam=order.foam))
-        shown["pixel"] = pixel / (SMOOTHED if order.quality == "final" else 1.0)
-        shown["mirrorPixel"] = SHARE * pixel
         shown["hullFoam"] = np.array([CONTACT, CONTACT_WIDTH, 0.0])
         shown["windAngle"] = state.wind.angle
         shown["rippleVariance"] = slope_variance(state.wind.speed) if order.ripples else 0.0
@@ -85,9 +82,11 @@ class Sea:
         mesh.points = self.points
         mesh.point_data["nrm"] = surface.normals(now.height).reshape(-1, 3).astype(np.float32)
         mesh.point_data["att"] = traits.reshape(-1, 3).astype(np.float32)
-        eye = self.picture.camera.eye
-        self.shaded.set(eyeW=eye, time=frame.time)
-        self.dome.stand(eye)
+        order, angle = self.picture.order, np.radians(self.picture.plotter.camera.view_angle)
+        pixel = 2.0 * np.tan(angle / 2.0) / order.size[1]  # [rad]
+        fine = pixel / SMOOTHED if order.quality == "final" else pixel
+        self.shaded.set(eyeW=self.eye, time=frame.time, pixel=fine, mirrorPixel=SHARE * pixel)
+        self.dome.stand(self.eye)
         if frame.ship is not None:
             self.meet(*frame.ship)
         if self.spray is not None and frame.position is not None:

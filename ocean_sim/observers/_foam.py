@@ -4,8 +4,8 @@ import numpy as np
 
 from ocean_sim.observers._ripples import noise
 
-# Convergence of a linear wave, its downward acceleration over gravity, at which crests turn white: ours; Snyder & Kennedy
-# (1983, J. Phys. Oceanogr. 13) take 0.4 for the points where breaking begins.
+# Convergence of a linear wave, its downward acceleration over gravity, at which crests turn white: ours; Snyder and
+# Kennedy (1983, J. Phys. Oceanogr. 13) take 0.4 for the points where breaking begins.
 BREAKING = 0.30
 MOST = 0.10  # share of the sea that may be white where none is asked for
 MIDDLE, SPREAD = 0.521, 0.137  # mean and standard deviation of `patches`

@@ -121,7 +121,7 @@ class Picture:
             self.camera = placed("third_person", lower, upper, self.order.size[0] / self.order.size[1])
             if not self.at_sea:
                 self.dome.position = tuple(self.camera.eye - self.first_eye)
-            if isinstance(self.content, Water | Shell):
+            if not isinstance(self.content, Particles):
                 self.content.eye = self.camera.eye
             self.aim()
 

@@ -57,7 +57,9 @@ class Sea:
         self.shaded = _water_glsl.Shaded(mesh, *program, textures, attributes=True)
         self.dome = Dome(picture, sky, image)
         picture.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
-        shown = _water_glsl.plain() | _water_glsl.lit_by(sky) | _water_glsl.switched(Terms(foam=order.foam))
+        glint = None if order.glint == "none" else order.glint
+        terms = Terms(fresnel=order.fresnel, glint=glint, foam=order.foam)
+        shown = _water_glsl.plain() | _water_glsl.lit_by(sky) | _water_glsl.switched(terms)
         shown["hullFoam"] = np.array([CONTACT, CONTACT_WIDTH, 0.0])
         shown["windAngle"] = state.wind.angle
         shown["rippleVariance"] = slope_variance(state.wind.speed) if order.ripples else 0.0

@@ -9,7 +9,8 @@ from ocean_sim.observers._ripples import noise
 BREAKING = 0.30
 MOST = 0.10  # share of the sea that may be white where none is asked for
 MIDDLE, SPREAD = 0.521, 0.137  # mean and standard deviation of `patches`
-SOFT = 0.20  # of a share: how far the edges of foam fade
+SCALE = 1.6  # of the grain of foam [1/m]
+SOFT = 0.28  # of a share: how far the edges of foam fade
 
 
 def convergence(elevation: np.ndarray, spacing_x: float, spacing_z: float) -> np.ndarray:
@@ -47,7 +48,7 @@ def patches(x: np.ndarray, z: np.ndarray) -> np.ndarray:
     """The grain of foam at places [m], about 0 to 1: blobs and threads."""
 
     def at(scale: float, shift: float) -> np.ndarray:
-        return noise(x * scale + shift, z * scale + shift)[0]
+        return noise(x * SCALE * scale + shift, z * SCALE * scale + shift)[0]
 
     blobs = 0.5 * at(1.7, 3.0) + 0.3 * at(4.1, 0.0) + 0.2 * at(9.7, 0.0)
     thick, thin = 1.0 - np.abs(2.0 * at(2.6, 9.0) - 1.0), 1.0 - np.abs(2.0 * at(6.3, 2.0) - 1.0)

@@ -28,3 +28,5 @@ class Order:
     ripples: bool = True
     foam: bool = True
     sky: bool = True
+    fresnel: bool = True  # of the water: else a constant share of the sky is mirrored
+    glint: Literal["physical", "thesis", "none"] = "physical"  # of the sun in the water

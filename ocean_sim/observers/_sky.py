@@ -28,7 +28,7 @@ GROUND_RADIUS, TOP_RADIUS = (
 )  # [m] of the Earth and of its air (Nishita et al. 1993, Bruneton & Neyret 2008)
 RAYLEIGH, RAYLEIGH_HEIGHT = np.array([5.8e-6, 13.5e-6, 33.1e-6]), 8000.0  # [1/m] at sea level, [m]
 MIE, MIE_HEIGHT, MIE_FORWARD = np.full(3, 5.0e-6), 1200.0, 0.76  # [1/m], [m], Henyey-Greenstein's g
-MULTIPLE = np.array([0.04, 0.02, -0.75])  # taken off at the horizon: light scattered often is whiter than once (ours)
+MULTIPLE = np.array([0.02, 0.09, -0.75])  # taken off at the horizon: light scattered often is whiter than once (ours)
 SOLAR = 22.0  # radiance of the sun before the air, in the units of these pictures
 DISK = np.cos(np.radians(0.6))  # of the drawn sun, wider than the true 0.27 degrees
 
@@ -112,7 +112,7 @@ def directions(width: int, height: int) -> np.ndarray:
 
 def cloudy(sun: np.ndarray = SUN, width: int = 2048, cover: float = 0.5, seed: int = 3) -> Sky:
     """The scattered sky with clouds over a share of it, from the cache where it was made before."""
-    content = json.dumps(["sky 9", [round(float(s), 9) for s in sun], width, cover, seed]).encode()
+    content = json.dumps(["sky 10", [round(float(s), 9) for s in sun], width, cover, seed]).encode()
     arrays = kept("sky", content, lambda: made(sun, width, cover, seed))
     return Sky(arrays["image"], sun, arrays["sunlight"])
 

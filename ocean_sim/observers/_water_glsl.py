@@ -68,6 +68,7 @@ vec3 noise(vec2 p) {{
   return vec3(a + (b - a) * u.x + (c - a) * u.y + k * u.x * u.y, du * (vec2(b - a, c - a) + k * u.yx));
 }}
 float patches(vec2 q) {{
+  q *= {number(_foam.SCALE)};
   float blobs = 0.5 * noise(q * 1.7 + 3.0).x + 0.3 * noise(q * 4.1).x + 0.2 * noise(q * 9.7).x;
   float thick = 1.0 - abs(2.0 * noise(q * 2.6 + 9.0).x - 1.0), thin = 1.0 - abs(2.0 * noise(q * 6.3 + 2.0).x - 1.0);
   return 0.55 * blobs + 0.30 * thick * thick + 0.25 * thin * thin;

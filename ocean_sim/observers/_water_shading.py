@@ -20,10 +20,11 @@ GLASS = np.array([0.020, 0.210, 0.260])  # the cut side of the water, at the top
 
 BODY = np.array([0.0036, 0.0200, 0.0350])  # light from the depth of the sea under a sky of radiance 1
 THIN = np.array([0.010, 0.085, 0.088])  # light that comes through crests
-FOAM = np.array([0.78, 0.82, 0.84])  # reflectance of foam
+FOAM = np.array([0.70, 0.75, 0.78])  # reflectance of foam
 BRIGHTEST = 12.0  # to which the mirrored sky is cut: no single pixel burns
 HDR_THRESHOLD, HDR_EXCESS, HDR_FACTOR = 0.9, 0.6, 3.0  # of (3.16); the thesis's 100 is meant for a sky of at most 1
 SHININESS = 120.0
+AMBIENT = 1.0  # share of DEEP that Algorithm 6 sees everywhere: ours, the thesis gives none
 SUN_STRENGTH = 1.6  # of the drawn sun over its colour
 EXPOSURE = 0.60
 FOG = 6000.0  # [m] in which the air takes 1 - 1/e of a colour
@@ -59,7 +60,12 @@ def cosine(to_eye: np.ndarray, normal: np.ndarray) -> np.ndarray:
     return (to_eye * normal).sum(axis=-1)
 
 
-def ambient(reflectance: np.ndarray, light: np.ndarray) -> np.ndarray:
+def emissive(strength: np.ndarray) -> np.ndarray:
+    """Light of the surface's own (3.12): of water, what comes out of it."""
+    return strength
+
+
+def ambient(reflectance: np.ndarray | float, light: np.ndarray) -> np.ndarray:
     """Light from everywhere (3.13)."""
     return reflectance * light
 
@@ -200,6 +206,26 @@ def final_colour(water: Water, sky: Sky, terms: Terms = Terms(), fog: float = FO
         white = np.clip(water.foam, 0.0, 1.0)[:, None]
         colour = colour * (1.0 - white) + foam_colour(normal, light) * white
     return foggy(colour, horizon(-to_eye, sky), water.distance, fog) if terms.fog else colour
+
+
+def algorithm_6(water: Water, sky: Sky, terms: Terms = Terms(glint="thesis")) -> np.ndarray:
+    """The thesis's own sum (5.2.3), its eye turned towards the eye, its half vector normalised and Fresnel's share
+    exact: the plain terms of (3.11) in place of those of `final_colour`. Foam by height is `foam_by_height`."""
+    share = fresnel(np.clip(cosine(water.to_eye, water.normal), 0.0, 1.0))[:, None]
+    if not terms.fresnel:
+        share = np.full_like(share, terms.constant)
+    mirrored = sky.sample(reflected(water.to_eye, water.normal))
+    colour = np.broadcast_to(ambient(AMBIENT, DEEP), mirrored.shape).copy()
+    if terms.body:
+        colour += emissive((1.0 - share) * CREST)
+    if terms.reflection:
+        colour += share * (hdr(mirrored) if terms.glint == "thesis" else mirrored)
+    if terms.glint is not None:
+        colour += specular(1.0, sky.sunlight, water.normal, water.to_eye, sky.sun, SHININESS)
+    if terms.foam:
+        white = np.clip(water.foam, 0.0, 1.0)[:, None]
+        colour = colour * (1.0 - white) + FOAM * white
+    return colour
 
 
 def facing(normal: np.ndarray, to_eye: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -96,6 +96,18 @@ def test_switching_a_term_off_changes_the_picture():
         assert np.abs(w.final_colour(seen, sky, terms) - whole).mean() > 0.01
 
 
+def test_algorithm_6_is_the_sum_of_its_terms():
+    """Golden numbers by hand: flat water under an even sky, seen from straight above, the sun at the zenith."""
+    sky = _sky.Sky(np.full((8, 16, 3), 0.5), np.array([0.0, 1.0, 0.0]), np.ones(3))
+    seen = w.Water(UP, UP, np.array([5.0]), np.zeros(1), np.zeros(1), np.zeros(1))
+    share = ((w.REFRACTIVE_INDEX - 1) / (w.REFRACTIVE_INDEX + 1)) ** 2
+    expected = w.DEEP + (1.0 - share) * w.CREST + share * 0.5 + 1.0
+    np.testing.assert_allclose(w.algorithm_6(seen, sky), expected[None], rtol=1e-6)
+    np.testing.assert_allclose(w.algorithm_6(seen._replace(foam=np.ones(1)), sky), w.FOAM[None])
+    without = w.Terms(fresnel=False, glint=None)
+    np.testing.assert_allclose(w.algorithm_6(seen, sky, without), (w.DEEP + 0.6 * w.CREST + 0.2)[None], rtol=1e-6)
+
+
 @with_opengl
 @pytest.mark.parametrize("at", plane.EYES)
 @pytest.mark.parametrize("case", plane.CASES)

@@ -1,5 +1,6 @@
 """The sea around a basin: its heights are the basin's inside it, its spectrum the basin's outside."""
 
+from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
@@ -170,31 +171,36 @@ def folder(tmp_path_factory):
     return made
 
 
-def picture(folder, out, **options):
+@pytest.fixture(scope="module")
+def picture(folder):
+    """Pictures of the frames, each drawn once."""
     import imageio.v2 as imageio
 
-    [file] = render.render_run(folder, out=out, size=(320, 180), film=False, **options)
-    return np.asarray(imageio.imread(file)).astype(float)
+    @cache
+    def drawn(**options):
+        [file] = render.render_run(folder, size=(320, 180), film=False, **options)
+        return np.asarray(imageio.imread(file)).astype(float)
+
+    return drawn
 
 
 @with_opengl
-def test_each_part_of_the_sea_switches_off_by_itself(folder, tmp_path):
-    whole = picture(folder, tmp_path)
+def test_each_part_of_the_sea_switches_off_by_itself(picture):
+    whole = picture()
     assert whole.std() > 15.0 and np.isfinite(whole).all()
     for part, least in {"far_sea": 1.0, "ripples": 1.0, "sky": 1.0, "foam": 0.01}.items():
-        changed = np.abs(picture(folder, tmp_path, **{part: False}) - whole).mean()
+        changed = np.abs(picture(**{part: False}) - whole).mean()
         assert changed > least, part
 
 
 @with_opengl
-def test_the_ship_is_mirrored_in_a_final_picture(folder, tmp_path):
+def test_the_ship_is_mirrored_in_a_final_picture(picture):
     """Smooth edges change no mean over 20 x 20 pixels by much; the mirrored hull does."""
 
     def blocks(quality):
-        shown = picture(folder, tmp_path, quality=quality, ripples=False)
-        return shown.reshape(9, 20, 16, 20, 3).mean(axis=(1, 3))
+        return picture(**quality, ripples=False).reshape(9, 20, 16, 20, 3).mean(axis=(1, 3))
 
-    change = np.abs(blocks("final") - blocks("draft")).max(axis=2)
+    change = np.abs(blocks({"quality": "final"}) - blocks({})).max(axis=2)
     assert change.max() > 10.0 > 4.0 > np.median(change)
 
 

@@ -35,7 +35,7 @@ class Picture:
         self.reach = float(np.linalg.norm(self.camera.eye - 0.5 * (self.lower + self.upper)))  # [m]
         bare = flat or order.particles or not bool(grid["has_surface"]) or first.folds
         state = None if bare or not order.far_sea else _sea_state.of_run(Path(order.folder), grid)
-        self.at_sea = state is not None and state.covered and self.camera.parallel_height is None
+        self.at_sea = state is not None and state.open and self.camera.parallel_height is None
         if not self.at_sea:
             self.backdrop()
         if order.particles or not bool(grid["has_surface"]):

@@ -13,6 +13,7 @@ from ocean_sim.waves import Components
 
 FRAMES = 24  # of a run, from which its spectrum is taken
 GENTLEST, STRONGEST = 2.0, 14.0  # [m/s] wind that ripples follow
+FITTINGS = ("motion", "wavemaker", "lid", "obstacles")  # of a basin that is a tank
 DRY = 0.5  # share of the depth below which the water of a sea never falls
 
 
@@ -25,7 +26,7 @@ class SeaState(NamedTuple):
     level: float  # [m] mean height of the water
     height: float  # [m] four times the standard deviation of the elevation
     resolved: float  # [m] between particles, or half the shortest wave
-    covered: bool  # whether water covers the whole basin in every frame
+    open: bool  # whether the basin is a piece of sea: covered by water in every frame, and no tank with fittings
 
 
 def of_run(folder: Path, grid: Any) -> SeaState:
@@ -49,7 +50,8 @@ def of_run(folder: Path, grid: Any) -> SeaState:
         float(np.mean(frames)) if exact is None else 0.0,
         height,
         float(grid["spacing"]) if exact is None else np.pi / float(exact.wavenumber.max()),
-        all(e.min() > -DRY * depth for e in frames),
+        all(e.min() > -DRY * depth for e in frames)
+        and not any((scene.get("basin") or {}).get(key) for key in FITTINGS),
     )
 
 

@@ -152,8 +152,8 @@ WATER = f"""
   float ci = max(dot(n, e), 0.02), blur = sqrt(variance);
   float reflectance = useFresnel > 0.5 ? fresnel(min(sqrt(ci * ci + 0.55 * variance), 1.0)) : constantShare;
   vec3 ray = 2.0 * dot(n, e) * n - e;
-  vec3 straight = ray;
   if (ray.y < 0.0) ray.y = 0.01 - 0.6 * ray.y;
+  vec3 straight = normalize(ray);
   ray.y += 0.35 * blur * (1.0 - ci);
   vec3 mirrored = min(skyAt(normalize(ray), min(26.0 * blur, 5.0)), vec3({number(w.BRIGHTEST)}));
   float hidden = 0.0;

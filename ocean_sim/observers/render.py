@@ -44,7 +44,9 @@ class Config(ObserverConfig):
     quality: Quality = "draft"
     """`draft`: quick; `final`: finer mesh, smooth edges and the ship mirrored in the water."""
     far_sea: bool = True
-    """Draw the sea around the basin out to the horizon; without it, a block of water with cut sides."""
+    """Draw the sea around the basin out to the horizon; without it, a block of water with cut sides. A basin that
+    moves, has a wavemaker, a lid or obstacles, or runs dry somewhere is a tank: it stays a block, and so does a surface
+    that folds."""
     ripples: bool = True
     """Draw waves finer than the particles, of the wind's strength and heading."""
     foam: bool = True

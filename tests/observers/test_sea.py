@@ -1,5 +1,7 @@
 """The sea around a basin: its heights are the basin's inside it, its spectrum the basin's outside."""
 
+import json
+import shutil
 from functools import cache
 from types import SimpleNamespace
 
@@ -141,6 +143,19 @@ def test_a_drop_is_lonely_and_water_is_not():
     drops = np.array([[2.0, 9.0, 2.0], [4.0, 12.0, 4.0]])
     found = _spray.lonely(np.concatenate([block, drops]), 1.0)
     assert found.sum() == 2 and found[-2:].all()
+
+
+def test_a_tank_is_no_piece_of_sea(folder, tmp_path):
+    assert _sea_state.of_run(folder, GRID).open
+    beside = tmp_path / "tank"
+    shutil.copytree(folder, beside)
+    for basin, piece in ({"motion": None}, True), ({"motion": {"surge": 0.1}}, False), ({"wavemaker": {}}, True):
+        (beside / "manifest.json").write_text(json.dumps({"scene": {"basin": basin}}))
+        assert _sea_state.of_run(beside, GRID).open == piece
+    last = beside / "frames" / "frame_00002.npz"
+    dry = dict(np.load(last)) | {"elevation": np.full((len(X), len(Z)), -7.5)}
+    np.savez(last, **dry)
+    assert not _sea_state.of_run(beside, GRID).open
 
 
 def test_the_wind_of_a_scene_leads_the_ripples():

@@ -149,7 +149,7 @@ def test_a_tank_is_no_piece_of_sea(folder, tmp_path):
     assert _sea_state.of_run(folder, GRID).open
     beside = tmp_path / "tank"
     shutil.copytree(folder, beside)
-    for basin, piece in ({"motion": None}, True), ({"motion": {"surge": 0.1}}, False), ({"wavemaker": {}}, True):
+    for basin, piece in ({"motion": None}, True), ({"motion": {"surge": 0.1}}, False), ({"obstacles": []}, True):
         (beside / "manifest.json").write_text(json.dumps({"scene": {"basin": basin}}))
         assert _sea_state.of_run(beside, GRID).open == piece
     last = beside / "frames" / "frame_00002.npz"

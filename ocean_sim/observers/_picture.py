@@ -1,12 +1,14 @@
 """One picture after another: sky, water, ship, words."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ocean_sim.observers import _sky, _water_shading
+from ocean_sim.observers import _far_sea, _sea_state, _sky, _water_shading
 from ocean_sim.observers._camera import Camera, Operator, Vessel
 from ocean_sim.observers._drawn_particles import Particles
+from ocean_sim.observers._drawn_sea import Sea
 from ocean_sim.observers._drawn_ship import Ship, kept_model
 from ocean_sim.observers._drawn_water import Shell, Water
 from ocean_sim.observers._kept_frames import Frame, Log
@@ -41,16 +43,25 @@ class Picture:
         self.camera = self.operator.at(first.time)
         middle, size = 0.5 * (self.lower + self.upper), self.upper - self.lower
         self.reach = float(max(np.linalg.norm(self.camera.eye - middle), np.linalg.norm(size)))  # [m]
-        self.backdrop()
+        bare = flat or order.particles or not bool(grid["has_surface"]) or first.folds
+        state = None if bare or not order.far_sea else _sea_state.of_run(Path(order.folder), grid)
+        self.at_sea = state is not None and state.open and self.camera.parallel_height is None
+        if not self.at_sea:
+            self.backdrop()
         if order.particles or not bool(grid["has_surface"]):
             if first.position is None:
                 raise RenderFailed("these frames hold no particles to draw; run with frames.particles: true")
-            self.content: Water | Shell | Particles = Particles(self, first, float(grid["spacing"]), fastest)
+            self.content: Sea | Water | Shell | Particles = Particles(self, first, float(grid["spacing"]), fastest)
+        elif self.at_sea and state is not None:
+            self.content = Sea(self, grid, state)
         elif first.folds:
             self.content = Shell(self, float(grid["depth"]))
         else:
             self.content = Water(self, grid)
+        before = set(self.plotter.actors)
         self.ship = Ship(self, model) if model is not None else None
+        if isinstance(self.content, Sea) and order.quality == "final":
+            self.content.reflect([actor for name, actor in self.plotter.actors.items() if name not in before])
         self.caption = self.plotter.add_text("t", position=(14, 10), font_size=9, color="#eef3f6", shadow=True)
         self.aim()
 
@@ -59,7 +70,8 @@ class Picture:
         plotter.camera.position, plotter.camera.focal_point = tuple(camera.eye), tuple(camera.eye + camera.forward)
         plotter.camera.up, plotter.camera.view_angle = tuple(camera.up), camera.angle
         reach = self.reach
-        plotter.camera.clipping_range = (camera.near or 0.01 * reach, 12.0 * reach)
+        near, far = (0.005 * reach, 4.0 * _far_sea.OUT) if self.at_sea else (0.01 * reach, 12.0 * reach)
+        plotter.camera.clipping_range = (camera.near or near, far)
         if camera.parallel_height is not None:
             plotter.enable_parallel_projection()
             plotter.camera.parallel_scale = camera.parallel_height
@@ -112,9 +124,9 @@ class Picture:
         if camera is self.camera:
             return
         self.camera = camera
-        if camera.parallel_height is None:
+        if camera.parallel_height is None and not self.at_sea:
             self.dome.position = tuple(camera.eye - self.first_eye)
-        if not isinstance(self.content, Particles):
+        if isinstance(self.content, Water | Shell):
             self.content.eye = camera.eye
         self.aim()
 
@@ -126,4 +138,6 @@ class Picture:
             self.plotter.disable_anti_aliasing()
 
     def close(self) -> None:
+        if isinstance(self.content, Sea):
+            self.content.close()
         self.plotter.close()

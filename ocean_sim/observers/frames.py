@@ -74,6 +74,7 @@ class Frames:
             spacing=spacing(fluid),
             every=config.every,
             **hull,
+            **plane_waves(fluid),
             has_surface=basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0),
         )
 
@@ -119,6 +120,14 @@ def looks(simulation: "Simulation") -> dict[str, object]:
         "ship_helm": ship.points.get("helm", np.full(3, np.nan)),
         "ship_submerged": min(1.0, still.wanted / still.voxels.volume),
     }
+
+
+def plane_waves(fluid: Any) -> dict[str, np.ndarray]:
+    """The waves of water in closed form, by which a picture goes on with them beyond the basin."""
+    sea = getattr(fluid, "sea", None) if fluid.particles is None else None
+    if sea is None:
+        return {}
+    return {"sea_amplitude": sea.amplitude, "sea_wavevector": sea.wavevector, "sea_phase": sea.phase}
 
 
 def single(array: np.ndarray) -> np.ndarray:

@@ -50,7 +50,17 @@ class Config(ObserverConfig):
     particles: bool = False
     """Draw the particles, coloured by speed, in place of the surface of the water."""
     quality: Quality = "draft"
-    """`draft`: quick; `final`: finer mesh and smooth edges."""
+    """`draft`: quick; `final`: finer mesh, smooth edges and the ship mirrored in the water."""
+    far_sea: bool = True
+    """Draw the sea around the basin out to the horizon; without it, a block of water with cut sides. A basin that
+    moves, has a wavemaker, a lid or obstacles, or runs dry somewhere is a tank: it stays a block, and so does a surface
+    that folds."""
+    ripples: bool = True
+    """Draw waves finer than the particles, of the wind's strength and heading."""
+    foam: bool = True
+    """Draw white water on crests that converge, along the hull, and spray."""
+    sky: bool = True
+    """Draw a scattered sky with clouds; without it, a clear gradient."""
     film: bool = True
     """Make film.mp4."""
     stills: list[Moment] = Field([], json_schema_extra={"unit": "s"})

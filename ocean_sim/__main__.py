@@ -154,15 +154,36 @@ def bench_one(order: str, json: Json = False) -> None:
 @app.command()
 def render(
     run: Annotated[Path, typer.Argument(help="A run folder.")],
-    camera: Annotated[str, typer.Option(help="third_person, top or side.")] = "third_person",
+    camera: Annotated[
+        str, typer.Option(help="third_person, follow, orbit, fixed, first_person, top or side.")
+    ] = "third_person",
     quality: Annotated[str, typer.Option(help="draft or final.")] = "final",
+    size: Annotated[str | None, typer.Option(help="Width and height in pixels, even: 1280x720.")] = None,
+    stills: Annotated[str | None, typer.Option(help="Times [s] of further pictures: 2,4.5,6.")] = None,
+    strip: Annotated[int, typer.Option(help="So many pictures side by side in strip.png.")] = 0,
+    film: Annotated[bool, typer.Option("--film/--no-film", help="Make film.mp4.")] = True,
+    fps: Annotated[float | None, typer.Option(help="Pictures a second of the film, which runs in real time.")] = None,
+    particles: Annotated[bool, typer.Option("--particles", help="Draw particles in place of the surface.")] = False,
+    eye: Annotated[str | None, typer.Option(help="X,Y,Z [m] of the fixed camera.")] = None,
+    target: Annotated[str | None, typer.Option(help="X,Y,Z [m] at which the fixed camera looks.")] = None,
     out: Annotated[Path | None, typer.Option(help="By default the run folder.")] = None,
     json: Json = False,
 ) -> None:
     """Pictures and a film from a finished run, without simulating again."""
-    from ocean_sim.verbs.after import render
+    from ocean_sim.verbs.after import numbers, pixels, render
 
-    render(run, camera, quality, out, json)
+    asked = {
+        "camera": camera,
+        "quality": quality,
+        "size": pixels(size),
+        "stills": numbers("--stills", stills),
+        "strip": strip,
+        "film": film,
+        "particles": particles,
+        "eye": numbers("--eye", eye),
+        "target": numbers("--target", target),
+    }
+    render(run, asked, fps, out, json)
 
 
 @app.command()

@@ -1,11 +1,13 @@
-"""Where the eye is: the named cameras, each placed so that the whole basin is in the picture."""
+"""Where the eye is: cameras that stand where they see the whole basin, and cameras that go with the ship."""
 
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-Name = Literal["third_person", "top", "side"]
+Name = Literal["third_person", "follow", "orbit", "fixed", "first_person", "top", "side"]
+ABOARD = ("follow", "first_person")  # that need a ship
 VIEW_ANGLE = 35.0  # [deg], vertical
+WIDE_ANGLE = 50.0  # [deg], vertical, from the helm
 MARGIN = 1.05
 BAND = 1.3  # room above and below the water for words, in the picture from the side
 HEADROOM = 0.24  # of the basin's length: sky above the water in perspective pictures
@@ -16,11 +18,127 @@ TOWARDS = {  # direction of view, and what is up in the picture
 }
 
 
+FAR = 6.0  # lengths of a ship; in a longer basin `third_person` follows it
+SHIPS = 1.5  # lengths of a ship that it sees each way then
+BEHIND, ABOVE, QUARTER = 1.9, 0.5, 22.0  # lengths of a ship and [deg] to starboard, from which `follow` looks at it
+LAG = 0.9, 1.6  # [s] in which `follow` makes up for 1 - 1/e of a change of place and of heading
+ROUND, RISE = 2.2, 0.55  # lengths of a ship: radius and height of `orbit`
+LOOK_DOWN = 5.0  # [deg] below straight ahead, from the helm
+NEAR = 0.012  # lengths of a ship: what is nearer to the eye is not drawn
+
+
 class Camera(NamedTuple):
     eye: np.ndarray  # [m]
     forward: np.ndarray
     up: np.ndarray
     parallel_height: float | None  # [m] half the height of the picture in parallel projection; None: perspective
+    angle: float = VIEW_ANGLE  # [deg], vertical
+    near: float | None = None  # [m] the least distance that is drawn; None: as befits a picture of the whole basin
+
+
+class Track(NamedTuple):
+    """Where the ship was in every frame."""
+
+    time: np.ndarray  # (n,) [s]
+    position: np.ndarray  # (n, 3) [m]
+    turn: np.ndarray  # (n, 3, 3) body to world
+
+
+class Vessel(NamedTuple):
+    """The ship that a camera goes with."""
+
+    length: float  # [m]
+    helm: np.ndarray  # (3,) body axes from the centre of mass [m]
+    track: Track
+
+
+class Operator:
+    """Holds a camera: where it is depends on nothing but the time and where the ship has been."""
+
+    def __init__(
+        self, name: Name, lower: np.ndarray, upper: np.ndarray, aspect: float, span: tuple[float, float], **given: Any
+    ) -> None:
+        """`span`: first and last time of the film [s]; `given`: `vessel`, and of a fixed camera `eye` and `target`."""
+        self.name, self.lower, self.upper, self.aspect, self.span = name, lower, upper, aspect, span
+        self.vessel: Vessel | None = given.get("vessel")
+        if name == "fixed":
+            self.standing = looking(np.array(given["eye"], dtype=float), np.array(given["target"], dtype=float))
+        else:
+            self.standing = placed(name if name in TOWARDS else "third_person", lower, upper, aspect)
+        if name == "follow" and self.vessel is not None:
+            self.trail = damped(self.vessel.track)
+
+    def at(self, time: float) -> Camera:
+        """The camera at a time [s]."""
+        if self.name == "orbit":
+            return self.orbit(time)
+        vessel = self.vessel
+        if vessel is None or self.name in ("fixed", "top", "side"):
+            return self.standing
+        k = int(np.abs(vessel.track.time - time).argmin())
+        position, turn = vessel.track.position[k], vessel.track.turn[k]
+        if self.name == "third_person":
+            return self.beside(position, vessel.length)
+        if self.name == "follow":
+            place, heading = self.trail[0][k], self.trail[1][k]
+            ahead = np.array([np.sin(heading + np.radians(QUARTER)), 0.0, np.cos(heading + np.radians(QUARTER))])
+            eye = place - BEHIND * vessel.length * ahead + [0.0, ABOVE * vessel.length, 0.0]
+            return close(eye, place + [0.0, 0.08 * vessel.length, 0.0], vessel.length)
+        angle = np.radians(LOOK_DOWN)
+        forward, up = np.array([0.0, -np.sin(angle), np.cos(angle)]), np.array([0.0, np.cos(angle), np.sin(angle)])
+        near = 0.5 * NEAR * vessel.length
+        return Camera(position + turn @ vessel.helm, turn @ forward, turn @ up, None, WIDE_ANGLE, near)
+
+    def beside(self, position: np.ndarray, length: float) -> Camera:
+        """The placed camera; where the basin is many times as long as the ship, one that moves with it."""
+        reach = SHIPS * length * np.array([1.0, 0.0, 1.0])
+        lower, upper = np.maximum(self.lower, position - reach), np.minimum(self.upper, position + reach)
+        lower[1], upper[1] = self.lower[1], self.upper[1]
+        if (self.upper - self.lower).max() <= FAR * length:
+            return self.standing
+        lower[1] = max(lower[1], -length)
+        return placed("third_person", lower, upper, self.aspect)
+
+    def orbit(self, time: float) -> Camera:
+        """Once around the ship, or the basin, in a film."""
+        start, end = self.span
+        forward = self.standing.forward
+        turned = np.arctan2(-forward[0], -forward[2]) + 2.0 * np.pi * (time - start) / max(end - start, 1e-9)
+        around = np.array([np.sin(turned), 0.0, np.cos(turned)])
+        if self.vessel is not None:
+            length = self.vessel.length
+            track = self.vessel.track
+            middle = np.array([np.interp(time, track.time, track.position[:, axis]) for axis in range(3)]) * [1, 0, 1]
+            return close(middle + length * (ROUND * around + [0.0, RISE, 0.0]), middle, length)
+        middle = 0.5 * (self.lower + self.upper)
+        away = self.standing.eye - middle
+        return looking(middle + np.hypot(away[0], away[2]) * around + [0.0, away[1], 0.0], middle)
+
+
+def looking(eye: np.ndarray, target: np.ndarray) -> Camera:
+    """From one place to another, the horizon level."""
+    forward = (target - eye) / np.linalg.norm(target - eye)
+    right = np.cross(forward, [0.0, 1.0, 0.0] if abs(forward[1]) < 0.999 else [0.0, 0.0, -1.0])
+    right /= np.linalg.norm(right)
+    return Camera(eye, forward, np.cross(right, forward), None)
+
+
+def close(eye: np.ndarray, target: np.ndarray, length: float) -> Camera:
+    """As `looking`, from near a ship."""
+    return looking(eye, target)._replace(near=NEAR * length)
+
+
+def damped(track: Track) -> tuple[np.ndarray, np.ndarray]:
+    """Place (n, 3) [m], at the height of the still water, and heading (n,) [rad] that lag behind the ship's: exact for
+    a ship that jumps at each frame."""
+    heading = np.unwrap(np.arctan2(track.turn[:, 0, 2], track.turn[:, 2, 2]))
+    place = track.position * [1.0, 0.0, 1.0]
+    for k in range(1, len(track.time)):
+        step = track.time[k] - track.time[k - 1]
+        near, slow = (1.0 - np.exp(-step / lag) for lag in LAG)
+        place[k] = place[k - 1] + near * (place[k] - place[k - 1])
+        heading[k] = heading[k - 1] + slow * (heading[k] - heading[k - 1])
+    return place, heading
 
 
 def placed(name: Name, lower: np.ndarray, upper: np.ndarray, aspect: float) -> Camera:

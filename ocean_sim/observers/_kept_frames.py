@@ -4,6 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ocean_sim.observers._camera import Track
+
 
 def frame_files(folder: Path) -> list[Path]:
     return sorted((folder / "frames").glob("frame_*.npz"))
@@ -30,6 +32,31 @@ class Frame:
         return bool((np.cross(b - a, c - a)[:, 1] <= 0.0).any())
 
 
+class Log:
+    """What is known of all frames of a run without reading them whole: their times, and where the ship was."""
+
+    def __init__(self, files: list[Path]) -> None:
+        times, positions, turns = [], [], []
+        for path in files:
+            with np.load(path) as file:
+                times.append(float(file["time"]))
+                if "ship_position" in file:
+                    positions.append(file["ship_position"].astype(float))
+                    turns.append(file["ship_turn"].astype(float))
+        self.files, self.times = files, np.array(times)
+        whole = len(positions) == len(times)
+        self.track = Track(self.times, np.array(positions), np.array(turns)) if whole and times else None
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last time [s]."""
+        return float(self.times[0]), float(self.times[-1])
+
+    def nearest(self, time: float) -> Path:
+        """The frame nearest to a time [s]."""
+        return self.files[int(np.abs(self.times - time).argmin())]
+
+
 def schedule(times: np.ndarray, every: float) -> list[int]:
     """Which frame is nearest to each multiple of `every`."""
     moments = np.arange(times[0], times[-1] + 0.5 * every, every)
@@ -45,8 +72,3 @@ def survey(files: list[Path]) -> tuple[Frame, float]:
             speed.append(float(np.percentile(np.linalg.norm(frame.velocity, axis=1), 99)))
     half = len(files) // 2
     return Frame(files[half + int(np.argmax(height[half:]))]), max(speed)
-
-
-def time_of(path: Path) -> float:
-    with np.load(path) as file:
-        return float(file["time"])

@@ -24,3 +24,15 @@ class Order:
     quality: Quality
     every: float
     film: bool
+    eye: tuple[float, float, float] | None = None
+    target: tuple[float, float, float] | None = None
+    stills: tuple[float, ...] = ()
+    strip: int = 0
+    preview: bool = True
+    caption: bool = True
+    far_sea: bool = True
+    ripples: bool = True
+    foam: bool = True
+    sky: bool = True
+    fresnel: bool = True  # of the water: else a constant share of the sky is mirrored
+    glint: Literal["physical", "thesis", "none"] = "physical"  # of the sun in the water

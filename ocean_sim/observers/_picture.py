@@ -1,25 +1,24 @@
 """One picture after another: sky, water, ship, words."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ocean_sim.observers import _sky, _water_shading
-from ocean_sim.observers._camera import VIEW_ANGLE, placed
+from ocean_sim.observers import _far_sea, _sea_state, _sky, _water_shading
+from ocean_sim.observers._camera import Camera, Operator, Vessel
 from ocean_sim.observers._drawn_particles import Particles
-from ocean_sim.observers._drawn_ship import Ship
+from ocean_sim.observers._drawn_sea import Sea
+from ocean_sim.observers._drawn_ship import Ship, kept_model
 from ocean_sim.observers._drawn_water import Shell, Water
-from ocean_sim.observers._kept_frames import Frame
+from ocean_sim.observers._kept_frames import Frame, Log
 from ocean_sim.observers._order import Order, RenderFailed
-
-FAR = 6.0  # lengths of a ship; in a longer basin the camera follows it
-SHIPS = 1.5  # lengths of a ship that a camera which follows it sees each way
 
 
 class Picture:
     """One plotter, built once; each frame only moves its points and colours."""
 
-    def __init__(self, grid: Any, order: Order, first: Frame, fastest: float) -> None:
+    def __init__(self, grid: Any, order: Order, first: Frame, fastest: float, log: Log) -> None:
         import pyvista
 
         self.pyvista, self.order = pyvista, order
@@ -29,27 +28,50 @@ class Picture:
         self.lower, self.upper = grid["lower"].copy(), grid["upper"].copy()
         self.upper[1] = max(0.12 * float(grid["depth"]), float(first.elevation.max()))
         flat = bool(self.lower[2] == self.upper[2])
-        self.camera = placed("side" if flat else order.camera, self.lower, self.upper, order.size[0] / order.size[1])
-        self.reach = float(np.linalg.norm(self.camera.eye - 0.5 * (self.lower + self.upper)))  # [m]
-        self.backdrop()
+        model = kept_model(grid) if "ship_vertices" in grid else None
+        vessel = None if model is None or log.track is None else Vessel(model.length, model.helm, log.track)
+        self.operator = Operator(
+            "side" if flat else order.camera,
+            self.lower,
+            self.upper,
+            order.size[0] / order.size[1],
+            log.span,
+            vessel=vessel,
+            eye=order.eye,
+            target=order.target,
+        )
+        self.camera = self.operator.at(first.time)
+        middle, size = 0.5 * (self.lower + self.upper), self.upper - self.lower
+        self.reach = float(max(np.linalg.norm(self.camera.eye - middle), np.linalg.norm(size)))  # [m]
+        bare = flat or order.particles or not bool(grid["has_surface"]) or first.folds
+        state = None if bare or not order.far_sea else _sea_state.of_run(Path(order.folder), grid)
+        self.at_sea = state is not None and state.open and self.camera.parallel_height is None
+        if not self.at_sea:
+            self.backdrop()
         if order.particles or not bool(grid["has_surface"]):
             if first.position is None:
                 raise RenderFailed("these frames hold no particles to draw; run with frames.particles: true")
-            self.content: Water | Shell | Particles = Particles(self, first, float(grid["spacing"]), fastest)
+            self.content: Sea | Water | Shell | Particles = Particles(self, first, float(grid["spacing"]), fastest)
+        elif self.at_sea and state is not None:
+            self.content = Sea(self, grid, state)
         elif first.folds:
             self.content = Shell(self, float(grid["depth"]))
         else:
             self.content = Water(self, grid)
-        self.ship = Ship(self, grid) if "ship_vertices" in grid else None
+        before = set(self.plotter.actors)
+        self.ship = Ship(self, model) if model is not None else None
+        if isinstance(self.content, Sea) and order.quality == "final":
+            self.content.reflect([actor for name, actor in self.plotter.actors.items() if name not in before])
         self.caption = self.plotter.add_text("t", position=(14, 10), font_size=9, color="#eef3f6", shadow=True)
         self.aim()
 
     def aim(self) -> None:
         camera, plotter = self.camera, self.plotter
         plotter.camera.position, plotter.camera.focal_point = tuple(camera.eye), tuple(camera.eye + camera.forward)
-        plotter.camera.up, plotter.camera.view_angle = tuple(camera.up), VIEW_ANGLE
+        plotter.camera.up, plotter.camera.view_angle = tuple(camera.up), camera.angle
         reach = self.reach
-        plotter.camera.clipping_range = (0.01 * reach, 12.0 * reach)
+        near, far = (0.005 * reach, 4.0 * _far_sea.OUT) if self.at_sea else (0.01 * reach, 12.0 * reach)
+        plotter.camera.clipping_range = (camera.near or near, far)
         if camera.parallel_height is not None:
             plotter.enable_parallel_projection()
             plotter.camera.parallel_scale = camera.parallel_height
@@ -91,26 +113,22 @@ class Picture:
     def draw(self, frame: Frame) -> np.ndarray:
         if self.ship is not None and frame.ship is not None:
             self.ship.show(*frame.ship)
-            if self.order.camera == "third_person":
-                self.follow(frame.ship[0])
+        self.move(self.operator.at(frame.time))
         self.content.show(frame)
-        self.caption.input = f"t = {frame.time:.2f} s"
+        self.caption.input = f"t = {frame.time:.2f} s" if self.order.caption else ""
         self.plotter.render()
         return self.plotter.screenshot(None, return_img=True)
 
-    def follow(self, position: np.ndarray) -> None:
-        """Move with the ship, where the basin is many times as long as it."""
-        assert self.ship is not None
-        reach = SHIPS * self.ship.length * np.array([1.0, 0.0, 1.0])
-        lower, upper = np.maximum(self.lower, position - reach), np.minimum(self.upper, position + reach)
-        lower[1], upper[1] = self.lower[1], self.upper[1]
-        if (self.upper - self.lower).max() > FAR * self.ship.length:
-            lower[1] = max(lower[1], -self.ship.length)
-            self.camera = placed("third_person", lower, upper, self.order.size[0] / self.order.size[1])
-            self.dome.position = tuple(self.camera.eye - self.first_eye)
-            if not isinstance(self.content, Particles):
-                self.content.eye = self.camera.eye
-            self.aim()
+    def move(self, camera: Camera) -> None:
+        """Look from another place; the sky goes with the eye."""
+        if camera is self.camera:
+            return
+        self.camera = camera
+        if camera.parallel_height is None and not self.at_sea:
+            self.dome.position = tuple(camera.eye - self.first_eye)
+        if isinstance(self.content, Water | Shell):
+            self.content.eye = camera.eye
+        self.aim()
 
     def smooth(self, on: bool) -> None:
         """Whether edges are smoothed: slow, so only for final pictures and the preview."""
@@ -120,4 +138,6 @@ class Picture:
             self.plotter.disable_anti_aliasing()
 
     def close(self) -> None:
+        if isinstance(self.content, Sea):
+            self.content.close()
         self.plotter.close()

@@ -7,8 +7,8 @@ import numpy as np
 
 WIDTH, HEIGHT = 900, 260
 LEFT, RIGHT, TOP, BOTTOM = 72, 12, 30, 38
-COLOURS = ("#0b6e8a", "#d1601f", "#5a8f29", "#7a4fa3", "#b8892b", "#4a5a66")
-POINTS = 1000  # of a curve at most
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")  # Okabe and Ito (2008)
+POINTS = 600  # of a curve at most
 
 
 def ticks(low: float, high: float, about: int = 6) -> np.ndarray:
@@ -27,6 +27,18 @@ def span(values: np.ndarray) -> tuple[float, float]:
     return low - gap, high + gap
 
 
+def thinned(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """At most POINTS points of a curve that keep its crests: the least and the greatest of each stretch."""
+    if len(time) <= POINTS:
+        return time, values
+    kept = []
+    for rows in np.array_split(np.arange(len(time)), POINTS // 2):
+        finite = rows[np.isfinite(values[rows])]
+        if len(finite):
+            kept += sorted({int(finite[values[finite].argmin()]), int(finite[values[finite].argmax()])})
+    return time[kept], values[kept]
+
+
 def curves(time: np.ndarray, series: Mapping[str, np.ndarray], label: str) -> str:
     """An SVG element with one curve a name, over time [s]."""
     left, right = float(time[0]), float(max(time[-1], time[0] + 1e-9))
@@ -38,7 +50,10 @@ def curves(time: np.ndarray, series: Mapping[str, np.ndarray], label: str) -> st
     def y(value):
         return HEIGHT - BOTTOM - (value - low) / (high - low) * (HEIGHT - TOP - BOTTOM)
 
-    parts = [f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" font-size="13" fill="#16242c" role="img">']
+    parts = [
+        f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" font-size="13" fill="#16242c" role="img" '
+        f'aria-label="{html.escape(label)}, {html.escape(", ".join(series))}">'
+    ]
     parts.append(f'<text x="{LEFT}" y="16" font-weight="600">{html.escape(label)}</text>')
     for value in ticks(low, high):
         parts.append(f'<path d="M{LEFT} {y(value):.1f}H{WIDTH - RIGHT}" stroke="#dde5ea"/>')
@@ -46,11 +61,10 @@ def curves(time: np.ndarray, series: Mapping[str, np.ndarray], label: str) -> st
     for moment in ticks(left, right, 8):
         parts.append(f'<text x="{x(moment):.1f}" y="{HEIGHT - 18}" text-anchor="middle">{moment:.4g}</text>')
     parts.append(f'<text x="{WIDTH - RIGHT}" y="{HEIGHT - 3}" text-anchor="end">time [s]</text>')
-    stride = max(1, len(time) // POINTS)
     legend = WIDTH - RIGHT
     for k, (name, values) in reversed(list(enumerate(series.items()))):
         colour = COLOURS[k % len(COLOURS)]
-        kept = [(t, v) for t, v in zip(time[::stride], values[::stride]) if np.isfinite(v)]
+        kept = [(t, v) for t, v in zip(*thinned(time, values)) if np.isfinite(v)]
         line = " ".join(f"{x(t):.1f},{y(v):.1f}" for t, v in kept)
         parts.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="1.6"/>')
         parts.append(f'<text x="{legend}" y="16" text-anchor="end" fill="{colour}">{html.escape(name)}</text>')

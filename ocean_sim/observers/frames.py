@@ -3,7 +3,7 @@ where the ship is; one file a frame."""
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -63,7 +63,7 @@ class Frames:
         self.points = pairs(x, z)
         drawn = simulation.ship.drawn() if simulation.ship is not None else None
         self.ship = simulation.ship if drawn is not None else None
-        hull = {} if drawn is None else {"ship_vertices": drawn[0], "ship_triangles": drawn[1]}
+        hull = {} if drawn is None else {"ship_vertices": drawn[0], "ship_triangles": drawn[1]} | looks(simulation)
         self.write(
             "grid",
             x=x,
@@ -74,6 +74,7 @@ class Frames:
             spacing=spacing(fluid),
             every=config.every,
             **hull,
+            **plane_waves(fluid),
             has_surface=basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0),
         )
 
@@ -105,6 +106,28 @@ class Frames:
 
     def close(self) -> None:
         pass
+
+
+def looks(simulation: "Simulation") -> dict[str, object]:
+    """What a picture of the ship needs beside its hull: names of hull and shape, its helm from the centre of mass in
+    body axes [m] (not numbers where none is named), and the share of its volume that is under water at rest."""
+    ship: Any = simulation.ship
+    config: Any = simulation.scene.ship
+    still = config.afloat(-simulation.basin.gravity[1], simulation.scene.fluid.rest_density)
+    name = config.hull if isinstance(config.hull, str) else ""
+    return {
+        "ship_look": f"{name} {config.whole_hull.shape.kind}",
+        "ship_helm": ship.points.get("helm", np.full(3, np.nan)),
+        "ship_submerged": min(1.0, still.wanted / still.voxels.volume),
+    }
+
+
+def plane_waves(fluid: Any) -> dict[str, np.ndarray]:
+    """The waves of water in closed form, by which a picture goes on with them beyond the basin."""
+    sea = getattr(fluid, "sea", None) if fluid.particles is None else None
+    if sea is None:
+        return {}
+    return {"sea_amplitude": sea.amplitude, "sea_wavevector": sea.wavevector, "sea_phase": sea.phase}
 
 
 def single(array: np.ndarray) -> np.ndarray:

@@ -47,6 +47,7 @@ class Manifest:
                 "spacing_m": spacing(fluid) if count(fluid) else None,
                 "mass_kg": float(fluid.particles.mass) if count(fluid) else None,
             },
+            "warnings": simulation.scene.warnings(),
             "ledger": [row._asdict() for row in simulation.scene.ledger()],
         }
         self.write()

@@ -9,24 +9,27 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
 from ocean_sim.observers import _opengl
-from ocean_sim.observers._camera import Name
-from ocean_sim.observers._kept_frames import Frame, frame_files, schedule, survey, time_of
+from ocean_sim.observers._camera import ABOARD, Name
+from ocean_sim.observers._kept_frames import Frame, Log, frame_files, schedule, survey
 from ocean_sim.observers._order import Order, Quality, RenderFailed
 from ocean_sim.observers._picture import Picture
-from ocean_sim.parts import ObserverConfig, quantity
+from ocean_sim.parts import ObserverConfig, Vector3, quantity
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
+GAP = 6  # pixels between the pictures of a strip
+Moment = Annotated[float, Field(ge=0.0, strict=False)]
 Progress = Callable[[int, int], None]  # pictures drawn, pictures in all
 OpenGLMissing = _opengl.OpenGLMissing
 probe = _opengl.probe
@@ -36,13 +39,34 @@ class Config(ObserverConfig):
     every: float = quantity("s", 0.033, gt=0.0)
     """Simulated time between pictures of the film, which runs in real time."""
     camera: Name = "third_person"
-    """`third_person`, `top` or `side`."""
+    """`third_person` sees the whole basin, in a long one the ship; `follow` is behind the ship, `first_person` at its
+    helm; `orbit` goes around in a film; `fixed` is at `eye`; `top`, `side`."""
+    eye: Vector3 | None = quantity("m", None)
+    """Of the fixed camera."""
+    target: Vector3 | None = quantity("m", None)
+    """What the fixed camera looks at."""
     size: tuple[int, int] = Field((960, 540), strict=False, json_schema_extra={"unit": "pixels"})
     """Width and height of the pictures, even numbers."""
     particles: bool = False
     """Draw the particles, coloured by speed, in place of the surface of the water."""
     quality: Quality = "draft"
-    """`draft`: quick; `final`: finer mesh and smooth edges."""
+    """`draft`: quick; `final`: finer mesh, smooth edges and the ship mirrored in the water."""
+    far_sea: bool = True
+    """Draw the sea around the basin out to the horizon; without it, a block of water with cut sides. A basin that
+    moves, has a wavemaker, a lid or obstacles, or runs dry somewhere is a tank: it stays a block, and so does a surface
+    that folds."""
+    ripples: bool = True
+    """Draw waves finer than the particles, of the wind's strength and heading."""
+    foam: bool = True
+    """Draw white water on crests that converge, along the hull, and spray."""
+    sky: bool = True
+    """Draw a scattered sky with clouds; without it, a clear gradient."""
+    film: bool = True
+    """Make film.mp4."""
+    stills: list[Moment] = Field([], json_schema_extra={"unit": "s"})
+    """Times of further pictures, still_<time>.png each."""
+    strip: int = Field(0, ge=0, le=24)
+    """Make strip.png of so many pictures side by side, from the beginning to the end."""
 
     @field_validator("size")
     @classmethod
@@ -50,6 +74,16 @@ class Config(ObserverConfig):
         if any(n % 2 or not 64 <= n <= 7680 for n in size):
             raise ValueError(f"a film needs an even width and height between 64 and 7680 pixels, not {list(size)}")
         return size
+
+    @model_validator(mode="after")
+    def aimed(self) -> "Config":
+        if self.camera == "fixed" and (self.eye is None or self.target is None):
+            raise ValueError("a fixed camera needs an eye and a target, [x, y, z] in metres each")
+        if self.camera != "fixed" and not (self.eye is None and self.target is None):
+            raise ValueError(f"eye and target are of the camera fixed, not of {self.camera}")
+        if self.camera == "fixed" and self.eye == self.target:
+            raise ValueError("a fixed camera cannot look at its own place; let eye and target differ")
+        return self
 
     def build(self, folder: Path, simulation: "Simulation") -> "Render":
         return Render(self, folder, simulation)
@@ -90,16 +124,22 @@ def render_run(
     film: bool = True,
     out: Path | None = None,
     progress: Progress | None = None,
+    stills: Sequence[float] = (),
+    **further: Any,
 ) -> list[Path]:
-    """Draw preview.png, and film.mp4 when asked, into `out`; raises OpenGLMissing or RenderFailed."""
-    if not frame_files(folder):
-        raise RenderFailed(f"{folder} has no frames to draw; run with the observer `frames`")
+    """Draw preview.png, and film, stills and strip when asked, into `out`; `further` as in Order.
+
+    Raises OpenGLMissing or RenderFailed.
+    """
+    sentence = impossible(folder, camera, stills)
+    if sentence is not None:
+        raise RenderFailed(sentence)
     window = _opengl.window()
     if window is None:
         raise OpenGLMissing
     out = out or folder
     out.mkdir(parents=True, exist_ok=True)
-    order = Order(str(folder), str(out), camera, size, particles, quality, every, film)
+    order = Order(str(folder), str(out), camera, size, particles, quality, every, film, stills=tuple(stills), **further)
     command = [sys.executable, "-m", "ocean_sim.observers.render", json.dumps(asdict(order))]
     with tempfile.TemporaryFile("w+") as complaints:
         child = subprocess.Popen(
@@ -117,7 +157,54 @@ def render_run(
         raise RenderFailed(f"the drawing process died (signal {-child.returncode}); {OpenGLMissing()}")
     if child.returncode > 0:
         raise RenderFailed(said.splitlines()[-1] if said else "the drawing process ended without a word")
-    return [out / name for name in ("preview.png", "film.mp4") if film or name == "preview.png"]
+    return [out / name for name in written(order)]
+
+
+def impossible(folder: Path, camera: Name, stills: Sequence[float]) -> str | None:
+    """Why there is no picture from a camera or at a time, or None."""
+    files, ground = frame_files(folder), folder / "frames" / "grid.npz"
+    if not files or not ground.is_file():
+        return f"{folder} has no frames to draw; run with the observer `frames`"
+    with np.load(ground) as grid:
+        if camera in ABOARD and "ship_vertices" not in grid:
+            return (
+                f"camera {camera} needs a ship, and this run has none; choose third_person, orbit, fixed, top or side"
+            )
+    start, end = Log([files[0], files[-1]]).span
+    late = [time for time in stills if not start - 1e-6 <= time <= end + 1e-6]
+    if late:
+        return f"there is no picture at {late[0]:g} s; the frames of this run reach from {start:g} to {end:g} s"
+    return None
+
+
+def images(folder: Path, times: Sequence[float], **options: Any) -> np.ndarray:
+    """(n, height, width, 3) pictures of a run at times [s], 8-bit RGB, for figures; options as of `render_run`."""
+    import imageio.v2 as imageio
+
+    with tempfile.TemporaryDirectory() as out:
+        files = render_run(folder, stills=times, out=Path(out), film=False, preview=False, **options)
+        return np.stack([np.asarray(imageio.imread(file)) for file in files])
+
+
+def side_by_side(pictures: Sequence[np.ndarray], gap: int = GAP) -> np.ndarray:
+    """Pictures of one size (height, width, 3) in a row, white between them."""
+    height, width, _ = pictures[0].shape
+    strip = np.full((height, len(pictures) * (width + gap) - gap, 3), 255, np.uint8)
+    for k, picture in enumerate(pictures):
+        strip[:, k * (width + gap) : k * (width + gap) + width] = picture
+    return strip
+
+
+def written(order: Order) -> list[str]:
+    """The files of an order."""
+    names = ["preview.png"] if order.preview else []
+    names += [still(time) for time in order.stills]
+    return names + ["strip.png"] * (order.strip > 0) + ["film.mp4"] * order.film
+
+
+def still(time: float) -> str:
+    """The file of a picture at a time [s]."""
+    return f"still_{time:08.3f}.png"
 
 
 def follow(child: "subprocess.Popen[str]", progress: Progress | None) -> None:
@@ -132,18 +219,26 @@ def follow(child: "subprocess.Popen[str]", progress: Progress | None) -> None:
 
 def draw(order: Order) -> Iterator[tuple[int, int]]:
     """Draw what is ordered; yields how many pictures are drawn of how many."""
-    files = frame_files(Path(order.folder))
+    log = Log(frame_files(Path(order.folder)))
     with np.load(Path(order.folder) / "frames" / "grid.npz") as file:
         grid = dict(file)
-    lively, fastest = survey(files[:: max(1, len(files) // 60)])
-    picture = Picture(grid, order, lively, fastest)
+    lively, fastest = survey(log.files[:: max(1, len(log.files) // 60)])
+    picture = Picture(grid, order, lively, fastest, log)
     out = Path(order.out)
     picture.smooth(True)
-    write(out / "preview.png", lambda path: save_png(path, picture.draw(lively)))
+    if order.preview:
+        write(out / "preview.png", lambda path: save_png(path, picture.draw(lively)))
+    for time in order.stills:
+        image = picture.draw(Frame(log.nearest(time)))
+        write(out / still(time), partial(save_png, image=image))
+    if order.strip:
+        times = np.linspace(*log.span, order.strip) if order.strip > 1 else [sum(log.span) / 2.0]
+        row = side_by_side([picture.draw(Frame(log.nearest(float(time)))) for time in times])
+        write(out / "strip.png", partial(save_png, image=row))
     picture.smooth(order.quality == "final")
     if order.film:
-        chosen = schedule(np.array([time_of(path) for path in files]), order.every)
-        yield from film(out / "film.mp4", picture, [files[k] for k in chosen], 1.0 / order.every)
+        chosen = [log.files[k] for k in schedule(log.times, order.every)]
+        yield from film(out / "film.mp4", picture, chosen, 1.0 / order.every)
     picture.close()
 
 
@@ -186,7 +281,7 @@ def write(path: Path, save: Callable[[Path], None]) -> None:
 
 def main() -> None:
     order = json.loads(sys.argv[1])
-    order["size"] = tuple(order["size"])
+    order["size"], order["stills"] = tuple(order["size"]), tuple(order["stills"])
     try:
         for drawn, of in draw(Order(**order)):
             print(f"pictures {drawn} of {of}", flush=True)

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-STATIONS, WATERLINES, HALVINGS = 25, 13, 24
+STATIONS, WATERLINES, HALVINGS = 41, 25, 24
 
 
 def drawn(shape: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -27,8 +27,10 @@ def sections(shape: Any) -> np.ndarray:
     """(n, 3) points of the sides [m], where halving finds them."""
     lower, upper = shape.bounds()
     tiny = 1e-6 * (upper - lower)
-    z = np.linspace(lower[2] + tiny[2], upper[2] - tiny[2], STATIONS)
-    y = np.linspace(lower[1] + tiny[1], upper[1] - tiny[1], WATERLINES)
+    y, z = (
+        0.5 * (lower[k] + upper[k]) - (0.5 * (upper[k] - lower[k]) - tiny[k]) * np.cos(np.linspace(0.0, np.pi, count))
+        for k, count in ((1, WATERLINES), (2, STATIONS))
+    )  # close together at the ends, where a hull is round
     y, z = (grid.ravel() for grid in np.meshgrid(y, z, indexing="ij"))
     least, most = np.zeros(len(y)), np.full(len(y), upper[0])
     for _ in range(HALVINGS):

@@ -10,25 +10,59 @@ from ocean_sim.yaml_file import Node, Place, Problem, SceneError, node_of
 PARTICLES, SURFACES = ("vtkhdf",), ("ply", "vtp", "vtkhdf")
 
 
-def render(folder: Path, camera: str, quality: str, out: Path | None, as_json: bool) -> None:
-    """Pictures and a film from the frames of a run."""
-    from ocean_sim.observers.render import Config, render_run
+def render(folder: Path, asked: dict[str, Any], fps: float | None, out: Path | None, as_json: bool) -> None:
+    """Pictures and a film from the frames of a run; `asked` by key of `render:`."""
+    from ocean_sim.observers.render import Config, impossible, render_run
     from ocean_sim.translation import validated
 
-    asked = {
-        key: node_of(value, Place(f"--{key} {value}")) for key, value in (("camera", camera), ("quality", quality))
-    }
+    if fps is not None and not 0.1 <= fps <= 240.0:
+        raise console.Refused(f"--fps {fps:g}: choose 0.1 to 240 pictures a second")
+    given = {key: value for key, value in asked.items() if value is not None}
+    nodes = {key: node_of(value, Place(f"--{key} {shown(value)}")) for key, value in given.items()}
     problems: list[Problem] = []
-    config = validated(Config, Node(asked, Place(""), Place("")), (), problems)
+    config = validated(Config, Node(nodes, Place("--camera"), Place("--camera")), (), problems)
     if config is None:
         raise SceneError(problems)
     finished(folder)
+    sentence = impossible(folder, config.camera, config.stills)
+    if sentence is not None:
+        raise console.Refused(sentence)
+    options = config.model_dump() | ({} if fps is None else {"every": 1.0 / fps})
     drawing = Drawing(quiet=as_json)
     try:
-        files = render_run(folder, camera=config.camera, quality=config.quality, out=out, progress=drawing)
+        files = render_run(folder, **options, out=out, progress=drawing)
     finally:
         drawing.close()
+    if out is None and (folder / "report.html").exists():
+        from ocean_sim.observers import report
+
+        files = [*files, report.write(folder)]  # with the new pictures
     made(files, as_json)
+
+
+def numbers(option: str, text: str | None, apart: str = ",") -> list[float] | None:
+    """What an option says in numbers, as `1,2.5`; raises Refused."""
+    if text is None:
+        return None
+    try:
+        return [float(word) for word in text.split(apart)]
+    except ValueError:
+        raise console.Refused(f"{option} {text}: these are not numbers with '{apart}' between them") from None
+
+
+def pixels(text: str | None) -> list[int] | None:
+    """A size as `1280x720`; raises Refused."""
+    if text is None:
+        return None
+    words = text.lower().split("x")
+    if len(words) != 2 or not all(word.isdigit() for word in words):
+        raise console.Refused(f"--size {text}: a size is width x height in pixels, as 1280x720")
+    return [int(word) for word in words]
+
+
+def shown(value: Any) -> str:
+    """A value as it was given on the command line."""
+    return ",".join(f"{item:g}" for item in value) if isinstance(value, list) else str(value)
 
 
 def export(

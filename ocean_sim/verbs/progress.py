@@ -62,7 +62,7 @@ class Drawing:
         self.bar = Bar(1.0, quiet)
 
     def __call__(self, done: int, total: int) -> None:
-        if self.bar.due(perf_counter()) or done == total:
+        if not self.bar.quiet and (done == total or self.bar.due(perf_counter())):
             self.bar.show(done / max(1, total), f"drawing picture {done} of {total}")
 
     def close(self) -> None:

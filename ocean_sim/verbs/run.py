@@ -11,7 +11,10 @@ from ocean_sim.verbs.check import preflight, short
 from ocean_sim.verbs.progress import Progress
 from ocean_sim.yaml_file import Node, Place, node_of
 
-WRITTEN = ("manifest.json", "*.csv", "events.jsonl", "checkpoint_*.h5", "preview.png", "film.mp4", "report.html")
+WRITTEN = (
+    *("manifest.json", "*.csv", "events.jsonl", "checkpoint_*.h5", "report.html"),
+    *("preview.png", "still_*.png", "strip.png", "film.mp4"),
+)
 
 
 def run(

@@ -178,6 +178,7 @@ def test_who_alone_may_call(call, allowed):
         ("yaml", set()),
         ("random", set()),
         ("pyvista", {"ocean_sim.observers._picture", "ocean_sim.observers._export"}),
+        ("vtkmodules", {"ocean_sim.observers._water_glsl", "ocean_sim.observers._mirror"}),
         ("vtk", {"ocean_sim.observers._drawn_water", "ocean_sim.observers._export"}),
         ("imageio", {"ocean_sim.observers.render"}),
         ("imageio_ffmpeg", {"ocean_sim.observers.render"}),

@@ -94,6 +94,7 @@ class Watched:
             surface=None,
             ship=None,
             time_step=SimpleNamespace(kind="courant"),
+            warnings=list,
             ledger=lambda: [LedgerRow("fluid", "particles", 1024, "a computed sea")],
             resolved=lambda: {"title": "A computed sea", "basin": {"length": place.config.length}},
         )

@@ -1,42 +1,162 @@
+import json
 import re
-from types import SimpleNamespace
+from html.parser import HTMLParser
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
-from ocean_sim.observers import accuracy, gauges, report
-from ocean_sim.observers._plot import curves, ticks
+from ocean_sim.observers import accuracy, gauges, manifest, report, timings
+from ocean_sim.observers._page import text
+from ocean_sim.observers._plot import POINTS, curves, thinned, ticks
+
+VOID = {"meta", "img", "br", "hr", "link"}
 
 
-def test_a_page_tells_what_was_run_and_how_it_ended(tmp_path, watched):
-    simulation = watched()
-    simulation.scene.title = "Wind <& water>"
-    simulation.scene.platform = None
-    simulation.scene.wind = SimpleNamespace(kind="gusts")
-    simulation.observers = [
-        gauges.Config(elevation={"centre": [0.0, 0.0]}).build(tmp_path, simulation),
-        accuracy.Config().build(tmp_path, simulation),
-        report.Config().build(tmp_path, simulation),
-    ]
-    simulation.run(until=0.3)
-    page = (tmp_path / "report.html").read_text()
-    assert "<h1>Wind &lt;&amp; water&gt;</h1>" in page and "done at t = 0.300 s after 30 steps" in page
-    assert 'src="preview.png"' in page and "gusts" in page and "computed" in page
-    assert "http" not in re.sub("<[^>]*xmlns[^>]*>", "", page)  # nothing comes from a network
-    drawings = re.findall("<svg.*?</svg>", page, re.DOTALL)
-    assert len(drawings) == 5
-    for drawing in drawings:
+class Nested(HTMLParser):
+    """Fails where an element is not closed in its turn."""
+
+    def __init__(self, page):
+        super().__init__(convert_charrefs=True)
+        self.open, self.seen, self.sources, self.words = [], [], [], []
+        self.feed(page)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag, attributes):
+        self.seen.append(tag)
+        self.sources += [value for name, value in attributes if name in ("src", "href")]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attributes):
+        self.seen.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+
+def checked(folder):
+    """The page of a folder as a parser reads it: well nested, from no network, without scripts."""
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert page.startswith("<!doctype html>") and "http" not in re.sub("<[^>]*xmlns[^>]*>", "", page)
+    parsed = Nested(page)
+    assert "script" not in parsed.seen and "link" not in parsed.seen
+    assert all(s.startswith("data:image/") or (folder / s).exists() for s in parsed.sources)
+    for drawing in re.findall("<svg.*?</svg>", page, re.DOTALL):
         ElementTree.fromstring(drawing)
+    return page, parsed
 
 
-def test_a_run_without_logs_has_a_page_too(tmp_path, watched):
-    simulation = watched()
-    simulation.scene.platform = None
-    simulation.outcome, simulation.reason = "stopped", "density reached 3e3 kg/m^3"
-    report.Config().build(tmp_path, simulation).close()
-    page = (tmp_path / "report.html").read_text()
-    assert "density reached 3e3" in page and "<svg" not in page
+@pytest.fixture
+def ran(tmp_path, watched):
+    def build(observers=(), **scene):
+        simulation = watched()
+        simulation.scene.platform = None
+        resolved = {"title": "Wind <& water>", "basin": {"length": 4.0, "width": 4.0, "depth": 1.0}} | scene
+        simulation.scene.resolved = lambda: resolved
+        simulation.scene.warnings = lambda: ["the time step is <small>"]
+        simulation.observers = [manifest.Config().build(tmp_path, simulation)]
+        simulation.observers += [config.build(tmp_path, simulation) for config in observers]
+        simulation.observers.append(report.Config().build(tmp_path, simulation))
+        return simulation
+
+    return build
+
+
+def test_a_page_tells_what_was_run_and_how_it_ended(tmp_path, ran):
+    watching = (gauges.Config(elevation={"centre": [0.0, 0.0]}), accuracy.Config(), timings.Config(every=0.1))
+    ran(watching, wind={"kind": "gusts"}, fluid={"kind": "computed"}).run(until=0.3)
+    page, parsed = checked(tmp_path)
+    assert "<h1>Wind &lt;&amp; water&gt;</h1>" in page and "done at t = 0.300 s after 30 steps" in page
+    assert "gusts" in page and "computed" in page and "the time step is &lt;small&gt;" in page
+    assert "numpy" in page and "length: 4.0" in page and 'name="viewport"' in page and "@media print" in page
+    assert parsed.seen.count("svg") == 8 and "milliseconds a step" in page
+    assert [f for f in ("gauges.csv", "accuracy.csv", "timings.csv") if f not in parsed.sources] == []
+
+
+def test_a_run_that_diverged_has_a_page_that_says_so(tmp_path, ran):
+    simulation = ran()
+    simulation.outcome, simulation.reason = "diverged", "density reached 3e3 kg/m^3"
+    for observer in simulation.observers:
+        observer.close()
+    page, _ = checked(tmp_path)
+    assert 'class="outcome bad"' in page and "density reached 3e3" in page and "<svg" not in page
+
+
+def test_a_run_that_was_killed_has_a_page_of_what_it_left(tmp_path, ran):
+    simulation = ran((accuracy.Config(every=0.01),))
+    simulation.observers, kept = simulation.observers[:-1], simulation.observers
+    for _ in range(5):
+        simulation.step()
+        kept[1].observe(simulation)
+    whole = '{"time_s": 0.0, "step": 0, "event": "start", "sound_speed_m_s": 12.5}\n'
+    (tmp_path / "events.jsonl").write_text(whole + '{"time_s": 0.1, "ste')  # torn
+    (tmp_path / "gauges.csv").write_text("")
+    (tmp_path / "preview.png").write_bytes(b"\x89PNG not a picture")
+    report.write(tmp_path)
+    page, parsed = checked(tmp_path)
+    assert "did not come to an end" in page and "12.5 m/s" in page and "img" not in parsed.seen
+
+
+def test_an_empty_folder_has_a_page(tmp_path):
+    report.write(tmp_path)
+    assert "no manifest" in checked(tmp_path)[0]
+
+
+def test_pictures_are_inside_the_page_and_small(tmp_path, ran):
+    import imageio.v2 as imageio
+
+    noise = np.random.default_rng(0).integers(0, 255, (90, 160, 3), np.uint8)
+    large = np.kron(noise, np.ones((12, 12, 1), np.uint8))  # 1920 x 1080
+    for name in ("preview.png", "strip.png", "still_0001.500.png"):
+        imageio.imwrite(tmp_path / name, large)
+    (tmp_path / "film.mp4").write_bytes(b"a film")
+    ran().run(until=0.02)
+    page, parsed = checked(tmp_path)
+    assert parsed.seen.count("img") == 3 and "film.mp4" in parsed.sources and "t = 1.500 s" in page
+    assert len(page) < 3 * 0.9e6 and 'width="1200" height="675"' in page
+
+
+def test_motions_and_platform_are_drawn(tmp_path, ran):
+    time = np.arange(0.0, 5.0, 0.01)
+    axes, parts = "xyz", ("gravity", "wind_drag", "total")
+    names = ["heave_m", "roll_rad", "pitch_rad", "yaw_rad", "throttle", "rudder_rad"]
+    names += [f"{n}_velocity_m_s" for n in ("surge", "sway", "heave")] + [f"specific_force_{a}_m_s2" for a in axes]
+    names += [f"force_{part}_y_N" for part in parts]
+    legs = [f"leg{k}_m" for k in range(1, 7)] + [f"leg{k}_velocity_m_s" for k in range(1, 7)]
+    poses = [f"{n}_rad" for n in ("roll", "pitch", "yaw")] + [f"{a}_m" for a in axes]
+    poses += [f"felt_force_{a}_m_s2" for a in axes] + ["limited"]
+    for name, columns in (("motion", names), ("platform", legs + poses)):
+        rows = np.column_stack([time] + [np.sin(time * (k + 1)) for k in range(len(columns))])
+        np.savetxt(tmp_path / f"{name}.csv", rows, delimiter=",", header=",".join(["time_s", *columns]), comments="")
+    ran().run(until=0.02)
+    page, parsed = checked(tmp_path)
+    assert parsed.seen.count("svg") == 7 + 5 and "wind_drag" in page and "leg 6" in page
+    assert len(page) < 600_000
+
+
+def test_a_scene_is_told_as_yaml(tmp_path):
+    from ocean_sim.yaml_file import read
+
+    scene = {
+        "title": "Wind: <& water>, # not a comment",
+        "seed": 7,
+        "ship": {
+            "hull": "yacht",
+            "position": [0.0, -4.0],
+            "free": ["heave"],
+            "controls": [{"time": 0.0, "rudder": 0.1}],
+        },
+        "report": {},
+    }
+    path = tmp_path / "scene.yaml"
+    path.write_text(text(scene | {"platform": None}))
+    assert read(path).plain() == scene
+    assert json.loads(json.dumps(scene)) == scene
 
 
 @pytest.mark.parametrize("low, high", [(0.0, 1.0), (-3.0, 17.0), (1e-9, 3e-9), (-2e6, 5e6)])
@@ -45,6 +165,14 @@ def test_ticks_are_round_and_enough(low, high):
     assert 3 <= len(marks) <= 9 and marks[0] >= low - 1e-9 * (high - low) and marks[-1] <= high + 1e-9 * (high - low)
     step = marks[1] - marks[0]
     assert float(f"{step / 10.0 ** np.floor(np.log10(step * 1.0000001)):.6f}") in (1.0, 2.0, 5.0)
+
+
+def test_a_long_curve_keeps_its_crests():
+    time = np.linspace(0.0, 3600.0, 100_000)
+    values = np.sin(2.0 * np.pi * time / 0.37)
+    values[54_321] = 7.0
+    few, kept = thinned(time, values)
+    assert len(few) <= POINTS and kept.max() == 7.0 and kept.min() < -0.99 and (np.diff(few) > 0.0).all()
 
 
 def test_curves_survive_flat_lines_gaps_and_a_single_row():

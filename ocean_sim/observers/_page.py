@@ -1,0 +1,91 @@
+"""Pieces of a page that needs nothing but itself: tables, pictures inside the page, a scene as text."""
+
+import base64
+import html
+import io
+import json
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+WIDEST, QUALITY = 1200, 82  # pixels of a picture in the page, and JPEG quality
+STYLE = """
+:root { color-scheme: light; }
+body { font: 16px/1.5 system-ui, sans-serif; color: #16242c; background: #fff; max-width: 62rem; margin: 0 auto;
+  padding: 1rem 1rem 4rem; overflow-wrap: break-word; }
+h1 { margin: .5rem 0 0; line-height: 1.2; } h2 { margin: 2.5rem 0 .5rem; border-bottom: 1px solid #dde5ea; }
+figure { margin: 1rem 0; } figcaption { color: #5a6d78; font-size: .9rem; }
+img { width: 100%; height: auto; display: block; }
+.plot { overflow-x: auto; margin: 1rem 0; } .plot svg { width: 100%; min-width: 34rem; height: auto; display: block; }
+.wide { overflow-x: auto; } table { border-collapse: collapse; }
+th, td { padding: .15rem 1.2rem .15rem 0; vertical-align: top; text-align: left; }
+th { font-weight: 600; } td:first-child { color: #5a6d78; }
+.outcome { font-weight: 600; } .bad { color: #9c2b12; }
+pre { background: #f4f7f9; padding: .8rem; overflow-x: auto; font-size: .85rem; line-height: 1.4; }
+@media print {
+  body { max-width: none; padding: 0; font-size: 10pt; } .plot, .wide, pre { overflow: visible; }
+  .plot svg { min-width: 0; } figure, .plot, tr { break-inside: avoid; } h2 { break-after: avoid; }
+  pre { white-space: pre-wrap; } a { color: inherit; text-decoration: none; }
+}
+"""
+
+
+def page(title: str, parts: Iterable[str]) -> str:
+    """A whole document in English, of HTML parts."""
+    head = [
+        '<meta charset="utf-8">',
+        '<meta name="viewport" content="width=device-width, initial-scale=1">',
+        f"<title>{html.escape(title)}</title>",
+        f"<style>{STYLE}</style>",
+    ]
+    return "\n".join(
+        ["<!doctype html>", '<html lang="en">', "<head>", *head, "</head>", "<body>", *parts, "</body>", "</html>", ""]
+    )
+
+
+def table(rows: Iterable[Sequence[object]], heads: Sequence[str] = ()) -> str:
+    """Rows of cells, with a line of heads where there are any."""
+    top = [f"<tr>{''.join(f'<th>{html.escape(name)}</th>' for name in heads)}</tr>"] if heads else []
+    body = [f"<tr>{''.join(f'<td>{html.escape(str(cell))}</td>' for cell in row)}</tr>" for row in rows]
+    return "\n".join(['<div class="wide"><table>', *top, *body, "</table></div>"])
+
+
+def picture(path: Path, caption: str, link: str | None = None) -> str:
+    """A picture file inside the page, not wider than WIDEST; nothing where it cannot be read."""
+    from PIL import Image, UnidentifiedImageError
+
+    try:
+        with Image.open(path) as file:
+            image = file.convert("RGB")
+    except (OSError, UnidentifiedImageError):
+        return ""
+    if image.width > WIDEST:
+        image = image.resize((WIDEST, round(image.height * WIDEST / image.width)), Image.Resampling.LANCZOS)
+    data = io.BytesIO()
+    image.save(data, "JPEG", quality=QUALITY, optimize=True)
+    source = f"data:image/jpeg;base64,{base64.b64encode(data.getvalue()).decode()}"
+    size = f'width="{image.width}" height="{image.height}"'
+    shown = f'<img src="{source}" {size} alt="{html.escape(caption)}">'
+    if link is not None:
+        shown = f'<a href="{html.escape(link)}">{shown}</a>'
+    return f"<figure>{shown}<figcaption>{html.escape(caption)}</figcaption></figure>"
+
+
+def plot(drawing: str) -> str:
+    """An SVG element that a narrow screen may scroll."""
+    return f'<div class="plot">{drawing}</div>'
+
+
+def text(value: Any, indent: str = "") -> str:
+    """What a scene says, a key a line, as YAML; what is null is left out."""
+    lines = []
+    for key, inner in value.items():
+        if inner is None:
+            continue
+        if isinstance(inner, dict) and inner:
+            lines += [f"{indent}{key}:", text(inner, indent + "  ")]
+        elif isinstance(inner, list) and any(isinstance(item, dict | list) for item in inner):
+            lines += [f"{indent}{key}:", *(f"{indent}  - {json.dumps(item, ensure_ascii=False)}" for item in inner)]
+        else:
+            lines.append(f"{indent}{key}: {json.dumps(inner, ensure_ascii=False)}")
+    return "\n".join(line for line in lines if line)

@@ -1,0 +1,101 @@
+"""Cameras that go with a ship: where they are is a function of the time and of where the ship has been."""
+
+import numpy as np
+import pytest
+
+from ocean_sim.observers import _camera
+from ocean_sim.observers._camera import Operator, Track, Vessel
+
+LOWER, UPPER = np.array([-100.0, -20.0, -100.0]), np.array([100.0, 2.0, 100.0])
+LENGTH, SPEED, STEP = 15.0, 4.0, 0.05
+
+
+def rolled(angle):
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+@pytest.fixture
+def operator():
+    """Of a ship that goes along +z at a constant speed and rolls."""
+
+    def build(name, roll=0.0, **given):
+        time = np.arange(400) * STEP
+        place = np.stack([0.0 * time, 0.4 + 0.0 * time, SPEED * time - 40.0], axis=1)
+        track = Track(time, place, np.repeat(rolled(roll)[None], len(time), axis=0))
+        vessel = Vessel(LENGTH, np.array([0.0, 2.5, 1.5]), track)
+        return Operator(name, LOWER, UPPER, 16 / 9, (time[0], time[-1]), vessel=vessel, **given)
+
+    return build
+
+
+def test_every_name_has_a_camera_whose_axes_are_square(operator):
+    for name in _camera.Name.__args__:
+        given = {"eye": (30.0, 5.0, 0.0), "target": (0.0, 0.0, 0.0)} if name == "fixed" else {}
+        camera = operator(name, **given).at(3.0)
+        assert np.isfinite(camera.eye).all()
+        assert np.linalg.norm(camera.forward) == pytest.approx(1.0) and np.linalg.norm(camera.up) == pytest.approx(1.0)
+        assert camera.forward @ camera.up == pytest.approx(0.0, abs=1e-9)
+
+
+def test_follow_is_behind_the_ship_and_lags_as_a_first_order_filter_does(operator):
+    lag = _camera.LAG[0]
+    decay = np.exp(-STEP / lag)
+    place, heading = _camera.damped(operator("follow").vessel.track)
+    behind = SPEED * 18.0 - 40.0 - place[360, 2]
+    assert behind == pytest.approx(SPEED * STEP * decay / (1.0 - decay), rel=1e-6)  # steady state of a ramp
+    assert behind == pytest.approx(SPEED * lag, rel=0.05) and np.abs(heading).max() < 1e-12
+    camera = operator("follow").at(18.0)
+    assert camera.eye[2] < SPEED * 18.0 - 40.0 - LENGTH and camera.eye[1] > 0.3 * LENGTH and camera.forward[2] > 0.8
+
+
+def test_the_heading_of_follow_does_not_jump_where_the_angle_does():
+    time = np.arange(200) * STEP
+    angle = np.linspace(3.0, 3.3, 200)  # through pi
+    turn = np.zeros((200, 3, 3))
+    turn[:, 0, 2], turn[:, 2, 2] = np.sin(angle), np.cos(angle)
+    _, heading = _camera.damped(Track(time, np.zeros((200, 3)), turn))
+    assert np.abs(np.diff(heading)).max() < 0.01
+
+
+def test_from_the_helm_the_horizon_rolls_with_the_ship(operator):
+    roll = np.radians(10.0)
+    level, leaning = operator("first_person").at(5.0), operator("first_person", roll).at(5.0)
+    assert level.up[0] == 0.0
+    right, up = np.cross(leaning.forward, leaning.up), leaning.up
+    assert np.arctan2(right[1], up[1]) == pytest.approx(-roll, abs=0.01) or np.arctan2(
+        right[1], up[1]
+    ) == pytest.approx(roll, abs=0.01)
+    np.testing.assert_allclose(level.eye, [0.0, 2.9, -18.5], atol=1e-9)
+    assert leaning.eye[0] == pytest.approx(-2.5 * np.sin(roll))
+    assert level.forward[1] < 0.0  # the bow is below
+
+
+def test_orbit_goes_around_once_and_stays_as_far(operator):
+    orbit = operator("orbit")
+    start, end = orbit.span
+
+    def bearing(time):
+        eye = orbit.at(time).eye - [0.0, 0.0, SPEED * time - 40.0]
+        return np.arctan2(eye[0], eye[2]), np.linalg.norm(eye)
+
+    times = np.linspace(start, end, 60)
+    angles, far = np.array([bearing(time) for time in times]).T
+    assert np.unwrap(angles)[-1] - angles[0] == pytest.approx(2.0 * np.pi)
+    np.testing.assert_allclose(far, far[0], rtol=1e-9)
+
+
+def test_a_picture_does_not_depend_on_what_was_drawn_before_it(operator):
+    for name in ("follow", "orbit", "first_person", "third_person"):
+        one, other = operator(name), operator(name)
+        for time in (1.0, 9.0, 4.0):
+            one.at(time)
+        np.testing.assert_array_equal(one.at(6.0).eye, other.at(6.0).eye)
+
+
+def test_cameras_without_a_ship_stand_still_or_go_around_the_basin():
+    still = Operator("third_person", LOWER, UPPER, 16 / 9, (0.0, 10.0), vessel=None)
+    assert still.at(1.0) is still.at(9.0)
+    orbit = Operator("orbit", LOWER, UPPER, 16 / 9, (0.0, 10.0), vessel=None)
+    np.testing.assert_allclose(orbit.at(0.0).eye, orbit.at(10.0).eye)
+    assert np.linalg.norm(orbit.at(0.0).eye - orbit.at(5.0).eye) > 100.0

@@ -1,0 +1,158 @@
+"""Drawn ships: the physical hull, painted by height over the water at rest, and what stands on it."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from ocean_sim.observers import _drawn_ship, _ship_hull, _ship_parts
+from ocean_sim.observers._ship_model import BLACK, OXIDE, WHITE, modelled
+from ocean_sim.ship._drawn import drawn
+from ocean_sim.ship._hull import hull_of
+
+NOWHERE = np.full(3, np.nan)
+HULLS = {
+    "yacht": (0.0, 4.2, 0.5),
+    "tug": (0.0, 8.0, 2.0),
+    "barge20": None,
+    "wigley": None,
+    "cylinder": None,
+    "sphere": None,
+}
+
+
+def placed(name):
+    """Vertices from the centre of mass, triangles, share of the volume under water, helm."""
+    hull = hull_of(name)
+    vertices, triangles = drawn(hull.shape)
+    centre = np.array(hull.centre_of_mass)
+    still = hull.afloat(8.0, 1000.0, 9.81)
+    helm = NOWHERE if HULLS[name] is None else np.array(HULLS[name]) - centre
+    return vertices - centre, triangles, still.wanted / still.voxels.volume, helm
+
+
+@pytest.fixture(scope="module", params=HULLS)
+def ship(request):
+    vertices, triangles, share, helm = placed(request.param)
+    made = modelled(vertices, triangles, share, request.param, helm)
+    return request.param, made, _ship_hull.Hull(vertices, triangles, share)
+
+
+def area(corners):
+    return np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum() / 2.0
+
+
+def test_every_model_is_whole_and_small_enough_for_a_film(ship):
+    _, made, _ = ship
+    mesh = made.mesh
+    assert all(np.isfinite(array).all() for array in (*mesh, made.helm))
+    np.testing.assert_allclose(np.linalg.norm(mesh.normals, axis=2), 1.0, atol=1e-6)
+    assert ((mesh.colour >= 0.0) & (mesh.colour <= 1.0)).all() and len(mesh.corners) < 25_000
+
+
+def test_the_drawn_hull_is_the_physical_hull(ship):
+    _, _, hull = ship
+    painted = hull.painted(OXIDE, WHITE, BLACK, WHITE)
+    physical = hull.vertices[hull.triangles]
+    assert area(painted.corners) == pytest.approx(area(physical), rel=1e-9)
+    assert painted.corners.min(axis=(0, 1)) == pytest.approx(hull.lower, abs=1e-9)
+    assert painted.corners.max(axis=(0, 1)) == pytest.approx(hull.upper, abs=1e-9)
+
+
+def test_colours_end_exactly_at_their_heights(ship):
+    name, _, hull = ship
+    bands = [(0.0, OXIDE), (np.inf, BLACK)]
+    corners, normals = hull.values[:, :, :3], hull.values[:, :, 3:]
+    height = hull.over_water(corners)
+    mesh = _ship_parts.banded(corners, normals, height, bands)
+    after = hull.over_water(mesh.corners)
+    below = (mesh.colour == OXIDE).all(axis=1)
+    assert after[below].max() < 1e-9 and after[~below].min() > -1e-9
+    assert ((height.min(axis=1) < -1e-3) & (height.max(axis=1) > 1e-3)).any(), f"{name}: nothing had to be cut"
+
+
+@pytest.mark.parametrize("name, level", [("barge20", 2.0), ("sphere", 5.0), ("cylinder", 1.0)])
+def test_the_waterline_is_where_archimedes_has_it(name, level):
+    vertices, triangles, share, _ = placed(name)
+    hull = _ship_hull.Hull(vertices, triangles, share)
+    keel = hull.over_water(np.array([0.0, vertices[:, 1].min(), 0.0]))
+    assert -keel == pytest.approx(level, abs=2e-3 * np.ptp(vertices[:, 1]))
+    np.testing.assert_allclose(hull.up, [0.0, 1.0, 0.0], atol=1e-9)
+
+
+def test_a_box_that_is_loaded_off_its_middle_trims_as_a_wall_sided_ship():
+    length, draught, high, off = 20.0, 2.0, 2.2, 0.4
+    lower, upper = np.array([-4.0, -high, -length / 2 - off]), np.array([4.0, 4.0 - high, length / 2 - off])
+    corners = _ship_parts.box(lower, upper, WHITE).corners
+
+    def lever(t):  # centre of buoyancy of a wall-sided hull at a trim of tangent t, along the level
+        z, y = length**2 / (12.0 * draught) * t, draught / 2.0 + length**2 / (24.0 * draught) * t**2
+        return (z - off) + (y - high) * t
+
+    up, level = _ship_hull.settled(corners, 0.5)
+    assert abs(up[2] / up[1]) == pytest.approx(brentq(lever, 0.0, 0.3), rel=1e-6)
+    volume, *moment = _ship_hull.submerged(corners, up, level)
+    arm = np.array(moment) / volume
+    assert volume == pytest.approx(320.0) and np.linalg.norm(arm - (arm @ up) * up) < 1e-6
+    upright = np.array(_ship_hull.submerged(corners, np.array([0.0, 1.0, 0.0]), high - draught)[1:]) / volume
+    assert abs(upright[2]) == pytest.approx(off)  # upright it is not at rest
+
+
+def test_a_ship_heavier_than_its_hull_can_carry_is_awash():
+    corners = _ship_parts.box((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0), WHITE).corners
+    up, level = _ship_hull.settled(corners, 1.0)
+    assert (corners @ up + level).max() == pytest.approx(0.0)
+
+
+def hits(corners, eye, ray):
+    """Whether a ray meets a triangle ahead (Moeller and Trumbore 1997)."""
+    a, u, v = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    p = np.cross(ray, v)
+    size = (u * p).sum(axis=1)
+    size = np.where(np.abs(size) > 1e-12, size, np.inf)
+    s = ((eye - a) * p).sum(axis=1) / size
+    q = np.cross(eye - a, u)
+    t, far = q @ ray / size, (v * q).sum(axis=1) / size
+    return bool(((s >= 0) & (t >= 0) & (s + t <= 1) & (far > 1e-6)).any())
+
+
+@pytest.mark.parametrize("name", ["yacht", "tug"])
+def test_the_helmsman_sees_the_sea_ahead_and_the_bow_below(name):
+    made = modelled(*placed(name)[:3], name, placed(name)[3])
+
+    def looks(eye, down, aside):
+        ray = np.array([np.sin(aside), -np.sin(down), np.cos(aside)])
+        return hits(made.mesh.corners, eye, ray / np.linalg.norm(ray))
+
+    sides = np.radians(np.linspace(-60.0, 60.0, 25) + 0.3)
+    assert not any(looks(made.helm, np.radians(-2.0), aside) for aside in sides)
+    assert looks(made.helm, np.radians(30.0), 0.003)
+    assert looks(made.helm - [0.0, 0.0, 1.0], np.radians(-2.0), 0.003)  # from inside the house nothing is seen
+
+
+def test_smooth_shading_stops_at_a_crease():
+    vertices, triangles = drawn(hull_of("barge20").shape)
+    normals = _ship_parts.smooth_normals(vertices, triangles)
+    corners = vertices[triangles]
+    flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    flat /= np.linalg.norm(flat, axis=1, keepdims=True)
+    np.testing.assert_allclose(normals, np.repeat(flat[:, None], 3, axis=1), atol=1e-9)
+    vertices, triangles = drawn(hull_of("sphere").shape)
+    normals = _ship_parts.smooth_normals(vertices, triangles).reshape(-1, 3)
+    radial = (vertices - [0.0, 5.0, 0.0])[triangles].reshape(-1, 3)
+    cosine = (normals * radial).sum(axis=1) / np.linalg.norm(radial, axis=1)
+    assert np.percentile(cosine, 1) > np.cos(np.radians(10.0))
+
+
+def test_a_hull_without_a_deck_to_stand_on_is_a_test_body():
+    vertices, triangles, share, _ = placed("sphere")
+    round_yacht = modelled(vertices, triangles, share, "yacht", NOWHERE)
+    plain = modelled(vertices, triangles, share, "sphere", NOWHERE)
+    assert len(round_yacht.mesh.corners) == len(plain.mesh.corners)
+
+
+def test_light_is_finite_and_brighter_towards_the_sun():
+    from ocean_sim.observers import _sky
+
+    normals = np.stack([_sky.SUN, -_sky.SUN])
+    light = _drawn_ship.lit(normals, np.full((2, 3), 0.5), np.zeros((2, 1)))
+    assert (light[0] > 2.0 * light[1]).all() and (light > 0.0).all()

@@ -1,0 +1,176 @@
+"""Pictures of a ship from frames that were made by hand: cameras, stills, strips, films, memory."""
+
+import json
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from ocean_sim.__main__ import answered
+from ocean_sim.observers import _opengl, render
+from ocean_sim.ship._drawn import drawn
+from ocean_sim.ship._hull import hull_of
+
+with_opengl = pytest.mark.skipif(_opengl.probe() is not None, reason="no OpenGL on this machine")
+
+
+def voyage(folder, count, every=0.1, ship=True):
+    """Frames of flat water with a yacht under way that heels to starboard."""
+    frames = folder / "frames"
+    frames.mkdir(parents=True)
+    (folder / "manifest.json").write_text("{}")
+    x = np.arange(-29.0, 30.0, 2.0)
+    grid = {"x": x, "z": x, "lower": [-30.0, -6.0, -30.0], "upper": [30.0, 0.0, 30.0], "depth": 6.0, "spacing": 2.0}
+    hull = hull_of("yacht")
+    vertices, triangles = drawn(hull.shape)
+    centre = np.array(hull.centre_of_mass)
+    kept = {"ship_vertices": vertices - centre, "ship_triangles": triangles, "ship_look": "yacht outline"}
+    kept |= {"ship_helm": np.array([0.0, 4.2, 0.5]) - centre, "ship_submerged": 0.22}
+    np.savez(
+        frames / "grid.npz",
+        **{k: np.asarray(v) for k, v in grid.items()},
+        every=every,
+        has_surface=True,
+        **(kept if ship else {}),
+    )
+    for k in range(count):
+        c, s = np.cos(0.15), np.sin(0.15)
+        pose = {
+            "ship_position": np.array([0.0, 0.4, 4.0 * every * k - 5.0]),
+            "ship_turn": np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]),
+        }
+        elevation = 0.05 * np.sin(0.3 * x[:, None] + 0.0 * x - 0.1 * k)
+        np.savez(frames / f"frame_{k:05d}.npz", time=every * k, elevation=elevation, **(pose if ship else {}))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return voyage(tmp_path_factory.mktemp("voyage"), 11)
+
+
+def ask(capsys, *words):
+    code = answered([str(word) for word in words])
+    return code, capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "words, said",
+    [
+        (("--camera", "folow"), "'folow' is not a choice; did you mean 'follow'?"),
+        (("--camera", "fixed"), "a fixed camera needs an eye and a target"),
+        (("--eye", "1,2,3"), "eye and target are of the camera fixed"),
+        (("--camera", "fixed", "--eye", "1,2", "--target", "0,0,0"), "eye"),
+        (("--size", "321x180"), "even width and height"),
+        (("--size", "big"), "--size big: a size is width x height"),
+        (("--stills", "0.2,soon"), "--stills 0.2,soon: these are not numbers"),
+        (("--stills", "0.2,7"), "there is no picture at 7 s; the frames of this run reach from 0 to 1 s"),
+        (("--fps", "0"), "--fps 0: choose"),
+        (("--strip", "99"), "strip"),
+    ],
+)
+def test_what_makes_no_sense_is_a_sentence(folder, capsys, words, said):
+    code, err = ask(capsys, "render", folder, *words)
+    assert code == 2 and said in err and not list(folder.glob("*.png"))
+
+
+def test_a_camera_aboard_wants_a_ship(tmp_path, capsys):
+    bare = voyage(tmp_path / "bare", 2, ship=False)
+    for camera in ("follow", "first_person"):
+        code, err = ask(capsys, "render", bare, "--camera", camera)
+        assert code == 2 and f"camera {camera} needs a ship" in err
+
+
+def test_a_strip_is_pictures_side_by_side():
+    pictures = [np.full((4, 6, 3), shade, np.uint8) for shade in (10, 20, 30)]
+    strip = render.side_by_side(pictures, gap=2)
+    assert strip.shape == (4, 22, 3)
+    assert (strip[:, [0, 8, 16]] == np.array([10, 20, 30])[None, :, None]).all() and (strip[:, 6:8] == 255).all()
+
+
+@with_opengl
+def test_images_for_a_figure_are_the_same_whatever_else_is_drawn(folder):
+    several = render.images(folder, [0.2, 0.8], camera="follow", size=(160, 90), caption=False)
+    alone = render.images(folder, [0.8], camera="follow", size=(160, 90), caption=False)
+    assert several.shape == (2, 90, 160, 3) and several.dtype == np.uint8
+    np.testing.assert_array_equal(several[1], alone[0])
+    assert (several[0] != several[1]).any() and several.std() > 10.0
+    assert not list(folder.glob("*.png"))
+
+
+@with_opengl
+def test_from_the_helm_the_deck_is_below_and_from_the_side_the_sky_is_above(folder):
+    [helm] = render.images(folder, [0.5], camera="first_person", size=(160, 90), caption=False)
+    [side] = render.images(
+        folder, [0.5], camera="fixed", eye=(40.0, 3.0, 0.0), target=(0.0, 2.0, 0.0), size=(160, 90), caption=False
+    )
+    deck, sky, hull = helm[-3, 80].astype(int), side[3, 5].astype(int), side[45:60, 60:100].astype(int)
+    assert deck[0] > deck[2] + 20  # planks are yellower than water and sky
+    assert sky[2] > sky[0] and (np.ptp(hull, axis=2) > 30).any()
+
+
+@with_opengl
+def test_the_verb_draws_stills_a_strip_and_a_film_of_the_right_length(folder, tmp_path, capsys):
+    import imageio.v2 as imageio
+
+    words = (
+        "--camera",
+        "orbit",
+        "--size",
+        "128x72",
+        "--quality",
+        "draft",
+        "--fps",
+        "20",
+        "--strip",
+        "3",
+        "--stills",
+        "0.5",
+    )
+    code = answered(["render", str(folder), *words, "--out", str(tmp_path), "--json"])
+    files = json.loads(capsys.readouterr().out)["files"]
+    assert code == 0 and [f.split("/")[-1] for f in files] == [
+        "preview.png",
+        "still_0000.500.png",
+        "strip.png",
+        "film.mp4",
+    ]
+    assert imageio.imread(tmp_path / "strip.png").shape == (72, 3 * 128 + 2 * render.GAP, 3)
+    film = imageio.get_reader(tmp_path / "film.mp4")
+    assert film.get_meta_data()["duration"] == pytest.approx(1.05, abs=0.051) and film.count_frames() == 21
+    answered(
+        ["render", str(folder), "--size", "64x64", "--no-film", "--quality", "draft", "--out", str(tmp_path / "b")]
+    )
+    assert [f.name for f in (tmp_path / "b").iterdir()] == ["preview.png"]
+
+
+MEMORY = """
+import json, sys
+from ocean_sim.observers import render
+from ocean_sim.observers._order import Order
+def resident():
+    return int(open("/proc/self/statm").read().split()[1]) * 4096 / 1e6
+for done, _ in render.draw(Order(**json.loads(sys.argv[1]))):
+    if done in (60, 500):
+        print("resident", resident())
+"""
+
+
+@with_opengl
+@pytest.mark.slow
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
+def test_the_memory_of_a_film_of_500_pictures_is_flat(tmp_path):
+    run = voyage(tmp_path / "long", 500, every=0.05)
+    order = {"folder": str(run), "out": str(tmp_path), "camera": "follow", "size": (64, 64), "particles": False}
+    order |= {"quality": "draft", "every": 0.05, "film": True}
+    child = subprocess.run(
+        [sys.executable, "-c", MEMORY, json.dumps(order)],
+        env=_opengl.environment(_opengl.window()),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    early, late = (float(word) for word in re.findall(r"resident (\S+)", child.stdout))
+    assert late - early < 10.0  # MB; one more copy of the ship or the water a picture would be hundreds

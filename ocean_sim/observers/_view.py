@@ -1,0 +1,71 @@
+"""Where the eye of the preview is: around the ship or the basin, at the helm, above, beside."""
+
+from math import cos, radians, sin, tan
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ocean_sim.observers._sky import unit
+
+OUTSIDE, HELM = 35.0, 60.0  # [deg] vertical angles of view
+FAR = 6.0  # lengths of a ship; in a longer basin the camera follows it
+SHIPS = 2.5  # lengths of a ship that a camera which follows it sees
+
+
+class Eye(NamedTuple):
+    place: np.ndarray  # [m]
+    target: np.ndarray  # [m]
+    up: np.ndarray
+    angle: float  # [deg], vertical
+    near: float  # [m] nothing nearer is drawn
+    far: float  # [m]
+
+
+def seen(camera: str, orbit: tuple[float, float, float], box: Any, ship: Any, free: Any, aspect: float) -> Eye:
+    """The eye of a camera of _panel.CAMERAS; `orbit`: azimuth, height [rad] and distance; `box`: corners of the water
+    [m]; `free`: (x, y, width, height) of the picture that no panel covers, y upwards."""
+    lower, upper = (np.array(corner, dtype=float) for corner in box)
+    body = None if ship is None else ship.body
+    if camera == "helm" and body is not None:
+        return at_helm(ship)
+    length = ship_length(ship)
+    middle, size = 0.5 * (lower + upper), upper - lower
+    if body is not None and length and max(size[0], size[2]) > FAR * length:
+        middle, size = np.array([body.position[0], 0.0, body.position[2]]), np.full(3, SHIPS * length)
+    azimuth, height, distance = orbit
+    if camera == "top":
+        towards, up = np.array([0.0, -1.0, 0.0]), np.array([0.0, 0.0, -1.0])
+    elif camera == "side":
+        towards, up = np.array([0.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0])
+    else:
+        flat = cos(height)
+        towards = -np.array([flat * sin(azimuth), sin(height), flat * cos(azimuth)])
+        up = np.array([0.0, 1.0, 0.0])
+    right = unit(np.cross(towards, up))
+    high = np.cross(right, towards)
+    corners = middle + 0.5 * size * (2.0 * np.array(list(np.ndindex(2, 2, 2))) - 1.0)
+    wide, tall = tan(radians(OUTSIDE / 2)) * aspect * free[2], tan(radians(OUTSIDE / 2)) * free[3]
+    reach = 0.0
+    for away in (corners - middle) @ np.stack([right, high, towards], axis=1):
+        reach = max(reach, abs(away[0]) / wide - away[2], abs(away[1]) / tall - away[2])
+    reach *= distance
+    # The middle of what is looked at comes to stand in the middle of the part that is free.
+    shift_x = (free[0] + 0.5 * free[2] - 0.5) * 2.0 * reach * tan(radians(OUTSIDE / 2)) * aspect
+    shift_y = (free[1] + 0.5 * free[3] - 0.5) * 2.0 * reach * tan(radians(OUTSIDE / 2))
+    target = middle - shift_x * right - shift_y * high
+    far = 40.0 * max(reach, float(size.max()))
+    return Eye(target - reach * towards, target, up, OUTSIDE, 0.02 * reach, far)
+
+
+def at_helm(ship: Any) -> Eye:
+    """From the place named helm, else from above the middle of the ship, towards the bow and a little down."""
+    body, turn = ship.body, ship.body.matrix
+    place = ship.points.get("helm", np.array([0.0, 0.25 * (ship_length(ship) or 4.0), 0.0]))
+    eye = body.position + turn @ place
+    return Eye(eye, eye + turn @ np.array([0.0, -0.12, 1.0]), turn @ np.array([0.0, 1.0, 0.0]), HELM, 0.2, 4000.0)
+
+
+def ship_length(ship: Any) -> float:
+    """How long the drawn ship is [m]; 0 where none is drawn."""
+    drawn = None if ship is None else ship.drawn()
+    return 0.0 if drawn is None else float(np.ptp(drawn[0], axis=0).max())

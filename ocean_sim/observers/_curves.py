@@ -1,7 +1,7 @@
 """Curves that grow while one looks: wave height, roll, time per picture; as lines in the unit square of a picture."""
 
 from collections import deque
-from math import ceil, floor, log10, nan
+from math import floor, log10, nan
 
 import numpy as np
 
@@ -9,6 +9,8 @@ ROLLING = 10.0  # [s] over which H_s is taken
 KEPT = 240  # points of a curve
 NAMES = ("H_s", "roll", "picture")
 UNITS = {"H_s": "m", "roll": "deg", "picture": "ms"}
+DIGITS = {"H_s": 2, "roll": 1, "picture": 0}
+LEAST = {"H_s": 0.1, "roll": 1.0, "picture": 20.0}  # the shortest axis
 
 
 class Curves:
@@ -33,9 +35,10 @@ class Curves:
         return 4.0 * float(np.mean([v for _, v in self.variances])) ** 0.5 if self.variances else nan
 
     def scale(self, name: str) -> tuple[float, float]:
-        """Lowest and highest value of the axis: round numbers; roll about zero, the others from zero."""
+        """Lowest and highest value of the axis: round numbers; roll about zero, the others from zero. Of the times of
+        pictures one in ten may lie beyond: the first ones wait for a compiler."""
         known = np.abs(np.array([v for v in self.values[name] if v == v] or [0.0]))
-        top = rounded_up(float(known.max()) or 1e-9)
+        top = rounded_up(max(float(np.quantile(known, 0.9 if name == "picture" else 1.0)), LEAST[name]))
         return (-top, top) if name == "roll" else (0.0, top)
 
     def told(self, name: str) -> str:
@@ -44,7 +47,7 @@ class Curves:
         if last != last:
             return "none"
         low, high = self.scale(name)
-        return f"{last:.3g} {UNITS[name]}   axis {low:g} to {high:g}"
+        return f"{round(last, DIGITS[name]) + 0.0:.{DIGITS[name]}f} {UNITS[name]}   axis {low:g} to {high:g}"
 
     def lines(self, name: str, box: tuple[float, float, float, float]) -> np.ndarray:
         """(n, 2, 2) ends of segments inside box (x, y, width, height) of the picture, y upwards; the newest right."""
@@ -60,4 +63,4 @@ class Curves:
 def rounded_up(value: float) -> float:
     """The next of 1, 2, 5, 10, ... times a power of ten."""
     power = 10.0 ** floor(log10(value))
-    return next(float(f"{m * power:.3g}") for m in (1, 2, 5, 10) if m * power >= value * (1.0 - 1e-9) or m >= ceil(10))
+    return next(float(f"{m * power:.3g}") for m in (1, 2, 5, 10) if m * power >= value * (1.0 - 1e-9))

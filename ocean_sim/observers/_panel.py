@@ -152,7 +152,7 @@ def sliders_of(simulation: Any) -> list[Slider]:
     found = []
     scene, fluid, stepping = simulation.scene, simulation.fluid, simulation.time_step
     if scene.wind.kind != "still":
-        found.append(Slider("wind x", 1.0, 0.0, 3.0, simulation.wind.strengthen))
+        found.append(Slider("wind strength, x the preset", 1.0, 0.0, 3.0, simulation.wind.strengthen))
     for name, unit in getattr(fluid, "adjustable", {}).items():
         now = float(getattr(fluid, name))
         ends = (0.25 * now, 4.0 * now) if name == "stiffness" else (0.0, max(4.0 * now, 1.0))
@@ -162,7 +162,7 @@ def sliders_of(simulation: Any) -> list[Slider]:
             fluid.adjust(**others | {name: value})
             simulation.next_dt = stepping.next(simulation)
 
-        found.append(Slider(f"{name.removeprefix('kinematic_')} {unit}", now, *ends, adjust))
+        found.append(Slider(f"{name.replace('_', ' ')} [{unit}]", now, *ends, adjust))
     for key, low, high in (("courant_number", 0.1, 1.0), ("dt", 0.2, 1.5)):
         if hasattr(stepping.config, key):
             given = float(getattr(stepping.config, key))
@@ -172,6 +172,6 @@ def sliders_of(simulation: Any) -> list[Slider]:
                 stepping.config = stepping.config.model_copy(update={key: value})
                 simulation.next_dt = stepping.next(simulation)
 
-            label = {"courant_number": "Courant number", "dt": "time step s"}[key]
+            label = {"courant_number": "Courant number", "dt": "time step [s]"}[key]
             found.append(Slider(label, given, low * scale, max(high * scale, given), pace))
     return found

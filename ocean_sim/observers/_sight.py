@@ -51,9 +51,10 @@ class Sight:
         self.has_surface = not basin.closed and (fluid.particles is None or fluid.sound_speed > 0.0)
         surface = simulation.surface
         self.folds = surface is not None and not self.flat and bool((surface.mesh().normals[:, 1] <= 0.0).any())
-        self.sheet = None
+        self.sheet = self.net = None
         if self.has_surface and not self.flat and not self.folds:
             self.sheet = WaterMesh(self.x, self.z, self.lower, self.upper, NODES)
+            self.net = WaterMesh(self.x, self.z, self.lower, self.upper, len(self.points))
         drawn = None if simulation.ship is None else simulation.ship.drawn()
         self.hull = None if drawn is None else Hull(*drawn[:2])
         self.fastest = CALM
@@ -86,19 +87,20 @@ class Sight:
         shown = self.simulation.surface or self.simulation.fluid
         return shown.elevations(self.points) if self.has_surface else np.zeros(0)
 
-    def water(self, heights: np.ndarray, eye: np.ndarray, sides: bool) -> Patch | None:
-        """The surface, coloured for an eye; `sides`: with the cut sides of the water."""
-        if self.sheet is None:
+    def water(self, heights: np.ndarray, eye: np.ndarray, solid: bool) -> Patch | None:
+        """The surface, coloured for an eye: `solid` with the cut sides of the water, else a net to look through."""
+        sheet = self.sheet if solid else self.net
+        if sheet is None:
             return self.shell(heights, eye) if self.folds else None
-        points, normals = self.sheet.surface(heights.reshape(len(self.x), len(self.z)))
+        points, normals = sheet.surface(heights.reshape(len(self.x), len(self.z)))
         colours = self.coloured(points, normals, heights, eye)
-        if not sides:
-            return Patch(points, self.sheet.surface_triangles, colours)
-        walls = self.sheet.sides(points)
-        deep = self.sheet.side_depth[:, None] ** 0.6
+        if not solid:
+            return Patch(points, sheet.surface_triangles, colours)
+        walls = sheet.sides(points)
+        deep = sheet.side_depth[:, None] ** 0.6
         return Patch(
             np.concatenate([points, walls]),
-            np.concatenate([self.sheet.surface_triangles, self.sheet.side_triangles + len(points)]),
+            np.concatenate([sheet.surface_triangles, sheet.side_triangles + len(points)]),
             np.concatenate([colours, TOP + (BED - TOP) * deep]),
         )
 
@@ -164,7 +166,7 @@ class Sight:
         return inside[np.linalg.norm(inside[:, 1] - inside[:, 0], axis=1) > 1e-6]
 
     def arrows(self, feet: np.ndarray, pushes: np.ndarray) -> np.ndarray:
-        """Shaft and two barbs of every arrow over the basin, above the water; length 1 is a tenth of the basin."""
+        """Shaft and four barbs of every arrow over the basin, above the water; length 1 is a tenth of the basin."""
         size = self.upper - self.lower
         inside = ((feet > self.lower) & (feet < self.upper) | (size <= 0.0))[:, [0, 2]].all(axis=1)
         feet, pushes = feet[inside], 0.1 * size.max() * pushes[inside]
@@ -179,7 +181,8 @@ class Sight:
         across[lying] = [1.0, 0.0, 0.0]
         across /= np.linalg.norm(across, axis=1, keepdims=True)
         barb = 0.28 * long[:, None]
-        barbs = [tip + barb * (-along + side * 0.5 * across) for side in (-1.0, 1.0)]
+        upright = np.cross(along, across)
+        barbs = [tip + barb * (-along + side * 0.4 * out) for out in (across, upright) for side in (-1.0, 1.0)]
         return np.concatenate([np.stack([a, tip], axis=1) for a in (begin, *barbs)])
 
 

@@ -44,17 +44,22 @@ def seen(camera: str, orbit: tuple[float, float, float], box: Any, ship: Any, fr
     right = unit(np.cross(towards, up))
     high = np.cross(right, towards)
     corners = middle + 0.5 * size * (2.0 * np.array(list(np.ndindex(2, 2, 2))) - 1.0)
-    wide, tall = tan(radians(OUTSIDE / 2)) * aspect * free[2], tan(radians(OUTSIDE / 2)) * free[3]
-    reach = 0.0
-    for away in (corners - middle) @ np.stack([right, high, towards], axis=1):
-        reach = max(reach, abs(away[0]) / wide - away[2], abs(away[1]) / tall - away[2])
-    reach *= distance
-    # The middle of what is looked at comes to stand in the middle of the part that is free.
-    shift_x = (free[0] + 0.5 * free[2] - 0.5) * 2.0 * reach * tan(radians(OUTSIDE / 2)) * aspect
-    shift_y = (free[1] + 0.5 * free[3] - 0.5) * 2.0 * reach * tan(radians(OUTSIDE / 2))
-    target = middle - shift_x * right - shift_y * high
+    x, y, away = corners @ right, corners @ high, corners @ towards
+    half = tan(radians(OUTSIDE / 2))
+    # Planes through the eye bound the free part of the picture: each corner limits how far forward the eye may stand.
+    bounds, shifts = [], []
+    for place, t, begin, part in ((x, half * aspect, free[0], free[2]), (y, half, free[1], free[3])):
+        shift, t = t * (2.0 * begin + part - 1.0), t * part
+        leaning = place - shift * away
+        bounds.append(((leaning - t * away).max(), (leaning + t * away).min(), t))
+        shifts.append(shift)
+    ahead = min((inner - outer) / (2.0 * t) for outer, inner, t in bounds)
+    reach = distance * (float(middle @ towards) - ahead)
+    ahead = float(middle @ towards) - reach
+    eye_x, eye_y = (0.5 * (outer + inner) + shift * ahead for (outer, inner, _), shift in zip(bounds, shifts))
+    eye = eye_x * right + eye_y * high + ahead * towards
     far = 40.0 * max(reach, float(size.max()))
-    return Eye(target - reach * towards, target, up, OUTSIDE, 0.02 * reach, far)
+    return Eye(eye, eye + reach * towards, up, OUTSIDE, 0.02 * reach, far)
 
 
 def at_helm(ship: Any) -> Eye:

@@ -184,11 +184,8 @@ class Screen:
     def compose(self, panel: Panel, heights: np.ndarray, pace: float | None) -> None:
         """Tell the window everything that is in the picture."""
         eye = self.eye(panel)
-        for scene in (self.plain, self.lit):
-            scene.set_camera(self.camera)
+        self.plain.set_camera(self.camera)
         self.plain.ambient_light((1.0, 1.0, 1.0))
-        self.lit.ambient_light((0.55, 0.55, 0.55))
-        self.lit.point_light(pos=tuple(eye.place + [-200.0, 300.0, -100.0]), color=(0.6, 0.6, 0.6))
         self.sky.put(self.dome._replace(vertices=eye.place + 0.5 * eye.far * self.dome.vertices))
         self.sky.show(self.plain)
         water = (
@@ -210,14 +207,15 @@ class Screen:
         self.canvas.scene(self.plain)
         balls = self.sight.particles() if panel.content != "surface" else None
         if balls is not None and len(balls.places):
-            self.balls(balls)
+            self.balls(balls, eye)
         self.charts()
         self.words(panel, balls, pace)
 
     def eye(self, panel: Panel) -> Eye:
         width, height = self.size
         left, bottom = (PANEL + 2 * EDGE) / width, (CHART + LABEL + 2 * EDGE) / height
-        free = (left, bottom, 1.0 - left - EDGE / width, 1.0 - bottom - 5 * EDGE / height)
+        above = 3 * EDGE if panel.content == "surface" else 4 * EDGE + LABEL  # the legend of the particles
+        free = (left, bottom, 1.0 - left - EDGE / width, 1.0 - bottom - above / height)
         orbit = (panel.azimuth, panel.height, panel.distance)
         eye = seen(panel.camera, orbit, self.sight.box, self.simulation.ship, free, width / height)
         self.camera.position(*eye.place)
@@ -228,7 +226,11 @@ class Screen:
         self.camera.z_far(eye.far)
         return eye
 
-    def balls(self, balls: Balls) -> None:
+    def balls(self, balls: Balls, eye: Eye) -> None:
+        """The particles; their lights are told after the plain scene was, which would take them, too."""
+        self.lit.set_camera(self.camera)
+        self.lit.ambient_light((0.55, 0.55, 0.55))
+        self.lit.point_light(pos=tuple(eye.place + [-200.0, 300.0, -100.0]), color=(0.6, 0.6, 0.6))
         count = self.places.put(balls.places)
         self.tints.put(balls.colours)
         self.lit.particles(
@@ -286,7 +288,8 @@ class Screen:
                     panel.do(action)
             box.text("another wind builds anew, some s")
         for slider in panel.sliders:
-            slider.move(box.slider_float(slider.label, slider.value, slider.low, slider.high))
+            box.text(slider.label)  # words beside a slider would be cut off
+            slider.move(box.slider_float(f"##{slider.label}", slider.value, slider.low, slider.high))
         for action, label in (
             ("content", f"show: {panel.content} (v)"),
             ("camera", f"camera: {panel.camera} (c)"),
@@ -306,6 +309,8 @@ class Screen:
             box.text("Left, Right: port, starboard")
             box.text("x: rudder amidships")
         box.text("drag: orbit   q, e: nearer, away")
+        if simulation.scene.wind.kind != "still":
+            box.text("yellow: gusts   red: their push")
         if panel.said:
             for line in wrapped(panel.said, 38):
                 box.text(line, color=(1.0, 0.55, 0.4))

@@ -21,14 +21,16 @@ class Eye(NamedTuple):
     far: float  # [m]
 
 
-def seen(camera: str, orbit: tuple[float, float, float], box: Any, ship: Any, free: Any, aspect: float) -> Eye:
+def seen(
+    camera: str, orbit: tuple[float, float, float], box: Any, ship: Any, length: float, free: Any, aspect: float
+) -> Eye:
     """The eye of a camera of _panel.CAMERAS; `orbit`: azimuth, height [rad] and distance; `box`: corners of the water
-    [m]; `free`: (x, y, width, height) of the picture that no panel covers, y upwards."""
+    [m]; `length` of the ship [m], 0 where none is drawn; `free`: (x, y, width, height) of the picture that no panel
+    covers, y upwards."""
     lower, upper = (np.array(corner, dtype=float) for corner in box)
     body = None if ship is None else ship.body
     if camera == "helm" and body is not None:
-        return at_helm(ship)
-    length = ship_length(ship)
+        return at_helm(ship, length)
     middle, size = 0.5 * (lower + upper), upper - lower
     if body is not None and length and max(size[0], size[2]) > FAR * length:
         middle, size = np.array([body.position[0], 0.0, body.position[2]]), np.full(3, SHIPS * length)
@@ -62,15 +64,9 @@ def seen(camera: str, orbit: tuple[float, float, float], box: Any, ship: Any, fr
     return Eye(eye, eye + reach * towards, up, OUTSIDE, 0.02 * reach, far)
 
 
-def at_helm(ship: Any) -> Eye:
+def at_helm(ship: Any, length: float) -> Eye:
     """From the place named helm, else from above the middle of the ship, towards the bow and a little down."""
     body, turn = ship.body, ship.body.matrix
-    place = ship.points.get("helm", np.array([0.0, 0.25 * (ship_length(ship) or 4.0), 0.0]))
+    place = ship.points.get("helm", np.array([0.0, 0.25 * (length or 4.0), 0.0]))
     eye = body.position + turn @ place
     return Eye(eye, eye + turn @ np.array([0.0, -0.12, 1.0]), turn @ np.array([0.0, 1.0, 0.0]), HELM, 0.2, 4000.0)
-
-
-def ship_length(ship: Any) -> float:
-    """How long the drawn ship is [m]; 0 where none is drawn."""
-    drawn = None if ship is None else ship.drawn()
-    return 0.0 if drawn is None else float(np.ptp(drawn[0], axis=0).max())

@@ -17,7 +17,7 @@ from pydantic import Field, field_validator
 from ocean_sim.observers._curves import KEPT, NAMES, Curves
 from ocean_sim.observers._panel import HELM, Panel, after, sliders_of
 from ocean_sim.observers._sampled import Multiples
-from ocean_sim.observers._sight import SPEEDS, Balls, Patch, Sight, dome
+from ocean_sim.observers._sight import SPEEDS, Balls, Patch, Sight, backdrop
 from ocean_sim.observers._view import Eye, seen
 from ocean_sim.observers._vulkan import ScreenMissing, VulkanMissing, require
 from ocean_sim.parts import ObserverConfig, quantity
@@ -147,8 +147,8 @@ class Screen:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # two scenes: plain colours, and lit balls
             self.plain, self.lit = ti.ui.Scene(), ti.ui.Scene()
-        self.sky, self.water, self.hull = Mesh(), Mesh(), Mesh()
-        self.dome = dome()
+        self.water, self.hull = Mesh(), Mesh()
+        self.behind, self.behind_colours = Buffer(2), Buffer(3)
         self.places, self.tints = Buffer(3), Buffer(3)
         self.ends, self.hues = Buffer(3), Buffer(3)
         self.curves = {name: Buffer(2) for name in NAMES}
@@ -186,8 +186,10 @@ class Screen:
         eye = self.eye(panel)
         self.plain.set_camera(self.camera)
         self.plain.ambient_light((1.0, 1.0, 1.0))
-        self.sky.put(self.dome._replace(vertices=eye.place + 0.5 * eye.far * self.dome.vertices))
-        self.sky.show(self.plain)
+        corners, colours = backdrop(eye, self.size[0] / self.size[1])
+        self.behind.put(corners)
+        self.behind_colours.put(colours)
+        self.canvas.triangles(self.behind.field, per_vertex_color=self.behind_colours.field)
         water = (
             self.sight.water(heights, eye.place, panel.content == "surface") if panel.content != "particles" else None
         )
@@ -203,7 +205,6 @@ class Screen:
             count = self.ends.put(ends.reshape(-1, 3))
             self.hues.put(np.repeat(hues, 2, axis=0))
             self.plain.lines(self.ends.field, 2.0, per_vertex_color=self.hues.field, vertex_count=count)
-        self.canvas.set_background_color((0.8, 0.87, 0.92))
         self.canvas.scene(self.plain)
         balls = self.sight.particles() if panel.content != "surface" else None
         if balls is not None and len(balls.places):
@@ -217,7 +218,7 @@ class Screen:
         above = 3 * EDGE if panel.content == "surface" else 4 * EDGE + LABEL  # the legend of the particles
         free = (left, bottom, 1.0 - left - EDGE / width, 1.0 - bottom - above / height)
         orbit = (panel.azimuth, panel.height, panel.distance)
-        eye = seen(panel.camera, orbit, self.sight.box, self.simulation.ship, free, width / height)
+        eye = seen(panel.camera, orbit, self.sight.box, self.simulation.ship, self.sight.length, free, width / height)
         self.camera.position(*eye.place)
         self.camera.lookat(*eye.target)
         self.camera.up(*eye.up)
@@ -335,7 +336,10 @@ class Screen:
 
     def image(self) -> np.ndarray:
         """(width, height, 3) the picture as it is in the window, 8-bit, from its left lower corner."""
-        return (255.0 * self.window.get_image_buffer_as_numpy()[..., :3] + 0.5).astype(np.uint8)
+        buffer = self.window.get_image_buffer_as_numpy()
+        buffer *= 255.0
+        buffer += 0.5
+        return buffer.astype(np.uint8)[..., :3]
 
     def listen(self, panel: Panel, seconds: float) -> None:
         """Take what keyboard and mouse did in the last so many seconds."""

@@ -163,15 +163,13 @@ def sliders_of(simulation: Any) -> list[Slider]:
             simulation.next_dt = stepping.next(simulation)
 
         found.append(Slider(f"{name.replace('_', ' ')} [{unit}]", now, *ends, adjust))
-    for key, low, high in (("courant_number", 0.1, 1.0), ("dt", 0.2, 1.5)):
+    for key, label, unit in (("courant_number", "Courant number", 1.0), ("dt", "time step [ms]", 1e-3)):
         if hasattr(stepping.config, key):
-            given = float(getattr(stepping.config, key))
-            scale = given if key == "dt" else 1.0
+            given = float(getattr(stepping.config, key)) / unit
 
-            def pace(value: float, key: str = key) -> None:
-                stepping.config = stepping.config.model_copy(update={key: value})
+            def pace(value: float, key: str = key, unit: float = unit) -> None:
+                stepping.config = stepping.config.model_copy(update={key: value * unit})
                 simulation.next_dt = stepping.next(simulation)
 
-            label = {"courant_number": "Courant number", "dt": "time step [s]"}[key]
-            found.append(Slider(label, given, low * scale, max(high * scale, given), pace))
+            found.append(Slider(label, given, 0.2 * given, 1.6 * given, pace))
     return found

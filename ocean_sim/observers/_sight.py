@@ -36,6 +36,7 @@ class Balls(NamedTuple):
 
     places: np.ndarray  # (n, 3) [m]
     colours: np.ndarray  # (n, 3)
+    radius: float  # [m]
     every: int  # one of so many is drawn
     fastest: float  # [m/s] the speed of the last colour
 
@@ -47,8 +48,8 @@ class Sight:
         self.simulation = simulation
         basin, fluid = simulation.basin, simulation.fluid
         self.lower, self.upper = np.array(basin.lower, dtype=float), np.array(basin.upper, dtype=float)
-        self.flat, self.radius = basin.dimension == 2, 0.3 * spacing(fluid)
-        self.x, self.z = grid(basin, spacing(fluid))
+        self.flat, self.spacing = basin.dimension == 2, spacing(fluid)
+        self.x, self.z = grid(basin, self.spacing)
         self.points = pairs(self.x, self.z)
         self.has_surface = not basin.closed and (fluid.particles is None or fluid.sound_speed > 0.0)
         surface = simulation.surface
@@ -131,8 +132,9 @@ class Sight:
         body = self.simulation.ship.body
         return self.hull.placed(body.position, body.matrix)
 
-    def particles(self) -> Balls | None:
-        """Where the particles are, and how fast; the colours' scale grows with the fastest and never shrinks."""
+    def particles(self, small: bool) -> Balls | None:
+        """Where the particles are, and how fast, `small` under a net; the colours' scale grows with the fastest and
+        never shrinks."""
         particles = self.simulation.fluid.particles
         if particles is None:
             return None
@@ -142,7 +144,9 @@ class Sight:
         places = particles.position.to_numpy()[drawn]
         speed = np.linalg.norm(particles.velocity.to_numpy()[drawn], axis=1)
         self.fastest = max(self.fastest, float(np.quantile(speed, 0.999)) if len(speed) else 0.0)
-        return Balls(places, speed_colours(speed / self.fastest), every, self.fastest)
+        return Balls(
+            places, speed_colours(speed / self.fastest), (0.15 if small else 0.3) * self.spacing, every, self.fastest
+        )
 
     def lines(self) -> tuple[np.ndarray, np.ndarray]:
         """(n, 2, 3) ends [m] and (n, 3) colours: the outline of the water at rest, the wind, in a slice the surface."""

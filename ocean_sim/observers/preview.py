@@ -1,7 +1,7 @@
 """A picture while the simulation goes on, drawn by GGUI in a window or without one; the only file with ti.ui.
 
-Where there is no window, `show` would end the process, events are refused, and sliders are drawn from the second
-picture on; so the first picture is drawn twice.
+Where there is no window, `show` would end the process, events are refused, and the panel settles in its first
+pictures (sliders come with the second, corners with the third); so those are drawn and thrown away.
 """
 
 import os
@@ -30,6 +30,7 @@ __all__ = ["Config", "Panel", "Preview", "Screen", "ScreenMissing", "VulkanMissi
 PANEL = 292  # [pixels] width of the panel at the left
 EDGE, CHART, LABEL = 10, 76, 52  # [pixels] around everything, height of a curve, height of the words over it
 CURVE_COLOURS = {"H_s": (0.45, 0.80, 1.0), "roll": (1.0, 0.75, 0.30), "picture": (0.85, 0.85, 0.85)}
+WARMING = 3  # pictures that are thrown away
 SHADE = (0.07, 0.09, 0.11)
 
 
@@ -115,7 +116,7 @@ class Mesh:
         if self.normals.field is None or self.normals.field.shape != self.vertices.field.shape:
             self.normals = Buffer(3)
             self.normals.put(np.tile([0.0, 1.0, 0.0], (self.vertices.field.shape[0], 1)))  # of no use to plain colours
-        if self.triangles is not patch.triangles and not np.array_equal(self.triangles, patch.triangles):
+        if self.triangles is None or not np.array_equal(self.triangles, patch.triangles):
             self.m, self.triangles = self.corners.put(patch.triangles.ravel()), patch.triangles
 
     def show(self, scene: Any, wires: bool = False) -> None:
@@ -153,7 +154,7 @@ class Screen:
         self.ends, self.hues = Buffer(3), Buffer(3)
         self.curves = {name: Buffer(2) for name in NAMES}
         self.shades, self.bar, self.bar_colours = Buffer(2), Buffer(2), Buffer(3)
-        self.fresh = not show
+        self.fresh = 0 if show else WARMING
         self.pressed: set[str] = set()
         self.cursor: tuple[float, float] | None = None
 
@@ -175,10 +176,10 @@ class Screen:
         self.history.add(
             self.simulation.time, heights, None if ship is None else float(ship.body.angles[2]), milliseconds
         )
-        if self.fresh:
-            self.fresh = False
+        for _ in range(self.fresh):
             self.compose(panel, heights, pace)
             self.window.get_image_buffer_as_numpy()
+        self.fresh = 0
         self.compose(panel, heights, pace)
 
     def compose(self, panel: Panel, heights: np.ndarray, pace: float | None) -> None:
@@ -206,7 +207,7 @@ class Screen:
             self.hues.put(np.repeat(hues, 2, axis=0))
             self.plain.lines(self.ends.field, 2.0, per_vertex_color=self.hues.field, vertex_count=count)
         self.canvas.scene(self.plain)
-        balls = self.sight.particles() if panel.content != "surface" else None
+        balls = self.sight.particles(panel.content == "both") if panel.content != "surface" else None
         if balls is not None and len(balls.places):
             self.balls(balls, eye)
         self.charts()
@@ -234,9 +235,7 @@ class Screen:
         self.lit.point_light(pos=tuple(eye.place + [-200.0, 300.0, -100.0]), color=(0.6, 0.6, 0.6))
         count = self.places.put(balls.places)
         self.tints.put(balls.colours)
-        self.lit.particles(
-            self.places.field, radius=self.sight.radius, per_vertex_color=self.tints.field, index_count=count
-        )
+        self.lit.particles(self.places.field, radius=balls.radius, per_vertex_color=self.tints.field, index_count=count)
         self.canvas.scene(self.lit)
 
     def charts(self) -> None:
@@ -311,7 +310,7 @@ class Screen:
             box.text("x: rudder amidships")
         box.text("drag: orbit   q, e: nearer, away")
         if simulation.scene.wind.kind != "still":
-            box.text("yellow: gusts   red: their push")
+            box.text("yellow: where it blows  red: push")
         if panel.said:
             for line in wrapped(panel.said, 38):
                 box.text(line, color=(1.0, 0.55, 0.4))

@@ -72,7 +72,7 @@ class Session:
         from ocean_sim.observers.preview import Config, Panel
 
         self.config, self.folder, self.of_wind = config, folder, of_wind
-        self.look = config.observers.get("preview") or Config()
+        self.look = config.observers.get("preview") or Config(size=(1280, 720))
         self.simulation = built(config)
         own = name_of(config.wind)
         self.panel = Panel([*([own] if own == OWN else []), *named("wind"), "still"], own)

@@ -137,10 +137,11 @@ class Stress:
             self.ship.advance(dt)
 
     def strengthen(self, factor: float) -> None:
-        """Blow with so many times the U10 of the scene, from the next step on."""
+        """Blow with so many times the U10 of the scene."""
         self.gain, self.told = factor, None
         if self.ship is not None:
             self.ship.strengthen(factor)
+        self.advance(0.0)
 
     def shown(self) -> Air:
         """Arrows all over the water; length 1 is the greatest U10 that the scene has."""

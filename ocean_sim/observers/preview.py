@@ -360,6 +360,8 @@ class Screen:
             self.window.show()
 
     def close(self) -> None:
+        """Let go of the window, the scenes first: they live on its graphics device."""
+        self.plain = self.lit = self.canvas = self.camera = None
         self.window.destroy()
 
 

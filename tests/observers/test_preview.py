@@ -366,9 +366,25 @@ def test_pictures_without_a_window(coarse, tmp_path):
     assert all(picture.std() > 15.0 for picture in seen)
     red = pictures["third_person", "surface"].astype(int)
     assert ((red[..., 0] > 1.5 * red[..., 1]) & (red[..., 0] > 60)).sum() > 1000  # the hull
-    preview.write(tmp_path / "a.png", second)
-    assert [path.name for path in tmp_path.iterdir()] == ["a.png"]
     screen.close()
+
+
+@with_vulkan
+def test_as_an_observer_it_leaves_pictures_in_the_run_folder(coarse, tmp_path, monkeypatch):
+    monkeypatch.setattr(preview, "require", lambda show: None)
+    observer = CONFIG.build(tmp_path, coarse)
+    observer.observe(coarse)
+    observer.close()
+    assert [path.name for path in (tmp_path / "preview").iterdir()] == ["00000.png"]
+
+
+def test_a_run_without_vulkan_goes_on_without_pictures(coarse, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(_vulkan, "draws", lambda show: False)
+    observer = CONFIG.build(tmp_path, coarse)
+    observer.observe(coarse)
+    observer.close()
+    assert not list(tmp_path.iterdir())
+    assert "no preview: this machine has no Vulkan" in capsys.readouterr().err
 
 
 @with_vulkan

@@ -91,13 +91,15 @@ class Buffer:
         self.field: Any = None
 
     def put(self, values: np.ndarray) -> int:
-        """Take (n, length), or (n,) where length is 0; gives n. What lies beyond keeps its last value."""
+        """Take (n, length), or (n,) where length is 0; gives n. What lies beyond repeats the last: the window draws
+        some of it, whatever count it is told."""
         n = len(values)
         if self.field is None or self.field.shape[0] < n:
             room = max(64, 2 ** int(np.ceil(np.log2(max(n, 1))))) if self.field is not None else max(n, 1)
             self.field = ti.Vector.field(self.length, self.kind, room) if self.length else ti.field(self.kind, room)
             self.host = np.zeros((room, self.length) if self.length else room, np.float32 if self.length else np.int32)
         self.host[:n] = values
+        self.host[n:] = values[-1] if n else 0
         self.field.from_numpy(self.host)
         return n
 

@@ -81,6 +81,7 @@ class Preview:
     def close(self) -> None:
         if self.screen is not None:
             self.screen.close()
+            self.screen = None
 
 
 class Buffer:
@@ -365,6 +366,7 @@ class Screen:
         """Let go of the window, the scenes first: they live on its graphics device."""
         self.plain = self.lit = self.canvas = self.camera = None
         self.window.destroy()
+        self.window = None
 
 
 def write(path: Path, image: np.ndarray) -> None:

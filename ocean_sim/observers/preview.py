@@ -14,10 +14,12 @@ import numpy as np
 import taichi as ti
 from pydantic import Field, field_validator
 
+from ocean_sim.observers._buffers import Buffer, Mesh
+from ocean_sim.observers._controls import controls
 from ocean_sim.observers._curves import KEPT, NAMES, Curves
 from ocean_sim.observers._panel import HELM, Panel, after, sliders_of
 from ocean_sim.observers._sampled import Multiples
-from ocean_sim.observers._sight import SPEEDS, Balls, Patch, Sight, backdrop
+from ocean_sim.observers._sight import SPEEDS, Balls, Sight, backdrop
 from ocean_sim.observers._view import Eye, seen
 from ocean_sim.observers._vulkan import ScreenMissing, VulkanMissing, require
 from ocean_sim.parts import ObserverConfig, quantity
@@ -82,57 +84,6 @@ class Preview:
         if self.screen is not None:
             self.screen.close()
             self.screen = None
-
-
-class Buffer:
-    """A Taichi field for the window that grows with what is put into it."""
-
-    def __init__(self, length: int, kind: Any = ti.f32) -> None:
-        self.length, self.kind = length, kind
-        self.field: Any = None
-
-    def put(self, values: np.ndarray) -> int:
-        """Take (n, length), or (n,) where length is 0; gives n. What lies beyond repeats the last: the window draws
-        some of it, whatever count it is told."""
-        n = len(values)
-        if self.field is None or self.field.shape[0] < n:
-            room = max(64, 2 ** int(np.ceil(np.log2(max(n, 1))))) if self.field is not None else max(n, 1)
-            self.field = ti.Vector.field(self.length, self.kind, room) if self.length else ti.field(self.kind, room)
-            self.host = np.zeros((room, self.length) if self.length else room, np.float32 if self.length else np.int32)
-        self.host[:n] = values
-        self.host[n:] = values[-1] if n else 0
-        self.field.from_numpy(self.host)
-        return n
-
-
-class Mesh:
-    """Triangles on the graphics side."""
-
-    def __init__(self) -> None:
-        self.vertices, self.normals, self.colours, self.corners = Buffer(3), Buffer(3), Buffer(3), Buffer(0, ti.i32)
-        self.triangles: np.ndarray | None = None
-        self.n = self.m = 0
-
-    def put(self, patch: Patch) -> None:
-        self.n = self.vertices.put(patch.vertices)
-        self.colours.put(patch.colours)
-        if self.normals.field is None or self.normals.field.shape != self.vertices.field.shape:
-            self.normals = Buffer(3)
-            self.normals.put(np.tile([0.0, 1.0, 0.0], (self.vertices.field.shape[0], 1)))  # of no use to plain colours
-        if self.triangles is None or not np.array_equal(self.triangles, patch.triangles):
-            self.m, self.triangles = self.corners.put(patch.triangles.ravel()), patch.triangles
-
-    def show(self, scene: Any, wires: bool = False) -> None:
-        scene.mesh(
-            self.vertices.field,
-            indices=self.corners.field,
-            normals=self.normals.field,
-            per_vertex_color=self.colours.field,
-            two_sided=True,
-            index_count=self.m,
-            vertex_count=self.n,
-            show_wireframe=wires,
-        )
 
 
 class Screen:
@@ -270,53 +221,9 @@ class Screen:
             with gui.sub_window(names[name], x, 1.0 - y - h - LABEL / height, w, LABEL / height) as box:
                 box.text(self.history.told(name))
         with gui.sub_window("Ocean Sim", EDGE / width, EDGE / height, PANEL / width, 1.0 - 2 * EDGE / height) as box:
-            self.controls(box, panel, pace)
+            controls(box, panel, self.simulation, pace)
         if balls is not None:
             self.legend(gui, balls)
-
-    def controls(self, box: Any, panel: Panel, pace: float | None) -> None:
-        simulation = self.simulation
-        state = "paused" if panel.paused else "" if pace is None else f"{pace:.2g} x real time"
-        box.text(f"t = {simulation.time:.2f} s  {state}")
-        particles = simulation.fluid.particles
-        box.text(
-            "closed form, no particles"
-            if particles is None
-            else f"{particles.n} particles, {simulation.fluid.config.kind}"
-        )
-        box.text(f"wind: {panel.wind}")
-        if panel.winds:
-            for action, label in (("wind before", "previous wind (b)"), ("next wind", "next wind (m)")):
-                if box.button(label):
-                    panel.do(action)
-            box.text("another wind builds anew, some s")
-        for slider in panel.sliders:
-            box.text(slider.label)  # words beside a slider would be cut off
-            slider.move(box.slider_float(f"##{slider.label}", slider.value, slider.low, slider.high))
-        for action, label in (
-            ("content", f"show: {panel.content} (v)"),
-            ("camera", f"camera: {panel.camera} (c)"),
-            ("pause", f"{'go on' if panel.paused else 'pause'} (space)"),
-            ("step", "one step (n)"),
-            ("reset", "reset (r)"),
-            ("record", f"{'stop recording' if panel.recording else 'record'} (o)"),
-            ("snapshot", "snapshot (p)"),
-        ):
-            if box.button(label):
-                panel.do(action)
-        if simulation.ship is not None:
-            throttle, rudder = simulation.ship.orders
-            box.text(f"throttle {throttle:+.2f}  rudder {np.degrees(rudder):+.0f} deg")
-            box.text("steered by hand" if panel.person is not None else "steered by the scene")
-            box.text("Up, Down: throttle, brake")
-            box.text("Left, Right: port, starboard")
-            box.text("x: rudder amidships")
-        box.text("drag: orbit   q, e: nearer, away")
-        if simulation.scene.wind.kind != "still":
-            box.text("yellow: where it blows  red: push")
-        if panel.said:
-            for line in wrapped(panel.said, 38):
-                box.text(line, color=(1.0, 0.55, 0.4))
 
     def legend(self, gui: Any, balls: Balls) -> None:
         """What the colours of the particles mean."""
@@ -380,10 +287,3 @@ def padded(lines: np.ndarray) -> np.ndarray:
     """(n, 2, 2) -> (m, 2) ends, as many as a full curve has: the last end again."""
     ends = lines.reshape(-1, 2)
     return np.concatenate([ends, np.tile(ends[-1], (2 * KEPT - len(ends), 1))])
-
-
-def wrapped(text: str, width: int) -> list[str]:
-    """Lines of at most so many letters."""
-    from textwrap import wrap
-
-    return wrap(text, width)[:12]

@@ -13,6 +13,7 @@ import pytest
 from ocean_sim import runtime
 from ocean_sim.__main__ import answered
 from ocean_sim.observers import _panel, _view, _vulkan, preview
+from ocean_sim.observers._controls import controls
 from ocean_sim.observers._curves import KEPT, Curves
 from ocean_sim.observers._panel import Panel, Slider, sliders_of
 from ocean_sim.observers._sight import Sight, backdrop, speed_colours
@@ -214,6 +215,35 @@ def test_moving_any_slider_changes_the_next_step_and_compiles_nothing(coarse):
     assert changed == dict.fromkeys(changed, True) and len(changed) == 4
     assert kernels() == compiled
     np.testing.assert_array_equal(from_start(), first)
+
+
+class Box:
+    """Stands for a box of the window: `moved` sliders by label, `pressed` buttons by their first word."""
+
+    def __init__(self, moved=None, pressed=()):
+        self.moved, self.pressed, self.words = moved or {}, pressed, []
+
+    def text(self, text, color=None):
+        self.words.append(text)
+
+    def slider_float(self, label, value, low, high):
+        return self.moved.get(label.removeprefix("##"), value)
+
+    def button(self, label):
+        return label.split()[0] in self.pressed
+
+
+def test_sliders_and_buttons_of_the_window_move_the_panel_and_the_simulation(coarse):
+    panel = Panel(["calm", "wide"], "wide")
+    panel.bind(sliders_of(coarse))
+    controls(Box({"wind strength, x the preset": 2.0}, ["pause", "snapshot"]), panel, coarse, 0.5)
+    assert coarse.wind.gain == 2.0 and panel.paused and panel.take("snapshot")
+    quiet = Box()
+    controls(quiet, panel, coarse, 0.5)
+    assert coarse.wind.gain == 2.0 and panel.paused and not panel.asked  # what is not touched stays
+    assert any("paused" in line for line in quiet.words) and "wind: wide" in quiet.words
+    assert max(len(line) for line in quiet.words) <= 38  # fits the panel
+    coarse.wind.strengthen(1.0)
 
 
 def test_a_moved_stiffness_is_that_of_the_equation_of_state(coarse):

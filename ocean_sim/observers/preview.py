@@ -94,6 +94,8 @@ class Screen:
 
     def __init__(self, config: Config, show: bool) -> None:
         self.size, self.shown = config.size, show
+        notes = Path("imgui.ini").absolute()  # GGUI keeps where its boxes stand in the working directory
+        self.litter = None if notes.exists() else notes
         try:
             self.window = ti.ui.Window("Ocean Sim", config.size, vsync=show, show_window=show)
         except RuntimeError as problem:
@@ -274,6 +276,8 @@ class Screen:
         self.plain = self.lit = self.canvas = self.camera = None
         self.window.destroy()
         self.window = None
+        if self.litter is not None:
+            self.litter.unlink(missing_ok=True)
 
 
 def write(path: Path, image: np.ndarray) -> None:

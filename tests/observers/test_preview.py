@@ -3,6 +3,7 @@
 import ast
 import gc
 import json
+import os
 import subprocess
 import sys
 from math import pi, radians
@@ -25,6 +26,7 @@ from ocean_sim.verbs import preview as verb
 HAS_VULKAN = _vulkan.draws(show=False)
 with_vulkan = pytest.mark.skipif(not HAS_VULKAN, reason="no Vulkan on this machine")
 CONFIG = preview.Config(size=(1280, 720))
+HERE = os.environ | {"PYTHONPATH": str(PACKAGE.parent)}
 
 
 class Wheel:
@@ -433,8 +435,9 @@ def test_the_command_writes_numbered_pictures(tmp_path):
     """In a process of its own, which must end well."""
     words = ["--frames", "2", "--out", str(tmp_path / "out"), "--set", "runtime.threads=1", "--json"]
     command = [sys.executable, "-m", "ocean_sim", "preview", "ship_linear_sea", *words]
-    child = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
+    child = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300, cwd=tmp_path, env=HERE)
     assert child.returncode == 0, child.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]  # nothing but what was asked for
     facts = json.loads(child.stdout)
     assert facts["pictures"] == 2 and facts["simulated_s"] >= 1.0 / 30.0
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["00000.png", "00001.png"]

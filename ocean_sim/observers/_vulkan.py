@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import tempfile
 
 REMEDY = "apt-get install --no-install-recommends libx11-6 mesa-vulkan-drivers"
 PROBE = """
@@ -43,7 +44,8 @@ def draws(show: bool) -> bool:
         return False
     command = [sys.executable, "-c", PROBE.format(show=show)]
     try:
-        child = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
+        with tempfile.TemporaryDirectory() as away:  # GGUI leaves a file where it works
+            child = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False, cwd=away)
     except (OSError, subprocess.TimeoutExpired):
         return False
     return child.returncode == 0 and "drawn" in child.stdout

@@ -202,6 +202,27 @@ def export(
 
 
 @app.command()
+def preview(
+    scene: Scene,
+    profile: Profile = None,
+    sets: Sets = None,
+    frames: Annotated[
+        int | None, typer.Option(min=1, help="Write so many pictures instead of opening a window; needs no screen.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Where pictures, snapshots and recordings go; by default runs/<scene>-preview.")
+    ] = None,
+    camera: Annotated[str | None, typer.Option(help="third_person, helm, top or side.")] = None,
+    content: Annotated[str | None, typer.Option(help="surface, particles or both.")] = None,
+    json: Json = False,
+) -> None:
+    """A window to play with: look, steer, move sliders; or the same pictures without a window."""
+    from ocean_sim.verbs.preview import preview
+
+    preview(scene, profile, sets or [], frames, out, camera, content, json)
+
+
+@app.command()
 def waves(
     run: Annotated[Path, typer.Argument(help="A run folder, or its gauges.csv.")],
     begin: Annotated[float, typer.Option(help="Leave out what the gauges say before this time [s].")] = 0.0,
@@ -295,7 +316,12 @@ def meaning(error: BaseException) -> tuple[int, str, list[Any]]:
         return 2, str(error), error.problems
     if isinstance(error, console.Refused):
         return 2, str(error), []
-    if isinstance(error, console.Lacking) or type(error).__name__ in ("BackendMissing", "OpenGLMissing"):
+    if isinstance(error, console.Lacking) or type(error).__name__ in (
+        "BackendMissing",
+        "OpenGLMissing",
+        "VulkanMissing",
+        "ScreenMissing",
+    ):
         return 3, str(error), []
     if isinstance(error, ImportError | OSError) and "libX11" in str(error):
         return 3, "Taichi needs the system library libX11: as root, apt-get install libx11-6", []

@@ -102,6 +102,7 @@ class Sph(ParticleWater):
         super().__init__(config, basin, sizes.grid, ledger, wind)
         self.neighbours = Neighbours(self.particles, self.grid, self.ledger, sizes)
         self.reference_speed, self.sound_speed = config.speed(basin), config.sound_speed(basin)
+        self.kinematic_viscosity = config.kinematic_viscosity
         self.dt = ti.field(float, shape=())  # [s]
         self.bodies, self.boundary = bool(basin.obstacles or basin.afloat), None
         if self.bodies:
@@ -131,7 +132,7 @@ class Sph(ParticleWater):
             self.boundary.sort()
 
     def limits(self) -> Limits:
-        status, nu = self.status, self.config.kinematic_viscosity
+        status, nu = self.status, self.kinematic_viscosity
         return limits(self.smoothing.support, self.sound_speed, nu, status.max_speed, status.max_acceleration)
 
     @property

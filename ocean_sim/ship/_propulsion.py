@@ -1,4 +1,4 @@
-"""Propeller and rudder, and who moves them: rows, a file, or an autopilot (6.1 and F_ship of (4.27))."""
+"""Propeller and rudder, and who moves them: rows, a file, an autopilot or a person (6.1, F_ship of (4.27))."""
 
 from itertools import pairwise
 from math import cos, hypot, pi, radians, remainder, sin
@@ -151,6 +151,23 @@ class Crew:
         error = remainder(radians(self.course.heading_deg) - body.angles[1], 2.0 * pi)
         rudder = self.course.gain * (error - self.course.rate_time * float(body.angular_velocity[1]))
         return self.course.throttle, rudder
+
+
+class Person:
+    """Someone at the helm: what was ordered last stands."""
+
+    def __init__(self, throttle: float, rudder: float, limit: float) -> None:
+        """`limit` [rad]: of the rudder."""
+        self.throttle, self.rudder, self.limit = throttle, rudder, limit
+
+    def give(self, throttle: float, rudder: float) -> None:
+        """Order a throttle, -1 to 1, and a rudder [rad]; what lies beyond is held back."""
+        self.throttle = min(max(throttle, -1.0), 1.0)
+        self.rudder = min(max(rudder, -self.limit), self.limit)
+
+    def order(self, time: float, body: RigidBody) -> tuple[float, float]:
+        """What stands."""
+        return self.throttle, self.rudder
 
 
 def towards(now: float, wanted: float, rate: float | None, dt: float, limit: float) -> float:

@@ -73,7 +73,8 @@ def run_folder(stem: str, out: Path | None, overwrite: bool) -> Path:
 
 def clear(folder: Path) -> None:
     """Takes away what a run writes, and nothing else."""
-    shutil.rmtree(folder / "frames", ignore_errors=True)
+    for name in ("frames", "preview"):
+        shutil.rmtree(folder / name, ignore_errors=True)
     for pattern in WRITTEN:
         for file in folder.glob(pattern):
             file.unlink()

@@ -20,6 +20,8 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
+LACKING = ("BackendMissing", "OpenGLMissing", "ClusterMissing")  # exceptions that say what the machine lacks
+
 Scene = Annotated[str, typer.Argument(help="A scene file, or the name of a packaged scene (ocean-sim list scenes).")]
 Profile = Annotated[str | None, typer.Option(help="What the machine can afford: a name in configs/run/.")]
 Sets = Annotated[
@@ -217,6 +219,22 @@ def platform(
     platform(log, geometry, washout, frame, stream, packets, film, out, json)
 
 
+@app.command()
+def sweep(
+    plan: Annotated[Path, typer.Argument(help="A YAML file: scene, profile, set, list, grid, seeds.")],
+    scheduler: Annotated[
+        str | None, typer.Option(help="A Dask cluster, as in tcp://127.0.0.1:8786, that sees the same files.")
+    ] = None,
+    workers: Annotated[int | None, typer.Option(min=1, help="Runs at once here; by default one a core.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Run folders and results.csv; by default runs/<plan>.")] = None,
+    json: Json = False,
+) -> None:
+    """Many runs from a plan, each in a process of its own; what is finished is not run again, failures are rows."""
+    from ocean_sim.verbs.sweep import sweep
+
+    sweep(plan, scheduler, workers, out, json)
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and leave with its exit code."""
     sys.exit(answered(sys.argv[1:] if arguments is None else arguments))
@@ -259,7 +277,7 @@ def meaning(error: BaseException) -> tuple[int, str, list[Any]]:
         return 2, str(error), error.problems
     if isinstance(error, console.Refused):
         return 2, str(error), []
-    if isinstance(error, console.Lacking) or type(error).__name__ in ("BackendMissing", "OpenGLMissing"):
+    if isinstance(error, console.Lacking) or type(error).__name__ in LACKING:
         return 3, str(error), []
     if isinstance(error, ImportError | OSError) and "libX11" in str(error):
         return 3, "Taichi needs the system library libX11: as root, apt-get install libx11-6", []

@@ -235,6 +235,19 @@ def sweep(
     sweep(plan, scheduler, workers, out, json)
 
 
+@app.command()
+def tradeoff(
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer and coarser runs: minutes instead of hours.")] = False,
+    workers: Annotated[int | None, typer.Option(min=1, help="Runs at once; by default one a core.")] = None,
+    out: Annotated[Path, typer.Option(help="Where tables, pictures and runs go.")] = Path("runs/tradeoff"),
+    json: Json = False,
+) -> None:
+    """Speed against accuracy, measured over the validation cases."""
+    from ocean_sim.verbs.tradeoff import of_cases
+
+    of_cases(quick, workers, out, json)
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and leave with its exit code."""
     sys.exit(answered(sys.argv[1:] if arguments is None else arguments))

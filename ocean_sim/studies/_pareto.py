@@ -1,0 +1,84 @@
+"""Pictures of error against cost: points of one colour and mark a scheme, the front of the best, and what failed."""
+
+from pathlib import Path
+from typing import Any
+
+from ocean_sim.studies.tradeoff import Trial, front
+
+# Okabe & Ito (2008): colours that people with any colour vision tell apart; marks say it again.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+MARKS = ("o", "s", "^", "D", "v", "P")
+SPEEDS = {"wall_per_s": "wall seconds", "cpu_per_s": "processor seconds (the machine was busy)"}
+LEAST = 1e-6  # an error of nothing still has a place on a logarithmic axis
+
+
+def draw(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> None:
+    """One case: its error against the time in the column `speed`, and against the number of particles, if it has any."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    axes_of = {speed: f"{SPEEDS[speed]} per simulated second, one thread", "particles": "particles"}
+    if not any(row.get("particles") for row in rows):
+        del axes_of["particles"]
+    figure = Figure(figsize=(7.2 * len(axes_of), 5.4), layout="constrained")
+    FigureCanvasAgg(figure)
+    for k, (key, label) in enumerate(axes_of.items()):
+        axes = figure.add_subplot(1, len(axes_of), k + 1)
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+        done = [row for row in rows if row.get("error") is not None and row.get(key)]
+        scattered(axes, key, done)
+        failed(axes, key, [row for row in rows if row.get("error") is None])
+        best = [done[i] for i in front([(row[key], height(row)) for row in done])]
+        axes.step(
+            [row[key] for row in best], [height(row) for row in best], where="post", color="black", lw=0.8, zorder=1
+        )
+        margins(axes, trial)
+        unit = next((row["unit"] for row in done if row["unit"] != "1"), "")
+        axes.set_xlabel(label)
+        axes.set_ylabel(f"error{f' [{unit}]' if unit else ''}")
+        axes.grid(alpha=0.25, which="both", lw=0.4)
+        if k == 0:
+            axes.legend(fontsize="x-small", loc="best")
+    figure.suptitle(f"{trial.case}: {trial.quantity}", fontsize="medium")
+    figure.savefig(path, dpi=110)
+
+
+def height(row: dict[str, Any]) -> float:
+    return max(abs(row["error"]), LEAST)
+
+
+def scattered(axes: Any, key: str, rows: list[dict[str, Any]]) -> None:
+    """Full marks: a scheme as it comes, joined over its resolutions; hollow ones: with another setting."""
+    for n, scheme in enumerate(dict.fromkeys(row["scheme"] for row in rows)):
+        own = [row for row in rows if row["scheme"] == scheme]
+        look = {"color": COLOURS[n % len(COLOURS)], "marker": MARKS[n % len(MARKS)]}
+        plain = sorted((row for row in own if not row["changed"]), key=lambda row: row[key])
+        axes.plot([row[key] for row in plain], [height(row) for row in plain], label=scheme, ms=8, lw=1.2, **look)
+        other = [row for row in own if row["changed"]]
+        look["markerfacecolor"] = "white"
+        axes.plot([row[key] for row in other], [height(row) for row in other], ls="none", ms=6, **look)
+        for row in other if key in SPEEDS else ():
+            said = ", ".join(word.split(".")[-1] for word in row["changed"].split(", "))
+            axes.annotate(said, (row[key], height(row)), (4, 3), textcoords="offset points", fontsize=5, alpha=0.8)
+
+
+def failed(axes: Any, key: str, rows: list[dict[str, Any]]) -> None:
+    """Crosses along the upper edge: there is no error to place them by."""
+    schemes = list(dict.fromkeys(row["scheme"] for row in rows))
+    for n, scheme in enumerate(schemes):
+        own = [row[key] for row in rows if row["scheme"] == scheme and row.get(key)]
+        high = 0.97 - 0.04 * n
+        axes.plot(own, [high] * len(own), "x", color="black", ms=7, transform=axes.get_xaxis_transform())
+        axes.text(0.01, high, f"failed: {scheme}", transform=axes.transAxes, fontsize=6, va="center")
+
+
+def margins(axes: Any, trial: Trial) -> None:
+    """The scatter of the experiments, and what peers reached."""
+    if trial.scatter is not None:
+        axes.axhspan(axes.get_ylim()[0], trial.scatter, color="0.9", zorder=0, label="scatter of experiments")
+    for name, error in trial.peers.items():
+        axes.axhline(error, color="0.4", ls=":", lw=0.9)
+        axes.text(
+            0.99, error, f"{name} particles", transform=axes.get_yaxis_transform(), ha="right", va="bottom", fontsize=6
+        )

@@ -237,15 +237,26 @@ def sweep(
 
 @app.command()
 def tradeoff(
-    quick: Annotated[bool, typer.Option("--quick", help="Fewer and coarser runs: minutes instead of hours.")] = False,
-    workers: Annotated[int | None, typer.Option(min=1, help="Runs at once; by default one a core.")] = None,
-    out: Annotated[Path, typer.Option(help="Where tables, pictures and runs go.")] = Path("runs/tradeoff"),
+    scene: Annotated[str | None, typer.Argument(help="A scene; without one, the validation cases.")] = None,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(help="KEY=A,B,C; several: every combination. By default all profiles (profile=ci,...)."),
+    ] = None,
+    budget: Annotated[
+        str | None, typer.Option(help="16ms: wall time of 1/60 s simulated; realtime; 30s: of the whole run.")
+    ] = None,
+    by: Annotated[str | None, typer.Option(help="The error that decides, as it stands in the table.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer runs and seeds: minutes instead of hours.")] = False,
+    profile: Profile = None,
+    sets: Sets = None,
+    workers: Annotated[int | None, typer.Option(min=1, help="Cases at once; by default one a core.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Where tables, pictures and runs go.")] = None,
     json: Json = False,
 ) -> None:
-    """Speed against accuracy, measured over the validation cases."""
-    from ocean_sim.verbs.tradeoff import of_cases
+    """Speed against accuracy, measured: over the validation cases, or over settings of a scene within a budget."""
+    from ocean_sim.verbs.tradeoff import tradeoff
 
-    of_cases(quick, workers, out, json)
+    tradeoff(scene, vary or [], budget, by, quick, profile, sets or [], workers, out, json)
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -22,7 +22,7 @@ def ordered(case: str, set_up: str, coarse: bool, scheme: str, settings: dict[st
     """The order of a set-up's run; it is timed `REPEATS` times, but not again once `patience` [s] of processor
     time have passed."""
     order = {"task": __name__, "case": case, "set_up": set_up, "coarse": coarse, "scheme": scheme}
-    return order | {"set": settings, "patience": patience}
+    return order | {"set": settings, "machine": {"patience": patience}}
 
 
 def problem_of(case: str, set_up: str, coarse: bool, scheme: str) -> Problem:
@@ -38,7 +38,7 @@ def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
     began = perf_counter()
     told = measured(problem, order, scene)
     costs = [told.pop("cost")]
-    while told["outcome"] == "done" and len(costs) < REPEATS and process_time() < order["patience"]:
+    while told["outcome"] == "done" and len(costs) < REPEATS and process_time() < order["machine"]["patience"]:
         costs.append(measured(problem, order, scene)["cost"])
     spent = [cost["wall_per_s"] for cost in costs if cost["wall_per_s"] is not None]
     clock = {"wall_per_s": median(spent), "wall_per_s_min": min(spent), "wall_per_s_max": max(spent)} if spent else {}

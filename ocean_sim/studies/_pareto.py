@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from ocean_sim.studies.scene_tradeoff import Budget
 from ocean_sim.studies.tradeoff import Trial, front
 
 # Okabe & Ito (2008): colours that people with any colour vision tell apart; marks say it again.
@@ -13,7 +14,7 @@ LEAST = 1e-6  # an error of nothing still has a place on a logarithmic axis
 
 
 def draw(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> None:
-    """One case: its error against the time in the column `speed`, and against the number of particles, if it has any."""
+    """One case: its error against the time in the column `speed`, and against the number of particles if any."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -82,3 +83,36 @@ def margins(axes: Any, trial: Trial) -> None:
         axes.text(
             0.99, error, f"{name} particles", transform=axes.get_yaxis_transform(), ha="right", va="bottom", fontsize=6
         )
+
+
+def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget: Budget | None) -> None:
+    """Settings of one scene: a panel for each error, with the spread of the seeds, and the budget."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    wide = min(3, len(names))
+    high = -(-len(names) // wide)
+    figure = Figure(figsize=(5.4 * wide, 4.4 * high), layout="constrained")
+    FigureCanvasAgg(figure)
+    key = budget.column if budget is not None else "wall_per_s"
+    for k, name in enumerate(names):
+        axes = figure.add_subplot(high, wide, k + 1)
+        axes.set_xscale("log")
+        done = [row for row in rows if row.get(name) is not None and row[key]]
+        for row in done:
+            colour, mark = (COLOURS[1], "s") if row["reference"] else (COLOURS[0], "o")
+            at, spread = (row[key], row[name]), row[f"{name}_spread"] or 0.0
+            axes.errorbar(*at, yerr=spread, fmt=mark, color=colour, capsize=3)
+            said = row["setting"].replace("--set ", "")
+            axes.annotate(said, at, (5, 5), textcoords="offset points", fontsize=6)
+        edge = [done[i] for i in front([(row[key], row[name]) for row in done])]
+        axes.step([r[key] for r in edge], [r[name] for r in edge], where="post", color="black", lw=0.8, zorder=1)
+        failed(axes, key, [row | {"scheme": row["setting"]} for row in rows if row["outcome"] != "done"])
+        if budget is not None:
+            most = budget.most * 60.0 / 1e3 if budget.name.endswith("ms") else budget.most
+            axes.axvline(most, color=COLOURS[2], ls="--", lw=1.2, label=f"budget {budget.name}")
+            axes.legend(fontsize="x-small")
+        axes.set_xlabel("wall seconds of the run" if key == "wall_s" else "wall seconds per simulated second")
+        axes.set_ylabel(f"{name}, beside the reference (square)")
+        axes.grid(alpha=0.3)
+    figure.savefig(path, dpi=110)

@@ -24,7 +24,9 @@ AXES: dict[str, dict[str, tuple]] = {  # by what a scheme is a kind of; the defa
 LEVELS = ((True, 1.0), (True, 0.5), (False, 1.0), (False, 0.5))  # coarse set-up or not, and the resolution over it
 QUICK_LEVELS = 2
 QUICK_VARIED = ("standing_wave", "taylor_green", "ship_rao")
-PATIENCE = {True: 12.0, False: 120.0}  # quick or not: processor time [s] after which a run is not timed again
+QUICK_VALUES = {"fluid.support_ratio": (2.0, 3.0), "time_step.courant_number": (1.0,), "fluid.compression": (0.04,)}
+QUICK_VALUES |= {"runtime.precision": ("f64",), "ship.cells_per_draught": (2, 8)}
+PATIENCE = {True: 6.0, False: 120.0}  # quick or not: processor time [s] after which a run is not timed again
 BUSY = 1.3  # wall over processor time of one thread beyond which others had the cores, too
 
 
@@ -114,7 +116,7 @@ def _of_trial(trial: Trial, quick: bool) -> Iterator[Point]:
             yield Point(trial, scheme, coarse, {} if factor == 1.0 else {"resolution": factor}, PATIENCE[quick])
         if trial.case in QUICK_VARIED or not quick:
             for key, values in AXES[slot].items():
-                for value in values:
+                for value in QUICK_VALUES.get(key, ()) if quick else values:
                     point = Point(trial, scheme, True, {key: value}, PATIENCE[quick])
                     if _differs(point):
                         yield point
@@ -156,7 +158,7 @@ def front(pairs: list[tuple[float, float]]) -> list[int]:
 
 
 def equals(rows: list[dict[str, Any]], speed: str) -> list[dict[str, Any]]:
-    """The schemes compared at equal time, by the column `speed`, and at equal number of particles; `rows` hold one error a run.
+    """The schemes at equal time, by the column `speed`, and at equal number of particles; a row holds one error.
 
     At equal time stands the least error of each scheme within the time of the slowest scheme's cheapest run; at equal
     number that of each scheme as it comes, at every number.

@@ -6,9 +6,33 @@ from typing import Any
 from ocean_sim.studies import _pareto, _runs, _table
 from ocean_sim.studies.tradeoff import TRIALS, clock, equals, front, points
 from ocean_sim.verbs import console
+from ocean_sim.verbs._scene_tradeoff import of_scene
 from ocean_sim.verbs.sweep import text, told
 
 SHOWN = ("scheme", "particles", "neighbours", "wall_per_s", "cpu_per_s", "error", "unit", "changed", "")
+
+
+def tradeoff(
+    scene: str | None,
+    vary: list[str],
+    budget: str | None,
+    by: str | None,
+    quick: bool,
+    profile: str | None,
+    sets: list[str],
+    workers: int | None,
+    out: Path | None,
+    as_json: bool,
+) -> None:
+    """The study over the validation cases, or that of a scene."""
+    if scene is not None:
+        folder = out or Path("runs") / "tradeoff" / Path(scene).stem
+        of_scene(scene, profile, sets, vary, budget, by, quick, folder, as_json)
+        return
+    for name, given in (("vary", vary), ("budget", budget), ("by", by), ("profile", profile), ("set", sets)):
+        if given:
+            raise console.Refused(f"--{name} is about a scene, as in ocean-sim tradeoff SCENE --{name} ...")
+    of_cases(quick, workers, out or Path("runs/tradeoff"), as_json)
 
 
 def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None:
@@ -39,7 +63,7 @@ def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None
         return
     keys = ("case", "at equal", "scheme", "error", "unit", "wall_per_s", "changed")
     console.table(
-        "\nat equal wall time, and at equal number", list(keys), [[text(row[key]) for key in keys] for row in fair]
+        "\nat equal time, and at equal number", list(keys), [[text(row[key]) for key in keys] for row in fair]
     )
     console.say(
         f"{out / 'tradeoff.csv'}, equal.csv and pictures; wall_per_s: wall seconds of steps per simulated second"

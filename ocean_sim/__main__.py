@@ -259,6 +259,20 @@ def tradeoff(
     tradeoff(scene, vary or [], budget, by, quick, profile, sets or [], workers, out, json)
 
 
+@app.command()
+def stability(
+    scene: Annotated[str | None, typer.Argument(help="A scene; without one, a collapsing column.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer points: minutes instead of hours.")] = False,
+    workers: Annotated[int | None, typer.Option(min=1, help="Runs at once; by default one a core.")] = None,
+    out: Annotated[Path, typer.Option(help="Where tables, pictures and runs go.")] = Path("runs/stability"),
+    json: Json = False,
+) -> int:
+    """Where it breaks: time steps and other settings at their extremes, each with a verdict."""
+    from ocean_sim.verbs.stability import stability
+
+    return stability(scene, quick, workers, out, json)
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and leave with its exit code."""
     sys.exit(answered(sys.argv[1:] if arguments is None else arguments))

@@ -24,8 +24,13 @@ AXES: dict[str, dict[str, tuple]] = {  # by what a scheme is a kind of; the defa
 LEVELS = ((True, 1.0), (True, 0.5), (False, 1.0), (False, 0.5))  # coarse set-up or not, and the resolution over it
 QUICK_LEVELS = 2
 QUICK_VARIED = ("standing_wave", "taylor_green", "ship_rao")
-QUICK_VALUES = {"fluid.support_ratio": (2.0, 3.0), "time_step.courant_number": (1.0,), "fluid.compression": (0.04,)}
-QUICK_VALUES |= {"runtime.precision": ("f64",), "ship.cells_per_draught": (2, 8)}
+QUICK_VALUES: dict[str, tuple] = {
+    "fluid.support_ratio": (2.0, 3.0),
+    "time_step.courant_number": (1.0,),
+    "fluid.compression": (0.04,),
+    "runtime.precision": ("f64",),
+    "ship.cells_per_draught": (2, 8),
+}
 PATIENCE = {True: 6.0, False: 120.0}  # quick or not: processor time [s] after which a run is not timed again
 BUSY = 1.3  # wall over processor time of one thread beyond which others had the cores, too
 

@@ -55,7 +55,7 @@ class Axis:
     of: str = "fluid"
     quick_steps: tuple[float, ...] = (1.0, 4.0)
 
-    def settings(self, value: float, scene: SceneConfig) -> dict[str, Any]:
+    def settings(self, value: float) -> dict[str, Any]:
         """What is laid over the scene."""
         if self.name == "wind":
             everywhere = [{"kind": "box", "half_size": [1e4, 1e4, 1e4]}]
@@ -123,15 +123,15 @@ def spots(quick: bool, scene: str | None = None) -> list[Spot]:
 
 
 def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
-    afloat = axis.of == "ship"
-    if scene is not None and afloat:
-        return
-    for scheme in ("delta_sph",) if afloat else SCHEMES if scene is None else (load(scene).fluid.kind,):
+    afloat, theirs = axis.of == "ship", None if scene is None else load(scene).fluid
+    if scene is not None and (afloat or not hasattr(theirs, "lattice")):
+        return  # a hull has its own mass, and water without particles nothing that breaks
+    for scheme in ("delta_sph",) if afloat else SCHEMES if theirs is None else (theirs.kind,):
         base: Any = scene or (AFLOAT if afloat else COLUMN | {"fluid": COLUMN["fluid"] | {"kind": scheme}})
         own: dict[str, Any] = dict.fromkeys(PICTURES) | {"time_step": {"kind": "courant"}}
         for value in axis.quick if quick else axis.full:
             try:
-                calm = load(base, own | axis.settings(value, load(base, own)))
+                calm = load(base, own | axis.settings(value))
             except SceneError:
                 if scene is None:
                     raise
@@ -150,7 +150,7 @@ def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
                     factor,
                     dt,
                     finite,
-                    load(base, own | axis.settings(value, calm) | fixed | short),
+                    load(base, own | axis.settings(value) | fixed | short),
                 )
 
 
@@ -181,7 +181,7 @@ def gained(accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool) ->
     excess = np.abs(accuracy["energy_residual_J"]) if driven else total - total[0]
     place, fluid = scene.basin.build(), scene.fluid
     pull = float(np.linalg.norm(place.gravity))
-    speed = fluid.reference_speed or sqrt(pull * place.depth)
+    speed = getattr(fluid, "reference_speed", None) or sqrt(pull * place.depth)
     lattice = fluid.lattice(place)
     mass = fluid.rest_density * lattice.n * lattice.spacing**place.dimension
     return float(excess.max()) / (mass * speed**2)

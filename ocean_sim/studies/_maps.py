@@ -27,17 +27,17 @@ def draw(path: Path, name: str, rows: list[dict[str, Any]]) -> None:
         axes = figure.add_subplot(1, len(schemes), k + 1, sharey=axes)
         here = [row for row in rows if row["scheme"] == scheme]
         axes.set_xscale("log")
+        low, high = min(row["dt_s"] for row in here) / 2.0, max(row["dt_s"] for row in here) * 3.0
         for limit, (label, style) in LINES.items():
             ends = {values.index(row["value"]): row[f"{limit}_s"] for row in here if row.get(f"{limit}_s")}
-            at = sorted(ends)
+            at = sorted(ends) if any(low < end < high for end in ends.values()) else []
             axes.plot([ends[n] for n in at], at, ls=style, marker="|", color="0.45", lw=1.1, label=label)
         for verdict, (colour, mark) in LOOKS.items():
             own = [row for row in here if row["verdict"] == verdict]
             if own or verdict != "none":
                 at = [values.index(row["value"]) for row in own]
                 axes.plot([row["dt_s"] for row in own], at, mark, color=colour, ms=9, label=verdict)
-        low, high = min(row["dt_s"] for row in here), max(row["dt_s"] for row in here)
-        axes.set_xlim(low / 2.0, high * 3.0)
+        axes.set_xlim(low, high)
         axes.set_yticks(range(len(values)), [f"{value:g}" for value in values])
         axes.set_ylim(-0.6, len(values) - 0.4)
         axes.set_xlabel("time step [s]")

@@ -27,13 +27,14 @@ def draw(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> No
         axes = figure.add_subplot(1, len(axes_of), k + 1)
         axes.set_xscale("log")
         axes.set_yscale("log")
-        done = [row for row in rows if row.get("error") is not None and row.get(key)]
-        scattered(axes, key, done)
-        failed(axes, key, [row for row in rows if row.get("error") is None])
+        there = [row for row in rows if row.get(key)]
+        done = [row for row in there if row.get("error") is not None]
+        limits(axes, key, trial, there, done)
+        scattered(axes, key, trial, done)
+        failed(axes, key, trial.schemes, [row for row in there if row.get("error") is None])
         best = [done[i] for i in front([(row[key], height(row)) for row in done])]
-        axes.step(
-            [row[key] for row in best], [height(row) for row in best], where="post", color="black", lw=0.8, zorder=1
-        )
+        at, error = [row[key] for row in best], [height(row) for row in best]
+        axes.step(at, error, where="post", color="black", lw=0.8, zorder=1)
         margins(axes, trial)
         unit = next((row["unit"] for row in done if row["unit"] != "1"), "")
         axes.set_xlabel(label)
@@ -49,40 +50,50 @@ def height(row: dict[str, Any]) -> float:
     return max(abs(row["error"]), LEAST)
 
 
-def scattered(axes: Any, key: str, rows: list[dict[str, Any]]) -> None:
+def limits(axes: Any, key: str, trial: Trial, there: list[dict[str, Any]], done: list[dict[str, Any]]) -> None:
+    """Room for all points, for peers, and for what failed."""
+    wide, high = [row[key] for row in there], [*map(height, done), *trial.peers.values()]
+    high += [trial.scatter] if trial.scatter is not None else []
+    for each, values in ((axes.set_xlim, wide), (axes.set_ylim, high)):
+        if values:
+            each(min(values) / 1.6, max(values) * 1.9)
+
+
+def scattered(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
     """Full marks: a scheme as it comes, joined over its resolutions; hollow ones: with another setting."""
-    for n, scheme in enumerate(dict.fromkeys(row["scheme"] for row in rows)):
+    for n, scheme in enumerate(trial.schemes):
         own = [row for row in rows if row["scheme"] == scheme]
         look = {"color": COLOURS[n % len(COLOURS)], "marker": MARKS[n % len(MARKS)]}
         plain = sorted((row for row in own if not row["changed"]), key=lambda row: row[key])
-        axes.plot([row[key] for row in plain], [height(row) for row in plain], label=scheme, ms=8, lw=1.2, **look)
+        if plain:
+            axes.plot([row[key] for row in plain], [height(row) for row in plain], label=scheme, ms=8, lw=1.2, **look)
         other = [row for row in own if row["changed"]]
         look["markerfacecolor"] = "white"
         axes.plot([row[key] for row in other], [height(row) for row in other], ls="none", ms=6, **look)
         for row in other if key in SPEEDS else ():
-            said = ", ".join(word.split(".")[-1] for word in row["changed"].split(", "))
+            name, value = row["changed"].split("=")
+            said = f"{name.split('.')[-1]}={value}"
             axes.annotate(said, (row[key], height(row)), (4, 3), textcoords="offset points", fontsize=5, alpha=0.8)
 
 
-def failed(axes: Any, key: str, rows: list[dict[str, Any]]) -> None:
+def failed(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict[str, Any]]) -> None:
     """Crosses along the upper edge: there is no error to place them by."""
-    schemes = list(dict.fromkeys(row["scheme"] for row in rows))
     for n, scheme in enumerate(schemes):
         own = [row[key] for row in rows if row["scheme"] == scheme and row.get(key)]
-        high = 0.97 - 0.04 * n
-        axes.plot(own, [high] * len(own), "x", color="black", ms=7, transform=axes.get_xaxis_transform())
-        axes.text(0.01, high, f"failed: {scheme}", transform=axes.transAxes, fontsize=6, va="center")
+        if own:
+            look = {"color": COLOURS[n % len(COLOURS)], "marker": "x", "ms": 8, "mew": 2, "ls": "none"}
+            at = axes.get_xaxis_transform()
+            axes.plot(own, [0.97 - 0.04 * n] * len(own), transform=at, label=f"{scheme}, failed", **look)
 
 
 def margins(axes: Any, trial: Trial) -> None:
     """The scatter of the experiments, and what peers reached."""
     if trial.scatter is not None:
-        axes.axhspan(axes.get_ylim()[0], trial.scatter, color="0.9", zorder=0, label="scatter of experiments")
+        axes.axhspan(LEAST, trial.scatter, color="0.9", zorder=0, label="scatter of experiments")
+    at = axes.get_yaxis_transform()
     for name, error in trial.peers.items():
         axes.axhline(error, color="0.4", ls=":", lw=0.9)
-        axes.text(
-            0.99, error, f"{name} particles", transform=axes.get_yaxis_transform(), ha="right", va="bottom", fontsize=6
-        )
+        axes.text(0.99, error, f"{name} particles", transform=at, ha="right", va="bottom", fontsize=6)
 
 
 def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget: Budget | None) -> None:
@@ -107,7 +118,7 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
             axes.annotate(said, at, (5, 5), textcoords="offset points", fontsize=6)
         edge = [done[i] for i in front([(row[key], row[name]) for row in done])]
         axes.step([r[key] for r in edge], [r[name] for r in edge], where="post", color="black", lw=0.8, zorder=1)
-        failed(axes, key, [row | {"scheme": row["setting"]} for row in rows if row["outcome"] != "done"])
+        failed(axes, key, ("settings",), [row | {"scheme": "settings"} for row in rows if row["outcome"] != "done"])
         if budget is not None:
             most = budget.most * 60.0 / 1e3 if budget.name.endswith("ms") else budget.most
             axes.axvline(most, color=COLOURS[2], ls="--", lw=1.2, label=f"budget {budget.name}")

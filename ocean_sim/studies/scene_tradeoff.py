@@ -5,11 +5,13 @@ each gauge, and the rms of elevations, of the six motions and of leg lengths ove
 setting is better than another only beyond that.
 """
 
+import json
 import re
 from dataclasses import dataclass
 from itertools import product
 from math import prod
 from pathlib import Path
+from shlex import quote
 from statistics import mean, median, stdev
 from typing import Any
 
@@ -81,8 +83,11 @@ class Setting:
     def line(self) -> str:
         """As it is pasted behind `ocean-sim run SCENE`."""
         words = [f"--profile {self.values['profile']}"] if "profile" in self.values else []
-        sets = {key: value for key, value in self.values.items() if key != "profile"}
-        return " ".join(words + [f"--set {key}={'null' if value is None else value}" for key, value in sets.items()])
+        for key, value in self.values.items():
+            if key != "profile":
+                text = value if isinstance(value, str) else json.dumps(value)  # which YAML reads
+                words.append(f"--set {quote(f'{key}={text}')}")
+        return " ".join(words)
 
     def order(self, k: int, again: bool = False) -> dict[str, Any]:
         """Its run with the k-th seed; `again`: one apart from those that were made before."""

@@ -61,13 +61,12 @@ def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None
     if as_json:
         console.answer(table)
         return
-    keys = ("case", "at equal", "scheme", "error", "unit", "wall_per_s", "changed")
-    console.table(
-        "\nat equal time, and at equal number", list(keys), [[text(row[key]) for key in keys] for row in fair]
-    )
-    console.say(
-        f"{out / 'tradeoff.csv'}, equal.csv and pictures; wall_per_s: wall seconds of steps per simulated second"
-    )
+    keys = ("case", "at equal", "scheme", "error", "unit", speed, "changed")
+    lines = [[text(row[key]) for key in keys] for row in fair]
+    console.table("\nat equal time, and at equal number", list(keys), lines)
+    if speed != "wall_per_s":
+        console.say("others had the cores, too, so processor time is compared; run it again on an idle machine")
+    console.say(f"{out / 'tradeoff.csv'}, equal.csv, pictures; wall_per_s: wall seconds of steps per simulated second")
 
 
 def show(title: str, rows: list[dict[str, Any]], speed: str) -> None:

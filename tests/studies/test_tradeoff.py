@@ -7,10 +7,11 @@ import pytest
 
 from ocean_sim.__main__ import answered
 from ocean_sim.result import Result
-from ocean_sim.studies import _pareto, _runs, _table
+from ocean_sim.studies import _pareto, _runs, _table, tradeoff
 from ocean_sim.studies.scene_tradeoff import SEEDS, Budget, best, errors, finest, settings, summary, varied
 from ocean_sim.studies.tradeoff import TRIALS, clock, equals, front, points
 from ocean_sim.validation import problems
+from ocean_sim.verbs import tradeoff as verb
 from ocean_sim.yaml_file import SceneError
 
 SEA = """basin: {length: 40.0, width: 40.0, depth: 7.5}
@@ -125,6 +126,34 @@ def test_a_setting_has_its_seeds_a_gauge_and_a_line_to_paste():
     assert [scene.seed for scene in plan[0].scenes] == [0, 1, 2]
     assert "gauges" in plan[0].scenes[0].observers
     assert _runs.address(plan[0].order(0)) != _runs.address(plan[0].order(0, again=True))
+
+
+def test_a_line_can_be_pasted_whatever_the_values():
+    plan = settings("sea.yaml", None, {}, varied(["runtime.pin=true,false", "health=null,{every: 1.0}"]), True)
+    assert plan[0].line() == "--set runtime.pin=true --set health=null"
+    assert plan[1].line() == """--set runtime.pin=true --set 'health={"every": 1.0}'"""
+
+
+def test_the_study_of_cases_leaves_tables_and_pictures(monkeypatch, capsys):
+    """Runs are made up: one scheme fails, and others had the cores, too."""
+
+    def made_up(order, folder, limit):
+        if order["scheme"] == "mueller":
+            return {"outcome": "stopped", "reason": "too fast", "errors": []}
+        fine = order["set"].get("resolution", 1.0)
+        errors = [{"quantity": trial.quantity, "error": -fine, "unit": "%"} for trial in few]
+        facts = {"particles": 100 / fine**2, "neighbours": 20.0, "wall_per_s": 2.0 / fine, "cpu_per_s": 1.0 / fine}
+        return {"outcome": "done", "reason": "", "errors": errors} | facts
+
+    few = tuple(trial for trial in TRIALS if trial.case in ("dam_break_front", "ship_rao"))
+    monkeypatch.setattr(tradeoff, "TRIALS", few)
+    monkeypatch.setattr(verb, "TRIALS", few)
+    monkeypatch.setattr(_runs, "performed", made_up)
+    assert answered(["tradeoff", "--quick", "--out", "out"]) == 0
+    said = capsys.readouterr().out
+    assert "processor time is compared" in said and "too fast" in said and "400" in said
+    names = {"tradeoff.csv", "equal.csv", "tradeoff_dam_break_front.png", "tradeoff_ship_rao.png"}
+    assert names <= {path.name for path in Path("out").iterdir()}
 
 
 def written(folder: str, amplitude: float, period: float) -> Result:

@@ -20,6 +20,9 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
+# exceptions that say what the machine lacks
+LACKING = ("BackendMissing", "OpenGLMissing", "VulkanMissing", "ScreenMissing", "ClusterMissing")
+
 Scene = Annotated[str, typer.Argument(help="A scene file, or the name of a packaged scene (ocean-sim list scenes).")]
 Profile = Annotated[str | None, typer.Option(help="What the machine can afford: a name in configs/run/.")]
 Sets = Annotated[
@@ -274,6 +277,60 @@ def platform(
     platform(log, geometry, washout, frame, stream, packets, film, out, json)
 
 
+@app.command()
+def sweep(
+    plan: Annotated[Path, typer.Argument(help="A YAML file: scene, profile, set, list, grid, seeds.")],
+    scheduler: Annotated[
+        str | None, typer.Option(help="A Dask cluster, as in tcp://127.0.0.1:8786, that sees the same files.")
+    ] = None,
+    workers: Annotated[int | None, typer.Option(min=1, help="Runs at once here; by default one a core.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Run folders and results.csv; by default runs/<plan>.")] = None,
+    json: Json = False,
+) -> None:
+    """Many runs from a plan, each in a process of its own; what is finished is not run again, failures are rows."""
+    from ocean_sim.verbs.sweep import sweep
+
+    sweep(plan, scheduler, workers, out, json)
+
+
+@app.command()
+def tradeoff(
+    scene: Annotated[str | None, typer.Argument(help="A scene; without one, the validation cases.")] = None,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(help="KEY=A,B,C; several: every combination. By default all profiles (profile=ci,...)."),
+    ] = None,
+    budget: Annotated[
+        str | None, typer.Option(help="16ms: wall time of 1/60 s simulated; realtime; 30s: of the whole run.")
+    ] = None,
+    by: Annotated[str | None, typer.Option(help="The error that decides, as it stands in the table.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer runs and seeds: minutes instead of hours.")] = False,
+    profile: Profile = None,
+    sets: Sets = None,
+    workers: Annotated[int | None, typer.Option(min=1, help="Cases at once; by default one a core.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Where tables, pictures and runs go.")] = None,
+    json: Json = False,
+) -> None:
+    """Speed against accuracy, measured: over the validation cases, or over settings of a scene within a budget."""
+    from ocean_sim.verbs.tradeoff import tradeoff
+
+    tradeoff(scene, vary or [], budget, by, quick, profile, sets or [], workers, out, json)
+
+
+@app.command()
+def stability(
+    scene: Annotated[str | None, typer.Argument(help="A scene; without one, a collapsing column.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer points: minutes instead of hours.")] = False,
+    workers: Annotated[int | None, typer.Option(min=1, help="Runs at once; by default one a core.")] = None,
+    out: Annotated[Path, typer.Option(help="Where tables, pictures and runs go.")] = Path("runs/stability"),
+    json: Json = False,
+) -> int:
+    """Where it breaks: time steps and other settings at their extremes, each with a verdict."""
+    from ocean_sim.verbs.stability import stability
+
+    return stability(scene, quick, workers, out, json)
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and leave with its exit code."""
     sys.exit(answered(sys.argv[1:] if arguments is None else arguments))
@@ -316,12 +373,7 @@ def meaning(error: BaseException) -> tuple[int, str, list[Any]]:
         return 2, str(error), error.problems
     if isinstance(error, console.Refused):
         return 2, str(error), []
-    if isinstance(error, console.Lacking) or type(error).__name__ in (
-        "BackendMissing",
-        "OpenGLMissing",
-        "VulkanMissing",
-        "ScreenMissing",
-    ):
+    if isinstance(error, console.Lacking) or type(error).__name__ in LACKING:
         return 3, str(error), []
     if isinstance(error, ImportError | OSError) and "libX11" in str(error):
         return 3, "Taichi needs the system library libX11: as root, apt-get install libx11-6", []

@@ -143,6 +143,13 @@ def test_validation_reads_scene_and_simulation_and_only_what_stands_above_reads_
             assert not [name for name in ours(module) if room(name) == "validation"], module
 
 
+def test_studies_read_validation_and_what_stands_below_it():
+    below = (*FOUNDATION, "scene", "simulation", "result", "translation", "fluid", "validation", "studies")
+    for module in modules("studies"):
+        for other in ours(module):
+            assert room(other) in below and not is_kind(other), f"{module} imports {other}"
+
+
 def test_nothing_below_it_knows_the_command_line():
     for module in SOURCES:
         if room(module) not in ("verbs", "__main__"):

@@ -5,12 +5,13 @@ from math import isinf, radians
 from typing import Any, ClassVar
 
 import numpy as np
-from pydantic import field_validator
+from pydantic import ValidationInfo, field_validator
 
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.fluid import Limits
-from ocean_sim.parts import LedgerRow, Vector3, quantity
+from ocean_sim.input_file import beside_scene
+from ocean_sim.parts import LedgerRow, Vector3, named, quantity
 from ocean_sim.ship._cubes import Cubes, Wetted
 from ocean_sim.ship._hull import Hull, explained, hull_of
 from ocean_sim.ship._hydrostatics import Hydrostatics
@@ -44,10 +45,11 @@ class FloatingConfig(Placed):
 
     @field_validator("hull")
     @classmethod
-    def _known(cls, hull: str | Hull) -> str | Hull:
-        if isinstance(hull, str):
-            hull_of(hull)
-        return hull
+    def _known(cls, hull: str | Hull, info: ValidationInfo) -> str | Hull:
+        if not isinstance(hull, str) or hull in named("hull"):
+            return hull
+        hull_of(hull)
+        return beside_scene(hull, info)
 
     @cached_property
     def whole_hull(self) -> Hull:

@@ -27,6 +27,7 @@ from ocean_sim.fluid._sph import Sph, SphConfig, limits, rows
 from ocean_sim.parts import LedgerRow, quantity
 from ocean_sim.wind import Wind
 
+PAIR = 9.2e-9  # [s] of processor time a neighbour
 READS = 7  # fields of a neighbour that either law reads
 TENSION = 0.3  # of the artificial stress that keeps water under tension together (Monaghan 2000, J. Comput. Phys. 159)
 CROWDING = 0.2  # weight of near neighbours in a shift (Sun et al. 2017)
@@ -69,7 +70,7 @@ class Config(SphConfig):
 
     def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
         what = "position, velocity, density, pressure, its deviation and rate, number"
-        return rows(self.sized(basin, READS, CARRIED), word, 12 + 3 * self.enclosed(basin), what)
+        return rows(self.sized(basin, READS, CARRIED), word, 12 + 3 * self.enclosed(basin), what, PAIR)
 
     def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "DeltaSph":
         return DeltaSph(self, basin, ledger, wind)

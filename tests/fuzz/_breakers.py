@@ -48,7 +48,9 @@ garbage = st.one_of(
     st.sampled_from([float("nan"), float("inf"), float("-inf"), 1e308, -1e308, 5e-324, 1e-30, -0.0, 1e30]),
     st.floats(width=64),
     st.text(max_size=6),
-    st.sampled_from(["", " ", "null", "1,5", "1e", "../../etc/passwd", "yacht.stl", "x" * 300, "\u202e", "é", "0x", "~"]),
+    st.sampled_from(
+        ["", " ", "null", "1,5", "1e", "../../etc/passwd", "yacht.stl", "x" * 300, "\u202e", "é", "0x", "~"]
+    ),
     st.sampled_from([[], {}, [[]], [{}], {"kind": "x"}, {"file": "nowhere.csv"}, {"kind": []}, [1.0, 2.0], [None] * 3]),
 )
 paths_to_nowhere = st.sampled_from(
@@ -57,7 +59,16 @@ paths_to_nowhere = st.sampled_from(
 )
 meshes_from_nowhere = st.sampled_from(
     ["/dev/zero", "fifo.stl", "folder.stl", "nowhere.stl", "empty.stl", "empty.obj", "empty.ply", "words.stl"]
-    + ["words.ply", "hole.stl", "a\x00b.stl", "../" * 40 + "etc/x.stl", "noise.stl", "noise.obj", "noise.ply", "cut.stl"]
+    + [
+        "words.ply",
+        "hole.stl",
+        "a\x00b.stl",
+        "../" * 40 + "etc/x.stl",
+        "noise.stl",
+        "noise.obj",
+        "noise.ply",
+        "cut.stl",
+    ]
 )
 
 
@@ -69,23 +80,32 @@ def slips(draw: Any, scene: dict[str, Any]) -> Broken:
     how = draw(st.sampled_from(["value", "value", "scaled", "typo", "extra", "removed", "doubled", "shortened"]))
     if how == "value":
         new = draw(garbage)
-        return Broken(yaml(changed(scene, path, lambda at, key: at.__setitem__(key, new))).encode(), f"{path}: {new!r:.60}")
+        return Broken(
+            yaml(changed(scene, path, lambda at, key: at.__setitem__(key, new))).encode(), f"{path}: {new!r:.60}"
+        )
     if how == "scaled":
         numbers = [p for p in places if isinstance(found(scene, p), float)] or [path]
         path = draw(st.sampled_from(numbers))
         old = found(scene, path)
         new = old * draw(st.sampled_from([-1.0, 0.0, 1e-9, 1e-3, 1e3, 1e9, 1e300])) if isinstance(old, float) else old
-        return Broken(yaml(changed(scene, path, lambda at, key: at.__setitem__(key, new))).encode(), f"{path} = {new!r}")
+        return Broken(
+            yaml(changed(scene, path, lambda at, key: at.__setitem__(key, new))).encode(), f"{path} = {new!r}"
+        )
     if how in ("typo", "extra"):
         keys = [p for p in places if isinstance(p[-1], str) and p[-1] not in ("a", "bow", "gauge_2", "kind")]
         path = draw(st.sampled_from(keys))
         key = str(path[-1])
-        wrong = mistyped(draw, key) if how == "typo" and len(key) > 3 else draw(st.text(string.printable, min_size=1))
+        slipped = how == "typo" and len(key) > 3
+        wrong = mistyped(draw, key) if slipped else draw(st.text(string.printable, min_size=1))
 
         def rename(at: Any, key: Any) -> None:
             at[wrong] = at.pop(key)
 
-        return Broken(yaml(changed(scene, path, rename)).encode(), f"{path} as {wrong!r}", key if how == "typo" else None)
+        return Broken(
+            yaml(changed(scene, path, rename)).encode(),
+            f"{path} as {wrong!r}",
+            key if slipped and wrong != key else None,
+        )
     if how == "removed":
         return Broken(yaml(changed(scene, path, lambda at, key: at.__delitem__(key))).encode(), f"without {path}")
     if how == "doubled":
@@ -105,7 +125,9 @@ def mistyped(draw: Any, word: str) -> str:
     """A word with two letters changed places, one left out, or one twice."""
     k = draw(st.integers(1, len(word) - 2))
     return draw(
-        st.sampled_from([word[:k] + word[k + 1 :], word[:k] + word[k] + word[k:], word[:k] + word[k + 1] + word[k] + word[k + 2 :]])
+        st.sampled_from(
+            [word[:k] + word[k + 1 :], word[:k] + word[k] + word[k:], word[:k] + word[k + 1] + word[k] + word[k + 2 :]]
+        )
     )
 
 

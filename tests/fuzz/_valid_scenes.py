@@ -16,9 +16,27 @@ OPTIONAL = 3  # keys of a mapping, at most, that need not be written
 
 # Sizes of numbers by unit, where the schema sets no bound: those of a tank of some metres.
 SIZES = {
-    **{"m": 1.0, "s": 0.5, "m/s": 0.5, "m/s2": 2.0, "m2/s": 0.01, "m2/s2": 10.0, "m2": 0.1, "m3/s": 0.1},
-    **{"kg": 300.0, "kg m2": 100.0, "kg/m3": 1500.0, "N": 100.0, "Pa": 100.0, "deg": 90.0, "deg/s": 5.0},
-    **{"rad": 0.5, "rad/s": 0.5, "spacings": 2.0, "particles": 600.0, "pixels": 320.0, "triangles": 1000.0},
+    "m": 1.0,
+    "s": 0.5,
+    "m/s": 0.5,
+    "m/s2": 2.0,
+    "m2/s": 0.01,
+    "m2/s2": 10.0,
+    "m2": 0.1,
+    "m3/s": 0.1,
+    "kg": 300.0,
+    "kg m2": 100.0,
+    "kg/m3": 1500.0,
+    "N": 100.0,
+    "Pa": 100.0,
+    "deg": 90.0,
+    "deg/s": 5.0,
+    "rad": 0.5,
+    "rad/s": 0.5,
+    "spacings": 2.0,
+    "particles": 600.0,
+    "pixels": 320.0,
+    "triangles": 1000.0,
 }
 # Numbers that decide what a run costs, or whether it is one at all.
 CHOICES: dict[str, st.SearchStrategy] = {
@@ -168,8 +186,9 @@ def scenes(draw: Any, dimension: int | None = None) -> dict[str, Any]:
     return scene
 
 
-def settled(scene: dict[str, Any], dimension: int, rounds: int = 6) -> SceneConfig | None:
+def settled(scene: dict[str, Any], rounds: int = 6) -> SceneConfig | None:
     """The scene without what is complained of, loaded; None where complaints go on."""
+    dimension = 3 if "width" in scene["basin"] else 2
     for _ in range(rounds):
         try:
             return load(scene)
@@ -193,8 +212,10 @@ def leave_out(scene: dict[str, Any], path: list[str], dimension: int) -> None:
     if isinstance(at, dict) and at is not scene:
         if at is scene["fluid"]:
             scene["fluid"] = plain(at["kind"])
-        else:
-            at.pop(path[-1], None)
+        elif path[-1] in at:
+            del at[path[-1]]
+        else:  # a key that is missing
+            leave_out(scene, path[:-1], dimension)
     elif isinstance(at, list) and path[-1].isdecimal():
         del at[int(path[-1]) :]
     elif path[0] == "basin":

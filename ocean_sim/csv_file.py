@@ -20,7 +20,7 @@ def columns(path: str | Path) -> dict[str, np.ndarray]:
     twice = next((name for k, name in enumerate(names) if name in names[:k]), None)
     if twice is not None:
         raise input_file.Unreadable(path, f"it has two columns {described(twice)}")
-    table = np.genfromtxt(lines[1:], delimiter=",", ndmin=2, comments=None)
+    table = np.genfromtxt(lines[1:], delimiter=",", ndmin=2, comments=None)  # type: ignore[call-overload]
     return dict(zip(names, table.T))
 
 

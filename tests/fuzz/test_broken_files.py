@@ -1,4 +1,4 @@
-"""Meshes, logs and run folders that are empty, cut short, or have a bit turned over: a sentence and the right exit code."""
+"""Meshes, logs and run folders that are empty, cut short or have a bit turned over: a sentence, and the exit code."""
 
 import json
 import random
@@ -9,6 +9,7 @@ import pytest
 
 from ocean_sim import __main__, csv_file, input_file, motion_log
 from ocean_sim.motion_log import REQUIRED
+from ocean_sim.yaml_file import SceneError
 
 TALK = ("Traceback", "this should not happen", "Errno")
 
@@ -143,8 +144,11 @@ def test_files_are_found_from_the_folder_of_the_scene(tmp_path, monkeypatch):
     scene.write_text(text.format(tmp_path / "scenes" / "tank.csv"))
     assert load(scene).basin.build().config.motion.rows()[0] == "x"
     (tmp_path / "scenes" / "tank.csv").unlink()
-    (sentence,) = str(pytest.raises(Exception, load, "scenes/deep/s.yaml").value).splitlines()
-    assert sentence.startswith("scenes/deep/s.yaml:1:49: basin.motion.file: scenes/tank.csv: there is no such file")
+    with pytest.raises(SceneError) as caught:
+        load("scenes/deep/s.yaml")
+    assert str(caught.value).startswith(
+        "scenes/deep/s.yaml:1:49: basin.motion.file: scenes/tank.csv: there is no such file"
+    )
 
 
 @pytest.mark.parametrize(

@@ -170,8 +170,10 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
     heading = validated(Heading, root.with_data({k: v for k, v in data.items() if k in headings}), (), problems)
     parts = _parts(composition, problems, folder)
     watching = _observers(data, root, problems)
+    failed = composition.failed | {name for name, part in parts.items() if part is None}
     for name, config in watching.items():
-        absent = [need for need in config.needs if parts.get(need) is None and need not in watching]
+        there = {*watching, *failed}  # a part that is wrong is there
+        absent = [need for need in config.needs if parts.get(need) is None and need not in there]
         if absent:
             place = data.get(name, root).place
             problems.append(problem(place, name, f"needs {', '.join(absent)}, which this scene does not have"))
@@ -186,7 +188,7 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
             if hasattr(part, "problems"):
                 problems += _misplaced(name, part.problems(place), data.get(name, root))
         for name, part in watching.items():
-            if hasattr(part, "mismatched"):
+            if hasattr(part, "mismatched") and not failed:
                 problems += _misplaced(name, part.mismatched(parts), data.get(name, root))
         _surface_on_fluid(parts, place, data, problems)
     _ship_on_water(parts, data, problems)

@@ -187,8 +187,9 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
         for name, part in (parts | watching).items():
             if hasattr(part, "problems"):
                 problems += _misplaced(name, part.problems(place), data.get(name, root))
+        wrong = failed | {found.key.partition(".")[0] for found in problems}
         for name, part in watching.items():
-            if hasattr(part, "mismatched") and not failed:
+            if hasattr(part, "mismatched") and not wrong & {"basin", *SLOTS}:
                 problems += _misplaced(name, part.mismatched(parts), data.get(name, root))
         _surface_on_fluid(parts, place, data, problems)
     _ship_on_water(parts, data, problems)

@@ -85,9 +85,8 @@ facts = {"modules": modules, "kernels": runtime.compiled_kernels(), "allocated":
 
 def runs(scene: dict, folder: Path) -> dict:
     """A run in a process of its own: what it imported, compiled and allocated, and its files by name."""
-    child = subprocess.run(
-        [sys.executable, "-c", PROBE, json.dumps(scene), str(folder)], capture_output=True, text=True
-    )
+    command = [sys.executable, "-c", PROBE, json.dumps(scene), str(folder)]
+    child = subprocess.run(command, capture_output=True, text=True)
     assert child.returncode == 0, child.stderr
     files = {p.name: p.read_bytes() for p in folder.glob("*.csv") if p.name != "timings.csv"}
     return json.loads((folder / "facts.json").read_text()) | {"files": files}

@@ -14,12 +14,11 @@ MANY = 500
 
 
 def drawn(count: int) -> list[SceneConfig]:
-    """So many scenes, always the same, ordered so that those of the same kinds share their kernels; without pictures."""
+    """So many scenes, always the same, without pictures; those of the same kinds, which share kernels, stand together."""
     found: list[SceneConfig] = []
-    phases, checks = [Phase.generate], list(HealthCheck)
+    few = settings(max_examples=2 * count, derandomize=True, database=None, deadline=None, phases=[Phase.generate])
 
-    @settings(max_examples=2 * count, derandomize=True, database=None, deadline=None, phases=phases)
-    @settings(suppress_health_check=checks)
+    @settings(few, suppress_health_check=list(HealthCheck))
     @given(scenes())
     def draw(scene):
         config = settled(scene | {"render": None, "report": None})

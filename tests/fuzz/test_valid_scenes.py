@@ -14,7 +14,7 @@ MANY = 500
 
 
 def drawn(count: int) -> list[SceneConfig]:
-    """So many scenes, always the same, without pictures; those of the same kinds, which share kernels, stand together."""
+    """So many scenes, always the same, without pictures; those of the same kinds stand together and share kernels."""
     found: list[SceneConfig] = []
     few = settings(max_examples=2 * count, derandomize=True, database=None, deadline=None, phases=[Phase.generate])
 

@@ -367,11 +367,12 @@ def told(error: BaseException, as_json: bool) -> int:
 
 def meaning(error: BaseException) -> tuple[int, str, list[Any]]:
     """Exit code, sentence, and the places in a scene that an error speaks of."""
+    from ocean_sim.input_file import Unreadable
     from ocean_sim.yaml_file import SceneError
 
     if isinstance(error, SceneError):
         return 2, str(error), error.problems
-    if isinstance(error, console.Refused):
+    if isinstance(error, console.Refused | Unreadable):
         return 2, str(error), []
     if isinstance(error, console.Lacking) or type(error).__name__ in LACKING:
         return 3, str(error), []

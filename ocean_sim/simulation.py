@@ -75,14 +75,12 @@ class Simulation:
                 self._watch(self.observers)
             while self.time < until * (1.0 - 1e-12):
                 before = self.time
-                try:
-                    self.step()
-                except Diverged as failure:
-                    raise Diverged(f"{failure}; t = {before:.4f} s, step {self.steps}") from None
+                self.step()
                 self._watch([o for o in self.observers if self._due(o.every, before)])
         except Diverged as failure:
-            self.outcome, self.reason = "stopped", str(failure)
-            raise
+            when = "" if "t = " in str(failure) else f"; t = {self.time:.4f} s, step {self.steps}"
+            self.outcome, self.reason = "stopped", f"{failure}{when}"
+            raise Diverged(self.reason) from None
         except KeyboardInterrupt:
             self.outcome, self.reason = "stopped", "interrupted"
             raise

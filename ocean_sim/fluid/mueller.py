@@ -21,6 +21,7 @@ from ocean_sim.parts import LedgerRow, quantity
 from ocean_sim.wind import Wind
 
 TINY = 1.0e-12  # [m2] keeps two particles in one place finite
+PAIR = 3.6e-9  # [s] of processor time a neighbour
 READS = 8  # fields of a neighbour that the momentum law reads
 SLOPE, OFFSET, VISCOUS = range(3)  # what may change while the water moves
 
@@ -45,7 +46,7 @@ class Config(SphConfig):
         return sqrt(self.stiffness) if self.stiffness else super().sound_speed(basin)
 
     def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
-        return rows(self.sized(basin, READS), word, 9, "position, velocity, density, pressure, volume, number")
+        return rows(self.sized(basin, READS), word, 9, "position, velocity, density, pressure, volume, number", PAIR)
 
     def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "Mueller":
         return Mueller(self, basin, ledger, wind)

@@ -5,12 +5,13 @@ from math import isinf, radians
 from typing import Any, ClassVar
 
 import numpy as np
-from pydantic import field_validator
+from pydantic import ValidationInfo, field_validator
 
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.fluid import Limits
-from ocean_sim.parts import LedgerRow, Vector3, quantity
+from ocean_sim.input_file import beside_scene
+from ocean_sim.parts import LedgerRow, Vector3, named, quantity
 from ocean_sim.ship._cubes import Cubes, Wetted
 from ocean_sim.ship._hull import Hull, explained, hull_of
 from ocean_sim.ship._hydrostatics import Hydrostatics
@@ -21,6 +22,7 @@ from ocean_sim.ship._water import Water
 
 STEPS_A_PERIOD = 60  # of the fastest natural motion
 FORCE_NUMBER = 0.25  # the share of a limit that `courant` takes
+BODY, CUBE = 3.0e-4, 1.2e-7  # [s] of processor time a step
 FEW = 4.0  # spacings in a draught
 
 
@@ -44,10 +46,11 @@ class FloatingConfig(Placed):
 
     @field_validator("hull")
     @classmethod
-    def _known(cls, hull: str | Hull) -> str | Hull:
-        if isinstance(hull, str):
-            hull_of(hull)
-        return hull
+    def _known(cls, hull: str | Hull, info: ValidationInfo) -> str | Hull:
+        if not isinstance(hull, str) or hull in named("hull"):
+            return hull
+        hull_of(hull)
+        return beside_scene(hull, info)
 
     @cached_property
     def whole_hull(self) -> Hull:
@@ -96,7 +99,8 @@ class FloatingConfig(Placed):
         """What it allocates."""
         n = len(self.afloat(-basin.gravity[1], WATER_DENSITY).voxels.share)
         size = Cubes.bytes(n, word) + Water.bytes(True, word)
-        return [LedgerRow("ship", f"{n} cubes of the hull", size, f"{self.cells_per_draught:g} cells_per_draught")]
+        why = f"{self.cells_per_draught:g} cells_per_draught"
+        return [LedgerRow("ship", f"{n} cubes of the hull", size, why, BODY + CUBE * n)]
 
 
 class Afloat:

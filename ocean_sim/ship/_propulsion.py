@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import field_validator, model_validator
 
 from ocean_sim import csv_file
+from ocean_sim.input_file import FileName, shown
 from ocean_sim.parts import PartConfig, Vector3, quantity
 from ocean_sim.ship._rigid_body import RigidBody
 
@@ -76,18 +77,23 @@ class Row(PartConfig):
 class Track(PartConfig):
     """Orders from a file."""
 
-    file: str
+    file: FileName
     """A CSV file with columns time_s, throttle, rudder_rad."""
 
     @field_validator("file")
     @classmethod
     def _readable(cls, file: str) -> str:
-        try:
-            missing = [name for name in COLUMNS if name not in csv_file.columns(file)]
-        except OSError as error:
-            raise ValueError(f"{file} cannot be read: {error.strerror}") from None
+        found = csv_file.columns(file)
+        missing = [name for name in COLUMNS if name not in found]
         if missing:
-            raise ValueError(f"{file} has no column {', '.join(missing)}")
+            raise ValueError(f"{shown(file)} has no column {', '.join(missing)}")
+        table = np.array([found[name] for name in COLUMNS])
+        if not np.isfinite(table).all():
+            raise ValueError(f"{shown(file)} holds what is not a number")
+        if not (np.diff(table[0]) > 0.0).all():
+            raise ValueError(f"{shown(file)}: its rows must be in the order of time, each time once")
+        if np.abs(table[1]).max() > 1.0 or np.abs(table[2]).max() > pi / 2:
+            raise ValueError(f"{shown(file)}: throttle lies between -1 and 1, rudder_rad between -pi/2 and pi/2")
         return file
 
 

@@ -33,6 +33,7 @@ CENTRE, HALF, RADIUS, SHAPE_COSINE, SHAPE_SINE, SIGN, WIDTH = 0, 3, 6, 7, 8, 9, 
 
 MOST_DRAWS = 8  # of the noise in a step; a longer step takes one draw, weaker by the root of their number
 
+ADVANCE = 1.0e-4  # [s] of processor time a step; what it blows on is in the particles' and the ship's
 ROUNDING = 1e-4  # by which the box around a volume is larger than it
 
 NotNegative = Annotated[float, Field(ge=0.0)]
@@ -147,7 +148,7 @@ class Config(PartConfig):
 
     def ledger(self, basin: Basin, word: int = 8) -> list[LedgerRow]:
         n, row = len(self.volumes), SHAPES + WIDTH * most_shapes(self.volumes)
-        return [LedgerRow("wind", "moving volumes of air", word * (n * row + 3) + 8, f"{n} in wind.volumes")]
+        return [LedgerRow("wind", "moving volumes of air", word * (n * row + 3) + 8, f"{n} in wind.volumes", ADVANCE)]
 
     def warnings(self, scene: Any) -> list[str]:
         sentences = []

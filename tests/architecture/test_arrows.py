@@ -21,6 +21,7 @@ FOUNDATION = [
         "conventions",
         "yaml_file",
         "csv_file",
+        "input_file",
         "parts",
         "runtime",
         "random_numbers",

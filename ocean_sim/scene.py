@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 ALWAYS_ON = ("manifest", "timings", "health", "accuracy", "frames", "report", "render")  # unless null
 FIRST = ("manifest", "timings", "health", "accuracy", "gauges")
-LAST = ("frames", "report", "render")  # what others have written by then, they read
+LAST = ("frames", "report", "render", "checkpoint")  # what others have written by then, they read
 OVERRIDE = "--set"
 
 Part = Any  # the Config of a kind, or None: scenes know kinds by name only

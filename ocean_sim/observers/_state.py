@@ -23,6 +23,9 @@ from typing import Any
 import numpy as np
 import taichi as ti
 from pydantic import BaseModel
+from taichi.lang.util import to_numpy_type
+
+from ocean_sim.observers._fields import Contents, shape
 
 OURS = "ocean_sim"
 PLAIN = (bool, int, float, str)
@@ -42,6 +45,11 @@ def attributes(value: Any) -> dict[str, Any]:
     return {name: inner for name, inner in vars(value).items() if name not in out}
 
 
+def step(key: Any, number: int) -> str:
+    """Of a path into a mapping: the key where it is a word."""
+    return key if isinstance(key, str) and key.isidentifier() else str(number)
+
+
 def is_named(value: Any) -> bool:
     return isinstance(value, tuple) and hasattr(value, "_fields")
 
@@ -52,13 +60,16 @@ class Taken:
     Raises TypeError where something is met that is neither known nor left out.
     """
 
-    def __init__(self, root: Any, folder: Path) -> None:
-        """`folder`: where its files lie; their names are kept relative to it."""
+    def __init__(self, root: Any, folder: Path, contents: Contents | None = None) -> None:
+        """`folder`: where its files lie; their names are kept relative to it. `contents`: what has read these fields
+        before."""
         self.folder = folder
         self.arrays: dict[str, np.ndarray] = {}
+        self.fields: dict[str, ti.Field] = {}
         self.seen: dict[int, tuple[str, Any]] = {}
         self.stays: set[str] = set()  # paths of what must stay itself when it is put back
         self.tree = self.node(root, "")
+        self.arrays |= (contents or Contents()).read(self.fields)
 
     def node(self, value: Any, path: str) -> Any:
         """What is written of a value; a mapping with one telling key, or the value itself."""
@@ -93,7 +104,7 @@ class Taken:
     def structure(self, value: Any, path: str) -> Any:
         """What is written of something that may be reached twice."""
         if isinstance(value, ti.Field):
-            self.arrays[path] = whole(value)
+            self.fields[path] = value
             return {FIELD: path}
         if isinstance(value, np.ndarray) and value.dtype.kind in "biuf":
             self.arrays[path] = value.copy()
@@ -111,11 +122,10 @@ class Taken:
             kind = LIST if type(value) is list else TUPLE
             return {kind: [self.node(inner, f"{path}.{k}") for k, inner in enumerate(value)], **of}
         if type(value) is dict:
-            pairs = [
-                [self.node(key, f"{path}.{k}.key"), self.node(inner, f"{path}.{k}")]
-                for k, (key, inner) in enumerate(value.items())
-            ]
-            return {DICT: pairs}
+            pairs = enumerate(value.items())
+            return {
+                DICT: [[self.node(key, ""), self.node(inner, f"{path}.{step(key, k)}")] for k, (key, inner) in pairs]
+            }
         if type(value).__module__.split(".")[0] == OURS and hasattr(value, "__dict__"):
             inner = {name: self.node(each, f"{path}.{name}") for name, each in attributes(value).items()}
             data = dataclasses.is_dataclass(value) and all(self.is_data(each) for each in inner.values())
@@ -135,7 +145,9 @@ class Restoring:
         self.made: dict[str, Any] = {}
         self.files: list[tuple[TextIOWrapper, int]] = []
         self.used: dict[int, str] = {}
-        self.value(tree, root, "")
+        self.fields: dict[str, ti.Field] = {}
+        self.root = self.value(tree, root, "")
+        Contents().write(self.fields, self.arrays)
 
     def cut(self) -> None:
         """Take away what was written to files after the state was taken."""
@@ -168,13 +180,13 @@ class Restoring:
 
     def from_field(self, node: Any, fresh: Any, path: str) -> Any:
         values = self.arrays[node[FIELD]]
-        there = whole(fresh) if isinstance(fresh, ti.Field) else None
-        if there is None or there.shape != values.shape or there.dtype != values.dtype:
+        if (
+            not isinstance(fresh, ti.Field)
+            or shape(fresh) != values.shape
+            or to_numpy_type(fresh.dtype) != values.dtype
+        ):
             raise Differs(f"its {path.lstrip('.')} has {values.shape} numbers of type {values.dtype}")
-        if isinstance(fresh, ti.ScalarField):
-            ti.ScalarField.from_numpy(fresh, values)
-        else:
-            fresh.from_numpy(values)
+        self.fields[node[FIELD]] = fresh
         return fresh
 
     def from_array(self, node: Any, fresh: Any, path: str) -> np.ndarray:
@@ -217,8 +229,8 @@ class Restoring:
     def from_dict(self, node: Any, fresh: Any, path: str) -> dict:
         new, there = {}, fresh if isinstance(fresh, dict) else {}
         for k, (key, inner) in enumerate(node[DICT]):
-            name = self.value(key, MISSING, f"{path}.{k}.key")
-            new[name] = self.value(inner, there.get(name, MISSING), f"{path}.{k}")
+            name = self.value(key, MISSING, "")
+            new[name] = self.value(inner, there.get(name, MISSING), f"{path}.{step(name, k)}")
         return there if list(new) == list(there) and alike(new.values(), there.values()) else new
 
     def thing(self, node: Any, fresh: Any, path: str) -> Any:
@@ -227,17 +239,14 @@ class Restoring:
         stays = type(fresh) is made and not node["data"]
         value = fresh if stays else object.__new__(made)
         if self.used.setdefault(id(value), path) != path:
-            raise Differs(f"its {path.lstrip('.')} and {self.used[id(value)].lstrip('.')} are one thing in this program")
+            raise Differs(
+                f"its {path.lstrip('.')} and {self.used[id(value)].lstrip('.')} are one thing in this program"
+            )
         self.made[path] = value
         for name, inner in node["at"].items():
             before = vars(fresh).get(name, MISSING) if type(fresh) is made else MISSING
             object.__setattr__(value, name, self.value(inner, before, f"{path}.{name}"))
         return value
-
-
-def whole(field: ti.Field) -> np.ndarray:
-    """All that a field holds, also where a class of ours shows a part of it."""
-    return ti.ScalarField.to_numpy(field) if isinstance(field, ti.ScalarField) else field.to_numpy()
 
 
 def alike(new: Iterable[Any], fresh: Iterable[Any]) -> bool:

@@ -9,6 +9,7 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any
 
 from ocean_sim.observers import _checkpoint_file as file
+from ocean_sim.observers._fields import Contents
 from ocean_sim.observers._sampled import Multiples
 from ocean_sim.observers._state import Restoring, Taken
 from ocean_sim.observers._versions import installed
@@ -36,12 +37,13 @@ class Checkpoint:
     second one stops it at once. It watches last: what others do in a step is then done."""
 
     every = 0.0
-    left_out = ("written", "asked", "before")
+    left_out = ("contents", "written", "asked", "before")
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
         self.config, self.folder, self.simulation = config, folder, simulation
         self.multiples = Multiples(config.every)
         self.names: list[str] = []  # of the files that are kept
+        self.contents = Contents()
         self.written = perf_counter()  # when the last one was [s]
         self.asked = False  # whether the run has been told to stop
         self.before: dict[int, Any] | None = None  # who was told of signals before
@@ -61,7 +63,7 @@ class Checkpoint:
         simulation = self.simulation
         name = file.name(simulation.time)
         self.names = [*(kept for kept in self.names if kept != name), name][-KEPT:]
-        taken = Taken(roots(simulation), self.folder)
+        taken = Taken(roots(simulation), self.folder, self.contents)
         made, scene = maker(simulation), simulation.scene.resolved()
         file.written(
             file.Checkpoint(simulation.time, simulation.steps, scene, made, taken.tree, taken.arrays), self.folder
@@ -69,6 +71,7 @@ class Checkpoint:
         for path in file.kept(self.folder):
             if path.name not in self.names:
                 path.unlink()
+        self.contents = Contents()
         self.written = perf_counter()
 
     def listen(self) -> None:

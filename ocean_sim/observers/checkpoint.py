@@ -99,8 +99,12 @@ def roots(simulation: "Simulation") -> dict[str, Any]:
 
 def maker(simulation: "Simulation") -> dict[str, str | None]:
     """What the bytes of a run depend on beside its scene."""
-    versions = {name: installed(name) for name in ("ocean-sim", "taichi", "numpy", "scipy")}
-    return versions | {"backend": simulation.backend.arch}
+    return versions() | {"backend": simulation.backend.arch}
+
+
+def versions() -> dict[str, str | None]:
+    """Of what computes."""
+    return {name: installed(name) for name in ("ocean-sim", "taichi", "numpy", "scipy")}
 
 
 def restore(simulation: "Simulation", kept: file.Checkpoint, folder: Path) -> None:

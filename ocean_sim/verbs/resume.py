@@ -54,13 +54,13 @@ def resume(folder: Path, until: float | None, as_json: bool) -> None:
 def gone_on(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: Progress) -> Result:
     """The run from a checkpoint on. Its parts are built beside its folder, in which nothing changes until all fits."""
     from ocean_sim.observers._state import Differs
-    from ocean_sim.observers.checkpoint import maker, restore
+    from ocean_sim.observers.checkpoint import restore
     from ocean_sim.simulation import Simulation
 
     def restored(simulation: "Simulation") -> None:
-        said = differences(kept.made, maker(simulation))
-        if said:
-            raise console.Refused(f"{folder}: the checkpoint is of another version: {said}")
+        if kept.made["backend"] != simulation.backend.arch:
+            backends = f"{kept.made['backend']}, and this one on {simulation.backend.arch}"
+            raise console.Refused(f"{folder}: the checkpoint was made on {backends}")
         try:
             restore(simulation, kept, folder)
         except Differs as problem:
@@ -141,7 +141,13 @@ def newest(folder: Path, config: SceneConfig) -> file.Checkpoint:
 
 
 def check(folder: Path, kept: file.Checkpoint, scene: dict[str, Any], until: float | None) -> None:
-    """Refuses a checkpoint of another scene, or one beyond the time that is asked for; how long a run is may change."""
+    """Refuses a checkpoint of another version or scene, or one beyond the time that is asked for; how long a run is may change."""
+    from ocean_sim.observers.checkpoint import versions
+
+    now = versions()
+    said = differences({name: kept.made.get(name) for name in now}, now)
+    if said:
+        raise console.Refused(f"{folder}: the checkpoint is of another version: {said}")
     said = differences(kept.scene | {"duration": None}, scene | {"duration": None})
     if said:
         raise console.Refused(f"{folder}: the checkpoint is of another scene than manifest.json: {said}")

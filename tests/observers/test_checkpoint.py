@@ -97,8 +97,8 @@ def scene_of(keys: dict, **over):
     return load({key: value for key, value in keys.items() if value is not None or key in QUIET})
 
 
-def undisturbed(scene, folder: Path, stop: float, copy: Path):
-    """A run with a checkpoint at a time [s], and what its folder was like then; its observers by name."""
+def undisturbed(scene, folder: Path, stop: float, copy: Path) -> None:
+    """A run with a checkpoint at a time [s], and a copy of what its folder was like then."""
     folder.mkdir()
     with Simulation(scene, folder) as simulation:
         watching = dict(zip(scene.observers, simulation.observers))
@@ -106,7 +106,6 @@ def undisturbed(scene, folder: Path, stop: float, copy: Path):
         watching["checkpoint"].keep()
         shutil.copytree(folder, copy)
         simulation.run(scene.duration)
-    return watching
 
 
 def differing(one: Path, other: Path) -> list[str]:
@@ -119,14 +118,12 @@ def differing(one: Path, other: Path) -> list[str]:
     )
 
 
-def resumed(scene, tmp_path: Path, name: str = "b") -> list[str]:
+def resumed(scene, folder: Path) -> list[str]:
     """Runs a scene without and with a stop in its midst; the files that differ."""
-    a, b = tmp_path / "a", tmp_path / name
-    if not a.exists():
-        undisturbed(scene, a, 0.4 * scene.duration, tmp_path / "kept")
-    shutil.copytree(tmp_path / "kept", b)
-    gone_on(scene, file.read(next(file.kept(b))), b, Progress(scene.duration, quiet=True))
-    return differing(a, b)
+    folder.mkdir(exist_ok=True)
+    undisturbed(scene, folder / "a", 0.4 * scene.duration, folder / "b")
+    gone_on(scene, file.read(next(file.kept(folder / "b"))), folder / "b", Progress(scene.duration, quiet=True))
+    return differing(folder / "a", folder / "b")
 
 
 @pytest.mark.parametrize("name", [*SCENES, *(pytest.param(name, marks=pytest.mark.slow) for name in MORE)])
@@ -143,8 +140,7 @@ def test_a_part_that_forgot_something_would_be_seen(tmp_path, monkeypatch):
     for forgetful, name, lost in ((LinearWaves, "time", "frames/frame_00005.npz"), (Sampled, "before", "gauges.csv")):
         with monkeypatch.context() as patched:
             patched.setattr(forgetful, "left_out", (name,), raising=False)
-            keep(scene, tmp_path / "kept")
-            assert lost in resumed(scene, tmp_path, name)
+            assert lost in resumed(scene, tmp_path / name)
 
 
 def test_checkpoints_change_nothing_and_only_the_newest_are_kept(tmp_path):

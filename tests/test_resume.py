@@ -2,6 +2,7 @@
 
 import json
 import os
+import resource
 import shutil
 import signal
 import subprocess
@@ -25,7 +26,7 @@ gauges: {elevation: {here: [0.1, 0.2]}, every: 0.02}
 checkpoint: {every: 0.1}
 frames: {every: 0.1}
 """
-LONG = SEA.replace("every: 0.02", "every: 0.001")
+LONG = SEA.replace("every: 0.02", "every: 0.001") + "time_step: {kind: fixed, dt: 0.0005}\n"
 TANK = """duration: 4.0
 basin: {length: 2.0, depth: 0.5}
 fluid: {kind: mueller, spacing: 0.1, kinematic_viscosity: 0.01}
@@ -158,6 +159,19 @@ def test_what_cannot_be_resumed_is_refused_in_a_sentence(there, ask, tmp_path):
     assert "this is not the manifest of a run" in refused(there)
 
 
+def test_a_full_disk_is_told_and_leaves_earlier_checkpoints_whole(there):
+    kept, before = file.read(newest(there)), sorted(path.name for path in there.iterdir())
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (3000, limits[1]))
+    try:
+        with pytest.raises(OSError, match=r"File too large: .*checkpoint_000001\.000000\.h5"):
+            file.written(kept._replace(time=1.0), there)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert sorted(path.name for path in there.iterdir()) == before
+    assert file.read(newest(there)).steps == kept.steps
+
+
 class Stopper:
     """A watcher that sends this process a signal once."""
 
@@ -244,7 +258,7 @@ def test_a_run_that_is_killed_again_and_again_leaves_the_bytes_of_one_that_is_no
     child, folder = begun("run", scene, "--out", str(tmp_path / "run"), *QUIET, *until), tmp_path / "run"
     count = 0
     for _ in range(kills):
-        count += killed(child, folder, chance.randint(1, 3), chance)
+        count += killed(child, folder, chance.randint(1, 2), chance)
         kept = file.read(newest(folder))
         assert last_row(folder / "gauges.csv") - kept.time < 0.1 + 0.02
         child = begun("resume", str(folder))

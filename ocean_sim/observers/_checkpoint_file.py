@@ -7,7 +7,9 @@ The hash is compared before the file is read, so a torn or changed file is known
 import hashlib
 import json
 import os
+import re
 from collections.abc import Iterator
+from errno import EIO
 from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -41,7 +43,7 @@ def name(time: float) -> str:
 
 
 def written(checkpoint: Checkpoint, folder: Path) -> Path:
-    """The file of a checkpoint: it appears whole or not at all."""
+    """The file of a checkpoint: it appears whole or not at all; raises OSError where there is no room for it."""
     import h5py
 
     beside, path = folder / ".checkpoint.tmp", folder / name(checkpoint.time)
@@ -62,6 +64,9 @@ def written(checkpoint: Checkpoint, folder: Path) -> Path:
             file.flush()
             os.fsync(file.fileno())
         os.replace(beside, path)
+    except OSError as error:  # HDF5 tells the number in its words
+        number = error.errno or int((re.findall(r"errno = (\d+)", str(error)) or [EIO])[0])
+        raise OSError(number, os.strerror(number), str(path)) from None
     finally:
         beside.unlink(missing_ok=True)
     return path

@@ -97,6 +97,8 @@ class Taken:
             return all(self.is_data(inner) for inner in node)
         if not isinstance(node, dict):
             return True
+        if OBJECT in node and "at" in node:
+            return node["data"]
         if SAME in node:
             return node[SAME] not in self.stays
         return not {FIELD, REST, FILE, VECTOR} & set(node) and all(self.is_data(inner) for inner in node.values())
@@ -122,10 +124,8 @@ class Taken:
             kind = LIST if type(value) is list else TUPLE
             return {kind: [self.node(inner, f"{path}.{k}") for k, inner in enumerate(value)], **of}
         if type(value) is dict:
-            pairs = enumerate(value.items())
-            return {
-                DICT: [[self.node(key, ""), self.node(inner, f"{path}.{step(key, k)}")] for k, (key, inner) in pairs]
-            }
+            steps = [f"{path}.{step(key, k)}" for k, key in enumerate(value)]
+            return {DICT: [[self.node(key, f"{at}.key"), self.node(value[key], at)] for key, at in zip(value, steps)]}
         if type(value).__module__.split(".")[0] == OURS and hasattr(value, "__dict__"):
             inner = {name: self.node(each, f"{path}.{name}") for name, each in attributes(value).items()}
             data = dataclasses.is_dataclass(value) and all(self.is_data(each) for each in inner.values())
@@ -229,7 +229,7 @@ class Restoring:
     def from_dict(self, node: Any, fresh: Any, path: str) -> dict:
         new, there = {}, fresh if isinstance(fresh, dict) else {}
         for k, (key, inner) in enumerate(node[DICT]):
-            name = self.value(key, MISSING, "")
+            name = self.value(key, MISSING, f"{path}.{step(key, k)}.key")
             new[name] = self.value(inner, there.get(name, MISSING), f"{path}.{step(name, k)}")
         return there if list(new) == list(there) and alike(new.values(), there.values()) else new
 

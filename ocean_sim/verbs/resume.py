@@ -141,7 +141,7 @@ def newest(folder: Path, config: SceneConfig) -> file.Checkpoint:
 
 
 def check(folder: Path, kept: file.Checkpoint, scene: dict[str, Any], until: float | None) -> None:
-    """Refuses a checkpoint of another version or scene, or one beyond the time that is asked for; how long a run is may change."""
+    """Refuses a checkpoint of another version or scene, but for its duration, or one beyond the time asked for."""
     from ocean_sim.observers.checkpoint import versions
 
     now = versions()

@@ -164,7 +164,7 @@ def test_a_full_disk_is_told_and_leaves_earlier_checkpoints_whole(there):
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (3000, limits[1]))
     try:
-        with pytest.raises(OSError, match=r"File too large: .*checkpoint_000001\.000000\.h5"):
+        with pytest.raises(OSError, match="File too large"):
             file.written(kept._replace(time=1.0), there)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)

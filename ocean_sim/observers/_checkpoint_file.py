@@ -7,9 +7,7 @@ The hash is compared before the file is read, so a torn or changed file is known
 import hashlib
 import json
 import os
-import re
 from collections.abc import Iterator
-from errno import EIO
 from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -46,30 +44,31 @@ def written(checkpoint: Checkpoint, folder: Path) -> Path:
     """The file of a checkpoint: it appears whole or not at all; raises OSError where there is no room for it."""
     import h5py
 
+    content = BytesIO()
+    with h5py.File(content, "w", userblock_size=HEAD) as file:
+        file.attrs["time_s"], file.attrs["steps"] = checkpoint.time, checkpoint.steps
+        for key in ("scene", "made", "tree"):
+            file[key] = json.dumps(getattr(checkpoint, key))
+        group = file.create_group("arrays")
+        for place, array in checkpoint.arrays.items():
+            packed = {"compression": "lzf", "shuffle": True} if array.size >= LARGE else {}
+            group.create_dataset(place.lstrip("."), data=array, **packed)
+    data = content.getvalue()[HEAD:]
     beside, path = folder / ".checkpoint.tmp", folder / name(checkpoint.time)
     try:
-        with h5py.File(beside, "w", userblock_size=HEAD) as file:
-            file.attrs["time_s"], file.attrs["steps"] = checkpoint.time, checkpoint.steps
-            for key in ("scene", "made", "tree"):
-                file[key] = json.dumps(getattr(checkpoint, key))
-            group = file.create_group("arrays")
-            for place, array in checkpoint.arrays.items():
-                packed = {"compression": "lzf", "shuffle": True} if array.size >= LARGE else {}
-                group.create_dataset(place.lstrip("."), data=array, **packed)
-        with beside.open("r+b") as file:
-            file.seek(HEAD)
-            digest = hashlib.file_digest(file, "sha256").hexdigest()
-            file.seek(0)
-            file.write(f"{MAGIC}\nsha256 {digest}\n".encode())
-            file.flush()
-            os.fsync(file.fileno())
+        with beside.open("wb") as whole:
+            whole.write(head(data) + data)
+            whole.flush()
+            os.fsync(whole.fileno())
         os.replace(beside, path)
-    except OSError as error:  # HDF5 tells the number in its words
-        number = error.errno or int((re.findall(r"errno = (\d+)", str(error)) or [EIO])[0])
-        raise OSError(number, os.strerror(number), str(path)) from None
     finally:
         beside.unlink(missing_ok=True)
     return path
+
+
+def head(data: bytes) -> bytes:
+    """What stands before the data of a file."""
+    return f"{MAGIC}\nsha256 {hashlib.sha256(data).hexdigest()}\n".encode().ljust(HEAD, b"\0")
 
 
 def read(path: Path) -> Checkpoint:
@@ -80,13 +79,15 @@ def read(path: Path) -> Checkpoint:
         data = path.read_bytes()
     except OSError as error:
         raise Unreadable(f"{path.name} cannot be read: {error.strerror}") from None
-    digest = hashlib.sha256(data[HEAD:]).hexdigest()
-    if data[:HEAD].rstrip(b"\0") != f"{MAGIC}\nsha256 {digest}\n".encode():
+    if data[:HEAD] != head(data[HEAD:]):
         raise Unreadable(f"{path.name} is damaged or no checkpoint: its content does not match its hash")
-    with h5py.File(BytesIO(data), "r") as file:
-        told = {key: json.loads(file[key][()]) for key in ("scene", "made", "tree")}
-        arrays = {f".{place}": np.asarray(array[()]) for place, array in file["arrays"].items()}
-        return Checkpoint(float(file.attrs["time_s"]), int(file.attrs["steps"]), **told, arrays=arrays)
+    try:
+        with h5py.File(BytesIO(data), "r") as file:
+            told = {key: json.loads(file[key][()]) for key in ("scene", "made", "tree")}
+            arrays = {f".{place}": np.asarray(array[()]) for place, array in file["arrays"].items()}
+            return Checkpoint(float(file.attrs["time_s"]), int(file.attrs["steps"]), **told, arrays=arrays)
+    except (OSError, KeyError, ValueError, TypeError, AttributeError):
+        raise Unreadable(f"{path.name} is whole, but holds no state of a run") from None
 
 
 def kept(folder: Path) -> Iterator[Path]:

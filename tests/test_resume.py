@@ -91,7 +91,7 @@ def test_a_finished_run_says_so(run, ask):
     assert (code, err) == (0, "") and "this run is finished, at t = 0.4" in out
     code, out, err = ask("resume", run, "--json")
     assert (code, err, json.loads(out)["outcome"]) == (0, "", "done")
-    assert ask("resume", run, "--until", "0.3")[0] == 0
+    assert ask("resume", run, "--until", "0.3")[0] == ask("resume", "--help")[0] == 0
 
 
 def test_a_finished_run_goes_on_when_asked(run, there, ask, tmp_path):

@@ -31,7 +31,7 @@ class Bundle:
         self.copy_from(np.concatenate([array.ravel() for array in arrays]).astype(self.row.dtype))
 
     @ti.func
-    def place(self, field: ti.template(), index):
+    def place(self, field: ti.template(), index):  # type: ignore[valid-type]
         """Where a number of a field stands among its own."""
         k = 0
         for axis in ti.static(range(len(field.shape))):
@@ -39,13 +39,13 @@ class Bundle:
         return k
 
     @ti.kernel
-    def copy_to(self, row: ti.types.ndarray(ndim=1)):
+    def copy_to(self, row: ti.types.ndarray(ndim=1)):  # type: ignore[valid-type]
         for field, first in ti.static(self.fields):
             for index in ti.grouped(field):
                 row[first + self.place(field, index)] = field[index]
 
     @ti.kernel
-    def copy_from(self, row: ti.types.ndarray(ndim=1)):
+    def copy_from(self, row: ti.types.ndarray(ndim=1)):  # type: ignore[valid-type]
         for field, first in ti.static(self.fields):
             for index in ti.grouped(field):
                 field[index] = row[first + self.place(field, index)]

@@ -143,15 +143,20 @@ def test_a_part_that_forgot_something_would_be_seen(tmp_path, monkeypatch):
             assert lost in resumed(scene, tmp_path / name)
 
 
-def test_checkpoints_change_nothing_and_only_the_newest_are_kept(tmp_path):
-    keys = {"basin": OPEN, "fluid": SWELL, "duration": 0.5, "gauges": {"elevation": {"here": [0.0, 0.0]}}}
+WATER = {"basin": SLICE, **water("mueller", 0.1), "wind": "noise_only", "duration": 0.05, **IN_SLICE}
+WAVES = {"basin": OPEN, "fluid": SWELL, "duration": 0.5, "gauges": {"elevation": {"here": [0.0, 0.0]}}}
+
+
+@pytest.mark.parametrize("keys", [WATER, WAVES])
+def test_checkpoints_change_nothing_and_only_the_newest_are_kept(keys, tmp_path):
+    """Here one is due after every step."""
     for name, every in (("without", None), ("with", {"every": 0.1, "wall_every": 1e-6})):
         (tmp_path / name).mkdir()
         with Simulation(scene_of(keys, checkpoint=every), tmp_path / name) as simulation:
-            simulation.run(0.5)
+            simulation.run(simulation.scene.duration)
     assert differing(tmp_path / "without", tmp_path / "with") == []
     kept = [*file.kept(tmp_path / "with")]
     assert len(kept) == KEPT
     newest, before = (file.read(path) for path in kept)
-    assert newest.time == simulation.time >= 0.5 and before.steps == newest.steps - 1
+    assert newest.time == simulation.time >= keys["duration"] and before.steps == newest.steps - 1
     assert kept[0].name == f"checkpoint_{simulation.time:013.6f}.h5"

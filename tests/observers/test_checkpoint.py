@@ -19,7 +19,13 @@ SQUARE = {"length": 2.0, "width": 2.0, "depth": 0.5}
 TANK = {"length": 4.0, "width": 4.0, "depth": 1.2}
 OPEN = {"length": 40.0, "width": 40.0, "depth": 7.5, "walls": "none"}
 SLICE = {"length": 2.0, "depth": 0.5}
-AROUND = {"length": 1.0, "depth": 1.0, "walls": {"x": "periodic", "y": "periodic"}, "gravity": [0.0, 0.0, 0.0]}
+AROUND = {
+    "length": 1.0,
+    "depth": 1.0,
+    "floor": "none",
+    "walls": {"x": "periodic", "y": "periodic"},
+    "gravity": [0.0, 0.0, 0.0],
+}
 WAVEMAKER = {
     "wavemaker": {"wall": "x_min", "height": 0.05, "period": 1.0, "ramp": 0.5},
     "walls": {"x_max": "absorbing"},

@@ -30,7 +30,6 @@ LONG = SEA.replace("every: 0.02", "every: 0.001") + "time_step: {kind: fixed, dt
 TANK = """duration: 4.0
 basin: {length: 2.0, depth: 0.5}
 fluid: {kind: mueller, spacing: 0.1, kinematic_viscosity: 0.01}
-wind: noise_only
 gauges: {elevation: {here: [0.1]}, pressure: {bed: [0.1, -0.4]}, every: 0.02}
 tracers: {ids: [0, 50], every: 0.02}
 checkpoint: {every: 0.1}

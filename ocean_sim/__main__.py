@@ -51,6 +51,18 @@ def run(
 
 
 @app.command()
+def resume(
+    run: Annotated[Path, typer.Argument(help="A run folder with checkpoints.")],
+    until: Annotated[float | None, typer.Option(help="Simulated time [s], in place of the scene's duration.")] = None,
+    json: Json = False,
+) -> None:
+    """Go on with a run from its last checkpoint."""
+    from ocean_sim.verbs.resume import resume
+
+    resume(run, until, json)
+
+
+@app.command()
 def check(scene: Scene, profile: Profile = None, sets: Sets = None, json: Json = False) -> None:
     """Say what a scene would take, and what is wrong with it, without running it."""
     from ocean_sim.verbs.check import check

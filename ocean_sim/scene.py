@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from ocean_sim.result import Result
 
 ALWAYS_ON = ("manifest", "timings", "health", "accuracy", "frames", "report", "render")  # unless null
-FIRST = ("manifest", "timings", "health", "accuracy", "gauges")
-LAST = ("frames", "render", "report")  # what others have written by then, they read
+FIRST = ("timings", "health", "accuracy", "gauges")
+LAST = ("frames", "manifest", "render", "report", "checkpoint")  # what others have written by then, they read
 OVERRIDE = "--set"
 
 Part = Any  # the Config of a kind, or None: scenes know kinds by name only

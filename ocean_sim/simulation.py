@@ -23,6 +23,8 @@ class Simulation:
     `runtime` takes the fields of this one away.
     """
 
+    left_out = ("observers", "stage")  # what a checkpoint of it does not hold
+
     def __init__(self, scene: "SceneConfig", folder: Path | None = None) -> None:
         """`folder`: where observers write; without it only those watch that write nothing."""
         self.scene = scene
@@ -39,6 +41,7 @@ class Simulation:
         self.time_step = scene.time_step.build()
         self.stage: Callable[[str], AbstractContextManager] = lambda name: nullcontext()
         self.time, self.steps = 0.0, 0
+        self.begun = False  # whether observers have seen the first state
         self.next_dt = self.time_step.next(self)  # [s] the coming step is known before it is taken
         self.outcome, self.reason = "running", ""
         self.observers: list[Observer] = [
@@ -71,7 +74,8 @@ class Simulation:
     def run(self, until: float) -> None:
         """Step until this time [s] is reached; raises Diverged where the run leaves the physical world."""
         try:
-            if self.steps == 0:
+            if not self.begun:
+                self.begun = True
                 self._watch(self.observers)
             while self.time < until * (1.0 - 1e-12):
                 before = self.time

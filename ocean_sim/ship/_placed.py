@@ -107,6 +107,7 @@ class Voyage:
         self.hull = getattr(config, "whole_hull", None)  # what it looks like
         self.free = np.array([motion in config.free for motion in Motions._fields])
         self.points = {name: np.array(place) - machine.centre for name, place in config.points.items()}
+        self.contact: Any = None  # where the hull and particles push each other
         self.acceleration, self.turning = np.zeros(3), np.zeros(3)  # of the last step, world axes [m/s2], [rad/s2]
         machine.steer(body, 0.0)
 
@@ -128,7 +129,13 @@ class Voyage:
     def moved(self, step: Any, load: Load, dt: float) -> None:
         """Take a step of a law of motion; raises Diverged where the ship has left the physical world."""
         before = self.body
-        after = held(step(before, load.force, load.torque, dt), self.free)
+
+        def under(load: Load) -> RigidBody:
+            return held(step(before, load.force, load.torque, dt), self.free)
+
+        if self.contact is not None:
+            load = self.contact.met(load, under, dt)
+        after = under(load)
         speed = float(np.linalg.norm(after.velocity))
         if not speed <= FASTEST:
             x, y, z = before.position

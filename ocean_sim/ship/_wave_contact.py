@@ -1,0 +1,243 @@
+"""Water that meets a hull (thesis 4.2): the one arrow that goes back from the ship to the particles.
+
+A ship that floats by its volume already carries what still water does to it. So its hull gives that back to the water:
+every particle beside it feels the pressure p = rho g (height of the water - y) of the nearest place of the hull, along
+the hull's normal n, spread over a layer of one particle, p n V delta(s) with s the distance, delta a hat of one spacing
+around half a spacing, so that the layers of a lattice add up to p n however they lie. What then still comes nearer
+collides: the impulse on the ship is what the water presses beyond the pressure that the ship's own law knows, and zero
+in the mean where it floats. Weight = push by the law + collisions, and the water carries both; Archimedes is counted
+once whatever share of it the collisions take.
+
+Collisions are solved together, not one by one (n particles would push a light ship n times): with J_i = (n_i, r_i x n_i)
+and e the restitution, every approaching particle leaves with n_i . v_i' = J_i U' - e (n_i . v_i - J_i U), and
+(M + r A) (U' - U) = r b with A = m sum J J^T, b = m (1 + e) sum J (n . v - J U), r the response. Impulses that would pull
+are none. Coulomb friction follows, shared out as if the ship weighed M^2 / (M + mass of the particles that touch it).
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import taichi as ti
+import taichi.math as tm
+
+from ocean_sim.basin import Basin
+from ocean_sim.parts import PartConfig, quantity
+from ocean_sim.ship import PARTS, Load
+from ocean_sim.ship._cubes import vector
+from ocean_sim.ship._distance import Distance
+from ocean_sim.ship._rigid_body import RigidBody
+
+BLOCK = 512  # particles that are summed one after the other
+FINE = 3.0  # cubes of the distance to a spacing
+MARGIN = 0.1  # [spacings] before the hull, where a particle's centre stops
+LAYER = 1.5  # [spacings] over which the hull presses
+WAVE = PARTS.index("wave")
+PAIRS = tuple((i, j) for i in range(6) for j in range(i, 6))
+TOUCHING, BACK, B, A = 0, 1, 4, 10  # particles, push given back, b and A
+SUMS = A + len(PAIRS)
+WORK = 6  # after the impulse and its moment
+POSE = 34  # place, turn, velocity, angular velocity, the same two before, box (6), step, friction, weight of water, push
+
+
+class Contact(PartConfig):
+    """How particles bounce from the hull."""
+
+    restitution: float = quantity("1", 0.0, ge=0.0, le=1.0)
+    """Share of the normal speed that is returned."""
+    friction: float = quantity("1", 0.0, ge=0.0)
+    """Coulomb friction: tangential over normal impulse, at most."""
+    response: float = quantity("1", 1.0, ge=0.0, le=1.0)
+    """Share of the collisions' impulse that the ship feels; below 1 momentum is lost, 0: the ship does not feel them."""
+
+
+@ti.data_oriented
+class WaveContact:
+    """The hull among the particles: `met` in every step."""
+
+    def __init__(
+        self, config: Contact, shape: Any, centre: np.ndarray, basin: Basin, fluid: Any, gravity: float
+    ) -> None:
+        """`centre` of mass from the hull's origin [m]. Hand it the `water` that the ship asks."""
+        self.config, self.particles, self.periods = config, fluid.particles, basin.periods
+        self.quantum = fluid.grid.quantum
+        spacing = self.particles.spacing
+        self.spacing, self.margin, self.mass = spacing, MARGIN * spacing, self.particles.mass
+        self.rim = 2.0 * spacing  # around the hull, where the height of the water cannot be asked [m]
+        self.water: Any = None
+        self.hull = Distance(shape, centre, spacing / FINE, self.rim)
+        self.pull = gravity  # [m/s2]
+        n = self.particles.n
+        self.blocks = -(-n // BLOCK)
+        self.near, self.count = ti.field(int, shape=n), ti.field(int, shape=())
+        self.pose = np.zeros(POSE)
+        self.touched, self.pushed = np.zeros((self.blocks, SUMS)), np.zeros(WORK + 1)
+        self.impulse = np.zeros((2, 3))  # on the ship by collisions, and its moments about its places [N s], [N m s]
+        self.lost = np.zeros((2, 3))  # what the water gave beyond that
+        self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s], [J]
+        self.back = np.zeros(3)  # to the water by the push given back [N s]
+
+    @staticmethod
+    def bytes(n: int, word: int) -> int:
+        """Memory that it takes beside n particles, but for the distance."""
+        return 4 * n + word * (n // BLOCK + 1) * SUMS
+
+    def met(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> Load:
+        """The load with the collisions of a step of dt [s] under `wave`; `after` says how the body would be then. The
+        particles move off the hull."""
+        trial = after(load)
+        self.told(trial, trial, dt)
+        self.press(self.water, self.pose, self.touched)
+        total = self.touched.sum(axis=0)
+        self.back += total[BACK:B]
+        if total[TOUCHING] == 0.0:
+            return load
+        response = self.config.response
+        a = np.zeros((6, 6))
+        for (i, j), value in zip(PAIRS, total[A:]):
+            a[i, j] = a[j, i] = value
+        turn = trial.matrix
+        own = np.zeros((6, 6))
+        own[:3, :3] = trial.mass * np.eye(3)
+        own[3:, 3:] = turn @ trial.inertia_body @ turn.T
+        change = own @ np.linalg.solve(own + response * a, response * total[B:A])
+        expected = after(with_wave(load, change.reshape(2, 3) / dt))
+        self.told(expected, trial, dt)
+        self.pose[31] = trial.mass / (trial.mass + self.mass * total[TOUCHING])
+        self.push(self.pose, self.pushed)
+        met = -self.pushed[:WORK].reshape(2, 3)
+        self.impulse += response * met
+        self.lost += (1.0 - response) * met
+        self.given += self.pushed[:3]
+        self.work += float(self.pushed[WORK])
+        return with_wave(load, response * met / dt)
+
+    def told(self, body: RigidBody, before: RigidBody, dt: float) -> None:
+        """Where the hull is, for the kernels."""
+        turn, pose = body.matrix, self.pose
+        pose[:3], pose[3:12] = body.position, turn.ravel()
+        pose[12:15], pose[15:18] = body.velocity, body.angular_velocity
+        pose[18:21], pose[21:24] = before.velocity, before.angular_velocity
+        middle = turn @ (0.5 * (self.hull.lower + self.hull.upper))
+        half = np.abs(turn) @ (0.5 * (self.hull.upper - self.hull.lower))
+        pose[24:27], pose[27:30] = middle, half
+        pose[30], pose[31] = dt, 0.0
+
+    @ti.func
+    def apart(self, x, position):
+        """From the ship to x [m], the nearest way where sides are periodic."""
+        d = x - position
+        for k, period in ti.static(enumerate(self.periods)):
+            if ti.static(period > 0.0):
+                d[k] -= period * ti.round(d[k] / period)
+        return d
+
+    @ti.func
+    def seen(self, d, turn: ti.template()):
+        """Outward normal, world axes, and distance [m] of the hull at a place from its centre of mass."""
+        found = self.hull.at(turn.transpose() @ d)
+        return turn @ found.xyz, found.w
+
+    @ti.kernel
+    def press(self, water: ti.template(), pose: ti.types.ndarray(ndim=1), rows: ti.types.ndarray(ndim=2)):
+        """Give the push of still water back, and sum over what touches the hull."""
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            self.count[None] = 0
+            position, velocity, omega = vector(pose, 0), vector(pose, 12), vector(pose, 15)
+            turn = ti.Matrix.rows([vector(pose, 3), vector(pose, 6), vector(pose, 9)])
+            middle, half, dt = vector(pose, 24), vector(pose, 27), ti.cast(pose[30], float)
+            p, u = self.particles.position, self.particles.velocity
+            n = self.particles.count.there()
+            for block in range(self.blocks):
+                total = ti.Vector.zero(ti.f64, SUMS)
+                for i in range(block * BLOCK, ti.min((block + 1) * BLOCK, n)):
+                    d = self.apart(tm.vec3(p.x[i], p.y[i], p.z[i]), position)
+                    if (abs(d - middle) < half).all():
+                        normal, s = self.seen(d, turn)
+                        if s < LAYER * self.spacing:
+                            self.near[self.count[None]] = i
+                            self.count[None] += 1
+                            face = position + d - s * normal
+                            depth = tm.max(water.elevation(face.x, face.z) - face.y, 0.0)
+                            hat = 1.0 - abs(tm.max(s / self.spacing, 0.0) - 0.5)
+                            old = tm.vec3(u.x[i], u.y[i], u.z[i])
+                            v = old + dt * self.pull * depth * hat / self.spacing * normal
+                            u.x[i], u.y[i], u.z[i] = v.x, v.y, v.z
+                            for c in ti.static(range(3)):
+                                total[BACK + c] += self.mass * (ti.cast(v[c], ti.f64) - ti.cast(old[c], ti.f64))
+                            if s < self.margin:
+                                self.touch(total, normal, d, v - velocity - omega.cross(d))
+                for c in ti.static(range(SUMS)):
+                    rows[block, c] = total[c]
+
+    @ti.func
+    def touch(self, total: ti.template(), normal, d, v):
+        """Add a particle that meets the hull with a relative velocity v."""
+        total[TOUCHING] += 1.0
+        speed = v.dot(normal)
+        if speed < 0.0:
+            moment = d.cross(normal)
+            j = ti.cast(tm.vec3(normal), ti.f64)
+            k = ti.cast(moment, ti.f64)
+            six = ti.Vector([j.x, j.y, j.z, k.x, k.y, k.z])
+            gain = ti.cast(self.mass * (1.0 + ti.static(self.config.restitution)) * speed, ti.f64)
+            for c in ti.static(range(6)):
+                total[B + c] += gain * six[c]
+            for c, pair in ti.static(enumerate(PAIRS)):
+                total[A + c] += self.mass * six[pair[0]] * six[pair[1]]
+
+    @ti.kernel
+    def push(self, pose: ti.types.ndarray(ndim=1), sums: ti.types.ndarray(ndim=1)):
+        """Collide with the hull as it will move, and leave it; sums impulse, moment and work on the water."""
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            position, velocity, omega = vector(pose, 0), vector(pose, 12), vector(pose, 15)
+            first, spin = vector(pose, 18), vector(pose, 21)
+            turn = ti.Matrix.rows([vector(pose, 3), vector(pose, 6), vector(pose, 9)])
+            total = ti.Vector.zero(ti.f64, WORK + 1)
+            for k in range(self.count[None]):
+                i = self.near[k]
+                p, u = self.particles.position, self.particles.velocity
+                x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
+                d = self.apart(x, position)
+                normal, s = self.seen(d, turn)
+                if s < self.margin:
+                    before = (v - first - spin.cross(d)).dot(normal)
+                    slip = v - velocity - omega.cross(d)
+                    speed = slip.dot(normal)
+                    bounce = tm.max(-ti.static(self.config.restitution) * before, 0.0) - speed
+                    if bounce > 0.0:
+                        kick = bounce * normal
+                        along = slip - speed * normal
+                        rub = ti.static(self.config.friction) * bounce / tm.max(along.norm(), 1e-12)
+                        kick -= tm.min(rub, 1.0) * ti.cast(pose[31], float) * along
+                        new = v + kick
+                        u.x[i], u.y[i], u.z[i] = new.x, new.y, new.z
+                        impulse = ti.cast(self.mass, ti.f64) * (ti.cast(new, ti.f64) - ti.cast(v, ti.f64))
+                        moment = ti.cast(d, ti.f64).cross(impulse)
+                        for c in ti.static(range(3)):
+                            total[c] += impulse[c]
+                            total[3 + c] += moment[c]
+                        total[WORK] += 0.5 * impulse.dot(ti.cast(new + v, ti.f64))
+                    self.leave(i, x, position, turn)
+            for c in ti.static(range(WORK + 1)):
+                sums[c] = total[c]
+
+    @ti.func
+    def leave(self, i, x, position, turn: ti.template()):
+        """Put a particle off the hull, by whole quanta of the grid."""
+        for _ in range(2):
+            normal, s = self.seen(self.apart(x, position), turn)
+            way = tm.max(self.margin - s, 0.0)
+            x += self.quantum * ti.ceil(way * normal / self.quantum - 0.5)
+        p = self.particles.position
+        p.x[i], p.y[i], p.z[i] = x.x, x.y, x.z
+
+
+def with_wave(load: Load, more: np.ndarray) -> Load:
+    """The load with (2, 3) more under `wave`."""
+    parts = load.parts.copy()
+    parts[WAVE] += more
+    return replace(load, parts=parts)

@@ -19,6 +19,7 @@ from ocean_sim.ship._propulsion import Propeller, Rudder
 from ocean_sim.ship._rigid_body import RigidBody, matrix, oriented
 from ocean_sim.ship._solid import Solid
 from ocean_sim.ship._water import Water
+from ocean_sim.ship._wall_contact import Sides
 from ocean_sim.ship._wave_contact import Contact, WaveContact
 
 STEPS_A_PERIOD = 60  # of the fastest natural motion
@@ -73,6 +74,16 @@ class FloatingConfig(Placed):
         body = self.body(still.matter, *afloat_pose(still))
         return (Solid(self.whole_hull.shape, still.matter.centre, body, False, felt=False),)
 
+    def problems_beside(self, fluid: Any, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
+        """What is wrong with the ship in this water."""
+        found = []
+        for solid in self.floating(basin, fluid):
+            for axis, _, depth in Sides(solid.shape, solid.centre, basin).beyond(solid.body):
+                if depth.max() > 1e-6:
+                    side = "the bed" if axis == 1 else f"a wall across {'xyz'[axis]}"
+                    found.append((("position",), f"the hull reaches {depth.max():.3g} m through {side}"))
+        return found
+
     def problems(self, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
         """What is wrong with the ship in this basin: (path below `ship`, sentence)."""
         found = self.misplaced(basin)
@@ -126,9 +137,10 @@ class Afloat:
         width, height, length = upper - lower
         draught = height if isinf(self.still.draught) else self.still.draught
         matter = self.still.matter
-        self.contact = None
+        self.contact = self.sides = None
         if config.contact is not None and fluid.particles is not None:
             shape, pull = config.whole_hull.shape, self.still.gravity
+            self.sides = Sides(shape, matter.centre, basin)
             self.contact = WaveContact(config.contact, shape, matter.centre, basin, fluid, pull)
         self.water = Water(length, width, height, draught, self.still.gravity, self.closed, self.contact)
         if self.contact is not None:

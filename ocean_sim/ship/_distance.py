@@ -1,10 +1,12 @@
-"""How far a place is from a hull, on a lattice around it: made once from its cubes, and kept with them."""
+"""How far a place is from a hull, and how a smoothed hull thins out there, on a lattice around it: made once from its
+cubes, and kept with them."""
 
 from typing import Any
 
 import numpy as np
 import taichi as ti
 import taichi.math as tm
+from taichi.lang.util import to_numpy_type
 
 from ocean_sim.cache_file import kept
 from ocean_sim.ship._solid import cells
@@ -14,17 +16,18 @@ MOST = 3e5  # cubes of a lattice; a long hull in fine water has coarser ones
 SMOOTH = 0.5  # [cubes] over which steps of cubes are smoothed
 
 
-def signed(shape: Any, side: float, reach: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Distances [m] at (i, j, k), negative inside; the place of the first in the hull's axes, and the steps (3,) [m].
-    `side` of a cube, `reach` of the lattice over the hull [m]."""
+def around(shape: Any, side: float, support: float) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
+    """At (i, j, k): `distance` [m], negative inside, and `share` of the hull in Wendland's kernel (C2) of a support [m];
+    the place of the first in the hull's axes, and the steps (3,) [m]. `side` of a cube."""
     lower, upper = shape.bounds()
-    side = max(side, float((upper - lower + 2.0 * reach).prod() / MOST) ** (1.0 / 3.0))
+    side = max(side, float((upper - lower + 2.0 * support).prod() / MOST) ** (1.0 / 3.0))
     cubes = voxels(shape, side, 1.0)
     size = cubes.size
-    margin = np.ceil(reach / size).astype(int) + 1
+    margin = np.ceil(support / size).astype(int) + 1
 
     def made() -> dict[str, np.ndarray]:
         from scipy.ndimage import distance_transform_edt, gaussian_filter
+        from scipy.signal import fftconvolve
 
         counts = np.round((upper - lower) / size).astype(int)
         full = np.zeros(counts + 2 * margin, dtype=bool)
@@ -34,31 +37,53 @@ def signed(shape: Any, side: float, reach: float) -> tuple[np.ndarray, np.ndarra
         half = 0.5 * size.mean()
         outside = distance_transform_edt(~full, sampling=size) - half
         inside = distance_transform_edt(full, sampling=size) - half
-        return {"distance": gaussian_filter(np.where(full, -inside, outside), SMOOTH, mode="nearest")}
+        distance = gaussian_filter(np.where(full, -inside, outside), SMOOTH, mode="nearest")
+        solid = np.zeros(full.shape)
+        solid[tuple((cells(cubes, lower) + margin).T)] = cubes.share
+        along = (np.arange(-margin[k], margin[k] + 1) * size[k] for k in range(3))
+        q = np.minimum(np.sqrt(sum(np.square(x) for x in np.meshgrid(*along, indexing="ij"))) / support, 1.0)
+        kernel = (1.0 - q) ** 4 * (1.0 + 4.0 * q)
+        share = fftconvolve(solid, kernel / kernel.sum(), mode="same")
+        return {"distance": distance, "share": share}
 
-    content = shape.content() + f"{size.tolist()} {margin.tolist()} {SMOOTH}".encode()
-    return kept("distances", content, made)["distance"], lower + (0.5 - margin) * size, size
+    content = shape.content() + f"{size.tolist()} {margin.tolist()} {SMOOTH} {support}".encode()
+    return kept("distances", content, made), lower + (0.5 - margin) * size, size
 
 
 @ti.data_oriented
 class Distance:
     """Signed distance from a hull, and the outward normal, in body axes from the centre of mass."""
 
-    def __init__(self, shape: Any, centre: np.ndarray, side: float, reach: float) -> None:
-        values, first, step = signed(shape, side, reach)
+    def __init__(self, shape: Any, centre: np.ndarray, side: float, support: float) -> None:
+        """`side` of the cubes, `support` of the water [m]."""
+        values, first, step = around(shape, side, support)
+        size = values["share"].shape
         self.lower = first - centre  # [m]
-        self.upper = self.lower + (np.array(values.shape) - 1) * step
-        self.first, self.per_step, self.last = tm.vec3(self.lower), tm.vec3(1.0 / step), tm.ivec3(values.shape) - 2
-        self.distance = ti.field(float, shape=values.shape)
-        self.distance.from_numpy(values.astype(self.distance.to_numpy().dtype))
-        self.far = float(reach)
+        self.upper = self.lower + (np.array(size) - 1) * step
+        self.first, self.per_step, self.last = tm.vec3(self.lower), tm.vec3(1.0 / step), tm.ivec3(size) - 2
+        self.distance, self.share = ti.field(float, shape=size), ti.field(float, shape=size)
+        for name, field in (("distance", self.distance), ("share", self.share)):
+            field.from_numpy(values[name].astype(to_numpy_type(field.dtype)))
+        self.far = float(support)
 
     @ti.func
     def at(self, place):
-        """Outward unit normal and distance [m]; beyond the lattice at least its reach."""
+        """Outward unit normal and distance [m]; beyond the lattice at least a support."""
+        found = self.read(self.distance, place)
+        n = found.xyz / tm.max(found.xyz.norm(), 1e-6)
+        return tm.vec4(n.x, n.y, n.z, found.w)
+
+    @ti.func
+    def thinning(self, place):
+        """Minus the gradient of the share [1/m]: the integral of the kernel's gradient over the hull."""
+        return -self.read(self.share, place).xyz
+
+    @ti.func
+    def read(self, field: ti.template(), place):
+        """Gradient and value between the nodes; nothing and a support beyond them."""
         a = (place - self.first) * self.per_step
         c = tm.clamp(int(ti.floor(a)), 0, self.last)
-        out = tm.vec4(0.0, 1.0, 0.0, self.far)
+        out = tm.vec4(0.0, 0.0, 0.0, self.far)
         if (a >= 0.0).all() and (a <= self.last + 1).all():
             f = a - c
             value, slope = 0.0, tm.vec3(0.0)
@@ -66,10 +91,9 @@ class Distance:
                 x = f.x if ti.static(di == 1) else 1.0 - f.x
                 y = f.y if ti.static(dj == 1) else 1.0 - f.y
                 z = f.z if ti.static(dk == 1) else 1.0 - f.z
-                here = self.distance[c.x + di, c.y + dj, c.z + dk]
+                here = field[c.x + di, c.y + dj, c.z + dk]
                 value += x * y * z * here
                 slope += here * tm.vec3((2 * di - 1) * y * z, (2 * dj - 1) * x * z, (2 * dk - 1) * x * y)
             slope *= self.per_step
-            n = slope / tm.max(slope.norm(), 1e-6)
-            out = tm.vec4(n.x, n.y, n.z, value)
+            out = tm.vec4(slope.x, slope.y, slope.z, value)
         return out

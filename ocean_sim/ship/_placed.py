@@ -107,6 +107,7 @@ class Voyage:
         self.hull = getattr(config, "whole_hull", None)  # what it looks like
         self.free = np.array([motion in config.free for motion in Motions._fields])
         self.points = {name: np.array(place) - machine.centre for name, place in config.points.items()}
+        self.sides: Any = None  # walls and bed that stop it
         self.contact: Any = None  # where the hull and particles push each other
         self.acceleration, self.turning = np.zeros(3), np.zeros(3)  # of the last step, world axes [m/s2], [rad/s2]
         machine.steer(body, 0.0)
@@ -130,9 +131,15 @@ class Voyage:
         """Take a step of a law of motion; raises Diverged where the ship has left the physical world."""
         before = self.body
 
-        def under(load: Load) -> RigidBody:
+        def free(load: Load) -> RigidBody:
             return held(step(before, load.force, load.torque, dt), self.free)
 
+        def under(load: Load) -> RigidBody:
+            body = free(load)
+            return body if self.sides is None else self.sides.off(body)
+
+        if self.sides is not None:
+            load = self.sides.met(load, free, dt)
         if self.contact is not None:
             load = self.contact.met(load, under, dt)
         after = under(load)

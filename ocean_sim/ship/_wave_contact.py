@@ -1,12 +1,12 @@
 """Water that meets a hull (thesis 4.2): the one arrow that goes back from the ship to the particles.
 
-A ship that floats by its volume already carries what still water does to it. So its hull gives that back to the water:
-every particle beside it feels the pressure p = rho g (height of the water - y) of the nearest place of the hull, along
-the hull's normal n, spread over a layer of one particle, p n V delta(s) with s the distance, delta a hat of one spacing
-around half a spacing, so that the layers of a lattice add up to p n however they lie. What then still comes nearer
-collides: the impulse on the ship is what the water presses beyond the pressure that the ship's own law knows, and zero
-in the mean where it floats. Weight = push by the law + collisions, and the water carries both; Archimedes is counted
-once whatever share of it the collisions take.
+A ship that floats by its volume already carries what still water does to it. So its hull gives that back to the water,
+as a wall would that shows every particle the pressure p = rho g (height of the water - y) of the nearest place of the
+hull: a = -(2 p / rho) times the integral of grad W over the hull (both pressures of the symmetric gradient are p). What
+still comes nearer then collides, and that alone is new to the ship. The water bears what it gives back and the
+collisions; the ship is carried by its own law and the collisions. Afloat and at rest the hull's share balances the
+water's own pressure, collisions have nothing to do in the mean, and the draught is that without contact: Archimedes is
+counted once. Added mass and damping of a kind stay as they are, so slamming comes on top of them.
 
 Collisions are solved together, not one by one (n particles would push a light ship n times): with J_i = (n_i, r_i x n_i)
 and e the restitution, every approaching particle leaves with n_i . v_i' = J_i U' - e (n_i . v_i - J_i U), and
@@ -32,7 +32,6 @@ from ocean_sim.ship._rigid_body import RigidBody
 BLOCK = 512  # particles that are summed one after the other
 FINE = 3.0  # cubes of the distance to a spacing
 MARGIN = 0.1  # [spacings] before the hull, where a particle's centre stops
-LAYER = 1.5  # [spacings] over which the hull presses
 WAVE = PARTS.index("wave")
 PAIRS = tuple((i, j) for i in range(6) for j in range(i, 6))
 TOUCHING, BACK, B, A = 0, 1, 4, 10  # particles, push given back, b and A
@@ -66,7 +65,8 @@ class WaveContact:
         self.spacing, self.margin, self.mass = spacing, MARGIN * spacing, self.particles.mass
         self.rim = 2.0 * spacing  # around the hull, where the height of the water cannot be asked [m]
         self.water: Any = None
-        self.hull = Distance(shape, centre, spacing / FINE, self.rim)
+        self.reach = max(float(fluid.grid.support), self.rim)  # of the hull [m]
+        self.hull = Distance(shape, centre, spacing / FINE, self.reach)
         self.pull = gravity  # [m/s2]
         n = self.particles.n
         self.blocks = -(-n // BLOCK)
@@ -156,14 +156,13 @@ class WaveContact:
                     d = self.apart(tm.vec3(p.x[i], p.y[i], p.z[i]), position)
                     if (abs(d - middle) < half).all():
                         normal, s = self.seen(d, turn)
-                        if s < LAYER * self.spacing:
+                        if s < self.reach:
                             self.near[self.count[None]] = i
                             self.count[None] += 1
                             face = position + d - s * normal
                             depth = tm.max(water.elevation(face.x, face.z) - face.y, 0.0)
-                            hat = 1.0 - abs(tm.max(s / self.spacing, 0.0) - 0.5)
                             old = tm.vec3(u.x[i], u.y[i], u.z[i])
-                            v = old + dt * self.pull * depth * hat / self.spacing * normal
+                            v = old + 2.0 * dt * self.pull * depth * (turn @ self.hull.thinning(turn.transpose() @ d))
                             u.x[i], u.y[i], u.z[i] = v.x, v.y, v.z
                             for c in ti.static(range(3)):
                                 total[BACK + c] += self.mass * (ti.cast(v[c], ti.f64) - ti.cast(old[c], ti.f64))

@@ -42,7 +42,7 @@ class Thesis(Voyage):
     def __init__(self, config: Config, basin: Basin, fluid: Any) -> None:
         self.afloat = Afloat(config, basin, fluid, below=False)
         super().__init__(config, self.afloat.body, self.afloat.machine, basin.lower[1])
-        self.contact = self.afloat.contact
+        self.contact, self.sides = self.afloat.contact, self.afloat.sides
         self.damping = np.array([config.linear_damping, config.angular_damping])
         self.columns = Columns(self.afloat, basin)
 

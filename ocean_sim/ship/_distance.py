@@ -61,39 +61,31 @@ class Distance:
         self.lower = first - centre  # [m]
         self.upper = self.lower + (np.array(size) - 1) * step
         self.first, self.per_step, self.last = tm.vec3(self.lower), tm.vec3(1.0 / step), tm.ivec3(size) - 2
-        self.distance, self.share = ti.field(float, shape=size), ti.field(float, shape=size)
-        for name, field in (("distance", self.distance), ("share", self.share)):
-            field.from_numpy(values[name].astype(to_numpy_type(field.dtype)))
+        self.nodes = ti.Vector.field(2, float, shape=size)  # distance [m] and share
+        both = np.stack([values["distance"], values["share"]], axis=-1)
+        self.nodes.from_numpy(both.astype(to_numpy_type(self.nodes.dtype)))
         self.far = float(support)
 
     @ti.func
     def at(self, place):
-        """Outward unit normal and distance [m]; beyond the lattice at least a support."""
-        found = self.read(self.distance, place)
-        n = found.xyz / tm.max(found.xyz.norm(), 1e-6)
-        return tm.vec4(n.x, n.y, n.z, found.w)
-
-    @ti.func
-    def thinning(self, place):
-        """Minus the gradient of the share [1/m]: the integral of the kernel's gradient over the hull."""
-        return -self.read(self.share, place).xyz
-
-    @ti.func
-    def read(self, field: ti.template(), place):
-        """Gradient and value between the nodes; nothing and a support beyond them."""
+        """Outward unit normal, distance [m] (beyond the lattice a support), and minus the gradient of the share [1/m]: the
+        integral of the kernel's gradient over the hull."""
         a = (place - self.first) * self.per_step
         c = tm.clamp(int(ti.floor(a)), 0, self.last)
-        out = tm.vec4(0.0, 0.0, 0.0, self.far)
+        normal, distance, thinning = tm.vec3(0.0), self.far, tm.vec3(0.0)
         if (a >= 0.0).all() and (a <= self.last + 1).all():
             f = a - c
-            value, slope = 0.0, tm.vec3(0.0)
+            distance = 0.0
             for di, dj, dk in ti.static(ti.ndrange(2, 2, 2)):
                 x = f.x if ti.static(di == 1) else 1.0 - f.x
                 y = f.y if ti.static(dj == 1) else 1.0 - f.y
                 z = f.z if ti.static(dk == 1) else 1.0 - f.z
-                here = field[c.x + di, c.y + dj, c.z + dk]
-                value += x * y * z * here
-                slope += here * tm.vec3((2 * di - 1) * y * z, (2 * dj - 1) * x * z, (2 * dk - 1) * x * y)
-            slope *= self.per_step
-            out = tm.vec4(slope.x, slope.y, slope.z, value)
-        return out
+                here = self.nodes[c.x + di, c.y + dj, c.z + dk]
+                rise = tm.vec3((2 * di - 1) * y * z, (2 * dj - 1) * x * z, (2 * dk - 1) * x * y)
+                distance += x * y * z * here[0]
+                normal += here[0] * rise
+                thinning -= here[1] * rise
+            normal *= self.per_step
+            normal /= tm.max(normal.norm(), 1e-6)
+            thinning *= self.per_step
+        return normal, distance, thinning

@@ -131,18 +131,20 @@ class Voyage:
         """Take a step of a law of motion; raises Diverged where the ship has left the physical world."""
         before = self.body
 
+        beside = self.sides is not None and self.sides.near(before, dt)
+
         def free(load: Load) -> RigidBody:
             return held(step(before, load.force, load.torque, dt), self.free)
 
         def under(load: Load) -> RigidBody:
-            body = free(load)
-            return body if self.sides is None else self.sides.off(body)
+            return self.sides.off(free(load)) if beside else free(load)
 
-        if self.sides is not None:
+        if beside:
             load = self.sides.met(load, free, dt)
-        if self.contact is not None:
-            load = self.contact.met(load, under, dt)
-        after = under(load)
+        if self.contact is None:
+            after = under(load)
+        else:
+            load, after = self.contact.met(load, under, dt)
         speed = float(np.linalg.norm(after.velocity))
         if not speed <= FASTEST:
             x, y, z = before.position

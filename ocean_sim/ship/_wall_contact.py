@@ -22,10 +22,16 @@ class Sides:
     def __init__(self, shape: Any, centre: np.ndarray, basin: Basin) -> None:
         """`centre` of mass from the hull's origin [m]."""
         self.points = outermost(shape) - centre  # body axes [m]
+        self.radius = 1.05 * float(np.linalg.norm(self.points, axis=1).max())  # [m]
         self.stops = [(k, way, side[k]) for way, side in zip((1.0, -1.0), basin.stops()) for k in range(3)]
         self.stops = [stop for stop in self.stops if abs(stop[2]) < OPEN]
         self.restitution, self.friction = basin.config.restitution, basin.config.friction
         self.impulse = np.zeros(3)  # on the ship [N s]
+
+    def near(self, body: RigidBody, dt: float) -> bool:
+        """Whether the hull may reach a side within a step of dt [s]."""
+        reach = self.radius + 2.0 * dt * float(np.linalg.norm(body.velocity))
+        return any(way * (body.position[axis] - place) < reach for axis, way, place in self.stops)
 
     def beyond(self, body: RigidBody) -> list[tuple[int, float, np.ndarray]]:
         """Of every side: its axis, which way is in, and how far each point is beyond it [m]."""

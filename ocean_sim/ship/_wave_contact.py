@@ -83,16 +83,16 @@ class WaveContact:
         """Memory that it takes beside n particles, but for the distance."""
         return 4 * n + word * (n // BLOCK + 1) * SUMS
 
-    def met(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> Load:
-        """The load with the collisions of a step of dt [s] under `wave`; `after` says how the body would be then. The
-        particles move off the hull."""
+    def met(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> tuple[Load, RigidBody]:
+        """The load with the collisions of a step of dt [s] under `wave`, and the body after it; `after` says how a load
+        would leave it. The particles move off the hull."""
         trial = after(load)
         self.told(trial, trial, dt)
         self.press(self.water, self.pose, self.touched)
         total = self.touched.sum(axis=0)
         self.back += total[BACK:B]
         if total[TOUCHING] == 0.0:
-            return load
+            return load, trial
         response = self.config.response
         a = np.zeros((6, 6))
         for (i, j), value in zip(PAIRS, total[A:]):
@@ -111,7 +111,8 @@ class WaveContact:
         self.lost += (1.0 - response) * met
         self.given += self.pushed[:3]
         self.work += float(self.pushed[WORK])
-        return with_wave(load, response * met / dt)
+        load = with_wave(load, response * met / dt)
+        return load, after(load)
 
     def told(self, body: RigidBody, before: RigidBody, dt: float) -> None:
         """Where the hull is, for the kernels."""
@@ -135,9 +136,9 @@ class WaveContact:
 
     @ti.func
     def seen(self, d, turn: ti.template()):
-        """Outward normal, world axes, and distance [m] of the hull at a place from its centre of mass."""
-        found = self.hull.at(turn.transpose() @ d)
-        return turn @ found.xyz, found.w
+        """What the hull says at a place from its centre of mass, in world axes."""
+        normal, distance, thinning = self.hull.at(turn.transpose() @ d)
+        return turn @ normal, distance, turn @ thinning
 
     @ti.kernel
     def press(self, water: ti.template(), pose: ti.types.ndarray(ndim=1), rows: ti.types.ndarray(ndim=2)):
@@ -155,14 +156,14 @@ class WaveContact:
                 for i in range(block * BLOCK, ti.min((block + 1) * BLOCK, n)):
                     d = self.apart(tm.vec3(p.x[i], p.y[i], p.z[i]), position)
                     if (abs(d - middle) < half).all():
-                        normal, s = self.seen(d, turn)
+                        normal, s, thinning = self.seen(d, turn)
                         if s < self.reach:
                             self.near[self.count[None]] = i
                             self.count[None] += 1
                             face = position + d - s * normal
                             depth = tm.max(water.elevation(face.x, face.z) - face.y, 0.0)
                             old = tm.vec3(u.x[i], u.y[i], u.z[i])
-                            v = old + 2.0 * dt * self.pull * depth * (turn @ self.hull.thinning(turn.transpose() @ d))
+                            v = old + 2.0 * dt * self.pull * depth * thinning
                             u.x[i], u.y[i], u.z[i] = v.x, v.y, v.z
                             for c in ti.static(range(3)):
                                 total[BACK + c] += self.mass * (ti.cast(v[c], ti.f64) - ti.cast(old[c], ti.f64))
@@ -201,7 +202,7 @@ class WaveContact:
                 p, u = self.particles.position, self.particles.velocity
                 x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
                 d = self.apart(x, position)
-                normal, s = self.seen(d, turn)
+                normal, s, thinning = self.seen(d, turn)
                 if s < self.margin:
                     before = (v - first - spin.cross(d)).dot(normal)
                     slip = v - velocity - omega.cross(d)
@@ -228,7 +229,7 @@ class WaveContact:
     def leave(self, i, x, position, turn: ti.template()):
         """Put a particle off the hull, by whole quanta of the grid."""
         for _ in range(2):
-            normal, s = self.seen(self.apart(x, position), turn)
+            normal, s, thinning = self.seen(self.apart(x, position), turn)
             way = tm.max(self.margin - s, 0.0)
             x += self.quantum * ti.ceil(way * normal / self.quantum - 0.5)
         p = self.particles.position

@@ -18,8 +18,8 @@ from ocean_sim.ship._placed import Machine, Placed
 from ocean_sim.ship._propulsion import Propeller, Rudder
 from ocean_sim.ship._rigid_body import RigidBody, matrix, oriented
 from ocean_sim.ship._solid import Solid
-from ocean_sim.ship._water import Water
 from ocean_sim.ship._wall_contact import Sides
+from ocean_sim.ship._water import Water
 from ocean_sim.ship._wave_contact import Contact, WaveContact
 
 STEPS_A_PERIOD = 60  # of the fastest natural motion

@@ -25,19 +25,21 @@ import taichi.math as tm
 from ocean_sim.basin import Basin
 from ocean_sim.parts import PartConfig, quantity
 from ocean_sim.ship import PARTS, Load
-from ocean_sim.ship._cubes import vector
 from ocean_sim.ship._distance import Distance
 from ocean_sim.ship._rigid_body import RigidBody
 
+TASK = 512  # a parallel loop is never cut finer than this
 BLOCK = 512  # particles that are summed one after the other
-FINE = 3.0  # cubes of the distance to a spacing
+FINE = 2.0  # cubes of the distance to a spacing
 MARGIN = 0.1  # [spacings] before the hull, where a particle's centre stops
 WAVE = PARTS.index("wave")
 PAIRS = tuple((i, j) for i in range(6) for j in range(i, 6))
 TOUCHING, BACK, B, A = 0, 1, 4, 10  # particles, push given back, b and A
 SUMS = A + len(PAIRS)
 WORK = 6  # after the impulse and its moment
-POSE = 34  # place, turn, velocity, angular velocity, the same two before, box (6), step, friction, weight of water, push
+POSE = (
+    34  # place, turn, velocity, angular velocity, the same two before, box (6), step, friction, weight of water, push
+)
 
 
 class Contact(PartConfig):
@@ -70,9 +72,9 @@ class WaveContact:
         self.pull = gravity  # [m/s2]
         n = self.particles.n
         self.blocks = -(-n // BLOCK)
-        self.near, self.count = ti.field(int, shape=n), ti.field(int, shape=())
-        self.pose = np.zeros(POSE)
-        self.touched, self.pushed = np.zeros((self.blocks, SUMS)), np.zeros(WORK + 1)
+        self.near, self.count = ti.field(int, shape=self.blocks * BLOCK), ti.field(int, shape=self.blocks)
+        self.table = np.zeros((1 + self.blocks, max(POSE, SUMS)))  # one array: each costs a kernel its time
+        self.pose, self.touched, self.pushed = self.table[0], self.table[1:, :SUMS], self.table[1, : WORK + 1]
         self.impulse = np.zeros((2, 3))  # on the ship by collisions, and its moments about its places [N s], [N m s]
         self.lost = np.zeros((2, 3))  # what the water gave beyond that
         self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s], [J]
@@ -88,7 +90,7 @@ class WaveContact:
         would leave it. The particles move off the hull."""
         trial = after(load)
         self.told(trial, trial, dt)
-        self.press(self.water, self.pose, self.touched)
+        self.press(self.water, self.table)
         total = self.touched.sum(axis=0)
         self.back += total[BACK:B]
         if total[TOUCHING] == 0.0:
@@ -105,7 +107,7 @@ class WaveContact:
         expected = after(with_wave(load, change.reshape(2, 3) / dt))
         self.told(expected, trial, dt)
         self.pose[31] = trial.mass / (trial.mass + self.mass * total[TOUCHING])
-        self.push(self.pose, self.pushed)
+        self.push(self.table)
         met = -self.pushed[:WORK].reshape(2, 3)
         self.impulse += response * met
         self.lost += (1.0 - response) * met
@@ -126,6 +128,11 @@ class WaveContact:
         pose[30], pose[31] = dt, 0.0
 
     @ti.func
+    def three(self, table: ti.template(), first: ti.template()):
+        """Three numbers in a row of what is told."""
+        return ti.cast(tm.vec3(table[0, first], table[0, first + 1], table[0, first + 2]), float)
+
+    @ti.func
     def apart(self, x, position):
         """From the ship to x [m], the nearest way where sides are periodic."""
         d = x - position
@@ -141,25 +148,22 @@ class WaveContact:
         return turn @ normal, distance, turn @ thinning
 
     @ti.kernel
-    def press(self, water: ti.template(), pose: ti.types.ndarray(ndim=1), rows: ti.types.ndarray(ndim=2)):
+    def press(self, water: ti.template(), table: ti.types.ndarray(ndim=2)):
         """Give the push of still water back, and sum over what touches the hull."""
-        ti.loop_config(serialize=True)
-        for _ in range(1):
-            self.count[None] = 0
-            position, velocity, omega = vector(pose, 0), vector(pose, 12), vector(pose, 15)
-            turn = ti.Matrix.rows([vector(pose, 3), vector(pose, 6), vector(pose, 9)])
-            middle, half, dt = vector(pose, 24), vector(pose, 27), ti.cast(pose[30], float)
-            p, u = self.particles.position, self.particles.velocity
-            n = self.particles.count.there()
-            for block in range(self.blocks):
+        for b in range(self.blocks * TASK):
+            if b % TASK == 0:
+                block = b // TASK
                 total = ti.Vector.zero(ti.f64, SUMS)
-                for i in range(block * BLOCK, ti.min((block + 1) * BLOCK, n)):
+                position, velocity, omega = self.three(table, 0), self.three(table, 12), self.three(table, 15)
+                turn = ti.Matrix.rows([self.three(table, 3), self.three(table, 6), self.three(table, 9)])
+                middle, half, dt = self.three(table, 24), self.three(table, 27), ti.cast(table[0, 30], float)
+                p, u = self.particles.position, self.particles.velocity
+                count = 0
+                for i in range(block * BLOCK, ti.min((block + 1) * BLOCK, self.particles.count.there())):
                     d = self.apart(tm.vec3(p.x[i], p.y[i], p.z[i]), position)
                     if (abs(d - middle) < half).all():
                         normal, s, thinning = self.seen(d, turn)
                         if s < self.reach:
-                            self.near[self.count[None]] = i
-                            self.count[None] += 1
                             face = position + d - s * normal
                             depth = tm.max(water.elevation(face.x, face.z) - face.y, 0.0)
                             old = tm.vec3(u.x[i], u.y[i], u.z[i])
@@ -167,10 +171,14 @@ class WaveContact:
                             u.x[i], u.y[i], u.z[i] = v.x, v.y, v.z
                             for c in ti.static(range(3)):
                                 total[BACK + c] += self.mass * (ti.cast(v[c], ti.f64) - ti.cast(old[c], ti.f64))
+                            if s < 0.5 * self.spacing:
+                                self.near[block * BLOCK + count] = i
+                                count += 1
                             if s < self.margin:
                                 self.touch(total, normal, d, v - velocity - omega.cross(d))
+                self.count[block] = count
                 for c in ti.static(range(SUMS)):
-                    rows[block, c] = total[c]
+                    table[1 + block, c] = total[c]
 
     @ti.func
     def touch(self, total: ti.template(), normal, d, v):
@@ -189,41 +197,42 @@ class WaveContact:
                 total[A + c] += self.mass * six[pair[0]] * six[pair[1]]
 
     @ti.kernel
-    def push(self, pose: ti.types.ndarray(ndim=1), sums: ti.types.ndarray(ndim=1)):
+    def push(self, table: ti.types.ndarray(ndim=2)):
         """Collide with the hull as it will move, and leave it; sums impulse, moment and work on the water."""
         ti.loop_config(serialize=True)
         for _ in range(1):
-            position, velocity, omega = vector(pose, 0), vector(pose, 12), vector(pose, 15)
-            first, spin = vector(pose, 18), vector(pose, 21)
-            turn = ti.Matrix.rows([vector(pose, 3), vector(pose, 6), vector(pose, 9)])
+            position, velocity, omega = self.three(table, 0), self.three(table, 12), self.three(table, 15)
+            first, spin = self.three(table, 18), self.three(table, 21)
+            turn = ti.Matrix.rows([self.three(table, 3), self.three(table, 6), self.three(table, 9)])
             total = ti.Vector.zero(ti.f64, WORK + 1)
-            for k in range(self.count[None]):
-                i = self.near[k]
-                p, u = self.particles.position, self.particles.velocity
-                x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
-                d = self.apart(x, position)
-                normal, s, thinning = self.seen(d, turn)
-                if s < self.margin:
-                    before = (v - first - spin.cross(d)).dot(normal)
-                    slip = v - velocity - omega.cross(d)
-                    speed = slip.dot(normal)
-                    bounce = tm.max(-ti.static(self.config.restitution) * before, 0.0) - speed
-                    if bounce > 0.0:
-                        kick = bounce * normal
-                        along = slip - speed * normal
-                        rub = ti.static(self.config.friction) * bounce / tm.max(along.norm(), 1e-12)
-                        kick -= tm.min(rub, 1.0) * ti.cast(pose[31], float) * along
-                        new = v + kick
-                        u.x[i], u.y[i], u.z[i] = new.x, new.y, new.z
-                        impulse = ti.cast(self.mass, ti.f64) * (ti.cast(new, ti.f64) - ti.cast(v, ti.f64))
-                        moment = ti.cast(d, ti.f64).cross(impulse)
-                        for c in ti.static(range(3)):
-                            total[c] += impulse[c]
-                            total[3 + c] += moment[c]
-                        total[WORK] += 0.5 * impulse.dot(ti.cast(new + v, ti.f64))
-                    self.leave(i, x, position, turn)
+            for block in range(self.blocks):
+                for k in range(self.count[block]):
+                    i = self.near[block * BLOCK + k]
+                    p, u = self.particles.position, self.particles.velocity
+                    x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
+                    d = self.apart(x, position)
+                    normal, s, thinning = self.seen(d, turn)
+                    if s < self.margin:
+                        before = (v - first - spin.cross(d)).dot(normal)
+                        slip = v - velocity - omega.cross(d)
+                        speed = slip.dot(normal)
+                        bounce = tm.max(-ti.static(self.config.restitution) * before, 0.0) - speed
+                        if bounce > 0.0:
+                            kick = bounce * normal
+                            along = slip - speed * normal
+                            rub = ti.static(self.config.friction) * bounce / tm.max(along.norm(), 1e-12)
+                            kick -= tm.min(rub, 1.0) * ti.cast(table[0, 31], float) * along
+                            new = v + kick
+                            u.x[i], u.y[i], u.z[i] = new.x, new.y, new.z
+                            impulse = ti.cast(self.mass, ti.f64) * (ti.cast(new, ti.f64) - ti.cast(v, ti.f64))
+                            moment = ti.cast(d, ti.f64).cross(impulse)
+                            for c in ti.static(range(3)):
+                                total[c] += impulse[c]
+                                total[3 + c] += moment[c]
+                            total[WORK] += 0.5 * impulse.dot(ti.cast(new + v, ti.f64))
+                        self.leave(i, x, position, turn)
             for c in ti.static(range(WORK + 1)):
-                sums[c] = total[c]
+                table[1, c] = total[c]
 
     @ti.func
     def leave(self, i, x, position, turn: ti.template()):

@@ -17,8 +17,8 @@ SMOOTH = 0.5  # [cubes] over which steps of cubes are smoothed
 
 
 def around(shape: Any, side: float, support: float) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
-    """At (i, j, k): `distance` [m], negative inside, and `share` of the hull in Wendland's kernel (C2) of a support [m];
-    the place of the first in the hull's axes, and the steps (3,) [m]. `side` of a cube."""
+    """At (i, j, k): `distance` [m], negative inside, and `share` of the hull in Wendland's kernel (C2) of a support
+    [m]; the place of the first in the hull's axes, and the steps (3,) [m]. `side` of a cube."""
     lower, upper = shape.bounds()
     side = max(side, float((upper - lower + 2.0 * support).prod() / MOST) ** (1.0 / 3.0))
     cubes = voxels(shape, side, 1.0)
@@ -68,8 +68,8 @@ class Distance:
 
     @ti.func
     def at(self, place):
-        """Outward unit normal, distance [m] (beyond the lattice a support), and minus the gradient of the share [1/m]: the
-        integral of the kernel's gradient over the hull."""
+        """Outward normal, distance [m] (beyond the lattice a support), and minus the gradient of the share [1/m]: the integral
+        of the kernel's gradient over the hull."""
         a = (place - self.first) * self.per_step
         c = tm.clamp(int(ti.floor(a)), 0, self.last)
         normal, distance, thinning = tm.vec3(0.0), self.far, tm.vec3(0.0)

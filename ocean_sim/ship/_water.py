@@ -62,7 +62,7 @@ class Water:
             self.level[i, k] = eta
             if ti.static(self.hollow):
                 place.y = eta
-                normal, away, thinning = self.hull.at(turn.transpose() @ (place - position))
+                _normal, away, _thinning = self.hull.at(turn.transpose() @ (place - position))
                 self.asked[i, k] = int(away >= self.rim or k == 0 or k == ACROSS - 1)
             if ti.static(self.below):
                 for l in range(LEVELS):

@@ -8,10 +8,11 @@ collisions; the ship is carried by its own law and the collisions. Afloat and at
 water's own pressure, collisions have nothing to do in the mean, and the draught is that without contact: Archimedes is
 counted once. Added mass and damping of a kind stay as they are, so slamming comes on top of them.
 
-Collisions are solved together, not one by one (n particles would push a light ship n times): with J_i = (n_i, r_i x n_i)
-and e the restitution, every approaching particle leaves with n_i . v_i' = J_i U' - e (n_i . v_i - J_i U), and
-(M + r A) (U' - U) = r b with A = m sum J J^T, b = m (1 + e) sum J (n . v - J U), r the response. Impulses that would pull
-are none. Coulomb friction follows, shared out as if the ship weighed M^2 / (M + mass of the particles that touch it).
+Collisions are solved together, not one by one (n particles would push a light ship n times). With J = (n, r x n) of a
+particle at r from the centre of mass, U the ship's velocities and e the restitution, every particle that comes nearer
+leaves with n . v' = J U' - e (n . v - J U), and (M + c A) (U' - U) = c b with A = m sum J J^T, c the response and
+b = m (1 + e) sum J (n . v - J U). Impulses that would pull are none. Coulomb friction follows; how fast a particle slips
+is reduced by M / (M + mass of the particles that touch the ship), so friction does not turn a light ship round either.
 """
 
 from collections.abc import Callable
@@ -50,7 +51,7 @@ class Contact(PartConfig):
     friction: float = quantity("1", 0.0, ge=0.0)
     """Coulomb friction: tangential over normal impulse, at most."""
     response: float = quantity("1", 1.0, ge=0.0, le=1.0)
-    """Share of the collisions' impulse that the ship feels; below 1 momentum is lost, 0: the ship does not feel them."""
+    """Share of the collisions' impulse that the ship feels; below 1 momentum is lost."""
 
 
 @ti.data_oriented
@@ -211,7 +212,7 @@ class WaveContact:
                     p, u = self.particles.position, self.particles.velocity
                     x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
                     d = self.apart(x, position)
-                    normal, s, thinning = self.seen(d, turn)
+                    normal, s, _thinning = self.seen(d, turn)
                     if s < self.margin:
                         before = (v - first - spin.cross(d)).dot(normal)
                         slip = v - velocity - omega.cross(d)
@@ -238,7 +239,7 @@ class WaveContact:
     def leave(self, i, x, position, turn: ti.template()):
         """Put a particle off the hull, by whole quanta of the grid."""
         for _ in range(2):
-            normal, s, thinning = self.seen(self.apart(x, position), turn)
+            normal, s, _thinning = self.seen(self.apart(x, position), turn)
             way = tm.max(self.margin - s, 0.0)
             x += self.quantum * ti.ceil(way * normal / self.quantum - 0.5)
         p = self.particles.position

@@ -140,8 +140,8 @@ class Afloat:
         self.contact = self.sides = None
         if config.contact is not None and fluid.particles is not None:
             shape, pull = config.whole_hull.shape, self.still.gravity
-            self.sides = Sides(shape, matter.centre, basin)
             self.contact = WaveContact(config.contact, shape, matter.centre, basin, fluid, pull)
+            self.sides = Sides(shape, matter.centre, basin, fluid.walls.gap + self.contact.margin)
         self.water = Water(length, width, height, draught, self.still.gravity, self.closed, self.contact)
         if self.contact is not None:
             self.contact.water = self.water

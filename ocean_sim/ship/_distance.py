@@ -68,8 +68,8 @@ class Distance:
 
     @ti.func
     def at(self, place):
-        """Outward normal, distance [m] (beyond the lattice a support), and minus the gradient of the share [1/m]: the integral
-        of the kernel's gradient over the hull."""
+        """Outward normal, distance [m] (beyond the lattice a support), and minus the gradient of the share [1/m]: the
+        integral of the kernel's gradient over the hull."""
         a = (place - self.first) * self.per_step
         c = tm.clamp(int(ti.floor(a)), 0, self.last)
         normal, distance, thinning = tm.vec3(0.0), self.far, tm.vec3(0.0)

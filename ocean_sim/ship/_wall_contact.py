@@ -1,4 +1,7 @@
-"""A hull that meets walls and bed: impulses on its outermost points, with the restitution and friction of the basin."""
+"""A hull that meets walls and bed: impulses on its outermost points, with the restitution and friction of the basin.
+
+It stops where there is room for one layer of particles, which it could not press out.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -19,11 +22,11 @@ TOUCHING = 8  # points of a side that are looked at: the deepest
 class Sides:
     """Walls and bed around a hull."""
 
-    def __init__(self, shape: Any, centre: np.ndarray, basin: Basin) -> None:
-        """`centre` of mass from the hull's origin [m]."""
+    def __init__(self, shape: Any, centre: np.ndarray, basin: Basin, room: float = 0.0) -> None:
+        """`centre` of mass from the hull's origin, `room` before each side [m]."""
         self.points = outermost(shape) - centre  # body axes [m]
         self.radius = 1.05 * float(np.linalg.norm(self.points, axis=1).max())  # [m]
-        self.stops = [(k, way, side[k]) for way, side in zip((1.0, -1.0), basin.stops()) for k in range(3)]
+        self.stops = [(k, way, side[k] + way * room) for way, side in zip((1.0, -1.0), basin.stops()) for k in range(3)]
         self.stops = [stop for stop in self.stops if abs(stop[2]) < OPEN]
         self.restitution, self.friction = basin.config.restitution, basin.config.friction
         self.impulse = np.zeros(3)  # on the ship [N s]

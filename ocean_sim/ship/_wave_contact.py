@@ -11,8 +11,8 @@ counted once. Added mass and damping of a kind stay as they are, so slamming com
 Collisions are solved together, not one by one (n particles would push a light ship n times). With J = (n, r x n) of a
 particle at r from the centre of mass, U the ship's velocities and e the restitution, every particle that comes nearer
 leaves with n . v' = J U' - e (n . v - J U), and (M + c A) (U' - U) = c b with A = m sum J J^T, c the response and
-b = m (1 + e) sum J (n . v - J U). Impulses that would pull are none. Coulomb friction follows; how fast a particle slips
-is reduced by M / (M + mass of the particles that touch the ship), so friction does not turn a light ship round either.
+b = m (1 + e) sum J (n . v - J U). Impulses that would pull are none. Coulomb friction follows; how fast a particle
+slips is reduced by M / (M + mass of the particles that touch the ship), so that friction does not turn a light ship.
 """
 
 from collections.abc import Callable
@@ -32,7 +32,8 @@ from ocean_sim.ship._rigid_body import RigidBody
 TASK = 512  # a parallel loop is never cut finer than this
 BLOCK = 512  # particles that are summed one after the other
 FINE = 2.0  # cubes of the distance to a spacing
-MARGIN = 0.1  # [spacings] before the hull, where a particle's centre stops
+MARGIN = 0.2  # [spacings] before the hull, where a particle's centre stops
+LEAPS = 3  # off the hull and back to the walls
 WAVE = PARTS.index("wave")
 PAIRS = tuple((i, j) for i in range(6) for j in range(i, 6))
 TOUCHING, BACK, B, A = 0, 1, 4, 10  # particles, push given back, b and A
@@ -63,7 +64,7 @@ class WaveContact:
     ) -> None:
         """`centre` of mass from the hull's origin [m]. Hand it the `water` that the ship asks."""
         self.config, self.particles, self.periods = config, fluid.particles, basin.periods
-        self.quantum = fluid.grid.quantum
+        self.quantum, self.walls = fluid.grid.quantum, fluid.walls
         spacing = self.particles.spacing
         self.spacing, self.margin, self.mass = spacing, MARGIN * spacing, self.particles.mass
         self.rim = 2.0 * spacing  # around the hull, where the height of the water cannot be asked [m]
@@ -237,11 +238,13 @@ class WaveContact:
 
     @ti.func
     def leave(self, i, x, position, turn: ti.template()):
-        """Put a particle off the hull, by whole quanta of the grid."""
-        for _ in range(2):
+        """Put a particle off the hull, by whole quanta of the grid, but not through a wall."""
+        for _ in range(LEAPS):
             normal, s, _thinning = self.seen(self.apart(x, position), turn)
             way = tm.max(self.margin - s, 0.0)
             x += self.quantum * ti.ceil(way * normal / self.quantum - 0.5)
+            for k in ti.static(self.walls.axes):
+                x[k] = tm.clamp(x[k], self.walls.low[k], self.walls.up[k])
         p = self.particles.position
         p.x[i], p.y[i], p.z[i] = x.x, x.y, x.z
 

@@ -210,7 +210,7 @@ def test_without_giving_the_push_back_buoyancy_would_count_twice(afloat):
 EXTREMES = {
     "a tenth of the water's density": (0.2, {}),
     "ten times the water's density, it lies on the bed": (20.0, {}),
-    "capsized": (1.0, {"orientation": oriented(0.0, 0.0, np.pi)}),
+    "capsized": (1.0, {"orientation": oriented(0.0, 0.0, np.pi), "position": np.array([0.0, 0.1, 0.0])}),
     "dropped from 5 m": (1.0, {"position": np.array([0.0, 5.0, 0.0])}),
     "wholly out": (1.0, {"position": np.array([0.0, 1.0, 0.0])}),
     "a spin of 30 degrees a second": (1.0, {"spin": np.radians([30.0, 30.0, 30.0])}),

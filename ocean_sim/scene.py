@@ -214,7 +214,7 @@ def _checked(composition: Composition, problems: list[Problem]) -> SceneConfig |
     if ship is not None and fluid is not None and fluid.kind not in getattr(ship, "waters", (fluid.kind,)):
         said = f"water of kind {fluid.kind} does not carry a ship of kind {ship.kind}; take {' or '.join(ship.waters)}"
         problems.append(problem(data["ship"].place, "ship", said))
-    if hasattr(ship, "problems_beside") and fluid is not None and not problems:
+    if ship is not None and fluid is not None and hasattr(ship, "problems_beside") and not problems:
         problems += _misplaced("ship", ship.problems_beside(fluid, place), data["ship"])
     if problems or heading is None:
         return None

@@ -76,7 +76,7 @@ class FloatingConfig(Placed):
 
     def problems_beside(self, fluid: Any, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
         """What is wrong with the ship in this water."""
-        found = []
+        found: list[tuple[tuple[str, ...], str]] = []
         for solid in self.floating(basin, fluid):
             for axis, _, depth in Sides(solid.shape, solid.centre, basin).beyond(solid.body):
                 if depth.max() > 1e-6:
@@ -145,6 +145,7 @@ class Afloat:
         self.water = Water(length, width, height, draught, self.still.gravity, self.closed, self.contact)
         if self.contact is not None:
             self.contact.water = self.water
+            fluid.hull = self.contact
         self.body = config.body(matter, *afloat_pose(self.still))  # at the beginning
         self.machine = Machine(config, config.propeller, config.rudder, matter.centre)
         volume = self.still.voxels.volume

@@ -36,7 +36,7 @@ MARGIN = 0.2  # [spacings] before the hull, where a particle's centre stops
 LEAPS = 3  # off the hull and back to the walls
 WAVE = PARTS.index("wave")
 PAIRS = tuple((i, j) for i in range(6) for j in range(i, 6))
-TOUCHING, BACK, B, A = 0, 1, 4, 10  # particles, push given back, b and A
+TOUCHING, BACK, SPENT, B, A = 0, 1, 4, 5, 11  # particles, push given back and its work, b and A
 SUMS = A + len(PAIRS)
 WORK = 6  # after the impulse and its moment
 POSE = (
@@ -79,13 +79,8 @@ class WaveContact:
         self.pose, self.touched, self.pushed = self.table[0], self.table[1:, :SUMS], self.table[1, : WORK + 1]
         self.impulse = np.zeros((2, 3))  # on the ship by collisions, and its moments about its places [N s], [N m s]
         self.lost = np.zeros((2, 3))  # what the water gave beyond that
-        self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s], [J]
+        self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s]; by both [J]
         self.back = np.zeros(3)  # to the water by the push given back [N s]
-
-    @staticmethod
-    def bytes(n: int, word: int) -> int:
-        """Memory that it takes beside n particles, but for the distance."""
-        return 4 * n + word * (n // BLOCK + 1) * SUMS
 
     def met(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> tuple[Load, RigidBody]:
         """The load with the collisions of a step of dt [s] under `wave`, and the body after it; `after` says how a load
@@ -94,7 +89,8 @@ class WaveContact:
         self.told(trial, trial, dt)
         self.press(self.water, self.table)
         total = self.touched.sum(axis=0)
-        self.back += total[BACK:B]
+        self.back += total[BACK:SPENT]
+        self.work += float(total[SPENT])
         if total[TOUCHING] == 0.0:
             return load, trial
         response = self.config.response
@@ -172,7 +168,9 @@ class WaveContact:
                             v = old + 2.0 * dt * self.pull * depth * thinning
                             u.x[i], u.y[i], u.z[i] = v.x, v.y, v.z
                             for c in ti.static(range(3)):
-                                total[BACK + c] += self.mass * (ti.cast(v[c], ti.f64) - ti.cast(old[c], ti.f64))
+                                given = self.mass * (ti.cast(v[c], ti.f64) - ti.cast(old[c], ti.f64))
+                                total[BACK + c] += given
+                                total[SPENT] += 0.5 * given * ti.cast(v[c] + old[c], ti.f64)
                             if s < 0.5 * self.spacing:
                                 self.near[block * BLOCK + count] = i
                                 count += 1

@@ -16,14 +16,17 @@ MOST = 3e5  # cubes of a lattice; a long hull in fine water has coarser ones
 SMOOTH = 0.5  # [cubes] over which steps of cubes are smoothed
 
 
-def around(shape: Any, side: float, support: float) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
-    """At (i, j, k): `distance` [m], negative inside, and `share` of the hull in Wendland's kernel (C2) of a support
-    [m]; the place of the first in the hull's axes, and the steps (3,) [m]. `side` of a cube."""
+def around(
+    shape: Any, side: float, support: float, reach: float
+) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
+    """At (i, j, k): `distance` [m], negative inside, and `share` of the hull in Wendland's kernel (C2) of a support;
+    the place of the first in the axes of the hull, and the steps (3,) [m]. `side` of a cube, `reach` of the lattice
+    over the hull [m]."""
     lower, upper = shape.bounds()
-    side = max(side, float((upper - lower + 2.0 * support).prod() / MOST) ** (1.0 / 3.0))
+    side = max(side, float((upper - lower + 2.0 * reach).prod() / MOST) ** (1.0 / 3.0))
     cubes = voxels(shape, side, 1.0)
     size = cubes.size
-    margin = np.ceil(support / size).astype(int) + 1
+    margin = np.ceil(reach / size).astype(int) + 1
 
     def made() -> dict[str, np.ndarray]:
         from scipy.ndimage import distance_transform_edt, gaussian_filter
@@ -54,9 +57,9 @@ def around(shape: Any, side: float, support: float) -> tuple[dict[str, np.ndarra
 class Distance:
     """Signed distance from a hull, and the outward normal, in body axes from the centre of mass."""
 
-    def __init__(self, shape: Any, centre: np.ndarray, side: float, support: float) -> None:
-        """`side` of the cubes, `support` of the water [m]."""
-        values, first, step = around(shape, side, support)
+    def __init__(self, shape: Any, centre: np.ndarray, side: float, support: float, reach: float) -> None:
+        """`side` of the cubes, `support` of the water, `reach` over the hull [m]."""
+        values, first, step = around(shape, side, support, reach)
         size = values["share"].shape
         self.lower = first - centre  # [m]
         self.upper = self.lower + (np.array(size) - 1) * step
@@ -64,11 +67,11 @@ class Distance:
         self.nodes = ti.Vector.field(2, float, shape=size)  # distance [m] and share
         both = np.stack([values["distance"], values["share"]], axis=-1)
         self.nodes.from_numpy(both.astype(to_numpy_type(self.nodes.dtype)))
-        self.far = float(support)
+        self.far = float(reach)
 
     @ti.func
     def at(self, place):
-        """Outward normal, distance [m] (beyond the lattice a support), and minus the gradient of the share [1/m]: the
+        """Outward normal, distance [m] (beyond the lattice its reach), and minus the gradient of the share [1/m]: the
         integral of the kernel's gradient over the hull."""
         a = (place - self.first) * self.per_step
         c = tm.clamp(int(ti.floor(a)), 0, self.last)

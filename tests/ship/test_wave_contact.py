@@ -87,7 +87,7 @@ def test_the_distance_to_a_ball_and_to_a_box():
         (Sphere(kind="sphere", radius=0.4), lambda p: np.linalg.norm(p - [0.0, 0.4, 0.0], axis=1) - 0.4),
         (Box(kind="box", length=0.8, breadth=0.6, height=0.5), from_a_box),
     ):
-        values, first, step = around(shape, 0.04, 0.2)
+        values, first, step = around(shape, 0.04, 0.2, 0.2)
         axes = [first[k] + step[k] * np.arange(values["distance"].shape[k]) for k in range(3)]
         lower, upper = shape.bounds()
         points = random.uniform(lower - 0.15, upper + 0.15, (4000, 3))

@@ -31,7 +31,7 @@ from ocean_sim.ship._rigid_body import RigidBody
 
 TASK = 512  # a parallel loop is never cut finer than this
 BLOCK = 512  # particles that are summed one after the other
-FINE = 2.0  # cubes of the distance to a spacing
+FINE = 3.0  # cubes of the distance to a spacing
 MARGIN = 0.2  # [spacings] before the hull, where a particle's centre stops
 RIM = 3.0  # [spacings] around the hull, where a sheet over the particles sags into its hole
 LEAPS = 3  # off the hull and back to the walls

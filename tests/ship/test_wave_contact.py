@@ -18,7 +18,7 @@ QUIET = {name: None for name in observer_names() if name != "manifest"} | {"runt
 SHAPE = {"kind": "box", "length": 0.6, "breadth": 0.6, "height": 0.5}
 
 
-def floating(relative: float = 0.5, **ship) -> dict:
+def floating(relative: float = 0.6, **ship) -> dict:
     """A box in a small tank of coarse water."""
     hull = {"shape": SHAPE, "mass": 180.0 * relative, "centre_of_mass": [0.0, 0.15, 0.0]}
     return {
@@ -174,7 +174,7 @@ def test_it_floats_as_deep_as_without_contact_and_nothing_is_inside(afloat):
     x = np.linspace(-0.75, 0.75, 16)
     around_it = np.stack(np.meshgrid(x, x), axis=-1).reshape(-1, 2)
     around_it = around_it[(abs(around_it) > 0.5).any(axis=1)]
-    end = simulation.time + 1.5
+    end = simulation.time + 2.0
     while simulation.time < end:
         simulation.step()
         if simulation.steps % 20 == 0:
@@ -183,7 +183,7 @@ def test_it_floats_as_deep_as_without_contact_and_nothing_is_inside(afloat):
             rows.append((level - ship.body.position[1] + CENTRE[1], ship.last.parts[1, 0, 1], ship.last.parts[4, 0, 1]))
     draught, buoyancy, collisions = np.array(rows)[len(rows) // 3 :].T
     weight = 9.81 * ship.body.mass
-    assert draught.mean() == pytest.approx(0.25, rel=0.04)
+    assert draught.mean() == pytest.approx(0.3, rel=0.02)
     assert buoyancy.mean() == pytest.approx(weight, rel=0.02)
     assert abs(collisions.mean()) < 0.02 * weight
     under = ship.afloat.water
@@ -208,9 +208,9 @@ def test_without_giving_the_push_back_buoyancy_would_count_twice(afloat):
 
 
 EXTREMES = {
-    "a tenth of the water's density": (0.2, {}),
-    "ten times the water's density, it lies on the bed": (20.0, {}),
-    "capsized": (1.0, {"orientation": oriented(0.0, 0.0, np.pi), "position": np.array([0.0, 0.1, 0.0])}),
+    "a tenth of the water's density": (1.0 / 6.0, {}),
+    "ten times the water's density, it lies on the bed": (100.0 / 6.0, {}),
+    "capsized": (1.0, {"orientation": oriented(0.0, 0.0, np.pi), "position": np.array([0.0, 0.05, 0.0])}),
     "dropped from 5 m": (1.0, {"position": np.array([0.0, 5.0, 0.0])}),
     "wholly out": (1.0, {"position": np.array([0.0, 1.0, 0.0])}),
     "a spin of 30 degrees a second": (1.0, {"spin": np.radians([30.0, 30.0, 30.0])}),
@@ -242,7 +242,7 @@ def test_extremes_end_physically_or_with_a_sentence(afloat, extreme):
     assert np.isfinite(body.position).all() and np.linalg.norm(body.velocity) < 15.0
     assert (abs(body.position[[0, 2]]) < 0.8).all() and body.position[1] > -0.6
     assert inside(simulation, SHAPE, CENTRE, 0.02) == 0
-    if weight == 20.0:
+    if weight > 10.0:
         assert body.position[1] < -0.35
 
 

@@ -231,7 +231,7 @@ def _surface_on_fluid(
 
 
 def _ship_on_water(parts: dict[str, Any], data: dict[str, Node], problems: list[Problem]) -> None:
-    """Whether this kind of ship floats on this kind of water."""
+    """Whether this kind of ship floats on this kind of water, and where it is put."""
     ship, fluid = parts.get("ship"), parts.get("fluid")
     if ship is None or fluid is None:
         return
@@ -241,6 +241,8 @@ def _ship_on_water(parts: dict[str, Any], data: dict[str, Node], problems: list[
     if fluid.kind not in getattr(ship, "waters", (fluid.kind,)):
         said = f"water of kind {fluid.kind} does not carry a ship of kind {ship.kind}; take {' or '.join(ship.waters)}"
         problems.append(problem(data["ship"].place, "ship", said))
+    if hasattr(ship, "problems_beside") and not problems:
+        problems += _misplaced("ship", ship.problems_beside(fluid, parts["basin"].build()), data["ship"])
 
 
 def _observers(data: dict[str, Node], root: Node, problems: list[Problem]) -> dict[str, ObserverConfig]:

@@ -31,7 +31,7 @@ class Simulation:
         self.backend = runtime.start(scene.runtime)
         self.basin = scene.basin.build()
         if hasattr(scene.ship, "floating"):  # the water is built around it
-            self.basin = replace(self.basin, afloat=(scene.ship.floating(self.basin, scene.fluid.rest_density),))
+            self.basin = replace(self.basin, afloat=scene.ship.floating(self.basin, scene.fluid))
         self.wind = scene.wind.build(self.basin, scene.seed)
         accounts = "accuracy" in scene.observers  # whether the fluid sums the impulse of each term
         self.fluid = scene.fluid.build(self.basin, scene.seed, ledger=accounts, wind=self.wind.on("fluid"))

@@ -109,7 +109,7 @@ class Sph(ParticleWater):
         self.reference_speed, self.sound_speed = config.speed(basin), config.sound_speed(basin)
         self.kinematic_viscosity = config.kinematic_viscosity
         self.dt = ti.field(float, shape=())  # [s]
-        self.bodies, self.boundary = bool(basin.obstacles or basin.afloat), None
+        self.bodies, self.boundary = bool(basin.obstacles or any(solid.felt for solid in basin.afloat)), None
         if self.bodies:
             from ocean_sim.fluid._boundary import Boundary, boxes, floating
 

@@ -112,6 +112,8 @@ class Voyage:
         self.hull = getattr(config, "whole_hull", None)  # what it looks like
         self.free = np.array([motion in config.free for motion in Motions._fields])
         self.points = {name: np.array(place) - machine.centre for name, place in config.points.items()}
+        self.sides: Any = None  # walls and bed that stop it
+        self.contact: Any = None  # where the hull and particles push each other
         self.acceleration, self.turning = np.zeros(3), np.zeros(3)  # of the last step, world axes [m/s2], [rad/s2]
         machine.steer(body, 0.0)
 
@@ -140,7 +142,21 @@ class Voyage:
     def moved(self, step: Any, load: Load, dt: float) -> None:
         """Take a step of a law of motion; raises Diverged where the ship has left the physical world."""
         before = self.body
-        after = held(step(before, load.force, load.torque, dt), self.free)
+
+        beside = self.sides is not None and self.sides.near(before, dt)
+
+        def free(load: Load) -> RigidBody:
+            return held(step(before, load.force, load.torque, dt), self.free)
+
+        def under(load: Load) -> RigidBody:
+            return self.sides.off(free(load)) if beside else free(load)
+
+        if beside:
+            load = self.sides.met(load, free, dt)
+        if self.contact is None:
+            after = under(load)
+        else:
+            load, after = self.contact.met(load, under, dt)
         speed = float(np.linalg.norm(after.velocity))
         if not speed <= FASTEST:
             x, y, z = before.position

@@ -14,7 +14,7 @@ from ocean_sim.input_file import FOLDER
 from ocean_sim.yaml_file import Node, Problem, described, problem
 
 LEAST, MOST = 1e-60, 1e15  # size of a number in SI units that a scene may hold
-FEW = 16  # choices that still fit in a sentence
+FEW = 24  # choices that still fit in a sentence
 BOUNDS = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
 SHAPES = {
     "float_type": "a number",

@@ -86,7 +86,7 @@ def read(path: Path) -> Checkpoint:
             told = {key: json.loads(file[key][()]) for key in ("scene", "made", "tree")}
             arrays = {f".{place}": np.asarray(array[()]) for place, array in file["arrays"].items()}
             return Checkpoint(float(file.attrs["time_s"]), int(file.attrs["steps"]), **told, arrays=arrays)
-    except (OSError, KeyError, ValueError, TypeError, AttributeError):
+    except Exception:  # HDF5 has errors of its own
         raise Unreadable(f"{path.name} is whole, but holds no state of a run") from None
 
 

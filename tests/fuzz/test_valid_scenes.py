@@ -21,7 +21,7 @@ def drawn(count: int) -> list[SceneConfig]:
     @settings(few, suppress_health_check=list(HealthCheck))
     @given(scenes())
     def draw(scene):
-        config = settled(scene | {"render": None, "report": None})
+        config = settled(scene | {"render": None, "report": None, "preview": None})
         if config is not None:
             found.append(config)
 

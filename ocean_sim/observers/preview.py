@@ -58,8 +58,8 @@ class Config(ObserverConfig):
 
 
 class Preview:
-    """Numbered pictures in the folder preview/ of a run, from the same drawing as the window's; the curves in them begin
-    anew where a run goes on."""
+    """Numbered pictures in the folder preview/ of a run, from the same drawing as the window's; their curves begin anew
+    where a run goes on."""
 
     left_out = ("screen",)  # what a checkpoint of it does not hold
 

@@ -199,7 +199,7 @@ def misnamed(draw: Any, scene: dict[str, Any]) -> Broken:
 
 @st.composite
 def decayed(draw: Any, content: bytes) -> Broken:
-    """A file that a disk, a cable or a hurried hand has spoilt: cut, bits turned over, pieces lost, doubled or noise."""
+    """A file that a disk, a cable or a hurried hand has spoilt: cut, bits turned, pieces lost, doubled, or noise."""
     place = draw(st.integers(0, len(content)))
     piece = draw(st.sampled_from([1, 4, 64, 512]))
     ways: dict[str, Callable[[], bytes]] = {

@@ -1,4 +1,4 @@
-"""How many examples hypothesis draws: few and always the same in every run of the tests, many when they are asked for."""
+"""How many examples hypothesis draws: few and always the same in every run of the tests, many when asked for."""
 
 from hypothesis import HealthCheck, Phase, settings
 

@@ -42,7 +42,10 @@ def judged(broken: Broken) -> bool:
                 assert problem.file == "plan.yaml", (broken.how, str(problem))
             if broken.suggestion is not None:  # of a key with dots, the word that is wrong
                 wanted = broken.suggestion.split(".")
-                assert any(p.suggestion in (*wanted, broken.suggestion) for p in error.problems), (broken.how, str(error))
+                assert any(p.suggestion in (*wanted, broken.suggestion) for p in error.problems), (
+                    broken.how,
+                    str(error),
+                )
             return True
     assert runs and broken.suggestion is None, broken.how
     return False

@@ -64,8 +64,6 @@ def judged(broken: Broken) -> bool:
     return False
 
 
-
-
 @few
 @given(broken(slips))
 def test_a_slip_is_named_with_its_place_and_the_likeliest_intention(traps, broken):

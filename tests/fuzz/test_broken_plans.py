@@ -1,4 +1,4 @@
-"""Broken plans of a sweep: each is refused with sentences that have a place, or every run that it means can be built."""
+"""Broken plans of a sweep: each is refused with sentences that have a place, or all its runs can be built."""
 
 import warnings
 from pathlib import Path

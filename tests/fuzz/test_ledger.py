@@ -25,6 +25,7 @@ WHOLE = {
     "ship": SHIP | APART,
     "platform": "hexapod_a",
     "gauges": {"elevation": {"a": [0.0, 0.0]}, "every": 0.02},
+    "accuracy": {"every": 0.02},
     "time_step": {"kind": "fixed", "dt": 0.004},
     "duration": 0.04,
     "runtime": {"threads": 1},

@@ -53,7 +53,7 @@ SCENES = {
     for k, kind in enumerate((None, *KINDS))
     if kind != "pressure" or scheme in ("mueller", "delta_sph")  # others carry none
 } | {f"linear_waves, {kind}": swell(kind) for kind in KINDS if kind != "pressure"}
-FEW = ("mueller, cloth, hydrostatic", "delta_sph, cloth, thesis")
+FEW = ("mueller, cloth, hydrostatic",)
 
 
 def told(keys: dict, threads: int, folder: Path) -> dict[str, bytes]:

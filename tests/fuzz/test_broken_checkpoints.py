@@ -149,13 +149,13 @@ def test_a_checkpoint_that_only_seems_whole_is_refused(kept, data):
     decay_with_a_true_hash(data, kept)
 
 
-@few
+@settings(few, max_examples=10)
 @given(st.data())
 def test_a_checkpoint_of_another_scene_or_version_is_refused_in_a_sentence(kept, capsys, data):
     another_state(data, kept, capsys)
 
 
-@few
+@settings(few, max_examples=10)
 @given(st.data())
 def test_a_state_that_no_run_has_left_is_refused_and_touches_nothing(kept, unfilled, data):
     another_tree(data, kept)

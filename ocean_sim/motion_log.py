@@ -96,9 +96,8 @@ def heading(path: Path, lines: list[str]) -> tuple[list[str], list[str]]:
     missing = [name for name in REQUIRED if name not in names]
     if missing:
         unit = next(unit for unit in UNITS if missing[0].endswith(unit))
-        other = [
-            name for name in names if name not in REQUIRED and name.startswith(missing[0].removesuffix(unit) + "_")
-        ]
+        words = [name for name in names if name.isidentifier() and name not in REQUIRED]
+        other = [name for name in words if name.startswith(missing[0].removesuffix(unit) + "_")]
         said = f", but {other[0]}: its unit is another" if other else ""
         raise ValueError(f"{path} has no column {missing[0]}{said}")
     uneven = next((k for k, line in enumerate(lines[1:], 1) if line.count(",") != len(names) - 1), None)

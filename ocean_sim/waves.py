@@ -34,8 +34,8 @@ def wavenumber(omega, depth: float, gravity: float = GRAVITY) -> np.ndarray:
 
     Newton's method from the closed form of Guo (2002, Coastal Engineering 45), which is right to 0.75 %.
     """
-    x = np.asarray(omega, dtype=float) * sqrt(depth / gravity)
-    kh = x**2 * (1.0 - np.exp(-(x**2.4908))) ** (-1.0 / 2.4908)
+    x = np.clip(np.asarray(omega, dtype=float) * sqrt(depth / gravity), 1e-100, 1e100)  # its powers are numbers
+    kh = x**2 * (-np.expm1(-(x**2.4908))) ** (-1.0 / 2.4908)
     for _ in range(4):
         t = np.tanh(kh)
         kh = kh - (kh * t - x**2) / (t + kh * (1.0 - t**2))

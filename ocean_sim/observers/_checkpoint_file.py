@@ -1,7 +1,8 @@
 """Checkpoint files: HDF5 behind a head of 512 bytes that holds the hash of all the rest.
 
 The hash is compared before the file is read, so a torn or changed file is known before any library parses it. Inside,
-`state`, `scene` and `made` are JSON, and `arrays` holds one data set a field or array, by its place in the simulation.
+`tree`, `scene` and `made` are JSON in bytes (HDF5 keeps strings in a heap, and reads a spoilt one for ever), and
+`arrays` holds one data set a field or array, by its place in the simulation.
 """
 
 import hashlib
@@ -48,7 +49,7 @@ def written(checkpoint: Checkpoint, folder: Path) -> Path:
     with h5py.File(content, "w", userblock_size=HEAD) as file:
         file.attrs["time_s"], file.attrs["steps"] = checkpoint.time, checkpoint.steps
         for key in ("scene", "made", "tree"):
-            file[key] = json.dumps(getattr(checkpoint, key))
+            file[key] = np.frombuffer(json.dumps(getattr(checkpoint, key)).encode(), np.uint8)
         group = file.create_group("arrays")
         for place, array in checkpoint.arrays.items():
             packed = {"compression": "lzf", "shuffle": True} if array.size >= LARGE else {}
@@ -83,10 +84,10 @@ def read(path: Path) -> Checkpoint:
         raise Unreadable(f"{path.name} is damaged or no checkpoint: its content does not match its hash")
     try:
         with h5py.File(BytesIO(data), "r") as file:
-            told = {key: json.loads(file[key][()]) for key in ("scene", "made", "tree")}
+            told = {key: json.loads(bytes(file[key][()])) for key in ("scene", "made", "tree")}
             arrays = {f".{place}": np.asarray(array[()]) for place, array in file["arrays"].items()}
             return Checkpoint(float(file.attrs["time_s"]), int(file.attrs["steps"]), **told, arrays=arrays)
-    except (OSError, KeyError, ValueError, TypeError, AttributeError):
+    except Exception:  # HDF5 has errors of its own
         raise Unreadable(f"{path.name} is whole, but holds no state of a run") from None
 
 

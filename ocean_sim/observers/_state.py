@@ -146,8 +146,13 @@ class Restoring:
         self.files: list[tuple[TextIOWrapper, int]] = []
         self.used: dict[int, str] = {}
         self.fields: dict[str, ti.Field] = {}
-        self.root = self.value(tree, root, "")
-        Contents().write(self.fields, self.arrays)
+        try:
+            self.root = self.value(tree, root, "")
+            Contents().write(self.fields, self.arrays)
+        except Differs:
+            raise
+        except Exception as error:  # a tree that no run has written can be wrong in any way
+            raise Differs(f"what it holds is no state of a run ({type(error).__name__})") from error
 
     def cut(self) -> None:
         """Take away what was written to files after the state was taken."""

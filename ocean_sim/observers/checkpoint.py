@@ -71,7 +71,6 @@ class Checkpoint:
         for path in file.kept(self.folder):
             if path.name not in self.names:
                 path.unlink()
-        self.contents = Contents()
         self.written = perf_counter()
 
     def listen(self) -> None:

@@ -58,7 +58,10 @@ class Config(ObserverConfig):
 
 
 class Preview:
-    """Numbered pictures in the folder preview/ of a run, from the same drawing as the window's."""
+    """Numbered pictures in the folder preview/ of a run, from the same drawing as the window's; their curves begin anew
+    where a run goes on."""
+
+    left_out = ("screen",)  # what a checkpoint of it does not hold
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
         self.every, self.multiples = config.every, Multiples(config.every)

@@ -71,6 +71,8 @@ def read(path: Path) -> Any:
         raise BadMesh([f"{shown(path)}: cannot be read as a mesh ({first_line(error)})"]) from None
     if len(getattr(mesh, "faces", ())) == 0:
         raise BadMesh([f"{shown(path)}: holds no triangles"])
+    if np.shape(mesh.vertices)[1:] != (3,):
+        raise BadMesh([f"{shown(path)}: cannot be read as a mesh (its vertices do not have three coordinates)"])
     mesh.merge_vertices()
     return mesh
 

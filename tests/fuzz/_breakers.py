@@ -17,6 +17,9 @@ class Broken(NamedTuple):
     how: str
     suggestion: str | None = None
 
+    def __repr__(self) -> str:
+        return f"Broken({self.how!r}, {len(self.content)} bytes)"
+
 
 def yaml(scene: Any) -> str:
     """A scene as YAML, which all JSON is but for infinities."""
@@ -192,3 +195,29 @@ def misnamed(draw: Any, scene: dict[str, Any]) -> Broken:
     }
     how = draw(st.sampled_from(sorted(ways)))
     return Broken(yaml(scene | ways[how]).encode(), f"{how}: {csv!r:.60} {mesh!r:.60}")
+
+
+@st.composite
+def decayed(draw: Any, content: bytes) -> Broken:
+    """A file that a disk, a cable or a hurried hand has spoilt: cut, bits turned, pieces lost, doubled, or noise."""
+    place = draw(st.integers(0, len(content)))
+    piece = draw(st.sampled_from([1, 4, 64, 512]))
+    ways: dict[str, Callable[[], bytes]] = {
+        "empty": lambda: b"",
+        "cut": lambda: content[:place],
+        "beheaded": lambda: content[place:],
+        "zeros": lambda: content[:place] + bytes(len(content[place : place + piece])) + content[place + piece :],
+        "a hole": lambda: content[:place] + content[place + piece :],
+        "noise": lambda: content[:place] + draw(st.binary(min_size=1, max_size=piece)) + content[place:],
+        "doubled": lambda: content[:place] + content[max(0, place - piece) :],
+        "all noise": lambda: draw(st.binary(max_size=600)),
+        "turned": lambda: turned(content, draw(st.lists(st.integers(0, 8 * len(content) - 1), min_size=1, max_size=4))),
+    }
+    how = draw(st.sampled_from(sorted(ways)))
+    return Broken(ways[how](), f"{how} at {place}")
+
+
+def turned(content: bytes, bits: list[int]) -> bytes:
+    for bit in bits:
+        content = flipped(content, bit)
+    return content

@@ -25,7 +25,7 @@ def traps(tmp_path_factory) -> Path:
     for kind in ("stl", "ply"):
         (folder / f"words.{kind}").write_text("these are words, not a mesh\n" * 5)
     (folder / "words.csv").write_text("time_s,x_m\nhello,there\nwords,only\n")
-    (folder / "short.csv").write_text("time_s,x_m,throttle,rudder_rad\n0,0,0,0\n")
+    (folder / "short.csv").write_text("time_s,x_m\n0,0\n")
     (folder / "latin.csv").write_bytes("time_s,x_m\n1,\xe9\n".encode("latin-1"))
     (folder / "loop.csv").symlink_to("loop.csv")
     barge = trimesh.creation.box((0.4, 0.3, 1.0))

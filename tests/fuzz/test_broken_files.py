@@ -6,6 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from _breakers import decayed
+from _settings import few, many
+from hypothesis import given
+from hypothesis import strategies as st
 
 from ocean_sim import __main__, csv_file, input_file, motion_log
 from ocean_sim.motion_log import REQUIRED
@@ -71,6 +75,63 @@ def test_a_spoilt_hull_is_refused_or_is_one(kind, tmp_path, monkeypatch):
             )
             assert len(str(error)) < 600, how
     assert refused >= 8
+
+
+def box(kind: str) -> bytes:
+    """A hull that is one."""
+    import trimesh
+
+    whole = trimesh.creation.box((0.4, 0.3, 1.0)).export(file_type=kind)
+    return whole if isinstance(whole, bytes) else whole.encode()
+
+
+def hull_judged(data, folder: Path) -> None:
+    """A decayed mesh is refused in a sentence, or has the size of a thing."""
+    from ocean_sim.ship._mesh import BadMesh
+    from ocean_sim.ship._shapes import MeshFile
+
+    kind = data.draw(st.sampled_from(["stl", "obj", "ply"]))
+    broken = data.draw(decayed(box(kind)))
+    path = folder / f"hull.{kind}"
+    path.write_bytes(broken.content)
+    try:
+        assert np.isfinite(MeshFile(kind="mesh", file=str(path)).bounds()).all(), broken.how
+    except BadMesh as error:
+        assert path.name in str(error) and not any(talk in str(error) for talk in TALK), (broken.how, error)
+        assert str(error).isprintable() and len(str(error)) < 600, broken.how
+
+
+def log_judged(data, folder: Path) -> None:
+    """A decayed motion log is refused in a sentence, or holds numbers."""
+    broken = data.draw(decayed(log_text()))
+    path = folder / "motion.csv"
+    path.write_bytes(broken.content)
+    try:
+        ride = motion_log.read(path).ride
+        assert all(np.isfinite(column).all() for column in (ride.time, ride.specific_force, ride.rate, ride.attitude))
+    except ValueError as error:
+        assert str(path) in str(error) and not any(talk in str(error) for talk in TALK), (broken.how, error)
+        assert str(error).isprintable() and len(str(error)) < 600, broken.how
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory) -> Path:
+    return tmp_path_factory.mktemp("decayed")
+
+
+@pytest.mark.parametrize("judged", [hull_judged, log_judged])
+@few
+@given(st.data())
+def test_a_decayed_hull_or_log_is_refused_or_is_one(place, judged, data):
+    judged(data, place)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("judged", [hull_judged, log_judged])
+@many
+@given(st.data())
+def test_many_decayed_hulls_and_logs(place, judged, data):
+    judged(data, place)
 
 
 def test_materials_that_a_mesh_names_are_not_looked_for(tmp_path):

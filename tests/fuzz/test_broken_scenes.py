@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 from _breakers import Broken, misnamed, slips, spoilt
+from _settings import few, many
 from _valid_scenes import scenes, settled
-from hypothesis import HealthCheck, Phase, assume, given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from ocean_sim.scene import load
@@ -61,11 +62,6 @@ def judged(broken: Broken) -> bool:
         assert broken.suggestion is None, broken.how
         preflight(config)
     return False
-
-
-few = settings(max_examples=25, derandomize=True, deadline=None, database=None, phases=[Phase.generate])
-few = settings(few, suppress_health_check=list(HealthCheck))
-many = settings(few, max_examples=700, derandomize=False, print_blob=True)
 
 
 @few

@@ -4,23 +4,28 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from statistics import median
 
 import pytest
 
 from ocean_sim.parts import config_of
+from ocean_sim.result import Result
 from ocean_sim.scene import load
 from ocean_sim.verbs.check import ledger, preflight
 
 SHIP = {"kind": "hydrostatic", "hull": {"shape": {"kind": "sphere", "radius": 0.3}, "mass": 40.0}}
 APART = {"contact": None} if "contact" in config_of("ship", "hydrostatic").model_fields else {}  # pushes no water
+EVERYWHERE = {"kind": "sphere", "centre": [0.0, 0.0, 0.0], "radius": 5.0}
+GUST = {"kind": "gusts", "volumes": [{"include": [EVERYWHERE], "acceleration": [2.0, 0.0, 0.0]}]}
 WHOLE = {
     "basin": {"length": 2.0, "width": 2.0, "depth": 1.0},
     "fluid": {"kind": "mueller", "spacing": 0.25},
-    "wind": "wide",
+    "wind": GUST,
     "surface": "cloth",
     "ship": SHIP | APART,
     "platform": "hexapod_a",
     "gauges": {"elevation": {"a": [0.0, 0.0]}, "every": 0.02},
+    "accuracy": {"every": 0.02},
     "time_step": {"kind": "fixed", "dt": 0.004},
     "duration": 0.04,
     "runtime": {"threads": 1},
@@ -55,7 +60,8 @@ def test_the_estimate_grows_with_what_there_is_to_do():
     def wall(**changes) -> float:
         return preflight(load(WHOLE, changes))["estimated_wall_s"]
 
-    assert wall(**{"fluid.spacing": 0.125}) > 1.5 * wall()
+    water = dict.fromkeys(("ship", "platform", "surface"))  # their cost does not grow with the number of particles
+    assert wall(**water, **{"fluid.spacing": 0.0625}) > 20.0 * wall(**water)  # 64 times the particles
     assert wall(**{"surface.every": 0.004}) > wall(**{"surface.every": 0.02})
     assert wall(**{"ship.cells_per_draught": 16.0}) > wall()
     assert wall(duration=0.08) == pytest.approx(2.0 * wall())
@@ -70,15 +76,34 @@ def test_a_scene_without_a_part_says_nothing_of_it(part):
 
 
 PROBE = """
-import hashlib, json, sys
+import json, sys, time
+from collections import Counter
 from pathlib import Path
+from taichi.lang.kernel_impl import Kernel
 from ocean_sim import runtime
 from ocean_sim.scene import load, run
+from ocean_sim.simulation import Simulation
+
+launches, costs = Counter(), []
+launch, step = Kernel.launch_kernel, Simulation.step
+
+def counted(self, *rest):
+    launches[f"{self.func.__module__}:{self.func.__qualname__}"] += bool(costs) and costs[-1] is None
+    return launch(self, *rest)
+
+def stepped(self):
+    began = time.process_time()
+    costs.append(None)  # within a step
+    step(self)
+    costs[-1] = time.process_time() - began
+
+Kernel.launch_kernel, Simulation.step = counted, stepped
 config = load(json.loads(sys.argv[1]))
 folder = Path(sys.argv[2])
 run(config, folder)
 modules = sorted(name for name in sys.modules if name.startswith("ocean_sim."))
 facts = {"modules": modules, "kernels": runtime.compiled_kernels(), "allocated": runtime.allocated_bytes()}
+facts |= {"launches": {name: n for name, n in launches.items() if n}, "costs": costs}
 (folder / "facts.json").write_text(json.dumps(facts))
 """
 
@@ -89,7 +114,7 @@ def runs(scene: dict, folder: Path) -> dict:
     child = subprocess.run(command, capture_output=True, text=True)
     assert child.returncode == 0, child.stderr
     files = {p.name: p.read_bytes() for p in folder.glob("*.csv") if p.name != "timings.csv"}
-    return json.loads((folder / "facts.json").read_text()) | {"files": files}
+    return json.loads((folder / "facts.json").read_text()) | {"files": files, "folder": folder}
 
 
 @pytest.fixture(scope="module")
@@ -99,13 +124,17 @@ def whole_and_without(tmp_path_factory) -> dict[str, dict]:
     scenes = {"whole": WHOLE, "platform": {**WHOLE, "platform": None}}
     scenes["ship"] = {**scenes["platform"], "ship": None}
     scenes["surface"] = {**scenes["ship"], "surface": None}
+    scenes["wind"] = {**scenes["surface"], "wind": None}
     return {name: runs(scene, folder / name) for name, scene in scenes.items()}
+
+
+STILL = {"ocean_sim.wind.still", "ocean_sim.wind._air"}  # an absent wind is one that blows nowhere
 
 
 def test_a_slot_that_is_left_out_is_not_imported_or_compiled(whole_and_without):
     compiled = set(whole_and_without["whole"]["kernels"])
     for slot, found in list(whole_and_without.items())[1:]:
-        kinds = [m for m in found["modules"] if m.startswith(f"ocean_sim.{slot}.")]
+        kinds = {m for m in found["modules"] if m.startswith(f"ocean_sim.{slot}.")} - STILL
         assert not kinds, f"without a {slot}, {kinds} are imported"
         assert set(found["kernels"]) <= compiled
         if slot in ("ship", "surface"):
@@ -119,6 +148,50 @@ def test_a_slot_that_is_left_out_changes_no_number_of_those_before_it(whole_and_
     for name in ("platform", "ship", "surface"):
         assert files[name]["gauges.csv"] == files["whole"]["gauges.csv"]
     assert "motion.csv" not in files["ship"] and "platform.csv" not in files["platform"]
+
+
+def test_a_step_without_a_slot_is_as_if_it_did_not_exist(whole_and_without):
+    """Each step of what remains launches the very same kernels as often as before; none of the slot's own."""
+    launched = {name: found["launches"] for name, found in whole_and_without.items()}
+    assert sum(launched["whole"].values()) > sum(launched["ship"].values()) > sum(launched["surface"].values()) > 0
+    for slot, rooms in {
+        "platform": ("ship", "surface", "fluid"),
+        "ship": ("surface", "fluid"),
+        "surface": ("fluid",),
+    }.items():
+        before = of_rooms(launched["whole"], rooms)
+        assert before and launched[slot] == before
+    assert not of_rooms(launched["wind"], ("wind",))
+    assert of_rooms(launched["wind"], ("fluid",)).keys() == of_rooms(launched["surface"], ("fluid",)).keys()
+
+
+def of_rooms(launches: dict[str, int], rooms: tuple[str, ...]) -> dict[str, int]:
+    """Launches of kernels of these slots."""
+    return {name: n for name, n in launches.items() if name.split(":")[0].split(".")[1] in rooms}
+
+
+def test_no_wind_gives_the_numbers_of_still_air(whole_and_without, tmp_path):
+    without = whole_and_without["wind"]
+    assert load({**WHOLE, "wind": None}).resolved() == load({**WHOLE, "wind": "still"}).resolved()
+    windy = whole_and_without["surface"]["files"]
+    assert without["files"].keys() == windy.keys() and without["files"]["accuracy.csv"] != windy["accuracy.csv"]
+    impulse = Result(without["folder"]).accuracy
+    assert all((impulse[f"impulse_wind_{axis}_Ns"] == 0.0).all() for axis in "xyz")
+
+
+@pytest.mark.slow
+def test_a_step_without_a_slot_costs_what_its_other_slots_cost(tmp_path):
+    """In seconds of the processor, the median of 60 steps: a wide bound, for caches and clocks are shared."""
+    long = {**WHOLE, "duration": 0.24, "fluid": {"kind": "mueller", "spacing": 0.125}, "gauges": None, "accuracy": None}
+    alone = {**long, **dict.fromkeys(("platform", "ship", "surface"))}
+    never = {key: value for key, value in alone.items() if key not in ("platform", "ship", "surface")}
+    cost = {
+        name: median(runs({**scene, "frames": None}, tmp_path / name)["costs"][2:])
+        for name, scene in {"whole": long, "left out": alone, "never named": never}.items()
+    }
+    print(f"\nseconds of a step: {cost}")
+    assert 0.6 < cost["left out"] / cost["never named"] < 1.6
+    assert cost["left out"] < cost["whole"]
 
 
 def test_what_is_compiled_is_in_the_ledger(whole_and_without):

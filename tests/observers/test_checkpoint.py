@@ -4,6 +4,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from taichi.lang import impl
 
 from ocean_sim.fluid.linear_waves import LinearWaves
 from ocean_sim.observers import _checkpoint_file as file
@@ -93,6 +94,7 @@ MORE = {
     "linear waves, thesis ship": sea("thesis", AUTOPILOT),
     "linear waves, manoeuvring": sea("manoeuvring", {}, wind=None),
     "irregular waves": {"basin": OPEN, "fluid": {"kind": "linear_waves", "spectrum": WIND_SEA}},
+    "previewed": {"basin": SLICE, **water("mueller", 0.1), "preview": {"every": 0.1, "size": [320, 240]}},
     "f64": {"basin": SQUARE, **water("dfsph"), "wind": "wide", "runtime": {"threads": 1, "precision": "f64"}},
 }
 
@@ -147,6 +149,18 @@ def test_a_part_that_forgot_something_would_be_seen(tmp_path, monkeypatch):
 
 WATER = {"basin": SLICE, **water("mueller", 0.1), "wind": "noise_only", "duration": 0.05, **IN_SLICE}
 WAVES = {"basin": OPEN, "fluid": SWELL, "duration": 0.5, "gauges": {"elevation": {"here": [0.0, 0.0]}}}
+
+
+def test_each_checkpoint_after_the_first_compiles_nothing(tmp_path):
+    """Kernels stay in memory for ever: in an hour they would fill it."""
+    with Simulation(scene_of(WATER), tmp_path) as simulation:
+        watcher = dict(zip(simulation.scene.observers, simulation.observers))["checkpoint"]
+        counts = []
+        for _ in range(3):
+            simulation.step()
+            watcher.keep()
+            counts.append(sum(len(kernel.compiled_kernels) for kernel in impl.get_runtime().kernels))
+    assert counts[0] == counts[1] == counts[2]
 
 
 @pytest.mark.parametrize("keys", [WATER, WAVES])

@@ -1,0 +1,189 @@
+"""Checkpoints that are damaged, and such that are whole but tell of another state: a sentence, and nothing is lost."""
+
+import json
+import shutil
+from io import TextIOWrapper
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pytest
+from _breakers import changed, decayed, garbage, paths
+from _settings import few, many
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ocean_sim.__main__ import answered
+from ocean_sim.observers import _checkpoint_file as file
+from ocean_sim.observers._fields import Contents
+from ocean_sim.observers._state import Differs
+from ocean_sim.observers.checkpoint import restore
+from ocean_sim.scene import load
+from ocean_sim.scene import run as run_scene
+from ocean_sim.simulation import Simulation
+
+SEA = {
+    "duration": 0.1,
+    "basin": {"length": 20.0, "width": 20.0, "depth": 5.0, "walls": "none"},
+    "fluid": {"kind": "linear_waves", "height": 0.5, "period": 3.0},
+    "gauges": {"elevation": {"here": [0.1, 0.2]}, "every": 0.02},
+    "checkpoint": {"every": 0.05},
+    "runtime": {"threads": 1},
+    **dict.fromkeys(("render", "report", "frames", "timings")),
+}
+TALK = ("Traceback", "this should not happen", "Errno")
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory) -> tuple[Path, Path]:
+    """The checkpoint in the midst of a run, and the folder that the tests work in."""
+    folder = tmp_path_factory.mktemp("kept")
+    run_scene(load(SEA), folder / "run", ())
+    newest, before = file.kept(folder / "run")
+    manifest = folder / "run" / "manifest.json"
+    manifest.write_text(json.dumps(json.loads(manifest.read_text()) | {"outcome": "running"}))
+    newest.unlink()
+    return before, folder
+
+
+def content_of(kept) -> bytes:
+    return kept[0].read_bytes()
+
+
+@pytest.fixture
+def unfilled(monkeypatch) -> None:
+    """Taichi fields are compared with what they would get, but not given it: that compiles for seconds each time."""
+    monkeypatch.setattr(Contents, "write", lambda *rest: None)
+
+
+def unreadable(kept, content: bytes) -> bool:
+    path = kept[1] / file.name(0.0)
+    path.write_bytes(content)
+    try:
+        file.read(path)
+    except file.Unreadable as said:
+        assert path.name in str(said) and not any(talk in str(said) for talk in TALK)
+        return True
+    return False
+
+
+def decay(data, kept) -> None:
+    broken = data.draw(decayed(content_of(kept)))
+    assert unreadable(kept, broken.content) or broken.content == content_of(kept), broken.how
+
+
+def decay_with_a_true_hash(data, kept) -> None:
+    """As a program would write that knows the head but not the rest: h5py may read it, and may not fall over it."""
+    broken = data.draw(decayed(content_of(kept)[file.HEAD :]))
+    unreadable(kept, file.head(broken.content) + broken.content)
+
+
+def another_state(data, kept, capsys) -> None:
+    """The scene or the versions are not those of the run: what `resume` says of it."""
+    checkpoint = file.read(kept[0])
+    part = data.draw(st.sampled_from(["scene", "made"]))
+    there = copy_of(kept)
+    file.written(checkpoint._replace(**{part: broken(data, getattr(checkpoint, part))}), there)
+    before = (there / "gauges.csv").read_bytes()
+    capsys.readouterr()
+    code = answered(["resume", str(there)])
+    said = capsys.readouterr()
+    assert not any(talk in said.out + said.err for talk in TALK), (part, said.err)
+    assert code == 0 or (code == 2 and said.err.strip() and (there / "gauges.csv").read_bytes() == before)
+
+
+def another_tree(data, kept) -> None:
+    """The state itself, or an array of it, is other than any run would leave it: it is refused, and no file is touched,
+    or it has the form of one, and the hash vouches for its numbers."""
+    checkpoint = file.read(kept[0])
+    if checkpoint.arrays and data.draw(st.integers(0, 4)) == 0:
+        name = data.draw(st.sampled_from(sorted(checkpoint.arrays)))
+        checkpoint = checkpoint._replace(arrays={k: a for k, a in checkpoint.arrays.items() if k != name})
+    else:
+        checkpoint = checkpoint._replace(tree=broken(data, checkpoint.tree))
+    there = copy_of(kept)
+    before = {path.name: path.read_bytes() for path in there.iterdir()}
+    with TemporaryDirectory() as beside:
+        simulation = Simulation(load(SEA), Path(beside))
+        files = [*simulation.observers]
+        try:
+            restore(simulation, checkpoint, there)
+        except Differs as said:
+            assert str(said) and not any(talk in str(said) for talk in TALK)
+            assert {path.name: path.read_bytes() for path in there.iterdir()} == before
+        finally:
+            closed(files)
+
+
+def copy_of(kept) -> Path:
+    there = kept[1] / "there"
+    shutil.rmtree(there, ignore_errors=True)
+    shutil.copytree(kept[0].parent, there)
+    return there
+
+
+def broken(data, whole):
+    """A copy with one place changed or gone."""
+    path = data.draw(st.sampled_from(paths(whole)))
+    value, gone = data.draw(garbage), data.draw(st.integers(0, 4)) == 0
+    return changed(whole, path, lambda at, key: at.__delitem__(key) if gone else at.__setitem__(key, value))
+
+
+def closed(observers) -> None:
+    """Their files; what else they would say at the end of a run is nonsense now."""
+    for observer in observers:
+        for inner in (observer, *vars(observer).values()):
+            for thing in vars(inner).values() if hasattr(inner, "__dict__") else ():
+                if isinstance(thing, TextIOWrapper):
+                    thing.close()
+
+
+@few
+@given(st.data())
+def test_a_damaged_checkpoint_is_never_read(kept, data):
+    decay(data, kept)
+
+
+@few
+@given(st.data())
+def test_a_checkpoint_that_only_seems_whole_is_refused(kept, data):
+    decay_with_a_true_hash(data, kept)
+
+
+@settings(few, max_examples=10)
+@given(st.data())
+def test_a_checkpoint_of_another_scene_or_version_is_refused_in_a_sentence(kept, capsys, data):
+    another_state(data, kept, capsys)
+
+
+@settings(few, max_examples=10)
+@given(st.data())
+def test_a_state_that_no_run_has_left_is_refused_and_touches_nothing(kept, unfilled, data):
+    another_tree(data, kept)
+
+
+@pytest.mark.slow
+@many
+@given(st.data())
+def test_many_damaged_checkpoints(kept, data):
+    decay(data, kept)
+
+
+@pytest.mark.slow
+@many
+@given(st.data())
+def test_many_checkpoints_that_only_seem_whole(kept, data):
+    decay_with_a_true_hash(data, kept)
+
+
+@pytest.mark.slow
+@settings(many, max_examples=300)
+@given(st.data())
+def test_many_checkpoints_of_other_scenes_and_versions(kept, capsys, data):
+    another_state(data, kept, capsys)
+
+
+@pytest.mark.slow
+@many
+@given(st.data())
+def test_many_states_that_no_run_has_left(kept, unfilled, data):
+    another_tree(data, kept)

@@ -1,8 +1,8 @@
 """A yacht under each kind of ship, side by side: film, strip of pictures, and heave, roll and pitch as CSV.
 
-A yacht of 10 m, two thirds of the ready-made one, lies oblique to the waves of a basin of 20 x 10 x 4 m: the same particles
-0.2 m apart and the same regular wave for each kind. The kind manoeuvring is a published model of another craft, the
-Otter, and knows still water alone: its row of the CSV is a turn in still water, and it has no picture.
+A yacht of 10 m, two thirds of the ready-made one, lies oblique to the waves of a basin of 20 x 10 x 4 m: the same
+particles 0.2 m apart and the same regular wave for each kind. The kind manoeuvring is a published model of another
+craft, the Otter, and knows still water alone: its rows of the CSV are a turn in still water, and it has no picture.
 
 python figures/yacht_kinds.py [--fast] [--out DIR]
 """
@@ -152,9 +152,7 @@ def main() -> None:
             pictures[kind] = images(Path(folder), times.tolist(), size=SIZE, camera="third_person", caption=True)
     rides["manoeuvring"] = ridden(still(lasts), lasts, None, lambda part: None)
     head = [f"a yacht of 10 m on particles {spacing:g} m apart, a regular wave of {WAVE['height']:g} m and 10 m length"]
-    head += [
-        "pitch positive bow down, roll positive starboard down; manoeuvring: the Otter, 2 m, turning in still water"
-    ]
+    head += ["pitch: bow down, roll: starboard down; manoeuvring: the Otter, 2 m, turning in still water"]
     rows = [(kind, *(float(x) for x in row)) for kind, ride in rides.items() for row in ride]
     table(asked.out / "yacht_kinds.csv", head, ["kind", "time_s", "heave_m", "roll_deg", "pitch_deg"], rows)
     strip(pictures, times, rides, asked.out / "yacht_kinds.png")

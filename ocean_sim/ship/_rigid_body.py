@@ -214,7 +214,7 @@ def held(body: RigidBody, free: np.ndarray) -> RigidBody:
 
 
 def guided(before: RigidBody, after: RigidBody, free: np.ndarray, dt: float) -> RigidBody:
-    """The body after a step of dt [s] that took place only in the motions that are free: what is held does not creep."""
+    """The body after a step of dt [s] in which only the motions that are free took place: the others do not creep."""
     if free.all():
         return after
     body, heading = held(after, free), about(1, before.angles[1])

@@ -6,6 +6,7 @@ degrees each time that the ship has turned as far; how much further she turns is
 """
 
 from collections.abc import Iterator
+from itertools import pairwise
 from math import degrees, radians
 from typing import Any
 
@@ -17,12 +18,10 @@ from ocean_sim.validation._ship import OF_WATER, at_sea
 
 AHEAD, TURN, ZIGZAG, STEP = 30.0, 150.0, 100.0, 0.05  # [s]
 RUDDER = 35.0  # [deg]
-HULL = {
+YACHT = {
     "hull": "yacht",
     "cells_per_draught": 4,
     "damping": {"heave": 0.15, "pitch": 0.15, "roll": 0.08, "surge": 400.0},
-}
-MACHINES = {
     "propeller": {"thrust": 14400.0, "position": [0.0, 0.4, -6.3]},
     "rudder": {"area": 0.8, "aspect_ratio": 1.5, "position": [0.0, 0.5, -6.8]},
 }
@@ -31,7 +30,7 @@ CIRCLE += ("speed in the turn [m/s]", "drift angle [deg]", "outward heel [deg]")
 
 
 def problems(coarse: bool) -> list[Problem]:
-    scene = at_sea(HULL | MACHINES, 15.0, STEP, AHEAD + TURN)
+    scene = at_sea(YACHT, 15.0, STEP, AHEAD + TURN)
     promises = tuple(Promise(name, "", "reported") for name in CIRCLE)
     found = [Problem(scene, promises, circle, "circle", slot="ship", schemes=OF_WATER)]
     for angle in (20.0,) if coarse else (10.0, 20.0):
@@ -93,7 +92,7 @@ def zigzag(simulation: Simulation, angle: float) -> Finding:
     t, _, _, yaw, _, _, _ = np.array(list(sailed(simulation, orders, ZIGZAG))).T
     told: list[float | None] = [None, None, None]
     if len(executed) > 2:
-        spans = [(t >= a) & (t <= b) for a, b in zip(executed, executed[1:])]
+        spans = [(t >= a) & (t <= b) for a, b in pairwise(executed)]
         told = [degrees(np.abs(yaw[span]).max()) - angle for span in spans[:2]] + [executed[1] - executed[0]]
     numbers = {name: (value, None, None) for name, value in zip(zigzags(angle), told, strict=True)}
     return Finding(numbers, [Curve("heading", t, np.degrees(yaw))], [], ("t [s]", "heading [deg]"))

@@ -211,6 +211,7 @@ EXTREMES = {
     "a tenth of the water's density": (1.0 / 6.0, {}),
     "ten times the water's density, it lies on the bed": (100.0 / 6.0, {}),
     "capsized": (1.0, {"orientation": oriented(0.0, 0.0, np.pi), "position": np.array([0.0, 0.05, 0.0])}),
+    "wholly under water": (1.0, {"position": np.array([0.0, -0.3, 0.0])}),
     "dropped from 5 m": (1.0, {"position": np.array([0.0, 5.0, 0.0])}),
     "wholly out": (1.0, {"position": np.array([0.0, 1.0, 0.0])}),
     "a spin of 30 degrees a second": (1.0, {"spin": np.radians([30.0, 30.0, 30.0])}),

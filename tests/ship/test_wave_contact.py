@@ -101,8 +101,8 @@ def test_the_distance_to_a_ball_and_to_a_box():
         assert share.sum() * 0.0 == 0.0 and share.max() < 1.0 + 1e-9
 
 
-def from_a_box(p: np.ndarray) -> np.ndarray:
-    away = abs(p - [0.0, 0.25, 0.0]) - [0.3, 0.25, 0.4]
+def from_a_box(p: np.ndarray, length: float = 0.4) -> np.ndarray:
+    away = abs(p - [0.0, 0.25, 0.0]) - [0.3, 0.25, length]
     return np.linalg.norm(np.maximum(away, 0.0), axis=1) + np.minimum(away.max(axis=1), 0.0)
 
 
@@ -165,6 +165,18 @@ def begun(afloat, weight: float = 1.0, **changes) -> Simulation:
     ship.body = replace(body, mass=weight * body.mass, inertia_body=weight * body.inertia_body, **changes)
     ship.afloat.weight = weight * own
     return simulation
+
+
+def test_as_much_water_makes_room_as_the_hull_displaces(afloat):
+    """To half a particle, none nearer than half a spacing; and `check` counts what is left, and the distances."""
+    simulation, start, body, _ = afloat
+    scene, water, hull = simulation.scene, simulation.fluid.particles, simulation.ship.contact.hull
+    gone = 16 * 16 * 6 - water.n
+    assert gone * 0.1**3 == pytest.approx(body.mass / 1000.0, abs=0.5 * 0.1**3)
+    assert from_a_box(start[0][: water.n, [0, 1, 2]] - body.position + CENTRE, 0.3).min() > 0.04
+    assert scene.fluid.lattice(scene.place()).n == water.n < scene.fluid.lattice(scene.basin.build()).n
+    row = next(row for row in scene.ledger() if "distances" in row.what)
+    assert row.bytes == 2 * 4 * np.prod(hull.nodes.shape)
 
 
 def test_it_floats_as_deep_as_without_contact_and_nothing_is_inside(afloat):

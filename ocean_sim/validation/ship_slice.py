@@ -104,5 +104,8 @@ def bobbing(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
         begin = at
     exact = np.array(EXTREMA).T
     return Finding(
-        numbers, [Curve("heave", t, y)], [Curve("linear theory", *exact, points=True)], ("t [s]", "heave over the rise")
+        numbers,
+        [Curve("heave", t, y)],
+        [Curve("linear theory", exact[0], exact[1], points=True)],
+        ("t [s]", "heave over the rise"),
     )

@@ -25,8 +25,16 @@ YACHT = {
     "propeller": {"thrust": 14400.0, "position": [0.0, 0.4, -6.3]},
     "rudder": {"area": 0.8, "aspect_ratio": 1.5, "position": [0.0, 0.5, -6.8]},
 }
-CIRCLE = ("speed ahead [m/s]", "advance [m]", "transfer [m]", "tactical diameter [m]", "radius at last [m]")
-CIRCLE += ("speed in the turn [m/s]", "drift angle [deg]", "outward heel [deg]")
+CIRCLE = (
+    "speed ahead [m/s]",
+    "advance [m]",
+    "transfer [m]",
+    "tactical diameter [m]",
+    "radius at last [m]",
+    "speed in the turn [m/s]",
+    "drift angle [deg]",
+    "outward heel [deg]",
+)
 
 
 def problems(coarse: bool) -> list[Problem]:
@@ -72,9 +80,12 @@ def circle(simulation: Simulation) -> Finding:
     last = t > TURN - 10.0
     speed, rate = np.hypot(vx, vz), np.polyfit(t[last], turned[last], 1)[0]
     drift = np.unwrap(np.arctan2(vx, vz)) - np.unwrap(yaw)
-    at = lambda angle, y: float(np.interp(radians(angle), turned, np.abs(y))) if turned[-1] > radians(angle) else None
-    found = (speed[0], at(90.0, z), at(90.0, x), at(180.0, x), speed[last].mean() / rate, speed[last].mean())
-    found += (degrees(abs(drift[last].mean())), degrees(heel[last].mean()))
+
+    def at(angle: float, y: np.ndarray) -> float | None:
+        return float(np.interp(radians(angle), turned, np.abs(y))) if turned[-1] > radians(angle) else None
+
+    found = [speed[0], at(90.0, z), at(90.0, x), at(180.0, x), speed[last].mean() / rate, speed[last].mean()]
+    found += [degrees(abs(drift[last].mean())), degrees(heel[last].mean())]
     numbers = {name: (value, None, None) for name, value in zip(CIRCLE, found, strict=True)}
     return Finding(numbers, [Curve("track", x, z)], [], ("x, to port [m]", "z, ahead [m]"))
 
@@ -90,9 +101,9 @@ def zigzag(simulation: Simulation, angle: float) -> Finding:
         return way[0] * radians(angle)
 
     t, _, _, yaw, _, _, _ = np.array(list(sailed(simulation, orders, ZIGZAG))).T
-    told: list[float | None] = [None, None, None]
+    told: list[float | None] = [None] * 3
     if len(executed) > 2:
         spans = [(t >= a) & (t <= b) for a, b in pairwise(executed)]
-        told = [degrees(np.abs(yaw[span]).max()) - angle for span in spans[:2]] + [executed[1] - executed[0]]
+        told = [*(degrees(np.abs(yaw[span]).max()) - angle for span in spans[:2]), executed[1] - executed[0]]
     numbers = {name: (value, None, None) for name, value in zip(zigzags(angle), told, strict=True)}
     return Finding(numbers, [Curve("heading", t, np.degrees(yaw))], [], ("t [s]", "heading [deg]"))

@@ -217,7 +217,10 @@ def guided(before: RigidBody, after: RigidBody, free: np.ndarray, dt: float) -> 
     """The body after a step of dt [s] in which only the motions that are free took place: the others do not creep."""
     if free.all():
         return after
-    body, heading = held(after, free), about(1, before.angles[1])
-    moved = heading @ np.where(free[:3], heading.T @ (after.position - before.position), 0.0)
-    turned = normalised(product(rotation(body.angular_velocity * dt), before.orientation))
-    return replace(body, position=before.position + moved, orientation=turned)
+    heading, rates = about(1, before.angles[1]), np.where(free[3:], after.rates, 0.0)
+    velocity, moved = (
+        heading @ np.where(free[:3], heading.T @ way, 0.0) for way in (after.velocity, after.position - before.position)
+    )
+    turned = normalised(product(before.orientation, rotation(rates * dt)))
+    body = replace(after, velocity=velocity, position=before.position + moved, orientation=turned)
+    return spinning(body, body.matrix @ rates)

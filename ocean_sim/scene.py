@@ -1,5 +1,6 @@
 """A scene: what a user wrote, composed, checked and frozen; and the run of it."""
 
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -56,9 +57,14 @@ class SceneConfig(Heading):
         slots = {slot: getattr(self, slot) for slot in ("basin", *SLOTS)}
         return {name: part for name, part in slots.items() if part is not None} | self.observers
 
+    def place(self) -> Any:
+        """The basin with what floats in it, around which the water is built."""
+        place = self.basin.build()
+        return replace(place, afloat=self.ship.floating(place, self.fluid)) if hasattr(self.ship, "floating") else place
+
     def ledger(self) -> list[LedgerRow]:
         """What the scene will allocate and compile, and why; nothing is allocated to find out."""
-        place, word = self.basin.build(), 8 if self.runtime.precision == "f64" else 4
+        place, word = self.place(), 8 if self.runtime.precision == "f64" else 4
         return [row for part in self.parts().values() if hasattr(part, "ledger") for row in part.ledger(place, word)]
 
     def warnings(self) -> list[str]:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import replace
 from math import floor
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -29,9 +28,7 @@ class Simulation:
         """`folder`: where observers write; without it only those watch that write nothing."""
         self.scene = scene
         self.backend = runtime.start(scene.runtime)
-        self.basin = scene.basin.build()
-        if hasattr(scene.ship, "floating"):  # the water is built around it
-            self.basin = replace(self.basin, afloat=scene.ship.floating(self.basin, scene.fluid))
+        self.basin = scene.place()
         self.wind = scene.wind.build(self.basin, scene.seed)
         accounts = "accuracy" in scene.observers  # whether the fluid sums the impulse of each term
         self.fluid = scene.fluid.build(self.basin, scene.seed, ledger=accounts, wind=self.wind.on("fluid"))

@@ -205,16 +205,26 @@ class Lattice:
         return np.concatenate(parts)
 
     @cached_property
-    def wet(self) -> np.ndarray:
-        """(m,) which of them are in no obstacle and in nothing that floats."""
-        wet = ~inside(self.full, self.basin)
+    def room(self) -> tuple[np.ndarray, np.ndarray]:
+        """(m,) which of them are in no obstacle and in nothing that floats, and (m, 3) where what floats lets them be:
+        out of the reach of what is not felt through the water's own laws."""
+        wet, places = ~inside(self.full, self.basin), self.full
         for solid in self.basin.afloat:
-            wet &= ~solid.inside(self.full, self.spacing)
-        return wet
+            if solid.felt:
+                wet &= ~solid.inside(self.full, self.spacing)
+            else:
+                gone, places = solid.carved(places, self.spacing, self.boxes)
+                wet &= ~gone
+        return wet, places
+
+    @property
+    def wet(self) -> np.ndarray:
+        """(m,) which of them are water."""
+        return self.room[0]
 
     def positions(self) -> np.ndarray:
         """(n, 3) places of the particles [m], x running fastest."""
-        return self.full[self.wet] if self.given is None else self.given
+        return self.room[1][self.wet] if self.given is None else self.given
 
 
 def inside(positions: np.ndarray, basin: Basin) -> np.ndarray:

@@ -27,7 +27,10 @@ class Load:
 
 def loaded(**parts: np.ndarray) -> Load:
     """The load of parts by name, (2, 3) each; the others are nothing."""
-    return Load(np.stack([np.asarray(parts.get(name, np.zeros((2, 3))), dtype=np.float64) for name in PARTS]))
+    every = np.zeros((len(PARTS), 2, 3))
+    for name, part in parts.items():
+        every[PARTS.index(name)] = part
+    return Load(every)
 
 
 class Ship(Protocol):

@@ -13,6 +13,7 @@ from ocean_sim.fluid import Limits
 from ocean_sim.input_file import beside_scene
 from ocean_sim.parts import LedgerRow, Vector3, named, quantity
 from ocean_sim.ship._cubes import Cubes, Wetted
+from ocean_sim.ship._distance import memory
 from ocean_sim.ship._hull import Hull, explained, hull_of
 from ocean_sim.ship._hydrostatics import Hydrostatics
 from ocean_sim.ship._placed import Machine, Placed
@@ -21,7 +22,7 @@ from ocean_sim.ship._rigid_body import RigidBody, matrix, oriented
 from ocean_sim.ship._solid import Solid
 from ocean_sim.ship._wall_contact import Sides
 from ocean_sim.ship._water import Water
-from ocean_sim.ship._wave_contact import Contact, WaveContact
+from ocean_sim.ship._wave_contact import FINE, RIM, Contact, WaveContact
 
 STEPS_A_PERIOD = 60  # of the fastest natural motion
 FORCE_NUMBER = 0.25  # the share of a limit that `courant` takes
@@ -75,7 +76,9 @@ class FloatingConfig(Placed):
             return ()
         still = self.afloat(-basin.gravity[1], fluid.rest_density)
         body = self.body(still.matter, *afloat_pose(still))
-        return (Solid(self.whole_hull.shape, still.matter.centre, body, False, felt=False),)
+        support = getattr(fluid, "support_ratio", None) or RIM
+        reach = max(RIM, support) * fluid.lattice(basin).spacing
+        return (Solid(self.whole_hull.shape, still.matter.centre, body, False, felt=False, reach=reach),)
 
     def problems_beside(self, fluid: Any, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
         """What is wrong with the ship in this water."""
@@ -124,7 +127,11 @@ class FloatingConfig(Placed):
         n = len(self.afloat(-basin.gravity[1], WATER_DENSITY).voxels.share)
         size = Cubes.bytes(n, word) + Water.bytes(True, word)
         why = f"{self.cells_per_draught:g} cells_per_draught"
-        return [LedgerRow("ship", f"{n} cubes of the hull", size, why, BODY + CUBE * n)]
+        rows = [LedgerRow("ship", f"{n} cubes of the hull", size, why, BODY + CUBE * n)]
+        for solid in basin.afloat:
+            count, size = memory(solid.shape, solid.reach / RIM / FINE, solid.reach, word)
+            rows.append(LedgerRow("ship", f"{count} distances from the hull", size, "ship.contact with particles"))
+        return rows
 
 
 class Afloat:

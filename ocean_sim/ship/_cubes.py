@@ -1,7 +1,7 @@
 """Forces on the cubes of a hull, summed over fixed blocks: buoyancy, what waves add, and wind."""
 
 from dataclasses import dataclass
-from math import cos, sin
+from math import atan2, cos, sin
 from typing import Any
 
 import numpy as np
@@ -45,8 +45,8 @@ class Wetted:
 
 @ti.func
 def vector(numbers: ti.template(), first: ti.template()):
-    """Three numbers in a row."""
-    return ti.cast(tm.vec3(numbers[first], numbers[first + 1], numbers[first + 2]), float)
+    """Three numbers of the first row."""
+    return ti.cast(tm.vec3(numbers[0, first], numbers[0, first + 1], numbers[0, first + 2]), float)
 
 
 @ti.data_oriented
@@ -67,7 +67,7 @@ class Cubes:
         self.arm.from_numpy((cubes.centre - matter.centre).astype(real))
         self.area.from_numpy(cubes.area.astype(real))
         self.volume.from_numpy((cubes.share * cubes.size.prod()).astype(real))
-        self.pose, self.rows = np.zeros(POSE), np.zeros((self.blocks, SUMS))
+        self.table = np.zeros((1 + self.blocks, SUMS))  # the pose, and the sums of each block
 
     @staticmethod
     def bytes(n: int, word: int) -> int:
@@ -76,23 +76,23 @@ class Cubes:
 
     def wetted(self, body: RigidBody, around: Any, water: Any, wind: Any) -> Wetted:
         """What water and wind do to the hull where it is."""
-        turn = body.matrix
-        heading = float(body.angles[1])
-        self.pose[:3], self.pose[3:12] = body.position, turn.ravel()
-        self.pose[12:15], self.pose[15:18] = body.velocity, body.angular_velocity
-        self.pose[18:] = self.cubes.spread(turn[1]), cos(heading), sin(heading)
-        self.sum_up(around, water, wind, self.pose, self.rows)
-        total = self.rows.sum(axis=0)
-        faces = np.maximum(total[FACE : SPREAD + 3], 1e-12)
-
-        def motion(level: int) -> np.ndarray:
-            return total[level : level + 6] / faces
-
-        volume = float(total[VOLUME])
-        aside = turn @ self.cubes.aside(turn[1], float(total[CUT]))
-        total[BUOYANCY + 3 : BUOYANCY + 6] += self.weight * np.array([-aside[2], 0.0, aside[0]])
-        parts = (total[k : k + 6].reshape(2, 3) for k in (BUOYANCY, WAVE, DRAG, LIFT))
-        return Wetted(*parts, volume, motion(SPEED), self.gravity * motion(PULL))
+        turn, table, cubes = body.matrix, self.table, self.cubes
+        heading = atan2(turn[0, 2], turn[2, 2])
+        pose = table[0]
+        pose[:3], pose[3:12] = body.position, turn.ravel()
+        pose[12:15], pose[15:18] = body.velocity, body.angular_velocity
+        pose[18:POSE] = cubes.spread(turn[1]), cos(heading), sin(heading)
+        self.sum_up(around, water, wind, table)
+        total = table[1:].sum(axis=0)
+        dx, _, dz = (turn @ cubes.aside(turn[1], float(total[CUT]))).tolist()
+        total[BUOYANCY + 3] -= self.weight * dz
+        total[BUOYANCY + 5] += self.weight * dx
+        velocity = acceleration = np.zeros(6)
+        if around.below:
+            faces = np.maximum(total[FACE : SPREAD + 3], 1e-12)
+            velocity, acceleration = total[SPEED:PULL] / faces, self.gravity * total[PULL:FACE] / faces
+        parts = total[:VOLUME].reshape(4, 2, 3)
+        return Wetted(parts[0], parts[1], parts[2], parts[3], float(total[VOLUME]), velocity, acceleration)
 
     @ti.kernel
     def sum_up(
@@ -100,24 +100,19 @@ class Cubes:
         around: ti.template(),
         water: ti.template(),
         wind: ti.template(),
-        pose: ti.types.ndarray(ndim=1),
-        rows: ti.types.ndarray(ndim=2),
+        table: ti.types.ndarray(ndim=2),
     ):
-        at, turned = vector(pose, 0), ti.Matrix.rows([vector(pose, 3), vector(pose, 6), vector(pose, 9)])
-        around.look(water, at, turned, ti.cast(pose[19], float), ti.cast(pose[20], float))
+        at, turned = vector(table, 0), ti.Matrix.rows([vector(table, 3), vector(table, 6), vector(table, 9)])
+        around.look(water, at, turned, ti.cast(table[0, 19], float), ti.cast(table[0, 20], float))
         for block in range(self.blocks):
-            position, velocity, omega = vector(pose, 0), vector(pose, 12), vector(pose, 15)
-            turn = ti.Matrix.rows([vector(pose, 3), vector(pose, 6), vector(pose, 9)])
+            position, velocity, omega = vector(table, 0), vector(table, 12), vector(table, 15)
+            turn = ti.Matrix.rows([vector(table, 3), vector(table, 6), vector(table, 9)])
             total = ti.Vector.zero(ti.f64, SUMS)
             for k in range(block * BLOCK, ti.min((block + 1) * BLOCK, self.n)):
-                self.add(total, k, around, wind, ti.cast(pose[18], float), position, turn, velocity, omega)
-            self.keep(rows, block, total)
-
-    @ti.func
-    def keep(self, rows: ti.template(), block, total):
-        for c in ti.static(range(SUMS // 2)):
-            rows[block, c] = total[c]
-            rows[block, SUMS // 2 + c] = total[SUMS // 2 + c]
+                self.add(total, k, around, wind, ti.cast(table[0, 18], float), position, turn, velocity, omega)
+            for c in ti.static(range(SUMS // 2)):
+                table[1 + block, c] = total[c]
+                table[1 + block, SUMS // 2 + c] = total[SUMS // 2 + c]
 
     @ti.func
     def add(
@@ -134,13 +129,16 @@ class Cubes:
     ):
         arm = turn @ self.arm[k]
         x = position + arm
-        depth = water.elevation(x.x, x.z) - x.y
+        eta, slope = water.sheet(x.x, x.z)
+        depth = eta - x.y
         share = depth / tall + 0.5
         wet = tm.clamp(share, 0.0, 1.0)
         volume = wet * self.volume[k]
         self.put(total, BUOYANCY, arm, tm.vec3(0.0, self.weight * volume, 0.0))
         if wet > 0.0:
-            pull = water.push(x, depth)
+            pull = slope
+            if ti.static(water.below):
+                pull = water.push(x, depth)
             self.put(total, WAVE, arm, self.weight * volume * pull)
             self.count(total, VOLUME, volume)
             if share < 1.0:

@@ -9,11 +9,32 @@ import taichi.math as tm
 from taichi.lang.util import to_numpy_type
 
 from ocean_sim.cache_file import kept
-from ocean_sim.ship._solid import cells
-from ocean_sim.ship._voxels import voxels
+from ocean_sim.ship._voxels import cells, voxels
 
 MOST = 3e5  # cubes of a lattice; a long hull in fine water has coarser ones
 SMOOTH = 0.5  # [cubes] over which steps of cubes are smoothed
+
+
+def coarsest(shape: Any, side: float, reach: float) -> float:
+    """The side asked for [m], or that of MOST cubes."""
+    lower, upper = shape.bounds()
+    return max(side, float((upper - lower + 2.0 * reach).prod() / MOST) ** (1.0 / 3.0))
+
+
+def nodes(shape: Any, side: float, reach: float) -> tuple[np.ndarray, np.ndarray]:
+    """(3,) sides of a cube [m], and (3,) cubes that are added on each side of a hull."""
+    lower, upper = shape.bounds()
+    side = coarsest(shape, side, reach)
+    size = (upper - lower) / np.maximum(1, np.ceil((upper - lower) / side - 1e-6))
+    return size, np.ceil(reach / size).astype(int) + 1
+
+
+def memory(shape: Any, side: float, reach: float, word: int) -> tuple[int, int]:
+    """Nodes of a lattice, and the bytes that they take."""
+    size, margin = nodes(shape, side, reach)
+    lower, upper = shape.bounds()
+    n = int((np.round((upper - lower) / size) + 2 * margin).prod())
+    return n, 2 * word * n
 
 
 def around(
@@ -23,10 +44,8 @@ def around(
     the place of the first in the axes of the hull, and the steps (3,) [m]. `side` of a cube, `reach` of the lattice
     over the hull [m]."""
     lower, upper = shape.bounds()
-    side = max(side, float((upper - lower + 2.0 * reach).prod() / MOST) ** (1.0 / 3.0))
-    cubes = voxels(shape, side, 1.0)
-    size = cubes.size
-    margin = np.ceil(reach / size).astype(int) + 1
+    size, margin = nodes(shape, side, reach)
+    cubes = voxels(shape, coarsest(shape, side, reach), 1.0)
 
     def made() -> dict[str, np.ndarray]:
         from scipy.ndimage import distance_transform_edt, gaussian_filter

@@ -12,7 +12,7 @@ from ocean_sim.parts import Vector3, quantity
 from ocean_sim.ship import Load, loaded
 from ocean_sim.ship._hydrostatics import Matter
 from ocean_sim.ship._propulsion import Crew, Helm, Person, Propeller, Rudder, towards
-from ocean_sim.ship._rigid_body import RigidBody, held, oriented, product, rotated, spinning
+from ocean_sim.ship._rigid_body import RigidBody, guided, oriented, product, rotated, spinning
 
 FASTEST = 1.0e3  # [m/s] no ship moves like this
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
@@ -146,7 +146,7 @@ class Voyage:
         beside = self.sides is not None and self.sides.near(before, dt)
 
         def free(load: Load) -> RigidBody:
-            return held(step(before, load.force, load.torque, dt), self.free)
+            return guided(before, step(before, load.force, load.torque, dt), self.free, dt)
 
         def under(load: Load) -> RigidBody:
             return self.sides.off(free(load)) if beside else free(load)

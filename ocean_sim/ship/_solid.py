@@ -6,10 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from ocean_sim.ship._distance import around
 from ocean_sim.ship._rigid_body import RigidBody
-from ocean_sim.ship._voxels import Voxels, voxels
+from ocean_sim.ship._voxels import cells, voxels
 
 FINE = 3.0  # cubes to a spacing of the particles, where a mesh says what it keeps free
+APART = 0.5  # [spacings] from the hull to the nearest particle of the start
+ALIKE = 0.05  # [spacings] distances that differ by less are those of a row
+GOLDEN = 0.6180339887498949  # spreads what is taken from a row evenly along it
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,6 +25,7 @@ class Solid:
     body: RigidBody
     flat: bool
     felt: bool = True  # whether the water's laws meet samples of it
+    reach: float = 0.0  # of what it does else to the water [m]
 
     @property
     def origin(self) -> np.ndarray:
@@ -47,6 +52,40 @@ class Solid:
         there[there] = full[tuple(place[there].T)]
         return there
 
+    def carved(
+        self, places: np.ndarray, spacing: float, boxes: list[tuple[np.ndarray, np.ndarray]]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """(n,) which of (n, 3) places of a lattice that fills boxes [m] make room, as many as the hull displaces there,
+        the deepest first; and (n, 3) where the others go: half a spacing off the hull, along its normal [m]."""
+        from scipy.ndimage import map_coordinates
+
+        values, first, step = around(self.shape, spacing / FINE, spacing, 2.0 * spacing)
+        at = ((places - self.origin) @ self.turn + self.centre - first) / step
+        distance = np.full(len(places), 2.0 * spacing)
+        near = ((at >= 0.0) & (at <= np.array(values["distance"].shape) - 1.0)).all(axis=1)
+        distance[near] = map_coordinates(values["distance"], at[near].T, order=1)
+        row = np.round(distance / (ALIKE * spacing))
+        order = np.lexsort((np.arange(len(places)) * GOLDEN % 1.0, row))
+        gone = np.zeros(len(places), dtype=bool)
+        gone[order[: round(self.displaced(spacing, boxes) / spacing**3)]] = True
+        close = np.flatnonzero(~gone & (distance < APART * spacing))
+        slope = [map_coordinates(g, at[close].T, order=1) for g in np.gradient(values["distance"], *step)]
+        normal = np.stack(slope, axis=1) @ self.turn.T
+        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
+        moved = places.copy()
+        moved[close] += (APART * spacing - distance[close])[:, None] * normal
+        return gone, moved
+
+    def displaced(self, spacing: float, boxes: list[tuple[np.ndarray, np.ndarray]]) -> float:
+        """Volume of the hull inside boxes [m3]."""
+        cubes = voxels(self.shape, spacing / FINE, 1.0)
+        places, tall = (cubes.centre - self.centre) @ self.turn.T + self.origin, cubes.spread(self.turn[1])
+        found = 0.0
+        for low, up in boxes:
+            beside = ((places > low) & (places < up))[:, [0, 2]].all(axis=1) & (places[:, 1] > low[1])
+            found += float((cubes.share * beside * np.clip((up[1] - places[:, 1]) / tall + 0.5, 0.0, 1.0)).sum())
+        return found * float(cubes.size.prod())
+
     def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray]:
         """(n, 3) places from the centre of mass, body axes [m], and (n,) volumes [m3], in a slice areas [m2]."""
         from scipy.ndimage import distance_transform_edt
@@ -64,8 +103,3 @@ class Solid:
         deep = distance_transform_edt(full, sampling=cubes.size)[tuple(where.T + 1)]
         felt = deep < support + cubes.size.max()
         return place[felt], volume[felt]
-
-
-def cells(cubes: Voxels, lower: np.ndarray) -> np.ndarray:
-    """(n, 3) which cube along each axis each is."""
-    return np.floor((cubes.centre - lower) / cubes.size).astype(int)

@@ -110,3 +110,8 @@ def beside(share: np.ndarray, axis: int, way: int) -> np.ndarray:
     """The shares of the neighbours along an axis, 0 outside."""
     padded = np.pad(share, [(1, 1) if a == axis else (0, 0) for a in range(3)])
     return np.take(padded, np.arange(share.shape[axis]) + 1 + way, axis=axis)
+
+
+def cells(cubes: Voxels, lower: np.ndarray) -> np.ndarray:
+    """(n, 3) which cube along each axis each is."""
+    return np.floor((cubes.centre - lower) / cubes.size).astype(int)

@@ -25,7 +25,9 @@ class Sides:
     def __init__(self, shape: Any, centre: np.ndarray, basin: Basin, room: float = 0.0) -> None:
         """`centre` of mass from the hull's origin, `room` before each side [m]."""
         self.points = outermost(shape) - centre  # body axes [m]
-        self.radius = 1.05 * float(np.linalg.norm(self.points, axis=1).max())  # [m]
+        self.middle = 0.5 * (self.points.max(axis=0) + self.points.min(axis=0))
+        self.half = 0.5 * np.ptp(self.points, axis=0)  # of the box around them [m]
+        self.radius = float(np.linalg.norm(self.points, axis=1).max())  # [m]
         self.stops = [(k, way, side[k] + way * room) for way, side in zip((1.0, -1.0), basin.stops()) for k in range(3)]
         self.stops = [stop for stop in self.stops if abs(stop[2]) < OPEN]
         self.restitution, self.friction = basin.config.restitution, basin.config.friction
@@ -33,8 +35,10 @@ class Sides:
 
     def near(self, body: RigidBody, dt: float) -> bool:
         """Whether the hull may reach a side within a step of dt [s]."""
-        reach = self.radius + 2.0 * dt * float(np.linalg.norm(body.velocity))
-        return any(way * (body.position[axis] - place) < reach for axis, way, place in self.stops)
+        turn = body.matrix
+        along = 2.0 * dt * (float(np.linalg.norm(body.velocity)) + self.radius * float(np.linalg.norm(body.rates)))
+        place, reach = (body.position + turn @ self.middle).tolist(), (np.abs(turn) @ self.half).tolist()
+        return any(way * (place[axis] - side) < reach[axis] + along for axis, way, side in self.stops)
 
     def beyond(self, body: RigidBody) -> list[tuple[int, float, np.ndarray]]:
         """Of every side: its axis, which way is in, and how far each point is beyond it [m]."""

@@ -55,7 +55,9 @@ class Water:
         """Ask the water [ti.func elevation; velocity and acceleration if `below`] around a ship at a place [m], turned
         by a matrix, along its heading; call it at the top of a kernel."""
         x, z = position.x, position.z
-        for i, k in self.level:
+        ti.loop_config(serialize=not self.below)  # a surface is read in less time than a parallel task takes to start
+        for n in range(ALONG * ACROSS):
+            i, k = n // ACROSS, n % ACROSS
             along, across = i * self.step[0] - self.half[0], k * self.step[1] - self.half[1]
             place = tm.vec3(x + along * sine + across * cosine, 0.0, z + along * cosine - across * sine)
             eta = water.elevation(place.x, place.z)
@@ -70,6 +72,7 @@ class Water:
                     self.speed[i, k, l] = water.velocity(place)
                     self.pull[i, k, l] = water.acceleration(place) / self.gravity
         if ti.static(self.hollow):
+            ti.loop_config(serialize=True)
             for i in range(ALONG):
                 last = 0
                 for k in range(1, ACROSS):
@@ -78,8 +81,7 @@ class Water:
                         for inner in range(last + 1, k):
                             self.level[i, inner] = low + rise * (inner - last) / (k - last)
                         last = k
-        for c in self.frame:
-            self.frame[c] = ti.select(c == 0, x, ti.select(c == 1, z, ti.select(c == 2, cosine, sine)))
+        self.frame[0], self.frame[1], self.frame[2], self.frame[3] = x, z, cosine, sine
 
     @ti.func
     def corner(self, x, z):
@@ -94,27 +96,25 @@ class Water:
     @ti.func
     def elevation(self, x, z):
         """Of the water [m]."""
+        return self.sheet(x, z)[0]
+
+    @ti.func
+    def sheet(self, x, z):
+        """Elevation [m], and what the waves add to the push of still water over its weight, where the surface alone is
+        known: that of long waves, along its slope."""
         i, k, a, b = self.corner(x, z)
-        near = (1.0 - b) * self.level[i, k] + b * self.level[i, k + 1]
-        far = (1.0 - b) * self.level[i + 1, k] + b * self.level[i + 1, k + 1]
-        return (1.0 - a) * near + a * far
+        here, left = self.level[i, k], self.level[i, k + 1]
+        ahead, across = self.level[i + 1, k], self.level[i + 1, k + 1]
+        near, far = (1.0 - b) * here + b * left, (1.0 - b) * ahead + b * across
+        slope, aside = (far - near) / self.step[0], ((1.0 - a) * (left - here) + a * (across - ahead)) / self.step[1]
+        c, s = self.frame[2], self.frame[3]
+        return (1.0 - a) * near + a * far, -tm.vec3(slope * s + aside * c, 0.0, slope * c - aside * s)
 
     @ti.func
     def push(self, position, depth):
-        """What the waves add to the push of still water, over its weight: the pressure's slope where the water is
-        asked below, else that of long waves, along the surface's own slope."""
+        """The same where the water is asked below: the pressure's slope there."""
         i, k, a, b = self.corner(position.x, position.z)
-        out = tm.vec3(0.0)
-        if ti.static(self.below):
-            out = self.between(self.pull, i, k, a, b, depth)
-        else:
-            here, left = self.level[i, k], self.level[i, k + 1]
-            ahead, across = self.level[i + 1, k], self.level[i + 1, k + 1]
-            slope = ((1.0 - b) * (ahead - here) + b * (across - left)) / self.step[0]
-            aside = ((1.0 - a) * (left - here) + a * (across - ahead)) / self.step[1]
-            c, s = self.frame[2], self.frame[3]
-            out = -tm.vec3(slope * s + aside * c, 0.0, slope * c - aside * s)
-        return out
+        return self.between(self.pull, i, k, a, b, depth)
 
     @ti.func
     def velocity(self, position, depth):

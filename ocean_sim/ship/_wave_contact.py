@@ -37,6 +37,7 @@ RIM = 3.0  # [spacings] around the hull, where a sheet over the particles sags i
 LEAPS = 3  # off the hull and back to the walls
 WAVE = PARTS.index("wave")
 PAIRS = tuple((i, j) for i in range(6) for j in range(i, 6))
+SQUARE = np.array([[PAIRS.index((min(i, j), max(i, j))) for j in range(6)] for i in range(6)])
 TOUCHING, BACK, SPENT, B, A = 0, 1, 4, 5, 11  # particles, push given back and its work, b and A
 SUMS = A + len(PAIRS)
 WORK = 6  # after the impulse and its moment
@@ -77,7 +78,8 @@ class WaveContact:
         self.blocks = -(-n // BLOCK)
         self.near, self.count = ti.field(int, shape=self.blocks * BLOCK), ti.field(int, shape=self.blocks)
         self.table = np.zeros((1 + self.blocks, max(POSE, SUMS)))  # one array: each costs a kernel its time
-        self.pose, self.touched, self.pushed = self.table[0], self.table[1:, :SUMS], self.table[1, : WORK + 1]
+        lower, upper = np.array(shape.bounds()) - centre
+        self.middle, self.half = 0.5 * (lower + upper), 0.5 * (upper - lower) + self.reach + spacing  # [m]
         self.impulse = np.zeros((2, 3))  # on the ship by collisions, and its moments about its places [N s], [N m s]
         self.lost = np.zeros((2, 3))  # what the water gave beyond that
         self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s]; by both [J]
@@ -86,18 +88,16 @@ class WaveContact:
     def met(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> tuple[Load, RigidBody]:
         """The load with the collisions of a step of dt [s] under `wave`, and the body after it; `after` says how a load
         would leave it. The particles move off the hull."""
-        trial = after(load)
+        trial, table = after(load), self.table
         self.told(trial, trial, dt)
-        self.press(self.water, self.table)
-        total = self.touched.sum(axis=0)
+        self.press(self.water, table)
+        total = table[1:, :SUMS].sum(axis=0)
         self.back += total[BACK:SPENT]
         self.work += float(total[SPENT])
         if total[TOUCHING] == 0.0:
             return load, trial
         response = self.config.response
-        a = np.zeros((6, 6))
-        for (i, j), value in zip(PAIRS, total[A:]):
-            a[i, j] = a[j, i] = value
+        a = total[A:][SQUARE]
         turn = trial.matrix
         own = np.zeros((6, 6))
         own[:3, :3] = trial.mass * np.eye(3)
@@ -105,25 +105,24 @@ class WaveContact:
         change = own @ np.linalg.solve(own + response * a, response * total[B:A])
         expected = after(with_wave(load, change.reshape(2, 3) / dt))
         self.told(expected, trial, dt)
-        self.pose[31] = trial.mass / (trial.mass + self.mass * total[TOUCHING])
-        self.push(self.table)
-        met = -self.pushed[:WORK].reshape(2, 3)
+        table[0, 31] = trial.mass / (trial.mass + self.mass * total[TOUCHING])
+        self.push(table)
+        pushed = table[1, : WORK + 1]
+        met = -pushed[:WORK].reshape(2, 3)
         self.impulse += response * met
         self.lost += (1.0 - response) * met
-        self.given += self.pushed[:3]
-        self.work += float(self.pushed[WORK])
+        self.given += pushed[:3]
+        self.work += float(pushed[WORK])
         load = with_wave(load, response * met / dt)
         return load, after(load)
 
     def told(self, body: RigidBody, before: RigidBody, dt: float) -> None:
         """Where the hull is, for the kernels."""
-        turn, pose = body.matrix, self.pose
+        turn, pose = body.matrix, self.table[0]
         pose[:3], pose[3:12] = body.position, turn.ravel()
         pose[12:15], pose[15:18] = body.velocity, body.angular_velocity
         pose[18:21], pose[21:24] = before.velocity, before.angular_velocity
-        middle = turn @ (0.5 * (self.hull.lower + self.hull.upper))
-        half = np.abs(turn) @ (0.5 * (self.hull.upper - self.hull.lower))
-        pose[24:27], pose[27:30] = middle, half
+        pose[24:27], pose[27:30] = turn @ self.middle, np.abs(turn) @ self.half
         pose[30], pose[31] = dt, 0.0
 
     @ti.func

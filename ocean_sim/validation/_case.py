@@ -56,7 +56,7 @@ class Curve:
 class Finding:
     """What a run showed: (value, reference, error) of each promised quantity, and the curves of its plot."""
 
-    numbers: Mapping[str, tuple[float, float | None, float | None]]
+    numbers: Mapping[str, tuple[float | None, float | None, float | None]]
     measured: list[Curve] = field(default_factory=list)
     expected: list[Curve] = field(default_factory=list)
     axes: tuple[str, str] = ("", "")

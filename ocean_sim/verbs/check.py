@@ -44,7 +44,7 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
     """What `check` answers."""
     from ocean_sim.runtime import base_memory
 
-    basin = config.basin.build()
+    basin = config.place()
     rows, warnings = config.ledger(), config.warnings()
     particles = config.fluid.lattice(basin).n if hasattr(config.fluid, "lattice") else 0
     memory = base_memory(particles) + sum(row.bytes for row in rows)

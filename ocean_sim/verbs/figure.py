@@ -36,7 +36,7 @@ def scripts() -> dict[str, Path]:
 
 
 def named(stem: str) -> str:
-    return re.sub(r"^fig(\d+)_(\d+)$", r"\1-\2", stem)
+    return re.sub(r"^fig(\d+)_(\d+)$", r"\1-\2", stem).replace("_", "-")
 
 
 def place(name: str) -> tuple[list[int], str]:

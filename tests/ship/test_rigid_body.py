@@ -178,3 +178,30 @@ def test_what_is_not_free_does_not_move():
     np.testing.assert_allclose(only_heave.velocity, [0.0, 1.0, 0.0], atol=1e-12)
     np.testing.assert_allclose(only_heave.angular_velocity, np.zeros(3), atol=1e-12)
     assert rigid.held(body, np.ones(6, dtype=bool)) is body
+
+
+def test_motions_that_are_held_do_not_creep_however_long_the_step():
+    """Under a torque and a push from all sides only surge and pitch take place, each as if it were alone."""
+    body = rigid.RigidBody(
+        2.0, np.diag([1.0, 2.0, 3.0]), np.zeros(3), rigid.oriented(0.1, 0.5, 0.0), np.zeros(3), np.zeros(3)
+    )
+    free, first = np.array([False, False, True, True, False, False]), body.position
+    heading = rigid.about(1, 0.5)
+    start, own = body.matrix, body
+    for _ in range(50):
+        free_body = rigid.advanced(own, heading @ [3.0, 5.0, 2.0], own.matrix @ [0.2, 4.0, -7.0], 0.1)
+        own = rigid.guided(own, free_body, free, 0.1)
+    moved = heading.T @ (own.position - first)
+    np.testing.assert_allclose(moved[:2], 0.0, atol=1e-12)
+    assert moved[2] > 5.0
+    turned = Rotation.from_matrix(start.T @ own.matrix).as_rotvec()
+    np.testing.assert_allclose(turned[1:], 0.0, atol=1e-9)
+    assert abs(turned[0]) > 0.5
+
+
+def test_a_small_system_is_solved_as_numpy_does():
+    random = np.random.default_rng(5)
+    for _ in range(20):
+        m = random.normal(size=(3, 3))
+        m, b = m @ m.T + 0.1 * np.eye(3), random.normal(size=3)
+        np.testing.assert_allclose(rigid.solved(m, b), np.linalg.solve(m, b), rtol=1e-9, atol=1e-12)

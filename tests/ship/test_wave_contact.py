@@ -101,8 +101,8 @@ def test_the_distance_to_a_ball_and_to_a_box():
         assert share.sum() * 0.0 == 0.0 and share.max() < 1.0 + 1e-9
 
 
-def from_a_box(p: np.ndarray) -> np.ndarray:
-    away = abs(p - [0.0, 0.25, 0.0]) - [0.3, 0.25, 0.4]
+def from_a_box(p: np.ndarray, length: float = 0.4) -> np.ndarray:
+    away = abs(p - [0.0, 0.25, 0.0]) - [0.3, 0.25, length]
     return np.linalg.norm(np.maximum(away, 0.0), axis=1) + np.minimum(away.max(axis=1), 0.0)
 
 
@@ -167,6 +167,18 @@ def begun(afloat, weight: float = 1.0, **changes) -> Simulation:
     return simulation
 
 
+def test_as_much_water_makes_room_as_the_hull_displaces(afloat):
+    """To half a particle, none nearer than half a spacing; and `check` counts what is left, and the distances."""
+    simulation, start, body, _ = afloat
+    scene, water, hull = simulation.scene, simulation.fluid.particles, simulation.ship.contact.hull
+    gone = 16 * 16 * 6 - water.n
+    assert gone * 0.1**3 == pytest.approx(body.mass / 1000.0, abs=0.5 * 0.1**3)
+    assert from_a_box(start[0][: water.n, [0, 1, 2]] - body.position + CENTRE, 0.3).min() > 0.04
+    assert scene.fluid.lattice(scene.place()).n == water.n < scene.fluid.lattice(scene.basin.build()).n
+    row = next(row for row in scene.ledger() if "distances" in row.what)
+    assert row.bytes == 2 * 4 * np.prod(hull.nodes.shape)
+
+
 def test_it_floats_as_deep_as_without_contact_and_nothing_is_inside(afloat):
     """To 2 % under the water around it; collisions carry nothing in the mean."""
     simulation = begun(afloat)
@@ -211,6 +223,7 @@ EXTREMES = {
     "a tenth of the water's density": (1.0 / 6.0, {}),
     "ten times the water's density, it lies on the bed": (100.0 / 6.0, {}),
     "capsized": (1.0, {"orientation": oriented(0.0, 0.0, np.pi), "position": np.array([0.0, 0.05, 0.0])}),
+    "wholly under water": (1.0, {"position": np.array([0.0, -0.3, 0.0])}),
     "dropped from 5 m": (1.0, {"position": np.array([0.0, 5.0, 0.0])}),
     "wholly out": (1.0, {"position": np.array([0.0, 1.0, 0.0])}),
     "a spin of 30 degrees a second": (1.0, {"spin": np.radians([30.0, 30.0, 30.0])}),

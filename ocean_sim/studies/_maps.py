@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Any
 
+from ocean_sim.studies._pareto import spaced
+
 # Okabe & Ito (2008): told apart with any colour vision; marks say it again.
 LOOKS = {
     "stable": ("#0072B2", "o"),
@@ -27,6 +29,7 @@ def draw(path: Path, name: str, rows: list[dict[str, Any]]) -> None:
         axes = figure.add_subplot(1, len(schemes), k + 1, sharey=axes)
         here = [row for row in rows if row["scheme"] == scheme]
         axes.set_xscale("log")
+        spaced(axes.xaxis)
         low, high = min(row["dt_s"] for row in here) / 2.0, max(row["dt_s"] for row in here) * 3.0
         for limit, (label, style) in LINES.items():
             ends = {values.index(row["value"]): row[f"{limit}_s"] for row in here if row.get(f"{limit}_s")}

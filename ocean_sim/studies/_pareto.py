@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from ocean_sim.studies.scene_tradeoff import Budget
-from ocean_sim.studies.tradeoff import Trial, front
+from ocean_sim.studies.tradeoff import Peer, Trial, front
 
 # Okabe & Ito (2008): colours that people with any colour vision tell apart; marks say it again.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
@@ -18,7 +18,8 @@ def draw(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> No
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    axes_of = {speed: f"{SPEEDS[speed]} per simulated second, one thread", "particles": "particles"}
+    of = f" of {trial.work}" if trial.work else ""
+    axes_of = {speed: f"{SPEEDS[speed]}{of} per simulated second, one thread", "particles": "particles"}
     if not any(row.get("particles") for row in rows):
         del axes_of["particles"]
     figure = Figure(figsize=(7.2 * len(axes_of), 5.4), layout="constrained")
@@ -27,6 +28,8 @@ def draw(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> No
         axes = figure.add_subplot(1, len(axes_of), k + 1)
         axes.set_xscale("log")
         axes.set_yscale("log")
+        spaced(axes.xaxis)
+        spaced(axes.yaxis)
         there = [row for row in rows if row.get(key)]
         done = [row for row in there if row.get("error") is not None]
         limits(axes, key, trial, there, done)
@@ -35,7 +38,7 @@ def draw(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> No
         best = [done[i] for i in front([(row[key], height(row)) for row in done])]
         at, error = [row[key] for row in best], [height(row) for row in best]
         axes.step(at, error, where="post", color="black", lw=0.8, zorder=1)
-        margins(axes, trial)
+        margins(axes, key, trial)
         unit = next((row["unit"] for row in done if row["unit"] != "1"), "")
         axes.set_xlabel(label)
         axes.set_ylabel(f"error{f' [{unit}]' if unit else ''}")
@@ -46,13 +49,23 @@ def draw(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> No
     figure.savefig(path, dpi=110)
 
 
+def spaced(axis: Any) -> None:
+    """Few numbers along a logarithmic axis, as people write them, however short it is."""
+    from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
+
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=9))
+    axis.set_major_formatter(FormatStrFormatter("%g"))
+    axis.set_minor_formatter(NullFormatter())
+
+
 def height(row: dict[str, Any]) -> float:
     return max(abs(row["error"]), LEAST)
 
 
 def limits(axes: Any, key: str, trial: Trial, there: list[dict[str, Any]], done: list[dict[str, Any]]) -> None:
     """Room for all points, for peers, and for what failed."""
-    wide, high = [row[key] for row in there], [*map(height, done), *trial.peers.values()]
+    wide = [row[key] for row in there] + [cost for peer in trial.peers if (cost := place(peer, key)) is not None]
+    high = [*map(height, done), *(peer.error for peer in trial.peers)]
     high += [trial.scatter] if trial.scatter is not None else []
     for each, values in ((axes.set_xlim, wide), (axes.set_ylim, high)):
         if values:
@@ -70,10 +83,17 @@ def scattered(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> 
         other = [row for row in own if row["changed"]]
         look["markerfacecolor"] = "white"
         axes.plot([row[key] for row in other], [height(row) for row in other], ls="none", ms=6, **look)
-        for row in other if key in SPEEDS else ():
+        for k, row in enumerate(sorted(other, key=lambda row: row[key]) if key in SPEEDS else ()):
             name, value = row["changed"].split("=")
             said = f"{name.split('.')[-1]}={value}"
-            axes.annotate(said, (row[key], height(row)), (4, 3), textcoords="offset points", fontsize=5, alpha=0.8)
+            axes.annotate(
+                said,
+                (row[key], height(row)),
+                (4, -7 if k % 2 else 4),
+                textcoords="offset points",
+                fontsize=5,
+                alpha=0.8,
+            )
 
 
 def failed(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict[str, Any]]) -> None:
@@ -86,14 +106,24 @@ def failed(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict[str, A
             axes.plot(own, [0.97 - 0.04 * n] * len(own), transform=at, label=f"{scheme}, failed", **look)
 
 
-def margins(axes: Any, trial: Trial) -> None:
+def margins(axes: Any, key: str, trial: Trial) -> None:
     """The scatter of the experiments, and what peers reached."""
     if trial.scatter is not None:
         axes.axhspan(LEAST, trial.scatter, color="0.9", zorder=0, label="scatter of experiments")
-    at = axes.get_yaxis_transform()
-    for name, error in trial.peers.items():
-        axes.axhline(error, color="0.4", ls=":", lw=0.9)
-        axes.text(0.99, error, f"{name} particles", transform=at, ha="right", va="bottom", fontsize=6)
+    for peer in trial.peers:
+        at, said = place(peer, key), f"{peer.program}, {peer.particles}"
+        if at is None:
+            axes.axhline(peer.error, color="0.4", ls=":", lw=0.9)
+            edge = axes.get_yaxis_transform()
+            axes.text(0.99, peer.error, said, transform=edge, ha="right", va="bottom", fontsize=6, color="0.3")
+        else:
+            axes.plot([at], [peer.error], "*", color="0.4", ms=9)
+            axes.annotate(said, (at, peer.error), (-5, 5), textcoords="offset points", ha="right", fontsize=6)
+
+
+def place(peer: Peer, key: str) -> float | None:
+    """Where a program stands along an axis; None where that is not known. Of its time only that of processors is."""
+    return float(peer.particles) if key == "particles" else peer.cpu_per_s
 
 
 def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget: Budget | None) -> None:
@@ -109,6 +139,7 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
     for k, name in enumerate(names):
         axes = figure.add_subplot(high, wide, k + 1)
         axes.set_xscale("log")
+        spaced(axes.xaxis)
         done = [row for row in rows if row.get(name) is not None and row[key]]
         for row in done:
             colour, mark = (COLOURS[1], "s") if row["reference"] else (COLOURS[0], "o")

@@ -130,7 +130,7 @@ def failure(reason: str, wall: float | None = None) -> dict[str, Any]:
 
 @contextmanager
 def _executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
-    """What runs orders at once: a local cluster's threads, each of which waits for its child; or a cluster elsewhere."""
+    """What runs many orders: a local cluster's threads, each of which waits for its child, or a cluster elsewhere."""
     try:
         from distributed import Client, LocalCluster
     except ImportError:

@@ -199,7 +199,9 @@ list(_runs.answers({orders(5, wait=60.0)!r}, Path("out"), workers=2))
     study.communicate(timeout=30)
     assert study.returncode != 0 and len(pids) == 2
     until = time.monotonic() + 20.0
-    while (left := [pid for pid in map(int, (p.read_text() for p in pids)) if _alive(pid)]) and time.monotonic() < until:
+    while (
+        left := [pid for pid in map(int, (p.read_text() for p in pids)) if _alive(pid)]
+    ) and time.monotonic() < until:
         time.sleep(0.05)
     assert not left and len(list(Path("out").glob("*/begun"))) == 2  # none was begun after
 

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from ocean_sim.studies.scene_tradeoff import Budget
-from ocean_sim.studies.tradeoff import Peer, Trial, front
+from ocean_sim.studies.tradeoff import Trial, front
 
 # Okabe & Ito (2008): colours that people with any colour vision tell apart; marks say it again.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
@@ -26,27 +26,32 @@ def draw(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> No
     FigureCanvasAgg(figure)
     for k, (key, label) in enumerate(axes_of.items()):
         axes = figure.add_subplot(1, len(axes_of), k + 1)
-        axes.set_xscale("log")
-        axes.set_yscale("log")
-        spaced(axes.xaxis)
-        spaced(axes.yaxis)
-        there = [row for row in rows if row.get(key)]
-        done = [row for row in there if row.get("error") is not None]
-        limits(axes, key, trial, there, done)
-        scattered(axes, key, trial, done)
-        failed(axes, key, trial.schemes, [row for row in there if row.get("error") is None])
-        best = [done[i] for i in front([(row[key], height(row)) for row in done])]
-        at, error = [row[key] for row in best], [height(row) for row in best]
-        axes.step(at, error, where="post", color="black", lw=0.8, zorder=1)
-        margins(axes, key, trial)
-        unit = next((row["unit"] for row in done if row["unit"] != "1"), "")
+        panel(axes, key, trial, rows)
         axes.set_xlabel(label)
-        axes.set_ylabel(f"error{f' [{unit}]' if unit else ''}")
-        axes.grid(alpha=0.25, which="both", lw=0.4)
         if k == 0:
             axes.legend(fontsize="x-small", loc="best")
     figure.suptitle(f"{trial.case}: {trial.quantity}", fontsize="medium")
     figure.savefig(path, dpi=110)
+
+
+def panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
+    """The error of a case over the column `key`."""
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    spaced(axes.xaxis)
+    spaced(axes.yaxis)
+    there = [row for row in rows if row.get(key)]
+    done = [row for row in there if row.get("error") is not None]
+    limits(axes, key, trial, there, done)
+    scattered(axes, key, trial, done)
+    failed(axes, key, trial.schemes, [row for row in there if row.get("error") is None])
+    best = [done[i] for i in front([(row[key], height(row)) for row in done])]
+    at, error = [row[key] for row in best], [height(row) for row in best]
+    axes.step(at, error, where="post", color="black", lw=0.8, zorder=1)
+    margins(axes, key, trial)
+    unit = next((row["unit"] for row in done if row["unit"] != "1"), "")
+    axes.set_ylabel(f"error{f' [{unit}]' if unit else ''}")
+    axes.grid(alpha=0.25, which="both", lw=0.4)
 
 
 def spaced(axis: Any) -> None:
@@ -64,7 +69,7 @@ def height(row: dict[str, Any]) -> float:
 
 def limits(axes: Any, key: str, trial: Trial, there: list[dict[str, Any]], done: list[dict[str, Any]]) -> None:
     """Room for all points, for peers, and for what failed."""
-    wide = [row[key] for row in there] + [cost for peer in trial.peers if (cost := place(peer, key)) is not None]
+    wide = [row[key] for row in there] + [peer.particles for peer in trial.peers if key == "particles"]
     high = [*map(height, done), *(peer.error for peer in trial.peers)]
     high += [trial.scatter] if trial.scatter is not None else []
     for each, values in ((axes.set_xlim, wide), (axes.set_ylim, high)):
@@ -111,19 +116,15 @@ def margins(axes: Any, key: str, trial: Trial) -> None:
     if trial.scatter is not None:
         axes.axhspan(LEAST, trial.scatter, color="0.9", zorder=0, label="scatter of experiments")
     for peer in trial.peers:
-        at, said = place(peer, key), f"{peer.program}, {peer.particles}"
-        if at is None:
+        said = f"{peer.program}, {peer.particles} particles"
+        if key == "particles":
+            axes.plot([peer.particles], [peer.error], "*", color="0.4", ms=9)
+            at = (peer.particles, peer.error)
+            axes.annotate(said, at, (-5, 5), textcoords="offset points", ha="right", fontsize=6)
+        else:
             axes.axhline(peer.error, color="0.4", ls=":", lw=0.9)
             edge = axes.get_yaxis_transform()
             axes.text(0.99, peer.error, said, transform=edge, ha="right", va="bottom", fontsize=6, color="0.3")
-        else:
-            axes.plot([at], [peer.error], "*", color="0.4", ms=9)
-            axes.annotate(said, (at, peer.error), (-5, 5), textcoords="offset points", ha="right", fontsize=6)
-
-
-def place(peer: Peer, key: str) -> float | None:
-    """Where a program stands along an axis; None where that is not known. Of its time only that of processors is."""
-    return float(peer.particles) if key == "particles" else peer.cpu_per_s
 
 
 def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget: Budget | None) -> None:
@@ -131,6 +132,7 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    names = [name for name in names if any(row.get(name) is not None for row in rows)]
     wide = min(3, len(names))
     high = -(-len(names) // wide)
     figure = Figure(figsize=(5.4 * wide, 4.4 * high), layout="constrained")
@@ -146,7 +148,8 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
             at, spread = (row[key], row[name]), row[f"{name}_spread"] or 0.0
             axes.errorbar(*at, yerr=spread, fmt=mark, color=colour, capsize=3)
             said = row["setting"].replace("--set ", "")
-            axes.annotate(said, at, (5, 5), textcoords="offset points", fontsize=6)
+            axes.annotate(said, at, (-5 if row["reference"] else 5, 5), textcoords="offset points", fontsize=6)
+            axes.texts[-1].set_ha("right" if row["reference"] else "left")
         edge = [done[i] for i in front([(row[key], row[name]) for row in done])]
         axes.step([r[key] for r in edge], [r[name] for r in edge], where="post", color="black", lw=0.8, zorder=1)
         failed(axes, key, ("settings",), [row | {"scheme": "settings"} for row in rows if row["outcome"] != "done"])

@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from math import isnan
 from typing import Any, NamedTuple
 
 from ocean_sim.studies._case_run import ordered, problem_of
@@ -71,7 +70,6 @@ class Peer(NamedTuple):
     program: str
     particles: int
     error: float
-    cpu_per_s: float | None
 
 
 @cache
@@ -79,11 +77,7 @@ def peers() -> list[Peer]:
     """Those of validation/data/peers.csv."""
     text = (files("ocean_sim.validation") / "data" / "peers.csv").read_text(encoding="utf-8")
     rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
-    times = ((row, float(row["cpu_per_s"])) for row in rows)
-    return [
-        Peer(row["case"], row["program"], int(row["particles"]), float(row["error"]), None if isnan(time) else time)
-        for row, time in times
-    ]
+    return [Peer(row["case"], row["program"], int(row["particles"]), float(row["error"])) for row in rows]
 
 
 TRIALS = (

@@ -29,7 +29,6 @@ def draw(path: Path, name: str, rows: list[dict[str, Any]]) -> None:
         axes = figure.add_subplot(1, len(schemes), k + 1, sharey=axes)
         here = [row for row in rows if row["scheme"] == scheme]
         axes.set_xscale("log")
-        spaced(axes.xaxis)
         low, high = min(row["dt_s"] for row in here) / 2.0, max(row["dt_s"] for row in here) * 3.0
         for limit, (label, style) in LINES.items():
             ends = {values.index(row["value"]): row[f"{limit}_s"] for row in here if row.get(f"{limit}_s")}
@@ -41,6 +40,7 @@ def draw(path: Path, name: str, rows: list[dict[str, Any]]) -> None:
                 at = [values.index(row["value"]) for row in own]
                 axes.plot([row["dt_s"] for row in own], at, mark, color=colour, ms=9, label=verdict)
         axes.set_xlim(low, high)
+        spaced(axes.xaxis)
         axes.set_yticks(range(len(values)), [f"{value:g}" for value in values])
         axes.set_ylim(-0.6, len(values) - 0.4)
         axes.set_xlabel("time step [s]")

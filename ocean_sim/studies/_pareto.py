@@ -10,6 +10,7 @@ from ocean_sim.studies.tradeoff import Trial, front
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 MARKS = ("o", "s", "^", "D", "v", "P")
 SPEEDS = {"wall_per_s": "wall seconds", "cpu_per_s": "processor seconds (the machine was busy)"}
+CROWDED = 100.0  # ends of an axis so far apart need no number within a decade
 LEAST = 1e-6  # an error of nothing still has a place on a logarithmic axis
 
 
@@ -38,8 +39,6 @@ def panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None
     """The error of a case over the column `key`."""
     axes.set_xscale("log")
     axes.set_yscale("log")
-    spaced(axes.xaxis)
-    spaced(axes.yaxis)
     there = [row for row in rows if row.get(key)]
     done = [row for row in there if row.get("error") is not None]
     limits(axes, key, trial, there, done)
@@ -52,13 +51,17 @@ def panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None
     unit = next((row["unit"] for row in done if row["unit"] != "1"), "")
     axes.set_ylabel(f"error{f' [{unit}]' if unit else ''}")
     axes.grid(alpha=0.25, which="both", lw=0.4)
+    spaced(axes.xaxis)
+    spaced(axes.yaxis)
 
 
 def spaced(axis: Any) -> None:
-    """Few numbers along a logarithmic axis, as people write them, however short it is."""
+    """Few numbers along a logarithmic axis whose ends are set, as people write them, however short it is."""
     from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=9))
+    low, high = axis.get_view_interval()
+    subs = (1.0, 2.0, 5.0) if high < CROWDED * low else (1.0,)
+    axis.set_major_locator(LogLocator(subs=subs, numticks=9))
     axis.set_major_formatter(FormatStrFormatter("%g"))
     axis.set_minor_formatter(NullFormatter())
 
@@ -141,7 +144,6 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
     for k, name in enumerate(names):
         axes = figure.add_subplot(high, wide, k + 1)
         axes.set_xscale("log")
-        spaced(axes.xaxis)
         done = [row for row in rows if row.get(name) is not None and row[key]]
         for row in done:
             colour, mark = (COLOURS[1], "s") if row["reference"] else (COLOURS[0], "o")
@@ -160,4 +162,5 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
         axes.set_xlabel("wall seconds of the run" if key == "wall_s" else "wall seconds per simulated second")
         axes.set_ylabel(f"{name}, beside the reference (square)")
         axes.grid(alpha=0.3)
+        spaced(axes.xaxis)
     figure.savefig(path, dpi=110)

@@ -37,7 +37,7 @@ AFLOAT = {
 }
 STEPS = (0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)  # over courant's own
 EACH = (0.5, 1.0, 2.0, 4.0)
-LEAST, MOST = 20, {True: 1500, False: 20_000}  # steps of a run
+LEAST, MOST = 20, {True: 4000, False: 20_000}  # steps of a run
 GAIN, DENSITY, OVER = 0.01, 0.05, 3.0
 LIMIT = {True: 300.0, False: 3600.0}  # wall time [s] of a run
 VERDICTS = ("stable", "degraded", "stopped", "none")

@@ -38,7 +38,7 @@ def test_the_front_is_what_nobody_betters():
 
 def test_the_study_has_three_schemes_on_six_cases_and_every_setting_is_another():
     plan = points(quick=True)
-    of_water = [point for point in plan if point.trial.schemes != ("hydrostatic", "dynamic")]
+    of_water = [point for point in plan if point.trial.schemes == tradeoff.FLUIDS]
     assert len({point.trial.case for point in of_water}) == 6
     assert {point.scheme for point in of_water} == {"mueller", "delta_sph", "dfsph"}
     addresses = [_runs.address(point.order()) for point in points(quick=False)]
@@ -82,7 +82,8 @@ def test_a_run_is_timed_three_times_over():
     seen = Clocked.__new__(Clocked)
     seen.spent = [(0.1, 0.2, 0.1)] * 3 + [(0.1, 5.0 if 30 <= k < 35 else 0.2, 0.1) for k in range(63)]
     found = [cost["wall_per_s"] for cost in seen.costs()]
-    assert len(found) == 3 and median(found) == pytest.approx(2.0) < seen.cost()["wall_per_s"]
+    assert len(found) == 3 and median(found) == pytest.approx(2.0)
+    assert seen.cost()["wall_per_s"] > 5.0
     seen.spent = seen.spent[:3]
     assert seen.costs() == [] and seen.cost()["wall_per_s"] is None
 

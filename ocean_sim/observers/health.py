@@ -53,7 +53,7 @@ class Health:
         self.max_distance = config.max_distance or float(np.linalg.norm(self.upper - self.lower))
         self.judged = self.n > 0 and fluid.sound_speed > 0.0 and not driven(simulation)
         self.first_energy: float | None = None  # [J]
-        self.energy_every = ENERGY_EVERY * simulation.basin.depth / fluid.reference_speed  # [s]
+        self.energy_every = ENERGY_EVERY * basin.depth / fluid.reference_speed if self.judged else 0.0  # [s]
         self.energy_seen, self.gain_told = 0.0, False
         self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
         self.limit, self.limit_told = "", -QUIET

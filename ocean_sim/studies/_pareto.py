@@ -150,8 +150,9 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
             at, spread = (row[key], row[name]), row[f"{name}_spread"] or 0.0
             axes.errorbar(*at, yerr=spread, fmt=mark, color=colour, capsize=3)
             said = row["setting"].replace("--set ", "")
-            axes.annotate(said, at, (-5 if row["reference"] else 5, 5), textcoords="offset points", fontsize=6)
-            axes.texts[-1].set_ha("right" if row["reference"] else "left")
+            side = {"ha": "right"} if row["reference"] else {"ha": "left"}
+            shift = (-5 if row["reference"] else 5, 5)
+            axes.annotate(said, at, shift, textcoords="offset points", fontsize=6, **side)
         edge = [done[i] for i in front([(row[key], row[name]) for row in done])]
         axes.step([r[key] for r in edge], [r[name] for r in edge], where="post", color="black", lw=0.8, zorder=1)
         failed(axes, key, ("settings",), [row | {"scheme": "settings"} for row in rows if row["outcome"] != "done"])

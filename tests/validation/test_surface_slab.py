@@ -1,4 +1,4 @@
-"""The slab with a wave on it: both surfaces keep the promises of the coarse one, and a thick sheet is seen to smooth."""
+"""The slab with a wave on it: both surfaces keep the promises of the coarse one, and a thick sheet smooths."""
 
 import numpy as np
 import pytest

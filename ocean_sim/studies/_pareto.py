@@ -150,7 +150,7 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
             at, spread = (row[key], row[name]), row[f"{name}_spread"] or 0.0
             axes.errorbar(*at, yerr=spread, fmt=mark, color=colour, capsize=3)
             said = row["setting"].replace("--set ", "")
-            side = {"ha": "right"} if row["reference"] else {"ha": "left"}
+            side: dict[str, Any] = {"ha": "right"} if row["reference"] else {"ha": "left"}
             shift = (-5 if row["reference"] else 5, 5)
             axes.annotate(said, at, shift, textcoords="offset points", fontsize=6, **side)
         edge = [done[i] for i in front([(row[key], row[name]) for row in done])]

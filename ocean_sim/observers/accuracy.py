@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
 TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "obstacles", "ship", "emitter", "diffusion", "shifting")
-BETWEEN_ENERGIES = ("pressure", "gravity")  # their work turns one energy into another
+BETWEEN_ENERGIES = ("gravity", "pressure")  # their work turns one energy into another; pressure's where water stores it
 SOLVED_FOR = {
     "density": "mean error of the density over the rest density",
     "divergence": "mean compression in a step over the rest density",
@@ -54,6 +54,7 @@ class Accuracy:
         self.pushing: list[str] = []
         self.working: list[str] = []
         self.surface = SurfaceFit(simulation) if simulation.surface is not None else None
+        self.outer: list[str] = []  # forces that give and take energy
         self.solvers: tuple[str, ...] = ()  # of a scheme that iterates
         told: dict[str, object] = {}
         if simulation.fluid.particles is not None:
@@ -64,6 +65,8 @@ class Accuracy:
             self.at_start = self.potential_energy(simulation)
             self.energy_at_start: float | None = None
             self.solvers = tuple(getattr(fluid, "solvers", {}))
+            between = BETWEEN_ENERGIES[: 1 if self.solvers else 2]  # what is not compressed stores nothing
+            self.outer = [term for term in self.working if term not in between]
             told = self.told() | (self.surface.told if self.surface else {})
         self.csv = CsvFile(
             folder / "accuracy.csv",
@@ -83,8 +86,7 @@ class Accuracy:
 
     def told(self) -> dict[str, object]:
         """What the columns mean."""
-        outer = [term for term in self.working if term not in BETWEEN_ENERGIES]
-        given = " + ".join(f"work_{term}" for term in outer) or "0"
+        given = " + ".join(f"work_{term}" for term in self.outer) or "0"
         if self.driven:
             given += " + (work_gravity + potential energy gained), the work of what is no potential"
         means: dict[str, object] = {
@@ -113,7 +115,7 @@ class Accuracy:
 
     def residual(self, energy: float, potential: float, work: dict[str, float]) -> float:
         """Energy [J] that the water has gained since the first row and no force has given."""
-        given = sum(work[term] for term in self.working if term not in BETWEEN_ENERGIES)
+        given = sum(work[term] for term in self.outer)
         if self.driven:
             given += work.get("gravity", 0.0) + potential
         if self.energy_at_start is None:

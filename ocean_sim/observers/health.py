@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
 POSITIONS_EVERY = 50  # steps between two looks at all positions, which are copied for it
+ENERGY_EVERY = 0.05  # [depth over reference speed] at most between two looks at the energy, however long the steps
+GAIN_TOLD = 0.01  # of the same scale as `max_energy_gain`: less is not worth a word
 QUIET = 0.5  # [s] at least between two events of one kind
 
 
@@ -51,6 +53,8 @@ class Health:
         self.max_distance = config.max_distance or float(np.linalg.norm(self.upper - self.lower))
         self.judged = self.n > 0 and fluid.sound_speed > 0.0 and not driven(simulation)
         self.first_energy: float | None = None  # [J]
+        self.energy_every = ENERGY_EVERY * basin.depth / fluid.reference_speed if self.judged else 0.0  # [s]
+        self.energy_seen, self.gain_told = 0.0, False
         self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
         self.limit, self.limit_told = "", -QUIET
         self.clipped, self.clipped_told = 0, -QUIET
@@ -74,8 +78,12 @@ class Health:
     def observe(self, simulation: "Simulation") -> None:
         if self.judged and self.first_energy is None:
             self.first_energy = total(simulation)
-        if self.n > 0 and simulation.steps > 0 and (self.suspicious() or simulation.steps % POSITIONS_EVERY == 0):
-            sentence = next(self.complaints(), None)
+        if self.n > 0 and simulation.steps > 0:
+            if self.suspicious() or simulation.steps % POSITIONS_EVERY == 0:
+                sentence = next(self.complaints(), None)
+            else:
+                due = self.judged and simulation.time >= self.energy_seen + self.energy_every
+                sentence = next(self.heated(), None) if due else None
             if sentence is not None:
                 raise Diverged(sentence)
         self.note_limit(simulation)
@@ -138,6 +146,10 @@ class Health:
             fluid = self.simulation.fluid
             scale = fluid.particles.mass * self.n * fluid.reference_speed**2
             gain = (total(self.simulation) - self.first_energy) / scale
+            self.energy_seen = self.simulation.time
+            if not (gain <= GAIN_TOLD or self.gain_told):
+                self.event("energy from nowhere", over_m_v2=round(gain, 6), bound=self.config.max_energy_gain)
+                self.gain_told = True
             if not gain <= self.config.max_energy_gain:
                 of = f"of its mass times the square of {fluid.reference_speed:.4g} m/s"
                 yield (

@@ -6,6 +6,8 @@ from typing import Any
 from ocean_sim.simulation import Simulation
 
 WARM_UP = 3  # steps in which kernels are still compiled or loaded
+FRAME = 1.0 / 60.0  # [s]
+PARTS, BLOCK = 3, 7  # a run is timed in so many parts, which its blocks of so many steps are dealt to in turn
 
 
 class Clocked(Simulation):
@@ -23,10 +25,27 @@ class Clocked(Simulation):
         super().step()
         self.spent.append((dt, perf_counter() - wall, process_time() - cpu))
 
+    def frame(self) -> None:
+        """Let the surface follow the water for a sixtieth of a second and make its triangles: counted like a step."""
+        surface: Any = self.surface
+        wall, cpu = perf_counter(), process_time()
+        surface.follow(self.fluid.particles, FRAME)
+        surface.mesh()
+        self.spent.append((FRAME, perf_counter() - wall, process_time() - cpu))
+
+    def costs(self) -> list[dict[str, float]]:
+        """Wall and processor seconds per simulated second, and the mean time step [s], of each part of the run: as many
+        timings of the same work, for what disturbs one seldom disturbs two. None of too short a run."""
+        parts = [[step for k, step in enumerate(self.spent[WARM_UP:]) if k // BLOCK % PARTS == n] for n in range(PARTS)]
+        return [cost(steps) for steps in parts if steps]
+
     def cost(self) -> dict[str, float | None]:
-        """Wall and processor seconds per simulated second, and the mean time step [s]; None of too short a run."""
+        """The same of the run as a whole; None of too short a run."""
         steps = self.spent[WARM_UP:]
-        simulated, wall, cpu = (sum(column) for column in zip(*steps)) if steps else (0.0, 0.0, 0.0)
-        if simulated <= 0.0:
-            return {"wall_per_s": None, "cpu_per_s": None, "time_step_s": None}
-        return {"wall_per_s": wall / simulated, "cpu_per_s": cpu / simulated, "time_step_s": simulated / len(steps)}
+        return cost(steps) if steps else dict.fromkeys(("wall_per_s", "cpu_per_s", "time_step_s"))  # type: ignore[return-value]
+
+
+def cost(steps: list[tuple[float, float, float]]) -> dict[str, float]:
+    """Of steps with their simulated, wall and processor time."""
+    simulated, wall, cpu = (sum(column) for column in zip(*steps))
+    return {"wall_per_s": wall / simulated, "cpu_per_s": cpu / simulated, "time_step_s": simulated / len(steps)}

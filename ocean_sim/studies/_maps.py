@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Any
 
+from ocean_sim.studies._pareto import spaced
+
 # Okabe & Ito (2008): told apart with any colour vision; marks say it again.
 LOOKS = {
     "stable": ("#0072B2", "o"),
@@ -38,6 +40,7 @@ def draw(path: Path, name: str, rows: list[dict[str, Any]]) -> None:
                 at = [values.index(row["value"]) for row in own]
                 axes.plot([row["dt_s"] for row in own], at, mark, color=colour, ms=9, label=verdict)
         axes.set_xlim(low, high)
+        spaced(axes.xaxis)
         axes.set_yticks(range(len(values)), [f"{value:g}" for value in values])
         axes.set_ylim(-0.6, len(values) - 0.4)
         axes.set_xlabel("time step [s]")

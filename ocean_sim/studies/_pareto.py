@@ -10,6 +10,7 @@ from ocean_sim.studies.tradeoff import Trial, front
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 MARKS = ("o", "s", "^", "D", "v", "P")
 SPEEDS = {"wall_per_s": "wall seconds", "cpu_per_s": "processor seconds (the machine was busy)"}
+CROWDED = 100.0  # ends of an axis so far apart need no number within a decade
 LEAST = 1e-6  # an error of nothing still has a place on a logarithmic axis
 
 
@@ -18,32 +19,51 @@ def draw(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> No
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    axes_of = {speed: f"{SPEEDS[speed]} per simulated second, one thread", "particles": "particles"}
+    of = f" of {trial.work}" if trial.work else ""
+    axes_of = {speed: f"{SPEEDS[speed]}{of} per simulated second, one thread", "particles": "particles"}
     if not any(row.get("particles") for row in rows):
         del axes_of["particles"]
     figure = Figure(figsize=(7.2 * len(axes_of), 5.4), layout="constrained")
     FigureCanvasAgg(figure)
     for k, (key, label) in enumerate(axes_of.items()):
         axes = figure.add_subplot(1, len(axes_of), k + 1)
-        axes.set_xscale("log")
-        axes.set_yscale("log")
-        there = [row for row in rows if row.get(key)]
-        done = [row for row in there if row.get("error") is not None]
-        limits(axes, key, trial, there, done)
-        scattered(axes, key, trial, done)
-        failed(axes, key, trial.schemes, [row for row in there if row.get("error") is None])
-        best = [done[i] for i in front([(row[key], height(row)) for row in done])]
-        at, error = [row[key] for row in best], [height(row) for row in best]
-        axes.step(at, error, where="post", color="black", lw=0.8, zorder=1)
-        margins(axes, trial)
-        unit = next((row["unit"] for row in done if row["unit"] != "1"), "")
+        panel(axes, key, trial, rows)
         axes.set_xlabel(label)
-        axes.set_ylabel(f"error{f' [{unit}]' if unit else ''}")
-        axes.grid(alpha=0.25, which="both", lw=0.4)
         if k == 0:
             axes.legend(fontsize="x-small", loc="best")
     figure.suptitle(f"{trial.case}: {trial.quantity}", fontsize="medium")
     figure.savefig(path, dpi=110)
+
+
+def panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
+    """The error of a case over the column `key`."""
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    there = [row for row in rows if row.get(key)]
+    done = [row for row in there if row.get("error") is not None]
+    limits(axes, key, trial, there, done)
+    scattered(axes, key, trial, done)
+    failed(axes, key, trial.schemes, [row for row in there if row.get("error") is None])
+    best = [done[i] for i in front([(row[key], height(row)) for row in done])]
+    at, error = [row[key] for row in best], [height(row) for row in best]
+    axes.step(at, error, where="post", color="black", lw=0.8, zorder=1)
+    margins(axes, key, trial)
+    unit = next((row["unit"] for row in done if row["unit"] != "1"), "")
+    axes.set_ylabel(f"error{f' [{unit}]' if unit else ''}")
+    axes.grid(alpha=0.25, which="both", lw=0.4)
+    spaced(axes.xaxis)
+    spaced(axes.yaxis)
+
+
+def spaced(axis: Any) -> None:
+    """Few numbers along a logarithmic axis whose ends are set, as people write them, however short it is."""
+    from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
+
+    low, high = axis.get_view_interval()
+    subs = (1.0, 2.0, 5.0) if high < CROWDED * low else (1.0,)
+    axis.set_major_locator(LogLocator(subs=subs, numticks=9))
+    axis.set_major_formatter(FormatStrFormatter("%g"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def height(row: dict[str, Any]) -> float:
@@ -52,7 +72,8 @@ def height(row: dict[str, Any]) -> float:
 
 def limits(axes: Any, key: str, trial: Trial, there: list[dict[str, Any]], done: list[dict[str, Any]]) -> None:
     """Room for all points, for peers, and for what failed."""
-    wide, high = [row[key] for row in there], [*map(height, done), *trial.peers.values()]
+    wide = [row[key] for row in there] + [peer.particles for peer in trial.peers if key == "particles"]
+    high = [*map(height, done), *(peer.error for peer in trial.peers)]
     high += [trial.scatter] if trial.scatter is not None else []
     for each, values in ((axes.set_xlim, wide), (axes.set_ylim, high)):
         if values:
@@ -70,10 +91,17 @@ def scattered(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> 
         other = [row for row in own if row["changed"]]
         look["markerfacecolor"] = "white"
         axes.plot([row[key] for row in other], [height(row) for row in other], ls="none", ms=6, **look)
-        for row in other if key in SPEEDS else ():
+        for k, row in enumerate(sorted(other, key=lambda row: row[key]) if key in SPEEDS else ()):
             name, value = row["changed"].split("=")
             said = f"{name.split('.')[-1]}={value}"
-            axes.annotate(said, (row[key], height(row)), (4, 3), textcoords="offset points", fontsize=5, alpha=0.8)
+            axes.annotate(
+                said,
+                (row[key], height(row)),
+                (4, -7 if k % 2 else 4),
+                textcoords="offset points",
+                fontsize=5,
+                alpha=0.8,
+            )
 
 
 def failed(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict[str, Any]]) -> None:
@@ -86,14 +114,20 @@ def failed(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict[str, A
             axes.plot(own, [0.97 - 0.04 * n] * len(own), transform=at, label=f"{scheme}, failed", **look)
 
 
-def margins(axes: Any, trial: Trial) -> None:
+def margins(axes: Any, key: str, trial: Trial) -> None:
     """The scatter of the experiments, and what peers reached."""
     if trial.scatter is not None:
         axes.axhspan(LEAST, trial.scatter, color="0.9", zorder=0, label="scatter of experiments")
-    at = axes.get_yaxis_transform()
-    for name, error in trial.peers.items():
-        axes.axhline(error, color="0.4", ls=":", lw=0.9)
-        axes.text(0.99, error, f"{name} particles", transform=at, ha="right", va="bottom", fontsize=6)
+    for peer in trial.peers:
+        said = f"{peer.program}, {peer.particles} particles"
+        if key == "particles":
+            axes.plot([peer.particles], [peer.error], "*", color="0.4", ms=9)
+            at = (peer.particles, peer.error)
+            axes.annotate(said, at, (-5, 5), textcoords="offset points", ha="right", fontsize=6)
+        else:
+            axes.axhline(peer.error, color="0.4", ls=":", lw=0.9)
+            edge = axes.get_yaxis_transform()
+            axes.text(0.99, peer.error, said, transform=edge, ha="right", va="bottom", fontsize=6, color="0.3")
 
 
 def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget: Budget | None) -> None:
@@ -101,6 +135,7 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    names = [name for name in names if any(row.get(name) is not None for row in rows)]
     wide = min(3, len(names))
     high = -(-len(names) // wide)
     figure = Figure(figsize=(5.4 * wide, 4.4 * high), layout="constrained")
@@ -115,7 +150,9 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
             at, spread = (row[key], row[name]), row[f"{name}_spread"] or 0.0
             axes.errorbar(*at, yerr=spread, fmt=mark, color=colour, capsize=3)
             said = row["setting"].replace("--set ", "")
-            axes.annotate(said, at, (5, 5), textcoords="offset points", fontsize=6)
+            side: dict[str, Any] = {"ha": "right"} if row["reference"] else {"ha": "left"}
+            shift = (-5 if row["reference"] else 5, 5)
+            axes.annotate(said, at, shift, textcoords="offset points", fontsize=6, **side)
         edge = [done[i] for i in front([(row[key], row[name]) for row in done])]
         axes.step([r[key] for r in edge], [r[name] for r in edge], where="post", color="black", lw=0.8, zorder=1)
         failed(axes, key, ("settings",), [row | {"scheme": "settings"} for row in rows if row["outcome"] != "done"])
@@ -126,4 +163,5 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
         axes.set_xlabel("wall seconds of the run" if key == "wall_s" else "wall seconds per simulated second")
         axes.set_ylabel(f"{name}, beside the reference (square)")
         axes.grid(alpha=0.3)
+        spaced(axes.xaxis)
     figure.savefig(path, dpi=110)

@@ -1,9 +1,9 @@
-"""Many runs, each in a process of its own: on the cores of this machine, or on the workers of a Dask cluster.
+"""Many runs, each in a process of its own, on the workers of a Dask cluster: one of this machine's cores, or another.
 
 An order is plain data: a `task`, which is the name of a module with `answer(order, folder)`, and what that needs. Its
-run has a folder named by the hash of the order and of the package's version, and leaves its answer there; an order that
-has an answer is not run again. A process that dies leaves no answer: it is a failure with a reason, and the next call
-tries it afresh.
+run has a folder named by the hash of the order and of the package, and leaves its answer there; an order that has an
+answer is not run again. A process that dies leaves no answer: it is a failure with a reason, and the next call tries it
+afresh. No process of a run outlives the worker that waits for it, however that ends.
 """
 
 import hashlib
@@ -13,11 +13,13 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
-from concurrent.futures import Executor, ThreadPoolExecutor, as_completed
-from contextlib import contextmanager
+from concurrent.futures import Executor, as_completed
+from contextlib import ExitStack, contextmanager
+from functools import cache
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from threading import Event, Thread
 from time import perf_counter
 from typing import Any
 
@@ -25,9 +27,11 @@ from ocean_sim.parts import PACKAGE
 
 ORDER, ANSWER = "order.json", "answer.json"
 MACHINE = "machine"  # what an order says under this key changes no number of its answer but those of a clock
+SOURCES = (".py", ".csv")  # suffixes of the package's files that an answer depends on; a scene is in its order
 PATIENCE = 20.0  # to reach a scheduler [s]
 
 _running: set[subprocess.Popen] = set()
+_over = Event()  # nobody listens any more: start nothing
 
 
 class ClusterMissing(Exception):
@@ -40,9 +44,9 @@ def cores() -> int:
 
 
 def address(order: dict[str, Any]) -> str:
-    """The name of an order's folder: its content's and the package version's hash."""
+    """The name of an order's folder: its content's and the package's hash."""
     content = {key: value for key, value in order.items() if key != MACHINE}
-    return hashlib.sha256(json.dumps([_version(), content], sort_keys=True).encode()).hexdigest()[:16]
+    return hashlib.sha256(json.dumps([_version(), _sources(), content], sort_keys=True).encode()).hexdigest()[:16]
 
 
 def answers(
@@ -64,6 +68,7 @@ def answers(
             yield from ((k, kept) for k in same)
     if not waiting:
         return
+    _over.clear()
     with _executor(workers, scheduler) as pool:
         futures = {
             pool.submit(performed, order, str((out / name).resolve()), limit): name for name, order in waiting.items()
@@ -74,6 +79,7 @@ def answers(
                 answer = future.result() if error is None else failure(f"{type(error).__name__}: {error}")
                 yield from ((k, answer) for k in places[futures[future]])
         finally:  # somebody may have stopped listening
+            _over.set()
             for future in futures:
                 future.cancel()
             for child in list(_running):
@@ -86,18 +92,22 @@ def performed(order: dict[str, Any], folder: str, limit: float | None = None) ->
     kept = _kept(place)
     if kept is not None:
         return kept
+    if _over.is_set():
+        return failure("the study was stopped before")
     place.mkdir(parents=True, exist_ok=True)
     _write(place / ORDER, order)
     began = perf_counter()
+    theirs, ours = os.pipe()  # nothing is ever written: it breaks when this process ends, and then the child ends, too
     path = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
     child = subprocess.Popen(
         [sys.executable, "-m", __name__, folder],
         env=os.environ | {"PYTHONPATH": path},  # the package that the parent has
-        stdin=subprocess.DEVNULL,
+        stdin=theirs,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,
     )
+    os.close(theirs)
     _running.add(child)
     try:
         _, said = child.communicate(timeout=limit)
@@ -108,6 +118,7 @@ def performed(order: dict[str, Any], folder: str, limit: float | None = None) ->
         reason = f"it had taken {limit:g} s of wall time, which is the limit, and was ended"
     finally:
         _running.discard(child)
+        os.close(ours)
     answer = _kept(place)
     return failure(reason, perf_counter() - began) if answer is None else answer
 
@@ -119,20 +130,20 @@ def failure(reason: str, wall: float | None = None) -> dict[str, Any]:
 
 @contextmanager
 def _executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
-    """What runs orders at once: a thread a worker, each of which waits for its child; or the workers of a cluster."""
-    if scheduler is None:
-        with ThreadPoolExecutor(workers) as pool:
-            yield pool
-        return
+    """What runs many orders: a local cluster's threads, each of which waits for its child, or a cluster elsewhere."""
     try:
-        from distributed import Client  # type: ignore[import-not-found]
+        from distributed import Client, LocalCluster
     except ImportError:
-        raise ClusterMissing("--scheduler needs the package `distributed`: pip install distributed") from None
-    try:
-        client = Client(scheduler, timeout=PATIENCE)
-    except (OSError, ValueError) as error:
-        raise ClusterMissing(f"no Dask scheduler answers at {scheduler}: {error}") from None
-    with client:
+        raise ClusterMissing("many runs need the package `distributed`: pip install distributed") from None
+    with ExitStack() as stack:
+        place: Any = scheduler
+        if scheduler is None:
+            here = {"processes": False, "dashboard_address": None, "memory_limit": 0, "silence_logs": "CRITICAL"}
+            place = stack.enter_context(LocalCluster(n_workers=workers, threads_per_worker=1, **here))
+        try:
+            client = stack.enter_context(Client(place, timeout=PATIENCE))
+        except (OSError, ValueError) as error:
+            raise ClusterMissing(f"no Dask scheduler answers at {scheduler}: {error}") from None
         yield client.get_executor(pure=False)
 
 
@@ -141,6 +152,16 @@ def _version() -> str:
         return version("ocean-sim")
     except PackageNotFoundError:
         return ""
+
+
+@cache
+def _sources() -> str:
+    """Hash of the package's files: what another program answered is no answer."""
+    found = hashlib.sha256()
+    for path in sorted(PACKAGE.rglob("*")):
+        if path.suffix in SOURCES and path.is_file():
+            found.update(f"{path.relative_to(PACKAGE)} {path.stat().st_size}\n".encode() + path.read_bytes())
+    return found.hexdigest()
 
 
 def _kept(folder: Path) -> dict[str, Any] | None:
@@ -168,8 +189,15 @@ def _why(code: int, said: str) -> str:
     return lines[-1].strip() if lines else f"its process left with exit code {code}"
 
 
+def _outlive_no_parent() -> None:
+    """Ends this process as soon as the other end of its standard input is closed."""
+    os.read(sys.stdin.fileno(), 1)
+    os._exit(1)
+
+
 def _main(folder: Path) -> None:
     """What the child does: its last word on standard error is the reason if it fails."""
+    Thread(target=_outlive_no_parent, daemon=True).start()
     order = json.loads((folder / ORDER).read_text(encoding="utf-8"))
     _write(folder / ANSWER, import_module(order["task"]).answer(order, folder))
 

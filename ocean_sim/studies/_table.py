@@ -22,6 +22,20 @@ def write(path: Path, rows: list[dict[str, Any]]) -> None:
     os.replace(beside, path)
 
 
+def read(path: Path) -> list[dict[str, Any]]:
+    """The rows of such a file; what is empty is None."""
+    with path.open(encoding="utf-8", newline="") as file:
+        return [{key: value(text) for key, text in row.items()} for row in csv.DictReader(file)]
+
+
+def value(text: str) -> Any:
+    """What stands in a cell: a number, JSON or words."""
+    try:
+        return json.loads(text) if text else None
+    except ValueError:
+        return text
+
+
 def cell(value: Any) -> Any:
     """A value as it stands in the file."""
     return json.dumps(value) if isinstance(value, dict | list | tuple | bool) else value

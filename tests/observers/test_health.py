@@ -21,7 +21,8 @@ def events(folder):
 def test_a_quiet_run_has_a_quiet_diary(tmp_path, watched):
     simulation, _ = build(watched, tmp_path)
     simulation.run(until=1.0)
-    assert [event["event"] for event in events(tmp_path)] == ["start", "limit", "done"]
+    told = ["start", "limit", "energy from nowhere", "done"]  # this sea rises, and nothing lifts it
+    assert [event["event"] for event in events(tmp_path)] == told
     assert events(tmp_path)[-1]["time_s"] == 1.0
 
 
@@ -82,6 +83,24 @@ def test_energy_from_nowhere_stops_the_run_and_energy_of_the_wind_does_not(watch
                 simulation.run(until=1.0)
         else:
             simulation.run(until=1.0)
+
+
+def test_energy_from_nowhere_is_seen_between_the_looks_at_positions_and_told_before_it_stops(tmp_path, watched):
+    """Steps so long that fifty of them would be seconds."""
+    simulation, observer = build(watched, tmp_path)
+    observer.observe(simulation)
+    heat = np.zeros_like(simulation.fluid.particles.velocity.values)
+    for step, share, stops in ((1, 0.03, False), (2, 0.5, True)):
+        simulation.steps, simulation.time = step, 0.5 * step
+        heat[:, 0] = np.sqrt(2.0 * share) * simulation.fluid.reference_speed
+        simulation.fluid.particles.velocity.values[:] = heat
+        if stops:
+            with pytest.raises(Diverged, match="gained energy from nowhere"):
+                observer.observe(simulation)
+        else:
+            observer.observe(simulation)
+    told = [event for event in events(tmp_path) if event["event"] == "energy from nowhere"]
+    assert len(told) == 1 and told[0]["over_m_v2"] == pytest.approx(0.03, rel=0.01)
 
 
 def test_a_side_that_is_open_lets_particles_go_a_diagonal_far(watched):

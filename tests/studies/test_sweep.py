@@ -4,6 +4,7 @@ import csv
 import json
 import os
 import signal
+import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -14,6 +15,7 @@ from types import SimpleNamespace
 import pytest
 
 from ocean_sim.__main__ import answered
+from ocean_sim.parts import PACKAGE
 from ocean_sim.studies import _runs
 from ocean_sim.studies.sweep import planned
 from ocean_sim.yaml_file import SceneError
@@ -33,9 +35,10 @@ grid:
 seeds: [1, 2]
 """
 TASK = '''"""A run that writes what it was told, waits where it was told to, or falls."""
-import sys, time
+import os, sys, time
 def answer(order, folder):
-    (folder / "begun").touch()
+    (folder / "begun.tmp").write_text(str(os.getpid()))
+    (folder / "begun.tmp").rename(folder / "begun")
     if order.get("wait"):
         time.sleep(order["wait"])
     if order.get("fall"):
@@ -157,7 +160,7 @@ def test_a_cluster_gets_the_orders_that_are_left(monkeypatch):
         def get_executor(self, pure):
             return ThreadPoolExecutor(2)
 
-    monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace(Client=Client))
+    monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace(Client=Client, LocalCluster=None))
     found = dict(_runs.answers(orders(2), Path("out"), 1, "tcp://there:8786"))
     assert asked_for == ["tcp://there:8786"] and [found[k]["number"] for k in (0, 1)] == [0, 1]
     with pytest.raises(_runs.ClusterMissing, match="no Dask scheduler answers at tcp://nowhere:1"):
@@ -179,6 +182,42 @@ def test_two_workers_of_a_real_cluster_one_of_which_is_killed():
         Thread(target=kill).start()
         found = dict(_runs.answers(asked, Path("out"), 2, cluster.scheduler_address))
     assert [found[k]["outcome"] for k in range(4)] == 4 * ["done"]
+
+
+@pytest.mark.parametrize("sign", [signal.SIGTERM, signal.SIGINT, signal.SIGKILL])
+def test_no_run_outlives_the_study(sign, tmp_path):
+    script = f"""
+from pathlib import Path
+from ocean_sim.studies import _runs
+list(_runs.answers({orders(5, wait=60.0)!r}, Path("out"), workers=2))
+"""
+    path = os.pathsep.join([str(PACKAGE.parent), str(tmp_path)])
+    study = subprocess.Popen([sys.executable, "-c", script], env=os.environ | {"PYTHONPATH": path}, stderr=-1)
+    while len(pids := list(Path("out").glob("*/begun"))) < 2 and study.poll() is None:
+        time.sleep(0.05)
+    study.send_signal(sign)
+    study.communicate(timeout=30)
+    assert study.returncode != 0 and len(pids) == 2
+    until = time.monotonic() + 20.0
+    while (
+        left := [pid for pid in map(int, (p.read_text() for p in pids)) if _alive(pid)]
+    ) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert not left and len(list(Path("out").glob("*/begun"))) == 2  # none was begun after
+
+
+def _alive(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def test_another_package_has_other_answers(monkeypatch):
+    (order,) = orders(1)
+    before = _runs.address(order)
+    monkeypatch.setattr(_runs, "_sources", lambda: "edited")
+    assert _runs.address(order) != before
 
 
 def test_a_sweep_leaves_a_table_whose_failures_are_rows(capsys):

@@ -1,6 +1,7 @@
 """The trade of speed for accuracy: what is compared, which points are best, and what a budget allows."""
 
 from pathlib import Path
+from statistics import median
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from ocean_sim.__main__ import answered
 from ocean_sim.result import Result
 from ocean_sim.studies import _pareto, _runs, _table, tradeoff
+from ocean_sim.studies._clocked import Clocked
 from ocean_sim.studies.scene_tradeoff import SEEDS, Budget, best, errors, finest, settings, summary, varied
 from ocean_sim.studies.tradeoff import TRIALS, clock, equals, front, points
 from ocean_sim.validation import problems
@@ -36,7 +38,7 @@ def test_the_front_is_what_nobody_betters():
 
 def test_the_study_has_three_schemes_on_six_cases_and_every_setting_is_another():
     plan = points(quick=True)
-    of_water = [point for point in plan if point.trial.schemes != ("hydrostatic", "dynamic")]
+    of_water = [point for point in plan if point.trial.schemes == tradeoff.FLUIDS]
     assert len({point.trial.case for point in of_water}) == 6
     assert {point.scheme for point in of_water} == {"mueller", "delta_sph", "dfsph"}
     addresses = [_runs.address(point.order()) for point in points(quick=False)]
@@ -73,6 +75,31 @@ def test_schemes_are_compared_at_equal_time_and_at_equal_number():
 def test_a_busy_machine_is_told_by_its_clocks():
     assert clock([row("a", 1.0, 1.0)]) == "wall_per_s"
     assert clock([row("a", 2.0, 1.0) | {"cpu_per_s": 1.0}]) == "cpu_per_s"
+
+
+def test_a_run_is_timed_three_times_over():
+    """Parts of the same run: a disturbance of some steps in a row does not move their median."""
+    seen = Clocked.__new__(Clocked)
+    seen.spent = [(0.1, 0.2, 0.1)] * 3 + [(0.1, 5.0 if 30 <= k < 35 else 0.2, 0.1) for k in range(63)]
+    found = [cost["wall_per_s"] for cost in seen.costs()]
+    assert len(found) == 3 and median(found) == pytest.approx(2.0)
+    assert seen.cost()["wall_per_s"] > 5.0
+    seen.spent = seen.spent[:3]
+    assert seen.costs() == [] and seen.cost()["wall_per_s"] is None
+
+
+def test_surfaces_are_run_coarse_and_fine_and_peers_are_marks():
+    of_surfaces = [point for point in points(quick=True) if point.trial.case == "surface_slab"]
+    assert {(point.scheme, point.settings.get("resolution", 1.0)) for point in of_surfaces if not point.changed} == {
+        (kind, factor) for kind in ("cloth", "marching_cubes") for factor in (1.0, 0.5)
+    }
+    assert all(trial.peers for trial in TRIALS if trial.case in ("hydrostatic", "taylor_green"))
+
+
+def test_a_table_is_read_as_it_was_written(tmp_path):
+    rows = [{"a": 1.5, "b": None, "c": "x=1", "d": True}, {"a": 2, "b": [1], "c": "", "d": False}]
+    _table.write(tmp_path / "a.csv", rows)
+    assert _table.read(tmp_path / "a.csv") == [rows[0], rows[1] | {"c": None}]
 
 
 def test_pictures_hold_failures_too(tmp_path):

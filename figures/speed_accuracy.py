@@ -1,0 +1,56 @@
+"""Speed against accuracy: the error of every case of `tradeoff` over what it took, by scheme: CSV and PNG.
+
+python figures/speed_accuracy.py [--fast] [--study runs/tradeoff/tradeoff.csv] [--out DIR]
+"""
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from _options import options, progress
+from _paper import keep, paper
+
+from ocean_sim.studies import _runs, _table
+from ocean_sim.studies._pareto import SPEEDS, panel
+from ocean_sim.studies.tradeoff import TRIALS, clock, points
+
+FAST = ("hydrostatic", "surface_slab")
+ACROSS = 3  # panels
+
+
+def found(fast: bool, folder: Path) -> list[dict[str, Any]]:
+    """The rows of the quick study; in haste those of two cases, coarse and with every scheme as it comes."""
+    plan = [point for point in points(quick=True) if not fast or (point.trial.case in FAST and not point.settings)]
+    rows = {}
+    for k, answer in _runs.answers([point.order() for point in plan], folder, _runs.cores()):
+        rows[k] = plan[k].rows(answer)
+        progress(len(rows) / len(plan), f"{len(rows)} of {len(plan)} runs")
+    return [row for k in sorted(rows) for row in rows[k]]
+
+
+def drawn(rows: list[dict[str, Any]], path: Path) -> None:
+    """A panel a case."""
+    speed = clock(rows)
+    trials = [(t, [r for r in rows if (r["case"], r["quantity"]) == (t.case, t.quantity)]) for t in TRIALS]
+    trials = [(trial, here) for trial, here in trials if here]
+    down = -(-len(trials) // ACROSS)
+    figure = paper(5.2 * min(ACROSS, len(trials)), 4.3 * down)
+    for k, (trial, here) in enumerate(trials):
+        axes = figure.add_subplot(down, min(ACROSS, len(trials)), k + 1)
+        panel(axes, speed, trial, here)
+        axes.set_title(f"{trial.case}: {trial.quantity}", fontsize=8)
+        axes.legend(fontsize="x-small", loc="best")
+    figure.supxlabel(f"{SPEEDS[speed]} per simulated second, one thread (surfaces: 60 frames)", fontsize=9)
+    keep(figure, path)
+
+
+def main() -> None:
+    asked = options(__doc__, "two cases, coarse", study="tradeoff.csv of a study; without it the quick one is run")
+    with TemporaryDirectory(prefix=".study-", dir=asked.out) as folder:
+        rows = _table.read(asked.study) if asked.study else found(asked.fast, Path(folder))
+    _table.write(asked.out / "speed_accuracy.csv", rows)
+    drawn(rows, asked.out / "speed_accuracy.png")
+
+
+if __name__ == "__main__":
+    main()

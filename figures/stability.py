@@ -1,0 +1,45 @@
+"""Where water breaks: every setting of `stability` taken to its extremes, beside the theoretical limits: CSV and PNGs.
+
+python figures/stability.py [--fast] [--study runs/stability/stability.csv] [--out DIR]
+"""
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from _options import options, progress
+
+from ocean_sim.result import Result
+from ocean_sim.studies import _maps, _runs, _table
+from ocean_sim.studies.stability import AXES, LIMIT, spots
+
+FAST, STEPS = ("compression", 0.04), (1.0, 4.0)  # in haste: the map, its row, and the steps over courant's own
+
+
+def found(fast: bool, folder: Path) -> list[dict[str, Any]]:
+    """The rows of the quick study; in haste those of one row of one map."""
+    plan = [
+        spot
+        for spot in spots(quick=True)
+        if not fast or ((spot.axis.name, spot.value) == FAST and spot.factor in STEPS)
+    ]
+    rows, orders = {}, [spot.order() for spot in plan]
+    for k, answer in _runs.answers(orders, folder, _runs.cores(), limit=LIMIT[True]):
+        rows[k] = plan[k].row(answer, Result(folder / _runs.address(orders[k])))
+        progress(len(rows) / len(plan), f"{len(rows)} of {len(plan)} runs")
+    return [rows[k] for k in sorted(rows)]
+
+
+def main() -> None:
+    asked = options(__doc__, "six points of one map", study="stability.csv of a study; without it the quick one is run")
+    with TemporaryDirectory(prefix=".study-", dir=asked.out) as folder:
+        rows = _table.read(asked.study) if asked.study else found(asked.fast, Path(folder))
+    _table.write(asked.out / "stability.csv", rows)
+    for axis in AXES:
+        here = [row for row in rows if row["map"] == axis.name]
+        if here:
+            _maps.draw(asked.out / f"stability_{axis.name.replace(' ', '_')}.png", f"{axis.name} [{axis.unit}]", here)
+
+
+if __name__ == "__main__":
+    main()

@@ -59,6 +59,8 @@ class Config(ObserverConfig):
     """Draw waves finer than the particles, of the wind's strength and heading."""
     foam: bool = True
     """Draw white water on crests that converge, along the hull, and spray."""
+    foam_cover: float | None = quantity("1", None, ge=0.0, le=0.5)
+    """Share of the sea that is white, as measured under a wind; by default what its crests call for."""
     sky: bool = True
     """Draw a scattered sky with clouds; without it, a clear gradient."""
     film: bool = True

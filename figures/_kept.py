@@ -10,6 +10,7 @@ import numpy as np
 from ocean_sim.observers import render
 from ocean_sim.scene import load
 from ocean_sim.simulation import Simulation
+from ocean_sim.waves import Components, elevation
 
 BARE = {"far_sea": False, "ripples": False, "foam": False, "sky": False}
 SEEN = dict.fromkeys(("accuracy", "timings", "health", "render", "report", "motion"))
@@ -20,6 +21,30 @@ def kept(scene: dict[str, Any], folder: Path) -> Path:
     folder.mkdir(parents=True)
     with Simulation(load(SEEN | scene), folder) as simulation:
         simulation.run(until=scene["duration"])
+    return folder
+
+
+def still_sea(sea: Components, side: float, folder: Path) -> Path:
+    """The folder of a run that never was: one frame, at 0 s, of waves in closed form over a square of this side [m]."""
+    (folder / "frames").mkdir(parents=True)
+    nodes = (np.arange(64) + 0.5) / 64 * side - side / 2
+    points = np.stack(np.meshgrid(nodes, nodes, indexing="ij"), axis=-1).reshape(-1, 2)
+    half = np.array([side / 2, 0.0, side / 2])
+    np.savez(
+        folder / "frames" / "grid.npz",
+        x=nodes,
+        z=nodes,
+        lower=-half - [0.0, sea.depth, 0.0],
+        upper=half,
+        depth=sea.depth,
+        spacing=side / 64,
+        every=1.0,
+        has_surface=True,
+        sea_amplitude=sea.amplitude,
+        sea_wavevector=sea.wavevector,
+        sea_phase=sea.phase,
+    )
+    np.savez(folder / "frames" / "frame_00000.npz", time=0.0, elevation=elevation(sea, points).reshape(64, 64))
     return folder
 
 

@@ -22,7 +22,8 @@ from ocean_sim.observers._kept_frames import Frame, Log, frame_files
 MASS, SPEED, DROP = 30_000.0, 6.0, 1.0  # of the yacht [kg], [m/s], [m] above where it floats
 LASTS, EVERY = 3.2, 0.05  # [s]
 PICTURES = 4
-VIEW = {"camera": "fixed", "eye": (24.0, 8.5, 12.0), "target": (0.0, -0.5, -1.0)}
+VIEW = {"camera": "fixed", "eye": (-23.0, 9.0, 12.0), "target": (0.0, -0.5, -1.0)}
+PLAIN = {"ripples": False, "foam": False}  # so that every wave in the pictures is the run's
 SHIP = {
     "kind": "hydrostatic",
     "hull": "yacht",
@@ -68,8 +69,8 @@ def momenta(run: Path) -> np.ndarray:
 
 def drawn(pictures: list[np.ndarray], frames: list[Frame], sides: tuple, rows: np.ndarray, path: Path) -> None:
     """The strip, heights below it, momentum below these."""
-    figure = paper(16.0, 10.2)
-    grid = figure.add_gridspec(3, PICTURES, height_ratios=(1.3, 1.15, 1.2))
+    figure = paper(16.0, 8.0)
+    grid = figure.add_gridspec(3, PICTURES, height_ratios=(1.1, 0.95, 1.1))
     high = max(float(np.percentile(np.abs(frame.elevation), 99.5)) for frame in frames)
     for k, (picture, frame) in enumerate(zip(pictures, frames)):
         top = figure.add_subplot(grid[0, k])
@@ -112,7 +113,7 @@ def main() -> None:
             low, up = ground["lower"], ground["upper"]
         frames = [Frame(log.nearest(moment)) for moment in np.linspace(0.0, lasts, PICTURES + 1)[1:]]
         view = VIEW | {"size": size, "quality": "draft" if asked.fast else "final"}
-        moments = [{"ripples": False, "stills": (frame.time,)} for frame in frames]
+        moments = [PLAIN | {"stills": (frame.time,)} for frame in frames]
         *pictures, bare = shots(run, frames[-1].time, [*moments, BARE], **view)
     save(asked.out / "fig6_7_bare.png", bare)
     left = rows[:, 3] - rows[:, 4] - rows[0, 3]

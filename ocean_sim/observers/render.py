@@ -195,7 +195,7 @@ def images(folder: Path, times: Sequence[float], **options: Any) -> np.ndarray:
 
 def variants(folder: Path, time: float, switched: Sequence[dict[str, Any]], **options: Any) -> np.ndarray:
     """(n, height, width, 3) pictures of a run at a time [s], as `images`, one for each set of options, which may name
-    another time as `stills: (time,)`; all are drawn by one process."""
+    another `folder` and, as `stills: (time,)`, another time; all are drawn by one process."""
     import imageio.v2 as imageio
 
     given: dict[str, Any] = {"camera": "third_person", "size": (960, 540), "particles": False, "quality": "draft"}
@@ -204,8 +204,8 @@ def variants(folder: Path, time: float, switched: Sequence[dict[str, Any]], **op
         places = [Path(made, str(k)) for k in range(len(switched))]
         for place in places:
             place.mkdir()
-        orders = [Order(str(folder), str(place), **given | more) for place, more in zip(places, switched)]
-        sentences = [impossible(folder, order.camera, order.stills) for order in orders]
+        orders = [Order(**{"folder": str(folder), "out": str(out)} | given | m) for out, m in zip(places, switched)]
+        sentences = [impossible(Path(order.folder), order.camera, order.stills) for order in orders]
         if any(sentences):
             raise RenderFailed(next(filter(None, sentences)))
         draw_apart(orders)

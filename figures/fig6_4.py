@@ -30,7 +30,7 @@ PHILLIPS, PEAK = 0.0081, 0.13  # of the spectrum; peak frequency times wind over
 FULL = 0.8  # [m] height at which the thesis's foam is whole
 DEPTH, SIDE, POINTS = 500.0, 6.0, 512  # [m], [peak wavelengths], along a side
 SHORTEST, SHORTEST_SEEN = 6.0, 10.0  # [peak frequencies] of the waves that are reckoned with, and drawn
-PATCH = 300.0  # [m] side of the sea on which the drawn foam is told
+PATCH = 160.0  # [m] side of the sea on which the drawn foam is told
 VIEW = {"camera": "fixed", "eye": (-40.0, 30.0, 70.0), "target": (10.0, 0.0, 5.0)}
 
 
@@ -109,7 +109,9 @@ def drawn(rows: list[tuple], winds: Sequence[float], pictures: np.ndarray, path:
     for k, (speed, picture) in enumerate(zip(winds, pictures)):
         panel = figure.add_subplot(grid[1, k])
         panel.imshow(picture)
-        panel.set_title(f"{speed:g} m/s, $H_s$ {developed(speed)[0]:.1f} m: {100 * white_caps_of(speed):.1f} %", fontsize=10)
+        panel.set_title(
+            f"{speed:g} m/s, $H_s$ {developed(speed)[0]:.1f} m: {100 * white_caps_of(speed):.1f} %", fontsize=10
+        )
         panel.set_axis_off()
     keep(figure, path)
 

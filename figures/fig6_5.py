@@ -80,7 +80,9 @@ def main() -> None:
         light = grey(picture[water])
         foamless = order | {"foam": False}
         twin = pictures[orders.index(foamless)] if foamless in orders else None
-        white = float((np.abs(light - grey(twin[water])) > APART).mean()) if twin is not None and name not in TERMS else ""
+        white = (
+            float((np.abs(light - grey(twin[water])) > APART).mean()) if twin is not None and name not in TERMS else ""
+        )
         rows.append((name, float(light.mean()), float(light.std()), float((light > BRIGHT).mean()), white))
     head = [f"luminance 0 to 1 (Rec. 709) of the lower part of pictures of {size[0]} x {size[1]} pixels"]
     head += [f"foam asked for: {cover:.4f} of the sea, the share at {WIND:g} m/s (Monahan & O'Muircheartaigh 1980)"]

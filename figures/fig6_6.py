@@ -56,7 +56,11 @@ def drawn(picture: np.ndarray, rows: np.ndarray, shown: float, path: Path) -> No
     top.imshow(picture)
     top.set_axis_off()
     top.set_title(f"from the helm of a yacht of 15 m, waves of 1.5 m, {shown:.1f} s")
-    for column, name, colour in ((2, "pitch, bow down", ORANGE), (4, "roll, port up", BLUE), (3, "yaw, to port", GREEN)):
+    for column, name, colour in (
+        (2, "pitch, bow down", ORANGE),
+        (4, "roll, port up", BLUE),
+        (3, "yaw, to port", GREEN),
+    ):
         below.plot(rows[:, 0], rows[:, column], color=colour, lw=1.5, label=name)
     below.set_ylabel("[°]")
     heave.plot(rows[:, 0], rows[:, 1] - rows[0, 1], color=RED, lw=1.5, label="heave from the start [m]")

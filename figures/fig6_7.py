@@ -22,7 +22,7 @@ from ocean_sim.observers._kept_frames import Frame, Log, frame_files
 MASS, SPEED, DROP = 30_000.0, 6.0, 1.0  # of the yacht [kg], [m/s], [m] above where it floats
 LASTS, EVERY = 3.2, 0.05  # [s]
 PICTURES = 4
-VIEW = {"camera": "fixed", "eye": (-23.0, 9.0, 12.0), "target": (0.0, -0.5, -1.0)}
+VIEW = {"camera": "fixed", "eye": (-27.0, 10.0, 13.0), "target": (0.0, -0.5, 1.5)}
 PLAIN = {"ripples": False, "foam": False}  # so that every wave in the pictures is the run's
 SHIP = {
     "kind": "hydrostatic",

@@ -2,9 +2,9 @@
 ways, and each term of the shading by itself; how bright each is: CSV and PNG.
 
 A yacht on a closed-form sea with as much foam as Monahan & O'Muircheartaigh (1980) saw under a wind of WIND. Without
-Fresnel's, a constant share of the sky is mirrored. The HDR is the thesis's (3.16); the last row ends with all terms and the
-physical glint (Cox & Munk 1954), which pictures have elsewhere. fig6_5_bare.png is the sea with nothing drawn that the
-run does not know: no far sea, ripples, foam or scattered sky.
+Fresnel's, a constant share of the sky is mirrored. The HDR is the thesis's (3.16); the last row ends with all terms and
+the physical glint (Cox & Munk 1954), which pictures have elsewhere. fig6_5_bare.png is the sea with nothing drawn that
+the run does not know: no far sea, ripples, foam or scattered sky.
 
 python figures/fig6_5.py [--fast] [--out DIR]
 """

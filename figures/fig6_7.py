@@ -1,5 +1,5 @@
-"""Figure 6-7: a yacht that falls into water of particles at speed and raises waves by its two-way contact with them: four
-pictures, the height of the water in each, and the momentum of water, ship and both together: CSV and PNG.
+"""Figure 6-7: a yacht that falls into water of particles at speed and raises waves by its two-way contact with them:
+four pictures, the height of the water in each, and the momentum of water, ship and both together: CSV and PNG.
 
 Nothing drives or damps the yacht along its way, so that what it loses goes to the water, which passes it on to the
 walls: without what these have taken the sum should stay what it was. fig6_7_bare.png is the last picture with nothing

@@ -1,5 +1,6 @@
 """Figure 6-8: ships under way: a catamaran by its manoeuvring model in still water, a yacht in a closed-form sea and
-the same yacht on the surface of particles under a gust; tracks and motions, pictures of the second voyage, and a clip of it: CSV, PNG and MP4.
+the same yacht on the surface of particles under a gust; tracks and motions, pictures of the second voyage, and a clip of
+it: CSV, PNG and MP4.
 
 fig6_8_bare.png is the last of its pictures with nothing drawn that the run does not know: no far sea, ripples, foam or
 scattered sky.
@@ -83,8 +84,8 @@ def turns(begin: float, other: float, end: float, throttle: float, rudder: float
 
 def sailed(scene: dict[str, Any], done: Any, folder: Path | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Rows (n, 11): time, sway, heave, surge [m], pitch, yaw, roll [deg], speed ahead [m/s], throttle, rudder [deg],
-    the water's height at the ship [m]; and the outline of the deck, x to port and z to the bow [m]. `folder`: where frames
-    for pictures are kept."""
+    the water's height at the ship [m]; and the outline of the deck, x to port and z to the bow [m]. `folder`: where
+    frames for pictures are kept."""
     rows = []
     shown = {} if folder is None else {"frames": {"every": 1.0 / RATE, "spacing": 5.0}}
     with Simulation(load({"title": "figure 6-8", **scene, **QUIET, **shown}), folder) as simulation:

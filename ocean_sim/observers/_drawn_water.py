@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 EDGE = "#eef3f6"
 THIN = 0.4  # of the light of a cut side that comes out of the folds of water in a tank
+CLEAR = 0.45  # of a depth that a tank's water is dark by
 NODES = {"draft": 40_000, "final": 160_000}  # of the drawn surface
 
 
@@ -63,7 +64,7 @@ class Shell:
         shape = self.pyvista.PolyData.from_regular_faces(points, triangles)
         height = np.clip(points[:, 1] / max(2.5 * float(frame.elevation.std()), 0.02 * self.depth), -1.0, 1.0)
         top = _water_shading.surface(points, normals, height, self.eye) + THIN * _water_shading.GLASS
-        side = _water_shading.side(points, normals, np.clip(-points[:, 1] / self.depth, 0.0, 1.0), self.eye)
+        side = _water_shading.side(points, normals, CLEAR * np.clip(-points[:, 1] / self.depth, 0.0, 1.0), self.eye)
         up = np.clip(2.5 * normals[:, 1:2], 0.0, 1.0)
         shape["colour"] = _water_shading.display(up * top + (1.0 - up) * side)
         self.plotter.add_mesh(shape, scalars="colour", rgb=True, lighting=False, name="shell", reset_camera=False)

@@ -227,3 +227,11 @@ def test_frames_keep_the_waves_of_a_sea_in_closed_form_and_nothing_of_particles(
         "sea_phase",
     }
     assert frames.plane_waves(SimpleNamespace(particles=object(), sea=sea)) == {}
+
+
+def test_foam_covers_what_is_asked_for():
+    surface = _sea_surface.SeaSurface(GRID, state(), 12_000)
+    gentle = surface.at(standing(7.3)).convergence
+    for wanted in (0.01, 0.05, 0.2):
+        assert surface.foam(gentle, wanted)[surface.near].mean() == pytest.approx(wanted, rel=0.1)
+    assert not surface.foam(gentle, 0.0).any()

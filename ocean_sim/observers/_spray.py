@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 
 NEIGHBOURHOOD, FEW = 1.6, 3  # [spacings], and the most neighbours that a lonely particle has in it
 ABOVE = 0.6  # [spacings] over the water
-DROP = 0.018  # [spacings] radius of a drop
-PUFF, DROPS = 0.45, 24  # [spacings] radius of a puff, in which so many drops fly
+DROP = 0.009  # [spacings] radius of a drop
+PUFF, DROPS = 0.30, 24  # [spacings] radius of a puff, in which so many drops fly
 MOST = 300  # puffs in a picture
 OFFSETS = 0x5_0003  # stream of random numbers
 

@@ -116,8 +116,8 @@ def deck(vertices: np.ndarray) -> np.ndarray:
 
 def drawn(found: dict[str, tuple], moments: np.ndarray, pictures: np.ndarray, path: Path) -> None:
     """Pictures of the second voyage; a column a ship: its track from above, X to port, so to the left; its motions."""
-    whole = paper(14.5, 12.4)
-    strip, figure = whole.subfigures(2, 1, height_ratios=(2.2, 10.0))
+    whole = paper(14.5, 12.8)
+    strip, figure = whole.subfigures(2, 1, height_ratios=(2.6, 10.0))
     for axis, moment, picture in zip(strip.subplots(1, len(pictures)), moments, pictures):
         axis.imshow(picture)
         axis.set_axis_off()

@@ -177,7 +177,11 @@ def folder(tmp_path_factory):
 
     box = np.array([[x, y, z] for x in (-2.0, 2.0) for y in (-1.0, 2.0) for z in (-5.0, 5.0)])
     look = {"ship_look": "box", "ship_helm": np.full(3, np.nan), "ship_submerged": 1.0 / 3.0}
-    hull = look | {"ship_vertices": box, "ship_triangles": ConvexHull(box).simplices}
+    skin = ConvexHull(box)
+    a, b, c = (box[skin.simplices[:, k]] for k in range(3))
+    inwards = (np.cross(b - a, c - a) * skin.equations[:, :3]).sum(axis=1) < 0.0
+    outwards = np.where(inwards[:, None], skin.simplices[:, ::-1], skin.simplices)  # as every hull of a run
+    hull = look | {"ship_vertices": box, "ship_triangles": outwards}
     np.savez(made / "frames" / "grid.npz", **GRID, every=0.5, has_surface=True, **hull)
     for k, t in enumerate((0.0, 0.5, 1.0)):
         kept = standing(t)

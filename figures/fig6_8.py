@@ -1,20 +1,29 @@
 """Figure 6-8: ships under way: a catamaran by its manoeuvring model in still water, a yacht in a closed-form sea and
-the same yacht on the surface of particles under a gust; tracks and motions: CSV and PNG.
+the same yacht on the surface of particles under a gust; tracks and motions, pictures of the second voyage, and a clip
+of it: CSV, PNG and MP4.
+
+fig6_8_bare.png is the last of its pictures with nothing drawn that the run does not know: no far sea, ripples, foam or
+scattered sky.
 
 python figures/fig6_8.py [--fast] [--out DIR]
 """
 
+from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+from _kept import BARE, film, save, shots
 from _options import options, progress
 from _paper import BLUE, GREY, INK, ORANGE, PALE, RED, keep, paper, table
 
+from ocean_sim.observers._kept_frames import frame_files
 from ocean_sim.scene import load
 from ocean_sim.simulation import Simulation
 
 QUIET = dict.fromkeys(("accuracy", "timings", "health", "frames", "render", "report", "motion"))
+PICTURES, CLIP, RATE = 4, (6.0, 12.0), 15.0  # of the second voyage: stills, [s] of the clip, its pictures per second
 EVERY = 0.1  # [s] between rows
 OTTER = np.array([[0.54, 1.0], [0.54, -1.0], [-0.54, -1.0], [-0.54, 1.0]])  # its corners, x to port, z to the bow [m]
 
@@ -73,11 +82,13 @@ def turns(begin: float, other: float, end: float, throttle: float, rudder: float
     return [{"time": time, "throttle": throttle, "rudder": angle} for time, angle in rows]
 
 
-def sailed(scene: dict[str, Any], done: Any) -> tuple[np.ndarray, np.ndarray]:
+def sailed(scene: dict[str, Any], done: Any, folder: Path | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Rows (n, 11): time, sway, heave, surge [m], pitch, yaw, roll [deg], speed ahead [m/s], throttle, rudder [deg],
-    the water's height at the ship [m]; and the outline of the deck, x to port and z to the bow [m]."""
+    the water's height at the ship [m]; and the outline of the deck, x to port and z to the bow [m]. `folder`: where
+    frames for pictures are kept."""
     rows = []
-    with Simulation(load({"title": "figure 6-8", **scene, **QUIET})) as simulation:
+    shown = {} if folder is None else {"frames": {"every": 1.0 / RATE, "spacing": 5.0}}
+    with Simulation(load({"title": "figure 6-8", **scene, **QUIET, **shown}), folder) as simulation:
         vessel = simulation.ship
         outline = OTTER if vessel.drawn() is None else deck(vessel.drawn()[0])
         for moment in np.arange(0.0, scene["duration"] + 0.5 * EVERY, EVERY):
@@ -103,9 +114,14 @@ def deck(vertices: np.ndarray) -> np.ndarray:
     return flat[ConvexHull(flat).vertices]
 
 
-def drawn(found: dict[str, tuple], path: Path) -> None:
-    """A column a ship: its track from above, X to port, so to the left; its motions below."""
-    figure = paper(14.5, 10.0)
+def drawn(found: dict[str, tuple], moments: np.ndarray, pictures: np.ndarray, path: Path) -> None:
+    """Pictures of the second voyage; a column a ship: its track from above, X to port, so to the left; its motions."""
+    whole = paper(14.5, 12.8)
+    strip, figure = whole.subfigures(2, 1, height_ratios=(2.6, 10.0))
+    for axis, moment, picture in zip(strip.subplots(1, len(pictures)), moments, pictures):
+        axis.imshow(picture)
+        axis.set_axis_off()
+        axis.set_title(f"the yacht in waves, {moment:.0f} s", fontsize=10)
     axes = figure.subplots(4, 3, height_ratios=(2.4, 1.0, 1.0, 1.0))
     for column, (title, (rows, outline)) in enumerate(found.items()):
         time, place, angles = rows[:, 0], rows[:, [1, 3]], rows[:, 4:7]
@@ -144,21 +160,43 @@ def drawn(found: dict[str, tuple], path: Path) -> None:
             strip.grid(color=PALE, lw=0.7)
             strip.legend(loc="upper right", ncols=2)
         strips[-1].set_xlabel("time [s]")
-    keep(figure, path)
+    keep(whole, path)
 
 
 def main() -> None:
     asked = options(__doc__, "shorter, on coarse particles")
     scenes = voyages(asked.fast)
     found, rows = {}, []
-    for k, (title, scene) in enumerate(scenes.items()):
-        found[title] = sailed(scene, lambda share, k=k, title=title: progress_of(k, share, title, len(scenes)))
+    with TemporaryDirectory() as place:
+        for k, (title, scene) in enumerate(scenes.items()):
+            folder = Path(place) if k == 1 else None
+            tell = partial(progress_of, k, title=title, voyages=len(scenes))
+            found[title] = sailed(scene, tell, folder)
+        moments, pictures, bare = pictured(Path(place), list(scenes.values())[1]["duration"], asked)
+    save(asked.out / "fig6_8_bare.png", bare)
+    for title in scenes:
         rows += [(title, *row) for row in found[title][0].tolist()]
     head = ["x to port, y up, z to the bow at the start; angles: intrinsic yaw (Y), pitch (X), roll (Z)"]
     columns = ["voyage", "time_s", "sway_m", "heave_m", "surge_m", "pitch_deg", "yaw_deg", "roll_deg"]
     columns += ["speed_ahead_m_s", "throttle", "rudder_deg", "water_m"]
     table(asked.out / "fig6_8.csv", head, columns, rows)
-    drawn(found, asked.out / "fig6_8.png")
+    drawn(found, moments, pictures, asked.out / "fig6_8.png")
+
+
+def pictured(run: Path, lasts: float, asked: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Times of pictures [s], the pictures (n, height, width, 3), and the last one bare; and writes the clip."""
+    size, quality = ((320, 180), "draft") if asked.fast else ((960, 540), "final")
+    view = {"camera": "follow", "size": size}
+    moments = np.linspace(0.2, 1.0, PICTURES) * (lasts - 1.0)
+    orders = [{"stills": (float(moment),)} for moment in moments]
+    *pictures, bare = shots(run, float(moments[-1]), [*orders, BARE | orders[-1]], quality=quality, **view)
+    for file in frame_files(run):
+        with np.load(file) as frame:
+            outside = not CLIP[0] <= float(frame["time"]) <= CLIP[0] + (0.5 if asked.fast else np.ptp(CLIP))
+        if outside:
+            file.unlink()
+    film(run, asked.out / "fig6_8.mp4", every=1.0 / RATE, **view)
+    return moments, np.array(pictures), bare
 
 
 def progress_of(voyage: int, share: float, title: str, voyages: int) -> None:

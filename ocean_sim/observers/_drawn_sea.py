@@ -10,6 +10,7 @@ from ocean_sim.observers._mirror import SHARE, Mirror
 from ocean_sim.observers._sea_state import SeaState
 from ocean_sim.observers._sea_surface import SeaSurface
 from ocean_sim.observers._spray import Spray
+from ocean_sim.observers._wake import Wake
 from ocean_sim.observers._water_shading import EXPOSURE, FOG, Terms, slope_variance
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ class Sea:
         self.dome = Dome(picture, sky, image)
         picture.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
         glint = None if order.glint == "none" else order.glint
-        terms = Terms(fresnel=order.fresnel, glint=glint, foam=order.foam)
+        terms = Terms(order.fresnel, order.reflection, order.body, glint, order.foam)
         shown = _water_glsl.plain() | _water_glsl.lit_by(sky) | _water_glsl.switched(terms)
         shown["hullFoam"] = np.array([CONTACT, CONTACT_WIDTH, 0.0])
         shown["windAngle"] = state.wind.angle
@@ -70,6 +71,10 @@ class Sea:
         if "ship_vertices" in grid:
             self.hull, self.hull_triangles = grid["ship_vertices"].astype(float), grid["ship_triangles"].astype(int)
             self.beam = float(np.ptp(self.hull[:, 0]))
+        vessel = picture.operator.vessel
+        self.wake: Wake | None = None
+        if vessel is not None and order.foam:
+            self.wake = Wake(vessel, self.beam, self.surface.x, self.surface.z)
 
     def reflect(self, actors: list[Any]) -> None:
         """Mirrors a ship's actors from now on."""
@@ -79,7 +84,10 @@ class Sea:
         now, surface, mesh = self.surface.at(frame), self.surface, self.shaded.mesh
         self.height = now.height
         crest = (now.height - self.state.level) / max(0.5 * self.state.height, 1e-3)
-        traits = np.stack([surface.foam(now.convergence), crest, now.variance], axis=-1)
+        white = surface.foam(now.convergence, self.picture.order.foam_cover)
+        if self.wake is not None:
+            white = np.maximum(white, self.wake.share(frame.time))
+        traits = np.stack([white, crest, now.variance], axis=-1)
         self.points[:, 1] = now.height.ravel()
         mesh.points = self.points
         mesh.point_data["nrm"] = surface.normals(now.height).reshape(-1, 3).astype(np.float32)

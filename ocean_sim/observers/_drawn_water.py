@@ -11,6 +11,9 @@ from ocean_sim.observers._water_mesh import WaterMesh
 if TYPE_CHECKING:
     from ocean_sim.observers._picture import Picture
 
+EDGE = "#eef3f6"
+THIN = 0.4  # of the light of a cut side that comes out of the folds of water in a tank
+CLEAR = 0.45  # of a depth that a tank's water is dark by
 NODES = {"draft": 40_000, "final": 160_000}  # of the drawn surface
 
 
@@ -48,6 +51,8 @@ class Shell:
     def __init__(self, picture: "Picture", depth: float) -> None:
         self.lower, self.upper = tuple(picture.lower), tuple(picture.upper)
         self.eye, self.depth, self.plotter, self.pyvista = picture.camera.eye, depth, picture.plotter, picture.pyvista
+        box = self.pyvista.Box(np.stack([self.lower, self.upper], axis=1).ravel()).extract_feature_edges(30.0)
+        self.plotter.add_mesh(box, color=EDGE, opacity=0.5, line_width=1.5, lighting=False)  # the tank, of glass
 
     def show(self, frame: Frame) -> None:
         from ocean_sim.observers._taubin import smoothed
@@ -58,8 +63,8 @@ class Shell:
         points, triangles, normals = smooth.vertices, smooth.triangles, smooth.normals
         shape = self.pyvista.PolyData.from_regular_faces(points, triangles)
         height = np.clip(points[:, 1] / max(2.5 * float(frame.elevation.std()), 0.02 * self.depth), -1.0, 1.0)
-        top = _water_shading.surface(points, normals, height, self.eye)
-        side = _water_shading.side(points, normals, np.clip(-points[:, 1] / self.depth, 0.0, 1.0), self.eye)
+        top = _water_shading.surface(points, normals, height, self.eye) + THIN * _water_shading.GLASS
+        side = _water_shading.side(points, normals, CLEAR * np.clip(-points[:, 1] / self.depth, 0.0, 1.0), self.eye)
         up = np.clip(2.5 * normals[:, 1:2], 0.0, 1.0)
         shape["colour"] = _water_shading.display(up * top + (1.0 - up) * side)
         self.plotter.add_mesh(shape, scalars="colour", rgb=True, lighting=False, name="shell", reset_camera=False)

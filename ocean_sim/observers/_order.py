@@ -36,3 +36,6 @@ class Order:
     sky: bool = True
     fresnel: bool = True  # of the water: else a constant share of the sky is mirrored
     glint: Literal["physical", "thesis", "none"] = "physical"  # of the sun in the water
+    reflection: bool = True  # of the sky in the water
+    body: bool = True  # light from within the water
+    foam_cover: float | None = None  # share of the sea that is white; None: what its crests call for

@@ -7,6 +7,7 @@ import numpy as np
 
 from ocean_sim.observers import _far_sea, _sea_state, _sky, _water_shading
 from ocean_sim.observers._camera import Camera, Operator, Vessel
+from ocean_sim.observers._drawn_boxes import Boxes
 from ocean_sim.observers._drawn_particles import Particles
 from ocean_sim.observers._drawn_sea import Sea
 from ocean_sim.observers._drawn_ship import Ship, kept_model
@@ -58,6 +59,8 @@ class Picture:
             self.content = Shell(self, float(grid["depth"]))
         else:
             self.content = Water(self, grid)
+        if len(grid.get("obstacles", ())):
+            Boxes(self, grid["obstacles"], self.lower, self.upper)
         before = set(self.plotter.actors)
         self.ship = Ship(self, model) if model is not None else None
         if isinstance(self.content, Sea) and order.quality == "final":

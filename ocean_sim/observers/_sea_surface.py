@@ -76,7 +76,9 @@ class SeaSurface:
         normal = np.stack([-slope_x, np.ones_like(height), -slope_z], axis=-1)
         return normal / np.linalg.norm(normal, axis=-1, keepdims=True)
 
-    def foam(self, drawn_together: np.ndarray) -> np.ndarray:
-        """(nx, nz) share of white water: its mean over the basin and its margin is the cover that crests call for."""
+    def foam(self, drawn_together: np.ndarray, cover: float | None = None) -> np.ndarray:
+        """(nx, nz) share of white water: its mean over the basin and its margin is the cover; None: what crests call
+        for."""
         gathered = drawn_together * self.grain
-        return _foam.shares(gathered, _foam.cover(drawn_together[self.near]), gathered[self.near])
+        wanted = _foam.cover(drawn_together[self.near]) if cover is None else cover
+        return _foam.shares(gathered, wanted, gathered[self.near])

@@ -73,6 +73,7 @@ class Frames:
             depth=basin.depth,
             spacing=spacing(fluid),
             every=config.every,
+            obstacles=np.array(basin.obstacles).reshape(-1, 2, 3),
             **hull,
             **plane_waves(fluid),
             has_surface=basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0),

@@ -59,6 +59,8 @@ class Config(ObserverConfig):
     """Draw waves finer than the particles, of the wind's strength and heading."""
     foam: bool = True
     """Draw white water on crests that converge, along the hull, and spray."""
+    foam_cover: float | None = quantity("1", None, ge=0.0, le=0.5)
+    """Share of the sea that is white, as measured under a wind; by default what its crests call for."""
     sky: bool = True
     """Draw a scattered sky with clouds; without it, a clear gradient."""
     film: bool = True
@@ -134,13 +136,19 @@ def render_run(
     sentence = impossible(folder, camera, stills)
     if sentence is not None:
         raise RenderFailed(sentence)
-    window = _opengl.window()
-    if window is None:
-        raise OpenGLMissing
     out = out or folder
     out.mkdir(parents=True, exist_ok=True)
     order = Order(str(folder), str(out), camera, size, particles, quality, every, film, stills=tuple(stills), **further)
-    command = [sys.executable, "-m", "ocean_sim.observers.render", json.dumps(asdict(order))]
+    draw_apart([order], progress)
+    return [out / name for name in written(order)]
+
+
+def draw_apart(orders: Sequence[Order], progress: Progress | None = None) -> None:
+    """Draw what is ordered in a child process; raises OpenGLMissing or RenderFailed."""
+    window = _opengl.window()
+    if window is None:
+        raise OpenGLMissing
+    command = [sys.executable, "-m", "ocean_sim.observers.render", json.dumps([asdict(order) for order in orders])]
     with tempfile.TemporaryFile("w+") as complaints:
         child = subprocess.Popen(
             command, env=_opengl.environment(window), stdout=subprocess.PIPE, stderr=complaints, text=True
@@ -157,7 +165,6 @@ def render_run(
         raise RenderFailed(f"the drawing process died (signal {-child.returncode}); {OpenGLMissing()}")
     if child.returncode > 0:
         raise RenderFailed(said.splitlines()[-1] if said else "the drawing process ended without a word")
-    return [out / name for name in written(order)]
 
 
 def impossible(folder: Path, camera: Name, stills: Sequence[float]) -> str | None:
@@ -184,6 +191,25 @@ def images(folder: Path, times: Sequence[float], **options: Any) -> np.ndarray:
     with tempfile.TemporaryDirectory() as out:
         files = render_run(folder, stills=times, out=Path(out), film=False, preview=False, **options)
         return np.stack([np.asarray(imageio.imread(file)) for file in files])
+
+
+def variants(folder: Path, time: float, switched: Sequence[dict[str, Any]], **options: Any) -> np.ndarray:
+    """(n, height, width, 3) pictures of a run at a time [s], as `images`, one for each set of options, which may name
+    another `folder` and, as `stills: (time,)`, another time; all are drawn by one process."""
+    import imageio.v2 as imageio
+
+    given: dict[str, Any] = {"camera": "third_person", "size": (960, 540), "particles": False, "quality": "draft"}
+    given |= {"every": 0.033, "film": False, "preview": False, "stills": (time,)} | options
+    with tempfile.TemporaryDirectory() as made:
+        places = [Path(made, str(k)) for k in range(len(switched))]
+        for place in places:
+            place.mkdir()
+        orders = [Order(**{"folder": str(folder), "out": str(out)} | given | m) for out, m in zip(places, switched)]
+        sentences = [impossible(Path(order.folder), order.camera, order.stills) for order in orders]
+        if any(sentences):
+            raise RenderFailed(next(filter(None, sentences)))
+        draw_apart(orders)
+        return np.stack([np.asarray(imageio.imread(Path(order.out, still(order.stills[0])))) for order in orders])
 
 
 def side_by_side(pictures: Sequence[np.ndarray], gap: int = GAP) -> np.ndarray:
@@ -280,11 +306,12 @@ def write(path: Path, save: Callable[[Path], None]) -> None:
 
 
 def main() -> None:
-    order = json.loads(sys.argv[1])
-    order["size"], order["stills"] = tuple(order["size"]), tuple(order["stills"])
+    orders = json.loads(sys.argv[1])
     try:
-        for drawn, of in draw(Order(**order)):
-            print(f"pictures {drawn} of {of}", flush=True)
+        for order in orders:
+            order["size"], order["stills"] = tuple(order["size"]), tuple(order["stills"])
+            for drawn, of in draw(Order(**order)):
+                print(f"pictures {drawn} of {of}", flush=True)
     except (RenderFailed, OSError, ValueError) as problem:
         sys.exit(str(problem))
 

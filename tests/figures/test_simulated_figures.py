@@ -50,3 +50,28 @@ def test_figure_6_8_ships_turn_to_the_side_of_the_rudder(tmp_path):
     assert turning[rudder > 5.0].mean() > 5.0 and turning[rudder < -5.0].mean() < -5.0
     assert 1.0 < ahead[-1] < 1.5
     assert len({row["voyage"] for row in table}) == 3
+
+
+@pytest.mark.slow
+def test_figure_6_5_each_switch_changes_the_light_as_it_should(tmp_path):
+    table = {row["picture"]: row for row in drawn("fig6_5", tmp_path)}
+    light = {name: float(row["mean_luminance"]) for name, row in table.items()}
+    if len(set(light.values())) == 1:
+        pytest.skip("no OpenGL on this machine: all pictures are grey")
+    for rest in ("no white caps, no HDR", "with white caps, with HDR"):
+        assert light[f"with Fresnel, {rest}"] < light[f"no Fresnel, {rest}"]  # water seen from above mirrors little
+    for way in ("no", "with"):
+        assert light[f"{way} Fresnel, with white caps, no HDR"] > light[f"{way} Fresnel, no white caps, no HDR"]
+        glint = [float(table[f"{way} Fresnel, no white caps, {hdr} HDR"]["share_of_glint"]) for hdr in ("no", "with")]
+        assert glint[1] > 2.0 * glint[0]
+    assert (tmp_path / "fig6_5_bare.png").stat().st_size > 2_000
+
+
+@pytest.mark.slow
+def test_figure_6_7_ship_and_water_keep_their_momentum(tmp_path):
+    table = drawn("fig6_7", tmp_path)
+    both, walls, ship = (
+        np.array([float(row[name]) for row in table]) for name in ("both_kg_m_s", "given_by_walls_Ns", "ship_kg_m_s")
+    )
+    assert ship[-1] < 0.97 * ship[0]  # it has given some away
+    np.testing.assert_allclose(both - walls, both[0], rtol=0.03)  # 2.2 % with water this coarse

@@ -177,7 +177,11 @@ def folder(tmp_path_factory):
 
     box = np.array([[x, y, z] for x in (-2.0, 2.0) for y in (-1.0, 2.0) for z in (-5.0, 5.0)])
     look = {"ship_look": "box", "ship_helm": np.full(3, np.nan), "ship_submerged": 1.0 / 3.0}
-    hull = look | {"ship_vertices": box, "ship_triangles": ConvexHull(box).simplices}
+    skin = ConvexHull(box)
+    a, b, c = (box[skin.simplices[:, k]] for k in range(3))
+    inwards = (np.cross(b - a, c - a) * skin.equations[:, :3]).sum(axis=1) < 0.0
+    outwards = np.where(inwards[:, None], skin.simplices[:, ::-1], skin.simplices)  # as every hull of a run
+    hull = look | {"ship_vertices": box, "ship_triangles": outwards}
     np.savez(made / "frames" / "grid.npz", **GRID, every=0.5, has_surface=True, **hull)
     for k, t in enumerate((0.0, 0.5, 1.0)):
         kept = standing(t)
@@ -227,3 +231,11 @@ def test_frames_keep_the_waves_of_a_sea_in_closed_form_and_nothing_of_particles(
         "sea_phase",
     }
     assert frames.plane_waves(SimpleNamespace(particles=object(), sea=sea)) == {}
+
+
+def test_foam_covers_what_is_asked_for():
+    surface = _sea_surface.SeaSurface(GRID, state(), 12_000)
+    gentle = surface.at(standing(7.3)).convergence
+    for wanted in (0.01, 0.05, 0.2):
+        assert surface.foam(gentle, wanted)[surface.near].mean() == pytest.approx(wanted, rel=0.1)
+    assert not surface.foam(gentle, 0.0).any()

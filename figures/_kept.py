@@ -1,0 +1,80 @@
+"""Runs that figures draw pictures of: frames in a folder, and pictures of them."""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ocean_sim.observers import render
+from ocean_sim.scene import load
+from ocean_sim.simulation import Simulation
+from ocean_sim.waves import Components, elevation
+
+BARE = {"far_sea": False, "ripples": False, "foam": False, "sky": False}
+SEEN = dict.fromkeys(("accuracy", "timings", "health", "render", "report", "motion"))
+
+
+def kept(scene: dict[str, Any], folder: Path) -> Path:
+    """The folder of a run of this scene, which keeps frames and nothing else."""
+    folder.mkdir(parents=True)
+    with Simulation(load(SEEN | scene), folder) as simulation:
+        simulation.run(until=scene["duration"])
+    return folder
+
+
+def still_sea(sea: Components, side: float, folder: Path) -> Path:
+    """The folder of a run that never was: one frame, at 0 s, of waves in closed form over a square of this side [m]."""
+    (folder / "frames").mkdir(parents=True)
+    nodes = (np.arange(64) + 0.5) / 64 * side - side / 2
+    points = np.stack(np.meshgrid(nodes, nodes, indexing="ij"), axis=-1).reshape(-1, 2)
+    half = np.array([side / 2, 0.0, side / 2])
+    np.savez(
+        folder / "frames" / "grid.npz",
+        x=nodes,
+        z=nodes,
+        lower=-half - [0.0, sea.depth, 0.0],
+        upper=half,
+        depth=sea.depth,
+        spacing=side / 64,
+        every=1.0,
+        has_surface=True,
+        sea_amplitude=sea.amplitude,
+        sea_wavevector=sea.wavevector,
+        sea_phase=sea.phase,
+    )
+    np.savez(folder / "frames" / "frame_00000.npz", time=0.0, elevation=elevation(sea, points).reshape(64, 64))
+    return folder
+
+
+def shots(folder: Path, time: float, switched: Sequence[dict[str, Any]], **options: Any) -> np.ndarray:
+    """(n, height, width, 3) pictures of a run at a time [s], one for each set of switches; grey ones where OpenGL is
+    missing, which is told."""
+    try:
+        return render.variants(folder, time, switched, caption=False, **options)
+    except render.OpenGLMissing as missing:
+        print(missing, file=sys.stderr, flush=True)
+        width, height = options["size"]
+        return np.full((len(switched), height, width, 3), 200, np.uint8)
+
+
+def film(folder: Path, path: Path, **options: Any) -> None:
+    """A film of the run, left out where OpenGL is missing."""
+    try:
+        render.render_run(folder, out=folder / "film", preview=False, caption=False, **options)
+        (folder / "film" / "film.mp4").replace(path)
+    except render.OpenGLMissing as missing:
+        print(missing, file=sys.stderr, flush=True)
+
+
+def save(path: Path, picture: np.ndarray) -> None:
+    """A picture (height, width, 3) as a PNG."""
+    import imageio.v2 as imageio
+
+    imageio.imwrite(path, picture, format="png", compress_level=9)
+
+
+def grey(picture: np.ndarray) -> np.ndarray:
+    """Luminance, 0 to 1, of 8-bit sRGB pixels (Rec. 709, gamma 2.2)."""
+    return (picture / 255.0) ** 2.2 @ np.array([0.2126, 0.7152, 0.0722])

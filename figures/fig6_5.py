@@ -1,0 +1,102 @@
+"""Figure 6-5: one sea with and without Fresnel's share, white caps and the imitative HDR of the sun's glint, all eight
+ways, and each term of the shading by itself; how bright each is: CSV and PNG.
+
+A yacht on a closed-form sea with as much foam as Monahan & O'Muircheartaigh (1980) saw under a wind of WIND. Without
+Fresnel's, a constant share of the sky is mirrored. The HDR is the thesis's (3.16); the last row ends with all terms and
+the physical glint (Cox & Munk 1954), which pictures have elsewhere. fig6_5_bare.png is the sea with nothing drawn that
+the run does not know: no far sea, ripples, foam or scattered sky.
+
+python figures/fig6_5.py [--fast] [--out DIR]
+"""
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from _kept import BARE, grey, kept, save, shots
+from _options import options, progress
+from _paper import keep, paper, table
+
+from ocean_sim.orbits import white_caps_of
+
+WIND = 14.0  # [m/s]
+SCENE = {
+    "title": "figure 6-5",
+    "seed": 7,
+    "duration": 8.0,
+    "basin": {"length": 160.0, "width": 160.0, "depth": 30.0, "walls": "none"},
+    "fluid": {
+        "kind": "linear_waves",
+        "spectrum": {
+            "kind": "jonswap",
+            "significant_wave_height": 1.5,
+            "peak_period": 5.5,
+            "heading_deg": 150.0,
+            "seed": 7,
+        },
+    },
+    "ship": "yacht",
+    "frames": {"every": 0.5, "spacing": 2.0},
+}
+VIEW = {"camera": "fixed", "eye": (24.0, 5.0, 6.0), "target": (-4.0, 0.6, -4.0)}  # towards the sun
+SWITCHES = [
+    {"fresnel": fresnel, "foam": foam, "glint": glint}
+    for glint in ("none", "thesis")
+    for foam in (False, True)
+    for fresnel in (False, True)
+]
+NOTHING = {"reflection": False, "body": False, "glint": "none", "foam": False}
+TERMS = {
+    "light from within (3.12, 3.13)": NOTHING | {"body": True},
+    "mirrored sky (3.6), (3.8)": NOTHING | {"reflection": True},
+    "white caps": NOTHING | {"foam": True},
+    "all terms, physical glint": {},
+}
+BRIGHT = 0.6  # luminance from which a pixel of the water is glint
+APART = 0.01  # of luminance: what a switch has changed
+
+
+def title(switch: dict) -> str:
+    marks = ("Fresnel", switch["fresnel"]), ("white caps", switch["foam"]), ("HDR", switch["glint"] == "thesis")
+    return ", ".join(f"{'with' if on else 'no'} {name}" for name, on in marks)
+
+
+def main() -> None:
+    asked = options(__doc__, "small pictures")
+    size = (320, 180) if asked.fast else (960, 540)
+    with TemporaryDirectory() as place:
+        progress(0.0, "a yacht in a sea")
+        run = kept(SCENE, Path(place, "run"))
+        progress(0.3, "pictures of it")
+        view = VIEW | {"size": size, "quality": "draft" if asked.fast else "final"}
+        cover = white_caps_of(WIND)
+        orders = [*SWITCHES, *TERMS.values(), BARE]
+        pictures = shots(run, SCENE["duration"], orders, foam_cover=cover, **view)
+    save(asked.out / "fig6_5_bare.png", pictures[-1])
+    names = [title(switch) for switch in SWITCHES] + list(TERMS)
+    water = slice(int(0.45 * size[1]), None)  # below the horizon
+    rows = []
+    for name, order, picture in zip(names, orders, pictures):
+        light = grey(picture[water])
+        foamless = order | {"foam": False}
+        twin = pictures[orders.index(foamless)] if foamless in orders else None
+        white = (
+            float((np.abs(light - grey(twin[water])) > APART).mean()) if twin is not None and name not in TERMS else ""
+        )
+        rows.append((name, float(light.mean()), float(light.std()), float((light > BRIGHT).mean()), white))
+    head = [f"luminance 0 to 1 (Rec. 709) of the lower part of pictures of {size[0]} x {size[1]} pixels"]
+    head += [f"foam asked for: {cover:.4f} of the sea, the share at {WIND:g} m/s (Monahan & O'Muircheartaigh 1980)"]
+    columns = ["picture", "mean_luminance", "deviation", "share_of_glint", "share_changed_by_foam"]
+    table(asked.out / "fig6_5.csv", head, columns, rows)
+    figure = paper(16.0, 7.6)
+    axes = figure.subplots(3, 4)
+    for axis, name, picture, row in zip(axes.ravel(), names, pictures, rows):
+        axis.imshow(picture)
+        axis.set_title(f"{name}\nluminance {row[1]:.3f}, glint {100 * row[3]:.2f} %", fontsize=9)
+        axis.set_axis_off()
+    keep(figure, asked.out / "fig6_5.png")
+    progress(1.0, "done")
+
+
+if __name__ == "__main__":
+    main()

@@ -34,7 +34,7 @@ DAMPER = 0.7  # bulk viscosity over h c; at the default Courant number 1 is stab
 LAG = 0.42  # bulk viscosity over h^2 / dt at most: longer steps than the default damp less, and stay stable
 IMPACT = 1.0  # of the dissipation between particles that meet, over their density and the square of their speed
 CARRIED = 2  # deviation of the density, and damped pressure over density squared
-FLAT, SOLID = 4.0, 2.6  # [spacings] support in a slice (50 neighbours) and in space (74)
+FLAT, SOLID = 4.0, 2.82  # [spacings] support in a slice (50 neighbours) and in space (94), where a lattice is stable
 
 
 class Config(SphConfig):
@@ -42,7 +42,8 @@ class Config(SphConfig):
 
     kind: Literal["delta_sph"] = "delta_sph"
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
-    """Support radius of the smoothing kernel over the spacing; by default 4.0 in a slice and 2.6 in space."""
+    """Support radius of the smoothing kernel over the spacing; by default 4.0 in a slice and 2.82 in space.
+    There the lattice that water starts from is elastically stable (Stencil.softest): still water stays still."""
     exponent: int = quantity("1", 1, ge=1, le=9)
     """gamma of p = c^2 rho0 / gamma ((rho / rho0)^gamma - 1): 1 is linear, 7 is Tait's."""
     density_diffusion: float = quantity("1", 0.1, ge=0.0, le=0.5)

@@ -16,6 +16,7 @@ from pydantic import Field
 from ocean_sim.basin import Basin
 from ocean_sim.parts import LedgerRow, PartConfig, Vector2, Vector3, quantity
 from ocean_sim.random_numbers import numpy_uniform3, uniform3
+from ocean_sim.wind._air import Air, joined, turned_all
 from ocean_sim.wind._air_load import drag, lift
 from ocean_sim.wind._passages import Passages
 from ocean_sim.wind._schedule import Scheduled
@@ -32,6 +33,7 @@ CENTRE, HALF, RADIUS, SHAPE_COSINE, SHAPE_SINE, SIGN, WIDTH = 0, 3, 6, 7, 8, 9, 
 
 MOST_DRAWS = 8  # of the noise in a step; a longer step takes one draw, weaker by the root of their number
 
+ADVANCE = 1.0e-4  # [s] of processor time a step; what it blows on is in the particles' and the ship's
 ROUNDING = 1e-4  # by which the box around a volume is larger than it
 
 NotNegative = Annotated[float, Field(ge=0.0)]
@@ -146,7 +148,7 @@ class Config(PartConfig):
 
     def ledger(self, basin: Basin, word: int = 8) -> list[LedgerRow]:
         n, row = len(self.volumes), SHAPES + WIDTH * most_shapes(self.volumes)
-        return [LedgerRow("wind", "moving volumes of air", word * (n * row + 3) + 8, f"{n} in wind.volumes")]
+        return [LedgerRow("wind", "moving volumes of air", word * (n * row + 3) + 8, f"{n} in wind.volumes", ADVANCE)]
 
     def warnings(self, scene: Any) -> list[str]:
         sentences = []
@@ -155,6 +157,11 @@ class Config(PartConfig):
             sentences += [stylised(name, size, scene)] if size > 0.0 else []
             sentences += kick(name, volume.acceleration, volume.passing_time, scene) if any(volume.acceleration) else []
         return sentences
+
+
+def greatest(volume: Volume) -> float:
+    """The most that an arrow in the volume stands for [m/s2], or [m/s] where nothing but wind_speed is given."""
+    return hypot(*volume.acceleration) or volume.wind_speed
 
 
 def most_shapes(volumes: list[Volume]) -> int:
@@ -179,7 +186,7 @@ class Gusts:
         self.shares = ti.field(
             float, shape=3
         )  # of the step that the first of several, each other, and the last of several take
-        self.time, self.steps = 0.0, 0
+        self.time, self.steps, self.gain = 0.0, 0, 1.0
         self.drawn: tuple[float, ...] = ()
         self.blown = [volume.blows(0.0) for volume in self.volumes]
         self.steady = [volume.always and volume.schedule is None for volume in self.volumes]
@@ -191,6 +198,25 @@ class Gusts:
     def on(self, target: Literal["fluid", "ship"]) -> "Gusts | Still":
         """The wind that a target feels: this, or still air where it is none of `targets`."""
         return self if target in self.targets else Still()
+
+    def strengthen(self, factor: float) -> None:
+        """Blow so many times as strongly as the scene says: acceleration, noise and wind_speed."""
+        self.gain = factor
+        for g in range(self.n):
+            self._write_passage(g)
+
+    def shown(self) -> Air:
+        """The volumes where they are now, an arrow along each acceleration, or along the wind where there is none."""
+        pieces = []
+        strongest = max(greatest(v) for v in self.volumes) or 1.0
+        for p, volume, (part, turn) in zip(self.passages, self.volumes, self.blown):
+            first = volume.include[0].core
+            edges = [turned_all(s.core.edges() - first.centre, p.turn) + p.centre for s in volume.include]
+            push = volume.acceleration if any(volume.acceleration) else np.multiply(volume.wind_speed, volume.ahead)
+            push = self.gain * part * p.strength / strongest * turned(push, p.turn + turn)
+            feet = turned_all(first.spread() - first.centre, p.turn) + p.centre
+            pieces.append(Air(np.concatenate(edges), feet, np.tile(push, (len(feet), 1))))
+        return joined(pieces)
 
     def advance(self, dt: float) -> None:
         """Algorithm 1 for every volume, what it blows in the middle of a step of dt [s], and the noise of the step."""
@@ -246,6 +272,7 @@ class Gusts:
     def _write_passage(self, g: int) -> None:
         p, volume = self.passages[g], self.volumes[g]
         part, turn = self.blown[g]
+        part *= self.gain
         acceleration = part * p.strength * turned(volume.acceleration, p.turn + turn)
         wind = part * p.strength * volume.wind_speed * turned(volume.ahead, p.turn + turn)
         numbers = (*p.origin, *p.velocity, *acceleration, *np.multiply(part, volume.noise), *wind)

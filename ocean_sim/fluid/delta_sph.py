@@ -8,6 +8,10 @@ sound and nothing that keeps its volume (Sun, Pilloton, Antuono & Colagrossi 202
 under a free surface that of a Riemann problem between particles that meet (Zhang, Hu & Adams 2017, J. Comput. Phys.
 335, 605), which is quadratic in their speed. Steps are drift, kick, drift.
 What is stored is the deviation from the rest density, which single precision would lose in the density itself.
+
+Still water without viscosity stays on the lattice that it starts from where that is stable under the kernel: in a slice
+from 3.95 to 4.03 spacings of support (and near 2.77, where the elliptical drop misses, by +0.7 and +8.1 %), in space
+from 2.78 to 2.92. At 2.6 it stirs at up to 0.17 m/s, and still at 0.1 from a start packed by damped relaxation.
 """
 
 from typing import Literal

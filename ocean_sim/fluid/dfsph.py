@@ -16,10 +16,11 @@ again, at GAP of its size a step. Where there is none pressures have either sign
 gradient of their number (Lind et al. 2012, J. Comput. Phys. 231), and the density's pressures only displace them
 (Cornelis et al. 2019, Visual Computer 35).
 
-Still water rests on the lattice that it starts from where that is elastically stable under the kernel, as it is at the
-default supports. Where it has given way (after a flow, or with another support), pressures of single particles scatter
-in water that hardly moves: after 24 s without viscosity, in a tank of 10 rows, by 10 % of that at the bed with a
-support of 3.6 spacings, and by 2.6 % (top rows and all; 0.5 % at the bed) with 4.0.
+A known weakness: once its lattice has given way, the pressures of single particles scatter in water that hardly moves
+(after 24 s without viscosity, in a tank of 10 rows, by 10 % of that at the bed; their mean there is 2 % high). A lattice
+gives way where it is not elastically stable under the kernel, as at 3.6 spacings in a slice. At 4.0 it is: the scatter
+is 2.6 % then (0.5 % in the row at the bed), but there from the start, and with steps of 0.01 s it is 3.5 % after 4 s,
+where 3.6 keeps within 2 %.
 """
 
 from math import sqrt
@@ -45,7 +46,7 @@ from ocean_sim.wind import Wind
 
 PAIR = 7.4e-8  # [s] of processor time a neighbour, with the iterations that calm water needs
 READS = 7  # fields of a neighbour that the law of the forces reads
-FLAT, SOLID = 4.0, 2.0  # [spacings] support in a slice (44 neighbours) and in space (26), where a lattice is stable
+FLAT, SOLID = 3.6, 2.0  # [spacings] support in a slice (36 neighbours) and in space (26)
 CALM = {"density": 0.1, "divergence": 0.003}  # [tolerances] errors below which water counts as calm
 SLOW = 2.0  # of the reference speed: water counts as no slower when the next step is chosen, see `limits`
 LEAST = 0.05  # of its value on the lattice: A_ii is taken to be no less, which keeps coincident particles finite
@@ -57,8 +58,7 @@ class Config(SphConfig):
 
     kind: Literal["dfsph"] = "dfsph"
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
-    """Support radius of the smoothing kernel over the spacing; by default 4.0 in a slice and 2.0 in space.
-    There the lattice that water starts from is elastically stable (Stencil.softest): still water stays still."""
+    """Support radius of the smoothing kernel over the spacing; by default 3.6 in a slice and 2.0 in space."""
     minimum_pressure: float | None = quantity("Pa", 0.0, ge=0.0, le=0.0)
     """Zero: water with a free surface knows no negative pressures."""
     artificial_viscosity: float = quantity("1", 0.01, ge=0.0)

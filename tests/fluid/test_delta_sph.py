@@ -5,7 +5,7 @@ import pytest
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.fluid._stencil import Stencil
-from ocean_sim.fluid.delta_sph import DAMPER, IMPACT
+from ocean_sim.fluid.delta_sph import DAMPER, IMPACT, SOLID
 from tests.fluid.conftest import box, by_id, put
 
 OPEN = {"length": 1.0, "width": 1.0, "depth": 0.5, "walls": "none", "floor": "none", "gravity": [0.0, 0.0, 0.0]}
@@ -228,7 +228,7 @@ def pair(water):
 def test_particles_that_meet_lose_speed_with_its_square(pair):
     """Beside what the bulk viscosity takes, which is linear: m IMPACT u^2 / rho |W'(r)| at a relative speed u, with
     Wendland's W in space."""
-    h, r, u = 0.13, 0.1, 2.0
+    h, r, u = 0.05 * SOLID, 0.1, 2.0  # spacing 0.1 m
     slope = 21.0 / (16.0 * np.pi * h**4) * 5.0 * (r / h) * (1.0 - 0.5 * r / h) ** 3  # [1/m4]
     assert pair(u) - 2.0 * pair(0.5 * u) == pytest.approx(0.5 * 1e-7 * 1e-3 * IMPACT * (2.0 * u) ** 2 * slope, rel=1e-3)
 

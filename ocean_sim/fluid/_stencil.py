@@ -77,3 +77,22 @@ class Stencil:
             gradients = (self.slope * self.q**3 * np.sin(self.offsets @ wave / self.spacing)) @ self.offsets
             largest = max(largest, float(gradients @ gradients) / self.squares)
         return largest
+
+    @property
+    def softest(self) -> float:
+        """Smallest eigenvalue of the lattice's elasticity under one pressure everywhere, over the typical largest.
+        Where it is negative, still water does not stay on its lattice: rounding errors grow until it is none.
+
+        Pairs then push each other along grad W, as atoms do that repel by a potential W, so these are the eigenvalues
+        of the dynamical matrix of such a crystal (Born & Huang 1954, Dynamical Theory of Crystal Lattices) over those
+        of a wave's 2 sum(1 - cos k), which leaves sound out.
+        """
+        there = (self.q > 0.0) & (self.q < 1.0)
+        x, q, d = self.offsets[there] / self.spacing, self.q[there], self.smoothing.dimension
+        along, across = q**2 * (3.0 - 4.0 * q), -(q**3)  # W'' and W' / r, in the kernel's own unit
+        stiffness = ((along - across) / (x**2).sum(axis=1))[:, None, None] * x[:, :, None] * x[:, None, :]
+        stiffness += across[:, None, None] * np.eye(d)
+        waves = np.array([wave for wave in product(np.linspace(0.0, np.pi, 13), repeat=d) if any(wave)])
+        matrices = np.einsum("kn,nij->kij", 1.0 - np.cos(waves @ x.T), stiffness)
+        scaled = np.linalg.eigvalsh(matrices) / (1.0 - np.cos(waves)).sum(axis=1)[:, None]
+        return float(scaled.min() / np.median(scaled[:, -1]))

@@ -8,6 +8,10 @@ sound and nothing that keeps its volume (Sun, Pilloton, Antuono & Colagrossi 202
 under a free surface that of a Riemann problem between particles that meet (Zhang, Hu & Adams 2017, J. Comput. Phys.
 335, 605), which is quadratic in their speed. Steps are drift, kick, drift.
 What is stored is the deviation from the rest density, which single precision would lose in the density itself.
+
+Still water without viscosity stays on the lattice that it starts from where that is stable under the kernel: in a slice
+from 3.95 to 4.03 spacings of support (and near 2.77, where the elliptical drop misses, by +0.7 and +8.1 %), in space
+from 2.78 to 2.92. At 2.6 it stirs at up to 0.17 m/s, and still at 0.1 from a start packed by damped relaxation.
 """
 
 from typing import Literal
@@ -36,7 +40,7 @@ DAMPER = 0.7  # bulk viscosity over h c; at the default Courant number 1 is stab
 LAG = 0.42  # bulk viscosity over h^2 / dt at most: longer steps than the default damp less, and stay stable
 IMPACT = 1.0  # of the dissipation between particles that meet, over their density and the square of their speed
 CARRIED = 2  # deviation of the density, and damped pressure over density squared
-FLAT, SOLID = 4.0, 2.6  # [spacings] support in a slice (50 neighbours) and in space (74)
+FLAT, SOLID = 4.0, 2.82  # [spacings] support in a slice (50 neighbours) and in space (94), where a lattice is stable
 
 
 class Config(SphConfig):
@@ -44,7 +48,8 @@ class Config(SphConfig):
 
     kind: Literal["delta_sph"] = "delta_sph"
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
-    """Support radius of the smoothing kernel over the spacing; by default 4.0 in a slice and 2.6 in space."""
+    """Support radius of the smoothing kernel over the spacing; by default 4.0 in a slice and 2.82 in space.
+    There the lattice that water starts from is elastically stable (Stencil.softest): still water stays still."""
     exponent: int = quantity("1", 1, ge=1, le=9)
     """gamma of p = c^2 rho0 / gamma ((rho / rho0)^gamma - 1): 1 is linear, 7 is Tait's."""
     density_diffusion: float = quantity("1", 0.1, ge=0.0, le=0.5)

@@ -10,7 +10,7 @@ import pytest
 import ocean_sim
 from ocean_sim.conventions import GRAVITY, Diverged
 from ocean_sim.observers import _energy
-from ocean_sim.scene import observer_names
+from ocean_sim.scene import SceneError, observer_names
 
 DEPTH = 0.5  # [m]
 COLUMN = {
@@ -19,7 +19,8 @@ COLUMN = {
     "fluid": {"spacing": 0.05, "kinematic_viscosity": 1e-3, "fill": [{"min": [-0.5, -0.5], "max": [0.0, 0.0]}]},
     "runtime": {"threads": 1},
 } | {name: None for name in observer_names() if name not in ("manifest", "health")}
-LONE = [{"min": [-0.1, -0.2], "max": [-0.05, -0.15]}]
+TWINS = "two particles in one place"
+LONE, LONE_ONE = [{"min": [-0.1, -0.2], "max": [-0.05, -0.15]}], "one particle"
 
 
 def compression(stiffness: float) -> dict[str, float]:
@@ -40,14 +41,14 @@ EXTREMES = {
         "fluid.kinematic_viscosity": 40.0,
         "time_step": {"kind": "fixed", "dt": 2e-3},
     },
-    "one particle": {"fluid.fill": LONE},
-    "two particles in one place": {},
+    LONE_ONE: {"fluid.fill": LONE},
+    TWINS: {},
     "a narrow support": {"fluid.support_ratio": 1.6},
 }
 PHYSICAL = {  # where stopping would be no answer
-    "mueller": {"viscosity 40", "one particle"},
+    "mueller": {"viscosity 40", LONE_ONE},
     "delta_sph": set(EXTREMES) - {FAST, "compression 1", "viscosity 40, a step that suits 1"},
-    "dfsph": set(),
+    "dfsph": {SLOW, LONE_ONE, TWINS},
 }
 
 
@@ -59,7 +60,7 @@ def run(scheme: str, extreme: str) -> str:
         if extreme in STEPS:
             simulation.next_dt = STEPS[extreme] * simulation.time_step.next(fluid)
             simulation.time_step.next = lambda _, dt=simulation.next_dt: dt
-        if extreme == "two particles in one place":
+        if extreme == TWINS:
             x = particles.position.to_numpy()
             x[1] = x[0]
             particles.position.from_numpy(x)
@@ -83,12 +84,25 @@ def run(scheme: str, extreme: str) -> str:
 @pytest.mark.parametrize(
     ("scheme", "extreme"),
     [(scheme, extreme) for scheme in ("mueller", "delta_sph") for extreme in EXTREMES]
-    + [("dfsph", extreme) for extreme in (FAST, "stiffness 1e6", "viscosity 40, a step that suits 1")],
+    + [
+        ("dfsph", extreme)
+        for extreme in (SLOW, FAST, "stiffness 1e6", "viscosity 40, a step that suits 1", LONE_ONE, TWINS)
+    ],
 )
 def test_it_ends_physical_or_says_why_not(scheme, extreme):
     sentence = run(scheme, extreme)
     assert not sentence or ("t = " in sentence and "try" in sentence)
     assert not sentence or extreme not in PHYSICAL[scheme], sentence
+
+
+def test_water_of_stiffness_1_is_stopped_where_it_collapses_and_refused_where_sound_would_be_too_slow():
+    with pytest.raises(Diverged, match=r"t = .*try"):
+        scene = ocean_sim.load(COLUMN | {"fluid": COLUMN["fluid"] | {"kind": "mueller", "stiffness": 1.0}})
+        with ocean_sim.Simulation(scene) as simulation:
+            simulation.run(until=1.0)
+    for scheme in ("delta_sph", "dfsph"):
+        with pytest.raises(SceneError, match=r"fluid\.compression.*1"):
+            ocean_sim.load(COLUMN | {"fluid": COLUMN["fluid"] | {"kind": scheme}}, compression(1.0))
 
 
 FAR = {
@@ -114,7 +128,7 @@ def turned(scheme: str, precision: str, left: float) -> np.ndarray:
         return last[np.argsort(particles.id.to_numpy())] - start[np.argsort(first)]
 
 
-@pytest.mark.parametrize("scheme", ["mueller", "delta_sph"])
+@pytest.mark.parametrize("scheme", ["mueller", "delta_sph", "dfsph"])
 def test_single_precision_keeps_slow_ways_far_from_the_origin(scheme):
     """At 60 m places are 4e-6 m apart and a step goes 1e-5 m: what is rounded away is kept for the next step."""
     exact = turned(scheme, "f64", -0.4)

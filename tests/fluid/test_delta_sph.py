@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.fluid.delta_sph import DAMPER, IMPACT
+from ocean_sim.fluid._stencil import Stencil
+from ocean_sim.fluid.delta_sph import DAMPER, IMPACT, SOLID
 from tests.fluid.conftest import box, by_id, put
 
 OPEN = {"length": 1.0, "width": 1.0, "depth": 0.5, "walls": "none", "floor": "none", "gravity": [0.0, 0.0, 0.0]}
 ROUND = {"length": 1.0, "depth": 1.0, "walls": {"x": "periodic", "y": "periodic"}, "floor": "none"}
 ROUND |= {"gravity": [0.0, 0.0, 0.0]}
+KICK = 1e-3  # [m/s]
 
 
 def advance(fluid, until: float, number: float = 0.5) -> None:
@@ -67,6 +69,19 @@ def test_still_water_holds_its_pressure_into_the_corners(water):
     weight = fluid.particles.mass * fluid.particles.n * GRAVITY
     assert fluid.impulse["walls"][1] == pytest.approx(weight, rel=0.01)
     assert np.abs(fluid.impulse["pressure"]).max() < 1e-12 * weight
+
+
+@pytest.mark.parametrize(("support_ratio", "stable"), [(None, True), (2.6, False)])
+def test_water_in_space_that_is_hardly_moved_stays_so_on_a_stable_lattice_alone(water, support_ratio, stable):
+    """Without any viscosity, which could calm it. At 2.6 spacings, the control, the lattice gives way."""
+    fluid = water("delta_sph", basin={"length": 0.5, "width": 0.5, "depth": 0.5}, support_ratio=support_ratio)
+    assert (Stencil(fluid.smoothing, fluid.particles.spacing).softest > 0.0) == stable
+    kicks = np.random.default_rng(5).normal(0.0, KICK, (fluid.particles.n, 3))
+    fluid.particles.velocity.from_numpy(kicks)
+    fluid.begin()
+    advance(fluid, 2.0)
+    speed = float(np.sqrt((fluid.particles.velocity.to_numpy() ** 2).mean()))
+    assert speed < 1.2 * KICK if stable else speed > 5.0 * KICK, speed
 
 
 def test_water_that_is_not_held_by_the_floor_does_not(water):
@@ -213,7 +228,7 @@ def pair(water):
 def test_particles_that_meet_lose_speed_with_its_square(pair):
     """Beside what the bulk viscosity takes, which is linear: m IMPACT u^2 / rho |W'(r)| at a relative speed u, with
     Wendland's W in space."""
-    h, r, u = 0.13, 0.1, 2.0
+    h, r, u = 0.05 * SOLID, 0.1, 2.0  # spacing 0.1 m
     slope = 21.0 / (16.0 * np.pi * h**4) * 5.0 * (r / h) * (1.0 - 0.5 * r / h) ** 3  # [1/m4]
     assert pair(u) - 2.0 * pair(0.5 * u) == pytest.approx(0.5 * 1e-7 * 1e-3 * IMPACT * (2.0 * u) ** 2 * slope, rel=1e-3)
 

@@ -8,7 +8,10 @@ import pytest
 import taichi as ti
 import taichi.math as tm
 
+from ocean_sim.basin import Config as BasinConfig
+from ocean_sim.fluid import delta_sph, dfsph
 from ocean_sim.fluid._smoothing import Smoothing
+from ocean_sim.fluid._stencil import Stencil
 
 SUPPORT = 0.7
 
@@ -116,3 +119,15 @@ def test_the_error_of_interpolation_falls_with_the_square_of_the_support(taichi_
     errors = [abs(np.subtract(*interpolated(dimension, spacing, 5.0, smooth))) for spacing in (0.16, 0.08, 0.04)]
     orders = np.log2(np.divide(errors[:-1], errors[1:]))
     assert (orders > 1.7).all(), orders
+
+
+@pytest.mark.parametrize(("scheme", "width"), [(delta_sph, None), (delta_sph, 1.0), (dfsph, 1.0)])
+def test_the_lattice_that_water_starts_from_is_stable_at_the_default_supports(scheme, width):
+    basin = BasinConfig(length=1.0, width=width, depth=0.5).build()
+    ratio = scheme.Config(spacing=0.1).ratio(basin)
+    assert Stencil(Smoothing(basin.dimension, ratio * 0.1), 0.1).softest > 0.001
+
+
+@pytest.mark.parametrize(("dimension", "ratio"), [(2, 3.6), (2, 3.0), (2, 2.6), (3, 2.6), (3, 2.4), (3, 3.2)])
+def test_it_is_not_at_others(dimension, ratio):
+    assert Stencil(Smoothing(dimension, ratio * 0.1), 0.1).softest < -0.01

@@ -20,6 +20,9 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
+# exceptions that say what the machine lacks
+LACKING = ("BackendMissing", "OpenGLMissing", "VulkanMissing", "ScreenMissing", "ClusterMissing")
+
 Scene = Annotated[str, typer.Argument(help="A scene file, or the name of a packaged scene (ocean-sim list scenes).")]
 Profile = Annotated[str | None, typer.Option(help="What the machine can afford: a name in configs/run/.")]
 Sets = Annotated[
@@ -45,6 +48,18 @@ def run(
 
     axes = [] if frame is None else [f"motion.frame={frame}"]
     run(scene, profile, [*(sets or []), *axes], out, until, overwrite, json)
+
+
+@app.command()
+def resume(
+    run: Annotated[Path, typer.Argument(help="A run folder with checkpoints.")],
+    until: Annotated[float | None, typer.Option(help="Simulated time [s], in place of the scene's duration.")] = None,
+    json: Json = False,
+) -> None:
+    """Go on with a run from its last checkpoint."""
+    from ocean_sim.verbs.resume import resume
+
+    resume(run, until, json)
 
 
 @app.command()
@@ -202,6 +217,27 @@ def export(
 
 
 @app.command()
+def preview(
+    scene: Scene,
+    profile: Profile = None,
+    sets: Sets = None,
+    frames: Annotated[
+        int | None, typer.Option(min=1, help="Write so many pictures instead of opening a window; needs no screen.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Where pictures, snapshots and recordings go; by default runs/<scene>-preview.")
+    ] = None,
+    camera: Annotated[str | None, typer.Option(help="third_person, helm, top or side.")] = None,
+    content: Annotated[str | None, typer.Option(help="surface, particles or both.")] = None,
+    json: Json = False,
+) -> None:
+    """A window to play with: look, steer, move sliders; or the same pictures without a window."""
+    from ocean_sim.verbs.preview import preview
+
+    preview(scene, profile, sets or [], frames, out, camera, content, json)
+
+
+@app.command()
 def waves(
     run: Annotated[Path, typer.Argument(help="A run folder, or its gauges.csv.")],
     begin: Annotated[float, typer.Option(help="Leave out what the gauges say before this time [s].")] = 0.0,
@@ -253,6 +289,60 @@ def platform(
     platform(log, geometry, washout, frame, stream, packets, film, out, json)
 
 
+@app.command()
+def sweep(
+    plan: Annotated[Path, typer.Argument(help="A YAML file: scene, profile, set, list, grid, seeds.")],
+    scheduler: Annotated[
+        str | None, typer.Option(help="A Dask cluster, as in tcp://127.0.0.1:8786, that sees the same files.")
+    ] = None,
+    workers: Annotated[int | None, typer.Option(min=1, help="Runs at once here; by default one a core.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Run folders and results.csv; by default runs/<plan>.")] = None,
+    json: Json = False,
+) -> None:
+    """Many runs from a plan, each in a process of its own; what is finished is not run again, failures are rows."""
+    from ocean_sim.verbs.sweep import sweep
+
+    sweep(plan, scheduler, workers, out, json)
+
+
+@app.command()
+def tradeoff(
+    scene: Annotated[str | None, typer.Argument(help="A scene; without one, the validation cases.")] = None,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(help="KEY=A,B,C; several: every combination. By default all profiles (profile=ci,...)."),
+    ] = None,
+    budget: Annotated[
+        str | None, typer.Option(help="16ms: wall time of 1/60 s simulated; realtime; 30s: of the whole run.")
+    ] = None,
+    by: Annotated[str | None, typer.Option(help="The error that decides, as it stands in the table.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer runs and seeds: minutes instead of hours.")] = False,
+    profile: Profile = None,
+    sets: Sets = None,
+    workers: Annotated[int | None, typer.Option(min=1, help="Cases at once; by default one a core.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Where tables, pictures and runs go.")] = None,
+    json: Json = False,
+) -> None:
+    """Speed against accuracy, measured: over the validation cases, or over settings of a scene within a budget."""
+    from ocean_sim.verbs.tradeoff import tradeoff
+
+    tradeoff(scene, vary or [], budget, by, quick, profile, sets or [], workers, out, json)
+
+
+@app.command()
+def stability(
+    scene: Annotated[str | None, typer.Argument(help="A scene; without one, a collapsing column.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer points: minutes instead of hours.")] = False,
+    workers: Annotated[int | None, typer.Option(min=1, help="Runs at once; by default one a core.")] = None,
+    out: Annotated[Path, typer.Option(help="Where tables, pictures and runs go.")] = Path("runs/stability"),
+    json: Json = False,
+) -> int:
+    """Where it breaks: time steps and other settings at their extremes, each with a verdict."""
+    from ocean_sim.verbs.stability import stability
+
+    return stability(scene, quick, workers, out, json)
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and leave with its exit code."""
     sys.exit(answered(sys.argv[1:] if arguments is None else arguments))
@@ -289,13 +379,14 @@ def told(error: BaseException, as_json: bool) -> int:
 
 def meaning(error: BaseException) -> tuple[int, str, list[Any]]:
     """Exit code, sentence, and the places in a scene that an error speaks of."""
+    from ocean_sim.input_file import Unreadable
     from ocean_sim.yaml_file import SceneError
 
     if isinstance(error, SceneError):
         return 2, str(error), error.problems
-    if isinstance(error, console.Refused):
+    if isinstance(error, console.Refused | Unreadable):
         return 2, str(error), []
-    if isinstance(error, console.Lacking) or type(error).__name__ in ("BackendMissing", "OpenGLMissing"):
+    if isinstance(error, console.Lacking) or type(error).__name__ in LACKING:
         return 3, str(error), []
     if isinstance(error, ImportError | OSError) and "libX11" in str(error):
         return 3, "Taichi needs the system library libX11: as root, apt-get install libx11-6", []

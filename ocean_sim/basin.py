@@ -160,7 +160,7 @@ class Basin:
     """The box of water, in plain numbers."""
 
     config: Config
-    afloat: tuple[Any, ...] = ()  # what floats in it: `origin`, `inside` of places, `samples` (ship/_solid.py)
+    afloat: tuple[Any, ...] = ()  # what floats in it: `inside` of places, `felt`, `origin`, `samples` (ship/_solid.py)
 
     @property
     def dimension(self) -> int:

@@ -3,10 +3,10 @@
 import hashlib
 import os
 from collections.abc import Callable
-from zipfile import BadZipFile
 
 import numpy as np
 
+from ocean_sim import input_file
 from ocean_sim.runtime import cache_directory
 
 
@@ -15,9 +15,8 @@ def kept(folder: str, content: bytes, made: Callable[[], dict[str, np.ndarray]])
     written is no failure."""
     path = cache_directory() / folder / f"{hashlib.sha256(content).hexdigest()}.npz"
     try:
-        with np.load(path) as arrays:
-            return dict(arrays)
-    except (OSError, ValueError, EOFError, BadZipFile):
+        return input_file.arrays(path)
+    except input_file.Unreadable:
         arrays = made()
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -4,17 +4,29 @@ from pathlib import Path
 
 import numpy as np
 
+from ocean_sim import input_file
+
 
 def columns(path: str | Path) -> dict[str, np.ndarray]:
-    """Each column, (n,), by its name; what is no number is NaN. Raises OSError or ValueError."""
-    lines = [line for line in Path(path).read_text(encoding="utf-8").splitlines() if line.strip() and line[0] != "#"]
+    """Each column, (n,), by its name; what is no number is NaN. Raises Unreadable, a ValueError."""
+    lines = [line for line in input_file.text(path).splitlines() if line.strip() and line[0] != "#"]
     if len(lines) < 2:
-        raise ValueError(f"{path} has no rows under a heading")
+        raise input_file.Unreadable(path, "it has no rows under a heading")
     names = [name.strip() for name in lines[0].split(",")]
-    table = np.genfromtxt(lines[1:], delimiter=",", ndmin=2)
-    if table.shape[1] != len(names):
-        raise ValueError(f"{path} has {len(names)} names and {table.shape[1]} columns")
+    uneven = next((line for line in lines[1:] if line.count(",") != len(names) - 1), None)
+    if uneven is not None:
+        cells = uneven.count(",") + 1
+        raise input_file.Unreadable(path, f"it has {len(names)} names and a row of {cells}, {described(uneven)}")
+    twice = next((name for k, name in enumerate(names) if name in names[:k]), None)
+    if twice is not None:
+        raise input_file.Unreadable(path, f"it has two columns {described(twice)}")
+    table = np.genfromtxt(lines[1:], delimiter=",", ndmin=2, comments=None)  # type: ignore[call-overload]
     return dict(zip(names, table.T))
+
+
+def described(text: str) -> str:
+    """A piece of a file, cut short: for messages."""
+    return repr(text if len(text) <= 40 else f"{text[:37]}...")
 
 
 class Growing:

@@ -14,6 +14,7 @@ import numpy as np
 from pydantic import Field
 
 from ocean_sim import csv_file, waves
+from ocean_sim.input_file import FileName, Unreadable
 from ocean_sim.parts import PartConfig, quantity
 
 if TYPE_CHECKING:
@@ -129,14 +130,14 @@ class Harmonic(Tank):
 class Recorded(Tank):
     """The motion in a file, smooth between its rows (a cubic spline); the tank stands still before and after them."""
 
-    file: str
+    file: FileName
     """CSV with columns `time_s` and that of an axis, with its unit or without: `x_m`, `y_m`, `z_m`, `roll_x_rad`,
     `roll_y_rad` or `roll_z_rad`."""
     axis: Axis | None = None
     """Which of several columns; by default the only one."""
 
     def rows(self) -> tuple[Axis, np.ndarray, np.ndarray]:
-        """Axis, times [s] and displacements [m or rad]; raises OSError or ValueError."""
+        """Axis, times [s] and displacements [m or rad]; raises Unreadable."""
         found = csv_file.columns(self.file)
         columns = {name.removesuffix("_m").removesuffix("_rad"): column for name, column in found.items()}
         axes: list[Axis] = [axis for axis in Axis.__args__ if axis in columns]  # type: ignore[attr-defined]
@@ -144,19 +145,19 @@ class Recorded(Tank):
             axes = [axis for axis in axes if axis == self.axis]
         if "time_s" not in columns or not axes:
             wanted = self.axis or "an axis (x, y, z, roll_x, roll_y or roll_z)"
-            raise ValueError(f"{self.file} needs the columns time_s and that of {wanted}")
+            raise Unreadable(self.file, f"needs the columns time_s and that of {wanted}")
         if len(axes) > 1:
-            raise ValueError(f"{self.file} has columns of several axes, {', '.join(axes)}; say axis: {axes[0]}")
+            raise Unreadable(self.file, f"has columns of several axes, {', '.join(axes)}; say axis: {axes[0]}")
         times, moved = columns["time_s"], columns[axes[0]]
         if len(times) < 4 or not np.isfinite([times, moved]).all() or not (np.diff(times) > 0.0).all():
-            raise ValueError(f"{self.file} needs at least four rows of numbers, in the order of time")
+            raise Unreadable(self.file, "needs at least four rows of numbers, in the order of time")
         return axes[0], times, moved
 
     def problems(self, basin: "Basin") -> Problems:
         try:
             axis = self.rows()[0]
-        except (OSError, ValueError) as error:
-            return [(("file",), f"cannot be read: {error}")]
+        except Unreadable as error:
+            return [(("file",), f"{error}")]
         return super().problems(basin) + unmoved(axis, basin)
 
     def build(self) -> "TankMotion":

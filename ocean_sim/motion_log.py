@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ocean_sim import conventions
+from ocean_sim import conventions, input_file
 from ocean_sim.conventions import GRAVITY
 
 MOTIONS = ("sway_m", "heave_m", "surge_m", "pitch_rad", "yaw_rad", "roll_rad")
@@ -72,12 +72,9 @@ def ride_of(table: dict[str, np.ndarray], frame: str) -> Ride:
 
 
 def read(path: str | Path) -> MotionLog:
-    """A whole motion log. Raises OSError where it cannot be read, and ValueError with the reason where it is none."""
+    """A whole motion log. Raises ValueError with the reason where it cannot be read, or is none."""
     path = Path(path)
-    try:
-        every_line = path.read_text(encoding="utf-8").splitlines()
-    except UnicodeDecodeError:
-        raise ValueError(f"{path} is not UTF-8 text") from None
+    every_line = input_file.text(path).splitlines()
     comments = [line.removeprefix("#").partition(":") for line in every_line if line.startswith("#")]
     head = {key.strip(): value.strip() for key, _, value in comments}
     names, lines = heading(path, [line for line in every_line if line.strip() and not line.startswith("#")])

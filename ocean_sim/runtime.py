@@ -99,6 +99,24 @@ def compiled_kernels() -> list[str]:
     return sorted({kernel.func.__qualname__ for kernel in impl.get_runtime().kernels if kernel.compiled_kernels})
 
 
+def kernels_in(module: str) -> list[str]:
+    """Names of the Taichi kernels of a kind's module and of the shared modules of its room that it is made of; they are
+    compiled when they are first used."""
+    room, found = module.rpartition(".")[0], set()
+    waiting, seen = [module], set()
+    while waiting:
+        name = waiting.pop()
+        seen.add(name)
+        for thing in vars(sys.modules[name]).values():
+            home = str(getattr(thing, "__module__", ""))
+            if home.startswith(f"{room}.") and home not in seen and home in sys.modules:
+                waiting.append(home)
+            if isinstance(thing, type) and home == name:
+                kernels = [key for key, law in vars(thing).items() if hasattr(law, "_is_wrapped_kernel")]
+                found |= {f"{thing.__qualname__}.{key}" for key in kernels}
+    return sorted(found)
+
+
 def allocated_bytes() -> int:
     """Bytes of all Taichi fields that are allocated now."""
     program = impl.get_runtime().prog

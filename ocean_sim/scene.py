@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from ocean_sim.result import Result
 
 ALWAYS_ON = ("manifest", "timings", "health", "accuracy", "frames", "report", "render")  # unless null
-FIRST = ("manifest", "timings", "health", "accuracy", "gauges")
-LAST = ("frames", "render", "report")  # what others have written by then, they read
+FIRST = ("timings", "health", "accuracy", "gauges")
+LAST = ("frames", "manifest", "render", "report", "checkpoint")  # what others have written by then, they read
 OVERRIDE = "--set"
 
 Part = Any  # the Config of a kind, or None: scenes know kinds by name only
@@ -91,15 +91,17 @@ def load(
 ) -> SceneConfig:
     """The scene in a file (or the name of a packaged scene, or a dict), with overrides and a profile laid over it.
 
+    Names of files in it, and in overrides, are relative to its own file; in a dict, to the working directory.
     Raises SceneError, which holds everything that is wrong at once.
     """
     try:
+        folder = None if isinstance(source, dict) else scene_path(source).parent.absolute()
         scene = node_of(source, Place("scene")) if isinstance(source, dict) else read(scene_path(source))
         layer, problems = profile_layer(profile)
         sets = {key: _override(key, value) for key, value in (overrides or {}).items()}
         composition = composed(scene, layer, sets)
         problems += composition.problems
-        config = _checked(composition, problems)
+        config = _checked(composition, problems, folder)
     except RecursionError:
         raise SceneError([Problem("scene", None, None, "", "nested too deeply")]) from None
     if problems or config is None:
@@ -156,31 +158,22 @@ def _short(value: Any) -> str:
     return text if len(text) <= 40 else f"{text[:37]}..."
 
 
-def _checked(composition: Composition, problems: list[Problem]) -> SceneConfig | None:
+def _checked(composition: Composition, problems: list[Problem], folder: Path | None) -> SceneConfig | None:
     """The models of a composed scene, or None; `problems` grows by everything that is wrong."""
     data, root = composition.root.data, composition.root
-    observers = observer_names()
-    headings = tuple(Heading.model_fields)
+    headings, observers = tuple(Heading.model_fields), observer_names()
     known = (*headings, "basin", *SLOTS, "runtime", *observers)
     for key, node in data.items():
         if key not in known:
             end, suggestion = choice_sentence(key, known)
             problems.append(problem(node.key_place, key, f"unknown key{end}", suggestion))
     heading = validated(Heading, root.with_data({k: v for k, v in data.items() if k in headings}), (), problems)
-    parts: dict[str, Any] = {}
-    models: dict[str, Any] = {"basin": basin.Config, "runtime": RuntimeConfig}
-    for name in ("basin", *SLOTS, "runtime"):
-        node = data.get(name)
-        if node is not None and node.data is not None:
-            model = models.get(name) or config_of(name, node.data["kind"].data)
-            parts[name] = validated(model, node, (name,), problems)
-        elif name in ("basin", "fluid") and name not in composition.failed:
-            problems.append(problem(root.place, name, "missing key"))
-        elif name == "runtime":
-            parts[name] = RuntimeConfig()
+    parts = _parts(composition, problems, folder)
     watching = _observers(data, root, problems)
+    failed = composition.failed | {name for name, part in parts.items() if part is None}
     for name, config in watching.items():
-        absent = [need for need in config.needs if parts.get(need) is None and need not in watching]
+        there = {*watching, *failed}  # a part that is wrong is there
+        absent = [need for need in config.needs if parts.get(need) is None and need not in there]
         if absent:
             place = data.get(name, root).place
             problems.append(problem(place, name, f"needs {', '.join(absent)}, which this scene does not have"))
@@ -189,35 +182,67 @@ def _checked(composition: Composition, problems: list[Problem]) -> SceneConfig |
         place = parts["basin"].build()
         for name in ("fluid", "surface", "ship"):
             if parts.get(name) is not None and heading.resolution != 1.0:
-                model, scaled = (
-                    type(parts[name]),
-                    _scaled(parts[name].model_dump(), heading.resolution, place, name, notes),
-                )
-                parts[name] = validated(model, node_of(scaled, data[name].place), (name,), problems)
+                scaled = _scaled(parts[name].model_dump(), heading.resolution, place, name, notes)
+                parts[name] = validated(type(parts[name]), node_of(scaled, data[name].place), (name,), problems)
         for name, part in (parts | watching).items():
             if hasattr(part, "problems"):
                 problems += _misplaced(name, part.problems(place), data.get(name, root))
+        wrong = failed | {found.key.partition(".")[0] for found in problems}
         for name, part in watching.items():
-            if hasattr(part, "mismatched"):
+            if hasattr(part, "mismatched") and not wrong & {"basin", *SLOTS}:
                 problems += _misplaced(name, part.mismatched(parts), data.get(name, root))
-    fluid, surface = parts.get("fluid"), parts.get("surface")
-    if surface is not None and fluid is not None and not hasattr(fluid, "lattice"):
-        said = f"a surface follows particles, and fluid.kind {fluid.kind} has none; leave it out"
-        problems.append(problem(data["surface"].place, "surface", said))
-    elif surface is not None and hasattr(surface, "beside") and fluid is not None and not problems:
-        parts["surface"] = surface.beside(fluid, place)
-        problems += _misplaced("surface", surface.problems_beside(fluid, place), data["surface"])
-    ship = parts.get("ship")
-    if ship is not None and surface is None and hasattr(fluid, "lattice") and ship.needs_surface:
-        said = f"a {ship.kind} ship over particles asks a surface how high the water stands; give a `surface`"
-        problems.append(problem(data["ship"].place, "ship", said))
-    if ship is not None and fluid is not None and fluid.kind not in getattr(ship, "waters", (fluid.kind,)):
-        said = f"water of kind {fluid.kind} does not carry a ship of kind {ship.kind}; take {' or '.join(ship.waters)}"
-        problems.append(problem(data["ship"].place, "ship", said))
+        _surface_on_fluid(parts, place, data, problems)
+    _ship_on_water(parts, data, problems)
     if problems or heading is None:
         return None
     values = {key: getattr(heading, key) for key in headings}
     return SceneConfig(**values, **parts, observers=watching, notes=notes)
+
+
+def _parts(composition: Composition, problems: list[Problem], folder: Path | None) -> dict[str, Any]:
+    """The models of basin, slots and runtime, each where there is one and it is in order."""
+    parts: dict[str, Any] = {}
+    models: dict[str, Any] = {"basin": basin.Config, "runtime": RuntimeConfig}
+    for name in ("basin", *SLOTS, "runtime"):
+        node = composition.root.data.get(name)
+        if node is not None and node.data is not None:
+            model = models.get(name) or config_of(name, node.data["kind"].data)
+            parts[name] = validated(model, node, (name,), problems, folder)
+        elif name in ("basin", "fluid") and name not in composition.failed:
+            problems.append(problem(composition.root.place, name, "missing key"))
+        elif name == "runtime":
+            parts[name] = RuntimeConfig()
+    return parts
+
+
+def _surface_on_fluid(
+    parts: dict[str, Any], place: basin.Basin, data: dict[str, Node], problems: list[Problem]
+) -> None:
+    """A surface takes what it leaves open from its particles; without any there is nothing for it to follow."""
+    fluid, surface = parts.get("fluid"), parts.get("surface")
+    if surface is None or fluid is None:
+        return
+    if not hasattr(fluid, "lattice"):
+        said = f"a surface follows particles, and fluid.kind {fluid.kind} has none; leave it out"
+        problems.append(problem(data["surface"].place, "surface", said))
+    elif hasattr(surface, "beside") and not problems:
+        parts["surface"] = surface.beside(fluid, place)
+        problems += _misplaced("surface", surface.problems_beside(fluid, place), data["surface"])
+
+
+def _ship_on_water(parts: dict[str, Any], data: dict[str, Node], problems: list[Problem]) -> None:
+    """Whether this kind of ship floats on this kind of water, and where it is put."""
+    ship, fluid = parts.get("ship"), parts.get("fluid")
+    if ship is None or fluid is None:
+        return
+    if parts.get("surface") is None and hasattr(fluid, "lattice") and ship.needs_surface:
+        said = f"a {ship.kind} ship over particles asks a surface how high the water stands; give a `surface`"
+        problems.append(problem(data["ship"].place, "ship", said))
+    if fluid.kind not in getattr(ship, "waters", (fluid.kind,)):
+        said = f"water of kind {fluid.kind} does not carry a ship of kind {ship.kind}; take {' or '.join(ship.waters)}"
+        problems.append(problem(data["ship"].place, "ship", said))
+    if hasattr(ship, "problems_beside") and not problems:
+        problems += _misplaced("ship", ship.problems_beside(fluid, parts["basin"].build()), data["ship"])
 
 
 def _observers(data: dict[str, Node], root: Node, problems: list[Problem]) -> dict[str, ObserverConfig]:

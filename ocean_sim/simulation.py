@@ -23,13 +23,15 @@ class Simulation:
     `runtime` takes the fields of this one away.
     """
 
+    left_out = ("observers", "stage")  # what a checkpoint of it does not hold
+
     def __init__(self, scene: "SceneConfig", folder: Path | None = None) -> None:
         """`folder`: where observers write; without it only those watch that write nothing."""
         self.scene = scene
         self.backend = runtime.start(scene.runtime)
         self.basin = scene.basin.build()
         if hasattr(scene.ship, "floating"):  # the water is built around it
-            self.basin = replace(self.basin, afloat=(scene.ship.floating(self.basin, scene.fluid.rest_density),))
+            self.basin = replace(self.basin, afloat=scene.ship.floating(self.basin, scene.fluid))
         self.wind = scene.wind.build(self.basin, scene.seed)
         accounts = "accuracy" in scene.observers  # whether the fluid sums the impulse of each term
         self.fluid = scene.fluid.build(self.basin, scene.seed, ledger=accounts, wind=self.wind.on("fluid"))
@@ -39,6 +41,7 @@ class Simulation:
         self.time_step = scene.time_step.build()
         self.stage: Callable[[str], AbstractContextManager] = lambda name: nullcontext()
         self.time, self.steps = 0.0, 0
+        self.begun = False  # whether observers have seen the first state
         self.next_dt = self.time_step.next(self)  # [s] the coming step is known before it is taken
         self.outcome, self.reason = "running", ""
         self.observers: list[Observer] = [
@@ -71,18 +74,17 @@ class Simulation:
     def run(self, until: float) -> None:
         """Step until this time [s] is reached; raises Diverged where the run leaves the physical world."""
         try:
-            if self.steps == 0:
+            if not self.begun:
+                self.begun = True
                 self._watch(self.observers)
             while self.time < until * (1.0 - 1e-12):
                 before = self.time
-                try:
-                    self.step()
-                except Diverged as failure:
-                    raise Diverged(f"{failure}; t = {before:.4f} s, step {self.steps}") from None
+                self.step()
                 self._watch([o for o in self.observers if self._due(o.every, before)])
         except Diverged as failure:
-            self.outcome, self.reason = "stopped", str(failure)
-            raise
+            when = "" if "t = " in str(failure) else f"; t = {self.time:.4f} s, step {self.steps}"
+            self.outcome, self.reason = "stopped", f"{failure}{when}"
+            raise Diverged(self.reason) from None
         except KeyboardInterrupt:
             self.outcome, self.reason = "stopped", "interrupted"
             raise

@@ -1,14 +1,19 @@
 """What pydantic finds wrong, in the words of someone who writes scenes: at the place, with the bound and the unit."""
 
+from collections.abc import Iterator
 from difflib import get_close_matches
+from math import inf
+from pathlib import Path as Folder
 from types import UnionType
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
+from ocean_sim.input_file import FOLDER
 from ocean_sim.yaml_file import Node, Problem, described, problem
 
+LEAST, MOST = 1e-60, 1e15  # size of a number in SI units that a scene may hold
 FEW = 16  # choices that still fit in a sentence
 BOUNDS = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
 SHAPES = {
@@ -30,13 +35,30 @@ Model = TypeVar("Model", bound=BaseModel)
 Path = tuple[str | int, ...]
 
 
-def validated(model: type[Model], node: Node, path: Path, problems: list[Problem]) -> Model | None:
-    """The model of what a node says; where it cannot be, None, and `problems` grows."""
+def validated(
+    model: type[Model], node: Node, path: Path, problems: list[Problem], folder: Folder | None = None
+) -> Model | None:
+    """The model of what a node says; where it cannot be, None, and `problems` grows. `folder`: where the names of files
+    begin, by default where the user is."""
+    beyond = list(absurd(node, path))
+    problems.extend(beyond)
     try:
-        return model.model_validate(node.plain())
+        found = model.model_validate(node.plain(), context={FOLDER: folder})
+        return None if beyond else found
     except ValidationError as error:
         problems.extend(translated(error, model, node, path))
         return None
+
+
+def absurd(node: Node, path: Path) -> Iterator[Problem]:
+    """Numbers so large or small that no product of a few of them could be computed."""
+    if isinstance(node.data, dict | list):
+        for key, inner in node.data.items() if isinstance(node.data, dict) else enumerate(node.data):
+            yield from absurd(inner, (*path, key))
+    elif isinstance(node.data, int | float) and node.data:
+        if not LEAST <= abs(node.data) <= MOST and abs(node.data) < inf:
+            said = f"{described(node.data)} is no size of anything here: 0, or between {LEAST:g} and {MOST:g}"
+            yield problem(node.place, dotted(path), said)
 
 
 def dotted(path: Path) -> str:

@@ -1,11 +1,14 @@
 """YAML 1.2 with positions: the only place that reads it. Every value knows where it was written."""
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from ocean_sim.input_file import Unreadable, shown, text
+
 TEXTS = ("str", "timestamp", "merge", "value")  # the last three are words of YAML 1.1
+MOST_BYTES = 1_000_000  # a table of numbers that is longer goes into a CSV file
+LONGEST_KEY = 100  # characters
 MOST_VALUES = 200_000  # aliases of aliases can name more values than a machine can hold
 
 
@@ -98,27 +101,13 @@ def merged(below: Node, above: Node) -> Node:
     return above.with_data(data)
 
 
-def shown(path: Path) -> str:
-    """A path as a user would open it from where they are."""
-    relative = os.path.relpath(path)
-    return str(path) if relative.startswith(os.pardir) else relative
-
-
 def read(path: Path, name: str | None = None) -> Node:
     """The mapping in a file; raises SceneError naming the file as `name`."""
     name = name or shown(path)
     try:
-        text = path.read_bytes().decode("utf-8")
-    except FileNotFoundError:
-        raise SceneError([Problem(name, None, None, "", "there is no such file")]) from None
-    except IsADirectoryError:
-        raise SceneError([Problem(name, None, None, "", "this is a folder, not a file")]) from None
-    except UnicodeDecodeError as error:
-        raise SceneError([Problem(name, None, None, "", f"this is not UTF-8 text (byte {error.start})")]) from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise SceneError([Problem(name, None, None, "", f"cannot be read: {reason}")]) from None
-    node = parsed(text, Place(name, 1, 1))
+        node = parsed(text(path, MOST_BYTES), Place(name, 1, 1))
+    except Unreadable as error:
+        raise SceneError([Problem(name, None, None, "", error.reason)]) from None
     if node.data is None:
         raise SceneError([problem(Place(name, 1, 1), "", "this file is empty; a mapping was expected")])
     if not node.is_mapping:
@@ -141,6 +130,7 @@ def parsed(text: str, start: Place) -> Node:
     """YAML text as nodes; positions are kept where `start` has a line."""
     from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
+    from ruamel.yaml.reader import ReaderError
 
     try:
         tree = YAML(typ="safe", pure=True).compose(text)
@@ -153,6 +143,8 @@ def parsed(text: str, start: Place) -> Node:
         place = start if start.line is None or mark is None else Place(start.file, mark.line + 1, mark.column + 1)
         sentence = " ".join(filter(None, [error.context, error.problem])) or "this is not YAML"
         raise SceneError([problem(place, "", f"not valid YAML: {sentence}")]) from None
+    except ReaderError as error:
+        raise SceneError([unprintable(text, error, start)]) from None
     except YAMLError as error:
         reason = str(error).strip().splitlines()[0]
         raise SceneError([problem(start, "", f"not valid YAML: {reason}")]) from None
@@ -163,6 +155,14 @@ def parsed(text: str, start: Place) -> Node:
     if reader.problems:
         raise SceneError(reader.problems)
     return node
+
+
+def unprintable(text: str, error: Any, start: Place) -> Problem:
+    """A character that YAML does not allow, and where it is."""
+    character = text[error.position : error.position + 1] or "?"
+    before = text[: error.position].splitlines() or [""]
+    place = start if start.line is None else Place(start.file, len(before), len(before[-1]) + 1)
+    return problem(place, "", f"not valid YAML: the character U+{ord(character):04X} is not allowed")
 
 
 def described(value: Any) -> str:
@@ -207,9 +207,7 @@ class _Reader:
             place = key_place  # a value that is not written stands where its key does
         self.count += 1
         if self.count > MOST_VALUES:
-            if self.count == MOST_VALUES + 1:
-                self.refuse(tree, path, f"more than {MOST_VALUES} values")
-            return Node(None, place, key_place)
+            raise SceneError([*self.problems, problem(place, path, f"more than {MOST_VALUES} values")])
         if id(tree) in self.open:
             return self.refuse(tree, path, "this alias stands inside what it names")
         self.open.add(id(tree))
@@ -226,7 +224,7 @@ class _Reader:
     def mapping(self, tree: Any, path: str) -> dict[str, Node]:
         data: dict[str, Node] = {}
         for key, value in tree.value:
-            if key.id != "scalar":
+            if key.id != "scalar" or not key.value.isprintable() or len(key.value) > LONGEST_KEY:
                 self.refuse(key, path, "a key must be a word")
                 continue
             inside = f"{path}.{key.value}".lstrip(".")
@@ -250,6 +248,11 @@ class _Reader:
                 return _integer(text) if kind == "int" else _real(text)
             except ValueError:
                 return self.refuse(tree, path, f"{described(text)} is not a number that can be read").data
+        if any("\ud800" <= c <= "\udfff" for c in text):
+            try:  # JSON writes one character as two escapes
+                text = text.encode("utf-16", "surrogatepass").decode("utf-16")
+            except UnicodeDecodeError:
+                return self.refuse(tree, path, "an escape that stands for half of a character").data
         if kind not in TEXTS:
             return self.refuse(tree, path, f"tags such as {tree.tag} are not read here").data
         return text

@@ -57,7 +57,7 @@ def test_motion_from_a_file_is_smooth_and_has_its_derivatives(tmp_path):
 
 def test_what_a_file_lacks_is_said(tmp_path):
     path = tmp_path / "roll.csv"
-    assert "cannot be read" in motion(file=str(path)).problems(SLICE)[0][1]
+    assert "there is no such file" in motion(file=str(path)).problems(SLICE)[0][1]
     path.write_text("time_s,pitch\n0,0\n1,0\n2,0\n3,0\n")
     assert "needs the columns time_s" in motion(file=str(path)).problems(SLICE)[0][1]
     path.write_text("time_s,x,roll_z\n0,0,0\n1,0,0\n2,0,0\n3,0,0\n")

@@ -61,7 +61,11 @@ def boxes(lattice: Lattice, support: float) -> list[Body]:
 
 def floating(lattice: Lattice, support: float) -> list[Body]:
     """What floats in the basin, likewise."""
-    return [Body(*solid.samples(lattice.spacing, support), False, solid.origin) for solid in lattice.basin.afloat]
+    return [
+        Body(*solid.samples(lattice.spacing, support), False, solid.origin)
+        for solid in lattice.basin.afloat
+        if solid.felt
+    ]
 
 
 @ti.data_oriented

@@ -16,6 +16,7 @@ from pydantic import Field, model_validator
 
 from ocean_sim import csv_file, waves
 from ocean_sim.basin import Basin
+from ocean_sim.input_file import FileName, Unreadable, arrays, shown
 from ocean_sim.parts import PartConfig, quantity
 from ocean_sim.random_numbers import numpy_uniform3
 
@@ -180,33 +181,33 @@ class FromFile(PartConfig):
     """Particles as a file has them, as many as there are; they replace the lattice."""
 
     kind: Literal["file"] = "file"
-    path: str
+    path: FileName
     """A CSV with a heading, or an npz: x, y, z [m], u, v, w [m/s], and p [Pa] where it is known. In a slice without z
     and w."""
 
     def columns(self) -> dict[str, np.ndarray]:
-        """The columns of the file, each (n,), by their names without unit; raises OSError or ValueError."""
-        if self.path.endswith(".npz"):
-            with np.load(self.path) as archive:
-                found = {name: np.atleast_1d(archive[name]).astype(float) for name in archive.files}
-        else:
-            found = csv_file.columns(self.path)
+        """The columns of the file, each (n,), by their names without unit; raises Unreadable."""
+        found = arrays(self.path) if self.path.endswith(".npz") else csv_file.columns(self.path)
+        unnumbered = [name for name, column in found.items() if column.dtype.kind not in "iuf" or column.ndim > 1]
+        if unnumbered:
+            raise Unreadable(self.path, f"{unnumbered[0]} is not a column of numbers")
+        found = {name: np.atleast_1d(column).astype(float) for name, column in found.items()}
         return {name.split("_")[0]: column for name, column in found.items()}
 
     def problems(self, basin: Basin) -> Problems:
         try:
             columns = self.columns()
-        except (OSError, ValueError) as error:
-            yield ("path",), f"cannot be read: {error}"
+        except Unreadable as error:
+            yield ("path",), f"{error}"
             return
         missing = [name for name in ("xyuv" if basin.dimension == 2 else "xyzuvw") if name not in columns]
         sizes = {column.shape for column in columns.values()}
         if missing:
-            yield ("path",), f"{self.path} has no column {' and no column '.join(missing)}"
+            yield ("path",), f"{shown(self.path)} has no column {' and no column '.join(missing)}"
         elif len(sizes) != 1 or sizes == {(0,)}:
-            yield ("path",), f"the columns of {self.path} must be of one length, and not empty"
+            yield ("path",), f"the columns of {shown(self.path)} must be of one length, and not empty"
         elif not all(np.isfinite(column).all() for column in columns.values()):
-            yield ("path",), f"{self.path} holds what is not a number"
+            yield ("path",), f"{shown(self.path)} holds what is not a number"
         else:
             places = self.places(basin)
             low, up = np.array(basin.lower), np.array(basin.upper)

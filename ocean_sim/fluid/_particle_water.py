@@ -42,6 +42,7 @@ class ParticleWater:
         self.jet = lattice.jet
         self.time = 0.0  # [s]
         self.emitted_impulse, self.emitted_work = np.zeros(3), 0.0  # [N s], [J]
+        self.hull: Any = None  # of a ship that meets the particles: `given`, `back` [N s], `work` [J]
         self.summary = np.zeros(SUMMARY, dtype=self.particles.position.precision)
 
     def drive(self, dt: float) -> None:
@@ -100,6 +101,8 @@ class ParticleWater:
         total = self.ledger.total()
         if total and self.jet is not None:
             total["emitter"] = self.emitted_impulse.copy()
+        if total and self.hull is not None:
+            total["ship"] = self.hull.given + self.hull.back
         return total
 
     @property
@@ -109,6 +112,8 @@ class ParticleWater:
         total = self.ledger.total_work()
         if total and self.jet is not None:
             total["emitter"] = self.emitted_work
+        if total and self.hull is not None:
+            total["ship"] = self.hull.work
         return total
 
     @ti.func

@@ -16,6 +16,7 @@ from ocean_sim.fluid._water import WaterConfig, free_fall_speed
 from ocean_sim.parts import LedgerRow
 from ocean_sim.wind import Wind
 
+PARTICLE = 4.7e-8  # [s] of processor time a step
 SUPPORT_RATIO = 2.0  # [spacings] the surface is smoothed over so much; nothing else has a support here
 
 
@@ -34,9 +35,9 @@ class Config(WaterConfig):
 
     def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
         size = self.size(basin)
-        n = size.lattice.n
+        n, what = size.lattice.n, "position, velocity, density, pressure, number"
         return [
-            LedgerRow("fluid", f"{n} particles", (8 * word + 4) * n, "position, velocity, density, pressure, number"),
+            LedgerRow("fluid", f"{n} particles", (8 * word + 4) * n, what, PARTICLE * n),
             LedgerRow("fluid", f"grid of {size.cell_count} cells", size.bytes(word), "the surface that gauges read"),
         ]
 

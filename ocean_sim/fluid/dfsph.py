@@ -41,6 +41,7 @@ from ocean_sim.fluid._stencil import Stencil
 from ocean_sim.parts import LedgerRow, quantity
 from ocean_sim.wind import Wind
 
+PAIR = 7.4e-8  # [s] of processor time a neighbour, with the iterations that calm water needs
 READS = 7  # fields of a neighbour that the law of the forces reads
 FLAT, SOLID = 3.6, 2.0  # [spacings] support in a slice (36 neighbours) and in space (26)
 CALM = {"density": 0.1, "divergence": 0.003}  # [tolerances] errors below which water counts as calm
@@ -92,7 +93,7 @@ class Config(SphConfig):
         sizes = self.sized(basin, READS, 1)
         n, neighbours = sizes.grid.lattice.n, Stencil(Smoothing(basin.dimension, self.ratio(basin)), 1.0).neighbours
         pairs = LedgerRow("fluid", "pairs", _pairs.size(n, neighbours, word), f"{neighbours} neighbours on the lattice")
-        return [*rows(sizes, word, 26 + 2 * self.enclosed(basin), what), pairs]
+        return [*rows(sizes, word, 26 + 2 * self.enclosed(basin), what, PAIR), pairs]
 
     def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "Dfsph":
         return Dfsph(self, basin, ledger, wind)

@@ -14,6 +14,7 @@ from ocean_sim.fluid import Limits, Status
 from ocean_sim.parts import LedgerRow, quantity
 from ocean_sim.wind import Wind
 
+ADVANCE = 7.0e-4  # [s] of processor time a step
 POINTS_PER_WAVE = 16  # at which a wave is drawn
 SMOOTH = 0.04  # [periods] times a quarter (the force number of `courant`): a hundred steps a wave
 
@@ -66,7 +67,9 @@ class Config(waves.WaveTrain):
 
     def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
         n = len(self.sea(basin).amplitude)
-        return [LedgerRow("fluid", f"{n} plane waves", 6 * word * n, "fluid.kind is linear_waves: no particles")]
+        return [
+            LedgerRow("fluid", f"{n} plane waves", 6 * word * n, "fluid.kind is linear_waves: no particles", ADVANCE)
+        ]
 
     def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "LinearWaves":
         return LinearWaves(self, basin)

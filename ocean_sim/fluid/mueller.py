@@ -21,7 +21,9 @@ from ocean_sim.parts import LedgerRow, quantity
 from ocean_sim.wind import Wind
 
 TINY = 1.0e-12  # [m2] keeps two particles in one place finite
+PAIR = 3.6e-9  # [s] of processor time a neighbour
 READS = 8  # fields of a neighbour that the momentum law reads
+SLOPE, OFFSET, VISCOUS = range(3)  # what may change while the water moves
 
 
 class Config(SphConfig):
@@ -44,7 +46,7 @@ class Config(SphConfig):
         return sqrt(self.stiffness) if self.stiffness else super().sound_speed(basin)
 
     def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
-        return rows(self.sized(basin, READS), word, 9, "position, velocity, density, pressure, volume, number")
+        return rows(self.sized(basin, READS), word, 9, "position, velocity, density, pressure, volume, number", PAIR)
 
     def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "Mueller":
         return Mueller(self, basin, ledger, wind)
@@ -80,7 +82,7 @@ class Density(OfPlaces):
         if ti.static(fluid.bodies):
             total += self.solid.total(own, own)
         rho_i = self.constant * total[0]
-        p_i = fluid.stiffness * (rho_i - particles.rest_density)  # (2.15)
+        p_i = fluid.factors[SLOPE] * total[0] - fluid.factors[OFFSET]  # k (rho - rho0) (2.15), multiplied out
         if ti.static(self.clamped):
             p_i = tm.max(p_i, self.minimum)
         particles.density[i], particles.pressure[i], fluid.specific_volume[i] = rho_i, p_i, 1.0 / rho_i
@@ -98,8 +100,6 @@ class Momentum:
         self.apart = fluid.ledger.impulses  # pressure and viscosity summed apart
         self.sums = 6 if self.apart else 3
         self.constant = 1.5 * particles.mass * smoothing.spiky_constant
-        mu = particles.rest_density * fluid.config.kinematic_viscosity
-        self.viscous = mu * particles.mass * smoothing.viscosity_constant / self.constant
         if fluid.bodies:
             self.solid, self.reaction = fluid.boundary.met(self), fluid.boundary.reaction(self)
 
@@ -135,13 +135,15 @@ class Momentum:
         r = ti.sqrt(x_ij.dot(x_ij) + TINY)
         q = positive(self.fluid.smoothing.support - r)
         weight = q * other[7]
-        total = ti.Vector.zero(float, self.sums)
+        total, rubbing = ti.Vector.zero(float, self.sums), tm.vec3(0.0)
+        if ti.static(self.fluid.viscous):
+            rubbing = self.fluid.factors[VISCOUS] * v_ji
         if ti.static(self.apart):
             for k in ti.static(range(3)):
                 total[k] = weight * ((own[6] + other[6]) * q / r * x_ij[k])
-                total[3 + k] = weight * (self.viscous * v_ji[k])
+                total[3 + k] = weight * rubbing[k]
         else:
-            total = weight * ((own[6] + other[6]) * q / r * x_ij + self.viscous * v_ji)
+            total = weight * ((own[6] + other[6]) * q / r * x_ij + rubbing)
         return total
 
     @ti.func
@@ -173,10 +175,27 @@ class Mueller(Sph):
 
     def __init__(self, config: Config, basin: Basin, ledger: bool, wind: Wind) -> None:
         super().__init__(config, basin, config.sized(basin, READS), ledger, wind)
-        self.stiffness = self.sound_speed**2  # [m2/s2]
+        self.viscous = config.kinematic_viscosity > 0.0
+        self.factors = ti.field(float, shape=3)  # of pressure and viscosity: a field, so that a change compiles nothing
         self.specific_volume = ti.field(float, shape=self.particles.n)  # 1 / density [m3/kg]
         self.density, self.momentum = Density(self), Momentum(self, wind)
+        self.adjust(self.sound_speed**2, self.kinematic_viscosity)
         self.begin()
+
+    @property
+    def adjustable(self) -> dict[str, str]:
+        """What `adjust` takes, and its unit; without viscosity in the scene its term is not compiled."""
+        return {"stiffness": "m2/s2"} | ({"kinematic_viscosity": "m2/s"} if self.viscous else {})
+
+    def adjust(self, stiffness: float, kinematic_viscosity: float = 0.0) -> None:
+        """Go on with another k of (2.15) [m2/s2] and another nu [m2/s]; nothing is compiled for it."""
+        particles, real = self.particles, self.particles.position.precision
+        self.stiffness, self.kinematic_viscosity = stiffness, kinematic_viscosity
+        self.sound_speed = sqrt(stiffness)
+        self.factors[SLOPE] = real(self.density.constant) * real(stiffness)
+        self.factors[OFFSET] = real(particles.rest_density) * real(stiffness)
+        mu = particles.rest_density * kinematic_viscosity
+        self.factors[VISCOUS] = mu * particles.mass * self.smoothing.viscosity_constant / self.momentum.constant
 
     def begin(self) -> None:
         """Start from the particles as they are now."""

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ocean_sim.input_file import arrays
 from ocean_sim.observers._vtkhdf import Series
 from ocean_sim.observers._water_mesh import triangles
 
@@ -26,8 +27,7 @@ def export_run(folder: Path, particles: str | None, surface: str | None, out: Pa
     if particles is not None:
         files.append(export_particles(frames, out / "particles.vtkhdf"))
     if surface is not None:
-        with np.load(folder / "frames" / "grid.npz") as grid:
-            files += export_surface(frames, dict(grid), surface, out)
+        files += export_surface(frames, arrays(folder / "frames" / "grid.npz"), surface, out)
     return files
 
 
@@ -35,12 +35,12 @@ def export_particles(frames: list[Path], path: Path) -> Path:
     """One file with all moments: points with `velocity` and `id`."""
     with Series(path, "Vertices") as series:
         for frame in frames:
-            with np.load(frame) as data:
-                if "position" not in data:
-                    raise NothingToExport("these frames hold no particles; run with frames.particles: true")
-                x = data["position"]
-                fields = {name: data[name] for name in ("velocity", "id") if name in data}
-                series.add(float(data["time"]), x, np.arange(len(x))[:, None], **fields)
+            data = arrays(frame)
+            if "position" not in data:
+                raise NothingToExport("these frames hold no particles; run with frames.particles: true")
+            x = data["position"]
+            fields = {name: data[name] for name in ("velocity", "id") if name in data}
+            series.add(float(data["time"]), x, np.arange(len(x))[:, None], **fields)
     return path
 
 
@@ -76,13 +76,13 @@ def kept_surface(
     frame: Path, grid: dict[str, np.ndarray]
 ) -> tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]:
     """Time [s], points, triangles and, of a surface, normals."""
-    with np.load(frame) as data:
-        time = float(data["time"])
-        if "vertices" in data:
-            return time, data["vertices"], data["triangles"], {"Normals": data["normals"]}
-        x, z = np.meshgrid(grid["x"], grid["z"], indexing="ij")
-        points = np.stack([x, data["elevation"], z], axis=-1).reshape(-1, 3).astype(np.float32)
-        return time, points, triangles(*x.shape), {}
+    data = arrays(frame)
+    time = float(data["time"])
+    if "vertices" in data:
+        return time, data["vertices"], data["triangles"], {"Normals": data["normals"]}
+    x, z = np.meshgrid(grid["x"], grid["z"], indexing="ij")
+    points = np.stack([x, data["elevation"], z], axis=-1).reshape(-1, 3).astype(np.float32)
+    return time, points, triangles(*x.shape), {}
 
 
 def write(path: Path, save: Callable[[Path], None]) -> None:

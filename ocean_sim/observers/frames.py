@@ -97,6 +97,12 @@ class Frames:
         self.write(f"frame_{self.count:05d}", **{k: v if k == "time" else single(v) for k, v in frame.items()})
         self.count += 1
 
+    def resumed(self) -> None:
+        """Takes away frames that were made after the state from which the run goes on."""
+        for path in self.folder.glob("frame_*.npz"):
+            if int(path.stem.removeprefix("frame_")) >= self.count:
+                path.unlink()
+
     def write(self, name: str, **arrays: object) -> None:
         """A file that appears whole: written beside its place, then moved there."""
         beside = self.folder / f".{name}.tmp"

@@ -85,12 +85,17 @@ class Health:
     def suspicious(self) -> bool:
         """Whether the fluid's own summary of the last step is out of bounds; a number that is none is."""
         status = self.simulation.fluid.status
-        return not status.finite or not status.max_speed <= self.max_speed or self.too_dense(status.max_density)
+        dense = self.too_dense(status.max_density) or self.gone(status.min_density)
+        return not status.finite or not status.max_speed <= self.max_speed or dense
 
     def too_dense(self, density: float) -> bool:
         """A fluid without sound speed has no pressure, so its density is not kept and not judged."""
         fluid = self.simulation.fluid
         return fluid.sound_speed > 0.0 and not density <= self.config.max_density_ratio * fluid.particles.rest_density
+
+    def gone(self, density: float) -> bool:
+        """Whether water has no density left, which a scheme that carries it on from step to step can come to."""
+        return self.simulation.fluid.sound_speed > 0.0 and not density > 0.0
 
     def complaints(self) -> Iterator[str]:
         """Sentences about what is out of bounds, worst kind first."""
@@ -108,6 +113,9 @@ class Health:
             ratio = status.max_density / particles.rest_density
             what = f"density reached {status.max_density:.4g} kg/m^3, {ratio:.3g} x the rest density"
             yield self.sentence(f"{what} (bound {self.config.max_density_ratio:g})", position, [density.argmax()])
+        if self.gone(status.min_density):
+            what = f"density fell to {status.min_density:.4g} kg/m^3, and water has some"
+            yield self.sentence(what, position, [density.argmin()])
         if not status.max_speed <= self.max_speed:
             what = f"a particle reached {status.max_speed:.4g} m/s (bound {self.max_speed:.4g} m/s)"
             yield self.sentence(what, position, [np.square(velocity).sum(axis=1).argmax()])

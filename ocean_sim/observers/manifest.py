@@ -4,13 +4,13 @@ import hashlib
 import json
 import os
 import platform
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ocean_sim.observers._counted import count, spacing
+from ocean_sim.observers._versions import installed
 from ocean_sim.parts import ObserverConfig
 
 if TYPE_CHECKING:
@@ -30,6 +30,7 @@ class Manifest:
     """manifest.json: it holds no clock value, so equal runs leave equal files."""
 
     every = 0.0
+    left_out = ("facts",)  # of the program that goes on
 
     def __init__(self, folder: Path, simulation: "Simulation") -> None:
         self.path, self.simulation = folder / "manifest.json", simulation
@@ -55,6 +56,12 @@ class Manifest:
     def observe(self, simulation: "Simulation") -> None:
         pass
 
+    def resumed(self) -> None:
+        """Says so, beside what it said of earlier times."""
+        before = json.loads(self.path.read_text(encoding="utf-8")).get("resumed_s", [])
+        self.facts["resumed_s"] = [*before, round(self.simulation.time, 9)]
+        self.write()
+
     def close(self) -> None:
         simulation = self.simulation
         self.facts |= {
@@ -70,13 +77,6 @@ class Manifest:
         beside = self.path.with_name(".manifest.json.tmp")
         beside.write_text(json.dumps(self.facts, indent=2) + "\n", encoding="utf-8")
         os.replace(beside, self.path)
-
-
-def installed(package: str) -> str | None:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return None
 
 
 def sha256(data: bytes) -> str:

@@ -39,12 +39,15 @@ class Timings:
     The first step compiles kernels: it is told apart, as `first_step_s`, and no mean contains it.
     """
 
+    left_out = ("taken", "began", "first_step", "first_step_s", "start", "last", "end")  # what a clock says
+
     def __init__(self, config: Config, folder: Path | None, simulation: "Simulation") -> None:
         self.every, self.folder, self.simulation = config.every, folder, simulation
         self.multiples = Multiples(config.every)
         self.names = ["wind", "fluid", *(s for s in ("surface", "ship") if getattr(simulation, s, None)), "observers"]
         self.taken: dict[str, float] = defaultdict(float)  # since the first step [s]
         self.began: float | None = None
+        self.first_step = simulation.steps  # number of the step that compiles
         self.first_step_s = float("nan")
         self.start: Mark | None = None  # when the first step was over
         self.last: Mark | None = None
@@ -67,11 +70,11 @@ class Timings:
 
     def warm_up(self, name: str, now: float) -> None:
         """Finds the end of the first step, which is where means begin."""
-        if self.simulation.steps > 0 and self.began is not None:
+        if self.began is not None and self.simulation.steps > self.first_step:
             self.first_step_s = now - self.began
             self.start = self.last = self.mark(now)
         elif self.began is None and name != "observers":
-            self.began = now
+            self.began, self.first_step = now, self.simulation.steps
 
     def mark(self, now: float) -> Mark:
         return Mark(now, self.simulation.time, self.simulation.steps, dict(self.taken))

@@ -45,6 +45,10 @@ class Ship(Protocol):
         """(4.22) to (4.25)."""
         ...
 
+    def hand_over(self) -> Any:
+        """A person takes the helm: what `give(throttle, rudder)` orders replaces the controls of the scene."""
+        ...
+
     def drawn(self) -> tuple[np.ndarray, np.ndarray] | None:
         """Vertices from the centre of mass, body axes (n, 3) [m], and triangles (m, 3), where it has a shape."""
         ...

@@ -5,22 +5,27 @@ from math import isinf, radians
 from typing import Any, ClassVar
 
 import numpy as np
-from pydantic import field_validator
+from pydantic import ValidationInfo, field_validator
 
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.fluid import Limits
-from ocean_sim.parts import LedgerRow, Vector3, quantity
+from ocean_sim.input_file import beside_scene
+from ocean_sim.parts import LedgerRow, Vector3, named, quantity
 from ocean_sim.ship._cubes import Cubes, Wetted
 from ocean_sim.ship._hull import Hull, explained, hull_of
 from ocean_sim.ship._hydrostatics import Hydrostatics
 from ocean_sim.ship._placed import Machine, Placed
 from ocean_sim.ship._propulsion import Propeller, Rudder
 from ocean_sim.ship._rigid_body import RigidBody, matrix, oriented
+from ocean_sim.ship._solid import Solid
+from ocean_sim.ship._wall_contact import Sides
 from ocean_sim.ship._water import Water
+from ocean_sim.ship._wave_contact import Contact, WaveContact
 
 STEPS_A_PERIOD = 60  # of the fastest natural motion
 FORCE_NUMBER = 0.25  # the share of a limit that `courant` takes
+BODY, CUBE = 3.0e-4, 1.2e-7  # [s] of processor time a step
 FEW = 4.0  # spacings in a draught
 
 
@@ -39,15 +44,19 @@ class FloatingConfig(Placed):
     """About the centre of mass: of pitch, yaw and roll; null: what the hull says."""
     cells_per_draught: float = quantity("1", 8.0, ge=1.0, le=64.0)
     """Cubes over the draught: 8 for motions, 16 for stability curves."""
+    contact: Contact | None = Contact()
+    """How particles and the hull push each other; null: they pass through each other, and the hull feels the surface
+    alone."""
     propeller: Propeller | None = None
     rudder: Rudder | None = None
 
     @field_validator("hull")
     @classmethod
-    def _known(cls, hull: str | Hull) -> str | Hull:
-        if isinstance(hull, str):
-            hull_of(hull)
-        return hull
+    def _known(cls, hull: str | Hull, info: ValidationInfo) -> str | Hull:
+        if not isinstance(hull, str) or hull in named("hull"):
+            return hull
+        hull_of(hull)
+        return beside_scene(hull, info)
 
     @cached_property
     def whole_hull(self) -> Hull:
@@ -59,6 +68,24 @@ class FloatingConfig(Placed):
     def afloat(self, gravity: float, density: float) -> Hydrostatics:
         """The hull in still water; raises ValueError."""
         return self.whole_hull.afloat(self.cells_per_draught, density, gravity)
+
+    def floating(self, basin: Basin, fluid: Any) -> tuple[Solid, ...]:
+        """What the water is built around."""
+        if self.contact is None or not hasattr(fluid, "lattice"):
+            return ()
+        still = self.afloat(-basin.gravity[1], fluid.rest_density)
+        body = self.body(still.matter, *afloat_pose(still))
+        return (Solid(self.whole_hull.shape, still.matter.centre, body, False, felt=False),)
+
+    def problems_beside(self, fluid: Any, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
+        """What is wrong with the ship in this water."""
+        found: list[tuple[tuple[str, ...], str]] = []
+        for solid in self.floating(basin, fluid):
+            for axis, _, depth in Sides(solid.shape, solid.centre, basin).beyond(solid.body):
+                if depth.max() > 1e-6:
+                    side = "the bed" if axis == 1 else f"a wall across {'xyz'[axis]}"
+                    found.append((("position",), f"the hull reaches {depth.max():.3g} m through {side}"))
+        return found
 
     def problems(self, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
         """What is wrong with the ship in this basin: (path below `ship`, sentence)."""
@@ -96,7 +123,8 @@ class FloatingConfig(Placed):
         """What it allocates."""
         n = len(self.afloat(-basin.gravity[1], WATER_DENSITY).voxels.share)
         size = Cubes.bytes(n, word) + Water.bytes(True, word)
-        return [LedgerRow("ship", f"{n} cubes of the hull", size, f"{self.cells_per_draught:g} cells_per_draught")]
+        why = f"{self.cells_per_draught:g} cells_per_draught"
+        return [LedgerRow("ship", f"{n} cubes of the hull", size, why, BODY + CUBE * n)]
 
 
 class Afloat:
@@ -112,8 +140,16 @@ class Afloat:
         self.lower, self.upper = np.array(lower), np.array(upper)
         width, height, length = upper - lower
         draught = height if isinf(self.still.draught) else self.still.draught
-        self.water = Water(length, width, height, draught, self.still.gravity, self.closed)
         matter = self.still.matter
+        self.contact = self.sides = None
+        if config.contact is not None and fluid.particles is not None:
+            shape, pull = config.whole_hull.shape, self.still.gravity
+            self.contact = WaveContact(config.contact, shape, matter.centre, basin, fluid, pull)
+            self.sides = Sides(shape, matter.centre, basin, fluid.walls.gap + self.contact.margin)
+        self.water = Water(length, width, height, draught, self.still.gravity, self.closed, self.contact)
+        if self.contact is not None:
+            self.contact.water = self.water
+            fluid.hull = self.contact
         self.body = config.body(matter, *afloat_pose(self.still))  # at the beginning
         self.machine = Machine(config, config.propeller, config.rudder, matter.centre)
         volume = self.still.voxels.volume

@@ -103,9 +103,8 @@ class Cubes:
         pose: ti.types.ndarray(ndim=1),
         rows: ti.types.ndarray(ndim=2),
     ):
-        around.look(
-            water, ti.cast(pose[0], float), ti.cast(pose[2], float), ti.cast(pose[19], float), ti.cast(pose[20], float)
-        )
+        at, turned = vector(pose, 0), ti.Matrix.rows([vector(pose, 3), vector(pose, 6), vector(pose, 9)])
+        around.look(water, at, turned, ti.cast(pose[19], float), ti.cast(pose[20], float))
         for block in range(self.blocks):
             position, velocity, omega = vector(pose, 0), vector(pose, 12), vector(pose, 15)
             turn = ti.Matrix.rows([vector(pose, 3), vector(pose, 6), vector(pose, 9)])
@@ -135,7 +134,7 @@ class Cubes:
     ):
         arm = turn @ self.arm[k]
         x = position + arm
-        depth = water.height(x.x, x.z) - x.y
+        depth = water.elevation(x.x, x.z) - x.y
         share = depth / tall + 0.5
         wet = tm.clamp(share, 0.0, 1.0)
         volume = wet * self.volume[k]

@@ -1,10 +1,13 @@
 """Hulls from mesh files: read, judged, turned into the hull's axes, and filled by columns."""
 
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from ocean_sim.input_file import Unreadable, content, shown
 
 MILLIMETRES = 1.0e3  # units: a hull longer than a kilometre is taken to be drawn in millimetres
 AXES = {"x": 0, "y": 1, "z": 2}
@@ -37,12 +40,12 @@ def closed_mesh(shape: Any) -> Any:
     mesh = read(Path(shape.file))
     problems = flaws(mesh)
     if problems:
-        raise BadMesh([f"{shape.file}: {problem}" for problem in problems])
+        raise BadMesh([f"{shown(shape.file)}: {problem}" for problem in problems])
     if mesh.volume < 0.0:
         mesh.invert()
     guess = guessed(mesh, shape)
     if guess.up == guess.bow:
-        raise BadMesh([f"{shape.file}: up and bow are the same axis, {'xyz'[guess.up]}"])
+        raise BadMesh([f"{shown(shape.file)}: up and bow are the same axis, {'xyz'[guess.up]}"])
     up, bow = np.eye(3)[guess.up], guess.sense * np.eye(3)[guess.bow]
     turn = np.stack([np.cross(up, bow), up, bow])  # rows: port, up, bow in the file's axes
     mesh.vertices = guess.scale * mesh.vertices @ turn.T
@@ -55,18 +58,27 @@ def read(path: Path) -> Any:
     """The mesh in a file; raises BadMesh."""
     import trimesh
 
-    if path.suffix.lower() not in (".stl", ".obj", ".ply"):
-        raise BadMesh([f"{path}: a hull is an STL, OBJ or PLY file"])
-    if not path.is_file():
-        raise BadMesh([f"{path}: there is no such file"])
+    kind = path.suffix.lower().removeprefix(".")
+    if kind not in ("stl", "obj", "ply"):
+        raise BadMesh([f"{shown(path)}: a hull is an STL, OBJ or PLY file"])
     try:
-        mesh = trimesh.load(path, force="mesh")
+        data = content(path)
+    except Unreadable as error:
+        raise BadMesh([str(error)]) from None
+    try:  # from its bytes: materials that an OBJ names are not looked for
+        mesh = trimesh.load(BytesIO(data), file_type=kind, force="mesh")
     except Exception as error:
-        raise BadMesh([f"{path}: cannot be read as a mesh ({error})"]) from None
-    if len(mesh.faces) == 0:
-        raise BadMesh([f"{path}: holds no triangles"])
+        raise BadMesh([f"{shown(path)}: cannot be read as a mesh ({first_line(error)})"]) from None
+    if len(getattr(mesh, "faces", ())) == 0:
+        raise BadMesh([f"{shown(path)}: holds no triangles"])
     mesh.merge_vertices()
     return mesh
+
+
+def first_line(error: Exception) -> str:
+    """What an error says, cut short."""
+    said = next(iter(str(error).strip().splitlines()), "") or type(error).__name__
+    return said if len(said) <= 100 else f"{said[:97]}..."
 
 
 def flaws(mesh: Any) -> list[str]:

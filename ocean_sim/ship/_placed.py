@@ -11,7 +11,7 @@ from ocean_sim.conventions import Diverged, Motions
 from ocean_sim.parts import Vector3, quantity
 from ocean_sim.ship import Load, loaded
 from ocean_sim.ship._hydrostatics import Matter
-from ocean_sim.ship._propulsion import Helm, Propeller, Rudder, towards
+from ocean_sim.ship._propulsion import Crew, Helm, Person, Propeller, Rudder, towards
 from ocean_sim.ship._rigid_body import RigidBody, held, oriented, product, rotated, spinning
 
 FASTEST = 1.0e3  # [m/s] no ship moves like this
@@ -71,16 +71,21 @@ class Machine:
 
     def __init__(self, config: Helm, propeller: Propeller | None, rudder: Rudder | None, centre: np.ndarray) -> None:
         """`centre`: the centre of mass from the hull's origin [m]."""
-        self.crew, self.propeller, self.rudder_blade, self.centre = config.crew(), propeller, rudder, centre
+        self.crew: Crew | Person = config.crew()
+        self.propeller, self.rudder_blade, self.centre = propeller, rudder, centre
         self.time, self.throttle, self.rudder = 0.0, 0.0, 0.0
+
+    @property
+    def limit(self) -> float:
+        """The largest angle of the rudder [rad]."""
+        return self.rudder_blade.limit if self.rudder_blade else radians(90.0)
 
     def steer(self, body: RigidBody, dt: float) -> None:
         """What the crew orders, as fast as the machines follow; dt 0 is the first time."""
         throttle, rudder = self.crew.order(self.time, body)
         blade, screw = self.rudder_blade, self.propeller
         self.throttle = towards(self.throttle, throttle, screw.rate if screw and dt else None, dt, 1.0)
-        limit = blade.limit if blade else radians(90.0)
-        self.rudder = towards(self.rudder, rudder, blade.rate if blade and dt else None, dt, limit)
+        self.rudder = towards(self.rudder, rudder, blade.rate if blade and dt else None, dt, self.limit)
         self.time += dt
 
     def load(self, motion: np.ndarray, density: float, wet: float) -> dict[str, np.ndarray]:
@@ -107,6 +112,8 @@ class Voyage:
         self.hull = getattr(config, "whole_hull", None)  # what it looks like
         self.free = np.array([motion in config.free for motion in Motions._fields])
         self.points = {name: np.array(place) - machine.centre for name, place in config.points.items()}
+        self.sides: Any = None  # walls and bed that stop it
+        self.contact: Any = None  # where the hull and particles push each other
         self.acceleration, self.turning = np.zeros(3), np.zeros(3)  # of the last step, world axes [m/s2], [rad/s2]
         machine.steer(body, 0.0)
 
@@ -114,6 +121,13 @@ class Voyage:
     def orders(self) -> tuple[float, float]:
         """Throttle and rudder [rad] as they stand."""
         return self.machine.throttle, self.machine.rudder
+
+    def hand_over(self) -> Person:
+        """From now on a person gives the orders, beginning with those that stand; the machines follow as fast as they
+        do for any crew."""
+        person = Person(*self.orders, self.machine.limit)
+        self.machine.crew = person
+        return person
 
     def drawn(self) -> tuple[np.ndarray, np.ndarray] | None:
         """Vertices from the centre of mass, body axes (n, 3) [m], and triangles (m, 3); None where only a law of motion
@@ -128,7 +142,21 @@ class Voyage:
     def moved(self, step: Any, load: Load, dt: float) -> None:
         """Take a step of a law of motion; raises Diverged where the ship has left the physical world."""
         before = self.body
-        after = held(step(before, load.force, load.torque, dt), self.free)
+
+        beside = self.sides is not None and self.sides.near(before, dt)
+
+        def free(load: Load) -> RigidBody:
+            return held(step(before, load.force, load.torque, dt), self.free)
+
+        def under(load: Load) -> RigidBody:
+            return self.sides.off(free(load)) if beside else free(load)
+
+        if beside:
+            load = self.sides.met(load, free, dt)
+        if self.contact is None:
+            after = under(load)
+        else:
+            load, after = self.contact.met(load, under, dt)
         speed = float(np.linalg.norm(after.velocity))
         if not speed <= FASTEST:
             x, y, z = before.position

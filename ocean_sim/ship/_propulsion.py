@@ -1,4 +1,4 @@
-"""Propeller and rudder, and who moves them: rows, a file, or an autopilot (6.1 and F_ship of (4.27))."""
+"""Propeller and rudder, and who moves them: rows, a file, an autopilot or a person (6.1, F_ship of (4.27))."""
 
 from itertools import pairwise
 from math import cos, hypot, pi, radians, remainder, sin
@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import field_validator, model_validator
 
 from ocean_sim import csv_file
+from ocean_sim.input_file import FileName, shown
 from ocean_sim.parts import PartConfig, Vector3, quantity
 from ocean_sim.ship._rigid_body import RigidBody
 
@@ -76,18 +77,23 @@ class Row(PartConfig):
 class Track(PartConfig):
     """Orders from a file."""
 
-    file: str
+    file: FileName
     """A CSV file with columns time_s, throttle, rudder_rad."""
 
     @field_validator("file")
     @classmethod
     def _readable(cls, file: str) -> str:
-        try:
-            missing = [name for name in COLUMNS if name not in csv_file.columns(file)]
-        except OSError as error:
-            raise ValueError(f"{file} cannot be read: {error.strerror}") from None
+        found = csv_file.columns(file)
+        missing = [name for name in COLUMNS if name not in found]
         if missing:
-            raise ValueError(f"{file} has no column {', '.join(missing)}")
+            raise ValueError(f"{shown(file)} has no column {', '.join(missing)}")
+        table = np.array([found[name] for name in COLUMNS])
+        if not np.isfinite(table).all():
+            raise ValueError(f"{shown(file)} holds what is not a number")
+        if not (np.diff(table[0]) > 0.0).all():
+            raise ValueError(f"{shown(file)}: its rows must be in the order of time, each time once")
+        if np.abs(table[1]).max() > 1.0 or np.abs(table[2]).max() > pi / 2:
+            raise ValueError(f"{shown(file)}: throttle lies between -1 and 1, rudder_rad between -pi/2 and pi/2")
         return file
 
 
@@ -151,6 +157,23 @@ class Crew:
         error = remainder(radians(self.course.heading_deg) - body.angles[1], 2.0 * pi)
         rudder = self.course.gain * (error - self.course.rate_time * float(body.angular_velocity[1]))
         return self.course.throttle, rudder
+
+
+class Person:
+    """Someone at the helm: what was ordered last stands."""
+
+    def __init__(self, throttle: float, rudder: float, limit: float) -> None:
+        """`limit` [rad]: of the rudder."""
+        self.throttle, self.rudder, self.limit = throttle, rudder, limit
+
+    def give(self, throttle: float, rudder: float) -> None:
+        """Order a throttle, -1 to 1, and a rudder [rad]; what lies beyond is held back."""
+        self.throttle = min(max(throttle, -1.0), 1.0)
+        self.rudder = min(max(rudder, -self.limit), self.limit)
+
+    def order(self, time: float, body: RigidBody) -> tuple[float, float]:
+        """What stands."""
+        return self.throttle, self.rudder
 
 
 def towards(now: float, wanted: float, rate: float | None, dt: float, limit: float) -> float:

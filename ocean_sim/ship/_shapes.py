@@ -1,11 +1,11 @@
 """Shapes of hulls. Axes of a hull: x to port, y up from the keel, z to the bow, origin amidships at the keel."""
 
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
 
+from ocean_sim.input_file import FileName, content
 from ocean_sim.parts import PartConfig, Vector3, quantity
 
 Box3 = tuple[np.ndarray, np.ndarray]
@@ -124,7 +124,7 @@ class MeshFile(Solid):
     """A closed mesh in an STL, OBJ or PLY file, turned so that its longest axis is the ship's."""
 
     kind: Literal["mesh"]
-    file: str
+    file: FileName
     """Path of the file."""
     scale: float | None = quantity("1", None, gt=0.0)
     """Metres per unit of the file; null guesses metres or millimetres from its size."""
@@ -134,7 +134,7 @@ class MeshFile(Solid):
     """The file's axis that points to the bow; null takes the longest."""
 
     def content(self) -> bytes:
-        return super().content() + Path(self.file).read_bytes()
+        return super().content() + content(self.file)
 
     def closed(self) -> Any:
         """The mesh in the hull's axes (trimesh); raises BadMesh."""

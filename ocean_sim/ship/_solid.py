@@ -20,6 +20,7 @@ class Solid:
     centre: np.ndarray  # (3,) centre of mass from the hull's origin [m]
     body: RigidBody
     flat: bool
+    felt: bool = True  # whether the water's laws meet samples of it
 
     @property
     def origin(self) -> np.ndarray:

@@ -1,7 +1,11 @@
 """What a hull asks of the water, on a small lattice around it that turns with its heading.
 
-Asked at a few hundred nodes instead of at every cube; between nodes lines are straight, so still water is exact.
+Asked at a few hundred nodes instead of at every cube; between nodes lines are straight, so still water is exact. Where
+a hull keeps particles out, the surface over them falls into the hole that it leaves: nodes at which it comes near the
+hull are filled straight across from the water on both sides.
 """
+
+from typing import Any
 
 import numpy as np
 import taichi as ti
@@ -16,13 +20,26 @@ class Water:
     """Height of the water around a hull; of a closed form also its velocity and acceleration below."""
 
     def __init__(
-        self, length: float, breadth: float, height: float, draught: float, gravity: float, below: bool
+        self,
+        length: float,
+        breadth: float,
+        height: float,
+        draught: float,
+        gravity: float,
+        below: bool,
+        contact: Any = None,
     ) -> None:
-        """Sizes of the hull [m]; `below`: whether the water is a closed form that is asked under its surface too."""
+        """Sizes of the hull [m]; `below`: whether the water is a closed form that is asked under its surface too;
+        `contact`: what keeps particles out of the hull."""
         self.below, self.gravity, self.layer = below, gravity, 0.5 * draught
-        self.half = (REACH * np.hypot(length / 2, height), REACH * np.hypot(breadth / 2, height))  # [m]
+        self.hollow = contact is not None
+        rim = 0.0
+        if contact is not None:
+            self.hull, rim = contact.hull, contact.rim
+            self.rim, self.asked = rim, ti.field(int, shape=(ALONG, ACROSS))
+        self.half = tuple(REACH * np.hypot(side / 2, height) + rim for side in (length, breadth))  # [m]
         self.step = (2.0 * self.half[0] / (ALONG - 1), 2.0 * self.half[1] / (ACROSS - 1))  # [m]
-        self.elevation = ti.field(float, shape=(ALONG, ACROSS))
+        self.level = ti.field(float, shape=(ALONG, ACROSS))
         self.frame = ti.field(float, shape=4)  # x, z of the middle [m], cosine and sine of the heading
         if below:
             self.speed = ti.Vector.field(3, float, shape=(ALONG, ACROSS, LEVELS))  # [m/s]
@@ -34,19 +51,33 @@ class Water:
         return word * ALONG * ACROSS * (1 + (6 * LEVELS if below else 0))
 
     @ti.func
-    def look(self, water: ti.template(), x, z, cosine, sine):
-        """Ask the water [ti.func elevation; velocity and acceleration if `below`] around a place [m] along a heading;
-        call it at the top of a kernel."""
-        for i, k in self.elevation:
+    def look(self, water: ti.template(), position, turn: ti.template(), cosine, sine):
+        """Ask the water [ti.func elevation; velocity and acceleration if `below`] around a ship at a place [m], turned
+        by a matrix, along its heading; call it at the top of a kernel."""
+        x, z = position.x, position.z
+        for i, k in self.level:
             along, across = i * self.step[0] - self.half[0], k * self.step[1] - self.half[1]
             place = tm.vec3(x + along * sine + across * cosine, 0.0, z + along * cosine - across * sine)
             eta = water.elevation(place.x, place.z)
-            self.elevation[i, k] = eta
+            self.level[i, k] = eta
+            if ti.static(self.hollow):
+                place.y = eta
+                _normal, away, _thinning = self.hull.at(turn.transpose() @ (place - position))
+                self.asked[i, k] = int(away >= self.rim or k == 0 or k == ACROSS - 1)
             if ti.static(self.below):
                 for l in range(LEVELS):
                     place.y = eta - l * self.layer
                     self.speed[i, k, l] = water.velocity(place)
                     self.pull[i, k, l] = water.acceleration(place) / self.gravity
+        if ti.static(self.hollow):
+            for i in range(ALONG):
+                last = 0
+                for k in range(1, ACROSS):
+                    if self.asked[i, k] == 1:
+                        low, rise = self.level[i, last], self.level[i, k] - self.level[i, last]
+                        for inner in range(last + 1, k):
+                            self.level[i, inner] = low + rise * (inner - last) / (k - last)
+                        last = k
         for c in self.frame:
             self.frame[c] = ti.select(c == 0, x, ti.select(c == 1, z, ti.select(c == 2, cosine, sine)))
 
@@ -61,11 +92,11 @@ class Water:
         return i, k, tm.clamp(a - i, 0.0, 1.0), tm.clamp(b - k, 0.0, 1.0)
 
     @ti.func
-    def height(self, x, z):
+    def elevation(self, x, z):
         """Of the water [m]."""
         i, k, a, b = self.corner(x, z)
-        near = (1.0 - b) * self.elevation[i, k] + b * self.elevation[i, k + 1]
-        far = (1.0 - b) * self.elevation[i + 1, k] + b * self.elevation[i + 1, k + 1]
+        near = (1.0 - b) * self.level[i, k] + b * self.level[i, k + 1]
+        far = (1.0 - b) * self.level[i + 1, k] + b * self.level[i + 1, k + 1]
         return (1.0 - a) * near + a * far
 
     @ti.func
@@ -77,8 +108,8 @@ class Water:
         if ti.static(self.below):
             out = self.between(self.pull, i, k, a, b, depth)
         else:
-            here, left = self.elevation[i, k], self.elevation[i, k + 1]
-            ahead, across = self.elevation[i + 1, k], self.elevation[i + 1, k + 1]
+            here, left = self.level[i, k], self.level[i, k + 1]
+            ahead, across = self.level[i + 1, k], self.level[i + 1, k + 1]
             slope = ((1.0 - b) * (ahead - here) + b * (across - left)) / self.step[0]
             aside = ((1.0 - a) * (left - here) + a * (across - ahead)) / self.step[1]
             c, s = self.frame[2], self.frame[3]

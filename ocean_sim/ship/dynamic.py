@@ -39,6 +39,7 @@ class Dynamic(Voyage):
     def __init__(self, config: Config, basin: Basin, fluid: Any) -> None:
         self.afloat = Afloat(config, basin, fluid, below=True)
         super().__init__(config, self.afloat.body, self.afloat.machine, basin.lower[1])
+        self.contact, self.sides = self.afloat.contact, self.afloat.sides
         self.added = config.added_mass.diagonal(self.afloat.still)
         self.resistance = Resistance(config.damping, self.afloat.still, self.added)
 

@@ -33,6 +33,7 @@ class Hydrostatic(Voyage):
     def __init__(self, config: Config, basin: Basin, fluid: Any) -> None:
         self.afloat = Afloat(config, basin, fluid, below=False)
         super().__init__(config, self.afloat.body, self.afloat.machine, basin.lower[1])
+        self.contact, self.sides = self.afloat.contact, self.afloat.sides
         self.resistance = Resistance(config.damping, self.afloat.still, np.zeros(6))
 
     def load(self, wind: Any, fluid: Any, surface: Any) -> Load:

@@ -31,12 +31,13 @@ class Config(FloatingConfig):
     slices: ClassVar[bool] = True
     waters: ClassVar[tuple[str, ...]] = ("delta_sph", "mueller")  # which answer to a body within a step
     kind: Literal["pressure"] = "pressure"
+    contact: None = None
+    """The water's own laws meet this hull."""
 
-    def floating(self, basin: Basin, density: float) -> Solid:
-        """The hull where it begins."""
-        still = self.afloat(-basin.gravity[1], density)
+    def floating(self, basin: Basin, fluid: Any) -> tuple[Solid, ...]:
+        still = self.afloat(-basin.gravity[1], fluid.rest_density)
         flat = basin.dimension == 2
-        return Solid(self.whole_hull.shape, still.matter.centre, self.start(still, flat), flat)
+        return (Solid(self.whole_hull.shape, still.matter.centre, self.start(still, flat), flat),)
 
     def start(self, still: Hydrostatics, flat: bool) -> RigidBody:
         """The body at the beginning; in a slice a metre of it."""

@@ -42,6 +42,7 @@ class Thesis(Voyage):
     def __init__(self, config: Config, basin: Basin, fluid: Any) -> None:
         self.afloat = Afloat(config, basin, fluid, below=False)
         super().__init__(config, self.afloat.body, self.afloat.machine, basin.lower[1])
+        self.contact, self.sides = self.afloat.contact, self.afloat.sides
         self.damping = np.array([config.linear_damping, config.angular_damping])
         self.columns = Columns(self.afloat, basin)
 
@@ -54,7 +55,7 @@ class Thesis(Voyage):
         slowed = np.stack([body.mass * body.velocity, body.angular_momentum])
         return loaded(
             gravity=afloat.weight,
-            buoyancy=self.columns.push(surface, body),
+            buoyancy=self.columns.push(surface if self.contact is None else afloat.water, body),
             wind_drag=wet.wind_drag,
             wind_lift=wet.wind_lift,
             damping=-self.damping[:, None] * slowed,

@@ -21,6 +21,7 @@ from ocean_sim.surface._springs import BEND, SHEAR, STRETCH
 
 CONTACTS = 8  # the most moves of a node towards the surface in one update
 NEAR = 0.01  # [thicknesses] a smaller move is the last
+NODE = 3.3e-7  # [s] of processor time an update
 MOST_NODES = 2**24
 FURTHEST = 0.5  # [thicknesses] that its speed carries a node in one update
 
@@ -87,7 +88,8 @@ class Config(PartConfig):
 
     def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
         nx, nz = self.nodes(basin)
-        return [LedgerRow("surface", f"{nx} x {nz} nodes", 3 * word * nx * nz, "surface.kind is cloth")]
+        size, why = 3 * word * nx * nz, "surface.kind is cloth"
+        return [LedgerRow("surface", f"{nx} x {nz} nodes", size, why, NODE * nx * nz, self.every)]
 
     def build(self, basin: Basin, fluid: Any) -> "Cloth":
         return Cloth(self, basin, fluid)

@@ -19,6 +19,7 @@ from ocean_sim.surface._isosurface import Counts, Isosurface
 from ocean_sim.surface._mesh import AREA_AND_VOLUME, Mesh
 from ocean_sim.surface._nodes import MOST_NODES, Nodes
 
+NODE = 6.0e-8  # [s] of processor time a step
 FINE, SMOOTH = 0.5, 2.0  # [spacings of the particles] between nodes, and of the radius
 MEASURED = AREA_AND_VOLUME | {
     "surface_ambiguous": "share of the cells with surface whose wet corners are kept apart by choice",
@@ -102,9 +103,9 @@ class Config(PartConfig):
         assert self.radius is not None
         grid = Isosurface.bytes(nodes, self.most_nodes, word) + word * nodes.inner[0] * nodes.inner[2]
         bins = DensityMap.bytes(self._particles, nodes, self.radius, word)
-        why = f"surface.spacing {nodes.cell:g} m"
+        why, most = f"surface.spacing {nodes.cell:g} m", min(nodes.count, self.most_nodes)
         return [
-            LedgerRow("surface", f"at most {min(nodes.count, self.most_nodes)} of {nodes.count} nodes", grid, why),
+            LedgerRow("surface", f"at most {most} of {nodes.count} nodes", grid, why, NODE * nodes.count),
             LedgerRow("surface", f"{self._particles} particles in bins", bins, f"surface.radius {self.radius:g} m"),
         ]
 

@@ -9,7 +9,6 @@ from ocean_sim.scene import SceneConfig, load
 from ocean_sim.verbs import console
 from ocean_sim.yaml_file import SceneError
 
-PARTICLE_STEPS_PER_SECOND = 3.0e6  # a thread, for the estimate of the wall time
 NOTHING = dict.fromkeys(("particles", "memory_mb", "time_step", "limited_by", "estimated_wall_s"))
 
 
@@ -36,7 +35,7 @@ def check(scene: str, profile: str | None, sets: list[str], as_json: bool) -> No
         raise typer.Exit(2) from None
     found = preflight(config)
     if as_json:
-        console.answer(found | {"ledger": [row._asdict() for row in found["ledger"]]})
+        console.answer(found | {"ledger": ledger(found, config)})
     else:
         long(found, config)
 
@@ -72,9 +71,27 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         "limited_by": time_step.limited_by,
         "stable_time_step": stable,
         "stable_limited_by": limit,
-        "estimated_wall_s": particles * config.duration / dt / (PARTICLE_STEPS_PER_SECOND * threads) or None,
+        "estimated_wall_s": config.duration / dt * sum(row.a_step(dt) for row in rows) / threads or None,
         "ledger": rows,
     }
+
+
+def ledger(found: dict[str, Any], config: SceneConfig) -> list[dict[str, Any]]:
+    """The ledger by rows; kernels, and the share of a step's processor time, are those of a whole part and stand in its
+    first row."""
+    from ocean_sim.runtime import kernels_in
+
+    parts, dt = config.parts(), found["time_step"]
+    total = sum(row.a_step(dt) for row in found["ledger"])
+    told, rows = set(), []
+    for row in found["ledger"]:
+        cells: dict[str, Any] = {key: getattr(row, key) for key in ("part", "what", "bytes", "why")}
+        first, own = row.part not in told, [other for other in found["ledger"] if other.part == row.part]
+        cells["kernels"] = kernels_in(type(parts[row.part]).__module__) if first else None
+        cells["share"] = sum(other.a_step(dt) for other in own) / total if first and total else None
+        told.add(row.part)
+        rows.append(cells)
+    return rows
 
 
 def statements(config: SceneConfig) -> list[str]:
@@ -109,7 +126,7 @@ def machine_memory() -> int:
 
 
 def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
-    """An estimate by the number of particles; of water without any there is none."""
+    """An estimate from what each part was measured to take; observers are not in it."""
     seconds = found["estimated_wall_s"]
     about = f"about {console.duration(seconds)}" if seconds is not None else "no estimate of the wall time"
     return f"{about} for {config.duration:g} s"
@@ -140,12 +157,23 @@ def long(found: dict[str, Any], config: SceneConfig) -> None:
             ["stable", f"{found['stable_time_step']:.4g} s in still water, limited by: {found['stable_limited_by']}"],
             [
                 "wall time",
-                wall_time(found, config) + (" (an estimate)" if found["particles"] else ""),
+                wall_time(found, config) + (" (an estimate, without observers)" if found["estimated_wall_s"] else ""),
             ],
         ],
     )
-    rows = [[row.part, row.what, f"{console.megabytes(row.bytes):.2f}", row.why] for row in found["ledger"]]
-    console.table("\nwhat is allocated and compiled, and why", ["part", "what", "MB", "why"], rows)
+    rows = [
+        [
+            row["part"],
+            row["what"],
+            f"{console.megabytes(row['bytes']):.2f}",
+            "" if row["kernels"] is None else f"{len(row['kernels'])}",
+            "" if row["share"] is None else f"{row['share']:.0%}",
+            row["why"],
+        ]
+        for row in ledger(found, config)
+    ]
+    heads = ["part", "fields", "MB", "kernels", "of a step", "why"]
+    console.table("\nwhat is allocated and compiled (kernels: at most), and why", heads, rows)
     console.say()
     for sentence in found["statements"]:
         console.say(sentence)

@@ -88,8 +88,6 @@ def opened_log(log: Path) -> MotionLog:
     path = log / "motion.csv" if log.is_dir() else log
     try:
         return motion_log.read(path)
-    except OSError as error:
-        raise console.Refused(f"{path}: {error.strerror or error}") from None
     except ValueError as error:
         raise console.Refused(str(error)) from None
 

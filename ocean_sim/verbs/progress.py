@@ -76,7 +76,7 @@ class Progress:
 
     def __init__(self, duration: float, quiet: bool) -> None:
         self.bar, self.drawing = Bar(duration, quiet), Drawing(quiet)
-        self.duration = duration
+        self.duration, self.attending = duration, False
         self.began = perf_counter()
         self.first: tuple[float, float] | None = None  # wall and simulated time after the first step [s]
         self.time, self.steps, self.particles, self.wall = 0.0, 0, 0, 0.0
@@ -86,9 +86,11 @@ class Progress:
         now = perf_counter()
         self.time, self.steps = simulation.time, simulation.steps
         self.wall = now - self.began
-        if self.steps == 0:
+        if not self.attending:
+            self.attending = True
             self.particles = count(simulation.fluid)
             self.attend(simulation)
+        if self.steps == 0:
             return
         self.limits[simulation.time_step.limited_by] += 1
         if self.first is None:
@@ -118,7 +120,7 @@ class Progress:
 
     def summary(self) -> dict[str, Any]:
         """What the run was, in numbers."""
-        shares = {name: count / max(1, self.steps) for name, count in self.limits.most_common()}
+        shares = {name: count / self.limits.total() for name, count in self.limits.most_common()}
         return {
             "particles": self.particles,
             "steps": self.steps,

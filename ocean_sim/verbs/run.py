@@ -40,13 +40,19 @@ def run(
     try:
         result = run_scene(config, folder, (progress,))
     except KeyboardInterrupt:
-        progress.close()
-        raise console.Stopped(f"stopped at t = {progress.time:.3f} s; {folder} holds what was written") from None
+        raise stopped(progress, folder) from None
     facts = progress.summary() | written(result, config)
     if as_json:
         console.answer(facts)
     else:
         console.say(summary(facts))
+
+
+def stopped(progress: Progress, folder: Path) -> console.Stopped:
+    """What is said of a run that was told to stop."""
+    progress.close()
+    cure = f"; `ocean-sim resume {folder}` goes on" if any(folder.glob("checkpoint_*.h5")) else ""
+    return console.Stopped(f"stopped at t = {progress.time:.3f} s; {folder} holds what was written{cure}")
 
 
 def until_node(until: float) -> Node:
@@ -73,7 +79,8 @@ def run_folder(stem: str, out: Path | None, overwrite: bool) -> Path:
 
 def clear(folder: Path) -> None:
     """Takes away what a run writes, and nothing else."""
-    shutil.rmtree(folder / "frames", ignore_errors=True)
+    for name in ("frames", "preview"):
+        shutil.rmtree(folder / name, ignore_errors=True)
     for pattern in WRITTEN:
         for file in folder.glob(pattern):
             file.unlink()

@@ -2,6 +2,8 @@
 
 from typing import Literal, Protocol
 
+from ocean_sim.wind._air import Air
+
 
 class Wind(Protocol):
     """Moving air. `force` is callable from a Taichi kernel."""
@@ -13,6 +15,14 @@ class Wind(Protocol):
         ...
 
     def advance(self, dt: float) -> None: ...
+
+    def strengthen(self, factor: float) -> None:
+        """Blow so many times as strongly as the scene says; nothing is compiled for it."""
+        ...
+
+    def shown(self) -> Air:
+        """Lines and arrows that show it as it is now."""
+        ...
 
     def force(self, key, position, velocity, area, mass):
         """ti.func -> vec3 [N]. `key`: particle or voxel number; `area`: exposed area times outward normal [m2],

@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ocean_sim import csv_file
+from ocean_sim.input_file import FileName, shown
 from ocean_sim.parts import PartConfig, quantity
 
 Problems = Iterator[tuple[tuple[str | int, ...], str]]  # path below the config, sentence
@@ -70,7 +71,7 @@ class Row(PartConfig):
 class File(PartConfig):
     """The rows in a file."""
 
-    file: str
+    file: FileName
     """CSV with columns `time_s`, `speed_m_s` and `heading_deg`."""
 
 
@@ -103,14 +104,14 @@ class Scheduled(Timed):
 
     @cached_property
     def course(self) -> Schedule | None:
-        """The schedule, read; raises OSError or ValueError."""
+        """The schedule, read; raises ValueError."""
         if self.schedule is None:
             return None
         if isinstance(self.schedule, File):
             found, names = csv_file.columns(self.schedule.file), ("time_s", "speed_m_s", "heading_deg")
             missing = [name for name in names if name not in found]
             if missing:
-                raise ValueError(f"{self.schedule.file} has no column {' and no column '.join(missing)}")
+                raise ValueError(f"{shown(self.schedule.file)} has no column {' and no column '.join(missing)}")
             return Schedule(*(found[name] for name in names))
         if not self.schedule:
             raise ValueError("needs at least one row")
@@ -120,5 +121,5 @@ class Scheduled(Timed):
         """Why the schedule cannot be followed."""
         try:
             self.course  # noqa: B018
-        except (OSError, ValueError) as error:
+        except ValueError as error:
             yield ("schedule",), str(error)

@@ -10,6 +10,7 @@ import taichi.math as tm
 from pydantic import Field
 
 from ocean_sim.parts import PartConfig, Vector3, quantity
+from ocean_sim.wind._air import turned_all
 
 Length = Annotated[float, Field(gt=0.0)]
 HalfSize = Annotated[tuple[Length, Length, Length], Field(strict=False)]
@@ -28,6 +29,30 @@ class Core:
         """A direction in the axes of the shape."""
         return turned(direction, -self.yaw)
 
+    def edges(self) -> np.ndarray:
+        """(n, 2, 3) ends of lines that show it [m]: the edges of a box, else an outline in each of its planes."""
+        if self.radius == 0.0:
+            corners = np.array(list(np.ndindex(2, 2, 2))) * 2.0 - 1.0
+            near = np.abs(corners[:, None] - corners[None]).sum(axis=2) == 2.0
+            lines = corners[np.argwhere(np.triu(near))] * self.half
+        else:
+            angle = np.linspace(0.0, 2.0 * np.pi, 33)
+            rings = []
+            for k in range(3):
+                ring = np.zeros((len(angle), 3))
+                for axis, wave in zip(({0, 1, 2} - {k}), (np.cos(angle), np.sin(angle))):
+                    ring[:, axis] = np.sign(np.round(wave, 9)) * self.half[axis] + self.radius * wave
+                rings.append(np.stack([ring[:-1], ring[1:]], axis=1))
+            lines = np.concatenate(rings)
+        return turned_all(lines, self.yaw) + self.centre
+
+    def spread(self) -> np.ndarray:
+        """(n, 3) points at the height of its centre, spread over it [m]."""
+        size = np.array(self.half)[[0, 2]] + self.radius
+        x, z = (np.linspace(-0.7, 0.7, n) * s if n > 1 else np.zeros(1) for n, s in zip(counts(*size), size))
+        x, z = (a.ravel() for a in np.meshgrid(x, z))
+        return turned_all(np.stack([x, np.zeros_like(x), z], axis=-1), self.yaw) + self.centre
+
     def reach(self, direction: np.ndarray) -> float:
         """From the centre to the farthest end along a unit vector [m]."""
         return float(np.abs(self.own(direction)) @ self.half + self.radius)
@@ -43,6 +68,11 @@ class Core:
             else:
                 outside = middle
         return 2.0 * inside
+
+
+def counts(x: float, z: float) -> tuple[int, int]:
+    """How many points to spread along two half sizes [m]."""
+    return (3, 3) if max(x, z) < 2.0 * min(x, z) else (5, 1) if x > z else (1, 5)
 
 
 class Box(PartConfig):

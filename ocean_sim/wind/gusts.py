@@ -16,6 +16,7 @@ from pydantic import Field
 from ocean_sim.basin import Basin
 from ocean_sim.parts import LedgerRow, PartConfig, Vector2, Vector3, quantity
 from ocean_sim.random_numbers import numpy_uniform3
+from ocean_sim.wind._air import Air, joined, turned_all
 from ocean_sim.wind._air_load import drag, lift
 from ocean_sim.wind._noise import EVERY, Noise, NoiseSize
 from ocean_sim.wind._passages import Passages
@@ -31,6 +32,7 @@ ORIGIN, VELOCITY, ACCELERATION, STRENGTH_OF_NOISE, WIND = 0, 3, 6, 9, 12
 ELAPSED, LIFT, COSINE, SINE, MIDDLE, EXTENT, SHAPES = 15, 16, 17, 18, 19, 22, 25
 CENTRE, HALF, RADIUS, SHAPE_COSINE, SHAPE_SINE, SIGN, WIDTH = 0, 3, 6, 7, 8, 9, 10
 
+ADVANCE = 1.0e-4  # [s] of processor time a step; what it blows on is in the particles' and the ship's
 ROUNDING = 1e-4  # by which the box around a volume is larger than it
 
 Target = Literal["fluid", "ship"]
@@ -150,7 +152,7 @@ class Config(PartConfig):
 
     def ledger(self, basin: Basin, word: int = 8) -> list[LedgerRow]:
         n, row = len(self.volumes), SHAPES + WIDTH * most_shapes(self.volumes)
-        return [LedgerRow("wind", "moving volumes of air", word * (n * row + 3) + 8, f"{n} in wind.volumes")]
+        return [LedgerRow("wind", "moving volumes of air", word * (n * row + 3) + 8, f"{n} in wind.volumes", ADVANCE)]
 
     def warnings(self, scene: Any) -> list[str]:
         sentences = []
@@ -159,6 +161,11 @@ class Config(PartConfig):
             sentences += [stylised(name, size, scene)] if size > 0.0 else []
             sentences += kick(name, volume.acceleration, volume.passing_time, scene) if any(volume.acceleration) else []
         return sentences
+
+
+def greatest(volume: Volume) -> float:
+    """The most that an arrow in the volume stands for [m/s2], or [m/s] where nothing but wind_speed is given."""
+    return hypot(*volume.acceleration) or volume.wind_speed
 
 
 def most_shapes(volumes: list[Volume]) -> int:
@@ -179,7 +186,7 @@ class Gusts:
         # One field, so that Python writes single numbers through one compiled writer, a few microseconds each.
         self.row = ti.field(float, shape=(self.n, SHAPES + WIDTH * self.shapes))
         self.noise = Noise(seed, config.noise_every) if self.noisy else None
-        self.time = 0.0
+        self.time, self.gain = 0.0, 1.0
         self.blown = [volume.blows(0.0) for volume in self.volumes]
         self.steady = [volume.always and volume.schedule is None for volume in self.volumes]
         for g, volume in enumerate(self.volumes):
@@ -190,6 +197,25 @@ class Gusts:
         """The wind that a target feels: all volumes, those that act on it, or still air where none does."""
         numbers = self.config.aimed(target)
         return self if len(numbers) == self.n else Aimed(self, numbers) if numbers else Still()
+
+    def strengthen(self, factor: float) -> None:
+        """Blow so many times as strongly as the scene says: acceleration, noise and wind_speed."""
+        self.gain = factor
+        for g in range(self.n):
+            self._write_passage(g)
+
+    def shown(self) -> Air:
+        """The volumes where they are now, an arrow along each acceleration, or along the wind where there is none."""
+        pieces = []
+        strongest = max(greatest(v) for v in self.volumes) or 1.0
+        for p, volume, (part, turn) in zip(self.passages, self.volumes, self.blown):
+            first = volume.include[0].core
+            edges = [turned_all(s.core.edges() - first.centre, p.turn) + p.centre for s in volume.include]
+            push = volume.acceleration if any(volume.acceleration) else np.multiply(volume.wind_speed, volume.ahead)
+            push = self.gain * part * p.strength / strongest * turned(push, p.turn + turn)
+            feet = turned_all(first.spread() - first.centre, p.turn) + p.centre
+            pieces.append(Air(np.concatenate(edges), feet, np.tile(push, (len(feet), 1))))
+        return joined(pieces)
 
     def advance(self, dt: float) -> None:
         """Algorithm 1 for every volume, what it blows in the middle of a step of dt [s], and the noise of the step."""
@@ -220,6 +246,7 @@ class Gusts:
     def _write_passage(self, g: int) -> None:
         p, volume = self.passages[g], self.volumes[g]
         part, turn = self.blown[g]
+        part *= self.gain
         acceleration = part * p.strength * turned(volume.acceleration, p.turn + turn)
         wind = part * p.strength * volume.wind_speed * turned(volume.ahead, p.turn + turn)
         numbers = (*p.origin, *p.velocity, *acceleration, *np.multiply(part, volume.noise), *wind)
@@ -292,6 +319,14 @@ class Aimed:
 
     def advance(self, dt: float) -> None:
         """The gusts go on by themselves."""
+
+    def strengthen(self, factor: float) -> None:
+        """Blow so many times as strongly as the scene says: all of the gusts."""
+        self.gusts.strengthen(factor)
+
+    def shown(self) -> Air:
+        """All of the gusts."""
+        return self.gusts.shown()
 
     @ti.func
     def force(self, key, position, velocity, area, mass):

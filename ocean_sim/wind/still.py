@@ -7,6 +7,7 @@ import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.parts import PartConfig
+from ocean_sim.wind._air import NONE, Air
 
 
 class Config(PartConfig):
@@ -30,6 +31,13 @@ class Still:
 
     def advance(self, dt: float) -> None:
         pass
+
+    def strengthen(self, factor: float) -> None:
+        pass
+
+    def shown(self) -> Air:
+        """Nothing."""
+        return NONE
 
     @ti.func
     def force(self, key, position, velocity, area, mass):

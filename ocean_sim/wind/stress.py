@@ -16,6 +16,7 @@ import taichi.math as tm
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import AIR_DENSITY
 from ocean_sim.parts import LedgerRow, quantity
+from ocean_sim.wind._air import Air
 from ocean_sim.wind._air_load import DragLaw, drag, stress
 from ocean_sim.wind._schedule import Scheduled
 from ocean_sim.wind._warnings import out_of_range, unresolved
@@ -103,7 +104,7 @@ class Stress:
     def __init__(self, config: Config, basin: Basin, afloat: bool = False) -> None:
         """`afloat`: as a ship feels it."""
         self.config, self.dimension, self.afloat = config, basin.dimension, afloat
-        self.basin, self.time, self.told = basin, 0.0, None
+        self.basin, self.time, self.gain, self.told = basin, 0.0, 1.0, None
         self.sheltering = config.sheltering > 0.0
         self.air = ti.field(float, shape=6)
         self.steady = config.always and config.schedule is None  # told once
@@ -122,6 +123,7 @@ class Stress:
             self.time += dt
             return
         u10, heading = self.config.blows(self.time + 0.5 * dt, self.dimension)
+        u10 *= self.gain
         part = self.config.blowing(self.time, dt)
         ahead = np.array([sin(radians(heading)), 0.0 if self.dimension == 2 else cos(radians(heading))])
         along = part * self.config.tau(u10) * ahead
@@ -133,6 +135,22 @@ class Stress:
         self.time += dt
         if self.ship is not None:
             self.ship.advance(dt)
+
+    def strengthen(self, factor: float) -> None:
+        """Blow with so many times the U10 of the scene."""
+        self.gain, self.told = factor, None
+        if self.ship is not None:
+            self.ship.strengthen(factor)
+        self.advance(0.0)
+
+    def shown(self) -> Air:
+        """Arrows all over the water; length 1 is the greatest U10 that the scene has."""
+        x, z = (np.linspace(0.7 * self.basin.lower[k], 0.7 * self.basin.upper[k], 4) for k in (0, 2))
+        x, z = (a.ravel() for a in np.meshgrid(x, z))
+        u10, heading = self.config.blows(self.time, self.dimension)
+        push = np.array([sin(radians(heading)), 0.0, cos(radians(heading))])
+        push *= self.gain * self.config.blowing(self.time) * u10 / (self.config.strongest or 1.0)
+        return Air(np.zeros((0, 2, 3)), np.stack([x, 0.0 * x, z], axis=1), np.tile(push, (len(x), 1)))
 
     @property
     def stress(self) -> float:

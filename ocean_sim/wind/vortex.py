@@ -7,11 +7,13 @@ vortex, growing like r in the core and falling like 1/r outside, and fades from 
 from math import hypot, inf, pi
 from typing import Any, Literal
 
+import numpy as np
 import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.parts import LedgerRow, Vector2, quantity
+from ocean_sim.wind._air import Air
 from ocean_sim.wind._noise import EVERY, Noise, NoiseSize
 from ocean_sim.wind._passages import Passages
 from ocean_sim.wind._schedule import Timed
@@ -87,7 +89,7 @@ class Vortex:
         self.axis = ti.field(float, shape=3)  # x and z [m], and the part of its strength that it has now
         self.noisy = any(config.noise)
         self.noise = Noise(seed, config.noise_every) if self.noisy else None
-        self.time, self.part = 0.0, config.blowing(0.0)
+        self.time, self.part, self.gain = 0.0, config.blowing(0.0), 1.0
         self._write_axis()
 
     def on(self, target: Literal["fluid", "ship"]) -> "Vortex | Still":
@@ -106,9 +108,26 @@ class Vortex:
             self.noise.advance(dt)
         self.time += dt
 
+    def strengthen(self, factor: float) -> None:
+        """Blow so many times as strongly as the scene says."""
+        self.gain = factor
+        self._write_axis()
+
+    def shown(self) -> Air:
+        """The core, as deep as the water feels it, and arrows around it where the push is greatest."""
+        config, angle = self.config, np.linspace(0.0, 2.0 * pi, 33)
+        around = np.stack([np.cos(angle), np.zeros(33), np.sin(angle)], axis=1)
+        top = self.passage.centre + config.core_radius * around
+        rings = [np.stack([ring[:-1], ring[1:]], axis=1) for ring in (top, top - [0.0, config.layer, 0.0])]
+        upright = np.stack([top[:-1:4], top[:-1:4] - [0.0, config.layer, 0.0]], axis=1)
+        out = around[:-1:4]
+        pushes = config.acceleration * np.cross([0.0, 1.0, 0.0], out) - config.inward * out + [0.0, config.upward, 0.0]
+        greatest = hypot(config.acceleration, config.inward, config.upward) or 1.0
+        return Air(np.concatenate([*rings, upright]), top[:-1:4], self.gain * self.part / greatest * pushes)
+
     def _write_axis(self) -> None:
         self.axis[0], _, self.axis[1] = self.passage.centre
-        self.axis[2] = self.part
+        self.axis[2] = self.gain * self.part
 
     @ti.func
     def force(self, key, position, velocity, area, mass):

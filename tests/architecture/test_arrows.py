@@ -21,6 +21,7 @@ FOUNDATION = [
         "conventions",
         "yaml_file",
         "csv_file",
+        "input_file",
         "parts",
         "runtime",
         "random_numbers",
@@ -143,6 +144,13 @@ def test_validation_reads_scene_and_simulation_and_only_what_stands_above_reads_
             assert not [name for name in ours(module) if room(name) == "validation"], module
 
 
+def test_studies_read_validation_and_what_stands_below_it():
+    below = (*FOUNDATION, "scene", "simulation", "result", "translation", "fluid", "validation", "studies")
+    for module in modules("studies"):
+        for other in ours(module):
+            assert room(other) in below and not is_kind(other), f"{module} imports {other}"
+
+
 def test_nothing_below_it_knows_the_command_line():
     for module in SOURCES:
         if room(module) not in ("verbs", "__main__"):
@@ -202,8 +210,9 @@ def test_what_is_slow_to_import_is_imported_where_it_is_used(package):
 
 
 def test_timings_is_the_only_one_with_a_clock():
+    """But for checkpoints, which may be due by the clock; what they hold is not."""
     for module in modules(*SLOTS, "observers", "simulation", "basin", "scene"):
-        if module != "ocean_sim.observers.timings":
+        if module not in ("ocean_sim.observers.timings", "ocean_sim.observers.checkpoint"):
             assert not imports(module) & {"time", "datetime"}, module
 
 

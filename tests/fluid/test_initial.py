@@ -193,7 +193,7 @@ def test_a_file_gives_places_velocities_and_pressure(tmp_path, ending):
 def test_what_a_file_lacks_is_said(tmp_path):
     basin = place(length=2.0, width=1.0, depth=1.0)
     path = tmp_path / "drop.csv"
-    assert "cannot be read" in said(basin, kind="file", path=str(path))
+    assert "there is no such file" in said(basin, kind="file", path=str(path))
     path.write_text("x,y,u,v\n0,0,0,0\n")
     assert "no column z and no column w" in said(basin, kind="file", path=str(path))
     path.write_text("x,y,z,u,v,w\n0,0,0,0,,0\n")

@@ -144,7 +144,8 @@ def test_a_ship_in_a_long_wave_follows_its_slope():
 
 @pytest.fixture(scope="module")
 def told(tmp_path_factory):
-    """A yacht that steers to port from rest, its forces and its motion at the helm, in two frames."""
+    """A yacht that steers to port from rest, its forces and its motion at the helm, in three frames; in the last its
+    orders come from a file."""
     folder = tmp_path_factory.mktemp("yacht")
     ship = {
         "kind": "yacht",
@@ -153,7 +154,11 @@ def told(tmp_path_factory):
         "controls": [{"time": 0.0, "throttle": 1.0}, {"time": 2.0, "throttle": 1.0, "rudder": 0.4}],
     }
     results = {}
-    for frame in ("ship", "ned"):
+    track = folder / "track.csv"
+    track.write_text("time_s,throttle,rudder_rad\n0.0,1.0,0.0\n2.0,1.0,0.4\n")
+    for frame in ("ship", "ned", "flu"):
+        if frame == "flu":
+            ship = ship | {"controls": {"file": str(track)}}
         keys = {"motion": {"every": 0.05, "point": "helm", "frame": frame}}
         over = {name: value for name, value in QUIET.items() if name != "motion"}
         config = load(calm(ship, **keys, duration=6.0), over)
@@ -205,6 +210,16 @@ def test_ned_is_the_same_motion_in_other_axes(told):
     np.testing.assert_allclose(ned["specific_force_z_m_s2"], -ours["specific_force_y_m_s2"], atol=1e-9)
     np.testing.assert_allclose(ned["specific_force_x_m_s2"], ours["specific_force_z_m_s2"], atol=1e-9)
     np.testing.assert_allclose(ned["qz"], -ours["qy"], atol=1e-9)
+
+
+def test_flu_is_the_same_motion_in_turned_axes_and_a_file_steers_as_rows_do(told):
+    ours, flu = told["ship"], told["flu"]
+    for name in ("throttle", "rudder_rad", "heave_m", "sway_m", "surge_m", "yaw_rad", "pitch_rad", "roll_rad", "qw"):
+        np.testing.assert_allclose(flu[name], ours[name], atol=1e-9)
+    for theirs, own in zip("xyz", "zxy"):
+        np.testing.assert_allclose(flu[f"q{theirs}"], ours[f"q{own}"], atol=1e-9)
+        for column in ("specific_force_{}_m_s2", "force_total_{}_N", "torque_rudder_{}_Nm"):
+            np.testing.assert_allclose(flu[column.format(theirs)], ours[column.format(own)], rtol=1e-6, atol=1e-6)
 
 
 def test_a_sea_a_ship_and_a_platform_run_to_their_files(tmp_path):

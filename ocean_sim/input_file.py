@@ -1,0 +1,80 @@
+"""Files that a user names: which are read, and where their names lead from.
+
+A name in a scene is relative to the scene's file, and may climb out of its folder or be absolute: it is the user's own
+machine. What is no regular file (a folder, a pipe, a device) is refused before it is opened: reading it could last for
+ever.
+"""
+
+import os
+from io import BytesIO
+from pathlib import Path
+from stat import S_ISDIR, S_ISREG
+from typing import Annotated
+
+import numpy as np
+from pydantic import AfterValidator, ValidationInfo
+
+FOLDER = "folder"  # the key of the scene's folder in pydantic's context
+
+
+class Unreadable(ValueError):
+    """A file that cannot be read, named, and why in a sentence."""
+
+    def __init__(self, path: str | Path, reason: str) -> None:
+        self.reason = reason
+        super().__init__(f"{shown(path)}: {reason}")
+
+
+def shown(path: str | Path) -> str:
+    """A path as a user would open it from where they are, cut short."""
+    relative = os.path.relpath(path) if str(path) else "''"
+    name = str(path) if relative.startswith(os.pardir) else relative
+    name = "".join(c if c.isprintable() else "?" for c in name)
+    return name if len(name) <= 120 else f"{name[:57]}...{name[-60:]}"
+
+
+def content(path: str | Path, most: int | None = None) -> bytes:
+    """The bytes of a regular file of at most `most` bytes; raises Unreadable."""
+    try:
+        found = os.stat(path)
+        if S_ISDIR(found.st_mode):
+            raise Unreadable(path, "this is a folder, not a file")
+        if not S_ISREG(found.st_mode):
+            raise Unreadable(path, "this is not a regular file (but a pipe or a device)")
+        if most is not None and found.st_size > most:
+            raise Unreadable(path, f"this file has {found.st_size / 1e6:.1f} MB; at most {most / 1e6:g} MB are read")
+        return Path(path).read_bytes()
+    except FileNotFoundError:
+        raise Unreadable(path, "there is no such file") from None
+    except (OSError, ValueError) as error:
+        if isinstance(error, Unreadable):
+            raise
+        raise Unreadable(path, f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
+
+
+def text(path: str | Path, most: int | None = None) -> str:
+    """A file in UTF-8, with or without a byte order mark; raises Unreadable."""
+    data = content(path, most)
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise Unreadable(path, f"this is not UTF-8 text (byte {error.start})") from None
+
+
+def arrays(path: str | Path) -> dict[str, np.ndarray]:
+    """What an npz file holds, by name; never objects, which would be code. Raises Unreadable."""
+    data = content(path)
+    try:
+        with np.load(BytesIO(data)) as archive:
+            return {name: archive[name] for name in archive.files}
+    except Exception:  # zipfile, zlib and NumPy each have errors of their own
+        raise Unreadable(path, "this is not a whole npz file of numbers") from None
+
+
+def beside_scene(name: str, info: ValidationInfo) -> str:
+    """A file's name as it is found from anywhere: from the folder of the scene that is being read."""
+    folder = (info.context or {}).get(FOLDER)
+    return name if folder is None or not name else str(Path(folder, name))
+
+
+FileName = Annotated[str, AfterValidator(beside_scene)]

@@ -1,0 +1,94 @@
+"""What Taichi fields hold, many at a time: a kernel of its own for each would take longer to compile than a run to
+begin."""
+
+from math import prod
+
+import numpy as np
+import taichi as ti
+from taichi.lang.util import to_numpy_type
+
+TOGETHER = 32  # fields of a kernel; Taichi warns of more
+
+
+@ti.data_oriented
+class Bundle:
+    """Fields of one number each, of one type, laid in a row."""
+
+    def __init__(self, fields: list[ti.ScalarField]) -> None:
+        sizes = [prod(field.shape) for field in fields]
+        self.firsts = [sum(sizes[:k]) for k in range(len(sizes))]
+        self.fields = tuple(zip(fields, self.firsts, strict=True))
+        self.row = np.zeros(sum(sizes), dtype=to_numpy_type(fields[0].dtype))
+
+    def read(self) -> list[np.ndarray]:
+        """Of each field an array of its shape."""
+        self.copy_to(self.row)
+        ends = [*self.firsts[1:], len(self.row)]
+        rows = [self.row[first:end].copy() for first, end in zip(self.firsts, ends, strict=True)]
+        return [row.reshape(field.shape) for row, (field, _) in zip(rows, self.fields, strict=True)]
+
+    def write(self, arrays: list[np.ndarray]) -> None:
+        self.copy_from(np.concatenate([array.ravel() for array in arrays]).astype(self.row.dtype))
+
+    @ti.func
+    def place(self, field: ti.template(), index):  # type: ignore[valid-type]
+        """Where a number of a field stands among its own."""
+        k = 0
+        for axis in ti.static(range(len(field.shape))):
+            k = k * field.shape[axis] + index[axis]
+        return k
+
+    @ti.kernel
+    def copy_to(self, row: ti.types.ndarray(ndim=1)):  # type: ignore[valid-type]
+        for field, first in ti.static(self.fields):
+            for index in ti.grouped(field):
+                row[first + self.place(field, index)] = field[index]
+
+    @ti.kernel
+    def copy_from(self, row: ti.types.ndarray(ndim=1)):  # type: ignore[valid-type]
+        for field, first in ti.static(self.fields):
+            for index in ti.grouped(field):
+                field[index] = row[first + self.place(field, index)]
+
+
+class Contents:
+    """Reads and writes fields by name; the second time nothing is compiled."""
+
+    def __init__(self) -> None:
+        self.known: list[ti.Field] = []
+        self.bundles: list[tuple[list[str], Bundle]] = []
+
+    def read(self, fields: dict[str, ti.Field]) -> dict[str, np.ndarray]:
+        """All that each field holds."""
+        self.bundle(fields)
+        arrays = {name: field.to_numpy() for name, field in fields.items() if not isinstance(field, ti.ScalarField)}
+        for names, bundle in self.bundles:
+            arrays |= dict(zip(names, bundle.read(), strict=True))
+        return arrays
+
+    def write(self, fields: dict[str, ti.Field], arrays: dict[str, np.ndarray]) -> None:
+        """Fill each field; the arrays have its shape and type."""
+        self.bundle(fields)
+        for name, field in fields.items():
+            if not isinstance(field, ti.ScalarField):
+                field.from_numpy(arrays[name])
+        for names, bundle in self.bundles:
+            bundle.write([arrays[name] for name in names])
+
+    def bundle(self, fields: dict[str, ti.Field]) -> None:
+        """Put fields of one type together."""
+        if len(fields) == len(self.known) and all(a is b for a, b in zip(fields.values(), self.known)):
+            return
+        self.known, self.bundles = list(fields.values()), []
+        scalar = {name: field for name, field in fields.items() if isinstance(field, ti.ScalarField)}
+        for kind in sorted({str(field.dtype) for field in scalar.values()}):
+            names = [name for name, field in scalar.items() if str(field.dtype) == kind]
+            for first in range(0, len(names), TOGETHER):
+                some = names[first : first + TOGETHER]
+                self.bundles.append((some, Bundle([scalar[name] for name in some])))
+
+
+def shape(field: ti.Field) -> tuple[int, ...]:
+    """Of the array that holds what a field holds."""
+    own = getattr(field, "n", None), getattr(field, "m", None)
+    return (*field.shape, *(() if isinstance(field, ti.ScalarField) else own[: field.ndim]))

@@ -1,0 +1,59 @@
+"""Can this machine draw with GGUI? A window that cannot be opened may end its process, so a child process tries."""
+
+import os
+import subprocess
+import sys
+import tempfile
+
+REMEDY = "apt-get install --no-install-recommends libx11-6 mesa-vulkan-drivers"
+PROBE = """
+import taichi as ti
+ti.init(arch=ti.cpu, log_level=ti.ERROR, offline_cache=False)
+window = ti.ui.Window("probe", (32, 32), show_window={show})
+if {show}:
+    window.get_canvas().set_background_color((0.0, 0.0, 0.0))
+    window.show()
+else:
+    window.get_image_buffer_as_numpy()
+print("drawn")
+"""
+PATIENCE = 90.0  # [s]
+SCREENS = ("DISPLAY", "WAYLAND_DISPLAY")
+
+
+class VulkanMissing(Exception):
+    """GGUI finds no Vulkan here; the message says what to install."""
+
+    def __init__(self) -> None:
+        super().__init__(f"this machine has no Vulkan to draw a preview with; install it with `{REMEDY}`")
+
+
+class ScreenMissing(Exception):
+    """There is no screen to open a window on; the message says what goes without one."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "there is no screen to open a window on; `ocean-sim preview SCENE --frames 60 --out DIR` makes the same "
+            "pictures without one"
+        )
+
+
+def draws(show: bool) -> bool:
+    """Whether a child process lives to draw, on a screen or without one."""
+    if show and sys.platform == "linux" and not any(os.environ.get(name) for name in SCREENS):
+        return False
+    command = [sys.executable, "-c", PROBE.format(show=show)]
+    try:
+        with tempfile.TemporaryDirectory() as away:  # GGUI leaves a file where it works
+            child = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False, cwd=away)
+    except (OSError, subprocess.TimeoutExpired):
+        return False
+    return child.returncode == 0 and "drawn" in child.stdout
+
+
+def require(show: bool) -> None:
+    """Raises VulkanMissing or ScreenMissing."""
+    if not draws(show=False):
+        raise VulkanMissing
+    if show and not draws(show=True):
+        raise ScreenMissing

@@ -1,0 +1,124 @@
+"""Keeps everything that a run needs to go on: at simulated and wall-clock intervals, at the end, and when it is told to
+stop; `ocean-sim resume` reads it."""
+
+import signal
+import threading
+from pathlib import Path
+from time import perf_counter
+from types import FrameType
+from typing import TYPE_CHECKING, Any
+
+from ocean_sim.observers import _checkpoint_file as file
+from ocean_sim.observers._fields import Contents
+from ocean_sim.observers._sampled import Multiples
+from ocean_sim.observers._state import Restoring, Taken
+from ocean_sim.observers._versions import installed
+from ocean_sim.parts import ObserverConfig, quantity
+
+if TYPE_CHECKING:
+    from ocean_sim.simulation import Simulation
+
+KEPT = 2  # files: the newest, and the one before in case the newest is damaged
+STOPS = (signal.SIGINT, signal.SIGTERM)
+
+
+class Config(ObserverConfig):
+    every: float = quantity("s", 1.0, gt=0.0)
+    """Simulated time between checkpoints."""
+    wall_every: float | None = quantity("s", None, gt=0.0)
+    """Wall-clock time after which one is due besides; null: none."""
+
+    def build(self, folder: Path, simulation: "Simulation") -> "Checkpoint":
+        return Checkpoint(self, folder, simulation)
+
+
+class Checkpoint:
+    """checkpoint_<time>.h5, the newest two. Ctrl-C and SIGTERM let the step end, keep its state, then stop the run; a
+    second one stops it at once. It watches last: what others do in a step is then done."""
+
+    every = 0.0
+    left_out = ("contents", "written", "asked", "before")
+
+    def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
+        self.config, self.folder, self.simulation = config, folder, simulation
+        self.multiples = Multiples(config.every)
+        self.names: list[str] = []  # of the files that are kept
+        self.contents = Contents()
+        self.written = perf_counter()  # when the last one was [s]
+        self.asked = False  # whether the run has been told to stop
+        self.before: dict[int, Any] | None = None  # who was told of signals before
+
+    def observe(self, simulation: "Simulation") -> None:
+        if self.before is None:
+            self.listen()
+        due = bool(self.multiples.reached(simulation.time)) or simulation.time >= simulation.scene.duration
+        late = self.config.wall_every is not None and perf_counter() - self.written >= self.config.wall_every
+        if due or late or self.asked:
+            self.keep()
+        if self.asked:
+            raise KeyboardInterrupt
+
+    def keep(self) -> None:
+        """Write the state that the simulation is in, and take away all files but the newest."""
+        simulation = self.simulation
+        name = file.name(simulation.time)
+        self.names = [*(kept for kept in self.names if kept != name), name][-KEPT:]
+        taken = Taken(roots(simulation), self.folder, self.contents)
+        made, scene = maker(simulation), simulation.scene.resolved()
+        file.written(
+            file.Checkpoint(simulation.time, simulation.steps, scene, made, taken.tree, taken.arrays), self.folder
+        )
+        for path in file.kept(self.folder):
+            if path.name not in self.names:
+                path.unlink()
+        self.contents = Contents()
+        self.written = perf_counter()
+
+    def listen(self) -> None:
+        """From now on, be told when the run is to stop."""
+        self.before = {}
+        if threading.current_thread() is threading.main_thread():
+            self.before = {number: signal.signal(number, self.stop) for number in STOPS}
+
+    def stop(self, number: int, frame: FrameType | None) -> None:
+        """What a signal does."""
+        if self.asked or self.simulation.outcome != "running":
+            raise KeyboardInterrupt
+        self.asked = True
+
+    def close(self) -> None:
+        for number, told in (self.before or {}).items():
+            signal.signal(number, told)
+
+
+def roots(simulation: "Simulation") -> dict[str, Any]:
+    """Where the walk over a run begins: watchers that the scene does not name are no part of it."""
+    named = simulation.scene.observers
+    return {"simulation": simulation, "observers": dict(zip(named, simulation.observers[: len(named)]))}
+
+
+def maker(simulation: "Simulation") -> dict[str, str | None]:
+    """What the bytes of a run depend on beside its scene."""
+    return versions() | {"backend": simulation.backend.arch}
+
+
+def versions() -> dict[str, str | None]:
+    """Of what computes."""
+    return {name: installed(name) for name in ("ocean-sim", "taichi", "numpy", "scipy")}
+
+
+def restore(simulation: "Simulation", kept: file.Checkpoint, folder: Path) -> None:
+    """Put a simulation that was built of the same scene into the state of a checkpoint, its files in `folder`.
+
+    Raises Differs; then nothing in the folder has changed, and the simulation is of no use.
+    """
+    named = dict(zip(simulation.scene.observers, simulation.observers))
+    try:
+        state = Restoring(roots(simulation), kept.tree, kept.arrays, folder)
+    except BaseException:
+        simulation.observers.clear()  # they may know the folder by now, and must not write to it
+        raise
+    state.cut()
+    for observer in named.values():
+        if hasattr(observer, "resumed"):
+            observer.resumed()

@@ -1,0 +1,178 @@
+"""Many runs, each in a process of its own: on the cores of this machine, or on the workers of a Dask cluster.
+
+An order is plain data: a `task`, which is the name of a module with `answer(order, folder)`, and what that needs. Its
+run has a folder named by the hash of the order and of the package's version, and leaves its answer there; an order that
+has an answer is not run again. A process that dies leaves no answer: it is a failure with a reason, and the next call
+tries it afresh.
+"""
+
+import hashlib
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from concurrent.futures import Executor, ThreadPoolExecutor, as_completed
+from contextlib import contextmanager
+from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from ocean_sim.parts import PACKAGE
+
+ORDER, ANSWER = "order.json", "answer.json"
+MACHINE = "machine"  # what an order says under this key changes no number of its answer but those of a clock
+PATIENCE = 20.0  # to reach a scheduler [s]
+
+_running: set[subprocess.Popen] = set()
+
+
+class ClusterMissing(Exception):
+    """The Dask cluster that was asked for cannot be reached from here."""
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def address(order: dict[str, Any]) -> str:
+    """The name of an order's folder: its content's and the package version's hash."""
+    content = {key: value for key, value in order.items() if key != MACHINE}
+    return hashlib.sha256(json.dumps([_version(), content], sort_keys=True).encode()).hexdigest()[:16]
+
+
+def answers(
+    orders: list[dict[str, Any]], out: Path, workers: int, scheduler: str | None = None, limit: float | None = None
+) -> Iterator[tuple[int, dict[str, Any]]]:
+    """(place in the list, answer) of every order, as they are finished, those that were finished before at once.
+
+    `limit`: wall time [s] after which a run is ended, and has failed. Equal orders are run once. Raises ClusterMissing.
+    """
+    places: dict[str, list[int]] = {}
+    for k, order in enumerate(orders):
+        places.setdefault(address(order), []).append(k)
+    waiting = {}
+    for name, same in places.items():
+        kept = _kept(out / name)
+        if kept is None:
+            waiting[name] = orders[same[0]]
+        else:
+            yield from ((k, kept) for k in same)
+    if not waiting:
+        return
+    with _executor(workers, scheduler) as pool:
+        futures = {
+            pool.submit(performed, order, str((out / name).resolve()), limit): name for name, order in waiting.items()
+        }
+        try:
+            for future in as_completed(futures):
+                error = future.exception()
+                answer = future.result() if error is None else failure(f"{type(error).__name__}: {error}")
+                yield from ((k, answer) for k in places[futures[future]])
+        finally:  # somebody may have stopped listening
+            for future in futures:
+                future.cancel()
+            for child in list(_running):
+                child.terminate()
+
+
+def performed(order: dict[str, Any], folder: str, limit: float | None = None) -> dict[str, Any]:
+    """The answer of an order, worked out in a child of this process unless it is there already."""
+    place = Path(folder)
+    kept = _kept(place)
+    if kept is not None:
+        return kept
+    place.mkdir(parents=True, exist_ok=True)
+    _write(place / ORDER, order)
+    began = perf_counter()
+    path = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
+    child = subprocess.Popen(
+        [sys.executable, "-m", __name__, folder],
+        env=os.environ | {"PYTHONPATH": path},  # the package that the parent has
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    _running.add(child)
+    try:
+        _, said = child.communicate(timeout=limit)
+        reason = _why(child.returncode, said)
+    except subprocess.TimeoutExpired:
+        child.kill()
+        child.communicate()
+        reason = f"it had taken {limit:g} s of wall time, which is the limit, and was ended"
+    finally:
+        _running.discard(child)
+    answer = _kept(place)
+    return failure(reason, perf_counter() - began) if answer is None else answer
+
+
+def failure(reason: str, wall: float | None = None) -> dict[str, Any]:
+    """The answer of a run that gave none."""
+    return {"outcome": "failed", "reason": reason, "wall_s": wall}
+
+
+@contextmanager
+def _executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
+    """What runs orders at once: a thread a worker, each of which waits for its child; or the workers of a cluster."""
+    if scheduler is None:
+        with ThreadPoolExecutor(workers) as pool:
+            yield pool
+        return
+    try:
+        from distributed import Client  # type: ignore[import-not-found]
+    except ImportError:
+        raise ClusterMissing("--scheduler needs the package `distributed`: pip install distributed") from None
+    try:
+        client = Client(scheduler, timeout=PATIENCE)
+    except (OSError, ValueError) as error:
+        raise ClusterMissing(f"no Dask scheduler answers at {scheduler}: {error}") from None
+    with client:
+        yield client.get_executor(pure=False)
+
+
+def _version() -> str:
+    try:
+        return version("ocean-sim")
+    except PackageNotFoundError:
+        return ""
+
+
+def _kept(folder: Path) -> dict[str, Any] | None:
+    """The answer that lies in a folder, if there is a whole one."""
+    try:
+        answer = json.loads((folder / ANSWER).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return answer if isinstance(answer, dict) else None
+
+
+def _write(path: Path, data: dict[str, Any]) -> None:
+    """A whole file or none."""
+    beside = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    beside.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
+    os.replace(beside, path)
+
+
+def _why(code: int, said: str) -> str:
+    """Why a process left no answer."""
+    if code < 0:
+        hint = ", as happens where memory runs out" if -code == signal.SIGKILL else ""
+        return f"its process was ended by {signal.Signals(-code).name}{hint}"
+    lines = [line for line in said.splitlines() if line.strip()]
+    return lines[-1].strip() if lines else f"its process left with exit code {code}"
+
+
+def _main(folder: Path) -> None:
+    """What the child does: its last word on standard error is the reason if it fails."""
+    order = json.loads((folder / ORDER).read_text(encoding="utf-8"))
+    _write(folder / ANSWER, import_module(order["task"]).answer(order, folder))
+
+
+if __name__ == "__main__":
+    _main(Path(sys.argv[1]))

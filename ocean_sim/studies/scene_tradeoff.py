@@ -1,0 +1,236 @@
+"""Speed against accuracy of one scene: every setting beside the finest, by what a user sees, with several seeds.
+
+An error is the distance from the run with the finest setting and the same seed: of heights and periods of the waves at
+each gauge, and the rms of elevations, of the six motions and of leg lengths over time. The seeds tell its spread, and a
+setting is better than another only beyond that.
+"""
+
+import json
+import re
+from dataclasses import dataclass
+from itertools import product
+from math import prod
+from pathlib import Path
+from shlex import quote
+from statistics import mean, median, stdev
+from typing import Any
+
+import numpy as np
+
+from ocean_sim.conventions import Motions
+from ocean_sim.result import Result
+from ocean_sim.scene import SceneConfig, load
+from ocean_sim.studies._runs import address
+from ocean_sim.studies._scene_run import PICTURES, of, ordered, waves
+from ocean_sim.yaml_file import Node, Place, SceneError, node_of, parsed, problem
+
+PROFILES = ("ci", "interactive", "thesis", "reference")
+SEEDS = {True: 2, False: 5}  # quick or not
+MOST_SETTINGS = 200
+MORE_IS_FINER = (
+    "particles",
+    "support_ratio",
+    "cells_per_draught",
+    "max_density_iterations",
+    "max_divergence_iterations",
+)
+FROM_COARSE = {  # what can be named, from the coarsest to the finest
+    "profile": PROFILES,
+    "runtime.precision": ("f32", "f64"),
+    "fluid.kind": ("ballistic", "mueller", "dfsph", "delta_sph"),
+    "surface.kind": ("cloth", "marching_cubes"),
+    "ship.kind": ("thesis", "hydrostatic", "dynamic", "pressure"),
+}
+Varied = dict[str, list[Node]]
+
+
+@dataclass(frozen=True)
+class Budget:
+    """What a run may take: wall time of 1/60 s simulated [ms], of a simulated second, or of the whole run [s]."""
+
+    name: str
+    most: float
+
+    @classmethod
+    def of(cls, text: str) -> "Budget":
+        """Raises ValueError where the text is no budget."""
+        found = re.fullmatch(r"(\d+(?:\.\d+)?)(ms|s)|realtime", text.strip())
+        if found is None or (found[1] and float(found[1]) <= 0.0):
+            raise ValueError(
+                f"--budget {text}: say realtime, or a time as in 16ms (of 1/60 s simulated) or 30s (in all)"
+            )
+        return cls(text.strip(), float(found[1]) if found[1] else 1.0)
+
+    @property
+    def column(self) -> str:
+        """What is limited; the whole run counts from its start on, with what it compiles."""
+        return "wall_per_s" if self.name == "realtime" or self.name.endswith("ms") else "wall_s"
+
+    def spent(self, row: dict[str, Any]) -> float | None:
+        """Of the budget, in its own unit."""
+        cost = row[self.column]
+        return 1e3 * cost / 60.0 if cost is not None and self.name.endswith("ms") else cost
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One choice of values, and its scenes by seed."""
+
+    values: dict[str, Any]
+    scenes: tuple[SceneConfig, ...]
+    finest: bool
+
+    def line(self) -> str:
+        """As it is pasted behind `ocean-sim run SCENE`."""
+        words = [f"--profile {self.values['profile']}"] if "profile" in self.values else []
+        for key, value in self.values.items():
+            if key != "profile":
+                text = value if isinstance(value, str) else json.dumps(value)  # which YAML reads
+                words.append(f"--set {quote(f'{key}={text}')}")
+        return " ".join(words)
+
+    def order(self, k: int, again: bool = False) -> dict[str, Any]:
+        """Its run with the k-th seed; `again`: one apart from those that were made before."""
+        return ordered(self.scenes[k]) | ({"again": True} if again else {})
+
+
+def varied(texts: list[str]) -> Varied:
+    """The values of each KEY=A,B,C; raises SceneError."""
+    found: Varied = {}
+    for text in texts:
+        key, equals, values = text.partition("=")
+        place = Place(f"--vary {text}")
+        if not equals or not key.strip() or not values.strip():
+            raise SceneError([problem(place, "", "expected KEY=A,B,C, as in fluid.spacing=1.0,0.8,0.6")])
+        nodes = node_of(parsed(f"[{values}]", place).plain(), place).data
+        if not isinstance(nodes, list) or not nodes:
+            raise SceneError([problem(place, key, "there are no values")])
+        found[key.strip()] = nodes
+    return found
+
+
+def finest(key: str, values: list[Any]) -> Any:
+    """The value that costs most and misses least: by its name, or the smallest, or for some keys the greatest."""
+    if key in FROM_COARSE:
+        order = FROM_COARSE[key]
+        return max(values, key=lambda value: order.index(value) if value in order else -1)
+    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+        return max(values) if key.split(".")[-1] in MORE_IS_FINER else min(values)
+    return values[-1]
+
+
+def settings(scene: str, profile: str | None, sets: dict[str, Node], vary: Varied, quick: bool) -> list[Setting]:
+    """Every combination, each with a seed more than the study needs, for the trial of the answer; raises SceneError."""
+    count = prod(map(len, vary.values()))
+    if not 2 <= count <= MOST_SETTINGS:
+        place = Place("--vary")
+        raise SceneError([problem(place, "", f"there are {count} settings; 2 to {MOST_SETTINGS} can be compared")])
+    best = {key: finest(key, [node.plain() for node in nodes]) for key, nodes in vary.items()}
+    found, problems = [], []
+    for nodes in product(*vary.values()):
+        chosen = dict(zip(vary, nodes))
+        values = {key: node.plain() for key, node in chosen.items()}
+        own = str(values["profile"]) if "profile" in values else profile
+        laid = sets | {key: node for key, node in chosen.items() if key != "profile"}
+        try:
+            scenes = _seeded(scene, own, laid, SEEDS[quick] + 1)
+            found.append(Setting(values, scenes, values == best))
+        except SceneError as error:
+            problems += error.problems
+    if problems:
+        raise SceneError(problems)
+    return found
+
+
+def _seeded(scene: str, profile: str | None, sets: dict[str, Node], count: int) -> tuple[SceneConfig, ...]:
+    """The scene with its own seed and those after it, without pictures, and with a gauge if nothing else is seen."""
+    quiet: dict[str, Any] = dict.fromkeys(PICTURES) | sets
+    first = load(scene, quiet, profile)
+    if first.ship is None and "gauges" not in first.observers:
+        middle = [0.0, 0.0] if first.basin.width is not None else [0.0]
+        quiet = {"gauges.elevation": {"centre": middle}} | quiet
+    return tuple(load(scene, quiet | {"seed": first.seed + k}, profile) for k in range(count))
+
+
+def errors(result: Result, reference: Result) -> dict[str, float | None]:
+    """What a user sees of a run, less what he sees of the reference."""
+    found: dict[str, float | None] = {}
+    legs = []
+    for table, columns in (
+        ("gauges", None),
+        ("motion", [f"{name}_{unit}" for name in Motions._fields for unit in ("m", "rad")]),
+        ("platform", [f"leg{k}_m" for k in range(1, 7)]),
+    ):
+        own, other = of(result, table), of(reference, table)
+        for name in columns or [key for key in other if key.endswith("_m")]:
+            if not (len(own.get(name, ())) and len(other.get(name, ()))):
+                continue
+            apart = rms(own["time_s"], own[name], other["time_s"], other[name])
+            if table == "platform":
+                legs.append(apart)
+            else:
+                stem, unit = name.rsplit("_", 1)
+                found[f"{stem}_rms_{unit}"] = apart
+            if table == "gauges":
+                found |= _of_waves(name.removesuffix("_m"), own, other)
+    return found | ({"legs_rms_m": float(np.sqrt(np.mean(np.square(legs))))} if legs else {})
+
+
+def _of_waves(gauge: str, own: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> dict[str, float | None]:
+    """Differences of heights and period at a gauge; None where a record holds no wave."""
+    a, b = (waves(gauge, table["time_s"], table[f"{gauge}_m"]) for table in (own, other))
+    return {key: abs(a[key] - b[key]) if a[key] is not None and b[key] is not None else None for key in b}  # type: ignore[operator]
+
+
+def rms(time: np.ndarray, values: np.ndarray, other_time: np.ndarray, others: np.ndarray) -> float:
+    """Distance of two records over the time that they share."""
+    shared = other_time[(other_time >= time[0]) & (other_time <= time[-1])]
+    gap = np.interp(shared, time, values) - np.interp(shared, other_time, others)
+    return float(np.sqrt(np.mean(gap**2))) if len(shared) else float("nan")
+
+
+def summary(setting: Setting, answers: list[dict[str, Any]], apart: list[dict[str, float | None]]) -> dict[str, Any]:
+    """A setting over its seeds: costs by the median, errors by mean and standard deviation; none where a run failed."""
+    lost = next((answer for answer in answers if answer["outcome"] != "done"), None)
+    row: dict[str, Any] = dict(setting.values) | {
+        "setting": setting.line(),
+        "reference": setting.finest,
+        "outcome": "done" if lost is None else lost["outcome"],
+        "reason": "" if lost is None else lost["reason"],
+    }
+    for key in ("wall_per_s", "cpu_per_s", "wall_s", "particles", "threads"):
+        known = [answer[key] for answer in answers if answer.get(key) is not None]
+        row[key] = median(known) if known else None
+    names = dict.fromkeys(name for found in apart for name in found)
+    for name in names:
+        known = [found[name] for found in apart if found.get(name) is not None]
+        row[name] = mean(known) if known and lost is None else None
+        row[f"{name}_spread"] = stdev(known) if len(known) > 1 and lost is None else None
+    return row
+
+
+def measures(rows: list[dict[str, Any]]) -> list[str]:
+    """The errors there are, what is felt before what is seen: leg lengths, motions, elevations, heights, periods."""
+    names = [name.removesuffix("_spread") for row in rows for name in row if name.endswith("_spread")]
+    motions = [f"{name}_rms" for name in ("heave", "pitch", "roll", "surge", "sway", "yaw")]
+    order = ["legs_rms", *motions, "_rms_", "_hs_", "_hm0_", "_tz_"]
+    return sorted(dict.fromkeys(names), key=lambda name: next((k for k, word in enumerate(order) if word in name), 99))
+
+
+def best(rows: list[dict[str, Any]], by: str, budget: Budget) -> dict[str, Any] | None:
+    """The most accurate row within the budget; of those that the spread of the seeds cannot tell from it, the
+    cheapest."""
+    able = [row for row in rows if row.get(by) is not None and (budget.spent(row) or np.inf) <= budget.most]
+    if not able:
+        return None
+    least = min(able, key=lambda row: row[by])
+
+    def alike(row: dict[str, Any]) -> bool:
+        return row[by] - least[by] <= max(one[f"{by}_spread"] or 0.0 for one in (row, least))
+
+    return min(filter(alike, able), key=lambda row: budget.spent(row) or np.inf)
+
+
+def folder_of(out: Path, order: dict[str, Any]) -> Path:
+    """Where the run of an order lies."""
+    return out / "runs" / address(order)

@@ -1,0 +1,209 @@
+"""Where water breaks: time steps and one more setting taken past their limits; every point ends with a verdict.
+
+stopped: `health`, or the scheme itself, ended the run and said why. degraded: it went on, but the water gained more
+than 1 % of its mass times the square of its reference speed from nowhere (under a wind: more than all forces gave it),
+or its mean density rose too far above that at rest: 5 %, or three times the compression that the scene allows. stable:
+neither. A run whose process gave no answer has no verdict, which is a bug.
+"""
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from math import sqrt
+from typing import Any
+
+import numpy as np
+
+from ocean_sim.result import Result
+from ocean_sim.scene import SceneConfig, load
+from ocean_sim.studies._scene_run import PICTURES, of, ordered
+from ocean_sim.yaml_file import SceneError
+
+SCHEMES = ("mueller", "delta_sph", "dfsph")
+COLUMN: dict[str, Any] = {
+    "title": "A collapsing column",
+    "duration": 0.5,
+    "basin": {"length": 1.0, "depth": 0.5},
+    "fluid": {"spacing": 0.05, "kinematic_viscosity": 1e-3, "fill": [{"min": [-0.5, -0.5], "max": [0.0, 0.0]}]},
+    "accuracy": {"every": 0.02},
+}
+BOX = {"shape": {"kind": "box", "length": 1.0, "breadth": 0.8, "height": 0.8}, "mass": 320.0}
+AFLOAT = {
+    "title": "A box afloat in a slice, carried by the pressure of the water",
+    "duration": 0.5,
+    "basin": {"length": 3.2, "depth": 1.2},
+    "fluid": {"kind": "delta_sph", "spacing": 0.1, "compression": 0.02, "artificial_viscosity": 0.1},
+    "ship": {"kind": "pressure", "hull": BOX | {"centre_of_mass": [0.0, 0.3, 0.0]}},
+    "accuracy": {"every": 0.02},
+}
+STEPS = (0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)  # over courant's own
+EACH = (0.5, 1.0, 2.0, 4.0)
+LEAST, MOST = 20, {True: 1500, False: 20_000}  # steps of a run
+GAIN, DENSITY, OVER = 0.01, 0.05, 3.0
+LIMIT = {True: 300.0, False: 3600.0}  # wall time [s] of a run
+VERDICTS = ("stable", "degraded", "stopped", "none")
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A setting that is taken to its extremes: what it is called, its values, quick and all."""
+
+    name: str
+    key: str
+    unit: str
+    quick: tuple[float, ...]
+    full: tuple[float, ...]
+    of: str = "fluid"
+    quick_steps: tuple[float, ...] = (1.0, 4.0)
+
+    def settings(self, value: float) -> dict[str, Any]:
+        """What is laid over the scene."""
+        if self.name == "wind":
+            everywhere = [{"kind": "box", "half_size": [1e4, 1e4, 1e4]}]
+            volume = {"include": everywhere, "acceleration": [value, 0.0, 0.0]}
+            return {"wind": {"kind": "gusts", "volumes": [volume]}} if value else {}
+        if self.name == "mass ratio":
+            return {"ship.hull": BOX | {"mass": value * 0.8 * 0.8 * 1000.0, "centre_of_mass": [0.0, 0.3, 0.0]}}
+        return {self.key: value}
+
+
+AXES = (
+    Axis(
+        "compression",
+        "fluid.compression",
+        "1",
+        (0.0025, 0.04, 1.0),
+        (0.0005, 0.0025, 0.01, 0.04, 0.2, 1.0),
+        "fluid",
+        EACH,
+    ),
+    Axis(
+        "viscosity",
+        "fluid.kinematic_viscosity",
+        "m2/s",
+        (0.1, 10.0),
+        (0.0, 1e-4, 0.01, 0.1, 1.0, 10.0, 40.0),
+        "fluid",
+        EACH,
+    ),
+    Axis("wind", "wind.volumes.acceleration", "m/s2", (24.4, 1000.0), (0.0, 2.44, 24.4, 244.0, 1000.0, 1e4)),
+    Axis("spacing", "resolution", "of the scene's", (0.5, 2.0), (0.25, 0.5, 1.0, 2.0, 4.0)),
+    Axis(
+        "mass ratio", "ship.hull.mass", "of the water in its box", (0.1, 0.9), (0.01, 0.05, 0.1, 0.3, 0.6, 0.9), "ship"
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Spot:
+    """One point of a map."""
+
+    axis: Axis
+    scheme: str
+    value: float
+    factor: float
+    dt: float  # [s]
+    limits: dict[str, float]  # [s] lengths and speeds alone, without any safety factor
+    scene: SceneConfig
+
+    def order(self) -> dict[str, Any]:
+        return ordered(self.scene, 1)
+
+    def row(self, answer: dict[str, Any], result: Result) -> dict[str, Any]:
+        """Its line in the table."""
+        said, why, numbers = verdict(answer, of(result, "accuracy"), self.scene, self.axis.name == "wind")
+        place = {"map": self.axis.name, "scheme": self.scheme, "key": self.axis.key, "value": self.value}
+        steps = {"dt_over_courant": self.factor, "dt_s": self.dt} | {f"{k}_s": v for k, v in self.limits.items()}
+        clock = {"simulated_s": answer.get("simulated_s"), "wall_s": answer.get("wall_s")}
+        return place | steps | {"verdict": said, "reason": why} | numbers | clock
+
+
+def spots(quick: bool, scene: str | None = None) -> list[Spot]:
+    """All points, of the study's own scenes or of a user's; raises SceneError."""
+    return [spot for axis in AXES for spot in _of_axis(axis, quick, scene)]
+
+
+def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
+    afloat, theirs = axis.of == "ship", None if scene is None else load(scene).fluid
+    if scene is not None and (afloat or not hasattr(theirs, "lattice")):
+        return  # a hull has its own mass, and water without particles nothing that breaks
+    for scheme in ("delta_sph",) if afloat else SCHEMES if theirs is None else (theirs.kind,):
+        base: Any = scene or (AFLOAT if afloat else COLUMN | {"fluid": COLUMN["fluid"] | {"kind": scheme}})
+        own: dict[str, Any] = dict.fromkeys(PICTURES) | {"time_step": {"kind": "courant"}}
+        for value in axis.quick if quick else axis.full:
+            try:
+                calm = load(base, own | axis.settings(value))
+            except SceneError:
+                if scene is None:
+                    raise
+                continue  # this water has no such setting
+            limits = calm.fluid.still_limits(calm.basin.build())
+            step, _ = calm.time_step.shortest(limits)
+            finite = {name: limit for name, limit in asdict(limits).items() if np.isfinite(limit)}
+            for factor in axis.quick_steps if quick else STEPS:
+                dt = factor * step
+                short = {"duration": min(max(calm.duration, LEAST * dt), MOST[quick] * dt)}
+                fixed = {"time_step": {"kind": "fixed", "dt": dt}}
+                yield Spot(
+                    axis,
+                    scheme,
+                    value,
+                    factor,
+                    dt,
+                    finite,
+                    load(base, own | axis.settings(value) | fixed | short),
+                )
+
+
+def verdict(
+    answer: dict[str, Any], accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool
+) -> tuple[str, str, dict[str, float]]:
+    """Verdict, why, and the numbers it was found by: energy gained over the scale, greatest mean compression."""
+    gain, dense = gained(accuracy, scene, driven), float(np.max(accuracy.get("compression_mean", [0.0]), initial=0.0))
+    numbers = {"energy_gain": gain, "compression_mean": dense}
+    if answer["outcome"] not in ("done", "stopped"):
+        return "none", answer["reason"], numbers
+    if answer["outcome"] == "stopped":
+        return "stopped", answer["reason"], numbers
+    allowed = max(DENSITY, OVER * (getattr(scene.fluid, "compression", None) or 0.0))
+    if not gain <= GAIN:
+        return "degraded", f"energy from nowhere: {100.0 * gain:.3g} % of m v^2 (bound {100.0 * GAIN:g} %)", numbers
+    if not dense <= allowed:
+        return "degraded", f"mean compression {100.0 * dense:.3g} % (bound {100.0 * allowed:.3g} %)", numbers
+    return "stable", "", numbers
+
+
+def gained(accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool) -> float:
+    """Energy from nowhere over mass times the square of the reference speed; NaN of what is no number."""
+    if not len(accuracy.get("kinetic_energy_J", ())):
+        return 0.0
+    names = ("kinetic_energy_J", "potential_energy_J", "internal_energy_J")
+    total = np.sum([accuracy[name] for name in names], axis=0)
+    excess = np.abs(accuracy["energy_residual_J"]) if driven else total - total[0]
+    place, fluid = scene.basin.build(), scene.fluid
+    pull = float(np.linalg.norm(place.gravity))
+    speed = getattr(fluid, "reference_speed", None) or sqrt(pull * place.depth)
+    lattice = fluid.lattice(place)
+    mass = fluid.rest_density * lattice.n * lattice.spacing**place.dimension
+    return float(excess.max()) / (mass * speed**2)
+
+
+def told(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """For every value of every map: the longest step that was stable, the shortest that was not, beside the limits."""
+    found = []
+    for key in dict.fromkeys((row["map"], row["scheme"], row["value"]) for row in rows):
+        here = [row for row in rows if (row["map"], row["scheme"], row["value"]) == key]
+        broken = [row["dt_over_courant"] for row in here if row["verdict"] != "stable"]
+        first = min(broken, default=None)
+        held = [row["dt_over_courant"] for row in here if first is None or row["dt_over_courant"] < first]
+        longest = max(held, default=None)
+        step = here[0]["dt_s"] / here[0]["dt_over_courant"]
+        line = {"map": key[0], "scheme": key[1], "value": key[2], "courant_s": step, "stable_to": longest}
+        line |= {
+            "first_break": first,
+            "verdict": next((r["verdict"] for r in here if r["dt_over_courant"] == first), ""),
+        }
+        for name in ("acoustic", "viscous", "force"):
+            limit = here[0].get(f"{name}_s")
+            line[f"{name}_number"] = longest * step / limit if limit and longest else None
+        found.append(line)
+    return found

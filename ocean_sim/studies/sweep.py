@@ -1,0 +1,124 @@
+"""Many runs of one scene from a plan: settings in lists and grids, and seeds.
+
+    scene: ship_linear_sea          # a file, or the name of a packaged scene
+    profile: ci                     # as in `run`; may be left out, like all that follows
+    set: {duration: 5.0}            # for every run
+    list: [{fluid.period: 4.0}, {fluid.period: 6.0, fluid.height: 0.5}]   # each entry is a group of runs
+    grid: {ship.kind: [hydrostatic, dynamic], ship.heading_deg: [0, 45]}  # every combination, in each group
+    seeds: [1, 2, 3]                # each of these again with every seed
+
+What is said further down counts. Pictures and frames are made only where the plan asks for them.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+from math import prod
+from pathlib import Path
+from typing import Any
+
+from ocean_sim.parts import PartConfig
+from ocean_sim.scene import SceneConfig, load
+from ocean_sim.studies._runs import address
+from ocean_sim.studies._scene_run import PICTURES, ordered
+from ocean_sim.translation import validated
+from ocean_sim.yaml_file import Node, Place, Problem, SceneError, node_of, problem, read
+
+MOST_RUNS = 10_000
+Settings = dict[str, Node]
+Groups = list[dict[str, Any]]
+Values = list[Any]
+
+
+class PlanConfig(PartConfig):
+    """What a user may write in a plan."""
+
+    scene: str
+    """A scene file, or the name of a packaged scene."""
+    profile: str | None = None
+    """What the machine can afford: a name in configs/run/."""
+    set: dict[str, Any] = {}
+    """Settings of every run."""
+    list: Groups = []
+    """Settings of a group of runs each."""
+    grid: dict[str, Values] = {}
+    """By key the values of which every combination is run."""
+    seeds: Values = []
+    """Seeds with which everything is run again."""
+
+
+@dataclass(frozen=True)
+class Planned:
+    """One run of a plan: what sets it apart, and its scene."""
+
+    settings: dict[str, Any]
+    scene: SceneConfig
+
+    def order(self, threads: int) -> dict[str, Any]:
+        return ordered(self.scene, threads)
+
+    def row(self, answer: dict[str, Any]) -> dict[str, Any]:
+        """Its line in the table; wall seconds stand last, for they are the only ones that change from call to call."""
+        head = {"run": address(self.order(1))} | self.settings
+        clock = ("wall_per_s", "cpu_per_s", "wall_s")
+        facts = {key: value for key, value in answer.items() if key not in clock}
+        return head | facts | {key: answer.get(key) for key in clock}
+
+
+def planned(path: Path) -> list[Planned]:
+    """The runs of a plan in its own order; raises SceneError, which holds everything that is wrong."""
+    node = read(path)
+    problems: list[Problem] = []
+    plan = validated(PlanConfig, node, (), problems)
+    problems += _empty(node)
+    if plan is None or problems:
+        raise SceneError(problems)
+    count = max(1, len(plan.list)) * prod(map(len, plan.grid.values())) * max(1, len(plan.seeds))
+    if count > MOST_RUNS:
+        raise SceneError([problem(node.place, "", f"this plan has {count} runs; {MOST_RUNS} are the most")])
+    shared = node.data["set"].data if "set" in node.data else {}
+    runs = []
+    for settings in _combinations(node):
+        try:
+            scene = load(plan.scene, _quiet({**shared, **settings}) | shared | settings, plan.profile)
+            runs.append(Planned({key: value.plain() for key, value in settings.items()}, scene))
+        except SceneError as error:
+            problems += [_at(node, found) for found in error.problems]
+    if problems:
+        raise SceneError(problems)
+    return runs
+
+
+def _empty(node: Node) -> list[Problem]:
+    """Lists without entries would silently mean no run at all."""
+    grid = node.child("grid")
+    lists = [(f"grid.{key}", value) for key, value in grid.data.items()] if grid is not None and grid.is_mapping else []
+    lists += [(key, node.data[key]) for key in ("list", "seeds") if key in node.data]
+    return [problem(inner.place, key, "this list is empty") for key, inner in lists if inner.data == []]
+
+
+def _combinations(node: Node) -> Iterator[Settings]:
+    """The settings of every run, each value with the place where it was written."""
+    listed, grid, seeds = (node.child(key) for key in ("list", "grid", "seeds"))
+    groups = [group.data for group in listed.data] if listed is not None else [{}]
+    keys = list(grid.data) if grid is not None else []
+    values = [grid.data[key].data for key in keys] if grid is not None else []
+    again = [{"seed": seed} for seed in seeds.data] if seeds is not None else [{}]
+    for group, combination, seed in product(groups, product(*values), again):
+        yield {**group, **dict(zip(keys, combination)), **seed}
+
+
+def _quiet(settings: Settings) -> Settings:
+    """No pictures, unless some setting speaks of them."""
+    spoken_of = {key.split(".")[0] for key in settings}
+    return {name: node_of(None, Place("sweep")) for name in PICTURES if name not in spoken_of}
+
+
+def _at(plan: Node, found: Problem) -> Problem:
+    """A problem of a scene; one that lies in no file is the plan's."""
+    if found.line is not None:
+        return found
+    key = "profile" if found.file.startswith("--profile") else "scene"
+    place = plan.data[key].place
+    said = f"{found.file}: {found.message}" if key == "scene" else found.message
+    return problem(place, found.key or key, said, found.suggestion)

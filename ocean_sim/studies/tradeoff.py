@@ -1,0 +1,188 @@
+"""Speed against accuracy over the validation cases: every scheme, coarse and fine, and one setting changed at a time.
+
+Speed is wall time of the steps per simulated second, compilation left out, on one thread; accuracy is each case's own
+error in its own unit, and no score is made of several. What failed stays in the table and in the pictures.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from ocean_sim.studies._case_run import ordered, problem_of
+from ocean_sim.yaml_file import SceneError
+
+FLUIDS, SHIPS = ("mueller", "delta_sph", "dfsph"), ("hydrostatic", "dynamic")
+AXES: dict[str, dict[str, tuple]] = {  # by what a scheme is a kind of; the default of a scheme is run in any case
+    "fluid": {
+        "fluid.support_ratio": (2.0, 2.5, 3.0, 4.0),
+        "time_step.courant_number": (0.3, 1.0),
+        "fluid.compression": (0.0025, 0.04),
+        "runtime.precision": ("f64",),
+    },
+    "ship": {"ship.cells_per_draught": (2, 4, 8, 16), "time_step.dt": (0.01, 0.02, 0.08)},
+}
+LEVELS = ((True, 1.0), (True, 0.5), (False, 1.0), (False, 0.5))  # coarse set-up or not, and the resolution over it
+QUICK_LEVELS = 2
+QUICK_VARIED = ("standing_wave", "taylor_green", "ship_rao")
+QUICK_VALUES: dict[str, tuple] = {
+    "fluid.support_ratio": (2.0, 3.0),
+    "time_step.courant_number": (1.0,),
+    "fluid.compression": (0.04,),
+    "runtime.precision": ("f64",),
+    "ship.cells_per_draught": (2, 8),
+}
+PATIENCE = {True: 6.0, False: 120.0}  # quick or not: processor time [s] after which a run is not timed again
+BUSY = 1.3  # wall over processor time of one thread beyond which others had the cores, too
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A case, and the one of its errors that is drawn; all of them are in the table."""
+
+    case: str
+    quantity: str
+    set_up: str = ""
+    schemes: tuple[str, ...] = FLUIDS
+    scatter: float | None = None
+    """How far experiments are apart: a smaller error earns no credit."""
+    peers: dict[str, float] = field(default_factory=dict)
+    """Errors that other programs reached, by program and size: measured for this project on another day."""
+    quick: bool = True
+
+
+TRIALS = (
+    Trial("hydrostatic", "pressure, L2 over rho g H", peers={"PySPH, Adami walls, 4500": 0.34}),
+    Trial("standing_wave", "Re 250: decay rate [1/s]", "Re 250"),
+    Trial(
+        "dam_break_front",
+        "mean distance of the front, Martin & Moyce, a = 2.25 in [a]",
+        scatter=8.0,
+        peers={"PySPH WCSPH, 861": 5.8},
+    ),
+    Trial("elliptical_drop", "minor semi-axis [m]", peers={"PySPH WCSPH, 5025": 2.6}),
+    Trial(
+        "taylor_green",
+        "L1 of the speed at t = 1",
+        peers={"PySPH WCSPH, 625": 55.0, "PySPH TVF, 625": 17.0, "PySPH TVF, 2500": 8.2, "PySPH EDAC, 2500": 0.9},
+    ),
+    Trial("square_patch", "largest void [spacings]"),
+    Trial("sloshing", "period of the first mode [s]", quick=False),
+    Trial("wall_impact", "impulse p* t* to t* = 5.5, Buchner 2002", quick=False),
+    Trial("ship_rao", "barge20, head sea, 0.8 rad/s: heave [m/m]", "barge20, head sea", SHIPS),
+    Trial("ship_periods", "by rule: heave period [s]", "by rule", ("dynamic",), quick=False),
+    Trial("ship_drop", "rms of heave [m]", "", ("dynamic",), scatter=0.033, quick=False),
+)
+
+
+@dataclass(frozen=True)
+class Point:
+    """One run to be made: a trial under a scheme, at a resolution, with at most one other setting changed."""
+
+    trial: Trial
+    scheme: str
+    coarse: bool
+    settings: dict[str, Any]
+    patience: float
+
+    def order(self) -> dict[str, Any]:
+        given = (self.trial.case, self.trial.set_up, self.coarse, self.scheme, self.settings, self.patience)
+        return ordered(*given)
+
+    def rows(self, answer: dict[str, Any]) -> list[dict[str, Any]]:
+        """A line for every error of the case; one without an error where the run gave none."""
+        names = {"case": self.trial.case, "set_up": self.trial.set_up, "scheme": self.scheme, "changed": self.changed}
+        head = names | {"coarse": self.coarse} | {key: self.settings.get(key) for key in ("resolution", *varied())}
+        facts = {key: value for key, value in answer.items() if key != "errors"}
+        errors = answer.get("errors") or [{"quantity": self.trial.quantity, "error": None}]
+        return [head | facts | error for error in errors]
+
+    @property
+    def changed(self) -> str:
+        """The setting that is not the scheme's own, for people."""
+        rest = {key: value for key, value in self.settings.items() if key != "resolution"}
+        return ", ".join(f"{key}={value}" for key, value in rest.items())
+
+
+def varied() -> list[str]:
+    """The keys of all axes."""
+    return [key for axes in AXES.values() for key in axes]
+
+
+def points(quick: bool) -> list[Point]:
+    """All runs of the study; the cheap ones of every case come first."""
+    found = [point for trial in TRIALS if trial.quick or not quick for point in _of_trial(trial, quick)]
+    return sorted(found, key=lambda point: (not point.coarse, point.settings.get("resolution", 1.0) < 1.0))
+
+
+def _of_trial(trial: Trial, quick: bool) -> Iterator[Point]:
+    for scheme in trial.schemes:
+        slot = problem_of(trial.case, trial.set_up, True, scheme).slot
+        for coarse, factor in _levels(trial, quick) if slot == "fluid" else [(True, 1.0)]:
+            yield Point(trial, scheme, coarse, {} if factor == 1.0 else {"resolution": factor}, PATIENCE[quick])
+        if trial.case in QUICK_VARIED or not quick:
+            for key, values in AXES[slot].items():
+                for value in QUICK_VALUES.get(key, ()) if quick else values:
+                    point = Point(trial, scheme, True, {key: value}, PATIENCE[quick])
+                    if _differs(point):
+                        yield point
+
+
+def _levels(trial: Trial, quick: bool) -> list[tuple[bool, float]]:
+    """Resolutions of a case, from coarse to fine, each spacing once."""
+    spacings: dict[float, tuple[bool, float]] = {}
+    for coarse, factor in LEVELS[:QUICK_LEVELS] if quick else LEVELS:
+        spacing = problem_of(trial.case, trial.set_up, coarse, trial.schemes[0]).scene["fluid"]["spacing"] * factor
+        spacings.setdefault(round(spacing, 9), (coarse, factor))
+    return list(spacings.values())
+
+
+def _differs(point: Point) -> bool:
+    """Whether the scheme knows the setting, and has another value by itself."""
+    problem = problem_of(point.trial.case, point.trial.set_up, point.coarse, point.scheme)
+    try:
+        return problem.load(point.scheme, point.settings).resolved() != problem.load(point.scheme).resolved()
+    except SceneError:
+        return False
+
+
+def clock(rows: list[dict[str, Any]]) -> str:
+    """The column to tell speed by: wall time, or processor time where a busy machine spoils the other."""
+    done = [row for row in rows if row.get("wall_per_s") and row.get("cpu_per_s")]
+    shares = sorted(row["wall_per_s"] / row["cpu_per_s"] for row in done)
+    return "cpu_per_s" if shares and shares[len(shares) // 2] > BUSY else "wall_per_s"
+
+
+def front(pairs: list[tuple[float, float]]) -> list[int]:
+    """Which of (cost, error) are bettered by none: no other is as cheap and as accurate, and better in one."""
+    order = sorted(range(len(pairs)), key=lambda k: pairs[k])
+    kept: list[int] = []
+    for k in order:
+        if not kept or pairs[k][1] < pairs[kept[-1]][1]:
+            kept.append(k)
+    return kept
+
+
+def equals(rows: list[dict[str, Any]], speed: str) -> list[dict[str, Any]]:
+    """The schemes at equal time, by the column `speed`, and at equal number of particles; a row holds one error.
+
+    At equal time stands the least error of each scheme within the time of the slowest scheme's cheapest run; at equal
+    number that of each scheme as it comes, at every number.
+    """
+    done = [row for row in rows if row.get("error") is not None and row.get(speed)]
+    found = []
+    for case in dict.fromkeys(row["case"] for row in done):
+        here = [row for row in done if row["case"] == case]
+        schemes = list(dict.fromkeys(row["scheme"] for row in here))
+        time = max(min(row[speed] for row in here if row["scheme"] == scheme) for scheme in schemes)
+        groups = {f"time up to {time:.3g} s/s": [row for row in here if row[speed] <= time]}
+        plain = [row for row in here if not row["changed"] and row["particles"]]
+        for n in sorted({row["particles"] for row in plain}):
+            groups[f"{n} particles"] = [row for row in plain if row["particles"] == n]
+        for name, group in groups.items():
+            for scheme in schemes:
+                own = [row for row in group if row["scheme"] == scheme]
+                best = min(own, key=lambda row: abs(row["error"]), default=None)
+                told = {"case": case, "at equal": name, "scheme": scheme}
+                keys = ("error", "unit", speed, "particles", "changed")
+                found.append(told | {key: None if best is None else best[key] for key in keys})
+    return found

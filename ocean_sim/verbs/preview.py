@@ -1,0 +1,231 @@
+"""`ocean-sim preview`: a window to play with, or the same pictures as numbered files."""
+
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from ocean_sim.conventions import Diverged
+from ocean_sim.parts import library, named
+from ocean_sim.scene import SceneConfig, load, scene_path
+from ocean_sim.simulation import Simulation
+from ocean_sim.translation import validated
+from ocean_sim.verbs import console
+from ocean_sim.yaml_file import SceneError, read
+
+OWN = "of the scene"  # a wind that is no preset
+BUDGET = 0.1  # [s] wall time for steps between two pictures of a window
+
+
+def preview(
+    scene: str,
+    profile: str | None,
+    sets: list[str],
+    frames: int | None,
+    out: Path | None,
+    camera: str | None,
+    content: str | None,
+    as_json: bool,
+) -> None:
+    """Open a window, or write `frames` pictures into a folder."""
+    overrides: dict[str, Any] = dict(console.settings(sets))
+    overrides |= {f"preview.{key}": value for key, value in (("camera", camera), ("content", content)) if value}
+    config = load(scene, overrides, profile)
+    folder = out or Path("runs") / f"{scene_path(scene).stem}-preview"
+    if folder.exists() and not folder.is_dir():
+        raise console.Refused(f"--out {folder}: this is a file, not a folder")
+    if frames is not None and (folder / picture(0)).exists():
+        raise console.Refused(f"--out {folder}: pictures lie here already; name another folder")
+    from ocean_sim.observers import preview as watching
+
+    watching.require(show=frames is None)
+    session = Session(config, folder, lambda wind: load(scene, with_wind(overrides, wind), profile))
+    try:
+        if frames is None:
+            session.play()
+        else:
+            session.film(frames, as_json)
+    finally:
+        session.close()
+    if as_json:
+        console.answer(session.facts())
+    else:
+        console.say(session.summary())
+
+
+def picture(number: int) -> str:
+    """The name of a numbered picture."""
+    return f"{number:05d}.png"
+
+
+def with_wind(overrides: dict[str, Any], wind: str) -> dict[str, Any]:
+    """The overrides with a ready-made wind in place of all that was said of the wind, or as they are for its own."""
+    if wind == OWN:
+        return overrides
+    return {key: value for key, value in overrides.items() if key.split(".")[0] != "wind"} | {"wind": wind}
+
+
+class Session:
+    """A scene that is stepped, drawn, and played with."""
+
+    def __init__(self, config: SceneConfig, folder: Path, of_wind: Any) -> None:
+        """`of_wind`: the scene with another preset of wind, by name; raises SceneError."""
+        from ocean_sim.observers.preview import Config, Panel
+
+        self.config, self.folder, self.of_wind = config, folder, of_wind
+        self.look = config.observers.get("preview") or Config(size=(1280, 720))
+        self.simulation = built(config)
+        own = name_of(config.wind)
+        self.panel = Panel([*([own] if own == OWN else []), *named("wind"), "still"], own)
+        self.playing = self.panel.wind  # the wind of the simulation
+        self.screen: Any = None
+        self.milliseconds: list[float] = []
+        self.pictures = self.snapshots = self.recordings = self.recorded = 0
+
+    def open(self, show: bool) -> None:
+        from ocean_sim.observers.preview import Screen
+
+        self.screen = Screen(self.look, show)
+        self.screen.watch(self.simulation, self.panel, self.look)
+
+    def film(self, frames: int, quiet: bool) -> None:
+        """Numbered pictures every `preview.every` of simulated time, from the beginning on."""
+        from ocean_sim.observers.preview import write
+
+        self.open(show=False)
+        self.folder.mkdir(parents=True, exist_ok=True)
+        for number in range(frames):
+            self.advance(number * self.look.every)
+            begin = perf_counter()
+            self.screen.draw(self.panel, self.milliseconds[-1] if self.milliseconds else None)
+            image = self.screen.image()
+            self.milliseconds.append(1e3 * (perf_counter() - begin))
+            write(self.folder / picture(number), image)
+            self.pictures += 1
+            if not quiet and (number + 1) % 10 == 0:
+                console.say(f"picture {number + 1} of {frames}, t = {self.simulation.time:.2f} s")
+
+    def advance(self, until: float) -> None:
+        """Step until a time [s]."""
+        if self.simulation.time < until * (1.0 - 1e-12):
+            self.simulation.run(until)
+
+    def play(self) -> None:
+        """The window, until it is closed."""
+        from ocean_sim.observers.preview import write
+
+        self.open(show=True)
+        last = perf_counter()
+        while not self.panel.closed:
+            now = perf_counter()
+            wall, last = now - last, now
+            self.screen.listen(self.panel, wall)
+            self.obey()
+            before = self.simulation.time
+            self.go_on(min(wall, self.look.every))
+            self.milliseconds = [1e3 * wall]
+            pace = (self.simulation.time - before) / wall if wall > 0.0 else None
+            self.screen.draw(self.panel, 1e3 * wall, pace)
+            if self.panel.take("snapshot"):
+                self.folder.mkdir(parents=True, exist_ok=True)
+                write(free_name(self.folder, "snapshot_{:03d}.png"), self.screen.image())
+                self.snapshots += 1
+            self.record()
+            self.screen.show()
+            self.pictures += 1
+
+    def obey(self) -> None:
+        """What was asked for since the last picture, but snapshots."""
+        panel = self.panel
+        if panel.take("helm") and self.simulation.ship is not None:
+            panel.person = self.simulation.ship.hand_over()
+        reset, wind = panel.take("reset"), panel.take("wind")
+        if reset or (wind and panel.wind != self.playing):
+            self.rebuild(panel.wind)
+
+    def rebuild(self, wind: str) -> None:
+        """The scene from its beginning, with this preset of wind."""
+        panel = self.panel
+        try:
+            config = self.config if wind == self.playing else self.of_wind(wind)
+        except SceneError as error:
+            panel.said, panel.wind = f"{wind}: {error.problems[0].message}", self.playing
+            return
+        self.simulation.close()
+        self.config, self.playing, panel.said = config, wind, ""
+        self.simulation = built(config)
+        self.screen.watch(self.simulation, panel)
+
+    def go_on(self, span: float) -> None:
+        """Steps over a span of simulated time [s], as many as there is wall time for; one, where that was asked for."""
+        panel, begin = self.panel, perf_counter()
+        until = self.simulation.time + span
+        single = panel.take("step")
+        try:
+            while single or (not panel.paused and self.simulation.time < until):
+                self.simulation.run(self.simulation.time + 0.5 * self.simulation.next_dt)
+                if single or perf_counter() - begin > BUDGET:
+                    break
+        except Diverged as failure:
+            panel.paused, panel.said = True, f"diverged: {failure}. Reset begins anew."
+
+    def record(self) -> None:
+        """One more picture of a recording; each recording is a folder of its own."""
+        from ocean_sim.observers.preview import write
+
+        if not self.panel.recording:
+            self.recorded = 0
+            return
+        if self.recorded == 0:
+            self.reel = free_name(self.folder, "recording_{:03d}")
+            self.reel.mkdir(parents=True)
+            self.recordings += 1
+        write(self.reel / picture(self.recorded), self.screen.image())
+        self.recorded += 1
+
+    def close(self) -> None:
+        if self.screen is not None:
+            self.screen.close()
+        self.simulation.close()
+
+    def facts(self) -> dict[str, Any]:
+        """What was drawn, for programs."""
+        drawn = sorted(self.milliseconds[1:] or self.milliseconds)
+        return {
+            "pictures": self.pictures,
+            "simulated_s": self.simulation.time,
+            "ms_per_picture": drawn[len(drawn) // 2] if drawn else None,
+            "folder": str(self.folder),
+            "snapshots": self.snapshots,
+            "recordings": self.recordings,
+        }
+
+    def summary(self) -> str:
+        facts = self.facts()
+        said = f"{facts['pictures']} pictures, {facts['simulated_s']:.3g} s simulated"
+        if facts["ms_per_picture"] is not None:
+            said += f", {facts['ms_per_picture']:.0f} ms a picture"
+        return f"{said}; {facts['folder']}" if self.folder.exists() else said
+
+
+def built(config: SceneConfig) -> Simulation:
+    """The simulation, watched by those that write nothing."""
+    return Simulation(config)
+
+
+def name_of(wind: Any) -> str:
+    """The preset that a wind is, else that it is the scene's own."""
+    if wind.kind == "still":
+        return "still"
+    for name in named("wind"):
+        preset = read(library("configs") / "wind" / f"{name}.yaml")
+        if preset.data["kind"].data == wind.kind and validated(type(wind), preset, ("wind",), []) == wind:
+            return name
+    return OWN
+
+
+def free_name(folder: Path, pattern: str) -> Path:
+    """The first of numbered names that is not taken."""
+    k = 0
+    while (folder / pattern.format(k)).exists():
+        k += 1
+    return folder / pattern.format(k)

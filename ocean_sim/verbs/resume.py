@@ -1,0 +1,171 @@
+"""`ocean-sim resume`: a run goes on from its last checkpoint as if nothing had happened."""
+
+import json
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+from ocean_sim.observers import _checkpoint_file as file
+from ocean_sim.result import Result
+from ocean_sim.scene import SceneConfig, load
+from ocean_sim.verbs import console
+from ocean_sim.verbs.progress import Progress
+from ocean_sim.verbs.run import kernels, stopped, summary, until_node, written
+from ocean_sim.yaml_file import SceneError
+
+if TYPE_CHECKING:
+    from ocean_sim.simulation import Simulation
+
+SHOWN = 3  # differences that are named
+
+
+def resume(folder: Path, until: float | None, as_json: bool) -> None:
+    """Go on with a run."""
+    manifest = manifest_of(folder)
+    config = scene_of(folder, manifest, until)
+    if manifest.get("outcome") == "done" and (until is None or until <= manifest["simulated_s"] * (1.0 + 1e-12)):
+        finished(folder, manifest, as_json)
+        return
+    if never_begun(folder, config):
+        kept = None
+    else:
+        kept = newest(folder, config)
+        check(folder, kept, manifest["scene"], until)
+    progress = Progress(config.duration, as_json)
+    if not as_json:
+        start = "nothing was kept yet: it begins anew" if kept is None else f"going on from t = {kept.time:.3f} s"
+        console.say(f"{folder}: {start}\n{kernels()}")
+    try:
+        if kept is None:
+            from ocean_sim.scene import run
+
+            result = run(config, folder, (progress,))
+        else:
+            result = gone_on(config, kept, folder, progress)
+    except KeyboardInterrupt:
+        raise stopped(progress, folder) from None
+    facts = progress.summary() | written(result, config)
+    if as_json:
+        console.answer(facts)
+    else:
+        console.say(summary(facts))
+
+
+def gone_on(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: Progress) -> Result:
+    """The run from a checkpoint on. Its parts are built beside its folder, in which nothing changes until all fits."""
+    from ocean_sim.observers._state import Differs
+    from ocean_sim.observers.checkpoint import restore
+    from ocean_sim.simulation import Simulation
+
+    def restored(simulation: "Simulation") -> None:
+        if kept.made["backend"] != simulation.backend.arch:
+            backends = f"{kept.made['backend']}, and this one on {simulation.backend.arch}"
+            raise console.Refused(f"{folder}: the checkpoint was made on {backends}")
+        try:
+            restore(simulation, kept, folder)
+        except Differs as problem:
+            raise console.Refused(f"{folder}: the checkpoint does not fit this program: {problem}") from None
+
+    with TemporaryDirectory(prefix="ocean-sim-") as beside, Simulation(config, Path(beside)) as simulation:
+        try:
+            restored(simulation)
+        except BaseException:
+            simulation.observers.clear()  # there is nothing that they could tell
+            raise
+        simulation.observers.append(progress)
+        simulation.run(config.duration)
+    return Result(folder)
+
+
+def manifest_of(folder: Path) -> dict[str, Any]:
+    """manifest.json of a run folder; raises Refused."""
+    path = folder / "manifest.json"
+    if not path.is_file():
+        raise console.Refused(f"{folder}: this is not a run folder (there is no manifest.json)")
+    try:
+        manifest = json.loads(path.read_text(encoding="utf-8"))
+        if not isinstance(manifest["scene"], dict):
+            raise TypeError
+        return manifest
+    except (ValueError, KeyError, TypeError, RecursionError):
+        raise console.Refused(f"{path}: this is not the manifest of a run") from None
+
+
+def scene_of(folder: Path, manifest: dict[str, Any], until: float | None) -> SceneConfig:
+    """The scene of a run, to be simulated until a time [s]; raises Refused."""
+    try:
+        return load(manifest["scene"], {} if until is None else {"duration": until_node(until)})
+    except SceneError as error:
+        if until is not None and any(problem.file.startswith("--until") for problem in error.problems):
+            raise
+        raise console.Refused(f"{folder}: its scene is not one of this version: {error}") from None
+
+
+def finished(folder: Path, manifest: dict[str, Any], as_json: bool) -> None:
+    """Say that there is nothing left to do."""
+    facts = {key: manifest.get(key) for key in ("outcome", "steps", "simulated_s")} | {"folder": str(folder)}
+    if as_json:
+        console.answer(facts)
+    else:
+        console.say(f"{folder}: this run is finished, at t = {manifest['simulated_s']:.3f} s; --until goes on")
+
+
+def never_begun(folder: Path, config: SceneConfig) -> bool:
+    """Whether a run that keeps checkpoints ended before its first one, with nothing beyond the first state told."""
+    if "checkpoint" not in config.observers or any(file.kept(folder)):
+        return False
+    return not any(len(rows(path)) > 1 for path in folder.glob("*.csv")) and len([*folder.glob("frames/frame_*")]) < 2
+
+
+def rows(path: Path) -> list[str]:
+    """The lines of numbers in a CSV file of a run."""
+    return [line for line in path.read_text(encoding="utf-8").splitlines() if line and line[0] != "#"][1:]
+
+
+def newest(folder: Path, config: SceneConfig) -> file.Checkpoint:
+    """The newest checkpoint that is whole; raises Refused."""
+    paths, said = [*file.kept(folder)], ""
+    if not paths:
+        cure = "start it again" if "checkpoint" in config.observers else "name `checkpoint` in a scene to have them"
+        raise console.Refused(f"{folder}: there is no checkpoint to go on from; {cure}")
+    for path in paths:
+        try:
+            kept = file.read(path)
+        except file.Unreadable as problem:
+            said = said or str(problem)
+            continue
+        if said:
+            console.complain(f"{said}; taking {path.name}")
+        return kept
+    raise console.Refused(f"{folder}: {said}; there is no other")
+
+
+def check(folder: Path, kept: file.Checkpoint, scene: dict[str, Any], until: float | None) -> None:
+    """Refuses a checkpoint of another version or scene, but for its duration, or one beyond the time asked for."""
+    from ocean_sim.observers.checkpoint import versions
+
+    now = versions()
+    said = differences({name: kept.made.get(name) for name in now}, now)
+    if said:
+        raise console.Refused(f"{folder}: the checkpoint is of another version: {said}")
+    said = differences(kept.scene | {"duration": None}, scene | {"duration": None})
+    if said:
+        raise console.Refused(f"{folder}: the checkpoint is of another scene than manifest.json: {said}")
+    if until is not None and until < kept.time:
+        raise console.Refused(f"--until {until:g}: the last checkpoint is at t = {kept.time:.3f} s already")
+
+
+def differences(kept: Any, now: Any) -> str:
+    """What two descriptions differ in, in words; empty where they do not."""
+    found = list(differing(kept, now, ""))
+    more = f", and {len(found) - SHOWN} more" if len(found) > SHOWN else ""
+    return ", ".join(found[:SHOWN]) + more
+
+
+def differing(kept: Any, now: Any, key: str) -> Any:
+    """Each place in which they differ."""
+    if isinstance(kept, dict) and isinstance(now, dict):
+        for name in sorted({*kept, *now}):
+            yield from differing(kept.get(name), now.get(name), f"{key}.{name}".lstrip("."))
+    elif kept != now:
+        yield f"{key} is {json.dumps(kept):.60} in the checkpoint and {json.dumps(now):.60} here"

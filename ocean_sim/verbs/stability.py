@@ -1,0 +1,54 @@
+"""`ocean-sim stability`: where it breaks, and how it says so."""
+
+from pathlib import Path
+from typing import Any
+
+from ocean_sim.result import Result
+from ocean_sim.studies import _maps, _runs, _table
+from ocean_sim.studies.stability import AXES, LIMIT, VERDICTS, spots
+from ocean_sim.studies.stability import told as summarised
+from ocean_sim.verbs import console
+from ocean_sim.verbs.sweep import text, told
+
+
+def stability(scene: str | None, quick: bool, workers: int | None, out: Path, as_json: bool) -> int:
+    """Maps of all settings; leaves stability.csv, limits.csv and a picture a map; 1 where a point has no verdict."""
+    plan = spots(quick, scene)
+    if not plan:
+        raise console.Refused(f"{scene}: this scene has no setting that could be taken to an extreme")
+    out.mkdir(parents=True, exist_ok=True)
+    if not as_json:
+        console.say(f"{len(plan)} runs, each on one thread")
+    rows: dict[int, dict[str, Any]] = {}
+    orders, at_once = [spot.order() for spot in plan], workers or _runs.cores()
+    for k, answer in told(orders, out / "runs", at_once, None, as_json, limit=LIMIT[quick]):
+        rows[k] = plan[k].row(answer, Result(out / "runs" / _runs.address(orders[k])))
+        _table.write(out / "stability.csv", [rows[n] for n in sorted(rows)])
+    table = [rows[k] for k in sorted(rows)]
+    lines = summarised(table)
+    _table.write(out / "limits.csv", lines)
+    for axis in AXES:
+        here = [row for row in table if row["map"] == axis.name]
+        if here:
+            _maps.draw(out / f"stability_{axis.name.replace(' ', '_')}.png", f"{axis.name} [{axis.unit}]", here)
+    if as_json:
+        console.answer(table)
+    else:
+        show(lines, table, out)
+    return 1 if any(row["verdict"] == "none" for row in table) else 0
+
+
+def show(lines: list[dict[str, Any]], table: list[dict[str, Any]], out: Path) -> None:
+    """What is stable up to where, and how many points ended how."""
+    names = list(lines[0])
+    title = (
+        "steps over courant's own in still water; numbers: the longest stable step over h / c, h^2 / nu, sqrt(h / a)"
+    )
+    console.table(title, names, [[text(line[name]) for name in names] for line in lines])
+    for row in table:
+        if row["verdict"] in ("degraded", "none"):
+            where = f"{row['map']} {row['value']:g}, {row['scheme']}, {row['dt_over_courant']:g} x the step"
+            console.say(f"{'no verdict' if row['verdict'] == 'none' else row['verdict']}: {where}: {row['reason']}")
+    counts = {name: sum(row["verdict"] == name for row in table) for name in VERDICTS}
+    said = ", ".join(f"{count} {name}" for name, count in counts.items() if name != "none")
+    console.say(f"{said}; {counts['none']} without a verdict; {out / 'stability.csv'}, limits.csv and pictures")

@@ -1,0 +1,71 @@
+"""`ocean-sim sweep`: many runs from a plan, in a table that keeps failures, too."""
+
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from ocean_sim.studies import _runs, _table
+from ocean_sim.studies.sweep import planned
+from ocean_sim.verbs import console
+from ocean_sim.verbs.progress import Bar
+
+SHOWN = ("outcome", "simulated_s", "particles", "wall_s", "reason")
+
+
+def sweep(plan: Path, scheduler: str | None, workers: int | None, out: Path | None, as_json: bool) -> None:
+    """Run what a plan asks for and has not been run yet; the table is whole after every run."""
+    runs = planned(plan)
+    folder = Path("runs") / plan.stem if out is None else out
+    if folder.exists() and not folder.is_dir():
+        raise console.Refused(f"--out {folder}: this is a file, not a folder")
+    at_once = workers or _runs.cores()
+    orders = [run.order(max(1, _runs.cores() // at_once)) for run in runs]
+    folder.mkdir(parents=True, exist_ok=True)
+    rows: dict[int, dict[str, Any]] = {}
+    for k, answer in told(orders, folder, at_once, scheduler, as_json):
+        rows[k] = runs[k].row(answer)
+        _table.write(folder / "results.csv", [rows[k] for k in sorted(rows)])
+    table = [rows[k] for k in sorted(rows)]
+    if as_json:
+        console.answer(table)
+    else:
+        show(table, list(dict.fromkeys(key for run in runs for key in run.settings)))
+        console.say(summary(table, folder))
+
+
+def told(orders: list[dict[str, Any]], folder: Path, workers: int, scheduler: str | None, quiet: bool, **more: Any):
+    """The answers of orders as they come, with their progress shown."""
+    bar, began, done = Bar(max(1.0, len(orders)), quiet), perf_counter(), 0
+    try:
+        for k, answer in _runs.answers(orders, folder, workers, scheduler, **more):
+            done += 1
+            if not quiet:
+                bar.show(done, f"{done} of {len(orders)} runs, {console.duration(perf_counter() - began)}")
+            yield k, answer
+    except KeyboardInterrupt:
+        said = f"stopped after {done} of {len(orders)} runs; the same command goes on from there"
+        raise console.Stopped(said) from None
+    finally:
+        bar.close()
+
+
+def show(rows: list[dict[str, Any]], keys: list[str]) -> None:
+    """The table for people: what was set, and how it went."""
+    names = ["run", *keys, *SHOWN]
+    console.table("", names, [[text(row.get(name)) for name in names] for row in rows])
+
+
+def text(value: Any) -> str:
+    """A cell for people."""
+    return "" if value is None else f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def summary(rows: list[dict[str, Any]], folder: Path) -> str:
+    """How many runs went how."""
+    counts = {name: sum(row["outcome"] == name for row in rows) for name in ("done", "stopped", "failed")}
+    said = f"{counts['done']} of {len(rows)} runs done"
+    if counts["stopped"]:
+        said += f", {counts['stopped']} stopped where they left the physical world"
+    if counts["failed"]:
+        said += f", {counts['failed']} failed (the same command tries them again)"
+    return f"{said}; {folder / 'results.csv'}"

@@ -1,0 +1,81 @@
+"""`ocean-sim tradeoff`: what a setting costs, and what it buys."""
+
+from pathlib import Path
+from typing import Any
+
+from ocean_sim.studies import _pareto, _runs, _table
+from ocean_sim.studies.tradeoff import TRIALS, clock, equals, front, points
+from ocean_sim.verbs import console
+from ocean_sim.verbs._scene_tradeoff import of_scene
+from ocean_sim.verbs.sweep import text, told
+
+SHOWN = ("scheme", "particles", "neighbours", "wall_per_s", "cpu_per_s", "error", "unit", "changed", "")
+
+
+def tradeoff(
+    scene: str | None,
+    vary: list[str],
+    budget: str | None,
+    by: str | None,
+    quick: bool,
+    profile: str | None,
+    sets: list[str],
+    workers: int | None,
+    out: Path | None,
+    as_json: bool,
+) -> None:
+    """The study over the validation cases, or that of a scene."""
+    if scene is not None:
+        folder = out or Path("runs") / "tradeoff" / Path(scene).stem
+        of_scene(scene, profile, sets, vary, budget, by, quick, folder, as_json)
+        return
+    for name, given in (("vary", vary), ("budget", budget), ("by", by), ("profile", profile), ("set", sets)):
+        if given:
+            raise console.Refused(f"--{name} is about a scene, as in ocean-sim tradeoff SCENE --{name} ...")
+    of_cases(quick, workers, out or Path("runs/tradeoff"), as_json)
+
+
+def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None:
+    """The study over the validation cases: tradeoff.csv, equal.csv and a picture a case."""
+    plan = points(quick)
+    out.mkdir(parents=True, exist_ok=True)
+    if not as_json:
+        console.say(f"{len(plan)} runs of {len({point.trial.case for point in plan})} cases, each on one thread")
+    rows: dict[int, list[dict[str, Any]]] = {}
+    for k, answer in told([point.order() for point in plan], out / "runs", workers or _runs.cores(), None, as_json):
+        rows[k] = plan[k].rows(answer)
+        _table.write(out / "tradeoff.csv", [row for n in sorted(rows) for row in rows[n]])
+    table = [row for n in sorted(rows) for row in rows[n]]
+    drawn = {
+        trial.case: [row for row in table if (row["case"], row["quantity"]) == (trial.case, trial.quantity)]
+        for trial in TRIALS
+    }
+    speed = clock(table)
+    fair = equals([row for here in drawn.values() for row in here], speed)
+    _table.write(out / "equal.csv", fair)
+    for trial in TRIALS:
+        if drawn[trial.case]:
+            _pareto.draw(out / f"tradeoff_{trial.case}.png", trial, drawn[trial.case], speed)
+            if not as_json:
+                show(f"{trial.case}: {trial.quantity}", drawn[trial.case], speed)
+    if as_json:
+        console.answer(table)
+        return
+    keys = ("case", "at equal", "scheme", "error", "unit", speed, "changed")
+    lines = [[text(row[key]) for key in keys] for row in fair]
+    console.table("\nat equal time, and at equal number", list(keys), lines)
+    if speed != "wall_per_s":
+        console.say("others had the cores, too, so processor time is compared; run it again on an idle machine")
+    console.say(f"{out / 'tradeoff.csv'}, equal.csv, pictures; wall_per_s: wall seconds of steps per simulated second")
+
+
+def show(title: str, rows: list[dict[str, Any]], speed: str) -> None:
+    """The runs of a case, the cheapest first; a star is on the Pareto front."""
+    done = [row for row in rows if row.get("error") is not None and row.get(speed)]
+    best = {id(done[k]) for k in front([(row[speed], abs(row["error"])) for row in done])}
+    lost = [row for row in rows if row.get("error") is None]
+    lines = [
+        [*(text(row.get(key)) for key in SHOWN[:-1]), "*" if id(row) in best else row.get("reason", "")[:60]]
+        for row in [*sorted(done, key=lambda row: row[speed]), *lost]
+    ]
+    console.table(f"\n{title}", list(SHOWN), lines)

@@ -1,0 +1,180 @@
+"""Meshes, logs and run folders that are empty, cut short or have a bit turned over: a sentence, and the exit code."""
+
+import json
+import random
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ocean_sim import __main__, csv_file, input_file, motion_log
+from ocean_sim.motion_log import REQUIRED
+from ocean_sim.yaml_file import SceneError
+
+TALK = ("Traceback", "this should not happen", "Errno")
+
+
+@pytest.fixture
+def tell(capsys):
+    """What the command line says: `tell("check", "s.yaml")` is (exit code, output, errors)."""
+
+    def run(*arguments: object) -> tuple[int, str, str]:
+        code = __main__.answered([str(argument) for argument in arguments])
+        out, err = capsys.readouterr()
+        return code, out, err
+
+    return run
+
+
+def spoilt(content: bytes) -> dict[str, bytes]:
+    """The same in many states of decay, always alike."""
+    dice = random.Random(5)
+    ways = {"empty": b"", "zeros": bytes(len(content)), "noise": dice.randbytes(len(content)), "twice": content * 2}
+    ways |= {f"cut at {k}": content[:k] for k in sorted(dice.sample(range(1, len(content)), 6))}
+    for _ in range(12):
+        bit = dice.randrange(8 * len(content))
+        flipped = bytearray(content)
+        flipped[bit // 8] ^= 1 << bit % 8
+        ways[f"bit {bit}"] = bytes(flipped)
+    ways["UTF-16"] = content.decode("latin-1").encode("utf-16")
+    return ways
+
+
+def log_text() -> bytes:
+    """A motion log of a ship at rest."""
+    rows = [{"time_s": 0.01 * k, "specific_force_y_m_s2": 9.81} for k in range(6)]
+    lines = [",".join(f"{row.get(name, 0.0):.9g}" for name in REQUIRED) for row in rows]
+    return ("# frame: ship\n" + ",".join(REQUIRED) + "\n" + "\n".join(lines) + "\n").encode()
+
+
+@pytest.mark.parametrize("kind", ["stl", "obj", "ply"])
+def test_a_spoilt_hull_is_refused_or_is_one(kind, tmp_path, monkeypatch):
+    import trimesh
+
+    from ocean_sim.ship._mesh import BadMesh
+    from ocean_sim.ship._shapes import MeshFile
+
+    monkeypatch.chdir(tmp_path)
+    whole = trimesh.creation.box((0.4, 0.3, 1.0)).export(file_type=kind)
+    whole = whole if isinstance(whole, bytes) else whole.encode()
+    refused = 0
+    for how, content in spoilt(whole).items():
+        Path(f"hull.{kind}").write_bytes(content)
+        try:
+            lower, upper = MeshFile(kind="mesh", file=f"hull.{kind}").bounds()
+            assert np.isfinite([lower, upper]).all(), how
+        except BadMesh as error:
+            refused += 1
+            assert str(error).startswith(f"hull.{kind}: ") and not any(talk in str(error) for talk in TALK), (
+                how,
+                error,
+            )
+            assert len(str(error)) < 600, how
+    assert refused >= 8
+
+
+def test_materials_that_a_mesh_names_are_not_looked_for(tmp_path):
+    from ocean_sim.ship._shapes import MeshFile
+
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+    faces = "usemtl x\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+    (tmp_path / "hull.obj").write_text(f"mtllib /dev/zero\n{corners}{faces}")
+    lower, upper = MeshFile(kind="mesh", file=str(tmp_path / "hull.obj")).bounds()
+    assert np.ptp([lower, upper], axis=0).max() == 1.0
+
+
+def test_a_spoilt_motion_log_is_refused_or_is_one(tmp_path):
+    path = tmp_path / "motion.csv"
+    refused = 0
+    for how, content in spoilt(log_text()).items():
+        path.write_bytes(content)
+        try:
+            assert np.isfinite(motion_log.read(path).ride.specific_force).all(), how
+        except ValueError as error:
+            refused += 1
+            assert str(path) in str(error) and not any(talk in str(error) for talk in TALK), (how, error)
+    assert refused >= 10
+
+
+@pytest.mark.parametrize(
+    "name, why",
+    [
+        ("nowhere.csv", "there is no such file"),
+        ("", "this is a folder"),
+        ("fifo", "not a regular file"),
+        ("/dev/zero", "not a regular file"),
+        ("nul\0.csv", "cannot be read: embedded null byte"),
+        ("y" * 5000, "cannot be read: File name too long"),
+    ],
+)
+def test_what_is_no_file_is_not_opened(name, why, tmp_path):
+    import os
+
+    os.mkfifo(tmp_path / "fifo")
+    with pytest.raises(input_file.Unreadable, match=why):
+        csv_file.columns(tmp_path / name)
+
+
+def test_a_table_begins_with_a_byte_order_mark_or_not_and_has_even_rows(tmp_path):
+    path = tmp_path / "t.csv"
+    path.write_bytes(b"\xef\xbb\xbftime_s,x_m\n0,1\n1,2\n")
+    assert csv_file.columns(path)["time_s"].tolist() == [0.0, 1.0]
+    for content, why in {
+        "time_s,x_m\n0,1\n1\n": "2 names and a row of 1, '1'",
+        "time_s,time_s\n0,1\n": "two columns 'time_s'",
+        "time_s,x_m\n": "no rows under a heading",
+    }.items():
+        path.write_text(content)
+        with pytest.raises(input_file.Unreadable, match=why):
+            csv_file.columns(path)
+
+
+def test_files_are_found_from_the_folder_of_the_scene(tmp_path, monkeypatch):
+    from ocean_sim.scene import load
+
+    (tmp_path / "scenes" / "deep").mkdir(parents=True)
+    tank = "time_s,x_m\n" + "".join(f"{k},0\n" for k in range(4))
+    (tmp_path / "scenes" / "tank.csv").write_text(tank)
+    scene = tmp_path / "scenes" / "deep" / "s.yaml"
+    text = "basin: {{length: 2.0, depth: 1.0, motion: {{file: {}}}}}\nfluid: {{kind: mueller, spacing: 0.2}}\n"
+    scene.write_text(text.format("../tank.csv"))
+    monkeypatch.chdir(tmp_path)
+    first = load("scenes/deep/s.yaml")
+    assert load(first.resolved()).basin == first.basin
+    scene.write_text(text.format(tmp_path / "scenes" / "tank.csv"))
+    assert load(scene).basin.build().config.motion.rows()[0] == "x"
+    (tmp_path / "scenes" / "tank.csv").unlink()
+    with pytest.raises(SceneError) as caught:
+        load("scenes/deep/s.yaml")
+    assert str(caught.value).startswith(
+        "scenes/deep/s.yaml:1:49: basin.motion.file: scenes/tank.csv: there is no such file"
+    )
+
+
+@pytest.mark.parametrize(
+    "verb", [("waves",), ("render", "--quality", "draft"), ("export", "--particles", "vtkhdf"), ("platform",)]
+)
+def test_a_spoilt_run_folder_is_refused_in_a_sentence(verb, tell, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    cases = {
+        "empty": {},
+        "words": {
+            "manifest.json": b"words",
+            "gauges.csv": b"words",
+            "motion.csv": b"words",
+            "frames/grid.npz": b"words",
+        },
+        "cut": {"manifest.json": b'{"scene": ', "gauges.csv": b"time_s,a_m\n", "motion.csv": log_text()[:300]},
+        "none": {"manifest.json": b"[]", "frames/grid.npz": b"", "frames/frame_00000.npz": b"PK\x03\x04"},
+    }
+    for name, files in cases.items():
+        folder = tmp_path / name
+        folder.mkdir()
+        for file, content in files.items():
+            (folder / file).parent.mkdir(exist_ok=True)
+            (folder / file).write_bytes(content)
+        code, out, err = tell(verb[0], name, *verb[1:], "--out", f"{name}-out")
+        assert code in (1, 2, 3), (name, code, out, err)
+        assert err.strip() and not any(talk in err for talk in TALK), (name, err)
+        code, out, err = tell(verb[0], name, *verb[1:], "--out", f"{name}-out", "--json")
+        assert code in (1, 2, 3) and json.loads(out)["error"], (name, out)

@@ -1,0 +1,49 @@
+"""Small scenes that are in order run: every number that they leave is one, and each that stops says why."""
+
+from collections import Counter
+
+import pytest
+from _small_runs import not_numbers, ran
+from _valid_scenes import scenes, settled
+from hypothesis import HealthCheck, Phase, given, settings
+
+from ocean_sim.scene import SceneConfig
+from ocean_sim.verbs.check import preflight
+
+MANY = 500
+
+
+def drawn(count: int) -> list[SceneConfig]:
+    """So many scenes, always the same, without pictures; those of the same kinds stand together and share kernels."""
+    found: list[SceneConfig] = []
+    few = settings(max_examples=2 * count, derandomize=True, database=None, deadline=None, phases=[Phase.generate])
+
+    @settings(few, suppress_health_check=list(HealthCheck))
+    @given(scenes())
+    def draw(scene):
+        config = settled(scene | {"render": None, "report": None})
+        if config is not None:
+            found.append(config)
+
+    draw()
+    kinds = ("fluid", "surface", "ship", "wind")
+    return sorted(found[:count], key=lambda scene: [getattr(getattr(scene, slot), "kind", "") for slot in kinds])
+
+
+def test_scenes_of_every_kind_are_drawn_and_their_preflight_is_made():
+    scenes = drawn(120)
+    kinds = Counter(getattr(part, "kind", "") for scene in scenes for part in scene.parts().values())
+    assert len(scenes) == 120
+    assert {"mueller", "delta_sph", "dfsph", "ballistic", "linear_waves", "cloth", "marching_cubes"} <= set(kinds)
+    assert sum(scene.ship is not None for scene in scenes) >= 5
+    for scene in scenes:
+        found = preflight(scene)
+        assert found["time_step"] > 0.0 and found["memory_mb"] > 0.0
+
+
+@pytest.mark.slow
+def test_many_small_scenes_run_or_say_why_not(tmp_path):
+    for k, scene in enumerate(drawn(MANY)):
+        outcome = ran(scene, tmp_path / str(k))
+        assert outcome == "done" or "try" in outcome or "sunk" in outcome, (scene.resolved(), outcome)
+        assert not not_numbers(tmp_path / str(k)), scene.resolved()

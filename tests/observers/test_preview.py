@@ -1,0 +1,446 @@
+"""The preview without a window: what keys, sliders and cameras do; and, where Vulkan is there, its pictures."""
+
+import ast
+import gc
+import json
+import os
+import subprocess
+import sys
+from math import pi, radians
+
+import numpy as np
+import pytest
+
+from ocean_sim import runtime
+from ocean_sim.__main__ import answered
+from ocean_sim.observers import _panel, _view, _vulkan, preview
+from ocean_sim.observers._controls import controls
+from ocean_sim.observers._curves import KEPT, Curves
+from ocean_sim.observers._panel import Panel, Slider, sliders_of
+from ocean_sim.observers._sight import Sight, backdrop, speed_colours
+from ocean_sim.parts import PACKAGE
+from ocean_sim.scene import load
+from ocean_sim.simulation import Simulation
+from ocean_sim.verbs import preview as verb
+
+HAS_VULKAN = _vulkan.draws(show=False)
+with_vulkan = pytest.mark.skipif(not HAS_VULKAN, reason="no Vulkan on this machine")
+CONFIG = preview.Config(size=(1280, 720))
+HERE = os.environ | {"PYTHONPATH": str(PACKAGE.parent)}
+
+
+class Wheel:
+    """A person at the helm, as a ship gives it."""
+
+    throttle = rudder = 0.0
+
+    def give(self, throttle, rudder):
+        self.throttle, self.rudder = min(max(throttle, -1.0), 1.0), min(max(rudder, -0.6), 0.6)
+
+
+@pytest.fixture(scope="module")
+def coarse():
+    """A yacht on some hundred particles under a gust, started once for all tests; they leave it as they found it."""
+    overrides = {"runtime.threads": 1, "fluid.spacing": 2.5, "runtime.precision": "f64", "accuracy": None}
+    with Simulation(load("showcase", overrides)) as simulation:
+        simulation.run(0.2)
+        yield simulation
+
+
+def kernels():
+    """How many kernels have been compiled so far."""
+    return sum(len(kernel.compiled_kernels) for kernel in runtime.impl.get_runtime().kernels)
+
+
+def test_keys_of_the_panel():
+    panel = Panel(["calm", "gale"], "calm")
+    panel.press(" ")
+    assert panel.paused
+    panel.press(" ")
+    panel.press("n")
+    assert panel.paused and panel.take("step") and not panel.take("step")
+    for wanted in ("helm", "top", "side", "third_person"):
+        panel.press("c")
+        assert panel.camera == wanted
+    for wanted in ("particles", "both", "surface"):
+        panel.press("v")
+        assert panel.content == wanted
+    panel.press("m")
+    assert panel.wind == "gale" and panel.take("wind")
+    panel.press("b")
+    assert panel.wind == "calm"
+    panel.press("o")
+    assert panel.recording
+    before = repr(panel)
+    panel.press("?")
+    assert repr(panel) == before
+    panel.press("Escape")
+    assert panel.closed
+
+
+def test_throttle_and_brake_pedal_and_wheel():
+    panel = Panel([], "still")
+    panel.hold({"Up"}, 0.1)
+    assert panel.take("helm") and panel.person is None  # the first touch takes the helm
+    panel.person = Wheel()
+    for _ in range(10):
+        panel.hold({"Up", "Left"}, 0.1)
+    assert panel.person.throttle == pytest.approx(_panel.PEDAL)
+    assert panel.person.rudder == pytest.approx(radians(20.0))  # positive turns to port
+    panel.hold({"Down"}, 100.0)
+    assert panel.person.throttle == -1.0
+    panel.hold({"Left", "Right"}, 1.0)
+    assert panel.person.rudder == pytest.approx(radians(20.0))
+    panel.press("x")
+    assert panel.person.rudder == 0.0 and panel.person.throttle == -1.0
+
+
+def test_a_slider_applies_a_move_once_and_holds_it_within_its_ends():
+    taken = []
+    slider = Slider("k", 0.1, 0.0, 2.0, taken.append)
+    assert not slider.move(float(np.float32(0.1)))  # a window knows single precision only
+    assert slider.move(1.5) and slider.move(9.0) and not slider.move(2.0)
+    assert taken == [1.5, 2.0] and slider.value == 2.0
+
+
+def test_sliders_of_a_simulation_built_anew_keep_what_was_set():
+    panel, taken = Panel([], "still"), []
+    panel.bind([Slider("a", 1.0, 0.0, 3.0, taken.append), Slider("b", 1.0, 0.0, 3.0, taken.append)])
+    panel.sliders[0].move(2.5)
+    panel.bind([Slider("a", 1.0, 0.0, 3.0, taken.append), Slider("c", 1.0, 0.0, 3.0, taken.append)])
+    assert panel.sliders[0].value == 2.5 and taken == [2.5, 2.5] and panel.sliders[1].value == 1.0
+
+
+def test_significant_wave_height_of_a_sine_is_four_standard_deviations_of_the_last_seconds():
+    curves, phase = Curves(), 2.0 * pi * np.arange(100) / 100
+    for k in range(300):
+        height = 0.5 if k < 100 else 0.2
+        curves.add(0.1 * k, height * np.sin(phase), -0.1, 20.0 + k)
+    assert curves.wave_height() == pytest.approx(4.0 * 0.2 / np.sqrt(2.0))
+    assert curves.scale("H_s") == (0.0, 2.0) and curves.scale("roll") == (-10.0, 10.0)
+    assert curves.told("roll") == "-5.7 deg   axis -10 to 10"
+    lines = curves.lines("H_s", (0.1, 0.2, 0.3, 0.4))
+    assert len(lines) == KEPT - 1
+    assert lines[..., 0].min() == pytest.approx(0.1) and lines[..., 0].max() == pytest.approx(0.4)
+    assert (lines[..., 1] >= 0.2).all() and (lines[..., 1] <= 0.6).all()
+    assert len(Curves().lines("roll", (0.0, 0.0, 1.0, 1.0))) == 0
+
+
+@pytest.mark.parametrize("camera", ["third_person", "top", "side"])
+@pytest.mark.parametrize("aspect", [16 / 9, 4 / 3])
+def test_the_whole_basin_is_in_the_part_of_the_picture_that_no_panel_covers(camera, aspect):
+    lower, upper, free = np.array([-30.0, -7.5, -10.0]), np.array([30.0, 2.0, 10.0]), (0.25, 0.2, 0.7, 0.75)
+    eye = _view.seen(camera, (0.7, 0.4, 1.0), (lower, upper), None, 0.0, free, aspect)
+    forward = (eye.target - eye.place) / np.linalg.norm(eye.target - eye.place)
+    right = np.cross(forward, eye.up)
+    right /= np.linalg.norm(right)
+    corners = np.array(list(np.ndindex(2, 2, 2))) * (upper - lower) + lower - eye.place
+    depth, half = corners @ forward, np.tan(radians(eye.angle / 2))
+    x = 0.5 + 0.5 * (corners @ right) / depth / half / aspect
+    y = 0.5 + 0.5 * (corners @ np.cross(right, forward)) / depth / half
+    assert (depth > eye.near).all() and (depth < eye.far).all()
+    assert x.min() >= 0.25 - 1e-9 and x.max() <= 0.95 + 1e-9 and y.min() >= 0.2 - 1e-9 and y.max() <= 0.95 + 1e-9
+    # ... and fills it along one side
+    assert min(x.min() - 0.25 + 0.95 - x.max(), y.min() - 0.2 + 0.95 - y.max()) < 1e-6
+
+
+def test_the_eye_at_the_helm_moves_with_the_ship_and_looks_over_the_bow(coarse):
+    ship = coarse.ship
+    eye = _view.seen("helm", (0.0, 0.4, 1.0), Sight(coarse).box, ship, 15.0, (0.0, 0.0, 1.0, 1.0), 1.5)
+    np.testing.assert_allclose(eye.place, ship.body.position + ship.body.matrix @ ship.points["helm"])
+    assert (eye.target - eye.place) @ ship.body.matrix[:, 2] == pytest.approx(1.0)
+
+
+def test_what_is_seen_lies_where_the_simulation_has_it(coarse):
+    sight = Sight(coarse)
+    heights = sight.heights()
+    water = sight.water(heights, np.array([40.0, 20.0, 40.0]), solid=True)
+    assert np.isfinite(water.colours).all() and water.colours.min() >= 0.0 and water.colours.max() <= 1.0
+    assert water.triangles.max() < len(water.vertices)
+    # the drawn surface goes through the surface of the simulation
+    net = sight.water(heights, np.array([40.0, 20.0, 40.0]), solid=False)
+    assert net.vertices[:, 1].mean() == pytest.approx(heights.mean(), abs=0.02)
+    balls = sight.particles(small=False)
+    assert len(balls.places) == coarse.fluid.particles.n and balls.every == 1
+    hull = sight.ship()
+    low, high = hull.vertices.min(axis=0), hull.vertices.max(axis=0)
+    assert (low < coarse.ship.body.position).all() and (coarse.ship.body.position < high).all()
+    ends, colours = sight.lines()
+    assert len(ends) == len(colours) and np.isfinite(ends).all()
+    assert ends[..., 1].min() >= sight.lower[1] - 1e-9  # no volume is drawn below the bed
+    assert sight.contents == ("surface", "particles", "both") and "helm" in sight.cameras
+
+
+def test_colours_of_speed_brighten_evenly():
+    """Told apart in grey, too."""
+    grey = speed_colours(np.linspace(0.0, 1.0, 50)) @ [0.2126, 0.7152, 0.0722]
+    assert (np.diff(grey) > 0.0).all()
+
+
+def test_the_backdrop_covers_the_picture_and_is_bright_at_the_horizon():
+    eye = _view.Eye(np.zeros(3), np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]), 35.0, 0.1, 100.0)
+    corners, colours = backdrop(eye, 1.5)
+    a, b, c = corners[0::3], corners[1::3], corners[2::3]
+    area = 0.5 * np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]).sum()
+    assert area == pytest.approx(1.0)
+    middle = np.abs(corners[:, 1] - 0.5) < 0.01
+    assert colours[middle].sum(axis=1).min() > colours[corners[:, 1] > 0.99].sum(axis=1).max()
+
+
+def test_moving_any_slider_changes_the_next_step_and_compiles_nothing(coarse):
+    """From one state: the same step twice gives the same bytes; after a slider has moved it does not."""
+    fluid = coarse.fluid
+    kept = [field.to_numpy().copy() for field in (fluid.particles.position, fluid.particles.velocity)]
+
+    def stepped():
+        fluid.particles.position.from_numpy(kept[0])
+        fluid.particles.velocity.from_numpy(kept[1])
+        fluid.begin()
+        fluid.advance(0.002)
+        order = np.argsort(fluid.particles.id.to_numpy())
+        return fluid.particles.velocity.to_numpy()[order]
+
+    names = fluid.particles.id.to_numpy().copy()
+
+    def from_start():
+        fluid.particles.id.from_numpy(names)
+        return stepped()
+
+    first, compiled = from_start(), None
+    np.testing.assert_array_equal(from_start(), first)
+    compiled, changed = kernels(), {}
+    for slider in sliders_of(coarse):
+        given, before_dt = slider.value, coarse.next_dt
+        assert slider.move(1.5 * given)
+        changed[slider.label] = not np.array_equal(from_start(), first) or coarse.next_dt != before_dt
+        slider.move(given)
+    assert changed == dict.fromkeys(changed, True) and len(changed) == 4
+    assert kernels() == compiled
+    np.testing.assert_array_equal(from_start(), first)
+
+
+class Box:
+    """Stands for a box of the window: `moved` sliders by label, `pressed` buttons by their first word."""
+
+    def __init__(self, moved=None, pressed=()):
+        self.moved, self.pressed, self.words = moved or {}, pressed, []
+
+    def text(self, text, color=None):
+        self.words.append(text)
+
+    def slider_float(self, label, value, low, high):
+        return self.moved.get(label.removeprefix("##"), value)
+
+    def button(self, label):
+        return label.split()[0] in self.pressed
+
+
+def test_sliders_and_buttons_of_the_window_move_the_panel_and_the_simulation(coarse):
+    panel = Panel(["calm", "wide"], "wide")
+    panel.bind(sliders_of(coarse))
+    controls(Box({"wind strength, x the preset": 2.0}, ["pause", "snapshot"]), panel, coarse, 0.5)
+    assert coarse.wind.gain == 2.0 and panel.paused and panel.take("snapshot")
+    quiet = Box()
+    controls(quiet, panel, coarse, 0.5)
+    assert coarse.wind.gain == 2.0 and panel.paused and not panel.asked  # what is not touched stays
+    assert any("paused" in line for line in quiet.words) and "wind: wide" in quiet.words
+    assert max(len(line) for line in quiet.words) <= 38  # fits the panel
+    coarse.wind.strengthen(1.0)
+
+
+def test_a_moved_stiffness_is_that_of_the_equation_of_state(coarse):
+    fluid, stiffness = coarse.fluid, coarse.fluid.stiffness
+    fluid.adjust(2.0 * stiffness, fluid.kinematic_viscosity)
+    fluid.advance(1e-6)
+    density, pressure = fluid.particles.density.to_numpy(), fluid.particles.pressure.to_numpy()
+    fluid.adjust(stiffness, fluid.kinematic_viscosity)
+    np.testing.assert_allclose(pressure, np.maximum(2.0 * stiffness * (density - 1000.0), 0.0), rtol=1e-9, atol=1e-6)
+    assert pressure.max() > 0.0 and fluid.sound_speed == pytest.approx(np.sqrt(stiffness))
+
+
+def test_a_person_steers_through_the_same_rate_limits_as_any_crew(coarse):
+    ship, machine = coarse.ship, coarse.ship.machine
+    crew, before = machine.crew, ship.orders
+    person = ship.hand_over()
+    assert person.order(0.0, ship.body) == before  # nothing jumps when the helm changes hands
+    person.give(0.8, 3.0)
+    assert person.rudder == pytest.approx(machine.rudder_blade.limit)
+    machine.steer(ship.body, 0.1)
+    assert ship.orders[1] - before[1] == pytest.approx(0.1 * machine.rudder_blade.rate)
+    for _ in range(200):
+        machine.steer(ship.body, 0.1)
+    assert ship.orders == (0.8, pytest.approx(machine.rudder_blade.limit))
+    person.give(*before)
+    for _ in range(200):
+        machine.steer(ship.body, 0.1)
+    machine.crew = crew
+
+
+def test_only_the_preview_uses_the_window_library():
+    for path in PACKAGE.rglob("*.py"):
+        used = [n for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.Attribute) and n.attr == "ui"]
+        assert not used or (path.name == "preview.py" and path.parent.name == "observers"), path
+
+
+class Window:
+    """Stands for the screen: plays keys, one list a picture, then closes."""
+
+    def __init__(self, script):
+        self.script, self.drawn, self.times = list(script), 0, []
+
+    def watch(self, simulation, panel, config=None):
+        self.simulation = simulation
+        panel.person = None
+        panel.bind(sliders_of(simulation))
+
+    def listen(self, panel, seconds):
+        held = self.script.pop(0) if self.script else ["Escape"]
+        for key in held:
+            panel.press(key)
+        panel.hold(set(held), 0.1)
+
+    def draw(self, panel, milliseconds, pace=None):
+        self.drawn += 1
+        self.times.append(self.simulation.time)
+
+    def image(self):
+        return np.zeros((4, 4, 3), np.uint8)
+
+    def show(self):
+        pass
+
+    def close(self):
+        pass
+
+
+def test_a_window_is_played_with(tmp_path, monkeypatch):
+    """Keys through the whole loop, on a sea in closed form."""
+    scene, sets = "ship_linear_sea", {"runtime.threads": 1, "runtime.precision": "f64", "time_step.kind": "fixed"}
+    sets["time_step.dt"] = 0.02
+    window = Window([[" "], [], ["n"], [" "], ["Up", "p"], ["Up", "o"], [], ["o"], ["m"], ["r"]])
+    monkeypatch.setattr(
+        verb.Session,
+        "open",
+        lambda self, show: self.__dict__.update(screen=window) or window.watch(self.simulation, self.panel),
+    )
+    session = verb.Session(load(scene, sets), tmp_path, lambda wind: load(scene, verb.with_wind(sets, wind)))
+    assert session.panel.wind == "still"
+    session.play()
+    times = window.times
+    assert times[0] == times[1] == 0.0 and times[2] == pytest.approx(0.02)  # paused, then one step
+    assert times[3] == pytest.approx(0.04) or times[3] > times[2]  # it goes on
+    assert session.panel.wind != "still" and session.simulation.scene.wind.kind == "gusts"  # built anew
+    assert session.simulation.time < max(times)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["recording_000", "snapshot_000.png"]
+    assert len(list((tmp_path / "recording_000").iterdir())) == 2
+    session.close()
+
+
+def test_without_vulkan_or_a_screen_a_sentence_says_what_to_do(tmp_path, monkeypatch, capsys):
+    command = ["preview", "ship_linear_sea", "--out", str(tmp_path / "out")]
+    monkeypatch.setattr(_vulkan, "draws", lambda show: False)
+    assert answered([*command, "--frames", "1"]) == 3
+    assert "apt-get install --no-install-recommends libx11-6 mesa-vulkan-drivers" in capsys.readouterr().err
+    monkeypatch.setattr(_vulkan, "draws", lambda show: not show)
+    assert answered(command) == 3
+    assert "--frames" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_without_a_display_no_window_is_tried(monkeypatch):
+    for name in _vulkan.SCREENS:
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(_vulkan.subprocess, "run", lambda *a, **k: pytest.fail("a window was tried"))
+    assert not _vulkan.draws(show=True)
+
+
+@pytest.mark.parametrize(
+    "words, said",
+    [
+        (["--frames", "0"], "--frames"),
+        (["--camera", "nowhere", "--frames", "1"], "preview.camera"),
+        (["--content", "fish", "--frames", "1"], "preview.content"),
+        (["--set", "preview.size=[100, 100]", "--frames", "1"], "960 x 640"),
+    ],
+)
+def test_wrong_input_is_a_sentence(words, said, tmp_path, capsys):
+    assert answered(["preview", "ship_linear_sea", "--out", str(tmp_path / "out"), *words]) == 2
+    captured = capsys.readouterr()
+    assert said in captured.err + captured.out and not (tmp_path / "out").exists()
+
+
+def test_pictures_are_never_written_over_others(tmp_path, capsys):
+    (tmp_path / "00000.png").write_bytes(b"")
+    assert answered(["preview", "ship_linear_sea", "--frames", "1", "--out", str(tmp_path)]) == 2
+    assert "pictures lie here already" in capsys.readouterr().err
+
+
+@pytest.fixture
+def screen():
+    """A hidden window, gone for certain before Taichi may start anew."""
+    shown = [preview.Screen(CONFIG, show=False)]
+    yield shown[0]
+    shown.pop().close()
+    gc.collect()
+
+
+@with_vulkan
+def test_pictures_without_a_window(coarse, screen):
+    """Every camera and content; the first picture has its sliders, as the second; a key changes the next picture."""
+    panel = Panel(["calm", "wide"], "wide")
+    screen.watch(coarse, panel, CONFIG)
+    screen.draw(panel, 20.0)
+    first = screen.image()
+    screen.draw(panel, 20.0)
+    second = screen.image()
+    assert first.shape == (1280, 720, 3)
+    left = slice(0, preview.PANEL)
+    np.testing.assert_array_equal(first[left], second[left])
+    slider_blue = (first[left, :, 2].astype(int) - first[left, :, 0] > 150).sum()
+    assert slider_blue > 4 * 50  # the grabs of four sliders
+    pictures = {}
+    for camera in panel.cameras:
+        for content in panel.contents:
+            panel.camera, panel.content = camera, content
+            screen.draw(panel, 20.0)
+            pictures[camera, content] = screen.image()[preview.PANEL + 20 :]
+    seen = list(pictures.values())
+    assert all(np.abs(a.astype(int) - b).mean() > 1.0 for k, a in enumerate(seen) for b in seen[:k])
+    assert all(picture.std() > 15.0 for picture in seen)
+    red = pictures["third_person", "surface"].astype(int)
+    assert ((red[..., 0] > 1.5 * red[..., 1]) & (red[..., 0] > 60)).sum() > 1000  # the hull
+
+
+@with_vulkan
+def test_as_an_observer_it_leaves_pictures_in_the_run_folder(coarse, tmp_path, monkeypatch):
+    monkeypatch.setattr(preview, "require", lambda show: None)
+    observer = CONFIG.model_copy(update={"every": coarse.time}).build(tmp_path, coarse)
+    observer.observe(coarse)
+    observer.observe(coarse)  # the same moment is drawn once
+    observer.close()
+    assert [path.name for path in (tmp_path / "preview").iterdir()] == ["00000.png"]
+
+
+def test_a_run_without_vulkan_goes_on_without_pictures(coarse, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(_vulkan, "draws", lambda show: False)
+    observer = CONFIG.build(tmp_path, coarse)
+    observer.observe(coarse)
+    observer.close()
+    assert not list(tmp_path.iterdir())
+    assert "no preview: this machine has no Vulkan" in capsys.readouterr().err
+
+
+@with_vulkan
+def test_the_command_writes_numbered_pictures(tmp_path):
+    """In a process of its own, which must end well."""
+    words = ["--frames", "2", "--out", str(tmp_path / "out"), "--set", "runtime.threads=1", "--json"]
+    command = [sys.executable, "-m", "ocean_sim", "preview", "ship_linear_sea", *words]
+    child = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300, cwd=tmp_path, env=HERE)
+    assert child.returncode == 0, child.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]  # nothing but what was asked for
+    facts = json.loads(child.stdout)
+    assert facts["pictures"] == 2 and facts["simulated_s"] >= 1.0 / 30.0
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["00000.png", "00001.png"]
+    import matplotlib.image
+
+    assert matplotlib.image.imread(tmp_path / "out" / "00001.png").shape == (720, 1280, 3)

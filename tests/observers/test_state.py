@@ -1,0 +1,97 @@
+"""The walk over a run: what it keeps, what it refuses, and that putting it back runs no code."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ocean_sim.observers._csv import CsvFile
+from ocean_sim.observers._sampled import Sampled
+from ocean_sim.observers._state import Differs, Restoring, Taken
+from ocean_sim.platform._washout_classical import Filter
+from ocean_sim.ship._rigid_body import RigidBody
+
+
+def through(root, fresh, folder=Path("/nowhere")):
+    """`fresh` in the state of `root`, by way of JSON as in a file."""
+    taken = Taken(root, folder)
+    restoring = Restoring(fresh, json.loads(json.dumps(taken.tree)), taken.arrays, folder)
+    restoring.cut()
+    return restoring.root
+
+
+def test_what_has_come_to_be_since_the_start_is_made_anew():
+    """A named tuple with an array where there was None; floats to the last bit, and no number that is none is lost."""
+    sampled, fresh = Sampled(0.1), Sampled(0.1)
+    sampled.rows(0.0, [1.0, 2.0])
+    sampled.rows(0.123456789012345678, [np.nan, 1.0 / 3.0], held=(np.float32(0.1), "acoustic", np.inf))
+    through({"sampled": sampled}, {"sampled": fresh})
+    assert fresh.multiples.next == sampled.multiples.next == 2
+    assert fresh.before._fields == sampled.before._fields and fresh.before.time == sampled.before.time
+    assert np.array_equal(fresh.before.values, sampled.before.values, equal_nan=True)
+    assert fresh.before.held == sampled.before.held and type(fresh.before.held[0]) is np.float32
+
+
+def test_what_is_one_thing_stays_one_and_what_is_two_stays_two():
+    """Data that was shared at the start is not written through: bodies are replaced, never changed."""
+    body = RigidBody(1.0, np.eye(3), np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3), np.zeros(3))
+    moved = RigidBody(1.0, body.inertia_body, np.ones(3), body.orientation, np.ones(3), np.zeros(3))
+    fresh = through({"now": moved, "again": moved, "start": body}, {"now": body, "again": body, "start": body})
+    assert isinstance(fresh["now"], RigidBody) and fresh["now"] is not body
+    assert fresh["now"].position.tolist() == [1.0] * 3 and fresh["start"].position.tolist() == [0.0] * 3
+    assert fresh["again"] is fresh["now"] and fresh["now"].inertia_body is fresh["start"].inertia_body
+
+
+def test_objects_with_a_law_stay_themselves():
+    """Compiled kernels know them by identity; a filter goes on where it was."""
+    one, fresh = Filter([], [-1.0], 1.0, 0.01), Filter([], [-1.0], 1.0, 0.01)
+    one.of(np.ones(50))
+    assert through({"filter": one}, {"filter": fresh})["filter"] is fresh
+    assert np.array_equal(fresh.state, one.state) and np.any(fresh.state)
+
+
+def test_a_file_goes_on_where_it_was(tmp_path):
+    """Rows that came later, whole or torn, are cut; nothing is cut before all fits."""
+    csv = CsvFile(tmp_path / "a.csv", {"seed": 1}, ["time_s", "x"])
+    csv.row([0.0, 1.0])
+    taken = Taken({"csv": csv, "path": tmp_path / "a.csv", "n": 3}, tmp_path)
+    before = (tmp_path / "a.csv").read_bytes()
+    csv.row([0.1, 2.0])
+    csv.file.write("0.2,3.")
+    csv.close()
+    late = (tmp_path / "a.csv").read_bytes()
+    (tmp_path / "beside").mkdir()
+    fresh = {"csv": CsvFile(tmp_path / "beside" / "a.csv", {"seed": 1}, ["time_s", "x"]), "path": None, "n": 0}
+    restoring = Restoring(fresh, taken.tree, taken.arrays, tmp_path)
+    assert (tmp_path / "a.csv").read_bytes() == late
+    restoring.cut()
+    assert restoring.root["path"] == tmp_path / "a.csv" and restoring.root["n"] == 3
+    restoring.root["csv"].row([0.1, 5.0])
+    restoring.root["csv"].close()
+    assert (tmp_path / "a.csv").read_bytes() == before + b"0.1,5\n"
+    (tmp_path / "a.csv").write_bytes(before[:-3])
+    with pytest.raises(Differs, match=r"a\.csv is shorter than it was"):
+        Restoring(fresh, taken.tree, taken.arrays, tmp_path)
+
+
+def test_what_is_not_known_is_refused_with_its_name():
+    with pytest.raises(TypeError, match=r"cannot keep part\.b, a builtins\.builtins:set"):
+        Taken({"part": {"a": 1, "b": {1, 2}}}, Path("/nowhere"))
+
+
+@pytest.mark.parametrize(
+    "tree, sentence",
+    [
+        ({"of": "os:system", "at": {}, "data": True}, "a os:system, which this program does not make"),
+        ({"of": "ocean_sim.runtime:os.system", "at": {}, "data": True}, "which this program does not make"),
+        ({"of": "ocean_sim.nothing:Thing", "at": {}, "data": True}, "which this program does not make"),
+        ({"file": ["../../etc/passwd", 0]}, "names a file outside its folder"),
+        ({"file": ["/etc/passwd", 0]}, "names a file outside its folder"),
+        ({"path": "/etc"}, "names a file outside its folder"),
+        ({"left": "function"}, "it has part, which this program does not make"),
+    ],
+)
+def test_a_state_makes_nothing_but_data_of_this_package(tree, sentence, tmp_path):
+    with pytest.raises(Differs, match=sentence):
+        Restoring({}, {"dict": [["part", tree]]}, {}, tmp_path)

@@ -1,0 +1,305 @@
+"""Two-way contact: momentum, no particle inside, draught, walls and bed, extremes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ocean_sim.conventions import Diverged
+from ocean_sim.scene import load, observer_names
+from ocean_sim.ship._distance import around
+from ocean_sim.ship._rigid_body import RigidBody, advanced, oriented, spinning
+from ocean_sim.ship._shapes import Box, Sphere
+from ocean_sim.ship._wall_contact import Sides
+from ocean_sim.simulation import Simulation
+from ocean_sim.yaml_file import SceneError
+
+QUIET = {name: None for name in observer_names() if name != "manifest"} | {"runtime.threads": 1}
+SHAPE = {"kind": "box", "length": 0.6, "breadth": 0.6, "height": 0.5}
+
+
+def floating(relative: float = 0.6, **ship) -> dict:
+    """A box in a small tank of coarse water."""
+    hull = {"shape": SHAPE, "mass": 180.0 * relative, "centre_of_mass": [0.0, 0.15, 0.0]}
+    return {
+        "duration": 2.0,
+        "basin": {"length": 1.6, "width": 1.6, "depth": 0.6},
+        "fluid": {"kind": "mueller", "spacing": 0.1, "kinematic_viscosity": 0.01, "compression": 0.008},
+        "surface": "cloth",
+        "ship": {"kind": "hydrostatic", "hull": hull, **ship},
+    }
+
+
+def shot(fluid: dict, response: float = 1.0, mass: float = 100.0) -> dict:
+    """A block of water without gravity (a ship wants a little), and a spinning box that is shot into it."""
+    hull = {
+        "shape": {"kind": "box", "length": 0.4, "breadth": 0.4, "height": 0.3},
+        "mass": mass,
+        "centre_of_mass": [0.0, 0.15, 0.0],
+        "inertia": [2.0, 2.0, 2.0],
+    }
+    ship = {
+        "kind": "thesis",
+        "hull": hull,
+        "linear_damping": 0.0,
+        "angular_damping": 0.0,
+        "contact": {"restitution": 0.3, "friction": 0.4, "response": response},
+        "position": [0.05, -0.25, 0.03],
+        "velocity": [0.3, -2.0, 0.1],
+        "rates": [0.5, 0.0, 1.0],
+    }
+    water = {"spacing": 0.1, "fill": [{"min": [-0.4, -0.9, -0.4], "max": [0.4, -0.5, 0.4]}]}
+    basin = {"length": 2.0, "width": 2.0, "depth": 1.2, "gravity": [0.0, -1e-15, 0.0], "walls": "none", "floor": "none"}
+    return {
+        "duration": 0.2,
+        "basin": basin,
+        "fluid": water | fluid,
+        "surface": "cloth",
+        "ship": ship,
+        "time_step": {"kind": "fixed", "dt": 0.001},
+    }
+
+
+PRESSING = {"kind": "delta_sph", "compression": 0.01, "reference_speed": 3.0}
+
+
+def momenta(simulation: Simulation) -> np.ndarray:
+    """(2, 3) of water and ship [kg m/s]."""
+    water, body = simulation.fluid.particles, simulation.ship.body
+    return np.stack(
+        [water.mass * water.velocity.to_numpy().astype(float).sum(axis=0), body.mass * np.array(body.velocity)]
+    )
+
+
+def inside(simulation: Simulation, shape: dict, centre: np.ndarray, tolerance: float) -> int:
+    """Particles inside a box by more than a tolerance [m]."""
+    body = simulation.ship.body
+    half = 0.5 * np.array([shape["breadth"], shape["height"], shape["length"]]) - tolerance
+    own = (simulation.fluid.positions() - body.position) @ body.matrix + centre - [0.0, 0.5 * shape["height"], 0.0]
+    return int((abs(own) < half).all(axis=1).sum())
+
+
+def test_the_distance_to_a_ball_and_to_a_box():
+    random = np.random.default_rng(3)
+    from scipy.interpolate import RegularGridInterpolator
+
+    for shape, exact in (
+        (Sphere(kind="sphere", radius=0.4), lambda p: np.linalg.norm(p - [0.0, 0.4, 0.0], axis=1) - 0.4),
+        (Box(kind="box", length=0.8, breadth=0.6, height=0.5), from_a_box),
+    ):
+        values, first, step = around(shape, 0.04, 0.2, 0.2)
+        axes = [first[k] + step[k] * np.arange(values["distance"].shape[k]) for k in range(3)]
+        lower, upper = shape.bounds()
+        points = random.uniform(lower - 0.15, upper + 0.15, (4000, 3))
+        near = abs(exact(points)) < 0.15
+        found = RegularGridInterpolator(axes, values["distance"])(points)
+        assert abs(found - exact(points))[near].max() < 0.75 * 0.04
+        assert abs((found - exact(points))[near].mean()) < 0.1 * 0.04
+        share = RegularGridInterpolator(axes, values["share"])(points)
+        on_it = abs(exact(points)) < 0.005
+        assert share[on_it].mean() == pytest.approx(0.45, abs=0.07)  # a half on a flat face, less at edges
+        assert share.sum() * 0.0 == 0.0 and share.max() < 1.0 + 1e-9
+
+
+def from_a_box(p: np.ndarray) -> np.ndarray:
+    away = abs(p - [0.0, 0.25, 0.0]) - [0.3, 0.25, 0.4]
+    return np.linalg.norm(np.maximum(away, 0.0), axis=1) + np.minimum(away.max(axis=1), 0.0)
+
+
+def test_momentum_is_kept_and_at_a_response_of_one_half_the_ledger_shows_exactly_half_missing():
+    """Water that presses, in f64; the exchange at one half is the negative control of the first."""
+    scene = shot(PRESSING)
+    with Simulation(load(scene, QUIET | {"runtime.precision": "f64"})) as simulation:
+        contact, before = simulation.ship.contact, momenta(simulation)
+        simulation.run(0.1)
+        middle = momenta(simulation)
+        whole = middle - before
+        assert abs(whole[1]).max() > 10.0  # they did meet
+        assert abs(whole.sum(axis=0)).max() < 1e-12 * 200.0
+        np.testing.assert_allclose(contact.impulse[0], whole[1], atol=1e-10)
+        assert not contact.lost.any()
+        contact.config = contact.config.model_copy(update={"response": 0.5})
+        simulation.run(0.2)
+        half = momenta(simulation) - middle
+        np.testing.assert_allclose(half[1], -0.5 * half[0], atol=1e-10)
+        np.testing.assert_allclose(half.sum(axis=0), -contact.lost[0], atol=1e-10)
+        np.testing.assert_allclose(contact.impulse[0] - whole[1], contact.lost[0], atol=1e-10)
+        assert abs(contact.lost[0]).max() > 1.0
+        assert inside(simulation, scene["ship"]["hull"]["shape"], np.array([0.0, 0.15, 0.0]), 0.02) == 0
+
+
+def test_a_light_ship_is_not_thrown_back_and_the_threads_change_nothing():
+    """A tenth as heavy as the water that it hits: impulses one by one would return its speed several times. In f32."""
+    scene, states = shot({"kind": "ballistic"}, mass=10.0), []
+    for threads in (1, 2):
+        with Simulation(load(scene, QUIET | {"runtime.threads": threads})) as simulation:
+            before = momenta(simulation)
+            simulation.run(0.2)
+            gained, body = momenta(simulation) - before, simulation.ship.body
+            assert abs(gained.sum(axis=0)).max() < 1e-5 * 20.0
+            assert 5.0 < gained[1][1] < 1.3 * 20.0
+            states.append(np.concatenate([body.position, body.velocity, simulation.fluid.positions().ravel()]))
+    np.testing.assert_array_equal(*states)
+
+
+CENTRE = np.array([0.0, 0.15, 0.0])
+
+
+@pytest.fixture(scope="module")
+def afloat():
+    """A simulation that tests begin anew, and what it takes to do so."""
+    with Simulation(load(floating(), QUIET | {"health": {}})) as simulation:
+        particles, ship = simulation.fluid.particles, simulation.ship
+        start = [field.to_numpy().copy() for field in (particles.position, particles.velocity, particles.pressure)]
+        yield simulation, start, ship.body, ship.afloat.weight.copy()
+
+
+def begun(afloat, weight: float = 1.0, **changes) -> Simulation:
+    """The simulation at its start, with the ship changed."""
+    simulation, start, body, own = afloat
+    particles, ship = simulation.fluid.particles, simulation.ship
+    for field, values in zip((particles.position, particles.velocity, particles.pressure), start):
+        field.from_numpy(values)
+    simulation.fluid.begin()
+    simulation.surface.lay(particles)
+    ship.body = replace(body, mass=weight * body.mass, inertia_body=weight * body.inertia_body, **changes)
+    ship.afloat.weight = weight * own
+    return simulation
+
+
+def test_it_floats_as_deep_as_without_contact_and_nothing_is_inside(afloat):
+    """To 2 % under the water around it; collisions carry nothing in the mean."""
+    simulation = begun(afloat)
+    ship, contact, rows = simulation.ship, simulation.ship.contact, []
+    x = np.linspace(-0.75, 0.75, 16)
+    around_it = np.stack(np.meshgrid(x, x), axis=-1).reshape(-1, 2)
+    around_it = around_it[(abs(around_it) > 0.5).any(axis=1)]
+    end = simulation.time + 2.0
+    while simulation.time < end:
+        simulation.step()
+        if simulation.steps % 20 == 0:
+            assert inside(simulation, SHAPE, CENTRE, 0.005) == 0
+            level = simulation.surface.elevations(around_it).mean()
+            rows.append((level - ship.body.position[1] + CENTRE[1], ship.last.parts[1, 0, 1], ship.last.parts[4, 0, 1]))
+    draught, buoyancy, collisions = np.array(rows)[len(rows) // 3 :].T
+    weight = 9.81 * ship.body.mass
+    assert draught.mean() == pytest.approx(0.3, rel=0.02)
+    assert buoyancy.mean() == pytest.approx(weight, rel=0.02)
+    assert abs(collisions.mean()) < 0.02 * weight
+    under = ship.afloat.water
+    middle = under.level.to_numpy()[12, 6]
+    assert simulation.surface.elevations(np.zeros((1, 2)))[0] < -0.15  # the sheet lies under the hull,
+    assert abs(middle - level) < 0.05  # the ship fills it
+    # The water bears the ship.
+    assert contact.back[1] < 0.0
+
+
+def test_without_giving_the_push_back_buoyancy_would_count_twice(afloat):
+    """A negative control: collisions then hold the water up, and lift the ship out of it by as much."""
+    simulation = begun(afloat)
+    ship, shares = simulation.ship, simulation.ship.contact.hull.nodes.to_numpy()
+    ship.contact.hull.nodes.from_numpy(shares * np.array([1.0, 0.0], dtype=shares.dtype))
+    carried, end = [], simulation.time + 0.8
+    while simulation.time < end:
+        simulation.step()
+        carried.append(ship.last.parts[4, 0, 1])
+    ship.contact.hull.nodes.from_numpy(shares)
+    assert np.mean(carried[len(carried) // 2 :]) > 0.15 * 9.81 * ship.body.mass
+
+
+EXTREMES = {
+    "a tenth of the water's density": (1.0 / 6.0, {}),
+    "ten times the water's density, it lies on the bed": (100.0 / 6.0, {}),
+    "capsized": (1.0, {"orientation": oriented(0.0, 0.0, np.pi), "position": np.array([0.0, 0.05, 0.0])}),
+    "dropped from 5 m": (1.0, {"position": np.array([0.0, 5.0, 0.0])}),
+    "wholly out": (1.0, {"position": np.array([0.0, 1.0, 0.0])}),
+    "a spin of 30 degrees a second": (1.0, {"spin": np.radians([30.0, 30.0, 30.0])}),
+    "steps four times as long": (1.0, {"steps": 4.0}),
+    "a thrust of a hundred times": (1.0, {"thrust": 100.0}),
+}
+
+
+@pytest.mark.parametrize("extreme", EXTREMES)
+def test_extremes_end_physically_or_with_a_sentence(afloat, extreme):
+    weight, changes = EXTREMES[extreme]
+    own = {key: value for key, value in changes.items() if key not in ("spin", "steps", "thrust")}
+    simulation = begun(afloat, weight, **own)
+    ship = simulation.ship
+    if "spin" in changes:
+        ship.body = spinning(ship.body, changes["spin"])
+    if "thrust" in changes:  # of a tenth of its weight
+        ship.afloat.weight[0, 0] = 0.1 * changes["thrust"] * 9.81 * ship.body.mass
+    longer, next_step = changes.get("steps", 1.0), simulation.time_step.next
+    simulation.time_step.next = lambda of: longer * next_step(of)
+    try:
+        simulation.run(simulation.time + (1.3 if "5 m" in extreme else 0.5))
+    except Diverged as stopped:
+        assert "t = " in str(stopped) and "try" in str(stopped)
+        return
+    finally:
+        simulation.time_step.next = next_step
+    body = ship.body
+    assert np.isfinite(body.position).all() and np.linalg.norm(body.velocity) < 15.0
+    assert (abs(body.position[[0, 2]]) < 0.8).all() and body.position[1] > -0.6
+    assert inside(simulation, SHAPE, CENTRE, 0.02) == 0
+    if weight > 10.0:
+        assert body.position[1] < -0.35
+
+
+@pytest.mark.slow
+def test_a_hull_thinner_than_a_spacing_floats():
+    plate = {"shape": {"kind": "box", "length": 0.6, "breadth": 0.6, "height": 0.06}, "mass": 10.8}
+    with Simulation(load(floating(hull=plate), QUIET | {"health": {}})) as simulation:
+        simulation.run(0.5)
+        body = simulation.ship.body
+        assert np.linalg.norm(body.velocity) < 1.0 and abs(body.position[1]) < 0.15
+
+
+def test_contact_can_be_switched_off_and_a_hull_across_a_wall_is_refused():
+    scene = floating()
+    on = load(scene, QUIET)
+    off = load(scene, QUIET | {"ship.contact": None})
+    basin = on.basin.build()
+    assert len(on.ship.floating(basin, on.fluid)) == 1 and off.ship.floating(basin, off.fluid) == ()
+    with pytest.raises(SceneError, match=r"reaches 0\.1 m through a wall across x"):
+        load(scene, QUIET | {"ship.position": [0.6, 0.0]})
+    load(scene, QUIET | {"ship.position": [0.6, 0.0], "ship.contact": None})
+
+
+def struck(restitution: float, friction: float, **changes) -> tuple[Sides, RigidBody]:
+    """Walls and bed, and a box of 1 kg on the bed."""
+    basin = load(
+        {
+            "basin": {"length": 2.0, "width": 2.0, "depth": 1.0, "restitution": restitution, "friction": friction},
+            "fluid": {"kind": "ballistic", "spacing": 0.5},
+        },
+        QUIET,
+    ).basin.build()
+    sides = Sides(Box(kind="box", length=0.4, breadth=0.4, height=0.4), np.array([0.0, 0.2, 0.0]), basin)
+    still = {"velocity": np.zeros(3), "angular_momentum": np.zeros(3), "orientation": oriented(0.0, 0.0, 0.0)}
+    body = RigidBody(1.0, 0.16 / 6.0 * np.eye(3), **(still | {"position": np.array([0.0, -0.8, 0.0])} | changes))
+    return sides, body
+
+
+def bounced(sides: Sides, body: RigidBody, dt: float = 1e-3) -> RigidBody:
+    from ocean_sim.ship import loaded
+
+    def after(load):
+        return advanced(body, load.force, load.torque, dt)
+
+    return sides.off(after(sides.met(loaded(), after, dt)))
+
+
+def test_a_box_bounces_from_the_bed_and_from_a_corner():
+    sides, body = struck(0.4, 0.0, velocity=np.array([1.0, -2.0, 0.0]))
+    after = bounced(sides, body)
+    np.testing.assert_allclose(after.velocity, [1.0, 0.8, 0.0], atol=1e-6)
+    np.testing.assert_allclose(after.angular_momentum, np.zeros(3), atol=1e-6)
+    rubbed = bounced(*struck(0.4, 0.1, velocity=np.array([1.0, -2.0, 0.0])))
+    assert rubbed.velocity[0] == pytest.approx(1.0 - 0.1 * 2.8, rel=0.2)
+    elastic, body = struck(1.0, 0.0, velocity=np.array([-3.0, 0.0, 0.5]), position=np.array([-0.76, 0.0, 0.1]))
+    body = replace(body, orientation=oriented(0.3, 0.4, 0.2))
+    after = bounced(elastic, body)
+    assert after.velocity[0] > -3.0 and after.kinetic_energy() == pytest.approx(body.kinetic_energy(), rel=1e-3)
+    corners = elastic.points @ after.matrix.T + after.position
+    assert corners[:, 0].min() > -1.0 - 1e-9

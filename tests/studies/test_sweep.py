@@ -1,0 +1,202 @@
+"""A sweep: the runs that a plan means, what is wrong with a plan, and what becomes of a run whose process dies."""
+
+import csv
+import json
+import os
+import signal
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from threading import Thread
+from types import SimpleNamespace
+
+import pytest
+
+from ocean_sim.__main__ import answered
+from ocean_sim.studies import _runs
+from ocean_sim.studies.sweep import planned
+from ocean_sim.yaml_file import SceneError
+
+SEA = """basin: {length: 40.0, width: 40.0, depth: 7.5}
+fluid: {kind: linear_waves, height: 0.5, period: 4.0}
+duration: 0.4
+gauges: {every: 0.02, elevation: {centre: [0.0, 0.0]}}
+runtime: {threads: 1}
+"""
+PLAN = """scene: sea.yaml
+set: {duration: 0.5}
+list: [{fluid.height: 0.5}, {fluid.height: 0.6, fluid.period: 5.0}]
+grid:
+  fluid.heading_deg: [0.0, 45.0]
+  duration: [0.3, 0.4]
+seeds: [1, 2]
+"""
+TASK = '''"""A run that writes what it was told, waits where it was told to, or falls."""
+import sys, time
+def answer(order, folder):
+    (folder / "begun").touch()
+    if order.get("wait"):
+        time.sleep(order["wait"])
+    if order.get("fall"):
+        sys.exit(order["fall"])
+    return {"outcome": "done", "number": order["number"]}
+'''
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("sea.yaml").write_text(SEA)
+    Path("plan.yaml").write_text(PLAN)
+    Path("a_task.py").write_text(TASK)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    return tmp_path
+
+
+def orders(count: int, **more) -> list[dict]:
+    return [{"task": "a_task", "number": k} | more for k in range(count)]
+
+
+def wrong(text: str) -> list[str]:
+    Path("plan.yaml").write_text(text)
+    with pytest.raises(SceneError) as error:
+        planned(Path("plan.yaml"))
+    return [str(problem) for problem in error.value.problems]
+
+
+def test_a_plan_means_every_combination_in_its_own_order():
+    runs = planned(Path("plan.yaml"))
+    assert len(runs) == 16
+    assert [run.settings["seed"] for run in runs[:2]] == [1, 2]
+    assert {run.scene.duration for run in runs} == {0.3, 0.4}  # the grid stands further down than `set`
+    assert [run.scene.fluid.height for run in runs] == 8 * [0.5] + 8 * [0.6]
+    assert all(run.scene.seed == run.settings["seed"] and "render" not in run.scene.observers for run in runs)
+
+
+def test_equal_scenes_have_one_address_and_others_another():
+    first, *_, last = planned(Path("plan.yaml"))
+    assert _runs.address(first.order(1)) == _runs.address(first.order(2)) != _runs.address(last.order(1))
+
+
+def test_a_plan_that_is_wrong_says_where():
+    assert wrong("scene: sea.yaml\ngird: {seed: [1]}\n") == ["plan.yaml:2:1: gird: unknown key; did you mean 'grid'?"]
+    assert wrong("set: {seed: 1}\n") == ["plan.yaml:1:1: scene: missing key"]
+    assert wrong("scene: sea.yaml\ngrid: {seed: []}\n") == ["plan.yaml:2:14: grid.seed: this list is empty"]
+    assert wrong("scene: sea.yaml\ngrid:\n  seed: 3\n") == ["plan.yaml:3:9: grid.seed: expected a list, got 3"]
+    found = wrong("scene: sea.yaml\ngrid:\n  fluid.height: [0.5, -1.0, high]\n  fluid.hight: [1.0]\n")
+    assert [line.split(": ")[0] for line in found] == ["plan.yaml:3:23", "plan.yaml:3:29", "plan.yaml:4:17"]
+    assert "did you mean 'height'" in found[2]
+    assert wrong("scene: see.yaml\n")[0].startswith("plan.yaml:1:8: scene: see.yaml: there is no such file or scene")
+    assert wrong("scene: sea.yaml\nprofile: cii\n")[0].startswith("plan.yaml:2:10: profile: no profile 'cii'")
+    assert "10000 are the most" in wrong(f"scene: sea.yaml\nseeds: {list(range(10001))}\n")[0]
+    Path("sea.yaml").write_text(SEA.replace("depth: 7.5", "depth: -7.5"))
+    assert wrong(PLAN)[0].startswith("sea.yaml:1:43: basin.depth")
+
+
+def test_a_wrong_plan_is_exit_code_2_and_leaves_nothing(capsys):
+    Path("plan.yaml").write_text("scene: sea.yaml\nseeds: []\n")
+    assert answered(["sweep", "plan.yaml"]) == 2
+    assert "plan.yaml:2:8: seeds: this list is empty" in capsys.readouterr().err
+    assert not Path("runs").exists()
+
+
+def test_a_killed_worker_is_a_failure_and_the_others_go_on():
+    def kill_the_second() -> None:
+        while not (begun / "begun").exists():
+            time.sleep(0.02)
+        for child in list(_runs._running):
+            if Path(child.args[-1]) == begun.resolve():
+                os.kill(child.pid, signal.SIGKILL)
+
+    asked = orders(4, wait=1.5)
+    begun = Path("out") / _runs.address(asked[1])
+    Thread(target=kill_the_second).start()
+    found = dict(_runs.answers(asked, Path("out"), workers=2))
+    assert [found[k]["outcome"] for k in range(4)] == ["done", "failed", "done", "done"]
+    assert "SIGKILL" in found[1]["reason"]
+    kept = {k: os.stat(Path("out") / _runs.address(asked[k]) / "answer.json").st_mtime_ns for k in (0, 2, 3)}
+    again = dict(_runs.answers(asked, Path("out"), workers=2))  # the same call repeats the failed one alone
+    assert [again[k]["outcome"] for k in range(4)] == 4 * ["done"]
+    for k, when in kept.items():
+        assert os.stat(Path("out") / _runs.address(asked[k]) / "answer.json").st_mtime_ns == when
+
+
+def test_a_run_that_falls_or_takes_too_long_says_so():
+    ((_, fallen),) = _runs.answers(orders(1, fall="no space left"), Path("out"), workers=1)
+    assert (fallen["outcome"], fallen["reason"]) == ("failed", "no space left")
+    ((_, slow),) = _runs.answers(orders(1, wait=60.0), Path("out"), workers=1, limit=1.0)
+    assert slow["outcome"] == "failed" and "1 s of wall time" in slow["reason"]
+
+
+def test_equal_orders_are_run_once_and_torn_answers_again():
+    asked = [*orders(1), *orders(1)]
+    place = Path("out") / _runs.address(asked[0])
+    place.mkdir(parents=True)
+    (place / "answer.json").write_text('{"outcome": "do')
+    found = sorted(_runs.answers(asked, Path("out"), workers=2))
+    assert [k for k, _ in found] == [0, 1] and found[0][1] == found[1][1] == {"outcome": "done", "number": 0}
+    assert len(list(Path("out").iterdir())) == 1
+
+
+def test_a_cluster_gets_the_orders_that_are_left(monkeypatch):
+    asked_for = []
+
+    class Client:
+        def __init__(self, address, timeout):
+            if address == "tcp://nowhere:1":
+                raise OSError("timed out")
+            asked_for.append(address)
+
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *exception):
+            pass
+
+        def get_executor(self, pure):
+            return ThreadPoolExecutor(2)
+
+    monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace(Client=Client))
+    found = dict(_runs.answers(orders(2), Path("out"), 1, "tcp://there:8786"))
+    assert asked_for == ["tcp://there:8786"] and [found[k]["number"] for k in (0, 1)] == [0, 1]
+    with pytest.raises(_runs.ClusterMissing, match="no Dask scheduler answers at tcp://nowhere:1"):
+        list(_runs.answers(orders(3), Path("out"), 1, "tcp://nowhere:1"))
+    assert len(list(_runs.answers(orders(2), Path("out"), 1, "tcp://nowhere:1"))) == 2  # nothing is left to be run
+
+
+def test_two_workers_of_a_real_cluster_one_of_which_is_killed():
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        pid = next(iter(cluster.workers.values())).pid
+        asked = orders(4, wait=2.0)
+
+        def kill() -> None:
+            while not list(Path("out").glob("*/begun")):
+                time.sleep(0.05)
+            os.kill(pid, signal.SIGKILL)
+
+        Thread(target=kill).start()
+        found = dict(_runs.answers(asked, Path("out"), 2, cluster.scheduler_address))
+    assert [found[k]["outcome"] for k in range(4)] == 4 * ["done"]
+
+
+def test_a_sweep_leaves_a_table_whose_failures_are_rows(capsys):
+    plan = "scene: sea.yaml\ngrid: {fluid.height: [0.5, 1.0]}\n"
+    Path("plan.yaml").write_text(plan)
+    assert answered(["sweep", "plan.yaml", "--workers", "2", "--out", "out", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    rows = list(csv.DictReader(Path("out/results.csv").open()))
+    assert [row["fluid.height"] for row in rows] == ["0.5", "1.0"] and [row["outcome"] for row in rows] == 2 * ["done"]
+    assert [row["run"] for row in told] == [row["run"] for row in rows]
+    assert float(rows[1]["centre_hm0_m"]) == pytest.approx(2.0 * float(rows[0]["centre_hm0_m"]), rel=1e-4)
+    assert (Path("out") / rows[0]["run"] / "manifest.json").exists()
+    before = Path("out/results.csv").read_bytes()
+    assert answered(["sweep", "plan.yaml", "--out", "out"]) == 0
+    assert "2 of 2 runs done" in capsys.readouterr().out and Path("out/results.csv").read_bytes() == before
+
+
+def test_a_cluster_needs_its_package(capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    assert answered(["sweep", "plan.yaml", "--scheduler", "tcp://127.0.0.1:1"]) == 3
+    assert "pip install distributed" in capsys.readouterr().err

@@ -1,0 +1,216 @@
+"""The trade of speed for accuracy: what is compared, which points are best, and what a budget allows."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ocean_sim.__main__ import answered
+from ocean_sim.result import Result
+from ocean_sim.studies import _pareto, _runs, _table, tradeoff
+from ocean_sim.studies.scene_tradeoff import SEEDS, Budget, best, errors, finest, settings, summary, varied
+from ocean_sim.studies.tradeoff import TRIALS, clock, equals, front, points
+from ocean_sim.validation import problems
+from ocean_sim.verbs import tradeoff as verb
+from ocean_sim.yaml_file import SceneError
+
+SEA = """basin: {length: 40.0, width: 40.0, depth: 7.5}
+fluid: {kind: linear_waves, height: 0.2, period: 1.0}
+duration: 3.0
+runtime: {threads: 1}
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("sea.yaml").write_text(SEA)
+    return tmp_path
+
+
+def test_the_front_is_what_nobody_betters():
+    pairs = [(1.0, 5.0), (2.0, 3.0), (3.0, 4.0), (2.0, 3.5), (4.0, 1.0), (4.5, 1.0)]
+    assert front(pairs) == [0, 1, 4]
+    assert front([]) == []
+
+
+def test_the_study_has_three_schemes_on_six_cases_and_every_setting_is_another():
+    plan = points(quick=True)
+    of_water = [point for point in plan if point.trial.schemes != ("hydrostatic", "dynamic")]
+    assert len({point.trial.case for point in of_water}) == 6
+    assert {point.scheme for point in of_water} == {"mueller", "delta_sph", "dfsph"}
+    addresses = [_runs.address(point.order()) for point in points(quick=False)]
+    assert len(set(addresses)) == len(addresses) > len(plan)
+    changed = {(point.scheme, point.changed) for point in plan if point.trial.case == "standing_wave"}
+    assert ("delta_sph", "fluid.support_ratio=2.0") in changed
+    assert ("mueller", "fluid.support_ratio=2.0") not in changed  # it is the scheme's own
+
+
+def test_every_trial_draws_an_error_that_its_case_promises():
+    for trial in TRIALS:
+        promised = [
+            p.quantity
+            for coarse in (True, False)
+            for q in problems(trial.case, slow=True, coarse=coarse)
+            if q.name == trial.set_up
+            for p in q.promises
+        ]
+        assert trial.quantity in promised, trial.case
+
+
+def row(scheme: str, wall: float, error: float | None, particles: int = 100, changed: str = "") -> dict:
+    told = {"case": "a", "quantity": "q", "scheme": scheme, "wall_per_s": wall, "cpu_per_s": wall, "unit": "%"}
+    return told | {"error": error, "particles": particles, "changed": changed, "outcome": "done", "reason": ""}
+
+
+def test_schemes_are_compared_at_equal_time_and_at_equal_number():
+    rows = [row("slow", 4.0, 1.0), row("slow", 9.0, 0.1, 400), row("fast", 1.0, -3.0), row("fast", 3.5, 2.0, 400)]
+    found = {(line["at equal"], line["scheme"]): line["error"] for line in equals(rows, "wall_per_s")}
+    assert found["time up to 4 s/s", "slow"] == 1.0 and found["time up to 4 s/s", "fast"] == 2.0
+    assert found["100 particles", "fast"] == -3.0 and found["400 particles", "slow"] == 0.1
+
+
+def test_a_busy_machine_is_told_by_its_clocks():
+    assert clock([row("a", 1.0, 1.0)]) == "wall_per_s"
+    assert clock([row("a", 2.0, 1.0) | {"cpu_per_s": 1.0}]) == "cpu_per_s"
+
+
+def test_pictures_hold_failures_too(tmp_path):
+    rows = [row("mueller", 1.0, 0.0), row("dfsph", 2.0, 1.0, changed="fluid.compression=0.04"), row("dfsph", 3.0, None)]
+    _pareto.draw(tmp_path / "a.png", TRIALS[2], rows, "wall_per_s")
+    assert (tmp_path / "a.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("text, most", [("16ms", 16.0), ("realtime", 1.0), ("30s", 30.0), ("2.5s", 2.5)])
+def test_a_budget_is_a_time(text, most):
+    assert Budget.of(text).most == most
+
+
+@pytest.mark.parametrize("text", ["16", "fast", "-3s", "0ms", "ms", "1h"])
+def test_anything_else_is_no_budget(text):
+    with pytest.raises(ValueError, match="say realtime"):
+        Budget.of(text)
+    assert answered(["tradeoff", "sea.yaml", "--budget", text]) == 2
+
+
+def test_a_budget_counts_in_its_own_unit():
+    cost = {"wall_per_s": 0.6, "wall_s": 20.0}
+    assert Budget.of("16ms").spent(cost) == pytest.approx(10.0)
+    assert (Budget.of("realtime").spent(cost), Budget.of("30s").spent(cost)) == (0.6, 20.0)
+
+
+def test_the_finest_value_is_known_by_its_key():
+    assert finest("fluid.spacing", [1.0, 0.5, 0.8]) == 0.5
+    assert finest("fluid.particles", [1000, 6000]) == 6000
+    assert finest("runtime.precision", ["f64", "f32"]) == "f64"
+    assert finest("profile", ["reference", "ci"]) == "reference"
+    assert finest("title", ["a", "b"]) == "b"
+
+
+def test_what_varies_is_said_and_what_is_wrong_with_it():
+    vary = varied(["fluid.height=0.5, 0.25", "basin.walls=[none, periodic]"])
+    assert [node.plain() for node in vary["fluid.height"]] == [0.5, 0.25]
+    for text, said in (("fluid.height", "expected KEY=A,B,C"), ("=1,2", "expected KEY"), ("a=[1", "not valid YAML")):
+        with pytest.raises(SceneError, match=said):
+            varied([text])
+    with pytest.raises(SceneError, match="2 to 200 can be compared"):
+        settings("sea.yaml", None, {}, varied(["fluid.height=0.5"]), True)
+    with pytest.raises(SceneError, match=r"--vary fluid\.hight=1,2: fluid\.hight: unknown key; did you mean"):
+        settings("sea.yaml", None, {}, varied(["fluid.hight=1,2"]), True)
+
+
+def test_a_setting_has_its_seeds_a_gauge_and_a_line_to_paste():
+    plan = settings("sea.yaml", None, {}, varied(["fluid.height=0.2,0.1", "runtime.precision=f32,f64"]), True)
+    assert len(plan) == 4 and [one.finest for one in plan].count(True) == 1
+    assert plan[0].line() == "--set fluid.height=0.2 --set runtime.precision=f32"
+    assert [scene.seed for scene in plan[0].scenes] == [0, 1, 2]
+    assert "gauges" in plan[0].scenes[0].observers
+    assert _runs.address(plan[0].order(0)) != _runs.address(plan[0].order(0, again=True))
+
+
+def test_a_line_can_be_pasted_whatever_the_values():
+    plan = settings("sea.yaml", None, {}, varied(["runtime.pin=true,false", "health=null,{every: 1.0}"]), True)
+    assert plan[0].line() == "--set runtime.pin=true --set health=null"
+    assert plan[1].line() == """--set runtime.pin=true --set 'health={"every": 1.0}'"""
+
+
+def test_the_study_of_cases_leaves_tables_and_pictures(monkeypatch, capsys):
+    """Runs are made up: one scheme fails, and others had the cores, too."""
+
+    def made_up(order, folder, limit):
+        if order["scheme"] == "mueller":
+            return {"outcome": "stopped", "reason": "too fast", "errors": []}
+        fine = order["set"].get("resolution", 1.0)
+        errors = [{"quantity": trial.quantity, "error": -fine, "unit": "%"} for trial in few]
+        facts = {"particles": 100 / fine**2, "neighbours": 20.0, "wall_per_s": 2.0 / fine, "cpu_per_s": 1.0 / fine}
+        return {"outcome": "done", "reason": "", "errors": errors} | facts
+
+    few = tuple(trial for trial in TRIALS if trial.case in ("dam_break_front", "ship_rao"))
+    monkeypatch.setattr(tradeoff, "TRIALS", few)
+    monkeypatch.setattr(verb, "TRIALS", few)
+    monkeypatch.setattr(_runs, "performed", made_up)
+    assert answered(["tradeoff", "--quick", "--out", "out"]) == 0
+    said = capsys.readouterr().out
+    assert "processor time is compared" in said and "too fast" in said and "400" in said
+    names = {"tradeoff.csv", "equal.csv", "tradeoff_dam_break_front.png", "tradeoff_ship_rao.png"}
+    assert names <= {path.name for path in Path("out").iterdir()}
+
+
+def written(folder: str, amplitude: float, period: float) -> Result:
+    time = np.arange(0.0, 20.0, 0.05)
+    height = amplitude * np.sin(2.0 * np.pi * time / period)
+    Path(folder).mkdir()
+    _table.write(Path(folder) / "gauges.csv", [{"time_s": t, "a_m": y} for t, y in zip(time, height)])
+    _table.write(Path(folder) / "motion.csv", [{"time_s": t, "heave_m": y + 3.0} for t, y in zip(time, height)])
+    legs = [{"time_s": t} | {f"leg{k}_m": y for k in range(1, 7)} for t, y in zip(time, height)]
+    _table.write(Path(folder) / "platform.csv", legs)
+    return Result(folder)
+
+
+def test_errors_are_those_that_were_put_in():
+    found = errors(written("one", 0.5, 2.0), written("other", 0.4, 2.0))
+    assert found["a_hs_m"] == pytest.approx(0.2, rel=0.01) and found["a_tz_s"] == pytest.approx(0.0, abs=1e-6)
+    for name in ("a_rms_m", "heave_rms_m", "legs_rms_m"):
+        assert found[name] == pytest.approx(0.1 / np.sqrt(2.0), rel=0.01)
+    assert errors(Result("one"), written("third", 0.5, 2.5))["a_tz_s"] == pytest.approx(0.5, rel=0.01)
+
+
+def choice(name: str, wall: float, error: float | None, spread: float = 0.0) -> dict:
+    return {"setting": name, "wall_per_s": wall, "wall_s": wall, "e": error, "e_spread": spread}
+
+
+def test_a_setting_is_better_only_beyond_the_spread():
+    rows = [choice("cheap", 0.2, 1.1, 0.05), choice("dear", 0.8, 1.0, 0.05), choice("finest", 5.0, 0.0)]
+    assert best(rows, "e", Budget.of("realtime"))["setting"] == "dear"
+    rows[0]["e_spread"] = 0.2  # now nobody can tell
+    assert best(rows, "e", Budget.of("realtime"))["setting"] == "cheap"
+    assert best(rows, "e", Budget.of("30s"))["setting"] == "finest"
+    assert best(rows, "e", Budget.of("1ms")) is None
+    assert best([choice("lost", 0.1, None)], "e", Budget.of("realtime")) is None
+
+
+def test_a_setting_that_failed_once_has_no_error():
+    plan = settings("sea.yaml", None, {}, varied(["fluid.height=0.2,0.1"]), True)
+    done = {"outcome": "done", "reason": "", "wall_per_s": 1.0, "wall_s": 2.0}
+    told = summary(plan[0], [done, done | {"wall_per_s": 3.0}], [{"e": 1.0}, {"e": 2.0}])
+    assert (told["e"], told["wall_per_s"]) == (1.5, 2.0) and told["e_spread"] == pytest.approx(np.sqrt(0.5))
+    lost = summary(plan[0], [done, {"outcome": "stopped", "reason": "too fast"}], [{"e": 1.0}, {}])
+    assert (lost["e"], lost["outcome"], lost["reason"]) == (None, "stopped", "too fast")
+
+
+def test_the_study_of_a_scene_answers_with_a_line_to_paste_and_proves_it(capsys, monkeypatch):
+    monkeypatch.setitem(SEEDS, True, 1)
+    asked = ["tradeoff", "sea.yaml", "--vary", "fluid.height=0.2,0.1", "--quick", "--out", "out"]
+    assert answered([*asked, "--budget", "600s"]) == 0
+    said = capsys.readouterr().out
+    assert "the reference is --set fluid.height=0.1" in said
+    assert "most accurate within 600s, by centre_rms_m: --set fluid.height=0.1" in said and "run afresh" in said
+    assert {"tradeoff.csv", "seeds.csv", "tradeoff.png"} <= {path.name for path in Path("out").iterdir()}
+    assert answered([*asked, "--budget", "0.001ms"]) == 0  # the runs are there already
+    assert "nothing fits 0.001ms: the cheapest takes" in capsys.readouterr().out
+    assert answered([*asked, "--by", "centre_hz_m"]) == 2
+
+
+def test_options_of_a_scene_need_a_scene(capsys):
+    assert answered(["tradeoff", "--budget", "16ms"]) == 2
+    assert "--budget is about a scene" in capsys.readouterr().err

@@ -1,9 +1,9 @@
 """Figure 6-3 as trends: what range, speed, duration and fetch of a stylised wind do to the waves, beside still air; the
-circulation of its presets; and a picture of the sea that each raises: CSV and PNG.
+circulation of its presets; and a picture of the sea that each raises, together and one by one: CSV and PNG.
 
 Coarse water, 2.5 m apart: three whole layers, which lie still where no wind blows. Heights are 4 sqrt m0 over time at
 25 gauges from SETTLED s on, when the lattice has settled; the gusts of the trends begin then, the presets at once.
-Nothing of the vortex is drawn, so its seeds are all one.
+Every preset is noisy, so its seeds differ.
 
 python figures/fig6_3.py [--fast] [--out DIR]
 """
@@ -133,6 +133,19 @@ def drawn(seas: dict[str, tuple], trends: dict[str, list[tuple]], path: Path) ->
     keep(figure, path)
 
 
+def pictured(chart: tuple[np.ndarray, np.ndarray, np.ndarray], path: Path) -> None:
+    """The sea under one preset, seen from aside."""
+    x, z, top = chart
+    figure = paper(4.2, 2.4)
+    axes = figure.add_subplot(projection="3d")
+    across, along = np.meshgrid(z, x, indexing="ij")  # `top` has a row for each z
+    axes.plot_surface(along, across, top, cmap="ocean", vmin=-3.0, vmax=2.0, rcount=49, ccount=49, lw=0.0)
+    axes.set(zlim=(-2.0, 2.0), box_aspect=(4.0, 4.0, 0.8), xlabel="x [m]", ylabel="z [m]", zlabel="[m]")
+    axes.view_init(elev=28.0, azim=-60.0)
+    axes.tick_params(labelsize=6.0)
+    keep(figure, path)
+
+
 def told(runs: list[Waves]) -> str:
     """Height, period and circulation of a wind with their spread over seeds, for a picture."""
     rows = [spread([getattr(run, name) for run in runs]) for name in ("hs", "tz", "circulation")]
@@ -168,6 +181,7 @@ def main() -> None:
         rows.append((what, value, length, len(seeds), *(f"{number:.4g}" for number in numbers)))
         if what == "preset":
             seas[value] = runs[0].chart, told(runs)
+            pictured(runs[0].chart, asked.out / f"fig6_3_{value}.png")
         else:
             trends.setdefault(what, []).append((value, mean, deviation, rest[length]))
     head = [f"thesis_6000 at {resolution:g} times its spacing; from {SETTLED:g} to {lasts:g} s"]

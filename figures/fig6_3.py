@@ -175,13 +175,17 @@ def drawn(seas: dict[str, tuple], trends: dict[str, list[tuple]], path: Path) ->
 def pictured(chart: tuple[np.ndarray, np.ndarray, np.ndarray], path: Path) -> None:
     """The sea under one preset, seen from aside."""
     x, z, top = chart
-    figure = paper(4.2, 2.4)
+    figure = paper(2.8, 2.0)
     axes = figure.add_subplot(projection="3d")
     across, along = np.meshgrid(z, x, indexing="ij")  # `top` has a row for each z
-    axes.plot_surface(along, across, top, cmap="ocean", vmin=-3.0, vmax=2.0, rcount=49, ccount=49, lw=0.0)
-    axes.set(zlim=(-2.0, 2.0), box_aspect=(4.0, 4.0, 0.8), xlabel="x [m]", ylabel="z [m]", zlabel="[m]")
-    axes.view_init(elev=28.0, azim=-60.0)
-    axes.tick_params(labelsize=6.0)
+    shaded = {"cmap": "GnBu_r", "vmin": -2.5, "vmax": 2.5, "rcount": 49, "ccount": 49, "antialiased": False}
+    axes.plot_surface(along, across, top, **shaded)
+    axes.set(zlim=(-2.5, 2.5), xticks=(-20, 0, 20), yticks=(-20, 0, 20), zticks=(-2, 2))
+    axes.set_box_aspect((4.0, 4.0, 1.0), zoom=1.1)
+    axes.view_init(elev=30.0, azim=-60.0)
+    axes.grid(False)
+    axes.tick_params(labelsize=5.0, pad=-4.0)
+    axes.set_title("x, z and elevation in m", fontsize=5.5, y=0.95)
     keep(figure, path)
 
 

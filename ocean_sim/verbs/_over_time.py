@@ -74,15 +74,15 @@ def read(folder: Path, begin: float) -> OverTime | None:
     with np.load(folder / "frames" / "grid.npz") as grid:
         x, z, lower, upper = (grid[name] for name in ("x", "z", "lower", "upper"))
         depth, spacing = float(grid["depth"]), float(grid["spacing"])
-    apart = [float(a[1] - a[0]) if len(a) > 1 else 1.0 for a in (x, z)]
+    dx, dz = (float(a[1] - a[0]) if len(a) > 1 else 1.0 for a in (x, z))
     flat = len(z) == 1
-    shortest = SHORTEST * (apart[0] if flat else max(apart))
+    shortest = SHORTEST * (dx if flat else max(dx, dz))
     radius, middle = 0.25 * float(min((upper - lower)[[0, 2]])), 0.5 * (upper + lower)[[0, 2]]
     times, cover, turning = [], [], []
     for frame in map(Frame, frame_files(folder)):  # one at a time: a frame of a large run is large
         if frame.time >= begin:
             times.append(frame.time)
-            cover.append(breaking_cover(falling(frame.elevation, *apart, depth, shortest)))
+            cover.append(breaking_cover(falling(frame.elevation, dx, dz, depth, shortest)))
             turning.append(np.nan if flat else around(frame, radius, BAND * spacing, middle))
     if not times:
         return None

@@ -6,7 +6,7 @@ Coarse water, 2.5 m apart: three whole layers, which lie still where no wind blo
 Fetch is told apart, in a slice of water 1.25 m apart: gust after gust goes over the fetch and over a beach behind it
 that absorbs, so every place of every basin is blown on as often; they go at 8 m/s, slower than the longest wave of this
 depth (8.6 m/s), for waves do not grow under a gust that outruns them; and heights are those of the last quarter of the
-fetch from when the first gusts have passed.
+fetch from when the first gusts have passed. Still water of a slice settles less well: some 0.2 m.
 Every preset is noisy, so its seeds differ.
 
 python figures/fig6_3.py [--fast] [--out DIR]

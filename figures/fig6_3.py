@@ -1,9 +1,13 @@
 """Figure 6-3 as trends: what range, speed, duration and fetch of a stylised wind do to the waves, beside still air; the
-circulation of its presets; and a picture of the sea that each raises: CSV and PNG.
+circulation of its presets; and a picture of the sea that each raises, together and one by one: CSV and PNG.
 
 Coarse water, 2.5 m apart: three whole layers, which lie still where no wind blows. Heights are 4 sqrt m0 over time at
 25 gauges from SETTLED s on, when the lattice has settled; the gusts of the trends begin then, the presets at once.
-Nothing of the vortex is drawn, so its seeds are all one.
+Fetch is told apart, in a slice of water 1.25 m apart: gust after gust goes over the fetch and over a beach behind it
+that absorbs, so every place of every basin is blown on as often; they go at 8 m/s, slower than the longest wave of this
+depth (8.6 m/s), for waves do not grow under a gust that outruns them; and heights are those of the last quarter of the
+fetch from when the first gusts have passed. Still water of a slice settles less well: some 0.2 m.
+Every preset is noisy, so its seeds differ.
 
 python figures/fig6_3.py [--fast] [--out DIR]
 """
@@ -24,6 +28,8 @@ SETTLED, LASTS = 5.0, 15.0  # [s]
 QUIET = dict.fromkeys(("accuracy", "timings", "health", "frames", "render", "report"))
 PRESETS = ("noise_only", "narrow", "wide", "vortex", "calm", "breeze", "gale", "squall")
 PRINTED = {"noise_only": "(a) ", "narrow": "(b) ", "wide": "(c) ", "vortex": "(d) "}
+FETCH, FETCHES, BEACH = "fetch [m]", (20.0, 40.0, 80.0), 40.0  # [m]
+GUST_SPEED, GUST_GAP, STEADY = 8.0, 40.0, 18.0  # [m/s], [m] from gust to gust, [s] when the first have passed
 RING = 8.0  # [m] radius at which circulation is taken
 
 
@@ -41,11 +47,18 @@ def varied() -> list[tuple[str, float, dict, float]]:
     # A faster gust of the same thrust kicks less; what rises with the speed of its air is the acceleration, as U^2.
     rows += [("speed [of wide]", x, gust(acceleration=x * x), 40.0) for x in (0.5, 0.75, 1.0)]
     rows += [("duration [s]", x, gust(duration=x), 40.0) for x in (1.5, 3.0, 6.0)]
-    for length in (20.0, 40.0, 80.0):
-        wind = gust()
-        wind["volumes"][0]["include"][0]["centre"][0] = -length / 2 - 4.0
-        rows.append(("fetch [m]", length, wind, length))
     return rows
+
+
+def train(length: float, lasts: float) -> dict:
+    """Gusts one behind the other, a quarter as strong as `gust`; the first comes in when the lattice has settled."""
+    places = np.arange(-length / 2 - 4.0 - GUST_SPEED * SETTLED, -length / 2 - GUST_SPEED * lasts, -GUST_GAP)
+    volumes = []
+    for x in places:
+        box = {"kind": "box", "half_size": [4.0, 15.0, 25.0], "centre": [float(x), 0.0, 0.0]}
+        push, noise = [0.375, 0.525, 0.0], [0.5, 0.5, 0.5]
+        volumes.append({"include": [box], "acceleration": push, "noise": noise, "drift": GUST_SPEED})
+    return {"kind": "gusts", "volumes": volumes}
 
 
 class Waves(NamedTuple):
@@ -55,8 +68,8 @@ class Waves(NamedTuple):
     hs: float  # mean height of the highest third of all waves between zero up-crossings, of all gauges together [m]
     tz: float  # their mean period [s]
     crest: float  # [m]
-    circulation: float  # at the end [m2/s]
-    chart: tuple[np.ndarray, np.ndarray, np.ndarray]  # places [m] and elevation [m] at the end
+    circulation: float  # at the end [m2/s]; not a number in a slice
+    chart: tuple[np.ndarray, np.ndarray, np.ndarray] | None  # places [m] and elevation [m] at the end
 
 
 def sea(wind: dict | str, length: float, seed: int, lasts: float, resolution: float) -> Waves:
@@ -87,17 +100,43 @@ def sea(wind: dict | str, length: float, seed: int, lasts: float, resolution: fl
         fine = [np.linspace(-0.48, 0.48, 49) * size for size in (length, 40.0)]
         x, z = np.meshgrid(*fine)
         top = simulation.fluid.elevations(np.stack([x.ravel(), z.ravel()], axis=1)).reshape(x.shape)
+    return Waves(*heights_of(times, heights), float(np.mean(turning)), (fine[0], fine[1], top))
+
+
+def fetched(fetch: float, blowing: bool, seed: int, lasts: float) -> Waves:
+    """The sea at the end of a fetch [m], in a slice."""
+    length = fetch + BEACH
+    scene = {
+        "title": "figure 6-3, fetch",
+        "seed": seed,
+        "duration": lasts,
+        "basin": {"length": length, "depth": 7.5, "walls": {"x_max": "absorbing"}},
+        "fluid": "thesis_6000",
+        "wind": train(length, lasts) if blowing else "still",
+        **QUIET,
+    }
+    x = np.linspace(0.75, 1.0, 6) * fetch - length / 2
+    gauges, times, heights = np.stack([x, 0.0 * x], axis=1), [], []
+    with Simulation(load(scene)) as simulation:
+        while simulation.time < lasts:
+            simulation.run(until=simulation.time + 0.1)
+            if simulation.time >= min(STEADY, 0.5 * lasts):
+                times.append(simulation.time)
+                heights.append(simulation.fluid.elevations(gauges))
+    return Waves(*heights_of(times, heights), float("nan"), None)
+
+
+def heights_of(times: list[float], heights: list[np.ndarray]) -> tuple[float, float, float, float]:
+    """4 sqrt m0, mean of the highest third [m], mean period [s] and highest crest [m] of all gauges together."""
     record = np.array(heights)
     waves = [zero_crossing_waves(*level(np.array(times), height)) for height in record.T]
     sizes, periods = (np.concatenate([each[k] for each in waves]) for k in (0, 1))
     highest = np.sort(sizes)[::-1][: max(1, round(len(sizes) / 3.0))]
-    return Waves(
-        hm0=4.0 * float(np.sqrt(np.mean(record.var(axis=0)))),
-        hs=float(highest.mean()) if len(sizes) else float("nan"),
-        tz=float(periods.mean()) if len(sizes) else float("nan"),
-        crest=float(record.max()),
-        circulation=float(np.mean(turning)),
-        chart=(fine[0], fine[1], top),
+    return (
+        4.0 * float(np.sqrt(np.mean(record.var(axis=0)))),
+        float(highest.mean()) if len(sizes) else float("nan"),
+        float(periods.mean()) if len(sizes) else float("nan"),
+        float(record.max()),
     )
 
 
@@ -133,6 +172,23 @@ def drawn(seas: dict[str, tuple], trends: dict[str, list[tuple]], path: Path) ->
     keep(figure, path)
 
 
+def pictured(chart: tuple[np.ndarray, np.ndarray, np.ndarray], path: Path) -> None:
+    """The sea under one preset, seen from aside."""
+    x, z, top = chart
+    figure = paper(2.8, 2.0)
+    axes = figure.add_subplot(projection="3d")
+    across, along = np.meshgrid(z, x, indexing="ij")  # `top` has a row for each z
+    shaded = {"cmap": "GnBu_r", "vmin": -2.5, "vmax": 2.5, "rcount": 49, "ccount": 49, "antialiased": False}
+    axes.plot_surface(along, across, top, **shaded)
+    axes.set(zlim=(-2.5, 2.5), xticks=(-20, 0, 20), yticks=(-20, 0, 20), zticks=(-2, 2))
+    axes.set_box_aspect((4.0, 4.0, 1.0), zoom=1.1)
+    axes.view_init(elev=30.0, azim=-60.0)
+    axes.grid(False)
+    axes.tick_params(labelsize=5.0, pad=-4.0)
+    axes.set_title("x, z and elevation in m", fontsize=5.5, y=0.95)
+    keep(figure, path)
+
+
 def told(runs: list[Waves]) -> str:
     """Height, period and circulation of a wind with their spread over seeds, for a picture."""
     rows = [spread([getattr(run, name) for run in runs]) for name in ("hs", "tz", "circulation")]
@@ -146,11 +202,12 @@ def told(runs: list[Waves]) -> str:
 def main() -> None:
     asked = options(__doc__, "one seed, and shorter")
     seeds, resolution, lasts = ((1,), 2.0, 7.0) if asked.fast else ((1, 2, 3, 4, 5), 2.0, LASTS)
-    lengths = (20.0, 40.0, 80.0)
+    steady = 35.0  # [s] also in haste: the waves must come to the end of the longest fetch
     cases = [("preset", name, name, 40.0) for name in PRESETS] + varied()
+    cases += [(FETCH, fetch, {}, fetch) for fetch in FETCHES]
     if asked.fast:  # the ends of each trend
         cases = [case for k, case in enumerate(cases) if k < len(PRESETS) or (k - len(PRESETS)) % 3 != 1]
-    rest = {length: sea("still", length, seeds[0], lasts, resolution).hm0 for length in lengths}
+    calm = sea("still", 40.0, seeds[0], lasts, resolution).hm0
     columns = ["what", "value", "length_m", "seeds", "hm0_m", "hm0_sd_m", "still_hm0_m", "still_over_hm0"]
     columns += ["crest_m", "circulation_m2_s", "circulation_sd_m2_s", "sigmas", "hs_m", "hs_sd_m", "tz_s", "tz_sd_s"]
     seas, trends, rows = {}, {}, []
@@ -159,18 +216,23 @@ def main() -> None:
         for seed in seeds:
             share = (done + len(runs) / len(seeds)) / len(cases)
             progress(share, f"{what} {value}, seed {seed}")
-            runs.append(sea(wind, length, seed, lasts, resolution))
+            runs.append(
+                fetched(value, True, seed, steady) if what == FETCH else sea(wind, length, seed, lasts, resolution)
+            )
+        still = fetched(value, False, seeds[0], steady).hm0 if what == FETCH else calm
         mean, deviation = spread([run.hm0 for run in runs])
         turn, scatter = spread([run.circulation for run in runs])
         sigmas = abs(turn) / (scatter / len(seeds) ** 0.5) if scatter > 0.0 else float("nan")
-        numbers = (mean, deviation, rest[length], rest[length] / mean, max(run.crest for run in runs))
+        numbers = (mean, deviation, still, still / mean, max(run.crest for run in runs))
         numbers += (turn, scatter, sigmas, *spread([run.hs for run in runs]), *spread([run.tz for run in runs]))
         rows.append((what, value, length, len(seeds), *(f"{number:.4g}" for number in numbers)))
         if what == "preset":
             seas[value] = runs[0].chart, told(runs)
+            pictured(runs[0].chart, asked.out / f"fig6_3_{value}.png")
         else:
-            trends.setdefault(what, []).append((value, mean, deviation, rest[length]))
+            trends.setdefault(what, []).append((value, mean, deviation, still))
     head = [f"thesis_6000 at {resolution:g} times its spacing; from {SETTLED:g} to {lasts:g} s"]
+    head += [f"fetch: a slice of thesis_6000, the last quarter of the fetch, to {steady:g} s"]
     head += ["stylised force fields, not physical stresses; sigmas: mean circulation over its standard error"]
     head += [
         "hm0: 4 sqrt m0 over time at 25 gauges; hs: highest third of the waves of all gauges, tz: their mean period"

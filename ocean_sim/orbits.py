@@ -4,6 +4,7 @@ Formulae of linear theory as in Dean & Dalrymple (1991), chapters 4 and 10.
 """
 
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,8 @@ import numpy as np
 from ocean_sim import csv_file
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.waves import angular_frequency
+
+BREAKING = 0.4  # of gravity: downward acceleration from which crests break (Snyder & Kennedy 1983, J. Phys. Oceanogr.)
 
 
 @dataclass(frozen=True)
@@ -72,6 +75,29 @@ def circulation(
         raise ValueError(f"there are no particles {radius:g} m from the axis")
     around = (velocity[ring, 0] * z[ring] - velocity[ring, 2] * x[ring]) / np.maximum(r[ring], 1e-12)
     return 2.0 * np.pi * radius * float(around.mean())
+
+
+def falling(
+    elevation: np.ndarray, spacing_x: float, spacing_z: float, depth: float = inf, shortest: float = 0.0
+) -> np.ndarray:
+    """(nx, nz) downward acceleration of a surface over gravity by linear theory: each wave in it times k tanh(k depth).
+
+    On deep water it is also how far the water is drawn together. Waves stand level at the sides of the grid of points
+    spacing_x and spacing_z [m] apart; those shorter than `shortest` [m] are left out.
+    """
+    from scipy.fft import dctn, idctn
+
+    nx, nz = elevation.shape
+    kx = np.pi * np.arange(nx) / (nx * spacing_x)
+    kz = np.pi * np.arange(nz) / (nz * spacing_z)
+    k = np.hypot(kx[:, None], kz[None, :])
+    kept = k * shortest <= 2.0 * np.pi * (1.0 + 1e-9)
+    return idctn(dctn(elevation, type=2) * np.where(kept, k * np.tanh(k * min(depth, 1e9)), 0.0), type=2)
+
+
+def breaking_cover(falling: np.ndarray) -> float:
+    """Part of a surface that falls by more than BREAKING times gravity: where its crests break."""
+    return float(np.mean(falling > BREAKING))
 
 
 def white_cap_cover(speed: np.ndarray, crest_speed: float, share: float = 0.85) -> float:

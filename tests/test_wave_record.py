@@ -7,6 +7,7 @@ import pytest
 
 from ocean_sim import waves
 from ocean_sim.__main__ import answered
+from ocean_sim.orbits import breaking_cover, falling
 from ocean_sim.wave_record import Unmeasurable, measured, welch, zero_crossing_waves
 
 # A known-answer record: a [m], f [Hz], phase [rad] of six cosines over 2000 s. Its moments are closed forms; the
@@ -175,3 +176,50 @@ def test_the_command_says_what_is_missing(tmp_path, capsys):
         assert sentence in capsys.readouterr().err
     run = gauges_file(tmp_path / "late", {"time_s": time, "a_m": time})
     assert answered(["waves", str(run), "--begin", "9"]) == 2 and "before --begin" in capsys.readouterr().err
+
+
+def frames_of(folder, turning: float, height: float):
+    """Frames of water that turns as a whole [rad/s] about the vertical, under a long-crested wave of 20 m."""
+    (folder / "frames").mkdir(parents=True)
+    side = (np.arange(40) + 0.5) - 20.0
+    x, z = np.meshgrid(side, side, indexing="ij")
+    corner = np.array([20.0, 0.0, 20.0])
+    place = {"x": side, "z": side, "lower": -corner, "upper": corner, "depth": 7.5, "spacing": 1.0}
+    np.savez(folder / "frames" / "grid.npz", **place)
+    flat = np.stack([x.ravel(), 0.0 * x.ravel(), z.ravel()], axis=1)
+    for n in range(4):
+        velocity = n * turning * np.stack([flat[:, 2], flat[:, 1], -flat[:, 0]], axis=1)
+        elevation = 0.5 * height * np.cos(np.pi * x / 10.0 + 0.4 * n)
+        content = {"time": 0.5 * n, "elevation": elevation, "position": flat, "velocity": velocity}
+        np.savez(folder / "frames" / f"frame_{n:05d}.npz", **content)
+
+
+def test_the_command_tells_circulation_white_caps_and_the_gain(tmp_path, capsys):
+    time, record = six_cosines(0.1)
+    run = gauges_file(tmp_path / "run", {"time_s": time, "mid_m": record})
+    wind = {"kind": "stress", "u10": 10.0, "drag_law": "wu", "gain": 300.0, "schedule": None}
+    (run / "manifest.json").write_text(json.dumps({"scene": {"wind": wind}}))
+    frames_of(run, 0.2, 4.0)
+    assert answered(["waves", str(run), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["mid"]
+    assert found["wind_gain"] == 300.0
+    assert found["circulation_m2_s"] == pytest.approx(1.5 * 0.2 * 2.0 * np.pi * 10.0**2, rel=0.02)
+    steepest = 0.5 * 4.0 * np.pi / 10.0 * np.tanh(np.pi / 10.0 * 7.5)  # of gravity, at the crests
+    assert found["white_cap_cover"] == pytest.approx(np.arccos(0.4 / steepest) / np.pi, abs=0.03)
+    rows = (run / "surface.csv").read_text().splitlines()
+    assert rows[0] == "time_s,circulation_m2_s,white_cap_cover" and rows[1].startswith("0,0,") and len(rows) == 5
+    assert answered(["waves", str(run)]) == 0
+    said = capsys.readouterr().out
+    assert "gain of 300" in said and "on a circle of 10 m about the middle" in said and "white caps on" in said
+    (run / "frames" / "frame_00002.npz").write_bytes(b"PK\x03\x04")
+    assert answered(["waves", str(run)]) == 0 and "cannot be read" in capsys.readouterr().out
+
+
+def test_waves_that_are_not_steep_or_too_short_to_count_are_not_white(tmp_path):
+    x = 0.5 * np.arange(80)
+    long, short = (np.tile(a * np.cos(k * x)[:, None], (1, 3)) for a, k in ((0.5, 0.5), (0.2, 2.0 * np.pi)))
+    assert breaking_cover(falling(long, 0.5, 0.5)) == 0.0  # 0.25 g
+    assert breaking_cover(falling(3.0 * long, 0.5, 0.5)) > 0.2
+    assert breaking_cover(falling(3.0 * long, 0.5, 0.5, depth=0.2)) == 0.0  # long waves on shallow water fall slowly
+    assert breaking_cover(falling(short, 0.5, 0.5)) > 0.2
+    assert breaking_cover(falling(short, 0.5, 0.5, shortest=2.0)) == 0.0

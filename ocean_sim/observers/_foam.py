@@ -3,6 +3,7 @@
 import numpy as np
 
 from ocean_sim.observers._ripples import noise
+from ocean_sim.orbits import falling
 
 # Convergence of a linear wave, its downward acceleration over gravity, at which crests turn white: ours; Snyder and
 # Kennedy (1983, J. Phys. Oceanogr. 13) take 0.4 for the points where breaking begins.
@@ -18,13 +19,7 @@ def convergence(elevation: np.ndarray, spacing_x: float, spacing_z: float) -> np
 
     By linear theory on deep water: the elevation times its wavenumber. Waves stand level at the sides of the grid.
     """
-    from scipy.fft import dctn, idctn
-
-    nx, nz = elevation.shape
-    kx = np.pi * np.arange(nx) / (nx * spacing_x)
-    kz = np.pi * np.arange(nz) / (nz * spacing_z)
-    wavenumber = np.hypot(kx[:, None], kz[None, :])
-    return idctn(dctn(elevation, type=2) * wavenumber, type=2)
+    return falling(elevation, spacing_x, spacing_z)
 
 
 def cover(drawn_together: np.ndarray) -> float:

@@ -120,7 +120,8 @@ class Run:
             part = scene.get(slot)
             if part:
                 hull = f", {part['hull']}" if isinstance(part.get("hull"), str) else ""
-                yield slot.replace("_", " "), f"{part.get('kind', 'unknown')}{hull}"
+                gain = f", {part['gain']:g} times a real wind (gain)" if slot == "wind" and "gain" in part else ""
+                yield slot.replace("_", " "), f"{part.get('kind', 'unknown')}{hull}{gain}"
         backend = manifest.get("backend")
         if backend:
             threads = f", threads: {backend['threads']}" if backend.get("threads") else ""

@@ -3,12 +3,14 @@
 import csv
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ocean_sim import csv_file
 from ocean_sim.orbits import motion, read_tracers, towards
 from ocean_sim.verbs import console
+from ocean_sim.verbs._over_time import OverTime, Unreadable, over_time
 from ocean_sim.wave_record import CUT_OFF, Sea, Unmeasurable, evenly, measured, welch
 
 SUFFIX = "_m"  # of an elevation gauge
@@ -25,7 +27,8 @@ COLUMNS = {
 
 
 def waves(run: Path, begin: float, out: Path | None, as_json: bool) -> None:
-    """Measures every elevation gauge; leaves waves.csv, spectra.csv, waves.png, and of tracers orbits.csv."""
+    """Measures every elevation gauge; leaves waves.csv, spectra.csv, waves.png, of frames surface.csv, and of tracers
+    orbits.csv."""
     path = record(run)
     time, heights = gauges(path, begin)
     try:
@@ -39,12 +42,29 @@ def waves(run: Path, begin: float, out: Path | None, as_json: bool) -> None:
     spectra = {name: spectrum(time, height) for name, height in heights.items()}
     write_spectra(files[1], spectra)
     draw(files[2], time, heights, spectra)
+    water = whole(path.parent, begin, quiet=as_json)
+    if water is not None:
+        files.append(folder / "surface.csv")
+        water.write(files[-1])
     if as_json:
-        console.answer({name: sea.told() for name, sea in found.items()})
+        whole_run = ({} if water is None else water.told()) | gain(path)
+        console.answer({name: sea.told() | whole_run for name, sea in found.items()})
         return
     show(found, path, len(time), time)
+    if water is not None:
+        console.say(water.sentence())
     files += tagged(path.parent / "tracers.csv", folder, begin, next((s.tp_s for s in found.values() if s.tp_s), None))
     console.say("\n".join(str(file) for file in files))
+
+
+def whole(folder: Path, begin: float, quiet: bool) -> OverTime | None:
+    """Circulation and white-cap cover over time; None, and a sentence, where frames say nothing of them."""
+    try:
+        return over_time(folder, begin)
+    except Unreadable as why:
+        if not quiet:
+            console.say(str(why))
+        return None
 
 
 def tagged(path: Path, folder: Path, begin: float, period: float | None) -> list[Path]:
@@ -115,11 +135,25 @@ def spectrum(time: np.ndarray, height: np.ndarray) -> tuple[np.ndarray, np.ndarr
     return welch(interval, values - values.mean())
 
 
-def wind_of(path: Path) -> str | None:
-    """What blew over these waves, with its gain, by the manifest beside the record."""
+def blown(path: Path) -> dict[str, Any] | None:
+    """The wind of the scene, by the manifest beside the record."""
     try:
         wind = json.loads((path.parent / "manifest.json").read_text(encoding="utf-8"))["scene"]["wind"]
     except (OSError, ValueError, KeyError, TypeError):
+        return None
+    return wind if isinstance(wind, dict) and "kind" in wind else None
+
+
+def gain(path: Path) -> dict[str, float]:
+    """How many times a real wind it was, where it was a physical stress."""
+    wind = blown(path) or {}
+    return {"wind_gain": wind["gain"]} if wind.get("kind") == "stress" else {}
+
+
+def wind_of(path: Path) -> str | None:
+    """What blew over these waves, with its gain."""
+    wind = blown(path)
+    if wind is None:
         return None
     if wind["kind"] == "stress":
         speed = "by a schedule" if wind["schedule"] is not None else f"{wind['u10']:g} m/s"

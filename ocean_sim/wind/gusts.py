@@ -5,8 +5,8 @@ or shallow: stylised, some hundred thousand times a real wind. `wind_speed` is a
 the lift (2.23) on exposed surface. Volumes add up.
 """
 
-from math import atan2, cos, degrees, hypot, inf, radians, sin, sqrt
-from typing import Annotated, Any, Literal
+from math import atan2, cos, degrees, hypot, inf, radians, sin
+from typing import Any, Literal
 
 import numpy as np
 import taichi as ti
@@ -15,9 +15,10 @@ from pydantic import Field
 
 from ocean_sim.basin import Basin
 from ocean_sim.parts import LedgerRow, PartConfig, Vector2, Vector3, quantity
-from ocean_sim.random_numbers import numpy_uniform3, uniform3
+from ocean_sim.random_numbers import numpy_uniform3
 from ocean_sim.wind._air import Air, joined, turned_all
 from ocean_sim.wind._air_load import drag, lift
+from ocean_sim.wind._noise import EVERY, Noise, NoiseSize
 from ocean_sim.wind._passages import Passages
 from ocean_sim.wind._schedule import Scheduled
 from ocean_sim.wind._volumes import Shape, turned, turned_back, within
@@ -31,13 +32,10 @@ ORIGIN, VELOCITY, ACCELERATION, STRENGTH_OF_NOISE, WIND = 0, 3, 6, 9, 12
 ELAPSED, LIFT, COSINE, SINE, MIDDLE, EXTENT, SHAPES = 15, 16, 17, 18, 19, 22, 25
 CENTRE, HALF, RADIUS, SHAPE_COSINE, SHAPE_SINE, SIGN, WIDTH = 0, 3, 6, 7, 8, 9, 10
 
-MOST_DRAWS = 8  # of the noise in a step; a longer step takes one draw, weaker by the root of their number
-
 ADVANCE = 1.0e-4  # [s] of processor time a step; what it blows on is in the particles' and the ship's
 ROUNDING = 1e-4  # by which the box around a volume is larger than it
 
-NotNegative = Annotated[float, Field(ge=0.0)]
-Noise = Annotated[tuple[NotNegative, NotNegative, NotNegative], Field(strict=False)]
+Target = Literal["fluid", "ship"]
 
 
 class Volume(Scheduled):
@@ -53,7 +51,7 @@ class Volume(Scheduled):
     """Shapes cut out of it."""
     acceleration: Vector3 = quantity("m/s2", (0.0, 0.0, 0.0))
     """Acceleration of everything inside."""
-    noise: Noise = quantity("m/s2", (0.0, 0.0, 0.0))
+    noise: NoiseSize = quantity("m/s2", (0.0, 0.0, 0.0))
     """Random acceleration along each axis, uniform between minus and plus this (2.24)."""
     wind_speed: float = quantity("m/s", 0.0, ge=0.0)
     """Wind 10 m above the water, for drag and lift on exposed surface; apart from `acceleration`."""
@@ -67,6 +65,8 @@ class Volume(Scheduled):
     """Least and greatest yaw of its first shape in later passages; everything turns along. None: it never turns."""
     redraw_strength: Vector2 = quantity("1", (1.0, 1.0))
     """Least and greatest factor on `acceleration` and `wind_speed` in later passages."""
+    targets: list[Target] | None = None
+    """What this volume acts on; null: the targets of the wind."""
 
     @property
     def ahead(self) -> Vector3:
@@ -127,9 +127,9 @@ class Config(PartConfig):
     kind: Literal["gusts"] = "gusts"
     volumes: list[Volume] = Field(min_length=1)
     """The volumes; their effects add up."""
-    targets: list[Literal["fluid", "ship"]] = ["fluid", "ship"]
-    """What the wind acts on."""
-    noise_every: float = quantity("s", 1.0 / 60.0, ge=0.0)
+    targets: list[Target] = ["fluid", "ship"]
+    """What the wind acts on, where a volume has no targets of its own."""
+    noise_every: float = quantity("s", EVERY, ge=0.0)
     """How long a draw of the noise lasts. A step takes every draw for as long as it lasts in it, so the noise is white
     in time and stirs the water alike whatever the step; 0: a new draw each step, as printed, which stirs it less the
     shorter the step. The default, ours, is PhysX's usual step."""
@@ -138,6 +138,10 @@ class Config(PartConfig):
     def stylised(self) -> bool:
         """Whether a force field acts that is no physical stress."""
         return any(any(v.acceleration) or any(v.noise) for v in self.volumes)
+
+    def aimed(self, target: Target) -> list[int]:
+        """Numbers of the volumes that act on a target."""
+        return [g for g, v in enumerate(self.volumes) if target in (self.targets if v.targets is None else v.targets)]
 
     def problems(self, basin: Basin) -> list[tuple[tuple[str | int, ...], str]]:
         """What is wrong: (path below `wind`, sentence)."""
@@ -174,30 +178,25 @@ class Gusts:
     """Volumes on their way, and the load of their air."""
 
     def __init__(self, config: Config, basin: Basin, seed: int) -> None:
-        self.volumes, self.noise_every = config.volumes, config.noise_every
-        self.seed, self.targets = seed, tuple(config.targets)
+        self.config, self.volumes = config, config.volumes
         self.needs_area = any(v.wind_speed > 0.0 for v in self.volumes)
         self.noisy = any(any(v.noise) for v in self.volumes)
         self.passages = [v.passages(basin, seed, g) for g, v in enumerate(self.volumes)]
         self.n, self.shapes = len(self.volumes), most_shapes(self.volumes)
         # One field, so that Python writes single numbers through one compiled writer, a few microseconds each.
         self.row = ti.field(float, shape=(self.n, SHAPES + WIDTH * self.shapes))
-        self.draws = ti.field(int, shape=2)  # numbers of the first and the last draw of the noise in this step
-        self.shares = ti.field(
-            float, shape=3
-        )  # of the step that the first of several, each other, and the last of several take
-        self.time, self.steps, self.gain = 0.0, 0, 1.0
-        self.drawn: tuple[float, ...] = ()
+        self.noise = Noise(seed, config.noise_every) if self.noisy else None
+        self.time, self.gain = 0.0, 1.0
         self.blown = [volume.blows(0.0) for volume in self.volumes]
         self.steady = [volume.always and volume.schedule is None for volume in self.volumes]
         for g, volume in enumerate(self.volumes):
             self._write_shapes(g, volume)
             self._write_passage(g)
-        self._draw(0.0)
 
-    def on(self, target: Literal["fluid", "ship"]) -> "Gusts | Still":
-        """The wind that a target feels: this, or still air where it is none of `targets`."""
-        return self if target in self.targets else Still()
+    def on(self, target: Target) -> "Gusts | Aimed | Still":
+        """The wind that a target feels: all volumes, those that act on it, or still air where none does."""
+        numbers = self.config.aimed(target)
+        return self if len(numbers) == self.n else Aimed(self, numbers) if numbers else Still()
 
     def strengthen(self, factor: float) -> None:
         """Blow so many times as strongly as the scene says: acceleration, noise and wind_speed."""
@@ -229,34 +228,9 @@ class Gusts:
                 self._write_passage(g)
             elif passage.speed:
                 self.row[g, ELAPSED] = passage.elapsed
-        self._draw(dt)
+        if self.noise is not None:
+            self.noise.advance(dt)
         self.time += dt
-        self.steps += 1
-
-    def _draw(self, dt: float) -> None:
-        """Which draws of the noise a step of dt [s] takes, and for which part of it each lasts."""
-        if not self.noisy:
-            return
-        first = last = self.steps
-        begun, ended = self.drawn[2::2] if self.drawn else (1.0, 1.0)  # not read of a step within one draw
-        shares = (begun, 1.0, ended)
-        if self.noise_every and dt > 0.0:
-            begin, end = self.time / self.noise_every, (self.time + dt) / self.noise_every
-            first = int(begin + 1e-6)
-            last = max(first, int(end - 1e-6))
-            if last - first >= MOST_DRAWS:
-                last, shares = first, (begun, sqrt(self.noise_every / dt), ended)
-            elif last > first:
-                shares = tuple(part / (end - begin) for part in (first + 1 - begin, 1.0, end - last))
-        drawn = (first & 0x3FFFFFFF, (first & 0x3FFFFFFF) + last - first, *shares)
-        if drawn != self.drawn:
-            before, self.drawn = self.drawn or (None,) * 5, drawn
-            for k, number in enumerate(drawn):
-                if number != before[k]:
-                    if k < 2:
-                        self.draws[k] = int(number)
-                    else:
-                        self.shares[k - 2] = number
 
     def _write(self, g: int, column: int, *numbers: float) -> None:
         for k, number in enumerate(numbers):
@@ -285,28 +259,26 @@ class Gusts:
         """(2.26), summed over the volumes that hold the position [N]."""
         total = tm.vec3(0.0)
         for g in range(self.n):
+            total += self.push(g, key, position, velocity, area, mass)
+        return total
+
+    @ti.func
+    def push(self, g, key, position, velocity, area, mass):
+        """The load of volume g [N]; along x, on which volumes drift, most particles are seen to lie outside at once."""
+        total = tm.vec3(0.0)
+        along = position.x - self.row[g, ORIGIN] - self.row[g, ELAPSED] * self.row[g, VELOCITY]
+        if ti.abs(along - self.row[g, MIDDLE]) - self.row[g, EXTENT] <= 0.0:
             x = position - self.vector(g, ORIGIN) - self.row[g, ELAPSED] * self.vector(g, VELOCITY)
             beyond = ti.abs(x - self.vector(g, MIDDLE)) - self.vector(g, EXTENT)
-            if ti.max(beyond.x, beyond.y, beyond.z) <= 0.0 and self.holds(g, x):
+            if ti.max(beyond.y, beyond.z) <= 0.0 and self.holds(g, x):
                 total += mass * self.vector(g, ACCELERATION)
                 if ti.static(self.noisy):
-                    total += mass * self.vector(g, STRENGTH_OF_NOISE) * self.noise(g, key)
+                    total += mass * self.vector(g, STRENGTH_OF_NOISE) * self.noise.of(NOISE + g, key)
                 if ti.static(self.needs_area):
                     wind = self.vector(g, WIND)
                     if wind.dot(wind) > 0.0:
                         total += self.load(g, wind - velocity, area.norm())
         return total
-
-    @ti.func
-    def noise(self, g, key):
-        """The draws of this step for a particle, each as long as it lasts in it."""
-        mean, first, last = tm.vec3(0.0), self.draws[0], self.draws[1]
-        for draw in range(first, last + 1):
-            share = self.shares[1]
-            if first < last:
-                share = ti.select(draw == first, self.shares[0], ti.select(draw == last, self.shares[2], share))
-            mean += share * uniform3(self.seed, NOISE + g, key, draw)
-        return mean
 
     @ti.func
     def load(self, g, wind, area):
@@ -329,3 +301,37 @@ class Gusts:
     @ti.func
     def vector(self, g, column):
         return tm.vec3(self.row[g, column], self.row[g, column + 1], self.row[g, column + 2])
+
+
+@ti.data_oriented
+class Aimed:
+    """Some of the volumes: what a target feels of gusts that do not all act on it."""
+
+    def __init__(self, gusts: Gusts, numbers: list[int]) -> None:
+        self.gusts, self.n = gusts, len(numbers)
+        self.needs_area = any(gusts.volumes[g].wind_speed > 0.0 for g in numbers)
+        self.number = ti.field(int, shape=self.n)
+        self.number.from_numpy(np.array(numbers, dtype=np.int32))
+
+    def on(self, target: Target) -> "Gusts | Aimed | Still":
+        """The wind that a target feels."""
+        return self.gusts.on(target)
+
+    def advance(self, dt: float) -> None:
+        """The gusts go on by themselves."""
+
+    def strengthen(self, factor: float) -> None:
+        """Blow so many times as strongly as the scene says: all of the gusts."""
+        self.gusts.strengthen(factor)
+
+    def shown(self) -> Air:
+        """All of the gusts."""
+        return self.gusts.shown()
+
+    @ti.func
+    def force(self, key, position, velocity, area, mass):
+        """(2.26), summed over these volumes [N]."""
+        total = tm.vec3(0.0)
+        for k in range(self.n):
+            total += self.gusts.push(self.number[k], key, position, velocity, area, mass)
+        return total

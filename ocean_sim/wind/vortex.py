@@ -14,10 +14,13 @@ import taichi.math as tm
 from ocean_sim.basin import Basin
 from ocean_sim.parts import LedgerRow, Vector2, quantity
 from ocean_sim.wind._air import Air
+from ocean_sim.wind._noise import EVERY, Noise, NoiseSize
 from ocean_sim.wind._passages import Passages
 from ocean_sim.wind._schedule import Timed
 from ocean_sim.wind._warnings import kick, stylised
 from ocean_sim.wind.still import Still
+
+NOISE = 0x3_0000  # stream of random numbers
 
 
 class Config(Timed):
@@ -34,6 +37,11 @@ class Config(Timed):
     """Greatest acceleration towards the axis, with the same profile."""
     upward: float = quantity("m/s2", 0.0)
     """Greatest acceleration upwards, with the same profile."""
+    noise: NoiseSize = quantity("m/s2", (0.0, 0.0, 0.0))
+    """Greatest random acceleration along each axis, uniform between minus and plus this (2.24), with the same profile:
+    the air is as rough as it is strong."""
+    noise_every: float = quantity("s", EVERY, ge=0.0)
+    """How long a draw of the noise lasts, as in gusts."""
     layer: float = quantity("m", 2.5, gt=0.0)
     """Depth at which the water no longer feels it."""
     drift: Vector2 = quantity("m/s", (0.0, 0.0))
@@ -51,7 +59,7 @@ class Config(Timed):
         return 2.0 * pi * self.acceleration * min(radius**2 / self.core_radius, self.core_radius)
 
     def build(self, basin: Basin, seed: int) -> "Vortex":
-        return Vortex(self, basin)
+        return Vortex(self, basin, seed)
 
     def problems(self, basin: Basin) -> list[tuple[tuple[str | int, ...], str]]:
         """What is wrong in this basin: (path below `wind`, sentence)."""
@@ -59,13 +67,13 @@ class Config(Timed):
         return [(("kind",), sentence)] if basin.dimension == 2 else []
 
     def ledger(self, basin: Basin, word: int = 8) -> list[LedgerRow]:
-        return [LedgerRow("wind", "axis and strength of the vortex", 3 * word, "wind.kind is vortex")]
+        return [LedgerRow("wind", "axis, strength and noise of the vortex", 6 * word + 8, "wind.kind is vortex")]
 
     def warnings(self, scene: Any) -> list[str]:
         speed = hypot(*self.drift)
         acceleration = (self.acceleration, self.upward, self.inward)
         passing = 2.0 * self.core_radius / speed if speed else inf
-        return [stylised("wind", hypot(*acceleration), scene), *kick("wind", acceleration, passing, scene)]
+        return [stylised("wind", hypot(*acceleration, *self.noise), scene), *kick("wind", acceleration, passing, scene)]
 
 
 @ti.data_oriented
@@ -74,11 +82,13 @@ class Vortex:
 
     needs_area = False
 
-    def __init__(self, config: Config, basin: Basin) -> None:
+    def __init__(self, config: Config, basin: Basin, seed: int) -> None:
         self.config, self.targets = config, tuple(config.targets)
         x, z = config.centre
         self.passage = Passages((x, 0.0, z), (config.drift[0], 0.0, config.drift[1]), config.core_radius, basin)
         self.axis = ti.field(float, shape=3)  # x and z [m], and the part of its strength that it has now
+        self.noisy = any(config.noise)
+        self.noise = Noise(seed, config.noise_every) if self.noisy else None
         self.time, self.part, self.gain = 0.0, config.blowing(0.0), 1.0
         self._write_axis()
 
@@ -94,6 +104,8 @@ class Vortex:
             self.part = self.config.blowing(self.time, dt)
         if self.passage.speed or self.part != before:
             self._write_axis()
+        if self.noise is not None:
+            self.noise.advance(dt)
         self.time += dt
 
     def strengthen(self, factor: float) -> None:
@@ -119,11 +131,14 @@ class Vortex:
 
     @ti.func
     def force(self, key, position, velocity, area, mass):
-        """Mass times acceleration around, towards and along the axis [N]."""
+        """Mass times acceleration around, towards and along the axis, and noise [N]."""
         arm = tm.vec3(position.x - self.axis[0], 0.0, position.z - self.axis[1])
         r2, core = arm.dot(arm), ti.static(self.config.core_radius)
         around, towards = tm.vec3(arm.z, 0.0, -arm.x), -arm
         profile = core / ti.max(r2, core * core)  # times r: r / core inside, core / r outside
         depth = self.axis[2] * tm.clamp(1.0 + position.y / self.config.layer, 0.0, 1.0)
         level = self.config.acceleration * around + self.config.inward * towards
-        return mass * depth * profile * (level + tm.vec3(0.0, self.config.upward * ti.sqrt(r2), 0.0))
+        total = level + tm.vec3(0.0, self.config.upward * ti.sqrt(r2), 0.0)
+        if ti.static(self.noisy):
+            total += ti.sqrt(r2) * tm.vec3(self.config.noise) * self.noise.of(NOISE, key)
+        return mass * depth * profile * total

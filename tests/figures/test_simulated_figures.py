@@ -32,8 +32,12 @@ def test_figure_2_2_grid_and_particles_tell_of_the_same_wave(tmp_path):
 
 
 @pytest.mark.slow
-def test_figure_6_3_only_the_vortex_turns_the_water(tmp_path):
-    table = {row["value"]: row for row in drawn("fig6_3", tmp_path) if row["what"] == "preset"}
+def test_figure_6_3_only_the_vortex_turns_the_water_and_fetch_raises_waves(tmp_path):
+    rows = drawn("fig6_3", tmp_path)
+    short, long = (float(row["hm0_m"]) for row in rows if row["what"] == "fetch [m]")
+    assert long > 1.2 * short
+    table = {row["value"]: row for row in rows if row["what"] == "preset"}
+    assert all((tmp_path / f"fig6_3_{name}.png").stat().st_size > 10_000 for name in table)
     turn = {name: abs(float(row["circulation_m2_s"])) for name, row in table.items()}
     assert turn["vortex"] > 3.0 * max(value for name, value in turn.items() if name != "vortex")
     assert all(float(row["hm0_m"]) > float(row["still_hm0_m"]) for row in table.values())

@@ -78,6 +78,12 @@ def test_a_page_tells_what_was_run_and_how_it_ended(tmp_path, ran):
     assert [f for f in ("gauges.csv", "accuracy.csv", "timings.csv") if f not in parsed.sources] == []
 
 
+def test_a_page_tells_the_gain_of_a_wind(tmp_path, ran):
+    ran(wind={"kind": "stress", "gain": 300.0}, fluid={"kind": "computed"}).run(until=0.02)
+    page, _ = checked(tmp_path)
+    assert "stress, 300 times a real wind (gain)" in page
+
+
 def test_a_run_that_diverged_has_a_page_that_says_so(tmp_path, ran):
     simulation = ran()
     simulation.outcome, simulation.reason = "diverged", "density reached 3e3 kg/m^3"

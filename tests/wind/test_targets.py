@@ -20,3 +20,31 @@ def test_only_targets_feel_the_wind(build, force, kind, targets):
         felt = force(wind.on(target), POINT, area=UPWARDS)
         assert bool(np.abs(felt).max() > 0.0) == (target in targets)
         assert wind.on(target).needs_area == (kind == "stress" and target in targets)
+
+
+PLACE = [{"kind": "sphere", "radius": 9.0}]
+FOR_WATER = {"include": PLACE, "acceleration": [1.0, 0.0, 0.0], "targets": ["fluid"]}
+FOR_THE_SHIP = {"include": PLACE, "wind_speed": 20.0, "heading_deg": 0.0, "lift_coefficient": 0.0, "targets": ["ship"]}
+FOR_ALL = {"include": PLACE, "acceleration": [0.0, 4.0, 0.0], "noise": [0.0, 1.0, 0.0]}
+FOR_NOBODY = {"include": PLACE, "acceleration": [0.0, 0.0, 8.0], "targets": []}
+
+
+def test_volumes_have_targets_of_their_own(build, force):
+    volumes = [FOR_NOBODY, FOR_WATER, FOR_THE_SHIP, FOR_ALL]
+    wind = build("gusts", volumes=volumes)
+    wind.advance(0.01)
+    water, ship = (force(wind.on(target), POINT, area=UPWARDS)[0] for target in ("fluid", "ship"))
+    assert water[0] == 1.0 and water[2] == 0.0 and 3.0 < water[1] < 5.0 and water[1] != 4.0
+    assert ship[0] == pytest.approx(0.0, abs=1e-12) and ship[2] > 0.1
+    assert ship[1] == pytest.approx(water[1], rel=1e-12)  # the same draw of the noise: it goes by the volume's number
+    assert wind.on("ship").needs_area and not wind.on("fluid").needs_area
+    assert force(wind, POINT, area=UPWARDS)[0][2] > 8.0  # all of them, were nothing aimed
+
+
+@pytest.mark.parametrize("targets", [[], ["fluid"], ["ship"], ["fluid", "ship"]])
+def test_a_volume_without_targets_has_those_of_the_wind(build, force, targets):
+    wind = build("gusts", volumes=[FOR_WATER, {k: v for k, v in FOR_ALL.items() if k != "noise"}], targets=targets)
+    for target, own in (("fluid", 1.0), ("ship", 0.0)):
+        np.testing.assert_allclose(
+            force(wind.on(target), POINT)[0], [own, 4.0 if target in targets else 0.0, 0.0], atol=1e-12
+        )

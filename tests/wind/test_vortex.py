@@ -52,6 +52,22 @@ def test_its_axis_drifts_and_comes_in_again(build, force):
     assert wind.passage.centre[0] == pytest.approx(-22.0 + 4.0 * (5.0 - 4.25), abs=1e-9)
 
 
+def test_its_noise_is_drawn_from_the_seed_and_has_its_profile(build, force):
+    points = np.random.default_rng(1).uniform(-20.0, 20.0, size=(4000, 3)) * [1.0, 0.0, 1.0]
+    keys = {"core_radius": 8.0, "acceleration": 3.0}
+    quiet, one, again, other = (
+        force(build("vortex", seed=seed, noise=noise, **keys), points)
+        for seed, noise in ((1, (0.0, 0.0, 0.0)), (1, (0.5, 0.5, 0.0)), (1, (0.5, 0.5, 0.0)), (2, (0.5, 0.5, 0.0)))
+    )
+    np.testing.assert_array_equal(one, again)
+    assert not np.allclose(one, other)
+    r = np.hypot(points[:, 0], points[:, 2])
+    drawn = (one - quiet) / np.minimum(r / 8.0, 8.0 / r)[:, None]
+    assert np.abs(drawn).max(axis=0) == pytest.approx([0.5, 0.5, 0.0], abs=0.01)
+    assert drawn.std(axis=0)[:2] == pytest.approx(0.5 / 3.0**0.5, rel=0.03)
+    assert np.abs(drawn.mean(axis=0)).max() < 4.0 * 0.29 / np.sqrt(len(points))
+
+
 @pytest.mark.parametrize("preset", ["narrow", "wide", "noise_only"])
 def test_gusts_have_no_circulation_about_the_middle_of_the_basin(build, force, preset_data, preset):
     """A steady field in a box around the centre: zero. On its way: zero on the average of a passage. Noise: zero but

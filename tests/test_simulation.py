@@ -76,6 +76,7 @@ class Watcher:
 
 def test_an_observer_sees_the_states_around_every_multiple_of_its_period(small):
     each, sometimes = Watcher(0.0), Watcher(0.03)
+    small.run(until=small.time)  # shows those who watch already how it begins
     small.observers += [each, sometimes]
     start, steps = small.time, small.steps
     small.run(until=start + 0.2)
@@ -119,7 +120,7 @@ def state(kind: str, threads: int, steps: int, spacing: float) -> str:
         pytest.param("mueller", 500, 0.1, id="mueller, serial sort"),
         pytest.param("mueller", 30, 0.043, id="mueller, sort in chunks"),
         pytest.param("delta_sph", 300, 0.15, id="delta_sph, serial sort"),
-        pytest.param("delta_sph", 5, 0.043, id="delta_sph, sort in chunks"),
+        pytest.param("delta_sph", 5, 0.043, id="delta_sph, sort in chunks", marks=pytest.mark.slow),
         pytest.param("dfsph", 300, 0.15, id="dfsph, serial sort"),
     ],
 )

@@ -5,10 +5,11 @@ water 0.5 m deep at a period of 1.5 s. The height is that of the first harmonic 
 of the waves has gone by and before anything that the far end sends back could be there.
 
 What `mueller` shows here is no wave: in water of 1e-6 m2/s its H/S is 3 to 6, and as large with the piston at rest (6.5
-and 2.4). That its density is summed with one kernel while its pressure acts along the gradient of another, so that
-no energy belongs to the pressures, may be why the lattice boils once it gives way: in a still tank of 10 rows the particles move at
-0.1 m/s after 1 s, 2.7 after 3 s, as fast with steps a quarter as long (2.6) and nearly with a support of 3.0 spacings
-(1.9). Viscosity of 1e-3 m2/s slows that (1.1 at 3 s); 1e-2 stops it, but damps the waves to H/S = 0.58 and 0.28.
+and 2.4). That its density is summed with one kernel while its pressure acts along the gradient of another, so that no
+energy belongs to the pressures, may be why the lattice boils once it gives way: in a still tank of 10 rows the
+particles move at 0.1 m/s after 1 s, 2.7 after 3 s, as fast with steps a quarter as long (2.6) and nearly with a support
+of 3.0 spacings (1.9). Viscosity of 1e-3 m2/s slows that (1.1 at 3 s); 1e-2 stops it, but damps the waves to H/S = 0.58
+and 0.28.
 """
 
 from math import pi

@@ -39,13 +39,18 @@ CIRCLE = (
 
 def problems(coarse: bool) -> list[Problem]:
     scene = at_sea(YACHT, 15.0, STEP, AHEAD + TURN)
-    promises = tuple(Promise(name, "", "reported") for name in CIRCLE)
+    promises = tuple(told(name) for name in CIRCLE)
     found = [Problem(scene, promises, circle, "circle", slot="ship", schemes=OF_WATER)]
     for angle in (20.0,) if coarse else (10.0, 20.0):
-        names = tuple(Promise(name, "", "reported") for name in zigzags(angle))
+        names = tuple(told(name) for name in zigzags(angle))
         look = lambda simulation, angle=angle: zigzag(simulation, angle)
         found.append(Problem(scene, names, look, f"zig-zag {angle:g}", slot="ship", schemes=OF_WATER))
     return found
+
+
+def told(name: str) -> Promise:
+    """What is only reported, in the unit that its name ends with."""
+    return Promise(name, name[name.index("[") + 1 : -1], "reported")
 
 
 def zigzags(angle: float) -> list[str]:

@@ -59,6 +59,7 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
     threads = config.runtime.threads or cores()
     if memory > 0.9 * machine_memory():
         warnings.append(f"needs {memory / 1e9:.1f} GB of memory; this machine has {machine_memory() / 1e9:.1f} GB")
+    seconds = config.duration / dt * sum(row.a_step(dt) for row in rows) / threads
     return {
         "ok": True,
         "problems": [],
@@ -71,7 +72,7 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         "limited_by": time_step.limited_by,
         "stable_time_step": stable,
         "stable_limited_by": limit,
-        "estimated_wall_s": config.duration / dt * sum(row.a_step(dt) for row in rows) / threads or None,
+        "estimated_wall_s": seconds if particles else None,  # without particles it is the observers that take time
         "ledger": rows,
     }
 

@@ -70,18 +70,18 @@ CLOTH = {"surface": "cloth", "wind": "wide"}
 SCENES = {
     "mueller, cloth, hydrostatic ship, gusts, platform": afloat("mueller", "hydrostatic", **CLOTH, **TRACED),
     "dfsph, stress": {"basin": SQUARE, **water("dfsph"), "wind": {"kind": "stress"}, **GAUGES},
-    "delta_sph, marching cubes, pressure ship, vortex": afloat(
-        "delta_sph", "pressure", wind="vortex", surface="marching_cubes"
-    ),
+    "delta_sph, wavemaker": {"basin": SLICE | WAVEMAKER, **water("delta_sph", 0.1), **IN_SLICE},
     "ballistic, emitter, noise": {"basin": SLICE, **water("ballistic", 0.1, **LEFT, **MOUTH), "wind": "noise_only"},
     "linear waves, dynamic ship, autopilot": sea("dynamic", AUTOPILOT),
 }  # fmt: skip
 MORE = {
+    "delta_sph, marching cubes, pressure ship, vortex": afloat(
+        "delta_sph", "pressure", wind="vortex", surface="marching_cubes"
+    ),
     "mueller, closed": {"basin": AROUND, **water("mueller", 0.1, **VORTICES)},
     "mueller, slice": {"basin": SLICE, **water("mueller", 0.1), "wind": "noise_only", **IN_SLICE},
     "delta_sph, closed": {"basin": AROUND, **water("delta_sph", 0.1, **VORTICES), **TRACED},
     "delta_sph, emitter": {"basin": SLICE, **water("delta_sph", 0.1, **LEFT, **MOUTH)},
-    "delta_sph, wavemaker": {"basin": SLICE | WAVEMAKER, **water("delta_sph", 0.1), **IN_SLICE},
     "delta_sph, cloth": {"basin": SQUARE, **water("delta_sph"), **CLOTH, **GAUGES},
     "delta_sph, pressure ship": afloat("delta_sph", "pressure", wind="wide"),
     "dfsph, closed": {"basin": AROUND, **water("dfsph", 0.1, **VORTICES)},

@@ -117,11 +117,11 @@ def state(kind: str, threads: int, steps: int, spacing: float) -> str:
 @pytest.mark.parametrize(
     ("kind", "steps", "spacing"),
     [
-        pytest.param("mueller", 500, 0.1, id="mueller, serial sort"),
-        pytest.param("mueller", 30, 0.043, id="mueller, sort in chunks"),
+        pytest.param("mueller", 500, 0.1, id="mueller, serial sort", marks=pytest.mark.slow),
+        pytest.param("mueller", 30, 0.043, id="mueller, sort in chunks", marks=pytest.mark.slow),
         pytest.param("delta_sph", 300, 0.15, id="delta_sph, serial sort"),
         pytest.param("delta_sph", 5, 0.043, id="delta_sph, sort in chunks", marks=pytest.mark.slow),
-        pytest.param("dfsph", 300, 0.15, id="dfsph, serial sort"),
+        pytest.param("dfsph", 300, 0.15, id="dfsph, serial sort", marks=pytest.mark.slow),
     ],
 )
 def test_the_same_bytes_with_one_and_two_threads_and_run_after_run(kind, steps, spacing):

@@ -128,7 +128,7 @@ def turned(scheme: str, precision: str, left: float) -> np.ndarray:
         return last[np.argsort(particles.id.to_numpy())] - start[np.argsort(first)]
 
 
-@pytest.mark.parametrize("scheme", ["mueller", "delta_sph", "dfsph"])
+@pytest.mark.parametrize("scheme", ["mueller", "delta_sph", pytest.param("dfsph", marks=pytest.mark.slow)])
 def test_single_precision_keeps_slow_ways_far_from_the_origin(scheme):
     """At 60 m places are 4e-6 m apart and a step goes 1e-5 m: what is rounded away is kept for the next step."""
     exact = turned(scheme, "f64", -0.4)

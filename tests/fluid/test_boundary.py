@@ -158,6 +158,7 @@ def falling(water, told: float) -> float:
     return worst / (WEIGHT * VOLUME)
 
 
+@pytest.mark.slow
 def test_a_box_that_falls_with_its_water_feels_nothing_if_its_acceleration_is_told(water):
     assert falling(water, GRAVITY) < 0.08  # bodies are half a step ahead of the kick
     assert falling(water, 0.0) > 0.3
@@ -173,6 +174,7 @@ def dragged(water, slip: str):
     return fluid
 
 
+@pytest.mark.slow
 def test_water_sticks_to_a_body_without_slip(water):
     fluid = dragged(water, "no_slip")
     x, v = fluid.particles.position.to_numpy(), fluid.particles.velocity.to_numpy()
@@ -182,6 +184,7 @@ def test_water_sticks_to_a_body_without_slip(water):
     assert fluid.boundary.forces()[0][0, 0] == pytest.approx(drag, rel=0.08)
 
 
+@pytest.mark.slow
 def test_and_not_to_one_with_slip(water):
     fluid = dragged(water, "free_slip")
     late = 4.0 / np.pi * np.exp(-(np.pi**2) * 0.05 * fluid.time / (4.0 * 0.2**2))  # the slowest part of the series

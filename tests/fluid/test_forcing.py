@@ -107,6 +107,7 @@ def test_water_in_a_tank_that_has_been_tilted_is_level_in_the_world(water, tmp_p
     np.testing.assert_allclose(found, -1000.0 * GRAVITY * np.array([np.sin(tilt), np.cos(tilt)]), rtol=0.03)
 
 
+@pytest.mark.slow
 def test_water_in_a_tank_that_spins_is_hollow(water, tmp_path):
     """p = rho (omega^2 r^2 / 2 - g y) about the vertical through the middle: the surface is a paraboloid."""
     times, omega = np.linspace(0.0, 6.0, 61), 3.0

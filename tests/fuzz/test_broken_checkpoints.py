@@ -155,6 +155,7 @@ def test_a_checkpoint_of_another_scene_or_version_is_refused_in_a_sentence(kept,
     another_state(data, kept, capsys)
 
 
+@pytest.mark.slow
 @settings(few, max_examples=10)
 @given(st.data())
 def test_a_state_that_no_run_has_left_is_refused_and_touches_nothing(kept, unfilled, data):

@@ -69,12 +69,12 @@ def afloat(scheme: str, kind: str, **keys) -> dict:
 CLOTH = {"surface": "cloth", "wind": "wide"}
 SCENES = {
     "mueller, cloth, hydrostatic ship, gusts, platform": afloat("mueller", "hydrostatic", **CLOTH, **TRACED),
-    "dfsph, stress": {"basin": SQUARE, **water("dfsph"), "wind": {"kind": "stress"}, **GAUGES},
-    "delta_sph, wavemaker": {"basin": SLICE | WAVEMAKER, **water("delta_sph", 0.1), **IN_SLICE},
     "ballistic, emitter, noise": {"basin": SLICE, **water("ballistic", 0.1, **LEFT, **MOUTH), "wind": "noise_only"},
     "linear waves, dynamic ship, autopilot": sea("dynamic", AUTOPILOT),
 }  # fmt: skip
 MORE = {
+    "dfsph, stress": {"basin": SQUARE, **water("dfsph"), "wind": {"kind": "stress"}, **GAUGES},
+    "delta_sph, wavemaker": {"basin": SLICE | WAVEMAKER, **water("delta_sph", 0.1), **IN_SLICE},
     "delta_sph, marching cubes, pressure ship, vortex": afloat(
         "delta_sph", "pressure", wind="vortex", surface="marching_cubes"
     ),
@@ -163,7 +163,7 @@ def test_each_checkpoint_after_the_first_compiles_nothing(tmp_path):
     assert counts[0] == counts[1] == counts[2]
 
 
-@pytest.mark.parametrize("keys", [WATER, WAVES])
+@pytest.mark.parametrize("keys", [pytest.param(WATER, marks=pytest.mark.slow), WAVES])
 def test_checkpoints_change_nothing_and_only_the_newest_are_kept(keys, tmp_path):
     """Here one is due after every step."""
     for name, every in (("without", None), ("with", {"every": 0.1, "wall_every": 1e-6})):

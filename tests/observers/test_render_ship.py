@@ -90,6 +90,7 @@ def test_a_strip_is_pictures_side_by_side():
     assert (strip[:, [0, 8, 16]] == np.array([10, 20, 30])[None, :, None]).all() and (strip[:, 6:8] == 255).all()
 
 
+@pytest.mark.slow
 @with_opengl
 def test_images_for_a_figure_are_the_same_whatever_else_is_drawn(folder):
     several = render.images(folder, [0.2, 0.8], camera="follow", size=(160, 90), caption=False)
@@ -100,6 +101,7 @@ def test_images_for_a_figure_are_the_same_whatever_else_is_drawn(folder):
     assert not list(folder.glob("*.png"))
 
 
+@pytest.mark.slow
 @with_opengl
 def test_from_the_helm_the_deck_is_below_and_from_the_side_the_sky_is_above(folder):
     [helm] = render.images(folder, [0.5], camera="first_person", size=(160, 90), caption=False)

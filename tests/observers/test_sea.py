@@ -203,6 +203,7 @@ def picture(folder):
     return drawn
 
 
+@pytest.mark.slow
 @with_opengl
 def test_each_part_of_the_sea_switches_off_by_itself(picture):
     whole = picture()

@@ -61,7 +61,12 @@ def test_scenes_point_editors_to_the_schema():
         assert target.resolve().name == "scene.schema.json" and target.exists(), path
 
 
-@pytest.mark.parametrize("name", packaged_scenes())
+DEAR = ("gallery/dam_break_on_a_box", "thesis/fig6_3a_noise_only", "thesis/fig6_3b_narrow", "thesis/long_hour")
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow) if name in DEAR else name for name in packaged_scenes()]
+)
 def test_every_scene_steps(name):
     config = load(name, {"runtime.threads": 1}, "ci")
     many = config.fluid.lattice(config.basin.build()).n / MANY if hasattr(config.fluid, "lattice") else 0.0

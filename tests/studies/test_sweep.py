@@ -104,6 +104,7 @@ def test_a_wrong_plan_is_exit_code_2_and_leaves_nothing(capsys):
     assert not Path("runs").exists()
 
 
+@pytest.mark.slow
 def test_a_killed_worker_is_a_failure_and_the_others_go_on():
     def kill_the_second() -> None:
         while not (begun / "begun").exists():

@@ -177,7 +177,7 @@ def test_momentum_is_the_same_however_much_counts_as_surface(monkeypatch):
         assert exposed == 60  # three layers, where it is two
 
 
-@pytest.mark.parametrize("wind", ["stress", "gusts"])
+@pytest.mark.parametrize("wind", ["stress", pytest.param("gusts", marks=pytest.mark.slow)])
 def test_the_winds_impulse_is_what_water_and_walls_gain(wind, tmp_path):
     """By the accounts of accuracy.csv: momentum gained = impulse of wind, walls, gravity, pressure and viscosity."""
     winds = {

@@ -254,7 +254,7 @@ def waves(
 
 @app.command()
 def figure(
-    names: Annotated[list[str], typer.Argument(help="As in 6-3, or all (ocean-sim list figures).")],
+    names: Annotated[list[str], typer.Argument(help="As in 6-3, or all of the thesis (ocean-sim list figures).")],
     fast: Annotated[bool, typer.Option("--fast", help="Coarse and short, for a quick look.")] = False,
     out: Annotated[Path, typer.Option(help="Where data (CSV) and pictures (PNG) go.")] = Path("runs/figures"),
     json: Json = False,

@@ -44,7 +44,7 @@ class Wake:
         for k in range(STEPS - 1):
             offset = at - place[k]
             part = np.clip((offset @ along[k]) / length2[k], 0.0, 1.0)
-            age = time - moments[k] - part * seconds
+            age = np.maximum(time - moments[k] - part * seconds, 0.0)
             width = self.half * (0.75 + SPREADING * np.sqrt(age))
             away = np.linalg.norm(offset - part[..., None] * along[k], axis=-1) / width
             white = WHITEST * min(speed[k] / FAST, 1.0) * np.exp(-age / LASTS - away**4)

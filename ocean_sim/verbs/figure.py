@@ -16,7 +16,7 @@ from ocean_sim.verbs import console
 from ocean_sim.verbs.progress import Bar
 
 SHARE = re.compile(r" *(\d+)%  (.*)")  # how a script tells how far it is
-ALL = "all"
+ALL = "all"  # of the thesis, and its errata; our own studies are drawn by their names
 
 
 class Outcome(NamedTuple):
@@ -56,7 +56,8 @@ def figure(names: list[str], fast: bool, out: Path, as_json: bool) -> int:
     for name in names:
         if name not in known and name != ALL:
             raise console.Refused(f"there is no figure {name!r}{choice_sentence(name, [*known, ALL])[0]}")
-    wanted = list(known) if ALL in names else list(dict.fromkeys(names))
+    theirs = [name for name in known if name[0].isdigit() or name == "errata"] if ALL in names else []
+    wanted = list(dict.fromkeys([*theirs, *(name for name in names if name != ALL)]))
     out.mkdir(parents=True, exist_ok=True)
     bar = Bar(len(wanted), as_json)
     done: list[Outcome] = []

@@ -33,7 +33,7 @@ def scripts(tmp_path, monkeypatch):
     """Two figures, the second of which fails, and one that is shared code."""
     folder = tmp_path / "figures"
     folder.mkdir()
-    for name, text in (("fig1_2", BAD), ("fig1_1", GOOD), ("_shared", GOOD), ("errata", GOOD)):
+    for name, text in (("fig1_2", BAD), ("fig1_1", GOOD), ("_shared", GOOD), ("errata", GOOD), ("ours", BAD)):
         (folder / f"{name}.py").write_text(text)
     monkeypatch.setattr(figure, "library", lambda name: folder)
     return folder

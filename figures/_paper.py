@@ -5,8 +5,13 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-# Okabe & Ito (2008): told apart by the colour-blind as well.
-BLUE, ORANGE, GREEN, RED, SKY, PURPLE = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#56B4E9", "#CC79A7"
+from ocean_sim.palette import BLUE as BLUE
+from ocean_sim.palette import GREEN as GREEN
+from ocean_sim.palette import ORANGE as ORANGE
+from ocean_sim.palette import PURPLE as PURPLE
+from ocean_sim.palette import RED as RED
+from ocean_sim.palette import SKY as SKY
+
 INK, GREY, PALE = "#16242c", "#7a8790", "#dde5ea"
 DPI = 150
 

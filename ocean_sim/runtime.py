@@ -11,6 +11,7 @@ from typing import Literal
 import taichi as ti
 from taichi.lang import impl
 
+from ocean_sim.machine import cores
 from ocean_sim.parts import PartConfig, quantity
 
 BACKENDS = {"cpu": ti.cpu, "cuda": ti.cuda, "vulkan": ti.vulkan, "metal": ti.metal, "gpu": ti.gpu, "auto": ti.gpu}
@@ -60,7 +61,7 @@ def start(config: RuntimeConfig) -> Backend:
     global _started
     if _started is not None and _started[0] == config:
         return _started[1]
-    threads = config.threads or _cores()
+    threads = config.threads or cores()
     before = _thread_ids()
     with redirect_stdout(StringIO()):  # Taichi announces itself
         ti.init(
@@ -132,16 +133,12 @@ def _kernel_cache() -> Path:
     return path
 
 
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 def _thread_ids() -> set[int]:
     return {int(t) for t in os.listdir("/proc/self/task")} if sys.platform == "linux" else set()
 
 
 def _pin(before: set[int]) -> None:
     """Two short-lived workers often share a core; each new thread is bound to a core of its own."""
-    cores = sorted(os.sched_getaffinity(0)) if sys.platform == "linux" else []
+    usable = sorted(os.sched_getaffinity(0)) if sys.platform == "linux" else []
     for k, thread in enumerate(sorted(_thread_ids() - before)):
-        os.sched_setaffinity(thread, {cores[k % len(cores)]})
+        os.sched_setaffinity(thread, {usable[k % len(usable)]})

@@ -30,9 +30,15 @@ class Buffer:
 
 
 class Mesh:
-    """Triangles on the graphics side."""
+    """Triangles on the graphics side.
+
+    They are told where they stand by one unit transform: without any, GGUI's shader takes what lies in a buffer that
+    nobody filled, times nothing, and where that is no number the triangles are gone from the picture.
+    """
 
     def __init__(self) -> None:
+        self.transform = ti.Matrix.field(4, 4, ti.f32, 1)
+        self.transform[0] = np.eye(4).tolist()
         self.vertices, self.normals, self.colours, self.corners = Buffer(3), Buffer(3), Buffer(3), Buffer(0, ti.i32)
         self.triangles: np.ndarray | None = None
         self.n = self.m = 0
@@ -47,8 +53,9 @@ class Mesh:
             self.m, self.triangles = self.corners.put(patch.triangles.ravel()), patch.triangles
 
     def show(self, scene: Any, wires: bool = False) -> None:
-        scene.mesh(
+        scene.mesh_instance(
             self.vertices.field,
+            transforms=self.transform,
             indices=self.corners.field,
             normals=self.normals.field,
             per_vertex_color=self.colours.field,

@@ -15,6 +15,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ocean_sim.whole_file import whole
+
 HEAD = 512  # bytes, the least that HDF5 leaves to others
 MAGIC = "ocean-sim checkpoint 1"
 LARGE = 4096  # numbers that are worth packing
@@ -55,15 +57,11 @@ def written(checkpoint: Checkpoint, folder: Path) -> Path:
             packed = {"compression": "lzf", "shuffle": True} if array.size >= LARGE else {}
             group.create_dataset(place.lstrip("."), data=array, **packed)
     data = content.getvalue()[HEAD:]
-    beside, path = folder / ".checkpoint.tmp", folder / name(checkpoint.time)
-    try:
-        with beside.open("wb") as whole:
-            whole.write(head(data) + data)
-            whole.flush()
-            os.fsync(whole.fileno())
-        os.replace(beside, path)
-    finally:
-        beside.unlink(missing_ok=True)
+    path = folder / name(checkpoint.time)
+    with whole(path) as beside, beside.open("wb") as file:
+        file.write(head(data) + data)
+        file.flush()
+        os.fsync(file.fileno())
     return path
 
 

@@ -1,8 +1,6 @@
 """Files for ParaView and Blender from the frames of a finished run; nothing here needs OpenGL."""
 
 import json
-import os
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +8,7 @@ import numpy as np
 from ocean_sim.input_file import arrays
 from ocean_sim.observers._vtkhdf import Series
 from ocean_sim.observers._water_mesh import triangles
+from ocean_sim.whole_file import whole
 
 
 class NothingToExport(Exception):
@@ -64,7 +63,8 @@ def export_surface(frames: list[Path], grid: dict[str, np.ndarray], kind: str, o
         if fields:
             mesh.point_data.active_normals = fields["Normals"]
         listed.append({"name": f"surface_{k:05d}.{kind}", "time": time})
-        write(out / str(listed[-1]["name"]), mesh.save)
+        with whole(out / str(listed[-1]["name"])) as beside:
+            mesh.save(beside)
     if kind == "ply":
         return [out / str(entry["name"]) for entry in listed]
     index = out / "surface.vtp.series"
@@ -83,10 +83,3 @@ def kept_surface(
     x, z = np.meshgrid(grid["x"], grid["z"], indexing="ij")
     points = np.stack([x, data["elevation"], z], axis=-1).reshape(-1, 3).astype(np.float32)
     return time, points, triangles(*x.shape), {}
-
-
-def write(path: Path, save: Callable[[Path], None]) -> None:
-    """A file that appears whole."""
-    beside = path.with_name(f".{path.stem}.tmp{path.suffix}")
-    save(beside)
-    os.replace(beside, path)

@@ -5,9 +5,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ocean_sim.palette import SERIES
+
 WIDTH, HEIGHT = 900, 260
 LEFT, RIGHT, TOP, BOTTOM = 72, 12, 30, 38
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")  # Okabe and Ito (2008)
+COLOURS = (*SERIES, "#000000")
 POINTS = 600  # of a curve at most
 
 

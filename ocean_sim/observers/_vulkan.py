@@ -8,7 +8,8 @@ import tempfile
 REMEDY = "apt-get install --no-install-recommends libx11-6 mesa-vulkan-drivers"
 PROBE = """
 import taichi as ti
-ti.init(arch=ti.cpu, log_level=ti.ERROR, offline_cache=False)
+from ocean_sim.runtime import RuntimeConfig, start
+start(RuntimeConfig(arch="cpu"))
 window = ti.ui.Window("probe", (32, 32), show_window={show})
 if {show}:
     window.get_canvas().set_background_color((0.0, 0.0, 0.0))

@@ -8,11 +8,11 @@ from time import perf_counter
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 
+from ocean_sim.machine import installed
 from ocean_sim.observers import _checkpoint_file as file
 from ocean_sim.observers._fields import Contents
 from ocean_sim.observers._sampled import Multiples
 from ocean_sim.observers._state import Restoring, Taken
-from ocean_sim.observers._versions import installed
 from ocean_sim.parts import ObserverConfig, quantity
 
 if TYPE_CHECKING:

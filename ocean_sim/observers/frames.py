@@ -1,7 +1,6 @@
 """Keeps what a picture or an export needs: particles, the height of the water, its surface, and
 where the ship is; one file a frame."""
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +10,7 @@ from ocean_sim.observers._counted import spacing
 from ocean_sim.observers._points import grid, pairs
 from ocean_sim.observers._sampled import Multiples
 from ocean_sim.parts import ObserverConfig, quantity
+from ocean_sim.whole_file import whole
 
 if TYPE_CHECKING:
     from ocean_sim.scene import SceneConfig
@@ -105,11 +105,8 @@ class Frames:
                 path.unlink()
 
     def write(self, name: str, **arrays: object) -> None:
-        """A file that appears whole: written beside its place, then moved there."""
-        beside = self.folder / f".{name}.tmp"
-        with beside.open("wb") as file:
+        with whole(self.folder / f"{name}.npz") as beside, beside.open("wb") as file:
             np.savez(file, **arrays)  # type: ignore[arg-type]
-        os.replace(beside, self.folder / f"{name}.npz")
 
     def close(self) -> None:
         pass

@@ -2,16 +2,16 @@
 
 import hashlib
 import json
-import os
 import platform
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ocean_sim.machine import installed
 from ocean_sim.observers._counted import count, spacing
-from ocean_sim.observers._versions import installed
 from ocean_sim.parts import ObserverConfig
+from ocean_sim.whole_file import whole
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -74,9 +74,8 @@ class Manifest:
         self.write()
 
     def write(self) -> None:
-        beside = self.path.with_name(".manifest.json.tmp")
-        beside.write_text(json.dumps(self.facts, indent=2) + "\n", encoding="utf-8")
-        os.replace(beside, self.path)
+        with whole(self.path) as beside:
+            beside.write_text(json.dumps(self.facts, indent=2) + "\n", encoding="utf-8")
 
 
 def sha256(data: bytes) -> str:

@@ -4,7 +4,6 @@ Where there is no window, `show` would end the process, events are refused, and 
 pictures (sliders come with the second, corners with the third); so those are drawn and thrown away.
 """
 
-import os
 import sys
 import warnings
 from pathlib import Path
@@ -23,6 +22,7 @@ from ocean_sim.observers._sight import SPEEDS, Balls, Sight, backdrop
 from ocean_sim.observers._view import Eye, seen
 from ocean_sim.observers._vulkan import ScreenMissing, VulkanMissing, require
 from ocean_sim.parts import ObserverConfig, quantity
+from ocean_sim.whole_file import whole
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -285,9 +285,8 @@ class Screen:
 
 def write(path: Path, image: np.ndarray) -> None:
     """A picture as a PNG file, there whole or not at all."""
-    beside = path.with_name(f".{path.name}")
-    ti.tools.imwrite(np.ascontiguousarray(image), str(beside))
-    os.replace(beside, path)
+    with whole(path) as beside:
+        ti.tools.imwrite(np.ascontiguousarray(image), str(beside))
 
 
 def padded(lines: np.ndarray) -> np.ndarray:

@@ -5,13 +5,11 @@ its process without an exception, and a run that went well must end well.
 """
 
 import json
-import os
 import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -24,6 +22,7 @@ from ocean_sim.observers._kept_frames import Frame, Log, frame_files, schedule, 
 from ocean_sim.observers._order import Order, Quality, RenderFailed
 from ocean_sim.observers._picture import Picture
 from ocean_sim.parts import ObserverConfig, Vector3, quantity
+from ocean_sim.whole_file import whole
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -253,14 +252,13 @@ def draw(order: Order) -> Iterator[tuple[int, int]]:
     out = Path(order.out)
     picture.smooth(True)
     if order.preview:
-        write(out / "preview.png", lambda path: save_png(path, picture.draw(lively)))
+        save_png(out / "preview.png", picture.draw(lively))
     for time in order.stills:
-        image = picture.draw(Frame(log.nearest(time)))
-        write(out / still(time), partial(save_png, image=image))
+        save_png(out / still(time), picture.draw(Frame(log.nearest(time))))
     if order.strip:
         times = np.linspace(*log.span, order.strip) if order.strip > 1 else [sum(log.span) / 2.0]
         row = side_by_side([picture.draw(Frame(log.nearest(float(time)))) for time in times])
-        write(out / "strip.png", partial(save_png, image=row))
+        save_png(out / "strip.png", row)
     picture.smooth(order.quality == "final")
     if order.film:
         chosen = [log.files[k] for k in schedule(log.times, order.every)]
@@ -272,37 +270,30 @@ def film(path: Path, picture: Picture, files: list[Path], rate: float) -> Iterat
     """H.264 that any player shows, in real time."""
     import imageio.v2 as imageio
 
-    beside = path.with_name(f".{path.name}.tmp.mp4")
-    writer = imageio.get_writer(
-        beside,
-        fps=rate,
-        codec="libx264",
-        quality=8,
-        macro_block_size=2,
-        pixelformat="yuv420p",
-        ffmpeg_params=["-preset", "veryfast", "-movflags", "+faststart"],
-    )
-    shown, image = None, None
-    with writer:
-        for k, file in enumerate(files):
-            if file != shown:
-                shown, image = file, picture.draw(Frame(file))
-            writer.append_data(image)
-            yield k + 1, len(files)
-    os.replace(beside, path)
+    with whole(path) as beside:
+        writer = imageio.get_writer(
+            beside,
+            fps=rate,
+            codec="libx264",
+            quality=8,
+            macro_block_size=2,
+            pixelformat="yuv420p",
+            ffmpeg_params=["-preset", "veryfast", "-movflags", "+faststart"],
+        )
+        shown, image = None, None
+        with writer:
+            for k, file in enumerate(files):
+                if file != shown:
+                    shown, image = file, picture.draw(Frame(file))
+                writer.append_data(image)
+                yield k + 1, len(files)
 
 
 def save_png(path: Path, image: np.ndarray) -> None:
     import imageio.v2 as imageio
 
-    imageio.imwrite(path, image, format="png", compress_level=6)
-
-
-def write(path: Path, save: Callable[[Path], None]) -> None:
-    """A file that appears whole."""
-    beside = path.with_name(f".{path.stem}.tmp{path.suffix}")
-    save(beside)
-    os.replace(beside, path)
+    with whole(path) as beside:
+        imageio.imwrite(beside, image, format="png", compress_level=6)
 
 
 def main() -> None:

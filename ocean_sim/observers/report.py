@@ -2,7 +2,6 @@
 
 import html
 import json
-import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +12,7 @@ from ocean_sim.observers._csv import columns
 from ocean_sim.observers._page import page, picture, plot, table, text
 from ocean_sim.observers._plot import curves
 from ocean_sim.parts import ObserverConfig
+from ocean_sim.whole_file import whole
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -51,9 +51,9 @@ class Report:
 def write(folder: Path) -> Path:
     """report.html of a run folder, whatever became of the run."""
     run = Run(folder)
-    path, beside = folder / "report.html", folder / ".report.html.tmp"
-    beside.write_text(page(run.title, run.parts()), encoding="utf-8")
-    os.replace(beside, path)
+    path = folder / "report.html"
+    with whole(path) as beside:
+        beside.write_text(page(run.title, run.parts()), encoding="utf-8")
     return path
 
 

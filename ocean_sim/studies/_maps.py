@@ -3,13 +3,13 @@
 from pathlib import Path
 from typing import Any
 
+from ocean_sim.palette import BLUE, ORANGE, RED
 from ocean_sim.studies._pareto import spaced
 
-# Okabe & Ito (2008): told apart with any colour vision; marks say it again.
 LOOKS = {
-    "stable": ("#0072B2", "o"),
-    "degraded": ("#E69F00", "^"),
-    "stopped": ("#D55E00", "X"),
+    "stable": (BLUE, "o"),
+    "degraded": (ORANGE, "^"),
+    "stopped": (RED, "X"),
     "none": ("black", "s"),
 }
 LINES = {"acoustic": ("h / c", "-"), "viscous": ("h² / nu", "--"), "force": ("sqrt(h / a)", ":")}

@@ -3,11 +3,10 @@
 from pathlib import Path
 from typing import Any
 
+from ocean_sim.palette import SERIES
 from ocean_sim.studies.scene_tradeoff import Budget
 from ocean_sim.studies.tradeoff import Trial, front
 
-# Okabe & Ito (2008): colours that people with any colour vision tell apart; marks say it again.
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 MARKS = ("o", "s", "^", "D", "v", "P")
 SPEEDS = {"wall_per_s": "wall seconds", "cpu_per_s": "processor seconds (the machine was busy)"}
 CROWDED = 100.0  # ends of an axis so far apart need no number within a decade
@@ -84,7 +83,7 @@ def scattered(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> 
     """Full marks: a scheme as it comes, joined over its resolutions; hollow ones: with another setting."""
     for n, scheme in enumerate(trial.schemes):
         own = [row for row in rows if row["scheme"] == scheme]
-        look = {"color": COLOURS[n % len(COLOURS)], "marker": MARKS[n % len(MARKS)]}
+        look = {"color": SERIES[n % len(SERIES)], "marker": MARKS[n % len(MARKS)]}
         plain = sorted((row for row in own if not row["changed"]), key=lambda row: row[key])
         if plain:
             axes.plot([row[key] for row in plain], [height(row) for row in plain], label=scheme, ms=8, lw=1.2, **look)
@@ -109,7 +108,7 @@ def failed(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict[str, A
     for n, scheme in enumerate(schemes):
         own = [row[key] for row in rows if row["scheme"] == scheme and row.get(key)]
         if own:
-            look = {"color": COLOURS[n % len(COLOURS)], "marker": "x", "ms": 8, "mew": 2, "ls": "none"}
+            look = {"color": SERIES[n % len(SERIES)], "marker": "x", "ms": 8, "mew": 2, "ls": "none"}
             at = axes.get_xaxis_transform()
             axes.plot(own, [0.97 - 0.04 * n] * len(own), transform=at, label=f"{scheme}, failed", **look)
 
@@ -146,7 +145,7 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
         axes.set_xscale("log")
         done = [row for row in rows if row.get(name) is not None and row[key]]
         for row in done:
-            colour, mark = (COLOURS[1], "s") if row["reference"] else (COLOURS[0], "o")
+            colour, mark = (SERIES[1], "s") if row["reference"] else (SERIES[0], "o")
             at, spread = (row[key], row[name]), row[f"{name}_spread"] or 0.0
             axes.errorbar(*at, yerr=spread, fmt=mark, color=colour, capsize=3)
             said = row["setting"].replace("--set ", "")
@@ -158,7 +157,7 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
         failed(axes, key, ("settings",), [row | {"scheme": "settings"} for row in rows if row["outcome"] != "done"])
         if budget is not None:
             most = budget.most * 60.0 / 1e3 if budget.name.endswith("ms") else budget.most
-            axes.axvline(most, color=COLOURS[2], ls="--", lw=1.2, label=f"budget {budget.name}")
+            axes.axvline(most, color=SERIES[2], ls="--", lw=1.2, label=f"budget {budget.name}")
             axes.legend(fontsize="x-small")
         axes.set_xlabel("wall seconds of the run" if key == "wall_s" else "wall seconds per simulated second")
         axes.set_ylabel(f"{name}, beside the reference (square)")

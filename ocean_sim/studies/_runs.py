@@ -17,12 +17,12 @@ from concurrent.futures import Executor, as_completed
 from contextlib import ExitStack, contextmanager
 from functools import cache
 from importlib import import_module
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from threading import Event, Thread
 from time import perf_counter
 from typing import Any
 
+from ocean_sim.machine import installed
 from ocean_sim.parts import PACKAGE
 
 ORDER, ANSWER = "order.json", "answer.json"
@@ -38,15 +38,12 @@ class ClusterMissing(Exception):
     """The Dask cluster that was asked for cannot be reached from here."""
 
 
-def cores() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 def address(order: dict[str, Any]) -> str:
     """The name of an order's folder: its content's and the package's hash."""
     content = {key: value for key, value in order.items() if key != MACHINE}
-    return hashlib.sha256(json.dumps([_version(), _sources(), content], sort_keys=True).encode()).hexdigest()[:16]
+    return hashlib.sha256(
+        json.dumps([installed("ocean-sim") or "", _sources(), content], sort_keys=True).encode()
+    ).hexdigest()[:16]
 
 
 def answers(
@@ -145,13 +142,6 @@ def _executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
         except (OSError, ValueError) as error:
             raise ClusterMissing(f"no Dask scheduler answers at {scheduler}: {error}") from None
         yield client.get_executor(pure=False)
-
-
-def _version() -> str:
-    try:
-        return version("ocean-sim")
-    except PackageNotFoundError:
-        return ""
 
 
 @cache

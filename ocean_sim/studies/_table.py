@@ -2,9 +2,10 @@
 
 import csv
 import json
-import os
 from pathlib import Path
 from typing import Any
+
+from ocean_sim.whole_file import whole
 
 
 def columns(rows: list[dict[str, Any]]) -> list[str]:
@@ -14,12 +15,10 @@ def columns(rows: list[dict[str, Any]]) -> list[str]:
 
 def write(path: Path, rows: list[dict[str, Any]]) -> None:
     """All rows, in whole or not at all; what is absent is empty, what is no number or word is JSON."""
-    beside = path.with_name(f".{path.name}.tmp")
-    with beside.open("w", encoding="utf-8", newline="") as file:
+    with whole(path) as beside, beside.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, columns(rows), lineterminator="\n")
         writer.writeheader()
         writer.writerows({key: cell(value) for key, value in row.items()} for row in rows)
-    os.replace(beside, path)
 
 
 def read(path: Path) -> list[dict[str, Any]]:

@@ -1,9 +1,9 @@
 """`ocean-sim check`: what a scene would take, before anything is allocated."""
 
-import os
 from types import SimpleNamespace
 from typing import Any
 
+from ocean_sim import machine
 from ocean_sim.parts import config_of
 from ocean_sim.scene import SceneConfig, load
 from ocean_sim.verbs import console
@@ -56,9 +56,9 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
     if dt > 1.05 * stable:
         over = f"{dt / stable:.2g} times the {stable:.3g} s that courant would take in still water ({limit} limit)"
         warnings.append(f"the time step of {dt:.3g} s is {over}")
-    threads = config.runtime.threads or cores()
-    if memory > 0.9 * machine_memory():
-        warnings.append(f"needs {memory / 1e9:.1f} GB of memory; this machine has {machine_memory() / 1e9:.1f} GB")
+    threads = config.runtime.threads or machine.cores()
+    if memory > 0.9 * machine.memory():
+        warnings.append(f"needs {memory / 1e9:.1f} GB of memory; this machine has {machine.memory() / 1e9:.1f} GB")
     seconds = config.duration / dt * sum(row.a_step(dt) for row in rows) / threads
     return {
         "ok": True,
@@ -114,16 +114,6 @@ def statements(config: SceneConfig) -> list[str]:
             f"no particle moves further than {fluid.motion_limit:g} spacings in a step; what is held back is counted"
         )
     return said
-
-
-def cores() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def machine_memory() -> int:
-    """Memory of this machine [bytes]."""
-    return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
 
 
 def wall_time(found: dict[str, Any], config: SceneConfig) -> str:

@@ -3,13 +3,13 @@
 import json
 import os
 import platform
+import re
 import subprocess
 import sys
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
+from ocean_sim import machine
 from ocean_sim.verbs import console
-from ocean_sim.verbs.check import cores, machine_memory
 
 PACKAGES = ("ocean-sim", "taichi", "numpy", "pydantic", "pyvista", "vtk", "h5py", "imageio-ffmpeg")
 BACKENDS = ("cpu", "cuda", "vulkan", "metal")
@@ -18,12 +18,7 @@ from ocean_sim.runtime import RuntimeConfig, cache_directory, start
 start(RuntimeConfig(arch={arch!r}))
 print(cache_directory())
 """
-WINDOW = """
-import taichi as ti
-from ocean_sim.runtime import RuntimeConfig, start
-start(RuntimeConfig(arch="cpu"))
-ti.ui.Window("probe", (32, 32), show_window=False)
-"""
+PREVIEW = "from ocean_sim.observers._vulkan import require; require(show=False)"
 FILM = """
 import subprocess
 from imageio_ffmpeg import get_ffmpeg_exe
@@ -64,15 +59,15 @@ def examined() -> dict[str, Any]:
         fact["detail"] = "" if fact["ok"] else fact["detail"].split(";")[0]
     return {
         "backends": backends,
-        "ggui": probed(WINDOW),
+        "ggui": probed(PREVIEW),
         "opengl": opengl(),
         "video": probed(FILM),
         "machine": f"{platform.system()} {platform.machine()}",
-        "cores": cores(),
-        "memory_gb": machine_memory() / 1e9,
+        "cores": machine.cores(),
+        "memory_gb": machine.memory() / 1e9,
         "python": platform.python_version(),
         "executable": sys.executable,
-        "versions": {name: number for name in PACKAGES if (number := installed(name)) is not None},
+        "versions": {name: number for name in PACKAGES if (number := machine.installed(name)) is not None},
         "cache": cache,
     }
 
@@ -96,7 +91,7 @@ def probed(script: str) -> dict[str, Any]:
     last = said[-1] if said else ""
     if "libX11" in last:
         last = "Taichi needs the system library libX11: as root, apt-get install libx11-6"
-    return {"ok": child.returncode == 0, "detail": last.removeprefix("ocean_sim.runtime.BackendMissing: ")}
+    return {"ok": child.returncode == 0, "detail": re.sub(r"^[\w.]+Missing: ", "", last)}
 
 
 def opengl() -> dict[str, Any]:
@@ -107,11 +102,3 @@ def opengl() -> dict[str, Any]:
         return fact
     problem, window = json.loads(fact["detail"])
     return {"ok": problem is None, "detail": problem or window}
-
-
-def installed(name: str) -> str | None:
-    """The version of an installed package."""
-    try:
-        return version(name)
-    except PackageNotFoundError:
-        return None

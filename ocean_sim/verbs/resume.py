@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from ocean_sim.observers import _checkpoint_file as file
 from ocean_sim.result import Result
-from ocean_sim.scene import SceneConfig, load
+from ocean_sim.scene import SceneConfig, load, run
 from ocean_sim.verbs import console
 from ocean_sim.verbs.progress import Progress
-from ocean_sim.verbs.run import kernels, stopped, summary, until_node, written
+from ocean_sim.verbs.run import kernels, told, until_node
 from ocean_sim.yaml_file import SceneError
 
 if TYPE_CHECKING:
@@ -35,20 +35,11 @@ def resume(folder: Path, until: float | None, as_json: bool) -> None:
     if not as_json:
         start = "nothing was kept yet: it begins anew" if kept is None else f"going on from t = {kept.time:.3f} s"
         console.say(f"{folder}: {start}\n{kernels()}")
-    try:
-        if kept is None:
-            from ocean_sim.scene import run
 
-            result = run(config, folder, (progress,))
-        else:
-            result = gone_on(config, kept, folder, progress)
-    except KeyboardInterrupt:
-        raise stopped(progress, folder) from None
-    facts = progress.summary() | written(result, config)
-    if as_json:
-        console.answer(facts)
-    else:
-        console.say(summary(facts))
+    def made() -> Result:
+        return run(config, folder, (progress,)) if kept is None else gone_on(config, kept, folder, progress)
+
+    told(made, progress, config, folder, as_json)
 
 
 def gone_on(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: Progress) -> Result:

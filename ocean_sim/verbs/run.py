@@ -1,9 +1,11 @@
 """`ocean-sim run`: preflight, progress, summary."""
 
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ocean_sim.result import Result
 from ocean_sim.scene import SceneConfig, load, scene_path
 from ocean_sim.scene import run as run_scene
 from ocean_sim.verbs import console
@@ -37,8 +39,13 @@ def run(
         console.say(short(preflight(config), config))
         console.say(f"writing {folder}")
         console.say(kernels())
+    told(lambda: run_scene(config, folder, (progress,)), progress, config, folder, as_json)
+
+
+def told(made: Callable[[], Result], progress: Progress, config: SceneConfig, folder: Path, as_json: bool) -> None:
+    """Run, and say what came of it; raises Stopped where it was told to stop."""
     try:
-        result = run_scene(config, folder, (progress,))
+        result = made()
     except KeyboardInterrupt:
         raise stopped(progress, folder) from None
     facts = progress.summary() | written(result, config)

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from ocean_sim.machine import cores
 from ocean_sim.result import Result
 from ocean_sim.studies import _maps, _runs, _table
 from ocean_sim.studies.stability import AXES, LIMIT, VERDICTS, spots
@@ -20,7 +21,7 @@ def stability(scene: str | None, quick: bool, workers: int | None, out: Path, as
     if not as_json:
         console.say(f"{len(plan)} runs, each on one thread")
     rows: dict[int, dict[str, Any]] = {}
-    orders, at_once = [spot.order() for spot in plan], workers or _runs.cores()
+    orders, at_once = [spot.order() for spot in plan], workers or cores()
     for k, answer in told(orders, out / "runs", at_once, None, as_json, limit=LIMIT[quick]):
         rows[k] = plan[k].row(answer, Result(out / "runs" / _runs.address(orders[k])))
         _table.write(out / "stability.csv", [rows[n] for n in sorted(rows)])

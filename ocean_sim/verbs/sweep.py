@@ -4,6 +4,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from ocean_sim.machine import cores
 from ocean_sim.studies import _runs, _table
 from ocean_sim.studies.sweep import planned
 from ocean_sim.verbs import console
@@ -18,8 +19,8 @@ def sweep(plan: Path, scheduler: str | None, workers: int | None, out: Path | No
     folder = Path("runs") / plan.stem if out is None else out
     if folder.exists() and not folder.is_dir():
         raise console.Refused(f"--out {folder}: this is a file, not a folder")
-    at_once = workers or _runs.cores()
-    orders = [run.order(max(1, _runs.cores() // at_once)) for run in runs]
+    at_once = workers or cores()
+    orders = [run.order(max(1, cores() // at_once)) for run in runs]
     folder.mkdir(parents=True, exist_ok=True)
     rows: dict[int, dict[str, Any]] = {}
     for k, answer in told(orders, folder, at_once, scheduler, as_json):

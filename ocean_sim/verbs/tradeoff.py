@@ -3,7 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from ocean_sim.studies import _pareto, _runs, _table
+from ocean_sim.machine import cores
+from ocean_sim.studies import _pareto, _table
 from ocean_sim.studies.tradeoff import TRIALS, clock, equals, front, points
 from ocean_sim.verbs import console
 from ocean_sim.verbs._scene_tradeoff import of_scene
@@ -42,7 +43,7 @@ def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None
     if not as_json:
         console.say(f"{len(plan)} runs of {len({point.trial.case for point in plan})} cases, each on one thread")
     rows: dict[int, list[dict[str, Any]]] = {}
-    for k, answer in told([point.order() for point in plan], out / "runs", workers or _runs.cores(), None, as_json):
+    for k, answer in told([point.order() for point in plan], out / "runs", workers or cores(), None, as_json):
         rows[k] = plan[k].rows(answer)
         _table.write(out / "tradeoff.csv", [row for n in sorted(rows) for row in rows[n]])
     table = [row for n in sorted(rows) for row in rows[n]]

@@ -70,8 +70,7 @@ def test_a_slip_is_named_with_its_place_and_the_likeliest_intention(traps, broke
     judged(broken)
 
 
-@pytest.mark.slow
-@few
+@settings(few, max_examples=8)
 @given(broken(spoilt))
 def test_a_file_that_is_no_scene_is_refused(traps, broken):
     judged(broken)

@@ -148,13 +148,13 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
         axes = figure.add_subplot(high, wide, k + 1)
         axes.set_xscale("log")
         done = [row for row in rows if row.get(name) is not None and row[key]]
-        for row in done:
+        for n, row in enumerate(sorted(done, key=lambda row: row[key])):
             colour, mark = (SERIES[1], "s") if row["reference"] else (SERIES[0], "o")
             at, spread = (row[key], row[name]), row[f"{name}_spread"] or 0.0
             axes.errorbar(*at, yerr=spread, fmt=mark, color=colour, capsize=3)
             said = row["setting"].replace("--set ", "")
             side: dict[str, Any] = {"ha": "right"} if row["reference"] else {"ha": "left"}
-            shift = (-5 if row["reference"] else 5, 5)
+            shift = (-5 if row["reference"] else 5, -10 if n % 2 else 5)
             axes.annotate(said, at, shift, textcoords="offset points", fontsize=6, **side)
         edge = [done[i] for i in front([(row[key], row[name]) for row in done])]
         axes.step([r[key] for r in edge], [r[name] for r in edge], where="post", color="black", lw=0.8, zorder=1)

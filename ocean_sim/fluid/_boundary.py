@@ -68,6 +68,11 @@ def floating(lattice: Lattice, support: float) -> list[Body]:
     ]
 
 
+def memory(samples: int, bodies: int, cells: int, word: int) -> int:
+    """Bytes of the fields of a Boundary, where `word` is the size of a `float` [bytes]."""
+    return samples * (13 * word + 8 + 24) + 6 * word * bodies + 4 * (cells + 1)
+
+
 @ti.data_oriented
 class Boundary:
     """All solid bodies in the water: `place` them, `sort`, `react`; then `forces` says what they feel."""

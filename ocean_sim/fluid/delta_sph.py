@@ -223,8 +223,10 @@ class Continuity:
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """A sample of a solid body: it moves against the water, and nothing diffuses into it."""
-        other = beside(own, d, self.fluid.boundary.opposed(tm.vec3(own[3], own[4], own[5]), s, mirror))
+        """A sample of a solid body: it moves with the body, and nothing diffuses into it. Only so does water that comes
+        to a face gain what the samples add to its sum, and lose it as it goes: moved against the water, as an image
+        moves, a sample that stays where it is would add twice that, and press twice as hard on what streams by."""
+        other = beside(own, d, self.fluid.boundary.own_velocity(s, mirror))
         still = self.heavier * self.fluid.pull.at_rest(tm.vec3(own[0], own[1], own[2]))
         other[6] = own[6] + still.dot(d)
         return other

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from math import pi
 
 import taichi as ti
+import taichi.math as tm
 
 
 @ti.func
@@ -49,6 +50,13 @@ class Smoothing:
     def wendland_slope(self) -> float:
         """grad W_wendland = -slope (1 - r/h)^3 x_ij [m^-5 in 3-D]."""
         return 20.0 * self.wendland_constant / self.support**2
+
+    @ti.func
+    def between(self, own, other, first: ti.template()):
+        """own - other of the three components from `first` on; in a slice nothing is spent on the third, which is 0."""
+        return tm.vec3(
+            [own[first + k] - other[first + k] if ti.static(k < self.dimension) else 0.0 for k in ti.static(range(3))]
+        )
 
     @ti.func
     def W_wendland(self, r):

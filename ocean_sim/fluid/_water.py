@@ -188,11 +188,16 @@ class Lattice:
         return max((float((up - low)[1]) for low, up in self.boxes), default=self.basin.depth)
 
     def ends(self) -> np.ndarray:
-        """(2, n) bed and surface of the box that each particle starts in [m]."""
+        """(2, n) bed, or obstacle that it stands on, and surface of the water that each particle starts in [m]."""
         if self.given is not None:
             return np.repeat([[self.basin.lower[1]], [0.0]], len(self.given), axis=1)
         heights = np.array([(low[1], up[1]) for low, up in self.boxes]).reshape(-1, 2)
-        return np.repeat(heights, np.array([np.prod(count) for count in self.counts], dtype=int), axis=0)[self.wet].T
+        ends = np.repeat(heights, np.array([np.prod(count) for count in self.counts], dtype=int), axis=0)[self.wet].T
+        x, y, z = self.full[self.wet].T
+        for low, up in self.basin.obstacles:
+            over = (x > low[0]) & (x < up[0]) & (z > low[2]) & (z < up[2]) & (y > up[1])
+            ends[0, over] = np.maximum(ends[0, over], up[1])
+        return ends
 
     @cached_property
     def full(self) -> np.ndarray:

@@ -137,7 +137,7 @@ class Momentum:
     def pair(self, own, other):
         """(p_i / rho_i^2 + p_j / rho_j^2) x_ij, the artificial stress where they are negative, and viscosity, to be
         times -m grad W / x_ij."""
-        x_ij = tm.vec3(own[0] - other[0], own[1] - other[1], own[2] - other[2])
+        x_ij = self.fluid.smoothing.between(own, other, 0)
         r2 = x_ij.dot(x_ij)
         r = ti.sqrt(r2)
         weight = self.fluid.smoothing.shape_grad_wendland(r)
@@ -145,7 +145,7 @@ class Momentum:
         pull = positive(-own[6]) + positive(-other[6])
         push, rub = (own[6] + other[6] + TENSION * near * near * near * near * pull) * x_ij, tm.vec3(0.0)
         if ti.static(self.viscous):
-            v_ij = tm.vec3(own[3] - other[3], own[4] - other[4], own[5] - other[5])
+            v_ij = self.fluid.smoothing.between(own, other, 3)
             along = v_ij.dot(x_ij) / (r2 + self.tiny)
             lost = float(self.artificial)
             if ti.static(self.meeting):
@@ -223,8 +223,10 @@ class Continuity:
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """A sample of a solid body: it moves against the water, and nothing diffuses into it."""
-        other = beside(own, d, self.fluid.boundary.opposed(tm.vec3(own[3], own[4], own[5]), s, mirror))
+        """A sample of a solid body: it moves with the body, and nothing diffuses into it. Only so does water that comes
+        to a face gain what the samples add to its sum, and lose it as it goes: moved against the water, as an image
+        moves, a sample that stays where it is would add twice that, and press twice as hard on what streams by."""
+        other = beside(own, d, self.fluid.boundary.own_velocity(s, mirror))
         still = self.heavier * self.fluid.pull.at_rest(tm.vec3(own[0], own[1], own[2]))
         other[6] = own[6] + still.dot(d)
         return other
@@ -233,8 +235,7 @@ class Continuity:
     def pair(self, own, other):
         """-v_ij . x_ij and the diffusion, to be times -m grad W / x_ij."""
         x_own = tm.vec3(own[0], own[1], own[2])
-        x_ij = x_own - tm.vec3(other[0], other[1], other[2])
-        v_ij = tm.vec3(own[3] - other[3], own[4] - other[4], own[5] - other[5])
+        x_ij, v_ij = self.fluid.smoothing.between(own, other, 0), self.fluid.smoothing.between(own, other, 3)
         r = ti.sqrt(x_ij.dot(x_ij))
         weight = self.fluid.smoothing.shape_grad_wendland(r)
         total = ti.Vector.zero(float, self.sums)

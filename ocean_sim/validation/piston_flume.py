@@ -2,7 +2,13 @@
 
 H/S = 2 (cosh 2kh - 1) / (sinh 2kh + 2kh) of Biesel & Suquet (1951), far from the wall and in linear theory: 1.082 in
 water 0.5 m deep at a period of 1.5 s. The height is that of the first harmonic over whole periods, after the front
-of the waves has gone by and before anything that the far end sends back could be there.
+of the waves has gone by and before anything that the far end sends back could be there; what the zone before it sends
+back can.
+
+Under `delta_sph` the piston gives what it should and little is lost on the way: at h / 20, where a wave is two spacings
+high, a line through H/S from half a wavelength on begins at 0.984 of the theory's at the piston and falls by 0.5 % in a
+wavelength; single places are up to 6 % below and 1 % above the theory (a tank of 12 m that ends in a wall: 0.978, less
+than 0.1 %, 5 % below to 0). At h / 10, waves of one spacing, 0.986 and 4.4 %.
 
 What `mueller` shows here is no wave: in water of 1e-6 m2/s its H/S is 3 to 6, and as large with the piston at rest (6.5
 and 2.4). That its density is summed with one kernel while its pressure acts along the gradient of another, so that no

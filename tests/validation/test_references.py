@@ -123,6 +123,14 @@ def test_a_front_that_begins_late_is_only_found_where_its_release_is_unknown():
     assert kept(dam_break_front.AS_PUBLISHED, early)[0] is False
 
 
+def test_on_lethes_clock_a_front_released_then_is_green_and_one_released_much_later_red():
+    data = table("dambreak_front_martin_moyce_n2_2_a225in")
+    right = dam_break_front.compared(data["T"] - dam_break_front.LETHE, data["Z"])
+    assert right.numbers[dam_break_front.ON_LETHES_CLOCK[0].quantity][2] < 1e-6
+    late = dam_break_front.compared(data["T"] - 3.0 * dam_break_front.LETHE, data["Z"])
+    assert kept(dam_break_front.ON_LETHES_CLOCK, late)[0] is False
+
+
 def test_a_lone_drop_ahead_is_not_the_front():
     sheet = lattice(0.02, (0.0, 0.0), (1.0, 0.02))
     drop = np.vstack([sheet, [[1.5, 0.01, 0.0]]])

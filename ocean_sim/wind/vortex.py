@@ -143,5 +143,6 @@ class Vortex:
         level = self.config.acceleration * around + self.config.inward * towards
         total = level + tm.vec3(0.0, self.config.upward * ti.sqrt(r2), 0.0)
         if ti.static(self.noisy):
-            total += ti.sqrt(r2) * tm.vec3(self.config.noise) * self.noise.of(NOISE, key)
+            if depth > 0.0:  # below its layer nothing is drawn
+                total += ti.sqrt(r2) * tm.vec3(self.config.noise) * self.noise.of(NOISE, key)
         return mass * depth * profile * total

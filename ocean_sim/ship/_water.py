@@ -35,7 +35,7 @@ class Water:
         self.hollow = contact is not None
         rim = 0.0
         if contact is not None:
-            self.hull, rim = contact.hull, contact.rim
+            self.hull, rim = contact.hull.distance, contact.rim
             self.rim, self.asked = rim, ti.field(int, shape=(ALONG, ACROSS))
         self.half = tuple(REACH * np.hypot(side / 2, height) + rim for side in (length, breadth))  # [m]
         self.step = (2.0 * self.half[0] / (ALONG - 1), 2.0 * self.half[1] / (ACROSS - 1))  # [m]

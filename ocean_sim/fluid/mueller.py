@@ -160,7 +160,8 @@ class Momentum:
         a_pull = fluid.pull.at(x, v)
         a_hull = fluid.hull_push(x, 0.0)
         a = a_water + a_walls + a_wind + a_pull + a_hull  # (2.25)
-        pushed, fast = fluid.walls.held_back(fluid.walls.calmed(x, v + dt * a, dt), dt)
+        free = v + dt * a
+        pushed, fast = fluid.walls.held_back(fluid.walls.calmed(x, free, dt), dt)
         grid = fluid.grid
         x_free = x + grid.gone(i, dt * pushed)
         x_new, v_new = fluid.walls.bounced(x_free, pushed)
@@ -168,10 +169,8 @@ class Momentum:
         fluid.ledger.count_motion(group, v_new, a, fast)
         if ti.static(self.apart):
             a_pressure, mean = scale * tm.vec3(total[0], total[1], total[2]), 0.5 * (v + v_new)
-            rubbed, held = a_water - a_pressure, m * (v_new - v - dt * (a - a_walls))
-            if (
-                x_new != x_free
-            ).any():  # forces work only as far as a wall lets it go; what else it loses, the wall took
+            rubbed, held = a_water - a_pressure, m * (v_new - free + dt * a_walls)
+            if (x_new != x_free).any():  # forces work as far as the walls let it go; what else it loses, they took
                 far = (x_new - x) / dt
                 fluid.ledger.count_work(group, WALLS, m * (v_new - v).dot(mean - far))
                 mean = far

@@ -226,8 +226,8 @@ def test_the_exposed_area_of_flat_water_is_its_plan_area(water, dimension):
 
 
 def test_a_bed_that_water_lies_on_does_no_work(water):
-    """Each step gives a particle on the bed back some of the speed at which it would fall through, and it stays where it
-    is: what images push times that speed, a work that nothing does, is over sixty times what is counted."""
+    """Each step gives a particle on the bed back some of the speed at which it would fall through, and it stays where
+    it is: what images push times that speed, a work that nothing does, is over sixty times what is counted."""
     basin = {"restitution": 0.5}
     fluid = water(basin=basin, kinematic_viscosity=0.05, compression=0.01, collision_distance=0.5, ledger=True)
     fluid.advance(dt := 0.2 * fluid.limits().acoustic)

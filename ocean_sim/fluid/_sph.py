@@ -168,7 +168,8 @@ class Sph(ParticleWater):
         total = super().impulse
         if total and self.bodies:
             given, fixed = -self.boundary.impulses(), len(self.grid.basin.obstacles)
-            total["obstacles"], total["ship"] = given[:fixed].sum(axis=0), given[fixed:].sum(axis=0)
+            total["obstacles"] = given[:fixed].sum(axis=0)
+            total["ship"] = given[fixed:].sum(axis=0) + total.get("ship", 0.0)
             total["walls"] = total["walls"] - given.sum(axis=0)  # the laws count all as walls
         return total
 

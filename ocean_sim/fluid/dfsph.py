@@ -34,7 +34,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits, _pairs
 from ocean_sim.fluid._grid import TASK
 from ocean_sim.fluid._images import OfPlaces, climbed, mirrored, turned
-from ocean_sim.fluid._ledger import GRAVITY, PRESSURE, VISCOSITY, WALLS, WIND
+from ocean_sim.fluid._ledger import GRAVITY, PRESSURE, SHIP, VISCOSITY, WALLS, WIND
 from ocean_sim.fluid._pairs import Pairs
 from ocean_sim.fluid._particles import Components
 from ocean_sim.fluid._pressure_solver import REPORT, TOO_DENSE, UPHILL, Solver, away_from
@@ -242,7 +242,9 @@ class Forces:
         u = fluid.pushed(group, WIND, before, dt * a_wind)
         a_pull = fluid.pull.at(x, before)
         u = fluid.pushed(group, GRAVITY, u, dt * a_pull)
-        a = a_wind + a_pull
+        a_hull = fluid.hull_push(x, 0.0)
+        u = fluid.pushed(group, SHIP, u, dt * a_hull)
+        a = a_wind + a_pull + a_hull
         if ti.static(self.viscous):
             rub, rub_walls = tm.vec3(total[3], total[4], total[5]), tm.vec3(beyond[3], beyond[4], beyond[5])
             u = fluid.pushed(group, VISCOSITY, u, dt * self.rubbing * rub)

@@ -185,6 +185,8 @@ def most_shapes(volumes: list[Volume]) -> int:
 class Gusts:
     """Volumes on their way, and the load of their air."""
 
+    blows = True
+
     def __init__(self, config: Config, basin: Basin, seed: int) -> None:
         self.config, self.volumes = config, config.volumes
         self.needs_area = any(v.wind_speed > 0.0 for v in self.volumes)
@@ -329,6 +331,8 @@ class Gusts:
 @ti.data_oriented
 class Aimed:
     """Some of the volumes: what a target feels of gusts that do not all act on it."""
+
+    blows = True
 
     def __init__(self, gusts: Gusts, numbers: list[int]) -> None:
         self.gusts, self.n = gusts, len(numbers)

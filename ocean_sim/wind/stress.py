@@ -101,6 +101,7 @@ class Stress:
     """The wind as it blows now."""
 
     needs_area = True
+    blows = True
 
     def __init__(self, config: Config, basin: Basin, afloat: bool = False) -> None:
         """`afloat`: as a ship feels it."""

@@ -83,6 +83,7 @@ class Vortex:
     """The column on its way."""
 
     needs_area = False
+    blows = True
 
     def __init__(self, config: Config, basin: Basin, seed: int) -> None:
         self.config, self.targets = config, tuple(config.targets)

@@ -41,9 +41,8 @@ class Water:
         self.half = tuple(REACH * np.hypot(side / 2, height) + rim for side in (length, breadth))  # [m]
         self.step = (2.0 * self.half[0] / (ALONG - 1), 2.0 * self.half[1] / (ACROSS - 1))  # [m]
         self.level = ti.field(float, shape=(ALONG, ACROSS))
-        self.frame = ti.field(
-            float, shape=5
-        )  # x, z of the middle [m], cosine and sine of the heading, highest level [m]
+        # x, z of the middle [m], cosine and sine of the heading, highest level [m]
+        self.frame = ti.field(float, shape=5)
         if below:
             self.speed = ti.Vector.field(3, float, shape=(ALONG, ACROSS, LEVELS))  # [m/s]
             self.pull = ti.Vector.field(3, float, shape=(ALONG, ACROSS, LEVELS))  # acceleration / gravity

@@ -13,7 +13,7 @@ from ocean_sim.fluid import Limits
 from ocean_sim.input_file import beside_scene
 from ocean_sim.parts import LedgerRow, Vector3, named, quantity
 from ocean_sim.ship._cubes import Cubes, Wetted
-from ocean_sim.ship._distance import memory
+from ocean_sim.ship._distance import MANY, memory
 from ocean_sim.ship._hull import Hull, explained, hull_of
 from ocean_sim.ship._hydrostatics import Hydrostatics
 from ocean_sim.ship._placed import Machine, Placed
@@ -84,6 +84,12 @@ class FloatingConfig(Placed):
         """What is wrong with the ship in this water."""
         found: list[tuple[tuple[str, ...], str]] = []
         for solid in self.floating(basin, fluid):
+            spacing = fluid.lattice(basin).spacing
+            if memory(solid.shape, spacing / FINE, max(solid.reach, RIM * spacing), 8)[0] > MANY:
+                size = " x ".join(f"{x:.3g}" for x in np.ptp(solid.shape.bounds(), axis=0))
+                said = f"a hull of {size} m is too small beside particles {spacing:g} m apart"
+                found.append((("hull",), f"{said}; take a smaller fluid.spacing"))
+                continue
             for axis, _, depth in Sides(solid.shape, solid.centre, basin).beyond(solid.body):
                 if depth.max() > 1e-6:
                     side = "the bed" if axis == 1 else f"a wall across {'xyz'[axis]}"

@@ -12,6 +12,7 @@ from ocean_sim.cache_file import kept
 from ocean_sim.ship._voxels import cells, voxels
 
 MOST = 3e5  # cubes of a lattice; a long hull in fine water has coarser ones
+MANY = 1e7  # cubes of a lattice, at most: one around a hull far smaller than a spacing has cubes as small as the hull
 SMOOTH = 0.5  # [cubes] over which steps of cubes are smoothed
 
 

@@ -260,9 +260,10 @@ class Restoring:
 
 
 def mistaken(found: Any, fresh: Any) -> bool:
-    """Whether words or a list stand where a number belongs, or anything else where words do."""
-    if isinstance(fresh, str):
-        return found is not None and not isinstance(found, str)
+    """Whether words or a list stand where a number belongs, or anything else where words, a path or a file do."""
+    for kind in (Path, TextIOWrapper, str):
+        if isinstance(fresh, kind):
+            return not isinstance(found, kind) and not (found is None and kind is str)
     return isinstance(fresh, int | float) and isinstance(found, str | list | tuple | dict)
 
 

@@ -68,7 +68,9 @@ class Composition:
         """One `--set`: a slot, a key inside one, or any other key."""
         path = tuple(key.split("."))
         if "" in path:
-            self.problems.append(problem(value.place, key, "a dot stands where a key should"))
+            meant = ".".join(filter(None, path)) or None
+            end = f"; did you mean {meant!r}?" if meant else ""
+            self.problems.append(problem(value.place, key, f"a dot stands where a key should{end}", meant))
             return
         slot = path[0] if path[0] in SLOTS else None
         if slot is None:

@@ -162,8 +162,13 @@ class Restoring:
 
     def value(self, node: Any, fresh: Any, path: str) -> Any:
         """The value that a node stands for, in which what must stay itself of the `fresh` one does."""
-        if not isinstance(node, dict):
-            return node
+        found = self.stands_for(node, fresh, path) if isinstance(node, dict) else node
+        if mistaken(found, fresh):
+            raise Differs(f"its {path.lstrip('.')} is {found!r:.60}")
+        return found
+
+    def stands_for(self, node: Any, fresh: Any, path: str) -> Any:
+        """The same of a node that is not the value itself."""
         kind = next(iter(node))
         if kind == SAME:
             return self.made[node[SAME]]
@@ -252,6 +257,14 @@ class Restoring:
             before = vars(fresh).get(name, MISSING) if type(fresh) is made else MISSING
             object.__setattr__(value, name, self.value(inner, before, f"{path}.{name}"))
         return value
+
+
+def mistaken(found: Any, fresh: Any) -> bool:
+    """Whether words or a list stand where a number belongs, or anything else where words, a path or a file do."""
+    for kind in (Path, TextIOWrapper, str):
+        if isinstance(fresh, kind):
+            return not isinstance(found, kind) and not (found is None and kind is str)
+    return isinstance(fresh, int | float) and isinstance(found, str | list | tuple | dict)
 
 
 def alike(new: Iterable[Any], fresh: Iterable[Any]) -> bool:

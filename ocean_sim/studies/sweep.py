@@ -83,7 +83,7 @@ def planned(path: Path) -> list[Planned]:
             scene = load(plan.scene, _quiet({**shared, **settings}) | shared | settings, plan.profile)
             runs.append(Planned({key: value.plain() for key, value in settings.items()}, scene))
         except SceneError as error:
-            problems += [_at(node, found) for found in error.problems]
+            problems += [_at(node, shared | settings, found) for found in error.problems]
     if problems:
         raise SceneError(problems)
     return runs
@@ -114,8 +114,12 @@ def _quiet(settings: Settings) -> Settings:
     return {name: node_of(None, Place("sweep")) for name in PICTURES if name not in spoken_of}
 
 
-def _at(plan: Node, found: Problem) -> Problem:
-    """A problem of a scene; one that lies in no file is the plan's."""
+def _at(plan: Node, settings: Settings, found: Problem) -> Problem:
+    """A problem of a scene: one that lies in no file is the plan's, and so is one of a part that the plan sets."""
+    touched = [value for key, value in settings.items() if key.split(".")[0] == found.key.split(".")[0]]
+    if found.line is not None and found.file != plan.place.file and touched:
+        said = f"{found.message} (beside {found.file}:{found.line})"
+        return problem(touched[-1].place, found.key, said, found.suggestion)
     if found.line is not None:
         return found
     key = "profile" if found.file.startswith("--profile") else "scene"

@@ -49,8 +49,8 @@ def gone_on(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: 
     from ocean_sim.simulation import Simulation
 
     def restored(simulation: "Simulation") -> None:
-        if kept.made["backend"] != simulation.backend.arch:
-            backends = f"{kept.made['backend']}, and this one on {simulation.backend.arch}"
+        if kept.made.get("backend") != simulation.backend.arch:
+            backends = f"{kept.made.get('backend')}, and this one on {simulation.backend.arch}"
             raise console.Refused(f"{folder}: the checkpoint was made on {backends}")
         try:
             restore(simulation, kept, folder)

@@ -155,6 +155,27 @@ def test_a_checkpoint_of_another_scene_or_version_is_refused_in_a_sentence(kept,
     another_state(data, kept, capsys)
 
 
+@pytest.mark.parametrize("name, value", [("time", "soon"), ("path", False), ("path", None), ("outcome", 3)])
+def test_words_for_numbers_and_nothing_for_a_path_are_no_state(kept, unfilled, name, value):
+    checkpoint = file.read(kept[0])
+    spots = [path for path in paths(checkpoint.tree) if path[-2:] == ("at", name)]
+    assert spots
+    tree = changed(checkpoint.tree, spots[0], lambda at, key: at.__setitem__(key, value))
+    with TemporaryDirectory() as beside:
+        simulation = Simulation(load(SEA), Path(beside))
+        files = [*simulation.observers]
+        with pytest.raises(Differs, match=f"its .*{name} is"):
+            restore(simulation, checkpoint._replace(tree=tree), copy_of(kept))
+        closed(files)
+
+
+def test_a_checkpoint_without_its_backend_is_refused_in_a_sentence(kept, capsys):
+    checkpoint, there = file.read(kept[0]), copy_of(kept)
+    file.written(checkpoint._replace(made={k: v for k, v in checkpoint.made.items() if k != "backend"}), there)
+    assert answered(["resume", str(there)]) == 2
+    assert "the checkpoint was made on None, and this one on" in capsys.readouterr().err
+
+
 @pytest.mark.slow
 @settings(few, max_examples=10)
 @given(st.data())

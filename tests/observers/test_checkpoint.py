@@ -8,6 +8,7 @@ from taichi.lang import impl
 
 from ocean_sim.fluid.linear_waves import LinearWaves
 from ocean_sim.observers import _checkpoint_file as file
+from ocean_sim.observers import _vulkan
 from ocean_sim.observers.checkpoint import KEPT
 from ocean_sim.scene import load
 from ocean_sim.simulation import Simulation
@@ -94,7 +95,6 @@ MORE = {
     "linear waves, thesis ship": sea("thesis", AUTOPILOT),
     "linear waves, manoeuvring": sea("manoeuvring", {}, wind=None),
     "irregular waves": {"basin": OPEN, "fluid": {"kind": "linear_waves", "spectrum": WIND_SEA}},
-    "previewed": {"basin": SLICE, **water("mueller", 0.1), "preview": {"every": 0.1, "size": [320, 240]}},
     "f64": {"basin": SQUARE, **water("dfsph"), "wind": "wide", "runtime": {"threads": 1, "precision": "f64"}},
 }
 
@@ -138,6 +138,17 @@ def test_a_run_goes_on_as_if_nothing_had_happened(name, tmp_path):
     assert resumed(scene_of((SCENES | MORE)[name]), tmp_path) == []
     written = {path.name for path in (tmp_path / "b").iterdir()}
     assert {"accuracy.csv", "events.jsonl", "frames"} <= written and not [n for n in written if n.endswith("tmp")]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not _vulkan.draws(show=False), reason="no Vulkan on this machine")
+def test_a_preview_goes_on_counting_its_pictures(tmp_path):
+    """Its curves begin anew, so its pictures are others; nothing else is."""
+    scene = scene_of({"basin": SLICE, **water("mueller", 0.1), "preview": {"every": 0.1, "size": [960, 640]}})
+    found = resumed(scene, tmp_path)
+    assert all(name.startswith("preview/") for name in found)
+    names = [sorted(path.name for path in (tmp_path / run / "preview").iterdir()) for run in ("a", "b")]
+    assert names[0] == names[1] and len(names[0]) == 3
 
 
 def test_a_part_that_forgot_something_would_be_seen(tmp_path, monkeypatch):

@@ -27,7 +27,7 @@ BUOYANCY, WAVE, DRAG, LIFT, VOLUME, SPEED, TURN, PULL, TWIST, FACE, SPREAD, CUT 
     43,
 )
 SUMS = 44
-POSE = 21  # place, turn, velocity, angular velocity, spread of a cube, cosine and sine of the heading
+POSE = 23  # place, turn, velocity, angular velocity, spread of a cube, cosine and sine of the heading, wind's clock
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class Cubes:
         pose = table[0]
         pose[:3], pose[3:12] = body.position, turn.ravel()
         pose[12:15], pose[15:18] = body.velocity, body.angular_velocity
-        pose[18:POSE] = cubes.spread(turn[1]), cos(heading), sin(heading)
+        pose[18:POSE] = cubes.spread(turn[1]), cos(heading), sin(heading), wind.since, wind.step
         self.sum_up(around, water, wind, table)
         total = table[1:].sum(axis=0)
         dx, _, dz = (turn @ cubes.aside(turn[1], float(total[CUT]))).tolist()
@@ -104,6 +104,7 @@ class Cubes:
     ):
         at, turned = vector(table, 0), ti.Matrix.rows([vector(table, 3), vector(table, 6), vector(table, 9)])
         around.look(water, at, turned, ti.cast(table[0, 19], float), ti.cast(table[0, 20], float))
+        wind.hear(ti.cast(table[0, 21], float), ti.cast(table[0, 22], float))
         for block in range(self.blocks):
             position, velocity, omega = vector(table, 0), vector(table, 12), vector(table, 15)
             turn = ti.Matrix.rows([vector(table, 3), vector(table, 6), vector(table, 9)])

@@ -189,7 +189,7 @@ class Gusts:
         self.passages = [v.passages(basin, seed, g) for g, v in enumerate(self.volumes)]
         self.n, self.shapes = len(self.volumes), most_shapes(self.volumes)
         self.rows = np.zeros((self.n, SHAPES + WIDTH * self.shapes))
-        self.half = [0.0] * self.n  # thickness of the slabs [m]
+        self.half = [0.0] * self.n  # half the thickness of the slabs [m]
         self.row = ti.field(float, shape=self.rows.shape)
         self.now = Now(OWN)
         self.noise = Noise(seed, config.noise_every, self.now) if self.noisy else None

@@ -117,7 +117,8 @@ class Ballistic(ParticleWater):
             self.ledger.count_impulse(group, WALLS, m * (v_new - v - dt * a), between)
 
     @ti.kernel
-    def step(self, dt: float, summary: ti.types.ndarray(ndim=1)):
+    def step(self, dt: float, since: float, summary: ti.types.ndarray(ndim=1)):
+        self.wind.hear(since, dt)
         for t in range(self.ledger.groups * TASK):
             if t % TASK == 0:
                 group = t // TASK
@@ -131,7 +132,7 @@ class Ballistic(ParticleWater):
     def advance(self, dt: float) -> None:
         """One step of dt [s]."""
         self.drive(dt)
-        self.step(dt, self.summary)
+        self.step(dt, self.wind.since, self.summary)
         self.status = self.ledger.status(self.summary, self.grid)
         self.emit()
 

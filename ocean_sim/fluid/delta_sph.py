@@ -331,7 +331,7 @@ class DeltaSph(Sph):
     def advance(self, dt: float) -> None:
         """One step of dt [s]; raises Diverged where more particles crowd together than the neighbour lists hold."""
         self.drive(dt)
-        self.step(dt, self.status.max_speed, self.summary)
+        self.step(dt, self.status.max_speed, self.wind.since, self.summary)
         self.status = self.ledger.status(self.summary, self.grid)
         self.emit()
 
@@ -376,9 +376,10 @@ class DeltaSph(Sph):
         return rho_0 * ((1.0 + gamma * pressure / (rho_0 * self.sound_speed**2)) ** (1.0 / gamma) - 1.0)
 
     @ti.kernel
-    def step(self, dt: float, speed: float, summary: ti.types.ndarray(ndim=1)):
+    def step(self, dt: float, speed: float, since: float, summary: ti.types.ndarray(ndim=1)):
         """Drift half a step, sort, kick, drift to the end, find the rate of the density there."""
         self.dt[None] = dt
+        self.wind.hear(since, dt)
         h = 0.5 * self.smoothing.support
         bulk = tm.min(DAMPER * self.sound_speed * h, LAG * h * h / dt)  # [m2/s]
         for i in range(self.particles.count.there()):

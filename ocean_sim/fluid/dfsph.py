@@ -308,7 +308,7 @@ class Dfsph(Sph):
     def advance(self, dt: float) -> None:
         """One step of dt [s]; raises Diverged where more particles crowd together than the neighbour lists hold."""
         self.drive(dt)
-        self.predict(dt, self.report)
+        self.predict(dt, self.wind.since, self.report)
         self.solve(self.divergence, dt)
         self.compress(self.status.max_speed, self.report)
         self.solve(self.incompressible, dt)
@@ -340,9 +340,10 @@ class Dfsph(Sph):
             self.count(solver)
 
     @ti.kernel
-    def predict(self, dt: float, report: ti.types.ndarray(ndim=1)):
+    def predict(self, dt: float, since: float, report: ti.types.ndarray(ndim=1)):
         """Velocities under all forces and the last pressures, and how far they compress the water."""
         self.dt[None], self.momentum[None] = dt, 0.0
+        self.wind.hear(since, dt)
         for g in range(self.ledger.groups * TASK):
             if g % TASK == 0:
                 self.neighbours.walk(g // TASK, self.forces, False)

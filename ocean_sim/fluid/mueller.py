@@ -213,7 +213,7 @@ class Mueller(Sph):
     def advance(self, dt: float) -> None:
         """One step of dt [s]; raises Diverged where more particles crowd together than the neighbour lists hold."""
         self.drive(dt)
-        self.move(dt)
+        self.move(dt, self.wind.since)
         self.arrive()
         self.emit()
 
@@ -223,9 +223,10 @@ class Mueller(Sph):
         self.status = self.ledger.status(self.summary, self.grid)
 
     @ti.kernel
-    def move(self, dt: float):
+    def move(self, dt: float, since: float):
         """Move by the forces of here and now."""
         self.dt[None] = dt
+        self.wind.hear(since, dt)
         if ti.static(self.bodies):
             self.boundary.react(self.momentum.reaction, dt)
         for g in range(self.ledger.groups * TASK):

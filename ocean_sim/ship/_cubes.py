@@ -27,6 +27,7 @@ BUOYANCY, WAVE, DRAG, LIFT, VOLUME, SPEED, TURN, PULL, TWIST, FACE, SPREAD, CUT 
     43,
 )
 SUMS = 44
+CLOCK = 18  # after the body in what is told: since when the wind's clock runs, and its step [s]
 
 
 @dataclass(frozen=True)
@@ -84,6 +85,7 @@ class Cubes:
         """What water and wind do to the hull where it is."""
         table, turn = self.table, body.matrix
         tell(table[0], body)
+        table[0, CLOCK : CLOCK + 2] = wind.since, wind.step
         self.sum_up(around, water, wind, table)
         total = table[1:].sum(axis=0)
         dx, dz = self.cubes.aside(turn, self.weight * float(total[CUT]))
@@ -105,6 +107,7 @@ class Cubes:
         table: ti.types.ndarray(ndim=2),
     ):
         around.look(water, vector(table, 0), turned(table))
+        wind.hear(ti.cast(table[0, CLOCK], float), ti.cast(table[0, CLOCK + 1], float))
         for block in range(self.blocks):
             position, velocity, omega = vector(table, 0), vector(table, 12), vector(table, 15)
             turn = turned(table)

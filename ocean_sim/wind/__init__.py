@@ -6,9 +6,11 @@ from ocean_sim.wind._air import Air
 
 
 class Wind(Protocol):
-    """Moving air. `force` is callable from a Taichi kernel."""
+    """Moving air. `hear` and `force` are callable from a Taichi kernel."""
 
     needs_area: bool  # whether `force` reads `area`: the fluid then finds the exposed area of its particles
+    since: float  # [s] since its clock began, at the end of this step
+    step: float  # [s]
 
     blows: bool  # whether `force` is ever anything
 
@@ -24,6 +26,10 @@ class Wind(Protocol):
 
     def shown(self) -> Air:
         """Lines and arrows that show it as it is now."""
+        ...
+
+    def hear(self, since, step):
+        """ti.func that a kernel calls before all particles, with these two as they are now [s]."""
         ...
 
     def force(self, key, position, velocity, area, mass):

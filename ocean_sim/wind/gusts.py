@@ -19,7 +19,7 @@ from ocean_sim.random_numbers import numpy_uniform3
 from ocean_sim.wind._air import Air, joined, turned_all
 from ocean_sim.wind._air_load import drag, lift
 from ocean_sim.wind._noise import EVERY, OWN, Noise, NoiseSize
-from ocean_sim.wind._now import Now
+from ocean_sim.wind._now import RUN, Now
 from ocean_sim.wind._passages import Passages
 from ocean_sim.wind._schedule import Scheduled
 from ocean_sim.wind._volumes import Shape, turned, turned_back, within
@@ -28,14 +28,13 @@ from ocean_sim.wind.still import Still
 
 NOISE, PASSAGES = 0x1_0000, 0x2_0000  # streams of random numbers; the volume's number is added
 
-SINCE = OWN  # [s] from when the rows were told, in the column of this number of what blows now
-
-# Columns of a volume's row; after them come its shapes, whose columns count from where the shape begins.
-CENTRE, VELOCITY, ACCELERATION, STRENGTH_OF_NOISE, WIND, LIFT = 0, 3, 6, 9, 12, 15
-NORMAL, MIDDLE, HALF_THICK, SHAPES = 16, 19, 20, 21
+# Columns of a volume's row; after them come its shapes, whose columns count from where the shape begins. START is its
+# centre when the clock began; CENTRE, and ACROSS, the middle of its slab, are found in each step.
+START, VELOCITY, ACCELERATION, STRENGTH_OF_NOISE, WIND, LIFT = 0, 3, 6, 9, 12, 15
+NORMAL, MIDDLE, HALF_THICK, CENTRE, ACROSS, SHAPES = 16, 19, 20, 21, 24, 25
 ARM, HALF, RADIUS, COSINE, SINE, SIGN, WIDTH = 0, 3, 6, 7, 8, 9, 10
 
-ADVANCE = 3.0e-5  # [s] of processor time a step; what it blows on is in the particles' and the ship's
+ADVANCE = 2.0e-5  # [s] of processor time a step; what it blows on is in the particles' and the ship's
 ROUNDING = 1e-4  # by which the slab around a volume is thicker than it
 
 Target = Literal["fluid", "ship"]
@@ -158,9 +157,7 @@ class Config(PartConfig):
 
     def ledger(self, basin: Basin, word: int = 8) -> list[LedgerRow]:
         n, row = len(self.volumes), SHAPES + WIDTH * most_shapes(self.volumes)
-        return [
-            LedgerRow("wind", "moving volumes of air", word * (n * row + SINCE + 1), f"{n} in wind.volumes", ADVANCE)
-        ]
+        return [LedgerRow("wind", "moving volumes of air", word * (n * row + OWN), f"{n} in wind.volumes", ADVANCE)]
 
     def warnings(self, scene: Any) -> list[str]:
         sentences = []
@@ -194,13 +191,14 @@ class Gusts:
         self.passages = [v.passages(basin, seed, g) for g, v in enumerate(self.volumes)]
         self.n, self.shapes = len(self.volumes), most_shapes(self.volumes)
         self.rows = np.zeros((self.n, SHAPES + WIDTH * self.shapes))
+        self.half = [0.0] * self.n  # half the thickness of the slabs [m]
         self.row = ti.field(float, shape=self.rows.shape)
-        self.now = Now(SINCE + 1)
+        self.now = Now(OWN)
         self.noise = Noise(seed, config.noise_every, self.now) if self.noisy else None
-        self.time, self.since, self.gain = 0.0, 0.0, 1.0
+        self.time, self.gain = 0.0, 1.0
+        self.since, self.step = 0.0, 0.0
         self.blown = [volume.blows(0.0) for volume in self.volumes]
         self.steady = [volume.always and volume.schedule is None for volume in self.volumes]
-        self.moving = any(passage.speed for passage in self.passages)
         for g in range(self.n):
             self._shape(g)
             self._blow(g)
@@ -233,37 +231,35 @@ class Gusts:
 
     def advance(self, dt: float) -> None:
         """Algorithm 1 for every volume, what it blows in the middle of a step of dt [s], and the noise of the step."""
-        changed = False
+        begun, changed = self.time, False
+        self.time, self.since, self.step = begun + dt, self.since + dt, dt
         for g, (passage, volume) in enumerate(zip(self.passages, self.volumes)):
             before, blown = passage.number, self.blown[g]
             passage.advance(dt)
             if not self.steady[g]:
-                self.blown[g] = volume.blows(self.time, dt)
+                self.blown[g] = volume.blows(begun, dt)
             if passage.number != before:
                 self._shape(g)
             if passage.number != before or self.blown[g] != blown:
                 self._blow(g)
                 changed = True
-        if changed:
+        if changed or self.since > RUN:
             self._tell()
-        elif self.moving:
-            self.since += dt
-            self.now.tell(SINCE, self.since)
         if self.noise is not None:
-            self.noise.advance(dt)
-        self.time += dt
+            self.noise.advance()
 
     def _shape(self, g: int) -> None:
         """Note where the shapes of volume g lie around its centre in this passage."""
         volume, turn = self.volumes[g], self.passages[g].turn
         signs, first = [1.0] * len(volume.include) + [-1.0] * len(volume.exclude), volume.include[0].core.centre
-        normal, middle, half = volume.slab(turn)
-        numbers = [*normal, middle, half]
+        normal, middle, self.half[g] = volume.slab(turn)
+        self.rows[g, NORMAL:HALF_THICK] = *normal, middle
+        numbers: list[float] = []
         for shape, sign in zip(volume.include + volume.exclude, signs):
             c = shape.core
             arm, yaw = turned(c.centre - first, turn), c.yaw + turn
             numbers += [*arm, *c.half, c.radius, cos(yaw), sin(yaw), sign]
-        self.rows[g, NORMAL : NORMAL + len(numbers)] = numbers
+        self.rows[g, SHAPES : SHAPES + len(numbers)] = numbers
 
     def _blow(self, g: int) -> None:
         """Note what volume g blows now."""
@@ -271,16 +267,30 @@ class Gusts:
         part *= self.gain
         acceleration = part * p.strength * turned(volume.acceleration, p.turn + turn)
         wind = part * p.strength * volume.wind_speed * turned(volume.ahead, p.turn + turn)
-        numbers = (*acceleration, *np.multiply(part, volume.noise), *wind, volume.lift_coefficient)
-        self.rows[g, ACCELERATION : LIFT + 1] = numbers
+        numbers = (*acceleration, *np.multiply(part, volume.noise), *wind)
+        self.rows[g, ACCELERATION : LIFT + 1] = *numbers, volume.lift_coefficient
+        self.rows[g, HALF_THICK] = self.half[g] if any(numbers) else -1.0  # nothing lies in it while it does not blow
 
     def _tell(self) -> None:
-        """Tell the kernels all rows; the centres are those of now."""
+        """Begin the clock anew: tell the kernels all rows, with the centres where they are now."""
         for numbers, passage in zip(self.rows, self.passages):
-            numbers[CENTRE:ACCELERATION] = (*passage.centre, *passage.velocity)
+            numbers[START:ACCELERATION] = (*passage.centre, *passage.velocity)
         self.row.from_numpy(self.rows)
+        if self.noise is not None:
+            self.noise.begin(self.time)
         self.since = 0.0
-        self.now.tell(SINCE, 0.0)
+
+    @ti.func
+    def hear(self, since, step):
+        """Find where the volumes are, and the draws of the step."""
+        ti.loop_config(serialize=True)
+        for g in range(self.n):
+            centre = self.vector(g, START) + since * self.vector(g, VELOCITY)
+            for k in ti.static(range(3)):
+                self.row[g, CENTRE + k] = centre[k]
+            self.row[g, ACROSS] = centre.dot(self.vector(g, NORMAL)) + self.row[g, MIDDLE]
+        if ti.static(self.noisy):
+            self.noise.hear(since, step)
 
     @ti.func
     def force(self, key, position, velocity, area, mass):
@@ -294,9 +304,8 @@ class Gusts:
     def push(self, g, key, position, velocity, area, mass):
         """The load of volume g [N]; most particles are seen to lie outside its slab at once."""
         total = tm.vec3(0.0)
-        x = position - self.vector(g, CENTRE) - self.now.field[SINCE] * self.vector(g, VELOCITY)
-        if ti.abs(x.dot(self.vector(g, NORMAL)) - self.row[g, MIDDLE]) <= self.row[g, HALF_THICK]:
-            if self.holds(g, x):
+        if ti.abs(position.dot(self.vector(g, NORMAL)) - self.row[g, ACROSS]) <= self.row[g, HALF_THICK]:
+            if self.holds(g, position - self.vector(g, CENTRE)):
                 total += mass * self.vector(g, ACCELERATION)
                 if ti.static(self.noisy):
                     total += mass * self.vector(g, STRENGTH_OF_NOISE) * self.noise.of(NOISE + g, key)
@@ -340,6 +349,16 @@ class Aimed:
         self.number = ti.field(int, shape=self.n)
         self.number.from_numpy(np.array(numbers, dtype=np.int32))
 
+    @property
+    def since(self) -> float:
+        """That of the gusts [s]."""
+        return self.gusts.since
+
+    @property
+    def step(self) -> float:
+        """That of the gusts [s]."""
+        return self.gusts.step
+
     def on(self, target: Target) -> "Gusts | Aimed | Still":
         """The wind that a target feels."""
         return self.gusts.on(target)
@@ -354,6 +373,11 @@ class Aimed:
     def shown(self) -> Air:
         """All of the gusts."""
         return self.gusts.shown()
+
+    @ti.func
+    def hear(self, since, step):
+        """All of the gusts."""
+        self.gusts.hear(since, step)
 
     @ti.func
     def force(self, key, position, velocity, area, mass):

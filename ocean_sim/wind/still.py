@@ -25,6 +25,8 @@ class Still:
 
     needs_area: ClassVar[bool] = False
     blows: ClassVar[bool] = False
+    since: ClassVar[float] = 0.0
+    step: ClassVar[float] = 0.0
 
     def on(self, target: str) -> "Still":
         """The wind that a target feels."""
@@ -39,6 +41,10 @@ class Still:
     def shown(self) -> Air:
         """Nothing."""
         return NONE
+
+    @ti.func
+    def hear(self, since, step):
+        pass
 
     @ti.func
     def force(self, key, position, velocity, area, mass):

@@ -7,7 +7,7 @@ frequency w grows at the rate P w / (rho c^2), P = s rho_air (U10 - c)^2.
 """
 
 from math import cos, hypot, radians, sin
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 import taichi as ti
@@ -102,6 +102,8 @@ class Stress:
 
     needs_area = True
     blows = True
+    since: ClassVar[float] = 0.0
+    step: ClassVar[float] = 0.0
 
     def __init__(self, config: Config, basin: Basin, afloat: bool = False) -> None:
         """`afloat`: as a ship feels it."""
@@ -158,6 +160,10 @@ class Stress:
     def stress(self) -> float:
         """On the water now [Pa]."""
         return hypot(self.now.told[ALONG_X], self.now.told[ALONG_Z])
+
+    @ti.func
+    def hear(self, since, step):
+        pass
 
     @ti.func
     def force(self, key, position, velocity, area, mass):

@@ -15,14 +15,14 @@ from ocean_sim.basin import Basin
 from ocean_sim.parts import LedgerRow, Vector2, quantity
 from ocean_sim.wind._air import Air
 from ocean_sim.wind._noise import EVERY, OWN, Noise, NoiseSize
-from ocean_sim.wind._now import Now
+from ocean_sim.wind._now import RUN, Now
 from ocean_sim.wind._passages import Passages
 from ocean_sim.wind._schedule import Timed
 from ocean_sim.wind._warnings import kick, stylised
 from ocean_sim.wind.still import Still
 
 NOISE = 0x3_0000  # stream of random numbers
-AXIS_X, AXIS_Z, PART = OWN, OWN + 1, OWN + 2  # columns: [m], and the part of its strength that it has now
+AXIS_X, AXIS_Z, PART, SINCE = range(OWN, OWN + 4)  # columns: [m] when the clock began, part of its strength, [s]
 
 
 class Config(Timed):
@@ -69,7 +69,7 @@ class Config(Timed):
         return [(("kind",), sentence)] if basin.dimension == 2 else []
 
     def ledger(self, basin: Basin, word: int = 8) -> list[LedgerRow]:
-        return [LedgerRow("wind", "axis, strength and noise of the vortex", (PART + 1) * word, "wind.kind is vortex")]
+        return [LedgerRow("wind", "axis, strength and noise of the vortex", (SINCE + 1) * word, "wind.kind is vortex")]
 
     def warnings(self, scene: Any) -> list[str]:
         speed = hypot(*self.drift)
@@ -89,10 +89,11 @@ class Vortex:
         self.config, self.targets = config, tuple(config.targets)
         x, z = config.centre
         self.passage = Passages((x, 0.0, z), (config.drift[0], 0.0, config.drift[1]), config.core_radius, basin)
-        self.now = Now(PART + 1)
+        self.now = Now(SINCE + 1)
         self.noisy = any(config.noise)
         self.noise = Noise(seed, config.noise_every, self.now) if self.noisy else None
         self.time, self.part, self.gain = 0.0, config.blowing(0.0), 1.0
+        self.since, self.step = 0.0, 0.0
         self._tell()
 
     def on(self, target: Literal["fluid", "ship"]) -> "Vortex | Still":
@@ -101,14 +102,15 @@ class Vortex:
 
     def advance(self, dt: float) -> None:
         """Algorithm 1."""
+        before, part, begun = self.passage.number, self.part, self.time
         self.passage.advance(dt)
+        self.time, self.since, self.step = begun + dt, self.since + dt, dt
         if not self.config.always:
-            self.part = self.config.blowing(self.time, dt)
-        if self.passage.speed or not self.config.always:
+            self.part = self.config.blowing(begun, dt)
+        if self.passage.number != before or self.part != part or self.since > RUN:
             self._tell()
         if self.noise is not None:
-            self.noise.advance(dt)
-        self.time += dt
+            self.noise.advance()
 
     def strengthen(self, factor: float) -> None:
         """Blow so many times as strongly as the scene says."""
@@ -128,15 +130,28 @@ class Vortex:
         return Air(np.concatenate([*rings, upright]), top[:-1:4], self.gain * self.part / greatest * pushes)
 
     def _tell(self) -> None:
+        """Begin the clock anew, with the axis where it is now."""
         x, _, z = self.passage.centre.tolist()
         for column, number in ((AXIS_X, x), (AXIS_Z, z), (PART, self.gain * self.part)):
             self.now.tell(column, number)
+        if self.noise is not None:
+            self.noise.begin(self.time)
+        self.since = 0.0
+
+    @ti.func
+    def hear(self, since, step):
+        """Note the clock, and the draws of the step."""
+        self.now.field[SINCE] = since
+        if ti.static(self.noisy):
+            self.noise.hear(since, step)
 
     @ti.func
     def force(self, key, position, velocity, area, mass):
         """Mass times acceleration around, towards and along the axis, and noise [N]."""
         now = ti.static(self.now.field)
-        arm = tm.vec3(position.x - now[AXIS_X], 0.0, position.z - now[AXIS_Z])
+        drift = ti.static(self.config.drift)
+        x, z = now[AXIS_X] + now[SINCE] * drift[0], now[AXIS_Z] + now[SINCE] * drift[1]
+        arm = tm.vec3(position.x - x, 0.0, position.z - z)
         r2, core = arm.dot(arm), ti.static(self.config.core_radius)
         around, towards = tm.vec3(arm.z, 0.0, -arm.x), -arm
         profile = core / ti.max(r2, core * core)  # times r: r / core inside, core / r outside

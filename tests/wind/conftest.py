@@ -17,7 +17,10 @@ def push(
     velocity: tm.vec3,
     area: tm.vec3,
     mass: float,
+    since: float,
+    step: float,
 ):
+    wind.hear(since, step)
     for i in range(position.shape[0]):
         f = wind.force(i, tm.vec3(position[i, 0], position[i, 1], position[i, 2]), velocity, area, mass)
         for k in ti.static(range(3)):
@@ -31,7 +34,7 @@ def force(taichi_cpu):
     def felt(wind, points, velocity=(0.0, 0.0, 0.0), area=(0.0, 0.0, 0.0), mass=1.0):
         points = np.ascontiguousarray(np.atleast_2d(points), dtype=float)
         result = np.zeros_like(points)
-        push(wind, points, result, tm.vec3(velocity), tm.vec3(area), mass)
+        push(wind, points, result, tm.vec3(velocity), tm.vec3(area), mass, wind.since, wind.step)
         return result
 
     return felt

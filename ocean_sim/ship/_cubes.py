@@ -1,7 +1,6 @@
 """Forces on the cubes of a hull, summed over fixed blocks: buoyancy, what waves add, and wind."""
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import taichi as ti
@@ -29,8 +28,7 @@ BUOYANCY, WAVE, DRAG, LIFT, VOLUME, SPEED, TURN, PULL, TWIST, FACE, SPREAD, CUT 
 SUMS = 44
 
 
-@dataclass(frozen=True)
-class Wetted:
+class Wetted(NamedTuple):
     """What the cubes say together; forces [N] and torques about the centre of mass [N m] are (2, 3), world axes."""
 
     buoyancy: np.ndarray

@@ -5,6 +5,7 @@ It stops where there is room for one layer of particles, which it could not pres
 
 from collections.abc import Callable
 from dataclasses import replace
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -36,7 +37,8 @@ class Sides:
     def near(self, body: RigidBody, dt: float) -> bool:
         """Whether the hull may reach a side within a step of dt [s]."""
         turn = body.matrix
-        along = 2.0 * dt * (float(np.linalg.norm(body.velocity)) + self.radius * float(np.linalg.norm(body.rates)))
+        speed, rate = (sqrt(float(v @ v)) for v in (body.velocity, body.rates))
+        along = 2.0 * dt * (speed + self.radius * rate)
         place, reach = (body.position + turn @ self.middle).tolist(), (np.abs(turn) @ self.half).tolist()
         return any(way * (place[axis] - side) < reach[axis] + along for axis, way, side in self.stops)
 

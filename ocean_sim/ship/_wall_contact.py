@@ -13,7 +13,7 @@ import numpy as np
 from ocean_sim.basin import OPEN, Basin
 from ocean_sim.ship import Load
 from ocean_sim.ship._drawn import drawn
-from ocean_sim.ship._rigid_body import RigidBody
+from ocean_sim.ship._rigid_body import RigidBody, cross
 from ocean_sim.ship._wave_contact import with_wave
 
 SWEEPS = 8  # over the points that touch
@@ -82,24 +82,25 @@ class Sides:
         total = np.zeros((2, 3))
         for _ in range(SWEEPS):
             for k, (n, arm) in enumerate(zip(normals, arms)):
-                slip = velocity + np.cross(omega, arm)
+                slip = velocity + cross(omega, arm)
                 more = max(-held[k], (wanted[k] - slip @ n) * share(body.mass, heavy, arm, n))
                 held[k] += more
                 push = more * n
                 along = slip - (slip @ n) * n
-                speed = float(np.linalg.norm(along))
+                speed = sqrt(float(along @ along))
                 if self.friction > 0.0 and speed > 1e-12 and more > 0.0:
                     t = along / speed
                     push = push - min(self.friction * more, speed * share(body.mass, heavy, arm, t)) * t
+                moment = cross(arm, push)
                 velocity += push / body.mass
-                omega += heavy @ np.cross(arm, push)
-                total += np.stack([push, np.cross(arm, push)])
+                omega += heavy @ moment
+                total += [push, moment]
         return total
 
 
 def share(mass: float, heavy: np.ndarray, arm: np.ndarray, along: np.ndarray) -> float:
     """Mass [kg] that a point at `arm` has along a direction."""
-    lever = np.cross(arm, along)
+    lever = cross(arm, along)
     return float(1.0 / (1.0 / mass + lever @ heavy @ lever))
 
 

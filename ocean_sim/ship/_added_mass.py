@@ -12,7 +12,7 @@ import numpy as np
 
 from ocean_sim.parts import PartConfig, quantity
 from ocean_sim.ship._hydrostatics import Hydrostatics
-from ocean_sim.ship._rigid_body import RigidBody, cross
+from ocean_sim.ship._rigid_body import RigidBody, cross, solved
 
 
 class AddedMass(PartConfig):
@@ -70,11 +70,12 @@ def reaction(
     v, omega = r.T @ body.velocity, body.rates
     v_r, omega_r = v - drift[:3], omega - drift[3:]
     spin = body.inertia_body @ omega
-    along = cross(omega, line * v_r)
-    around = cross(omega, turn * omega_r) + cross(v_r, line * v_r)
-    carried = np.stack([line * surge[:3], turn * surge[3:]])
+    momentum = line * v_r
+    along = cross(omega, momentum)
+    around = cross(omega, turn * omega_r) + cross(v_r, momentum)
+    carried = (added * surge).reshape(2, 3)
     rate = (r.T @ force + carried[0] - along - body.mass * cross(omega, v)) / (body.mass + line)
     whole = body.inertia_body + np.diag(turn)
-    twist = np.linalg.solve(whole, r.T @ torque + carried[1] - around - cross(omega, spin))
-    moved = -np.stack([line * rate + along, turn * twist + around])
+    twist = solved(whole, r.T @ torque + carried[1] - around - cross(omega, spin))
+    moved = -np.array([line * rate + along, turn * twist + around])
     return moved @ r.T, carried @ r.T

@@ -1,7 +1,6 @@
 """Forces on the cubes of a hull, summed over fixed blocks: buoyancy, what waves add, and wind."""
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import taichi as ti
@@ -30,8 +29,7 @@ SUMS = 44
 CLOCK = 18  # after the body in what is told: since when the wind's clock runs, and its step [s]
 
 
-@dataclass(frozen=True)
-class Wetted:
+class Wetted(NamedTuple):
     """What the cubes say together; forces [N] and torques about the centre of mass [N m] are (2, 3), world axes."""
 
     buoyancy: np.ndarray
@@ -63,23 +61,31 @@ class Cubes:
         cubes, matter = hull.voxels, hull.matter
         self.n, self.cubes = len(cubes.share), cubes
         self.blocks = -(-self.n // BLOCK)
+        upwards = np.argsort(cubes.centre[:, 1], kind="stable")  # so that whole blocks stay dry
+        arm = (cubes.centre - matter.centre)[upwards]
+        edges = range(0, self.n, BLOCK)
+        lower, upper = np.minimum.reduceat(arm, edges), np.maximum.reduceat(arm, edges)
         self.weight = hull.density * hull.gravity  # [N/m3]
         self.gravity = hull.gravity
         self.arm = ti.Vector.field(3, float, shape=self.n)  # [m]
         self.area = ti.Vector.field(3, float, shape=self.n)  # outward [m2]
         self.volume = ti.field(float, shape=self.n)  # inside the hull [m3]
+        self.key = ti.field(int, shape=self.n)  # by which a wind tells them apart
+        self.box = ti.Vector.field(3, float, shape=(self.blocks, 2))  # around a block: middle and half its sides [m]
         self.mass_density = matter.mass / cubes.volume  # [kg/m3]
         self.square = tm.vec3(cubes.square)  # of their sides [m2]
         real = self.volume.to_numpy().dtype
-        self.arm.from_numpy((cubes.centre - matter.centre).astype(real))
-        self.area.from_numpy(cubes.area.astype(real))
-        self.volume.from_numpy((cubes.share * cubes.size.prod()).astype(real))
+        self.arm.from_numpy(arm.astype(real))
+        self.area.from_numpy(cubes.area[upwards].astype(real))
+        self.volume.from_numpy((cubes.share * cubes.size.prod())[upwards].astype(real))
+        self.key.from_numpy(upwards.astype(np.int32))
+        self.box.from_numpy(np.stack([0.5 * (lower + upper), 0.5 * (upper - lower)], axis=1).astype(real))
         self.table = np.zeros((1 + self.blocks, SUMS))  # the pose, and the sums of each block
 
     @staticmethod
     def bytes(n: int, word: int) -> int:
         """Memory that n cubes take."""
-        return n * 7 * word + (n // BLOCK + 1) * SUMS * 8
+        return n * (7 * word + 4) + (n // BLOCK + 1) * (SUMS * 8 + 6 * word)
 
     def wetted(self, body: RigidBody, around: Any, water: Any, wind: Any) -> Wetted:
         """What water and wind do to the hull where it is."""
@@ -114,8 +120,10 @@ class Cubes:
             up = tm.vec3(turn[1, 0], turn[1, 1], turn[1, 2])
             tall = ti.sqrt((self.square * up).dot(up))  # as far as each reaches upwards [m]
             total = ti.Vector.zero(ti.f64, SUMS)
-            for k in range(block * BLOCK, ti.min((block + 1) * BLOCK, self.n)):
-                self.add(total, k, around, wind, tall, position, turn, velocity, omega)
+            lowest = position.y + up.dot(self.box[block, 0]) - abs(up).dot(self.box[block, 1]) - 0.5 * tall
+            if ti.static(wind.blows) or lowest < around.frame[TOP]:
+                for k in range(block * BLOCK, ti.min((block + 1) * BLOCK, self.n)):
+                    self.add(total, k, around, wind, tall, position, turn, velocity, omega)
             for c in ti.static(range(SUMS // 2)):
                 table[1 + block, c] = total[c]
                 table[1 + block, SUMS // 2 + c] = total[SUMS // 2 + c]
@@ -140,7 +148,7 @@ class Cubes:
         if ti.static(wind.blows):
             bare = (1.0 - wet) * (turn @ self.area[k])
             mass = self.mass_density * self.volume[k]
-            blown = wind.force(k, x, velocity + omega.cross(arm), bare, mass)
+            blown = wind.force(self.key[k], x, velocity + omega.cross(arm), bare, mass)
             self.put(total, DRAG, arm, tm.vec3(blown.x, 0.0, blown.z))
             self.put(total, LIFT, arm, tm.vec3(0.0, blown.y, 0.0))
 

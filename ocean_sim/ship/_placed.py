@@ -1,6 +1,6 @@
 """Where a ship begins, what may move, who steers: keys of every kind of ship, and the state that they become."""
 
-from math import radians
+from math import radians, sqrt
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -12,7 +12,7 @@ from ocean_sim.parts import Vector3, quantity
 from ocean_sim.ship import Load, loaded
 from ocean_sim.ship._hydrostatics import Matter
 from ocean_sim.ship._propulsion import Crew, Helm, Person, Propeller, Rudder, towards
-from ocean_sim.ship._rigid_body import RigidBody, guided, oriented, product, rotated, spinning
+from ocean_sim.ship._rigid_body import RigidBody, cross, guided, oriented, product, rotated, spinning
 
 FASTEST = 1.0e3  # [m/s] no ship moves like this
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
@@ -73,6 +73,8 @@ class Machine:
         """`centre`: the centre of mass from the hull's origin [m]."""
         self.crew: Crew | Person = config.crew()
         self.propeller, self.rudder_blade, self.centre = propeller, rudder, centre
+        self.pushing = np.zeros(3) if propeller is None or propeller.position is None else propeller.position - centre
+        self.steering = np.zeros(3) if rudder is None else rudder.position - centre  # places from there [m]
         self.time, self.throttle, self.rudder = 0.0, 0.0, 0.0
 
     @property
@@ -92,14 +94,12 @@ class Machine:
         """(2, 3) of propeller and rudder in body axes, at a velocity relative to the water (6,), `wet` from 0 to 1."""
         found = {}
         if self.propeller is not None:
-            place = self.propeller.position
-            arm = np.zeros(3) if place is None else np.array(place) - self.centre
             force = np.array([0.0, 0.0, wet * self.propeller.force(self.throttle, float(motion[2]))])
-            found["propeller"] = np.stack([force, np.cross(arm, force)])
+            found["propeller"] = np.array([force, cross(self.pushing, force)])
         if self.rudder_blade is not None:
-            arm = np.array(self.rudder_blade.position) - self.centre
-            force = wet * self.rudder_blade.load(self.rudder, motion[:3] + np.cross(motion[3:], arm), density)
-            found["rudder"] = np.stack([force, np.cross(arm, force)])
+            arm = self.steering
+            force = wet * self.rudder_blade.load(self.rudder, motion[:3] + cross(motion[3:], arm), density)
+            found["rudder"] = np.array([force, cross(arm, force)])
         return found
 
 
@@ -157,7 +157,7 @@ class Voyage:
             after = under(load)
         else:
             load, after = self.contact.met(load, under, dt)
-        speed = float(np.linalg.norm(after.velocity))
+        speed = sqrt(float(after.velocity @ after.velocity))
         if not speed <= FASTEST:
             x, y, z = before.position
             raise Diverged(

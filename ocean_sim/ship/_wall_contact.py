@@ -5,6 +5,7 @@ It stops where there is room for one layer of particles, which it could not pres
 
 from collections.abc import Callable
 from dataclasses import replace
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ import numpy as np
 from ocean_sim.basin import OPEN, Basin
 from ocean_sim.ship import Load
 from ocean_sim.ship._drawn import drawn
-from ocean_sim.ship._rigid_body import RigidBody
+from ocean_sim.ship._rigid_body import RigidBody, cross
 from ocean_sim.ship._wave_contact import with_wave
 
 SWEEPS = 8  # over the points that touch
@@ -36,7 +37,8 @@ class Sides:
     def near(self, body: RigidBody, dt: float) -> bool:
         """Whether the hull may reach a side within a step of dt [s]."""
         turn = body.matrix
-        along = 2.0 * dt * (float(np.linalg.norm(body.velocity)) + self.radius * float(np.linalg.norm(body.rates)))
+        speed, rate = (sqrt(float(v @ v)) for v in (body.velocity, body.rates))
+        along = 2.0 * dt * (speed + self.radius * rate)
         place, reach = (body.position + turn @ self.middle).tolist(), (np.abs(turn) @ self.half).tolist()
         return any(way * (place[axis] - side) < reach[axis] + along for axis, way, side in self.stops)
 
@@ -80,24 +82,25 @@ class Sides:
         total = np.zeros((2, 3))
         for _ in range(SWEEPS):
             for k, (n, arm) in enumerate(zip(normals, arms)):
-                slip = velocity + np.cross(omega, arm)
+                slip = velocity + cross(omega, arm)
                 more = max(-held[k], (wanted[k] - slip @ n) * share(body.mass, heavy, arm, n))
                 held[k] += more
                 push = more * n
                 along = slip - (slip @ n) * n
-                speed = float(np.linalg.norm(along))
+                speed = sqrt(float(along @ along))
                 if self.friction > 0.0 and speed > 1e-12 and more > 0.0:
                     t = along / speed
                     push = push - min(self.friction * more, speed * share(body.mass, heavy, arm, t)) * t
+                moment = cross(arm, push)
                 velocity += push / body.mass
-                omega += heavy @ np.cross(arm, push)
-                total += np.stack([push, np.cross(arm, push)])
+                omega += heavy @ moment
+                total += [push, moment]
         return total
 
 
 def share(mass: float, heavy: np.ndarray, arm: np.ndarray, along: np.ndarray) -> float:
     """Mass [kg] that a point at `arm` has along a direction."""
-    lever = np.cross(arm, along)
+    lever = cross(arm, along)
     return float(1.0 / (1.0 / mass + lever @ heavy @ lever))
 
 

@@ -42,6 +42,7 @@ class Dynamic(Voyage):
         self.contact, self.sides = self.afloat.contact, self.afloat.sides
         self.added = config.added_mass.diagonal(self.afloat.still)
         self.resistance = Resistance(config.damping, self.afloat.still, self.added)
+        self.longest = self.afloat.limits(Motions(*self.added)._asdict())
 
     def load(self, wind: Any, fluid: Any, surface: Any) -> Load:
         """(4.27); the water's answer to the hull's own acceleration is part of `damping`."""
@@ -69,4 +70,4 @@ class Dynamic(Voyage):
         self.moved(advanced, load, dt)
 
     def limits(self) -> Limits:
-        return self.afloat.limits(Motions(*self.added)._asdict())
+        return self.longest

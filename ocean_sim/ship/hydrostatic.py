@@ -35,6 +35,7 @@ class Hydrostatic(Voyage):
         super().__init__(config, self.afloat.body, self.afloat.machine, basin.lower[1])
         self.contact, self.sides = self.afloat.contact, self.afloat.sides
         self.resistance = Resistance(config.damping, self.afloat.still, np.zeros(6))
+        self.longest = self.afloat.limits()
 
     def load(self, wind: Any, fluid: Any, surface: Any) -> Load:
         """(4.27)."""
@@ -56,4 +57,4 @@ class Hydrostatic(Voyage):
         self.moved(advanced, load, dt)
 
     def limits(self) -> Limits:
-        return self.afloat.limits()
+        return self.longest

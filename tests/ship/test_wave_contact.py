@@ -8,6 +8,7 @@ import pytest
 from ocean_sim.conventions import Diverged
 from ocean_sim.observers._energy import total
 from ocean_sim.scene import load, observer_names
+from ocean_sim.ship import _wave_contact
 from ocean_sim.ship._distance import around
 from ocean_sim.ship._rigid_body import RigidBody, advanced, oriented, spinning
 from ocean_sim.ship._shapes import Box, Sphere
@@ -129,10 +130,11 @@ def test_momentum_is_kept_and_at_a_response_of_one_half_the_ledger_shows_exactly
         assert inside(simulation, scene["ship"]["hull"]["shape"], np.array([0.0, 0.15, 0.0]), 0.02) == 0
 
 
-def test_a_light_ship_is_not_thrown_back_and_the_threads_change_nothing():
+def test_a_light_ship_is_not_thrown_back_and_the_threads_change_nothing(monkeypatch):
     """A tenth as heavy as the water that it hits: impulses one by one would return its speed several times. In f32."""
     scene, states = shot({"kind": "ballistic"}, mass=10.0), []
-    for threads in (1, 2):
+    for threads, serial in ((1, 20_000), (1, 0), (2, 0)):
+        monkeypatch.setattr(_wave_contact, "SERIAL", serial)
         with Simulation(load(scene, QUIET | {"runtime.threads": threads})) as simulation:
             before = momenta(simulation)
             simulation.run(0.2)
@@ -140,7 +142,25 @@ def test_a_light_ship_is_not_thrown_back_and_the_threads_change_nothing():
             assert abs(gained.sum(axis=0)).max() < 1e-5 * 20.0
             assert 5.0 < gained[1][1] < 1.3 * 20.0
             states.append(np.concatenate([body.position, body.velocity, simulation.fluid.positions().ravel()]))
-    np.testing.assert_array_equal(*states)
+    np.testing.assert_array_equal(states[0], states[1])
+    np.testing.assert_array_equal(states[1], states[2])
+
+
+def test_a_hull_across_periodic_sides_meets_what_one_in_the_middle_meets():
+    scene, impulses = shot(PRESSING), []
+    scene["basin"]["walls"] = "periodic"
+    for shift in (0.0, 1.0):
+        with Simulation(load(scene, QUIET | {"runtime.precision": "f64"})) as simulation:
+            position, ship = simulation.fluid.particles.position, simulation.ship
+            x = position.to_numpy()
+            x[:, [0, 2]] = (x[:, [0, 2]] + shift + 1.0) % 2.0 - 1.0
+            position.from_numpy(x)
+            simulation.fluid.begin()
+            ship.body = replace(ship.body, position=ship.body.position + shift * np.array([1.0, 0.0, 1.0]))
+            simulation.run(0.1)
+            impulses.append(ship.contact.impulse)
+    assert abs(impulses[0][0]).max() > 10.0
+    np.testing.assert_allclose(*impulses, rtol=1e-6, atol=1e-6)
 
 
 CENTRE = np.array([0.0, 0.15, 0.0])

@@ -32,6 +32,17 @@ class ObserverConfig(PartConfig):
 
     needs: ClassVar[tuple[str, ...]] = ()  # slots and other observers without which there is nothing to watch
     writes: ClassVar[bool] = True  # whether it needs a run folder; one that does not also watches a bare Simulation
+    leaves: ClassVar[str] = ""  # files, and what for, as the ledger tells it
+    takes: ClassVar[tuple[float, float]] = (0.0, 0.0)  # [s] of processor time each `every`, and more for each particle
+
+    def watching(self, name: str, particles: int, rate: float) -> "LedgerRow":
+        """Its row of the ledger; it has no fields, for what it reads is the water's. `rate`: time between the rows of
+        `motion`, which those watch that have no `every` of their own [s]. What it takes where there are no particles,
+        nobody has measured."""
+        base, each = self.takes
+        every = getattr(self, "every", rate) if base else 0.0
+        often = f"every {every:g} s" if every else ""
+        return LedgerRow(name, self.leaves, 0, often, base + each * particles if particles else 0.0, every)
 
 
 def quantity(unit: str, default: Any = ..., **bounds: Any) -> Any:

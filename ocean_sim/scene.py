@@ -65,7 +65,13 @@ class SceneConfig(Heading):
     def ledger(self) -> list[LedgerRow]:
         """What the scene will allocate and compile, and why; nothing is allocated to find out."""
         place, word = self.place(), 8 if self.runtime.precision == "f64" else 4
-        return [row for part in self.parts().values() if hasattr(part, "ledger") for row in part.ledger(place, word)]
+        rows = [row for part in self.parts().values() if hasattr(part, "ledger") for row in part.ledger(place, word)]
+        rate = self.observers["motion"].every if "motion" in self.observers else 0.0
+        return rows + [part.watching(name, self.particles(place), rate) for name, part in self.observers.items()]
+
+    def particles(self, place: Any) -> int:
+        """How many the water has at most in this basin."""
+        return self.fluid.lattice(place).n if hasattr(self.fluid, "lattice") else 0
 
     def warnings(self) -> list[str]:
         """What every part has to say against the scene."""

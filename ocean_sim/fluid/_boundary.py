@@ -5,8 +5,9 @@ A sample counts by its volume over that of a particle (Akinci et al. 2012, ACM T
 shows that particle's own pressure, continued to its place by the weight of the water less the acceleration of the body
 (the pressure gradient at a wall of Adami, Hu & Adams 2012, J. Comput. Phys. 231, eq. 26): both sides of a thin body
 keep their own pressure, and still water is exact. Its velocity is the body's where water is pressed together, and that
-which a mirror in its place would show where it rubs. A sample is pushed as strongly as it pushes. Flat sides mirror samples as they mirror particles: what an image of a sample presses
-across its side is that side's, all else is the body's.
+which a mirror in its place would show where it rubs. A sample is pushed as strongly as it pushes. Flat sides mirror
+samples as they mirror particles: what an image of a sample presses across its side is that side's, all else is the
+body's.
 """
 
 from collections.abc import Sequence
@@ -66,6 +67,11 @@ def floating(lattice: Lattice, support: float) -> list[Body]:
         for solid in lattice.basin.afloat
         if solid.felt
     ]
+
+
+def memory(samples: int, bodies: int, cells: int, word: int) -> int:
+    """Bytes of the fields of a Boundary, where `word` is the size of a `float` [bytes]."""
+    return samples * (13 * word + 8 + 24) + 6 * word * bodies + 4 * (cells + 1)
 
 
 @ti.data_oriented

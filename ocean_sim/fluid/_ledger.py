@@ -9,8 +9,8 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Status
 from ocean_sim.fluid._grid import Grid
 
-TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "diffusion")
-PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS, DIFFUSION = range(len(TERMS))
+TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "diffusion")
+PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS, SHIP, DIFFUSION = range(len(TERMS))
 SUMMARY = 7  # numbers that a step reports
 DENSE = 1.0e30  # [kg/m3] more than any density
 
@@ -60,13 +60,14 @@ class Ledger:
         self.count_work(group, term, impulse.dot(v))
 
     @ti.func
-    def count_step(self, group, kick, pressure, viscosity, wind, gravity, walls, mean):
+    def count_step(self, group, kick, pressure, viscosity, wind, gravity, ship, walls, mean):
         """Accelerations [m/s2] of a particle, each for `kick` [kg s], and the impulse of the walls on it [N s]; `mean`
         is its mean velocity of the step."""
         self.count_impulse(group, PRESSURE, kick * pressure, mean)
         self.count_impulse(group, VISCOSITY, kick * viscosity, mean)
         self.count_impulse(group, WIND, kick * wind, mean)
         self.count_impulse(group, GRAVITY, kick * gravity, mean)
+        self.count_impulse(group, SHIP, kick * ship, mean)
         self.count_impulse(group, WALLS, walls, mean)
 
     @ti.func

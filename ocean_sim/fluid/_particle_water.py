@@ -42,8 +42,21 @@ class ParticleWater:
         self.jet = lattice.jet
         self.time = 0.0  # [s]
         self.emitted_impulse, self.emitted_work = np.zeros(3), 0.0  # [N s], [J]
-        self.hull: Any = None  # of a ship that meets the particles: `given`, `back` [N s], `work` [J]
+        self.contact: Any = None  # with a ship: `hull.push`, and by collisions `given` [N s] and `work` [J]
+        self.meeting_hull = False
         self.summary = np.zeros(SUMMARY, dtype=self.particles.position.precision)
+
+    def meet(self, contact: Any) -> None:
+        """From the first step on feel the push of a hull."""
+        self.contact, self.meeting_hull = contact, True
+
+    @ti.func
+    def hull_push(self, x, ahead):
+        """Acceleration [m/s2] at a place, `ahead` [s] of the beginning of the step."""
+        a = tm.vec3(0.0)
+        if ti.static(self.meeting_hull):
+            a = self.contact.hull.push(x, ahead)
+        return a
 
     def drive(self, dt: float) -> None:
         """Put tank and wavemaker where they are in the middle of a step of dt [s]."""
@@ -101,8 +114,10 @@ class ParticleWater:
         total = self.ledger.total()
         if total and self.jet is not None:
             total["emitter"] = self.emitted_impulse.copy()
-        if total and self.hull is not None:
-            total["ship"] = self.hull.given + self.hull.back
+        if total and self.meeting_hull:
+            total["ship"] += self.contact.given
+        elif total:
+            del total["ship"]
         return total
 
     @property
@@ -112,8 +127,10 @@ class ParticleWater:
         total = self.ledger.total_work()
         if total and self.jet is not None:
             total["emitter"] = self.emitted_work
-        if total and self.hull is not None:
-            total["ship"] = self.hull.work
+        if total and self.meeting_hull:
+            total["ship"] += self.contact.work
+        elif total:
+            del total["ship"]
         return total
 
     @ti.func

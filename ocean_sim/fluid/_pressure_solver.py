@@ -183,22 +183,26 @@ class Solver:
         most: int,
         least: float,
         start: ti.Field | None = None,
+        brief: float = 0.0,
     ) -> None:
         """`least`: the error [tolerances] below which nothing is left to be done; `start`: pressures to start from, of
-        a solver that undoes only what the velocity adds; one without them undoes compression that is there already."""
+        a solver that undoes only what the velocity adds; one without them undoes compression that is there already.
+        In steps shorter than `brief` [s] the least error is less, by the square: so is what a force compresses in a
+        step, which would never be undone else."""
         self.velocity, self.restores = tuple(velocity), start is None
         self.start = start if start is not None else ti.field(float, shape=())
         self.forces = not (self.restores and fluid.closed)  # whether its pressures are forces
-        self.tolerance, self.most, self.least = tolerance, most, least * tolerance
+        self.tolerance, self.most, self.least, self.brief = tolerance, most, least * tolerance, brief
         self.gain, self.next, self.best = (ti.field(float, shape=fluid.particles.n) for _ in range(3))
         self.compression, self.push = Compression(fluid, self), Push(fluid, self)
         self.account = Account(fluid, self)
         self.last_iterations, self.last_error = 0, 0.0  # of the last step; the error is over the rest density
         self.iterations, self.error, self.unsolved = 0, 0.0, 0  # since the start: all, the worst, and steps above
 
-    def enough(self, first: float) -> float:
-        """The error to stop at, of a step that begins with the error `first`."""
-        return min(self.tolerance, max(self.least, SHARE * first))
+    def enough(self, first: float, dt: float) -> float:
+        """The error to stop at, of a step of dt [s] that begins with the error `first`."""
+        least = self.least * (dt / self.brief) ** 2 if dt < self.brief else self.least
+        return min(self.tolerance, max(least, SHARE * first))
 
     def ended(self, iterations: int, error: float) -> None:
         """Put a step to its account."""

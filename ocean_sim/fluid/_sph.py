@@ -17,6 +17,7 @@ from ocean_sim.parts import LedgerRow, quantity
 from ocean_sim.wind import Wind
 
 PARTICLE = 1.8e-7  # [s] of processor time that a particle takes in a step beside its neighbours
+SAMPLE = 2.0  # times what a particle takes with its neighbours: of a solid body's sample, with what it adds to theirs
 
 
 class SphConfig(WaterConfig):
@@ -82,11 +83,33 @@ def rows(sizes: ListSize, word: int, numbers: int, what: str, pair: float) -> li
     n, support, lattice = sizes.grid.lattice.n, sizes.grid.support, sizes.grid.lattice
     ratio = support / lattice.spacing
     neighbours = pi * ratio**2 if lattice.basin.dimension == 2 else 4.0 / 3.0 * pi * ratio**3
+    each = PARTICLE + pair * neighbours
     return [
-        LedgerRow("fluid", f"{n} particles", (numbers * word + 4) * n, what, n * (PARTICLE + pair * neighbours)),
+        LedgerRow("fluid", f"{n} particles", (numbers * word + 4) * n, what, n * each),
         LedgerRow("fluid", f"grid of {sizes.grid.cell_count} cells", sizes.grid.bytes(word), f"support {support:g} m"),
         LedgerRow("fluid", "candidate lists", sizes.bytes(word), "neighbours of every occupied cell"),
+        *_of_bodies(sizes.grid, word, SAMPLE * each),
     ]
+
+
+def _of_bodies(grid: GridSize, word: int, each: float) -> list[LedgerRow]:
+    """The ledger of the solid bodies in the water, whose samples take `each` [s] a step; the first row holds where
+    every cell's begin."""
+    lattice, rows = grid.lattice, []
+    basin = lattice.basin
+    if not (basin.obstacles or any(solid.felt for solid in basin.afloat)):
+        return []
+    from ocean_sim.fluid._boundary import boxes, floating, memory
+
+    of_parts = {"basin": boxes(lattice, grid.support), "ship": floating(lattice, grid.support)}
+    for part, bodies in of_parts.items():
+        count, why = sum(len(body.place) for body in bodies), "basin.obstacles"
+        if part == "ship":
+            why = "ship.kind is pressure: the water feels the hull"
+        if bodies:
+            size = memory(count, len(bodies), 0 if rows else grid.cell_count, word)
+            rows.append(LedgerRow(part, f"{count} samples of solid bodies", size, why, count * each))
+    return rows
 
 
 def limits(support: float, sound_speed: float, viscosity: float, speed: float, acceleration: float) -> Limits:
@@ -145,7 +168,8 @@ class Sph(ParticleWater):
         total = super().impulse
         if total and self.bodies:
             given, fixed = -self.boundary.impulses(), len(self.grid.basin.obstacles)
-            total["obstacles"], total["ship"] = given[:fixed].sum(axis=0), given[fixed:].sum(axis=0)
+            total["obstacles"] = given[:fixed].sum(axis=0)
+            total["ship"] = given[fixed:].sum(axis=0) + total.get("ship", 0.0)
             total["walls"] = total["walls"] - given.sum(axis=0)  # the laws count all as walls
         return total
 

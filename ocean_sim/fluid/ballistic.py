@@ -10,7 +10,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid._field import Field
 from ocean_sim.fluid._grid import TASK, GridSize
-from ocean_sim.fluid._ledger import GRAVITY, WALLS, WIND
+from ocean_sim.fluid._ledger import GRAVITY, SHIP, WALLS, WIND
 from ocean_sim.fluid._particle_water import ParticleWater
 from ocean_sim.fluid._water import WaterConfig, free_fall_speed
 from ocean_sim.parts import LedgerRow
@@ -65,7 +65,9 @@ class Ballistic(ParticleWater):
         self.particles.pressure.fill(0.0)
         self.field = Field(self.particles, self.grid, self.smoothing, np.zeros(3))
         self.reference_speed = free_fall_speed(basin)
-        self.advance(0.0)
+        self.begin()
+        self.count(self.summary)
+        self.status = self.ledger.status(self.summary, self.grid)
 
     def begin(self) -> None:
         self.lift()
@@ -75,13 +77,33 @@ class Ballistic(ParticleWater):
     def settle(self):
         self.grid.sort()
 
+    @ti.kernel
+    def count(self, summary: ti.types.ndarray(ndim=1)):
+        """What there is before the first step."""
+        for t in range(self.ledger.groups * TASK):
+            if t % TASK == 0:
+                group, p, u = t // TASK, self.particles.position, self.particles.velocity
+                self.ledger.begin_motion(group)
+                self.ledger.begin_density(group)
+                for i in range(self.first(group), self.first(group + 1)):
+                    x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
+                    self.ledger.count_motion(group, v, self.pull.at(x, v), 0)
+                    self.ledger.count_density(group, self.particles.density[i])
+        self.ledger.summarise(summary)
+
+    @ti.func
+    def first(self, group):
+        """Number of the first particle of a group."""
+        return group * self.particles.count.there() // self.ledger.groups
+
     @ti.func
     def move(self, i, dt, group):
         p, u, m = self.particles.position, self.particles.velocity, ti.static(self.particles.mass)
         x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
         a_wind = self.wind.force(self.particles.id[i], x, v, tm.vec3(0.0), m) / m
         a_pull = self.pull.at(x, v)
-        a = a_wind + a_pull
+        a_hull = self.hull_push(x, 0.0)
+        a = a_wind + a_pull + a_hull
         mean, fast = self.walls.held_back(v + 0.5 * dt * a, dt)  # of the step; x + v dt + a dt^2 / 2 is exact
         x_new, v_new = self.walls.bounced(x + dt * mean, mean + 0.5 * dt * a)
         self.grid.leave(i, x_new, v_new)
@@ -91,6 +113,7 @@ class Ballistic(ParticleWater):
             between = 0.5 * (v + v_new)
             self.ledger.count_impulse(group, WIND, m * dt * a_wind, between)
             self.ledger.count_impulse(group, GRAVITY, m * dt * a_pull, between)
+            self.ledger.count_impulse(group, SHIP, m * dt * a_hull, between)
             self.ledger.count_impulse(group, WALLS, m * (v_new - v - dt * a), between)
 
     @ti.kernel
@@ -100,9 +123,7 @@ class Ballistic(ParticleWater):
                 group = t // TASK
                 self.ledger.begin_motion(group)
                 self.ledger.begin_density(group)
-                n = self.particles.count.there()
-                first, last = group * n, (group + 1) * n
-                for i in range(first // self.ledger.groups, last // self.ledger.groups):
+                for i in range(self.first(group), self.first(group + 1)):
                     self.move(i, dt, group)
         self.grid.sort()
         self.ledger.summarise(summary)

@@ -174,7 +174,8 @@ class Momentum:
         a_water, a_walls = fluid.slope * fluid.added(total), fluid.slope * fluid.added(beyond)
         a_wind = fluid.wind.force(fluid.particles.id[i], x, v, fluid.area(i), m) / m
         a_pull = fluid.pull.at(x, v)
-        a = a_water + a_walls + a_wind + a_pull  # (2.25)
+        a_hull = fluid.hull_push(x, 0.5 * dt)
+        a = a_water + a_walls + a_wind + a_pull + a_hull  # (2.25)
         pushed, fast = fluid.walls.held_back(fluid.walls.calmed(x, v + dt * a, dt), dt)
         grid = fluid.grid
         x_new, v_new = fluid.walls.bounced(x + grid.gone(i, 0.5 * dt * pushed), pushed)
@@ -184,7 +185,7 @@ class Momentum:
         if ti.static(self.apart):
             a_pressure, mean = fluid.slope * tm.vec3(total[0], total[1], total[2]), 0.5 * (v + v_new)
             rubbed, held = a_water - a_pressure, m * (v_new - v - dt * (a - a_walls))
-            fluid.ledger.count_step(group, m * dt, a_pressure, rubbed, a_wind, a_pull, held, mean)
+            fluid.ledger.count_step(group, m * dt, a_pressure, rubbed, a_wind, a_pull, a_hull, held, mean)
             squeezed = m * dt * fluid.slope * tm.vec3(beyond[0], beyond[1], beyond[2]).dot(mean)
             fluid.ledger.count_work(group, WALLS, -squeezed)  # what images press becomes internal energy
             fluid.ledger.count_work(group, PRESSURE, squeezed)

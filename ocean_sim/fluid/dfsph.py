@@ -34,7 +34,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits, _pairs
 from ocean_sim.fluid._grid import TASK
 from ocean_sim.fluid._images import OfPlaces, climbed, mirrored, turned
-from ocean_sim.fluid._ledger import GRAVITY, PRESSURE, VISCOSITY, WALLS, WIND
+from ocean_sim.fluid._ledger import GRAVITY, PRESSURE, SHIP, VISCOSITY, WALLS, WIND
 from ocean_sim.fluid._pairs import Pairs
 from ocean_sim.fluid._particles import Components
 from ocean_sim.fluid._pressure_solver import REPORT, TOO_DENSE, UPHILL, Solver, away_from
@@ -48,6 +48,7 @@ PAIR = 7.4e-8  # [s] of processor time a neighbour, with the iterations that cal
 READS = 7  # fields of a neighbour that the law of the forces reads
 FLAT, SOLID = 3.6, 2.0  # [spacings] support in a slice (36 neighbours) and in space (26)
 CALM = {"density": 0.1, "divergence": 0.003}  # [tolerances] errors below which water counts as calm
+BRIEF = 0.1  # of half the support over the reference speed: in shorter steps calm water compresses itself less
 SLOW = 2.0  # of the reference speed: water counts as no slower when the next step is chosen, see `limits`
 LEAST = 0.05  # of its value on the lattice: A_ii is taken to be no less, which keeps coincident particles finite
 GAP = 0.1  # of what is missing in a gap that may close in a step; wider gaps close as fast as they are wide
@@ -241,7 +242,9 @@ class Forces:
         u = fluid.pushed(group, WIND, before, dt * a_wind)
         a_pull = fluid.pull.at(x, before)
         u = fluid.pushed(group, GRAVITY, u, dt * a_pull)
-        a = a_wind + a_pull
+        a_hull = fluid.hull_push(x, 0.0)
+        u = fluid.pushed(group, SHIP, u, dt * a_hull)
+        a = a_wind + a_pull + a_hull
         if ti.static(self.viscous):
             rub, rub_walls = tm.vec3(total[3], total[4], total[5]), tm.vec3(beyond[3], beyond[4], beyond[5])
             u = fluid.pushed(group, VISCOSITY, u, dt * self.rubbing * rub)
@@ -284,9 +287,11 @@ class Dfsph(Sph):
         self.momentum, self.level = (ti.field(float, shape=()) for _ in range(2))  # how far an iteration is carried
         self.level[None] = particles.rest_density  # on; density that is sought [kg/m3]
         self.rows = ti.field(float, shape=(self.ledger.groups, REPORT))
-        calm = 1.0 if self.closed else CALM["divergence"]  # without a surface less would damp the flow
+        calm, brief = CALM["divergence"], BRIEF * 0.5 * self.smoothing.support / self.reference_speed
+        if self.closed:
+            calm, brief = 1.0, 0.0  # without a surface less would damp the flow
         limits = config.divergence_tolerance, config.max_divergence_iterations, calm
-        self.divergence = Solver(self, self.predicted, *limits, self.held_pressure)
+        self.divergence = Solver(self, self.predicted, *limits, self.held_pressure, brief)
         limits = config.density_tolerance, config.max_density_iterations, CALM["density"]
         self.incompressible = Solver(self, self.way, *limits)
         self.solvers = {"density": self.incompressible, "divergence": self.divergence}
@@ -304,9 +309,9 @@ class Dfsph(Sph):
         """One step of dt [s]; raises Diverged where more particles crowd together than the neighbour lists hold."""
         self.drive(dt)
         self.predict(dt, self.report)
-        self.solve(self.divergence)
+        self.solve(self.divergence, dt)
         self.compress(self.status.max_speed, self.report)
-        self.solve(self.incompressible)
+        self.solve(self.incompressible, dt)
         self.move()
         self.arrive()
         self.emit()
@@ -318,12 +323,12 @@ class Dfsph(Sph):
             self.level[None] = self.report[TOO_DENSE] / self.particles.count.now
         self.status = self.ledger.status(self.summary, self.grid)
 
-    def solve(self, solver: Solver) -> None:
-        """Iterate until the water is pressed neither together nor apart by more than is allowed in the mean, at most so
-        often."""
+    def solve(self, solver: Solver, dt: float) -> None:
+        """Iterate until a step of dt [s] presses the water neither together nor apart by more than is allowed in the
+        mean, at most so often."""
         scale = 1.0 / (self.particles.count.now * self.particles.rest_density)
         done, along, error = 0, 1.0, scale * float(self.report[:UPHILL].max())
-        enough = solver.enough(error)
+        enough = solver.enough(error, dt)
         while not error <= enough and done < solver.most:
             if self.report[UPHILL] > 0.0:
                 along = 1.0

@@ -15,6 +15,7 @@ from pydantic import model_validator
 from ocean_sim.basin import Basin
 from ocean_sim.fluid._grid import TASK
 from ocean_sim.fluid._images import OfPlaces, beside, climbed, reflected
+from ocean_sim.fluid._ledger import WALLS
 from ocean_sim.fluid._smoothing import positive
 from ocean_sim.fluid._sph import Sph, SphConfig, rows
 from ocean_sim.parts import LedgerRow, quantity
@@ -157,16 +158,23 @@ class Momentum:
         a_water, a_walls = scale * fluid.added(total), scale * fluid.added(beyond)
         a_wind = self.wind.force(fluid.particles.id[i], x, v, fluid.area(i), m) / m
         a_pull = fluid.pull.at(x, v)
-        a = a_water + a_walls + a_wind + a_pull  # (2.25)
-        pushed, fast = fluid.walls.held_back(fluid.walls.calmed(x, v + dt * a, dt), dt)
+        a_hull = fluid.hull_push(x, 0.0)
+        a = a_water + a_walls + a_wind + a_pull + a_hull  # (2.25)
+        free = v + dt * a
+        pushed, fast = fluid.walls.held_back(fluid.walls.calmed(x, free, dt), dt)
         grid = fluid.grid
-        x_new, v_new = fluid.walls.bounced(x + grid.gone(i, dt * pushed), pushed)
+        x_free = x + grid.gone(i, dt * pushed)
+        x_new, v_new = fluid.walls.bounced(x_free, pushed)
         grid.leave(i, x_new, v_new)
         fluid.ledger.count_motion(group, v_new, a, fast)
         if ti.static(self.apart):
             a_pressure, mean = scale * tm.vec3(total[0], total[1], total[2]), 0.5 * (v + v_new)
-            rubbed, held = a_water - a_pressure, m * (v_new - v - dt * (a - a_walls))
-            fluid.ledger.count_step(group, m * dt, a_pressure, rubbed, a_wind, a_pull, held, mean)
+            rubbed, held = a_water - a_pressure, m * (v_new - free + dt * a_walls)
+            if (x_new != x_free).any():  # forces work as far as the walls let it go; what else it loses, they took
+                far = (x_new - x) / dt
+                fluid.ledger.count_work(group, WALLS, m * (v_new - v).dot(mean - far))
+                mean = far
+            fluid.ledger.count_step(group, m * dt, a_pressure, rubbed, a_wind, a_pull, a_hull, held, mean)
 
 
 @ti.data_oriented

@@ -6,7 +6,7 @@ import threading
 from pathlib import Path
 from time import perf_counter
 from types import FrameType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from ocean_sim.machine import installed
 from ocean_sim.observers import _checkpoint_file as file
@@ -23,6 +23,8 @@ STOPS = (signal.SIGINT, signal.SIGTERM)
 
 
 class Config(ObserverConfig):
+    leaves: ClassVar[str] = "checkpoint_*.h5; a copy of all fields"
+    takes: ClassVar[tuple[float, float]] = (3.6e-2, 2.3e-6)
     every: float = quantity("s", 1.0, gt=0.0)
     """Simulated time between checkpoints."""
     wall_every: float | None = quantity("s", None, gt=0.0)

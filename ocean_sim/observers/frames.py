@@ -2,7 +2,7 @@
 where the ship is; one file a frame."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -22,6 +22,8 @@ LARGE = 2.0e9  # bytes that are worth a warning
 
 
 class Config(ObserverConfig):
+    leaves: ClassVar[str] = "frames/*.npz"
+    takes: ClassVar[tuple[float, float]] = (1.3e-3, 3.8e-8)
     every: float = quantity("s", 0.033, gt=0.0)
     """Simulated time between frames; a frame is the first state at or after it."""
     spacing: float | None = quantity("m", None, gt=0.0)

@@ -1,7 +1,7 @@
 """Gauges: the height of the water and its pressure at fixed points, read from the fluid, never from a drawn surface."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -20,6 +20,8 @@ Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_lengt
 
 
 class Config(ObserverConfig):
+    leaves: ClassVar[str] = "gauges.csv"
+    takes: ClassVar[tuple[float, float]] = (3.4e-4, 4.3e-9)
     elevation: dict[Name, Place] = {}
     """Height of the water at points [x, z] in metres; in a slice [x]."""
     pressure: dict[Name, Point] = {}

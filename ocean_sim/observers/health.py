@@ -23,6 +23,8 @@ QUIET = 0.5  # [s] at least between two events of one kind
 
 
 class Config(ObserverConfig):
+    leaves: ClassVar[str] = "events.jsonl; looks at every particle"
+    takes: ClassVar[tuple[float, float]] = (2.0e-5, 2.3e-9)
     writes: ClassVar[bool] = False
     every: float = quantity("s", 0.0, ge=0.0)
     """Simulated time between checks; 0 checks after every step."""

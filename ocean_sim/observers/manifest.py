@@ -4,7 +4,7 @@ import hashlib
 import json
 import platform
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -21,6 +21,8 @@ PACKAGES = ("ocean-sim", "taichi", "numpy", "scipy", "pydantic", "ruamel.yaml", 
 
 class Config(ObserverConfig):
     """Nothing to choose: the manifest is written at the start and at the end."""
+
+    leaves: ClassVar[str] = "manifest.json"
 
     def build(self, folder: Path, simulation: "Simulation") -> "Manifest":
         return Manifest(folder, simulation)

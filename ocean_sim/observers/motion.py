@@ -1,7 +1,7 @@
 """The ship's motion at a fixed rate: pose, rates, specific force at a point, and every part of (4.27)."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -43,6 +43,8 @@ ANGLES, QUATERNION = slice(3, 6), slice(6, 10)  # in a row without time and numb
 
 
 class Config(ObserverConfig):
+    leaves: ClassVar[str] = "motion.csv"
+    takes: ClassVar[tuple[float, float]] = (5.0e-4, 0.0)
     every: float = quantity("s", 0.01, gt=0.0)
     """Simulated time between rows."""
     point: str | None = None

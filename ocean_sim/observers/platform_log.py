@@ -19,6 +19,8 @@ ROWS = 25  # answered at once, where no stream waits for each
 class Config(ObserverConfig):
     """It has no keys: its rate is that of `motion`."""
 
+    leaves: ClassVar[str] = "platform.csv; washout and hexapod"
+    takes: ClassVar[tuple[float, float]] = (8.4e-5, 0.0)
     needs: ClassVar[tuple[str, ...]] = ("platform", "motion")
 
     def build(self, folder: Path, simulation: "Simulation") -> "PlatformLog":

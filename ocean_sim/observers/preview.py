@@ -7,7 +7,7 @@ pictures (sliders come with the second, corners with the third); so those are dr
 import sys
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 import taichi as ti
@@ -37,6 +37,7 @@ SHADE = (0.07, 0.09, 0.11)
 
 
 class Config(ObserverConfig):
+    leaves: ClassVar[str] = "preview/*.png; pictures while it runs"
     every: float = quantity("s", 1.0 / 30.0, gt=0.0)
     """Simulated time between pictures."""
     size: tuple[int, int] = Field((1280, 720), strict=False, json_schema_extra={"unit": "pixels"})

@@ -4,7 +4,7 @@ import html
 import json
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -28,6 +28,8 @@ Table = dict[str, np.ndarray]
 
 class Config(ObserverConfig):
     """Nothing to choose: the page is written when the run is over."""
+
+    leaves: ClassVar[str] = "report.html, when the run is over"
 
     def build(self, folder: Path, simulation: "Simulation") -> "Report":
         return Report(folder)

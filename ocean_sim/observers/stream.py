@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 
 class Config(ObserverConfig):
+    leaves: ClassVar[str] = "UDP packets, each at its time"
     needs: ClassVar[tuple[str, ...]] = ("platform", "motion", "platform_log")
 
     to: str = "udp://127.0.0.1:5005"

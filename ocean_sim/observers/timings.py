@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 
 class Config(ObserverConfig):
+    leaves: ClassVar[str] = "timings.csv"
+    takes: ClassVar[tuple[float, float]] = (3.0e-5, 0.0)
     writes: ClassVar[bool] = False
     every: float = quantity("s", 0.5, gt=0.0)
     """Simulated time between rows."""

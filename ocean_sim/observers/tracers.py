@@ -1,7 +1,7 @@
 """Tagged particles: where they are and how fast they go, at a fixed rate; `ocean-sim waves` finds their orbits."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -34,6 +34,8 @@ class Box(PartConfig):
 
 
 class Config(ObserverConfig):
+    leaves: ClassVar[str] = "tracers.csv"
+    takes: ClassVar[tuple[float, float]] = (7.3e-4, 3.2e-8)
     ids: list[Number] = []
     """Numbers of particles."""
     boxes: list[Box] = []

@@ -12,7 +12,7 @@ from pydantic import Field, field_validator
 from ocean_sim import yaml_file
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.motion_log import Ride
-from ocean_sim.parts import PartConfig, library, named, quantity
+from ocean_sim.parts import LedgerRow, PartConfig, library, named, quantity
 from ocean_sim.platform import SINGULAR, Commands, Cue, Washout
 from ocean_sim.platform._hexapod import Geometry, Hexapod, rates_to_turn, rotation
 from ocean_sim.platform._limits import Legs, Workspace
@@ -43,6 +43,11 @@ class Config(PartConfig):
     def warnings(self, scene: "SceneConfig") -> list[str]:
         """What this platform has to say against the scene."""
         return ["platform: there is no ship whose motion it could follow"] if scene.ship is None else []
+
+    def ledger(self, basin: Any, word: int = 8) -> list[LedgerRow]:
+        """It has no fields; `platform_log` says what its rows take."""
+        washout: Any = self.washout
+        return [LedgerRow("platform", f"{washout.kind} washout and six legs", 0, "platform_log asks for its rows")]
 
     def build(self, every: float) -> "Moving":
         """`every`: time between the rows that it will follow [s]."""

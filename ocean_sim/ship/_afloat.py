@@ -154,10 +154,11 @@ class Afloat:
             self.contact = WaveContact(config.contact, shape, matter.centre, basin, fluid, pull)
             self.sides = Sides(shape, matter.centre, basin, fluid.walls.gap + self.contact.margin)
         self.water = Water(length, width, height, draught, self.still.gravity, self.closed, self.contact)
-        if self.contact is not None:
-            self.contact.water = self.water
-            fluid.hull = self.contact
         self.body = config.body(matter, *afloat_pose(self.still))  # at the beginning
+        if self.contact is not None:
+            self.contact.hull.water = self.water
+            self.contact.hull.place(self.body)
+            fluid.meet(self.contact)
         self.machine = Machine(config, config.propeller, config.rudder, matter.centre)
         volume = self.still.voxels.volume
         self.displaced = min(self.still.wanted, volume)

@@ -1,7 +1,6 @@
 """Forces on the cubes of a hull, summed over fixed blocks: buoyancy, what waves add, and wind."""
 
 from dataclasses import dataclass
-from math import atan2, cos, sin
 from typing import Any
 
 import numpy as np
@@ -9,7 +8,8 @@ import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.ship._hydrostatics import Hydrostatics
-from ocean_sim.ship._rigid_body import RigidBody
+from ocean_sim.ship._rigid_body import RigidBody, tell
+from ocean_sim.ship._water import TOP
 
 BLOCK = 128  # cubes that are summed one after the other
 BUOYANCY, WAVE, DRAG, LIFT, VOLUME, SPEED, TURN, PULL, TWIST, FACE, SPREAD, CUT = (
@@ -27,7 +27,6 @@ BUOYANCY, WAVE, DRAG, LIFT, VOLUME, SPEED, TURN, PULL, TWIST, FACE, SPREAD, CUT 
     43,
 )
 SUMS = 44
-POSE = 21  # place, turn, velocity, angular velocity, spread of a cube, cosine and sine of the heading
 
 
 @dataclass(frozen=True)
@@ -49,6 +48,12 @@ def vector(numbers: ti.template(), first: ti.template()):
     return ti.cast(tm.vec3(numbers[0, first], numbers[0, first + 1], numbers[0, first + 2]), float)
 
 
+@ti.func
+def turned(numbers: ti.template()):
+    """The matrix in the first row, from body to world axes."""
+    return ti.Matrix.rows([vector(numbers, 3), vector(numbers, 6), vector(numbers, 9)])
+
+
 @ti.data_oriented
 class Cubes:
     """The cubes of a hull in its body axes, from the centre of mass."""
@@ -63,6 +68,7 @@ class Cubes:
         self.area = ti.Vector.field(3, float, shape=self.n)  # outward [m2]
         self.volume = ti.field(float, shape=self.n)  # inside the hull [m3]
         self.mass_density = matter.mass / cubes.volume  # [kg/m3]
+        self.square = tm.vec3(cubes.square)  # of their sides [m2]
         real = self.volume.to_numpy().dtype
         self.arm.from_numpy((cubes.centre - matter.centre).astype(real))
         self.area.from_numpy(cubes.area.astype(real))
@@ -76,17 +82,13 @@ class Cubes:
 
     def wetted(self, body: RigidBody, around: Any, water: Any, wind: Any) -> Wetted:
         """What water and wind do to the hull where it is."""
-        turn, table, cubes = body.matrix, self.table, self.cubes
-        heading = atan2(turn[0, 2], turn[2, 2])
-        pose = table[0]
-        pose[:3], pose[3:12] = body.position, turn.ravel()
-        pose[12:15], pose[15:18] = body.velocity, body.angular_velocity
-        pose[18:POSE] = cubes.spread(turn[1]), cos(heading), sin(heading)
+        table, turn = self.table, body.matrix
+        tell(table[0], body)
         self.sum_up(around, water, wind, table)
         total = table[1:].sum(axis=0)
-        dx, _, dz = (turn @ cubes.aside(turn[1], float(total[CUT]))).tolist()
-        total[BUOYANCY + 3] -= self.weight * dz
-        total[BUOYANCY + 5] += self.weight * dx
+        dx, dz = self.cubes.aside(turn, self.weight * float(total[CUT]))
+        total[BUOYANCY + 3] -= dz
+        total[BUOYANCY + 5] += dx
         velocity = acceleration = np.zeros(6)
         if around.below:
             faces = np.maximum(total[FACE : SPREAD + 3], 1e-12)
@@ -102,14 +104,15 @@ class Cubes:
         wind: ti.template(),
         table: ti.types.ndarray(ndim=2),
     ):
-        at, turned = vector(table, 0), ti.Matrix.rows([vector(table, 3), vector(table, 6), vector(table, 9)])
-        around.look(water, at, turned, ti.cast(table[0, 19], float), ti.cast(table[0, 20], float))
+        around.look(water, vector(table, 0), turned(table))
         for block in range(self.blocks):
             position, velocity, omega = vector(table, 0), vector(table, 12), vector(table, 15)
-            turn = ti.Matrix.rows([vector(table, 3), vector(table, 6), vector(table, 9)])
+            turn = turned(table)
+            up = tm.vec3(turn[1, 0], turn[1, 1], turn[1, 2])
+            tall = ti.sqrt((self.square * up).dot(up))  # as far as each reaches upwards [m]
             total = ti.Vector.zero(ti.f64, SUMS)
             for k in range(block * BLOCK, ti.min((block + 1) * BLOCK, self.n)):
-                self.add(total, k, around, wind, ti.cast(table[0, 18], float), position, turn, velocity, omega)
+                self.add(total, k, around, wind, tall, position, turn, velocity, omega)
             for c in ti.static(range(SUMS // 2)):
                 table[1 + block, c] = total[c]
                 table[1 + block, SUMS // 2 + c] = total[SUMS // 2 + c]
@@ -128,15 +131,26 @@ class Cubes:
         omega,
     ):
         arm = turn @ self.arm[k]
-        x = position + arm
+        x, wet = position + arm, 0.0
+        if x.y - 0.5 * tall < water.frame[TOP]:
+            wet = self.immerse(total, k, water, tall, arm, x, turn)
+        if ti.static(wind.blows):
+            bare = (1.0 - wet) * (turn @ self.area[k])
+            mass = self.mass_density * self.volume[k]
+            blown = wind.force(k, x, velocity + omega.cross(arm), bare, mass)
+            self.put(total, DRAG, arm, tm.vec3(blown.x, 0.0, blown.z))
+            self.put(total, LIFT, arm, tm.vec3(0.0, blown.y, 0.0))
+
+    @ti.func
+    def immerse(self, total: ti.template(), k, water: ti.template(), tall, arm, x, turn: ti.template()):
+        """Add what the water does to a cube that it may reach; the share that is under water."""
         eta, slope = water.sheet(x.x, x.z)
         depth = eta - x.y
         share = depth / tall + 0.5
         wet = tm.clamp(share, 0.0, 1.0)
-        volume = wet * self.volume[k]
-        self.put(total, BUOYANCY, arm, tm.vec3(0.0, self.weight * volume, 0.0))
         if wet > 0.0:
-            pull = slope
+            volume, pull = wet * self.volume[k], slope
+            self.put(total, BUOYANCY, arm, tm.vec3(0.0, self.weight * volume, 0.0))
             if ti.static(water.below):
                 pull = water.push(x, depth)
             self.put(total, WAVE, arm, self.weight * volume * pull)
@@ -152,11 +166,7 @@ class Cubes:
                 for c in ti.static(range(3)):
                     self.count(total, FACE + c, face[c])
                     self.count(total, SPREAD + c, spread[c])
-        bare = (1.0 - wet) * (turn @ self.area[k])
-        mass = self.mass_density * self.volume[k]
-        blown = wind.force(k, x, velocity + omega.cross(arm), bare, mass)
-        self.put(total, DRAG, arm, tm.vec3(blown.x, 0.0, blown.z))
-        self.put(total, LIFT, arm, tm.vec3(0.0, blown.y, 0.0))
+        return wet
 
     @ti.func
     def count(self, total: ti.template(), column: ti.template(), number):

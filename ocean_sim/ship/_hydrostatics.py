@@ -82,8 +82,8 @@ class Hydrostatics:
         turn = np.eye(3) if turn is None else turn
         share = self.shares(turn[1], self.level(turn[1]))
         volume = self.whole * np.clip(share, 0.0, 1.0)
-        aside = self.voxels.aside(turn[1], float(self.whole[(share > 0.0) & (share < 1.0)].sum()))
-        return turn @ ((volume[:, None] * self.voxels.centre).sum(axis=0) + aside) / volume.sum()
+        dx, dz = self.voxels.aside(turn, float(self.whole[(share > 0.0) & (share < 1.0)].sum()))
+        return (turn @ (volume[:, None] * self.voxels.centre).sum(axis=0) + [dx, 0.0, dz]) / volume.sum()
 
     def lever(self, axis: int, degrees: float) -> float:
         """Righting lever [m] of a turn about z (2: GZ) or x (0: in trim), with free sinkage."""

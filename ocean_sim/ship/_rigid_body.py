@@ -56,6 +56,13 @@ class RigidBody:
         return self.velocity + cross(self.angular_velocity, self.matrix @ arm)
 
 
+def tell(row: np.ndarray, body: RigidBody) -> None:
+    """Write into the first 18 numbers of a row where a body is and how it moves: place, matrix, velocity and angular
+    velocity in world axes."""
+    row[:3], row[3:12] = body.position, body.matrix.ravel()
+    row[12:15], row[15:18] = body.velocity, body.angular_velocity
+
+
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """a x b of two (3,), many times as quick as NumPy's."""
     (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()

@@ -6,6 +6,7 @@ clipped at the water is their height. Whole ones fill the box around the hull.
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -41,12 +42,17 @@ class Voxels:
         """How far each reaches along a unit vector [m]: the straight ramp with the variance of a box."""
         return float(np.linalg.norm(self.size * up))
 
-    def aside(self, up: np.ndarray, cut: float) -> np.ndarray:
-        """(3,) by how much what is wet of the cubes that the water's surface cuts, of volume `cut` [m3], lies to the
-        lower side of their centres, times its volume [m4]."""
-        leaning = self.size**2 * up
-        leaning -= up * (up @ leaning)
-        return -cut / (12.0 * self.spread(up)) * leaning
+    def aside(self, turn: np.ndarray, cut: float) -> tuple[float, float]:
+        """By how much what is wet of the cubes of a turned hull that the water's surface cuts, of volume `cut` [m3],
+        lies to the lower side of their centres, along x and z of the world, times its volume [m4]."""
+        x, square_of_spread, z = (turn @ (self.square * turn[1])).tolist()
+        share = -cut / (12.0 * sqrt(square_of_spread))
+        return share * x, share * z
+
+    @cached_property
+    def square(self) -> np.ndarray:
+        """(3,) of the size [m2]."""
+        return self.size**2
 
     @cached_property
     def centroid(self) -> np.ndarray:

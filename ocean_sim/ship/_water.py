@@ -13,6 +13,7 @@ import taichi.math as tm
 
 ALONG, ACROSS, LEVELS = 25, 13, 4  # nodes; levels lie half a draught apart, downwards from the surface
 REACH = 1.1  # of the hull's half sizes
+TOP = 4  # of the frame: the highest level [m]
 
 
 @ti.data_oriented
@@ -35,12 +36,13 @@ class Water:
         self.hollow = contact is not None
         rim = 0.0
         if contact is not None:
-            self.hull, rim = contact.hull, contact.rim
+            self.hull, rim = contact.hull.distance, contact.rim
             self.rim, self.asked = rim, ti.field(int, shape=(ALONG, ACROSS))
         self.half = tuple(REACH * np.hypot(side / 2, height) + rim for side in (length, breadth))  # [m]
         self.step = (2.0 * self.half[0] / (ALONG - 1), 2.0 * self.half[1] / (ACROSS - 1))  # [m]
         self.level = ti.field(float, shape=(ALONG, ACROSS))
-        self.frame = ti.field(float, shape=4)  # x, z of the middle [m], cosine and sine of the heading
+        # x, z of the middle [m], cosine and sine of the heading, highest level [m]
+        self.frame = ti.field(float, shape=5)
         if below:
             self.speed = ti.Vector.field(3, float, shape=(ALONG, ACROSS, LEVELS))  # [m/s]
             self.pull = ti.Vector.field(3, float, shape=(ALONG, ACROSS, LEVELS))  # acceleration / gravity
@@ -51,10 +53,14 @@ class Water:
         return word * ALONG * ACROSS * (1 + (6 * LEVELS if below else 0))
 
     @ti.func
-    def look(self, water: ti.template(), position, turn: ti.template(), cosine, sine):
+    def look(self, water: ti.template(), position, turn):
         """Ask the water [ti.func elevation; velocity and acceleration if `below`] around a ship at a place [m], turned
         by a matrix, along its heading; call it at the top of a kernel."""
         x, z = position.x, position.z
+        ahead, heading = tm.vec2(turn[0, 2], turn[2, 2]), tm.vec2(0.0, 1.0)
+        if ahead.norm() > 0.0:
+            heading = ahead.normalized()
+        sine, cosine = heading.x, heading.y
         ti.loop_config(serialize=not self.below)  # a surface is read in less time than a parallel task takes to start
         for n in range(ALONG * ACROSS):
             i, k = n // ACROSS, n % ACROSS
@@ -81,7 +87,12 @@ class Water:
                         for inner in range(last + 1, k):
                             self.level[i, inner] = low + rise * (inner - last) / (k - last)
                         last = k
-        self.frame[0], self.frame[1], self.frame[2], self.frame[3] = x, z, cosine, sine
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            self.frame[0], self.frame[1], self.frame[2], self.frame[3] = x, z, cosine, sine
+            self.frame[TOP] = self.level[0, 0]
+            for n in range(1, ALONG * ACROSS):
+                self.frame[TOP] = ti.max(self.frame[TOP], self.level[n // ACROSS, n % ACROSS])
 
     @ti.func
     def corner(self, x, z):

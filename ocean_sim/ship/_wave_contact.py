@@ -1,12 +1,10 @@
 """Water that meets a hull (thesis 4.2): the one arrow that goes back from the ship to the particles.
 
-A ship that floats by its volume already carries what still water does to it. So its hull gives that back to the water,
-as a wall would that shows every particle the pressure p = rho g (height of the water - y) of the nearest place of the
-hull: a = -(2 p / rho) times the integral of grad W over the hull (both pressures of the symmetric gradient are p). What
-still comes nearer then collides, and that alone is new to the ship. The water bears what it gives back and the
-collisions; the ship is carried by its own law and the collisions. Afloat and at rest the hull's share balances the
-water's own pressure, collisions have nothing to do in the mean, and the draught is that without contact: Archimedes is
-counted once. Added mass and damping of a kind stay as they are, so slamming comes on top of them.
+The hull pushes the particles as still water in its place would (`_moving_hull`). What still comes nearer then collides,
+and that alone is new to the ship. The water bears what it gives back and the collisions; the ship is carried by its own
+law and the collisions. Afloat and at rest the hull's share balances the water's own pressure, collisions have nothing
+to do in the mean, and the draught is that without contact: Archimedes is counted once. Added mass and damping of a kind
+stay as they are, so slamming comes on top of them.
 
 Collisions are solved together, not one by one (n particles would push a light ship n times). With J = (n, r x n) of a
 particle at r from the centre of mass, U the ship's velocities and e the restitution, every particle that comes nearer
@@ -27,23 +25,23 @@ from ocean_sim.basin import Basin
 from ocean_sim.parts import PartConfig, quantity
 from ocean_sim.ship import PARTS, Load
 from ocean_sim.ship._distance import Distance
-from ocean_sim.ship._rigid_body import RigidBody
+from ocean_sim.ship._moving_hull import HALF, MIDDLE, PLACE, MovingHull
+from ocean_sim.ship._rigid_body import RigidBody, tell
 
 TASK = 512  # a parallel loop is never cut finer than this
-BLOCK = 512  # particles that are summed one after the other
+SERIAL = 20_000  # particles, up to so many of which one thread is quicker than several
 FINE = 3.0  # cubes of the distance to a spacing
 MARGIN = 0.2  # [spacings] before the hull, where a particle's centre stops
+NEAR = 0.5  # [spacings] before the hull, where a collision may yet move it to
 RIM = 3.0  # [spacings] around the hull, where a sheet over the particles sags into its hole
 LEAPS = 3  # off the hull and back to the walls
 WAVE = PARTS.index("wave")
 PAIRS = tuple((i, j) for i in range(6) for j in range(i, 6))
 SQUARE = np.array([[PAIRS.index((min(i, j), max(i, j))) for j in range(6)] for i in range(6)])
-TOUCHING, BACK, SPENT, B, A = 0, 1, 4, 5, 11  # particles, push given back and its work, b and A
+TOUCHING, B, A = 0, 1, 7  # particles, b and A
 SUMS = A + len(PAIRS)
 WORK = 6  # after the impulse and its moment
-POSE = (
-    34  # place, turn, velocity, angular velocity, the same two before, box (6), step, friction, weight of water, push
-)
+BEFORE, SLIP, TOLD = 18, 24, 25  # after the pose: velocities before, and the share of a slip that friction may take
 
 
 class Contact(PartConfig):
@@ -57,45 +55,34 @@ class Contact(PartConfig):
     """Share of the collisions' impulse that the ship feels; below 1 momentum is lost."""
 
 
-@ti.data_oriented
 class WaveContact:
     """The hull among the particles: `met` in every step."""
 
     def __init__(
         self, config: Contact, shape: Any, centre: np.ndarray, basin: Basin, fluid: Any, gravity: float
     ) -> None:
-        """`centre` of mass from the hull's origin [m]. Hand it the `water` that the ship asks."""
-        self.config, self.particles, self.periods = config, fluid.particles, basin.periods
-        self.quantum, self.walls = fluid.grid.quantum, fluid.walls
-        spacing = self.particles.spacing
-        self.spacing, self.margin, self.mass = spacing, MARGIN * spacing, self.particles.mass
-        self.rim = RIM * spacing  # around the hull, where the height of the water cannot be asked [m]
-        self.water: Any = None
-        self.reach = float(fluid.grid.support)  # of the hull [m]
-        self.hull = Distance(shape, centre, spacing / FINE, self.reach, max(self.reach, self.rim))
-        self.pull = gravity  # [m/s2]
-        n = self.particles.n
-        self.blocks = -(-n // BLOCK)
-        self.near, self.count = ti.field(int, shape=self.blocks * BLOCK), ti.field(int, shape=self.blocks)
-        self.table = np.zeros((1 + self.blocks, max(POSE, SUMS)))  # one array: each costs a kernel its time
-        lower, upper = np.array(shape.bounds()) - centre
-        self.middle, self.half = 0.5 * (lower + upper), 0.5 * (upper - lower) + self.reach + spacing  # [m]
+        """`centre` of mass from the hull's origin [m]."""
+        spacing, reach = fluid.particles.spacing, float(fluid.grid.support)
+        self.config, self.mass = config, fluid.particles.mass
+        self.margin, self.rim = MARGIN * spacing, RIM * spacing  # the rim: where the water's height cannot be asked [m]
+        distance = Distance(shape, centre, spacing / FINE, reach, max(reach, self.rim))
+        self.hull = MovingHull(distance, np.array(shape.bounds()) - centre, reach, basin.periods, gravity)
+        self.collisions = Collisions(config, self.hull, basin, fluid)
+        self.table = np.zeros((1 + self.collisions.layers, max(TOLD, SUMS)))  # one: each costs a kernel its time
         self.impulse = np.zeros((2, 3))  # on the ship by collisions, and its moments about its places [N s], [N m s]
         self.lost = np.zeros((2, 3))  # what the water gave beyond that
-        self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s]; by both [J]
-        self.back = np.zeros(3)  # to the water by the push given back [N s]
+        self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s], [J]
 
     def met(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> tuple[Load, RigidBody]:
         """The load with the collisions of a step of dt [s] under `wave`, and the body after it; `after` says how a load
         would leave it. The particles move off the hull."""
         trial, table = after(load), self.table
-        self.told(trial, trial, dt)
-        self.press(self.water, table)
-        total = table[1:, :SUMS].sum(axis=0)
-        self.back += total[BACK:SPENT]
-        self.work += float(total[SPENT])
-        if total[TOUCHING] == 0.0:
+        tell(table[0], trial)
+        self.collisions.find(table)
+        touching = table[1:, TOUCHING].sum()
+        if touching == 0.0:
             return load, trial
+        total = table[1:, :SUMS].sum(axis=0)
         response = self.config.response
         a = total[A:][SQUARE]
         turn = trial.matrix
@@ -103,10 +90,10 @@ class WaveContact:
         own[:3, :3] = trial.mass * np.eye(3)
         own[3:, 3:] = turn @ trial.inertia_body @ turn.T
         change = own @ np.linalg.solve(own + response * a, response * total[B:A])
-        expected = after(with_wave(load, change.reshape(2, 3) / dt))
-        self.told(expected, trial, dt)
-        table[0, 31] = trial.mass / (trial.mass + self.mass * total[TOUCHING])
-        self.push(table)
+        tell(table[0], after(with_wave(load, change.reshape(2, 3) / dt)))
+        table[0, BEFORE : BEFORE + 3], table[0, BEFORE + 3 : SLIP] = trial.velocity, trial.angular_velocity
+        table[0, SLIP] = trial.mass / (trial.mass + self.mass * touching)
+        self.collisions.push(table)
         pushed = table[1, : WORK + 1]
         met = -pushed[:WORK].reshape(2, 3)
         self.impulse += response * met
@@ -116,69 +103,87 @@ class WaveContact:
         load = with_wave(load, response * met / dt)
         return load, after(load)
 
-    def told(self, body: RigidBody, before: RigidBody, dt: float) -> None:
-        """Where the hull is, for the kernels."""
-        turn, pose = body.matrix, self.table[0]
-        pose[:3], pose[3:12] = body.position, turn.ravel()
-        pose[12:15], pose[15:18] = body.velocity, body.angular_velocity
-        pose[18:21], pose[21:24] = before.velocity, before.angular_velocity
-        pose[24:27], pose[27:30] = turn @ self.middle, np.abs(turn) @ self.half
-        pose[30], pose[31] = dt, 0.0
 
-    @ti.func
-    def three(self, table: ti.template(), first: ti.template()):
-        """Three numbers in a row of what is told."""
-        return ti.cast(tm.vec3(table[0, first], table[0, first + 1], table[0, first + 2]), float)
+@ti.data_oriented
+class Collisions:
+    """Particles that meet the hull, found cell by cell of the grid that they are sorted into."""
 
-    @ti.func
-    def apart(self, x, position):
-        """From the ship to x [m], the nearest way where sides are periodic."""
-        d = x - position
-        for k, period in ti.static(enumerate(self.periods)):
-            if ti.static(period > 0.0):
-                d[k] -= period * ti.round(d[k] / period)
-        return d
-
-    @ti.func
-    def seen(self, d, turn: ti.template()):
-        """What the hull says at a place from its centre of mass, in world axes."""
-        normal, distance, thinning = self.hull.at(turn.transpose() @ d)
-        return turn @ normal, distance, turn @ thinning
+    def __init__(self, config: Contact, hull: MovingHull, basin: Basin, fluid: Any) -> None:
+        self.config, self.hull, self.particles, self.grid = config, hull, fluid.particles, fluid.grid
+        self.gravity, self.walls = tm.vec3(basin.gravity), fluid.walls
+        self.quantum, self.spacing = fluid.grid.quantum, self.particles.spacing
+        self.margin, self.mass = MARGIN * self.spacing, self.particles.mass
+        self.layers = fluid.grid.cells[2]
+        self.serial = self.particles.n <= SERIAL
+        self.near, self.count = ti.field(int, shape=self.particles.n), ti.field(int, shape=self.layers)
 
     @ti.kernel
-    def press(self, water: ti.template(), table: ti.types.ndarray(ndim=2)):
-        """Give the push of still water back, and sum over what touches the hull."""
-        for b in range(self.blocks * TASK):
-            if b % TASK == 0:
-                block = b // TASK
-                total = ti.Vector.zero(ti.f64, SUMS)
-                position, velocity, omega = self.three(table, 0), self.three(table, 12), self.three(table, 15)
-                turn = ti.Matrix.rows([self.three(table, 3), self.three(table, 6), self.three(table, 9)])
-                middle, half, dt = self.three(table, 24), self.three(table, 27), ti.cast(table[0, 30], float)
-                p, u = self.particles.position, self.particles.velocity
-                count = 0
-                for i in range(block * BLOCK, ti.min((block + 1) * BLOCK, self.particles.count.there())):
-                    d = self.apart(tm.vec3(p.x[i], p.y[i], p.z[i]), position)
-                    if (abs(d - middle) < half).all():
-                        normal, s, thinning = self.seen(d, turn)
-                        if s < self.reach:
-                            face = position + d - s * normal
-                            depth = tm.max(water.elevation(face.x, face.z) - face.y, 0.0)
-                            old = tm.vec3(u.x[i], u.y[i], u.z[i])
-                            v = old + 2.0 * dt * self.pull * depth * thinning
-                            u.x[i], u.y[i], u.z[i] = v.x, v.y, v.z
-                            for c in ti.static(range(3)):
-                                given = self.mass * (ti.cast(v[c], ti.f64) - ti.cast(old[c], ti.f64))
-                                total[BACK + c] += given
-                                total[SPENT] += 0.5 * given * ti.cast(v[c] + old[c], ti.f64)
-                            if s < 0.5 * self.spacing:
-                                self.near[block * BLOCK + count] = i
-                                count += 1
-                            if s < self.margin:
-                                self.touch(total, normal, d, v - velocity - omega.cross(d))
-                self.count[block] = count
-                for c in ti.static(range(SUMS)):
-                    table[1 + block, c] = total[c]
+    def find(self, table: ti.types.ndarray(ndim=2)):
+        """List what is near the hull, and sum over what touches it."""
+        self.hull.take(table)
+        if ti.static(self.serial):
+            ti.loop_config(serialize=True)
+            for layer in range(self.layers):
+                self.find_in(layer, table)
+        else:
+            for t in range(self.layers * TASK):
+                if t % TASK == 0:
+                    self.find_in(t // TASK, table)
+
+    @ti.func
+    def cells(self, k: ti.template()):
+        """Number of the first cell along an axis that the box around the hull reaches, and how many it reaches; a
+        scheme that sorts in the middle of its step may have moved a particle on from its cell."""
+        middle = self.hull.pose[ti.static(PLACE + k)] + self.hull.pose[ti.static(MIDDLE + k)] - self.grid.lower[k]
+        half, last = self.hull.pose[ti.static(HALF + k)] + 2.0 * self.spacing, ti.static(self.grid.cells[k] - 2)
+        first = int(ti.floor((middle - half) * self.grid.per_width[k])) + 1
+        end = int(ti.floor((middle + half) * self.grid.per_width[k])) + 1
+        if ti.static(self.hull.periods[k] > 0.0):
+            end = ti.min(end, first + last - 1)
+        else:
+            first, end = tm.clamp(first, 1, last), tm.clamp(end, 1, last)
+        return first, end - first + 1
+
+    @ti.func
+    def home(self, cell, k: ti.template()):
+        """The cell along an axis that one beyond a periodic side repeats."""
+        if ti.static(self.hull.periods[k] > 0.0):
+            n = ti.static(self.grid.cells[k] - 2)
+            cell = (cell - 1) - n * int(ti.floor((cell - 1) / n)) + 1
+        return cell
+
+    @ti.func
+    def find_in(self, layer, table: ti.template()):
+        """The same in a layer of cells across z."""
+        total, count = ti.Vector.zero(ti.f64, SUMS), 0
+        first_x, across = self.cells(0)
+        first_y, down = self.cells(1)
+        first_z, along = self.cells(2)
+        listed = self.grid.start[self.grid.cell_at(tm.ivec3(0, 0, layer))]
+        for z in range(first_z, first_z + along):
+            if self.home(z, 2) == layer:
+                for y in range(first_y, first_y + down):
+                    for x in range(first_x, first_x + across):
+                        c = self.grid.cell_at(tm.ivec3(self.home(x, 0), self.home(y, 1), layer))
+                        for i in range(self.grid.start[c], self.grid.start[c + 1]):
+                            count += self.meet(total, i, listed + count)
+        self.count[layer] = count
+        for c in ti.static(range(SUMS)):
+            table[1 + layer, c] = total[c]
+
+    @ti.func
+    def meet(self, total: ti.template(), i, to):
+        """List particle i where it is near, and add it where it touches; whether it is near."""
+        p, u, near = self.particles.position, self.particles.velocity, 0
+        d = self.hull.apart(tm.vec3(p.x[i], p.y[i], p.z[i]))
+        if self.hull.around(d, self.spacing):
+            normal, away, _thinning = self.hull.seen(d, self.hull.turn())
+            if away < NEAR * self.spacing:
+                self.near[to] = i
+                near = 1
+            if away < self.margin:
+                self.touch(total, normal, d, tm.vec3(u.x[i], u.y[i], u.z[i]) - self.hull.velocity(d))
+        return near
 
     @ti.func
     def touch(self, total: ti.template(), normal, d, v):
@@ -199,52 +204,60 @@ class WaveContact:
     @ti.kernel
     def push(self, table: ti.types.ndarray(ndim=2)):
         """Collide with the hull as it will move, and leave it; sums impulse, moment and work on the water."""
+        self.hull.take(table)
         ti.loop_config(serialize=True)
         for _ in range(1):
-            position, velocity, omega = self.three(table, 0), self.three(table, 12), self.three(table, 15)
-            first, spin = self.three(table, 18), self.three(table, 21)
-            turn = ti.Matrix.rows([self.three(table, 3), self.three(table, 6), self.three(table, 9)])
+            first = ti.cast(tm.vec3(table[0, BEFORE], table[0, BEFORE + 1], table[0, BEFORE + 2]), float)
+            spin = ti.cast(tm.vec3(table[0, BEFORE + 3], table[0, BEFORE + 4], table[0, BEFORE + 5]), float)
+            slipping = ti.cast(table[0, SLIP], float)
             total = ti.Vector.zero(ti.f64, WORK + 1)
-            for block in range(self.blocks):
-                for k in range(self.count[block]):
-                    i = self.near[block * BLOCK + k]
-                    p, u = self.particles.position, self.particles.velocity
-                    x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
-                    d = self.apart(x, position)
-                    normal, s, _thinning = self.seen(d, turn)
-                    if s < self.margin:
-                        before = (v - first - spin.cross(d)).dot(normal)
-                        slip = v - velocity - omega.cross(d)
-                        speed = slip.dot(normal)
-                        bounce = tm.max(-ti.static(self.config.restitution) * before, 0.0) - speed
-                        if bounce > 0.0:
-                            kick = bounce * normal
-                            along = slip - speed * normal
-                            rub = ti.static(self.config.friction) * bounce / tm.max(along.norm(), 1e-12)
-                            kick -= tm.min(rub, 1.0) * ti.cast(table[0, 31], float) * along
-                            new = v + kick
-                            u.x[i], u.y[i], u.z[i] = new.x, new.y, new.z
-                            impulse = ti.cast(self.mass, ti.f64) * (ti.cast(new, ti.f64) - ti.cast(v, ti.f64))
-                            moment = ti.cast(d, ti.f64).cross(impulse)
-                            for c in ti.static(range(3)):
-                                total[c] += impulse[c]
-                                total[3 + c] += moment[c]
-                            total[WORK] += 0.5 * impulse.dot(ti.cast(new + v, ti.f64))
-                        self.leave(i, x, position, turn)
+            for layer in range(self.layers):
+                listed = self.grid.start[self.grid.cell_at(tm.ivec3(0, 0, layer))]
+                for k in range(listed, listed + self.count[layer]):
+                    self.collide(total, self.near[k], first, spin, slipping)
             for c in ti.static(range(WORK + 1)):
                 table[1, c] = total[c]
 
     @ti.func
-    def leave(self, i, x, position, turn: ti.template()):
-        """Put a particle off the hull, by whole quanta of the grid, but not through a wall."""
+    def collide(self, total: ti.template(), i, first, spin, slipping):
+        """Particle i, of a hull that moved at `first` and `spin` before."""
+        p, u = self.particles.position, self.particles.velocity
+        x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
+        d = self.hull.apart(x)
+        normal, away, _thinning = self.hull.seen(d, self.hull.turn())
+        if away < self.margin:
+            before = (v - first - spin.cross(d)).dot(normal)
+            slip = v - self.hull.velocity(d)
+            speed = slip.dot(normal)
+            bounce = tm.max(-ti.static(self.config.restitution) * before, 0.0) - speed
+            if bounce > 0.0:
+                kick = bounce * normal
+                along = slip - speed * normal
+                rub = ti.static(self.config.friction) * bounce / tm.max(along.norm(), 1e-12)
+                kick -= tm.min(rub, 1.0) * slipping * along
+                new = v + kick
+                u.x[i], u.y[i], u.z[i] = new.x, new.y, new.z
+                impulse = ti.cast(self.mass, ti.f64) * (ti.cast(new, ti.f64) - ti.cast(v, ti.f64))
+                moment = ti.cast(d, ti.f64).cross(impulse)
+                for c in ti.static(range(3)):
+                    total[c] += impulse[c]
+                    total[3 + c] += moment[c]
+                total[WORK] += 0.5 * impulse.dot(ti.cast(new + v, ti.f64))
+            total[WORK] -= ti.cast(self.mass * self.gravity.dot(self.leave(i, x)), ti.f64)
+
+    @ti.func
+    def leave(self, i, x):
+        """Put a particle off the hull, by whole quanta of the grid, but not through a wall; how far it went [m]."""
+        start, turn = x, self.hull.turn()
         for _ in range(LEAPS):
-            normal, s, _thinning = self.seen(self.apart(x, position), turn)
-            way = tm.max(self.margin - s, 0.0)
+            normal, away, _thinning = self.hull.seen(self.hull.apart(x), turn)
+            way = tm.max(self.margin - away, 0.0)
             x += self.quantum * ti.ceil(way * normal / self.quantum - 0.5)
             for k in ti.static(self.walls.axes):
                 x[k] = tm.clamp(x[k], self.walls.low[k], self.walls.up[k])
         p = self.particles.position
         p.x[i], p.y[i], p.z[i] = x.x, x.y, x.z
+        return x - start
 
 
 def with_wave(load: Load, more: np.ndarray) -> Load:

@@ -13,6 +13,7 @@ import numpy as np
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import from_frame, to_frame
 from ocean_sim.fluid import Limits
+from ocean_sim.parts import LedgerRow
 from ocean_sim.ship import Load, loaded
 from ocean_sim.ship._hydrostatics import Matter
 from ocean_sim.ship._placed import Machine, Placed, Voyage
@@ -25,6 +26,7 @@ AHEAD, ASTERN = 0.02216 / 2.0, 0.01289 / 2.0  # thrust of a propeller over revol
 FASTEST = sqrt(0.5 * 24.4 * G / AHEAD)  # [rad/s]
 SLOWEST = sqrt(0.5 * 13.6 * G / ASTERN)  # [rad/s] astern
 DELAY = 0.1  # [s] of the propellers
+STEP = 3.8e-4  # [s] of processor time
 FULL = pi * 35.0 / 180.0  # [rad] rudder order at which one propeller stops at half throttle on both
 HOERNER = (
     (0.0109, 0.1766, 0.3530, 0.4519, 0.4728, 0.4929, 0.4933, 0.5585, 0.6464, 0.8336)
@@ -45,6 +47,10 @@ class Config(Placed):
 
     def warnings(self, scene: Any) -> list[str]:
         return ["the Otter's model knows still water alone: neither waves nor wind reach it"]
+
+    def ledger(self, basin: Basin, word: int = 8) -> list[LedgerRow]:
+        """It has no fields."""
+        return [LedgerRow("ship", "the matrices of the Otter's model", 0, "ship.kind is manoeuvring", STEP)]
 
     def build(self, basin: Basin, fluid: Any) -> "Manoeuvring":
         return Manoeuvring(self, basin)

@@ -45,7 +45,7 @@ def panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None
     failed(axes, key, trial.schemes, [row for row in there if row.get("error") is None])
     best = [done[i] for i in front([(row[key], height(row)) for row in done])]
     at, error = [row[key] for row in best], [height(row) for row in best]
-    axes.step(at, error, where="post", color="black", lw=0.8, zorder=1)
+    axes.step(at, error, where="post", color="black", lw=0.8, zorder=1, label="front: none is cheaper and better")
     margins(axes, key, trial)
     unit = next((row["unit"] for row in done if row["unit"] != "1"), "")
     axes.set_ylabel(f"error{f' [{unit}]' if unit else ''}")
@@ -101,6 +101,8 @@ def scattered(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> 
                 fontsize=5,
                 alpha=0.8,
             )
+    if any(row["changed"] for row in rows):
+        axes.plot([], [], "o", color="0.4", markerfacecolor="white", ms=6, label="hollow: one setting changed")
 
 
 def failed(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict[str, Any]]) -> None:
@@ -121,8 +123,10 @@ def margins(axes: Any, key: str, trial: Trial) -> None:
         said = f"{peer.program}, {peer.particles} particles"
         if key == "particles":
             axes.plot([peer.particles], [peer.error], "*", color="0.4", ms=9)
-            at = (peer.particles, peer.error)
-            axes.annotate(said, at, (-5, 5), textcoords="offset points", ha="right", fontsize=6)
+            low, high = axes.get_xlim()
+            right = peer.particles**2 > low * high  # of the middle of a logarithmic axis: room is on the other side
+            place: dict[str, Any] = {"xytext": (-5, 5), "ha": "right"} if right else {"xytext": (5, 5), "ha": "left"}
+            axes.annotate(said, (peer.particles, peer.error), textcoords="offset points", fontsize=6, **place)
         else:
             axes.axhline(peer.error, color="0.4", ls=":", lw=0.9)
             edge = axes.get_yaxis_transform()
@@ -144,13 +148,13 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
         axes = figure.add_subplot(high, wide, k + 1)
         axes.set_xscale("log")
         done = [row for row in rows if row.get(name) is not None and row[key]]
-        for row in done:
+        for n, row in enumerate(sorted(done, key=lambda row: row[key])):
             colour, mark = (SERIES[1], "s") if row["reference"] else (SERIES[0], "o")
             at, spread = (row[key], row[name]), row[f"{name}_spread"] or 0.0
             axes.errorbar(*at, yerr=spread, fmt=mark, color=colour, capsize=3)
             said = row["setting"].replace("--set ", "")
             side: dict[str, Any] = {"ha": "right"} if row["reference"] else {"ha": "left"}
-            shift = (-5 if row["reference"] else 5, 5)
+            shift = (-5 if row["reference"] else 5, -10 if n % 2 else 5)
             axes.annotate(said, at, shift, textcoords="offset points", fontsize=6, **side)
         edge = [done[i] for i in front([(row[key], row[name]) for row in done])]
         axes.step([r[key] for r in edge], [r[name] for r in edge], where="post", color="black", lw=0.8, zorder=1)

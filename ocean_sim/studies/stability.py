@@ -15,6 +15,7 @@ import numpy as np
 
 from ocean_sim.result import Result
 from ocean_sim.scene import SceneConfig, load
+from ocean_sim.studies import heeds
 from ocean_sim.studies._scene_run import PICTURES, of, ordered
 from ocean_sim.yaml_file import SceneError
 
@@ -126,7 +127,8 @@ def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
     afloat, theirs = axis.of == "ship", None if scene is None else load(scene).fluid
     if scene is not None and (afloat or not hasattr(theirs, "lattice")):
         return  # a hull has its own mass, and water without particles nothing that breaks
-    for scheme in ("delta_sph",) if afloat else SCHEMES if theirs is None else (theirs.kind,):
+    schemes = ("delta_sph",) if afloat else SCHEMES if theirs is None else (theirs.kind,)
+    for scheme in (scheme for scheme in schemes if heeds(scheme, axis.key)):
         base: Any = scene or (AFLOAT if afloat else COLUMN | {"fluid": COLUMN["fluid"] | {"kind": scheme}})
         own: dict[str, Any] = dict.fromkeys(PICTURES) | {"time_step": {"kind": "courant"}}
         for value in axis.quick if quick else axis.full:

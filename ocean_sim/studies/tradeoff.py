@@ -12,6 +12,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any, NamedTuple
 
+from ocean_sim.studies import heeds
 from ocean_sim.studies._case_run import ordered, problem_of
 from ocean_sim.yaml_file import SceneError
 
@@ -166,7 +167,9 @@ def _levels(trial: Trial, quick: bool) -> list[tuple[bool, float]]:
 
 
 def _differs(point: Point) -> bool:
-    """Whether the scheme knows the setting, and has another value by itself."""
+    """Whether the scheme knows the setting, heeds it, and has another value by itself."""
+    if not all(heeds(point.scheme, key) for key in point.settings):
+        return False
     problem = problem_of(point.trial.case, point.trial.set_up, point.coarse, point.scheme)
     try:
         return problem.load(point.scheme, point.settings).resolved() != problem.load(point.scheme).resolved()

@@ -46,7 +46,7 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
 
     basin = config.place()
     rows, warnings = config.ledger(), config.warnings()
-    particles = config.fluid.lattice(basin).n if hasattr(config.fluid, "lattice") else 0
+    particles = config.particles(basin)
     memory = base_memory(particles) + sum(row.bytes for row in rows)
     time_step = config.time_step.build()
     still = config.fluid.still_limits(basin)
@@ -72,14 +72,14 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         "limited_by": time_step.limited_by,
         "stable_time_step": stable,
         "stable_limited_by": limit,
-        "estimated_wall_s": seconds if particles else None,  # without particles it is the observers that take time
+        "estimated_wall_s": seconds if particles else None,  # nobody has measured closed forms
         "ledger": rows,
     }
 
 
 def ledger(found: dict[str, Any], config: SceneConfig) -> list[dict[str, Any]]:
     """The ledger by rows; kernels, and the share of a step's processor time, are those of a whole part and stand in its
-    first row."""
+    first row. A part that takes nothing of a step has no share."""
     from ocean_sim.runtime import kernels_in
 
     parts, dt = config.parts(), found["time_step"]
@@ -89,7 +89,7 @@ def ledger(found: dict[str, Any], config: SceneConfig) -> list[dict[str, Any]]:
         cells: dict[str, Any] = {key: getattr(row, key) for key in ("part", "what", "bytes", "why")}
         first, own = row.part not in told, [other for other in found["ledger"] if other.part == row.part]
         cells["kernels"] = kernels_in(type(parts[row.part]).__module__) if first else None
-        cells["share"] = sum(other.a_step(dt) for other in own) / total if first and total else None
+        cells["share"] = (sum(other.a_step(dt) for other in own) / total or None) if first and total else None
         told.add(row.part)
         rows.append(cells)
     return rows
@@ -117,7 +117,7 @@ def statements(config: SceneConfig) -> list[str]:
 
 
 def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
-    """An estimate from what each part was measured to take; observers are not in it."""
+    """An estimate from what each part was measured to take; what observers do when the run is over is not in it."""
     seconds = found["estimated_wall_s"]
     about = f"about {console.duration(seconds)}" if seconds is not None else "no estimate of the wall time"
     return f"{about} for {config.duration:g} s"
@@ -148,7 +148,8 @@ def long(found: dict[str, Any], config: SceneConfig) -> None:
             ["stable", f"{found['stable_time_step']:.4g} s in still water, limited by: {found['stable_limited_by']}"],
             [
                 "wall time",
-                wall_time(found, config) + (" (an estimate, without observers)" if found["estimated_wall_s"] else ""),
+                wall_time(found, config)
+                + (" (an estimate, without pictures and reports)" if found["estimated_wall_s"] else ""),
             ],
         ],
     )

@@ -10,6 +10,8 @@ class Wind(Protocol):
 
     needs_area: bool  # whether `force` reads `area`: the fluid then finds the exposed area of its particles
 
+    blows: bool  # whether `force` is ever anything
+
     def on(self, target: Literal["fluid", "ship"]) -> "Wind":
         """The wind that a target feels: this one, or still air where it is no target."""
         ...

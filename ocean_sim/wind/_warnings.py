@@ -15,11 +15,13 @@ FEWEST = 10.0  # spacings that a wave must be long to travel well
 
 # Viscosity that a scheme adds to a wave so many spacings long, over h c (half its support, its sound speed): measured
 # by the decay of small waves in a slice, in the cases wind_growth (still air; 32 and 64) and standing_wave (50 and 100;
-# mueller's at Re 250, less its own, for without any it grows). Steeper seas lose more: imposed_sea, at 160 to 200
-# spacings to the peak's wave, some 0.002 under delta_sph.
+# mueller's at Re 250, less its own, for without any it grows; dfsph's with its artificial viscosity of 0.01, which is
+# 1.0e-3 of it). Steeper seas lose more: imposed_sea, at 160 to 200 spacings to the peak's wave, some 0.002 under
+# delta_sph.
 ADDED = {
     "delta_sph": ((32.0, 8.8e-4), (64.0, 5.5e-4), (100.0, 2.2e-4)),
     "mueller": ((50.0, 3.3e-3),),
+    "dfsph": ((50.0, 2.43e-3), (100.0, 2.13e-3)),
 }
 
 

@@ -18,7 +18,8 @@ from ocean_sim.parts import LedgerRow, PartConfig, Vector2, Vector3, quantity
 from ocean_sim.random_numbers import numpy_uniform3
 from ocean_sim.wind._air import Air, joined, turned_all
 from ocean_sim.wind._air_load import drag, lift
-from ocean_sim.wind._noise import EVERY, Noise, NoiseSize
+from ocean_sim.wind._noise import EVERY, OWN, Noise, NoiseSize
+from ocean_sim.wind._now import Now
 from ocean_sim.wind._passages import Passages
 from ocean_sim.wind._schedule import Scheduled
 from ocean_sim.wind._volumes import Shape, turned, turned_back, within
@@ -27,13 +28,15 @@ from ocean_sim.wind.still import Still
 
 NOISE, PASSAGES = 0x1_0000, 0x2_0000  # streams of random numbers; the volume's number is added
 
-# Columns of a volume's row; after them come its shapes, whose columns count from where the shape begins.
-ORIGIN, VELOCITY, ACCELERATION, STRENGTH_OF_NOISE, WIND = 0, 3, 6, 9, 12
-ELAPSED, LIFT, COSINE, SINE, MIDDLE, EXTENT, SHAPES = 15, 16, 17, 18, 19, 22, 25
-CENTRE, HALF, RADIUS, SHAPE_COSINE, SHAPE_SINE, SIGN, WIDTH = 0, 3, 6, 7, 8, 9, 10
+SINCE = OWN  # [s] from when the rows were told, in the column of this number of what blows now
 
-ADVANCE = 1.0e-4  # [s] of processor time a step; what it blows on is in the particles' and the ship's
-ROUNDING = 1e-4  # by which the box around a volume is larger than it
+# Columns of a volume's row; after them come its shapes, whose columns count from where the shape begins.
+CENTRE, VELOCITY, ACCELERATION, STRENGTH_OF_NOISE, WIND, LIFT = 0, 3, 6, 9, 12, 15
+NORMAL, MIDDLE, HALF_THICK, SHAPES = 16, 19, 20, 21
+ARM, HALF, RADIUS, COSINE, SINE, SIGN, WIDTH = 0, 3, 6, 7, 8, 9, 10
+
+ADVANCE = 3.0e-5  # [s] of processor time a step; what it blows on is in the particles' and the ship's
+ROUNDING = 1e-4  # by which the slab around a volume is thicker than it
 
 Target = Literal["fluid", "ship"]
 
@@ -104,15 +107,18 @@ class Volume(Scheduled):
         weak, strong = self.redraw_strength
         return (low + high + side * (high - low)) / 2 - given, (weak + strong + force * (strong - weak)) / 2
 
-    def bounds(self, turn: float) -> tuple[np.ndarray, np.ndarray]:
-        """Middle and half size [m] of an upright box along the axes that holds the volume, turned by `turn` [rad]; the
-        middle is seen from the centre of the volume."""
+    def slab(self, turn: float) -> tuple[np.ndarray, float, float]:
+        """The thinnest slab across an axis of the first shape that holds the volume, turned by `turn` [rad]: its
+        normal, and its middle, seen from the centre of the volume, and half its thickness along the normal [m]."""
         cores = [shape.core for shape in self.include]
-        centres = np.array([turned(core.centre - cores[0].centre, turn) for core in cores])
-        axes = [turned(axis, -turn) for axis in np.eye(3)]
-        reach = np.array([[core.reach(axis) for axis in axes] for core in cores]) * (1.0 + ROUNDING) + ROUNDING
-        low, high = (centres - reach).min(axis=0), (centres + reach).max(axis=0)
-        return (low + high) / 2.0, (high - low) / 2.0
+        slabs = []
+        for axis in np.eye(3):
+            normal = turned(axis, cores[0].yaw)
+            places = np.array([(core.centre - cores[0].centre) @ normal for core in cores])
+            reach = np.array([core.reach(normal) for core in cores]) * (1.0 + ROUNDING) + ROUNDING
+            low, high = float((places - reach).min()), float((places + reach).max())
+            slabs.append((turned(normal, turn), (low + high) / 2.0, (high - low) / 2.0))
+        return min(slabs, key=lambda slab: slab[2])
 
     def passages(self, basin: Basin, seed: int, number: int) -> Passages:
         """The way of volume `number` across the basin."""
@@ -152,7 +158,9 @@ class Config(PartConfig):
 
     def ledger(self, basin: Basin, word: int = 8) -> list[LedgerRow]:
         n, row = len(self.volumes), SHAPES + WIDTH * most_shapes(self.volumes)
-        return [LedgerRow("wind", "moving volumes of air", word * (n * row + 3) + 8, f"{n} in wind.volumes", ADVANCE)]
+        return [
+            LedgerRow("wind", "moving volumes of air", word * (n * row + SINCE + 1), f"{n} in wind.volumes", ADVANCE)
+        ]
 
     def warnings(self, scene: Any) -> list[str]:
         sentences = []
@@ -177,21 +185,26 @@ def most_shapes(volumes: list[Volume]) -> int:
 class Gusts:
     """Volumes on their way, and the load of their air."""
 
+    blows = True
+
     def __init__(self, config: Config, basin: Basin, seed: int) -> None:
         self.config, self.volumes = config, config.volumes
         self.needs_area = any(v.wind_speed > 0.0 for v in self.volumes)
         self.noisy = any(any(v.noise) for v in self.volumes)
         self.passages = [v.passages(basin, seed, g) for g, v in enumerate(self.volumes)]
         self.n, self.shapes = len(self.volumes), most_shapes(self.volumes)
-        # One field, so that Python writes single numbers through one compiled writer, a few microseconds each.
-        self.row = ti.field(float, shape=(self.n, SHAPES + WIDTH * self.shapes))
-        self.noise = Noise(seed, config.noise_every) if self.noisy else None
-        self.time, self.gain = 0.0, 1.0
+        self.rows = np.zeros((self.n, SHAPES + WIDTH * self.shapes))
+        self.row = ti.field(float, shape=self.rows.shape)
+        self.now = Now(SINCE + 1)
+        self.noise = Noise(seed, config.noise_every, self.now) if self.noisy else None
+        self.time, self.since, self.gain = 0.0, 0.0, 1.0
         self.blown = [volume.blows(0.0) for volume in self.volumes]
         self.steady = [volume.always and volume.schedule is None for volume in self.volumes]
-        for g, volume in enumerate(self.volumes):
-            self._write_shapes(g, volume)
-            self._write_passage(g)
+        self.moving = any(passage.speed for passage in self.passages)
+        for g in range(self.n):
+            self._shape(g)
+            self._blow(g)
+        self._tell()
 
     def on(self, target: Target) -> "Gusts | Aimed | Still":
         """The wind that a target feels: all volumes, those that act on it, or still air where none does."""
@@ -202,7 +215,8 @@ class Gusts:
         """Blow so many times as strongly as the scene says: acceleration, noise and wind_speed."""
         self.gain = factor
         for g in range(self.n):
-            self._write_passage(g)
+            self._blow(g)
+        self._tell()
 
     def shown(self) -> Air:
         """The volumes where they are now, an arrow along each acceleration, or along the wind where there is none."""
@@ -219,40 +233,54 @@ class Gusts:
 
     def advance(self, dt: float) -> None:
         """Algorithm 1 for every volume, what it blows in the middle of a step of dt [s], and the noise of the step."""
+        changed = False
         for g, (passage, volume) in enumerate(zip(self.passages, self.volumes)):
             before, blown = passage.number, self.blown[g]
             passage.advance(dt)
             if not self.steady[g]:
                 self.blown[g] = volume.blows(self.time, dt)
+            if passage.number != before:
+                self._shape(g)
             if passage.number != before or self.blown[g] != blown:
-                self._write_passage(g)
-            elif passage.speed:
-                self.row[g, ELAPSED] = passage.elapsed
+                self._blow(g)
+                changed = True
+        if changed:
+            self._tell()
+        elif self.moving:
+            self.since += dt
+            self.now.tell(SINCE, self.since)
         if self.noise is not None:
             self.noise.advance(dt)
         self.time += dt
 
-    def _write(self, g: int, column: int, *numbers: float) -> None:
-        for k, number in enumerate(numbers):
-            self.row[g, column + k] = float(number)
+    def _shape(self, g: int) -> None:
+        """Note where the shapes of volume g lie around its centre in this passage."""
+        volume, turn = self.volumes[g], self.passages[g].turn
+        signs, first = [1.0] * len(volume.include) + [-1.0] * len(volume.exclude), volume.include[0].core.centre
+        normal, middle, half = volume.slab(turn)
+        numbers = [*normal, middle, half]
+        for shape, sign in zip(volume.include + volume.exclude, signs):
+            c = shape.core
+            arm, yaw = turned(c.centre - first, turn), c.yaw + turn
+            numbers += [*arm, *c.half, c.radius, cos(yaw), sin(yaw), sign]
+        self.rows[g, NORMAL : NORMAL + len(numbers)] = numbers
 
-    def _write_shapes(self, g: int, volume: Volume) -> None:
-        signs = [1.0] * len(volume.include) + [-1.0] * len(volume.exclude)
-        for s, (shape, sign) in enumerate(zip(volume.include + volume.exclude, signs)):
-            c, origin = shape.core, volume.include[0].core.centre
-            numbers = (*(c.centre - origin), *c.half, c.radius, cos(c.yaw), sin(c.yaw), sign)
-            self._write(g, SHAPES + WIDTH * s, *numbers)
-
-    def _write_passage(self, g: int) -> None:
-        p, volume = self.passages[g], self.volumes[g]
-        part, turn = self.blown[g]
+    def _blow(self, g: int) -> None:
+        """Note what volume g blows now."""
+        p, volume, (part, turn) = self.passages[g], self.volumes[g], self.blown[g]
         part *= self.gain
         acceleration = part * p.strength * turned(volume.acceleration, p.turn + turn)
         wind = part * p.strength * volume.wind_speed * turned(volume.ahead, p.turn + turn)
-        numbers = (*p.origin, *p.velocity, *acceleration, *np.multiply(part, volume.noise), *wind)
-        middle, extent = volume.bounds(p.turn)
-        turn = cos(p.turn), sin(p.turn)
-        self._write(g, ORIGIN, *numbers, p.elapsed, volume.lift_coefficient, *turn, *middle, *extent)
+        numbers = (*acceleration, *np.multiply(part, volume.noise), *wind, volume.lift_coefficient)
+        self.rows[g, ACCELERATION : LIFT + 1] = numbers
+
+    def _tell(self) -> None:
+        """Tell the kernels all rows; the centres are those of now."""
+        for numbers, passage in zip(self.rows, self.passages):
+            numbers[CENTRE:ACCELERATION] = (*passage.centre, *passage.velocity)
+        self.row.from_numpy(self.rows)
+        self.since = 0.0
+        self.now.tell(SINCE, 0.0)
 
     @ti.func
     def force(self, key, position, velocity, area, mass):
@@ -264,13 +292,11 @@ class Gusts:
 
     @ti.func
     def push(self, g, key, position, velocity, area, mass):
-        """The load of volume g [N]; along x, on which volumes drift, most particles are seen to lie outside at once."""
+        """The load of volume g [N]; most particles are seen to lie outside its slab at once."""
         total = tm.vec3(0.0)
-        along = position.x - self.row[g, ORIGIN] - self.row[g, ELAPSED] * self.row[g, VELOCITY]
-        if ti.abs(along - self.row[g, MIDDLE]) - self.row[g, EXTENT] <= 0.0:
-            x = position - self.vector(g, ORIGIN) - self.row[g, ELAPSED] * self.vector(g, VELOCITY)
-            beyond = ti.abs(x - self.vector(g, MIDDLE)) - self.vector(g, EXTENT)
-            if ti.max(beyond.y, beyond.z) <= 0.0 and self.holds(g, x):
+        x = position - self.vector(g, CENTRE) - self.now.field[SINCE] * self.vector(g, VELOCITY)
+        if ti.abs(x.dot(self.vector(g, NORMAL)) - self.row[g, MIDDLE]) <= self.row[g, HALF_THICK]:
+            if self.holds(g, x):
                 total += mass * self.vector(g, ACCELERATION)
                 if ti.static(self.noisy):
                     total += mass * self.vector(g, STRENGTH_OF_NOISE) * self.noise.of(NOISE + g, key)
@@ -288,11 +314,10 @@ class Gusts:
     @ti.func
     def holds(self, g, x):
         """Whether x, seen from the centre of volume g [m], lies in an included shape of it and in no excluded one."""
-        x = turned_back(x, self.row[g, COSINE], self.row[g, SINE])
         included, excluded = False, False
         for s in range(self.shapes):
             k = SHAPES + WIDTH * s
-            own = turned_back(x - self.vector(g, k), self.row[g, k + SHAPE_COSINE], self.row[g, k + SHAPE_SINE])
+            own = turned_back(x - self.vector(g, k + ARM), self.row[g, k + COSINE], self.row[g, k + SINE])
             if within(own, self.vector(g, k + HALF), self.row[g, k + RADIUS]):
                 included |= self.row[g, k + SIGN] > 0.0
                 excluded |= self.row[g, k + SIGN] < 0.0
@@ -306,6 +331,8 @@ class Gusts:
 @ti.data_oriented
 class Aimed:
     """Some of the volumes: what a target feels of gusts that do not all act on it."""
+
+    blows = True
 
     def __init__(self, gusts: Gusts, numbers: list[int]) -> None:
         self.gusts, self.n = gusts, len(numbers)

@@ -24,6 +24,7 @@ class Still:
     """Air at rest."""
 
     needs_area: ClassVar[bool] = False
+    blows: ClassVar[bool] = False
 
     def on(self, target: str) -> "Still":
         """The wind that a target feels."""

@@ -18,6 +18,7 @@ from ocean_sim.conventions import AIR_DENSITY
 from ocean_sim.parts import LedgerRow, quantity
 from ocean_sim.wind._air import Air
 from ocean_sim.wind._air_load import DragLaw, drag, stress
+from ocean_sim.wind._now import Now
 from ocean_sim.wind._schedule import Scheduled
 from ocean_sim.wind._warnings import out_of_range, unresolved
 from ocean_sim.wind.still import Still
@@ -100,16 +101,17 @@ class Stress:
     """The wind as it blows now."""
 
     needs_area = True
+    blows = True
 
     def __init__(self, config: Config, basin: Basin, afloat: bool = False) -> None:
         """`afloat`: as a ship feels it."""
         self.config, self.dimension, self.afloat = config, basin.dimension, afloat
-        self.basin, self.time, self.gain, self.told = basin, 0.0, 1.0, None
+        self.basin, self.time, self.gain = basin, 0.0, 1.0
         self.sheltering = config.sheltering > 0.0
-        self.air = ti.field(float, shape=6)
+        self.now = Now(SPEED + 1)
         self.steady = config.always and config.schedule is None  # told once
         self.ship = None if afloat or "ship" not in config.targets else Stress(config, basin, afloat=True)
-        self.advance(0.0)
+        self._tell(0.0)
 
     def on(self, target: Literal["fluid", "ship"]) -> "Stress | Still":
         """The wind that a target feels: stress, drag on a hull, or still air where it is none of `targets`."""
@@ -119,29 +121,29 @@ class Stress:
 
     def advance(self, dt: float) -> None:
         """What blows in the middle of a step of dt [s]."""
-        if self.steady and self.told is not None:
-            self.time += dt
-            return
-        u10, heading = self.config.blows(self.time + 0.5 * dt, self.dimension)
-        u10 *= self.gain
-        part = self.config.blowing(self.time, dt)
-        ahead = np.array([sin(radians(heading)), 0.0 if self.dimension == 2 else cos(radians(heading))])
-        along = part * self.config.tau(u10) * ahead
-        numbers = (*along, part * self.config.sheltered(u10), *ahead, part * u10)
-        if numbers != self.told:
-            for k, number in enumerate(numbers):
-                self.air[k] = float(number)
-            self.told = numbers
+        if not self.steady:
+            self._tell(dt)
         self.time += dt
         if self.ship is not None:
             self.ship.advance(dt)
 
     def strengthen(self, factor: float) -> None:
         """Blow with so many times the U10 of the scene."""
-        self.gain, self.told = factor, None
+        self.gain = factor
+        self._tell(0.0)
         if self.ship is not None:
             self.ship.strengthen(factor)
-        self.advance(0.0)
+
+    def _tell(self, dt: float) -> None:
+        """Tell the kernels what blows in a step of dt [s] from now on."""
+        u10, heading = self.config.blows(self.time + 0.5 * dt, self.dimension)
+        u10 *= self.gain
+        part = self.config.blowing(self.time, dt)
+        ahead = sin(radians(heading)), 0.0 if self.dimension == 2 else cos(radians(heading))
+        along = part * self.config.tau(u10)
+        numbers = along * ahead[0], along * ahead[1], part * self.config.sheltered(u10), *ahead, part * u10
+        for column, number in enumerate(numbers):
+            self.now.tell(column, number)
 
     def shown(self) -> Air:
         """Arrows all over the water; length 1 is the greatest U10 that the scene has."""
@@ -155,19 +157,20 @@ class Stress:
     @property
     def stress(self) -> float:
         """On the water now [Pa]."""
-        return hypot(self.air[ALONG_X], self.air[ALONG_Z])
+        return hypot(self.now.told[ALONG_X], self.now.told[ALONG_Z])
 
     @ti.func
     def force(self, key, position, velocity, area, mass):
         """Stress on the plan area, and pressure on the slope [N]; on a hull the drag (2.22)."""
+        now = ti.static(self.now.field)
         total = tm.vec3(0.0)
         if ti.static(self.afloat):
-            wind = self.air[SPEED] * tm.vec3(self.air[AHEAD_X], 0.0, self.air[AHEAD_Z])
+            wind = now[SPEED] * tm.vec3(now[AHEAD_X], 0.0, now[AHEAD_Z])
             total = drag(wind - velocity, area.norm())
         else:
-            total = area.y * tm.vec3(self.air[ALONG_X], 0.0, self.air[ALONG_Z])
+            total = area.y * tm.vec3(now[ALONG_X], 0.0, now[ALONG_Z])
             if ti.static(self.sheltering):
                 if area.y > 0.0:
-                    slope = -(area.x * self.air[AHEAD_X] + area.z * self.air[AHEAD_Z]) / area.y
-                    total -= self.air[PRESSURE] * tm.clamp(slope, -STEEPEST, STEEPEST) * area
+                    slope = -(area.x * now[AHEAD_X] + area.z * now[AHEAD_Z]) / area.y
+                    total -= now[PRESSURE] * tm.clamp(slope, -STEEPEST, STEEPEST) * area
         return total

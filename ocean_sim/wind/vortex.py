@@ -14,13 +14,15 @@ import taichi.math as tm
 from ocean_sim.basin import Basin
 from ocean_sim.parts import LedgerRow, Vector2, quantity
 from ocean_sim.wind._air import Air
-from ocean_sim.wind._noise import EVERY, Noise, NoiseSize
+from ocean_sim.wind._noise import EVERY, OWN, Noise, NoiseSize
+from ocean_sim.wind._now import Now
 from ocean_sim.wind._passages import Passages
 from ocean_sim.wind._schedule import Timed
 from ocean_sim.wind._warnings import kick, stylised
 from ocean_sim.wind.still import Still
 
 NOISE = 0x3_0000  # stream of random numbers
+AXIS_X, AXIS_Z, PART = OWN, OWN + 1, OWN + 2  # columns: [m], and the part of its strength that it has now
 
 
 class Config(Timed):
@@ -67,7 +69,7 @@ class Config(Timed):
         return [(("kind",), sentence)] if basin.dimension == 2 else []
 
     def ledger(self, basin: Basin, word: int = 8) -> list[LedgerRow]:
-        return [LedgerRow("wind", "axis, strength and noise of the vortex", 6 * word + 8, "wind.kind is vortex")]
+        return [LedgerRow("wind", "axis, strength and noise of the vortex", (PART + 1) * word, "wind.kind is vortex")]
 
     def warnings(self, scene: Any) -> list[str]:
         speed = hypot(*self.drift)
@@ -81,16 +83,17 @@ class Vortex:
     """The column on its way."""
 
     needs_area = False
+    blows = True
 
     def __init__(self, config: Config, basin: Basin, seed: int) -> None:
         self.config, self.targets = config, tuple(config.targets)
         x, z = config.centre
         self.passage = Passages((x, 0.0, z), (config.drift[0], 0.0, config.drift[1]), config.core_radius, basin)
-        self.axis = ti.field(float, shape=3)  # x and z [m], and the part of its strength that it has now
+        self.now = Now(PART + 1)
         self.noisy = any(config.noise)
-        self.noise = Noise(seed, config.noise_every) if self.noisy else None
+        self.noise = Noise(seed, config.noise_every, self.now) if self.noisy else None
         self.time, self.part, self.gain = 0.0, config.blowing(0.0), 1.0
-        self._write_axis()
+        self._tell()
 
     def on(self, target: Literal["fluid", "ship"]) -> "Vortex | Still":
         """The wind that a target feels: this, or still air where it is none of `targets`."""
@@ -99,11 +102,10 @@ class Vortex:
     def advance(self, dt: float) -> None:
         """Algorithm 1."""
         self.passage.advance(dt)
-        before = self.part
         if not self.config.always:
             self.part = self.config.blowing(self.time, dt)
-        if self.passage.speed or self.part != before:
-            self._write_axis()
+        if self.passage.speed or not self.config.always:
+            self._tell()
         if self.noise is not None:
             self.noise.advance(dt)
         self.time += dt
@@ -111,7 +113,7 @@ class Vortex:
     def strengthen(self, factor: float) -> None:
         """Blow so many times as strongly as the scene says."""
         self.gain = factor
-        self._write_axis()
+        self._tell()
 
     def shown(self) -> Air:
         """The core, as deep as the water feels it, and arrows around it where the push is greatest."""
@@ -125,20 +127,23 @@ class Vortex:
         greatest = hypot(config.acceleration, config.inward, config.upward) or 1.0
         return Air(np.concatenate([*rings, upright]), top[:-1:4], self.gain * self.part / greatest * pushes)
 
-    def _write_axis(self) -> None:
-        self.axis[0], _, self.axis[1] = self.passage.centre
-        self.axis[2] = self.gain * self.part
+    def _tell(self) -> None:
+        x, _, z = self.passage.centre.tolist()
+        for column, number in ((AXIS_X, x), (AXIS_Z, z), (PART, self.gain * self.part)):
+            self.now.tell(column, number)
 
     @ti.func
     def force(self, key, position, velocity, area, mass):
         """Mass times acceleration around, towards and along the axis, and noise [N]."""
-        arm = tm.vec3(position.x - self.axis[0], 0.0, position.z - self.axis[1])
+        now = ti.static(self.now.field)
+        arm = tm.vec3(position.x - now[AXIS_X], 0.0, position.z - now[AXIS_Z])
         r2, core = arm.dot(arm), ti.static(self.config.core_radius)
         around, towards = tm.vec3(arm.z, 0.0, -arm.x), -arm
         profile = core / ti.max(r2, core * core)  # times r: r / core inside, core / r outside
-        depth = self.axis[2] * tm.clamp(1.0 + position.y / self.config.layer, 0.0, 1.0)
+        depth = now[PART] * tm.clamp(1.0 + position.y / self.config.layer, 0.0, 1.0)
         level = self.config.acceleration * around + self.config.inward * towards
         total = level + tm.vec3(0.0, self.config.upward * ti.sqrt(r2), 0.0)
         if ti.static(self.noisy):
-            total += ti.sqrt(r2) * tm.vec3(self.config.noise) * self.noise.of(NOISE, key)
+            if depth > 0.0:  # below its layer nothing is drawn
+                total += ti.sqrt(r2) * tm.vec3(self.config.noise) * self.noise.of(NOISE, key)
         return mass * depth * profile * total

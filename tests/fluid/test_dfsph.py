@@ -159,3 +159,36 @@ def test_without_its_solvers_water_is_compressed(water):
     """Negative control: so far that there are more neighbours than slots, which stops the run."""
     with pytest.raises(Diverged, match="more neighbours than their lists hold"):
         collapsed(water, max_density_iterations=0, max_divergence_iterations=0)
+
+
+def gained(water, brief: bool) -> float:
+    """Energy that a column of syrup gains in steps as short as its viscosity asks for, over m g H."""
+    fluid = water(
+        "dfsph",
+        basin={"length": 1.0, "width": None, "depth": 0.5},
+        spacing=0.05,
+        fill=[{"min": [-0.5, -0.5], "max": [0.0, 0.0]}],
+        kinematic_viscosity=10.0,
+    )
+    if not brief:
+        fluid.divergence.brief = 0.0
+
+    def energy() -> float:
+        x, v = fluid.particles.position.to_numpy(), fluid.particles.velocity.to_numpy()
+        return 0.5 * float((v**2).sum(axis=1).mean()) + GRAVITY * float(x[:, 1].mean())
+
+    start, most = energy(), 0.0
+    for k in range(2000):
+        fluid.advance(2.5e-5)
+        if k % 50 == 49:
+            most = max(most, energy() - start)
+    return most / (GRAVITY * 0.5)
+
+
+def test_a_viscous_column_gains_no_energy_in_short_steps(water):
+    assert gained(water, True) == 0.0
+
+
+def test_what_is_calm_in_a_long_step_would_lift_water_in_short_ones(water):
+    """Negative control: what gravity compresses in a step is never undone, until it comes as a blow."""
+    assert gained(water, False) > 0.01

@@ -223,3 +223,21 @@ def test_the_exposed_area_of_flat_water_is_its_plan_area(water, dimension):
     np.testing.assert_allclose(area.sum(axis=0), [0.0, plan, 0.0], atol=0.1 * plan)
     deep = x[:, 1] < -0.3
     assert np.abs(area[deep]).max() < 1e-3 * area[:, 1].max()
+
+
+def test_a_bed_that_water_lies_on_does_no_work(water):
+    """Each step gives a particle on the bed back some of the speed at which it would fall through, and it stays where
+    it is: what images push times that speed, a work that nothing does, is over sixty times what is counted."""
+    basin = {"restitution": 0.5}
+    fluid = water(basin=basin, kinematic_viscosity=0.05, compression=0.01, collision_distance=0.5, ledger=True)
+    fluid.advance(dt := 0.2 * fluid.limits().acoustic)
+    while fluid.time < 2.0:
+        fluid.advance(dt)
+    before, unreal = fluid.work["walls"], 0.0
+    while fluid.time < 3.0:
+        impulse, y = fluid.impulse["walls"][1], fluid.particles.position.to_numpy()[:, 1]
+        returned = fluid.particles.velocity.to_numpy()[y < y.min() + 1e-6, 1].mean()
+        fluid.advance(dt)
+        unreal += returned * (fluid.impulse["walls"][1] - impulse)
+    assert unreal > 0.0
+    assert abs(fluid.work["walls"] - before) < unreal / 60.0

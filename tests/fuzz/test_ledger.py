@@ -10,7 +10,9 @@ import pytest
 
 from ocean_sim.parts import config_of
 from ocean_sim.result import Result
+from ocean_sim.runtime import allocated_bytes, start
 from ocean_sim.scene import load
+from ocean_sim.simulation import Simulation
 from ocean_sim.verbs.check import ledger, preflight
 
 SHIP = {"kind": "hydrostatic", "hull": {"shape": {"kind": "sphere", "radius": 0.3}, "mass": 40.0}}
@@ -32,13 +34,23 @@ WHOLE = {
     **dict.fromkeys(("render", "report")),
 }
 
+WATCHERS = {"ship": ("motion", "platform_log"), "platform": ("platform_log",)}  # who has nothing to watch without
+SLAB = {
+    "basin": {"length": 4.0, "depth": 1.2},
+    "fluid": {"kind": "delta_sph", "spacing": 0.1},
+    "runtime": {"threads": 1},
+    **dict.fromkeys(("render", "report")),
+}
+FLOATING = {"kind": "pressure", "hull": {"shape": {"kind": "sphere", "radius": 0.4}, "mass": 134.0}}
+
 
 def test_the_shares_of_a_step_are_whole_and_each_part_says_its_own():
     config = load(WHOLE)
     found = preflight(config)
     rows = ledger(found, config)
     shares = {row["part"]: row["share"] for row in rows if row["share"] is not None}
-    assert set(shares) == {"wind", "fluid", "surface", "ship"}
+    idle = {"platform", "manifest"}  # what they take is told beside platform_log, or is nothing of a step
+    assert set(shares) == set(config.parts()) - {"basin", "time_step"} - idle
     assert sum(shares.values()) == pytest.approx(1.0)
     assert found["estimated_wall_s"] == pytest.approx(10 * sum(row.a_step(0.004) for row in found["ledger"]))
     kernels = {row["part"]: row["kernels"] for row in rows if row["kernels"] is not None}
@@ -48,10 +60,11 @@ def test_the_shares_of_a_step_are_whole_and_each_part_says_its_own():
 
 def test_what_a_part_takes_does_not_depend_on_what_else_there_is():
     config = load(WHOLE)
-    for left_out in (["platform"], ["ship", "platform"], ["surface", "ship", "platform"], ["wind"]):
+    for left_out in (["platform"], ["ship", "platform"], ["surface", "ship", "platform"], ["wind"], ["gauges"]):
         rest = load(WHOLE, dict.fromkeys(left_out))
-        kept = [row for row in config.ledger() if row.part not in left_out]
-        assert rest.ledger() == kept
+        gone = {*left_out, *(watcher for slot in left_out for watcher in WATCHERS.get(slot, ()))}
+        kept = [row for row in config.ledger() if row.part not in gone]
+        assert rest.ledger() == kept and len(kept) < len(config.ledger())
     longer = load(WHOLE, {"ship": None, "platform": None})
     assert preflight(longer)["estimated_wall_s"] < preflight(config)["estimated_wall_s"]
 
@@ -60,11 +73,48 @@ def test_the_estimate_grows_with_what_there_is_to_do():
     def wall(**changes) -> float:
         return preflight(load(WHOLE, changes))["estimated_wall_s"]
 
-    water = dict.fromkeys(("ship", "platform", "surface"))  # their cost does not grow with the number of particles
+    others = ("ship", "platform", "surface", "gauges", "accuracy", "frames", "timings", "health")
+    water = dict.fromkeys(others)  # their cost grows less than the number of particles
     assert wall(**water, **{"fluid.spacing": 0.0625}) > 20.0 * wall(**water)  # 64 times the particles
     assert wall(**{"surface.every": 0.004}) > wall(**{"surface.every": 0.02})
     assert wall(**{"ship.cells_per_draught": 16.0}) > wall()
     assert wall(duration=0.08) == pytest.approx(2.0 * wall())
+
+
+def test_every_part_and_every_observer_has_a_row_and_a_reason():
+    config = load(WHOLE, {"tracers": {"ids": [1]}, "checkpoint": {}})
+    rows = {row.part: row for row in reversed(config.ledger())}
+    assert set(rows) == set(config.parts()) - {"basin", "time_step"}
+    assert "washout" in rows["platform"].what and "checkpoint_*.h5" in rows["checkpoint"].what
+    assert rows["motion"].every == rows["platform_log"].every == 0.01 and rows["gauges"].every == 0.02
+    fewer = {row.part: row.seconds for row in load(WHOLE, {"fluid.spacing": 0.5, "accuracy.every": 1.0}).ledger()}
+    assert fewer["accuracy"] < rows["accuracy"].seconds and fewer["motion"] == rows["motion"].seconds
+    otter = load(
+        {"basin": WHOLE["basin"], "fluid": {"kind": "linear_waves", "height": 0.01, "period": 1.0}},
+        {"ship": {"kind": "manoeuvring"}},
+    )
+    assert [row.bytes for row in otter.ledger() if row.part == "ship"] == [0]
+
+
+@pytest.mark.parametrize("slot, name", [("basin", "basin.obstacles"), ("ship", "ship.kind is pressure")])
+def test_samples_of_solid_bodies_are_rows_of_what_they_belong_to(slot, name):
+    """What is allocated grows by what the ledger says; where there is no body, nothing is said."""
+    box = {"min": [0.5, -1.0], "max": [1.0, -0.5]}
+    body = {"ship": FLOATING} if slot == "ship" else {"basin": SLAB["basin"] | {"obstacles": [box]}}
+    scenes = {"with": load(SLAB | body), "without": load(SLAB)}
+    told, rest, samples = {}, {}, 0
+    for key, scene in scenes.items():
+        told[key] = {row.what: row for row in scene.ledger() if "samples" in row.what}
+        start(scene.runtime)
+        before = allocated_bytes()
+        with Simulation(scene) as simulation:
+            own = sum(row.bytes for row in scene.ledger() if row not in told[key].values())
+            rest[key] = allocated_bytes() - before - own
+            samples = samples or simulation.fluid.boundary.n
+    assert not told["without"]
+    (row,) = told["with"].values()
+    assert (row.part, row.what) == (slot, f"{samples} samples of solid bodies") and row.why.startswith(name)
+    assert row.bytes == pytest.approx(rest["with"] - rest["without"], rel=0.1) and row.seconds > 0.0
 
 
 @pytest.mark.parametrize("part", ["platform", "ship", "surface", "gauges"])

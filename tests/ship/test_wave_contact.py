@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.conventions import Diverged
+from ocean_sim.observers._energy import total
 from ocean_sim.scene import load, observer_names
 from ocean_sim.ship._distance import around
 from ocean_sim.ship._rigid_body import RigidBody, advanced, oriented, spinning
@@ -148,7 +149,7 @@ CENTRE = np.array([0.0, 0.15, 0.0])
 @pytest.fixture(scope="module")
 def afloat():
     """A simulation that tests begin anew, and what it takes to do so."""
-    with Simulation(load(floating(), QUIET | {"health": {}})) as simulation:
+    with Simulation(load(floating(), QUIET | {"health": {}, "accuracy": {}})) as simulation:
         particles, ship = simulation.fluid.particles, simulation.ship
         start = [field.to_numpy().copy() for field in (particles.position, particles.velocity, particles.pressure)]
         yield simulation, start, ship.body, ship.afloat.weight.copy()
@@ -170,7 +171,7 @@ def begun(afloat, weight: float = 1.0, **changes) -> Simulation:
 def test_as_much_water_makes_room_as_the_hull_displaces(afloat):
     """To half a particle, none nearer than half a spacing; and `check` counts what is left, and the distances."""
     simulation, start, body, _ = afloat
-    scene, water, hull = simulation.scene, simulation.fluid.particles, simulation.ship.contact.hull
+    scene, water, hull = simulation.scene, simulation.fluid.particles, simulation.ship.contact.hull.distance
     gone = 16 * 16 * 6 - water.n
     assert gone * 0.1**3 == pytest.approx(body.mass / 1000.0, abs=0.5 * 0.1**3)
     assert from_a_box(start[0][: water.n, [0, 1, 2]] - body.position + CENTRE, 0.3).min() > 0.04
@@ -182,7 +183,7 @@ def test_as_much_water_makes_room_as_the_hull_displaces(afloat):
 def test_it_floats_as_deep_as_without_contact_and_nothing_is_inside(afloat):
     """To 2 % under the water around it; collisions carry nothing in the mean."""
     simulation = begun(afloat)
-    ship, contact, rows = simulation.ship, simulation.ship.contact, []
+    ship, given, rows = simulation.ship, simulation.fluid.impulse["ship"], []
     x = np.linspace(-0.75, 0.75, 16)
     around_it = np.stack(np.meshgrid(x, x), axis=-1).reshape(-1, 2)
     around_it = around_it[(abs(around_it) > 0.5).any(axis=1)]
@@ -202,21 +203,42 @@ def test_it_floats_as_deep_as_without_contact_and_nothing_is_inside(afloat):
     middle = under.level.to_numpy()[12, 6]
     assert simulation.surface.elevations(np.zeros((1, 2)))[0] < -0.15  # the sheet lies under the hull,
     assert abs(middle - level) < 0.05  # the ship fills it
-    # The water bears the ship.
-    assert contact.back[1] < 0.0
+    # The water bears the ship, as well as three particles under it tell.
+    assert (simulation.fluid.impulse["ship"] - given)[1] == pytest.approx(-2.0 * weight, rel=0.25)
 
 
 def test_without_giving_the_push_back_buoyancy_would_count_twice(afloat):
     """A negative control: collisions then hold the water up, and lift the ship out of it by as much."""
     simulation = begun(afloat)
-    ship, shares = simulation.ship, simulation.ship.contact.hull.nodes.to_numpy()
-    ship.contact.hull.nodes.from_numpy(shares * np.array([1.0, 0.0], dtype=shares.dtype))
+    ship, shares = simulation.ship, simulation.ship.contact.hull.distance.nodes.to_numpy()
+    ship.contact.hull.distance.nodes.from_numpy(shares * np.array([1.0, 0.0], dtype=shares.dtype))
     carried, end = [], simulation.time + 0.8
     while simulation.time < end:
         simulation.step()
         carried.append(ship.last.parts[4, 0, 1])
-    ship.contact.hull.nodes.from_numpy(shares)
+    ship.contact.hull.distance.nodes.from_numpy(shares)
     assert np.mean(carried[len(carried) // 2 :]) > 0.15 * 9.81 * ship.body.mass
+
+
+def test_the_energy_of_water_beside_a_hull_at_rest_is_accounted_for():
+    """To a twentieth of what its forces exchange, and the water stands as high as before; were the work of the hull
+    left out, a fifth would be missing."""
+    scene = floating() | {"fluid": {"kind": "delta_sph", "spacing": 0.1, "compression": 0.008}}
+    with Simulation(load(scene, QUIET | {"accuracy": {}})) as simulation:
+        start, height = residual(simulation), simulation.fluid.positions()[:, 1].mean()
+        simulation.run(1.5)
+        work = simulation.fluid.work
+        exchanged = sum(abs(energy) for energy in work.values())
+        assert exchanged > 10.0
+        assert abs(residual(simulation) - start) < 0.05 * exchanged
+        assert abs(residual(simulation) + work["ship"] - start) > 0.2 * exchanged
+        assert abs(simulation.fluid.positions()[:, 1].mean() - height) < 0.02 * 0.1
+
+
+def residual(simulation: Simulation) -> float:
+    """Energy of water that stores it when compressed, less what all other forces have given [J]."""
+    work = simulation.fluid.work
+    return total(simulation) - sum(energy for term, energy in work.items() if term not in ("gravity", "pressure"))
 
 
 EXTREMES = {

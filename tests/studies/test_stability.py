@@ -9,7 +9,7 @@ import pytest
 from ocean_sim.__main__ import answered
 from ocean_sim.scene import load
 from ocean_sim.studies import _runs, _table
-from ocean_sim.studies.stability import AXES, COLUMN, spots, told, verdict
+from ocean_sim.studies.stability import AXES, COLUMN, SCHEMES, spots, told, verdict
 
 TANK = """basin: {length: 1.0, depth: 0.5}
 fluid: {kind: delta_sph, spacing: 0.1}
@@ -67,6 +67,12 @@ def test_a_map_goes_beyond_the_limits_that_theory_sets():
     thick = next(spot for spot in plan if spot.axis.name == "viscosity" and spot.value == 10.0)
     assert thick.limits["viscous"] < thick.limits["acoustic"]
     assert all(20 <= round(spot.scene.duration / spot.dt) <= 4000 for spot in plan)
+
+
+def test_no_map_goes_over_a_setting_that_changes_no_number():
+    maps = {(spot.axis.name, spot.scheme) for spot in spots(True)}
+    assert {scheme for name, scheme in maps if name == "compression"} == {"mueller", "delta_sph"}
+    assert {scheme for name, scheme in maps if name == "viscosity"} == set(SCHEMES)
 
 
 def test_the_longest_stable_step_is_the_one_before_the_first_that_is_not():

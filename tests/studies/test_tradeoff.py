@@ -8,7 +8,8 @@ import pytest
 
 from ocean_sim.__main__ import answered
 from ocean_sim.result import Result
-from ocean_sim.studies import _pareto, _runs, _table, tradeoff
+from ocean_sim.scene import load, run
+from ocean_sim.studies import _pareto, _runs, _table, heeds, tradeoff
 from ocean_sim.studies._clocked import Clocked
 from ocean_sim.studies.scene_tradeoff import SEEDS, Budget, best, errors, finest, settings, summary, varied
 from ocean_sim.studies.tradeoff import TRIALS, clock, equals, front, points
@@ -21,6 +22,14 @@ fluid: {kind: linear_waves, height: 0.2, period: 1.0}
 duration: 3.0
 runtime: {threads: 1}
 """
+FALL = {
+    "basin": {"length": 0.8, "depth": 0.4},
+    "fluid": {"kind": "dfsph", "spacing": 0.1},
+    "time_step": {"kind": "fixed", "dt": 0.002},
+    "duration": 0.02,
+    "accuracy": {"every": 0.01},
+    **dict.fromkeys(("render", "frames", "report")),
+}
 
 
 @pytest.fixture(autouse=True)
@@ -46,6 +55,21 @@ def test_the_study_has_three_schemes_on_six_cases_and_every_setting_is_another()
     changed = {(point.scheme, point.changed) for point in plan if point.trial.case == "standing_wave"}
     assert ("delta_sph", "fluid.support_ratio=2.0") in changed
     assert ("mueller", "fluid.support_ratio=2.0") not in changed  # it is the scheme's own
+
+
+def test_no_setting_is_varied_that_changes_no_number():
+    for plan in (points(quick=True), points(quick=False)):
+        assert {p.scheme for p in plan if "fluid.compression" in p.settings} == {"mueller", "delta_sph"}
+
+
+@pytest.mark.parametrize("scheme", ["dfsph", pytest.param("delta_sph", marks=pytest.mark.slow)])
+def test_a_wanted_compression_changes_no_number_of_water_that_has_none(scheme):
+    """And those of other water: the negative control."""
+    told = set()
+    for compression in (0.0025, 0.04):
+        run(load(FALL, {"fluid.kind": scheme, "fluid.compression": compression}), f"{compression}")
+        told.add(Path(f"{compression}/accuracy.csv").read_bytes())
+    assert len(told) == 1 + heeds(scheme, "fluid.compression") == (1 if scheme == "dfsph" else 2)
 
 
 def test_every_trial_draws_an_error_that_its_case_promises():

@@ -272,6 +272,15 @@ def test_growth_that_the_measured_viscosity_eats_is_said_with_the_gain_that_woul
     assert fed(scene(wind={"kind": "stress", "gain": 9.0}).wind, 10.0, k, 50.0, 9.81) == 9.0 * plant(10.0, k, 9.81)
 
 
+def test_what_dfsph_adds_is_what_its_standing_wave_loses():
+    """The case standing_wave without viscosity: an effective one of 1.747e-3 and 7.67e-4 m2/s, 50 and 100 spacings to
+    the wave."""
+    basin = {"length": 2.0, "depth": 1.0, "gravity": [0.0, -1.0, 0.0]}
+    for spacing, measured in ((0.04, 1.747e-3), (0.02, 7.67e-4)):
+        told = scene(basin=basin, fluid={"kind": "dfsph", "spacing": spacing})
+        assert added_viscosity(told.fluid, told.basin.build(), 2.0) == pytest.approx(measured, rel=0.01)
+
+
 def test_warnings_of_a_real_wind():
     said = " ".join(scene(wind={"kind": "stress", "u10": 30.0, "gain": 50.0}).warnings())
     assert "physical stress of 152 Pa at U10 = 30 m/s by wu: 50 times a real wind" in said

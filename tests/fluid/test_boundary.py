@@ -195,6 +195,7 @@ def test_water_that_runs_against_a_body_presses_on_it_as_on_a_wall(water):
     assert pressed(0.4).mean() == pytest.approx(pressed(0.0).mean(), rel=0.15)
 
 
+@pytest.mark.slow
 def test_water_sticks_to_a_body_without_slip(water):
     fluid = dragged(water, "no_slip")
     x, v = fluid.particles.position.to_numpy(), fluid.particles.velocity.to_numpy()

@@ -49,13 +49,19 @@ class Resistance:
 
     def load(self, motion: np.ndarray) -> np.ndarray:
         """(2, 3) force [N] and torque [N m] in body axes at a velocity relative to the water (6,), body axes."""
-        load = -(self.linear * motion).reshape(2, 3)
-        across = motion[0] + motion[4] * self.z - motion[5] * self.low  # (4.15)
-        drag = -self.crossing * np.abs(across) * across
-        at_stern = motion[0] + motion[4] * self.stern - motion[5] * self.low
-        lift = -self.lift * max(motion[2], 0.0) * at_stern
-        side = float(drag.sum()) + lift
-        load[0] += [side, 0.0, -self.surge * abs(motion[2]) * motion[2]]
-        turning = float((drag * self.z).sum()) + lift * self.stern
-        load[1] += [0.0, turning, -side * self.low - self.roll * abs(motion[5]) * motion[5]]
-        return load
+        sway, _, surge, _, yaw, roll = motion.tolist()
+        middle = sway - roll * self.low  # where water crosses amidships (4.15)
+        across = middle + yaw * self.z
+        drag = self.crossing * np.abs(across) * across
+        lift = -self.lift * max(surge, 0.0) * (middle + yaw * self.stern)
+        side = lift - float(drag.sum())
+        turning = lift * self.stern - float((drag * self.z).sum())
+        more = [
+            side,
+            0.0,
+            -self.surge * abs(surge) * surge,
+            0.0,
+            turning,
+            -side * self.low - self.roll * abs(roll) * roll,
+        ]
+        return (more - self.linear * motion).reshape(2, 3)

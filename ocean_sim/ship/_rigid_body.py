@@ -177,7 +177,7 @@ def advanced(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: float) 
     midpoint.
     """
     momentum = body.angular_momentum + torque * dt
-    now = angular_velocity(body.orientation, momentum, body.inertia_body)
+    now = body.matrix @ solved(body.inertia_body, body.matrix.T @ momentum)
     halfway = product(rotation(now * (dt / 2.0)), body.orientation)
     omega = angular_velocity(halfway, momentum, body.inertia_body)
     velocity = body.velocity + force / body.mass * dt

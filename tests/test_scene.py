@@ -257,7 +257,7 @@ def test_settings_reach_into_lists():
             "fluid.spacing.x=1",
             "fluid.spacing.x: fluid.spacing is 1.25, which has no keys; set fluid.spacing as a whole",
         ),
-        ("fluid..spacing=1", "fluid..spacing: a dot stands where a key should"),
+        ("fluid..spacing=1", "fluid..spacing: a dot stands where a key should; did you mean 'fluid.spacing'?"),
         ("ship.hull=yacht", f"ship.kind: missing key; there are {', '.join(composition.known('ship'))}"),
         ("basin.walls.x_min=non", "basin.walls.x_min: 'non' is not a choice; did you mean 'none'?"),
     ],

@@ -31,13 +31,13 @@ class Model(NamedTuple):
 def modelled(vertices: np.ndarray, triangles: np.ndarray, submerged: float, look: str, helm: np.ndarray) -> Model:
     """The ship on a hull, the share `submerged` of whose volume is under water at rest.
 
-    `look`: name of the hull, then its kind of shape; `helm`: a named place, or not numbers.
+    `look`: name of the hull, then its kind of shape; `helm`: a named place, or nothing.
     """
     hull = Hull(np.asarray(vertices, dtype=float), np.asarray(triangles, dtype=int), submerged)
     build = next((made for word, made in MODELS.items() if word in look.lower()), tested)
     if build is not plain and not hull.has_deck:
         build = tested
-    given = np.asarray(helm, dtype=float) if np.isfinite(helm).all() else None
+    given = np.asarray(helm, dtype=float) if np.isfinite(helm).all() and np.size(helm) else None
     return build(hull, given)
 
 

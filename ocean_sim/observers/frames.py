@@ -116,14 +116,14 @@ class Frames:
 
 def looks(simulation: "Simulation") -> dict[str, object]:
     """What a picture of the ship needs beside its hull: names of hull and shape, its helm from the centre of mass in
-    body axes [m] (not numbers where none is named), and the share of its volume that is under water at rest."""
+    body axes [m] (nothing where none is named), and the share of its volume that is under water at rest."""
     ship: Any = simulation.ship
     config: Any = simulation.scene.ship
     still = config.afloat(-simulation.basin.gravity[1], simulation.scene.fluid.rest_density)
     name = config.hull if isinstance(config.hull, str) else ""
     return {
         "ship_look": f"{name} {config.whole_hull.shape.kind}",
-        "ship_helm": ship.points.get("helm", np.full(3, np.nan)),
+        "ship_helm": ship.points.get("helm", np.zeros(0)),
         "ship_submerged": min(1.0, still.wanted / still.voxels.volume),
     }
 

@@ -226,8 +226,7 @@ class Continuity:
     def sample(self, own, s, d, mirror):
         """A sample of a solid body: it moves with the body, and nothing diffuses into it. Only so does water that comes
         to a face gain what the samples add to its sum, and lose it as it goes: moved against the water, as an image
-        moves, a sample that stays where it is would add twice that, and press twice as hard on what streams by. Under a
-        free surface it takes nothing from water that is thinner than at rest: air comes in where a body is left."""
+        moves, a sample that stays where it is would add twice that, and press twice as hard on what streams by."""
         other = beside(own, d, self.fluid.boundary.own_velocity(s, mirror))
         still = self.heavier * self.fluid.pull.at_rest(tm.vec3(own[0], own[1], own[2]))
         other[6] = own[6] + still.dot(d)
@@ -256,10 +255,7 @@ class Continuity:
         fluid, particles, rho_0 = self.fluid, self.fluid.particles, ti.static(self.fluid.particles.rest_density)
         dt = fluid.dt[None]
         if ti.static(fluid.bodies):
-            solid = self.solid.total(tm.vec3(own[0], own[1], own[2]), own)
-            if ti.static(not fluid.shifting):
-                solid[0] = ti.select(own[6] < 0.0, positive(solid[0]), solid[0])
-            total += solid
+            total += self.solid.total(tm.vec3(own[0], own[1], own[2]), own)
         rate = fluid.slope * (total[0] + total[1])
         excess = own[6] + 0.5 * dt * rate
         fluid.rate[i], fluid.excess[i] = rate, excess

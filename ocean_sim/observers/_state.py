@@ -260,7 +260,10 @@ class Restoring:
 
 
 def mistaken(found: Any, fresh: Any) -> bool:
-    """Whether words or a list stand where a number belongs, or anything else where words, a path or a file do."""
+    """Whether words or a list stand where a number belongs, or anything else where words, a path or a file do, or a
+    number or words where one of our things is."""
+    if type(fresh).__module__.split(".")[0] == OURS and hasattr(fresh, "__dict__"):
+        return isinstance(found, str | int | float)
     for kind in (Path, TextIOWrapper, str):
         if isinstance(fresh, kind):
             return not isinstance(found, kind) and not (found is None and kind is str)

@@ -155,7 +155,9 @@ def test_a_checkpoint_of_another_scene_or_version_is_refused_in_a_sentence(kept,
     another_state(data, kept, capsys)
 
 
-@pytest.mark.parametrize("name, value", [("time", "soon"), ("path", False), ("path", None), ("outcome", 3)])
+@pytest.mark.parametrize(
+    "name, value", [("time", "soon"), ("path", False), ("path", None), ("outcome", 3), ("simulation", 1.5)]
+)
 def test_words_for_numbers_and_nothing_for_a_path_are_no_state(kept, unfilled, name, value):
     checkpoint = file.read(kept[0])
     spots = [path for path in paths(checkpoint.tree) if path[-2:] == ("at", name)]

@@ -212,8 +212,8 @@ def test_a_probe_survives_the_death_of_its_child():
 
 def test_bench_measures_in_a_process_of_its_own(ask):
     code, out, _ = ask("bench", "small.yaml", "--json", "--repeats", "1", "--threads", "1")
+    assert code == 0, out
     (row,) = json.loads(out)
-    assert code == 0
     assert (row["scene"], row["particles"], row["threads"]) == ("small.yaml", 256, 1)
     positive = ("ms_per_step", "particle_steps_per_s", "particle_steps_per_cpu_s", "real_time_factor", "first_step_s")
     assert all(row[name] > 0.0 for name in (*positive, "peak_memory_mb"))

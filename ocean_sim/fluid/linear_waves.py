@@ -50,7 +50,8 @@ class Config(waves.WaveTrain):
         random = self.spectrum is not None
         key: tuple[str, ...] = ("spectrum", "significant_wave_height") if random else ("height",)
         path: tuple[str, ...] = ("spectrum", "heading_deg") if random else ("heading_deg",)
-        found = [(key, sentence) for sentence in waves.unsuited(basin, *self.scale)]
+        found = [(("kind",), sentence) for sentence in waves.unsuited(basin)]
+        found = found or [(key, sentence) for sentence in waves.unsuited(basin, *self.scale)]
         if basin.obstacles:
             found.append((("kind",), "a sea in closed form goes through obstacles; leave basin.obstacles out"))
         return found + [(path, sentence) for sentence in waves.misdirected(self.heading, basin)]

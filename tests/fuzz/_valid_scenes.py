@@ -211,7 +211,7 @@ def leave_out(scene: dict[str, Any], path: list[str], dimension: int) -> None:
         at = inner
     if isinstance(at, dict) and at is not scene:
         if at is scene["fluid"]:
-            scene["fluid"] = plain(at["kind"])
+            scene["fluid"] = plain("delta_sph" if path == ["fluid", "kind"] else at["kind"])
         elif path[-1] in at:
             del at[path[-1]]
         else:  # a key that is missing

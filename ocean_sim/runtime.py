@@ -2,7 +2,7 @@
 
 import os
 import sys
-from contextlib import redirect_stdout
+from contextlib import redirect_stdout, suppress
 from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
@@ -138,7 +138,8 @@ def _thread_ids() -> set[int]:
 
 
 def _pin(before: set[int]) -> None:
-    """Two short-lived workers often share a core; each new thread is bound to a core of its own."""
+    """Two short-lived workers often share a core; each new thread that lives on is bound to a core of its own."""
     usable = sorted(os.sched_getaffinity(0)) if sys.platform == "linux" else []
     for k, thread in enumerate(sorted(_thread_ids() - before)):
-        os.sched_setaffinity(thread, {usable[k % len(usable)]})
+        with suppress(ProcessLookupError):  # it has ended meanwhile
+            os.sched_setaffinity(thread, {usable[k % len(usable)]})

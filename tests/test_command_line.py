@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from ocean_sim import runtime
 from ocean_sim.__main__ import answered
 from ocean_sim.conventions import Diverged
 from ocean_sim.scene import observer_names
@@ -219,6 +220,17 @@ def test_bench_measures_in_a_process_of_its_own(ask):
     assert all(row[name] > 0.0 for name in (*positive, "peak_memory_mb"))
     assert row["ms_per_step_min"] <= row["ms_per_step"] <= row["ms_per_step_max"]
     assert "fluid" in row["stages"]
+
+
+def test_a_thread_that_ends_before_it_is_pinned_harms_nothing(monkeypatch):
+    def gone(thread: int, cores: set[int]) -> None:
+        bound.append(thread)
+        raise ProcessLookupError(3, "No such process")
+
+    bound: list[int] = []
+    monkeypatch.setattr(runtime.os, "sched_setaffinity", gone)
+    runtime._pin(set())
+    assert bound
 
 
 def test_bench_tells_what_its_child_found_wrong(ask):

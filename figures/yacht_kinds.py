@@ -80,11 +80,11 @@ def ridden(keys: dict[str, Any], lasts: float, folder: Path | None, told: Any) -
     with Simulation(load(keys), folder) as simulation:
         ship: Any = simulation.ship
         start = float(ship.body.position[1])
-        while simulation.time < lasts:
+        for time in np.arange(0.0, lasts + 1e-9, EVERY):
+            simulation.run(until=float(time))
             pitch, _, roll = np.degrees(ship.body.angles)
             rows.append((simulation.time, float(ship.body.position[1]) - start, float(roll), float(pitch)))
-            told(simulation.time / lasts)
-            simulation.run(until=min(simulation.time + EVERY, lasts))
+            told(time / lasts)
     return np.array(rows)
 
 

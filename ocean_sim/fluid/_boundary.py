@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from ocean_sim.fluid._sph import Sph
 
 BLOCK = 32  # samples of a task
+PLACE, TURN, VELOCITY, SPIN, RISE, SWING, TOLD = 0, 3, 12, 15, 18, 21, 24  # where what is told of a body begins
+UPRIGHT = np.eye(3)
 
 
 @dataclass(frozen=True)
@@ -71,7 +73,26 @@ def floating(lattice: Lattice, support: float) -> list[Body]:
 
 def memory(samples: int, bodies: int, cells: int, word: int) -> int:
     """Bytes of the fields of a Boundary, where `word` is the size of a `float` [bytes]."""
-    return samples * (13 * word + 8 + 24) + 6 * word * bodies + 4 * (cells + 1)
+    return samples * (20 * word + 20 + 24) + 6 * word * bodies + 4 * (cells + 1)
+
+
+@ti.func
+def vector(components: ti.template(), s):
+    """Number s of three fields, as one vector."""
+    return tm.vec3(components.x[s], components.y[s], components.z[s])
+
+
+@ti.func
+def store(components: ti.template(), s, values):
+    """Write one vector as number s of three fields."""
+    for k, component in ti.static(enumerate(components)):
+        component[s] = ti.cast(values[k], float)
+
+
+@ti.func
+def three(told: ti.template(), body, first: ti.template()):
+    """Three numbers of what is told of a body."""
+    return ti.Vector([told[body, first + k] for k in ti.static(range(3))])
 
 
 @ti.data_oriented
@@ -81,25 +102,29 @@ class Boundary:
     def __init__(self, bodies: Sequence[Body], fluid: "Sph") -> None:
         particles, self.grid = fluid.particles, fluid.grid
         self.fluid, self.bodies, self.pull = fluid, bodies, fluid.pull
-        owners = [np.full(len(body.place), k) for k, body in enumerate(bodies)]
-        self.owner = np.concatenate(owners)  # (n,) which body a sample is of
-        self.n = n = len(self.owner)
+        self.owners = np.repeat(np.arange(len(bodies)), [len(body.place) for body in bodies])
+        self.n = n = len(self.owners)
         self.blocks = -(-n // BLOCK)
-        unit = particles.mass / particles.rest_density
-        self.shares = np.concatenate([body.volume for body in bodies]) / unit
-        self.free_slip = np.concatenate([np.full(len(body.place), not body.no_slip, dtype=np.int32) for body in bodies])
-        self.at = np.zeros((3, n, 3))  # place [m], velocity [m/s] and acceleration [m/s2] in the order of the bodies
-        self.origins = np.array([body.origin for body in bodies])
-        # From here on in the order of the cells, as `name` tells.
+        self.told = np.zeros((len(bodies), TOLD))  # where they are and how they move
+        # In the order of the bodies; places are from the origin [m], in the body's axes and in those of the tank.
+        self.local, self.arm, self.force = Components(n), Components(n), Components(n)
+        self.impulse = ti.field(ti.f64, shape=(n, 3))
+        self.shares, self.slips = ti.field(float, shape=n), ti.field(int, shape=n)
+        self.owner, self.cell = ti.field(int, shape=n), ti.field(int, shape=n)
+        # In the order of the cells, as `name` tells.
         self.position, self.velocity, self.acceleration = Components(n), Components(n), Components(n)
         self.share, self.free, self.name = ti.field(float, shape=n), ti.field(int, shape=n), ti.field(int, shape=n)
         self.start = ti.field(int, shape=self.grid.cell_count + 1)
-        # In the order of the bodies again.
-        self.force, self.impulse = Components(n), ti.field(ti.f64, shape=(n, 3))
         self.box = ti.field(float, shape=(len(bodies), 2, 3))  # half the size of each body and its middle [m]
         self.around = Around(self, self.grid, self.start)
         self.water = Around(particles, self.grid)
+        unit = particles.mass / particles.rest_density
         self.volume = Volume(self, fluid.smoothing, unit)
+        self.local.from_numpy(np.concatenate([body.place for body in bodies]))
+        shares = np.concatenate([body.volume for body in bodies]) / unit
+        self.shares.from_numpy(shares.astype(self.arm.precision))
+        self.slips.from_numpy(np.array([not body.no_slip for body in bodies], dtype=np.int32)[self.owners])
+        self.owner.from_numpy(self.owners.astype(np.int32))
         for k, body in enumerate(bodies):
             self.place(k, body.origin)
         self.sort()
@@ -108,7 +133,7 @@ class Boundary:
         self,
         body: int,
         position: np.ndarray,
-        rotation: np.ndarray | None = None,
+        rotation: np.ndarray = UPRIGHT,
         velocity: Any = 0.0,
         angular_velocity: Any = (0.0, 0.0, 0.0),
         acceleration: Any = 0.0,
@@ -117,43 +142,70 @@ class Boundary:
         """Put a body's origin at `position` [m], turned by the (3, 3) matrix `rotation` from its axes to those of the
         tank; it moves with `velocity` [m/s], `angular_velocity` [rad/s] and their rates. The next step takes it over:
         say where it is when that step ends."""
-        own = self.owner == body
-        local = self.bodies[body].place
-        arm = local if rotation is None else local @ np.asarray(rotation).T
-        round_it = np.cross(angular_velocity, arm)
-        centripetal = np.cross(angular_velocity, round_it)
-        self.at[0, own], self.at[1, own] = position + arm, velocity + round_it
-        self.at[2, own] = acceleration + np.cross(angular_acceleration, arm) + centripetal
-        self.origins[body] = position
+        row = self.told[body]
+        row[PLACE:TURN], row[TURN:VELOCITY] = position, np.ravel(rotation)
+        row[VELOCITY:SPIN], row[SPIN:RISE] = velocity, angular_velocity
+        row[RISE:SWING], row[SWING:] = acceleration, angular_acceleration
         self.moved = True
 
     def sort(self) -> None:
         """Take over where the bodies are, if they have moved."""
-        if not self.moved:
-            return
-        self.moved = False
-        grid, basin = self.grid, self.grid.basin
-        low, cells = np.array(basin.lower), np.array(grid.cells)
-        x = self.at[0].copy()
-        for k, period in enumerate(basin.periods):
-            if period > 0.0:
-                x[:, k] -= period * np.floor((x[:, k] - low[k]) / period)
-        place = np.clip(((x - low) * np.array(grid.per_width) + 1.0).astype(int), 1, cells - 2)
-        cell = (place[:, 2] * cells[1] + place[:, 1]) * cells[0] + place[:, 0]
-        order = np.argsort(cell, kind="stable")
-        counts = np.bincount(cell, minlength=grid.cell_count)
-        self.start.from_numpy(np.concatenate([[0], np.cumsum(counts)]).astype(np.int32))
-        for components, values in zip((self.position, self.velocity, self.acceleration), (x, *self.at[1:])):
-            components.from_numpy(values[order])
-        self.share.from_numpy(self.shares[order].astype(self.position.precision))
-        self.free.from_numpy(self.free_slip[order])
-        self.name.from_numpy(order.astype(np.int32))
-        spans = [
-            (self.at[0, self.owner == k].min(axis=0), self.at[0, self.owner == k].max(axis=0))
-            for k in range(len(self.bodies))
-        ]
-        sizes = np.array([(0.5 * (up - low) + grid.support, 0.5 * (up + low)) for low, up in spans])
-        self.box.from_numpy(sizes.astype(self.position.precision))
+        if self.moved:
+            self.moved = False
+            self.take(self.told)
+
+    @ti.kernel
+    def take(self, told: ti.types.ndarray(dtype=ti.f64, ndim=2)):
+        """Move the samples with their bodies, and sort them by cell: stable, by counting."""
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            for c in range(self.grid.cell_count + 1):
+                self.start[c] = 0
+            for b, k in ti.ndrange(told.shape[0], 3):
+                self.box[b, 0, k], self.box[b, 1, k] = -tm.inf, tm.inf
+            for s in range(self.n):
+                self.turn(s, told)
+                c = self.grid.cell_at(self.grid.place(self.where(s, told)))
+                self.cell[s], self.start[c] = c, self.start[c] + 1
+            for c in range(self.grid.cell_count):
+                self.start[c + 1] = self.start[c + 1] + self.start[c]  # where a cell ends
+            for k in range(self.n):
+                s = self.n - 1 - k
+                to = self.start[self.cell[s]] - 1
+                self.start[self.cell[s]] = to  # and at last where it begins
+                self.put(s, to, told)
+            for b, k in ti.ndrange(told.shape[0], 3):
+                up, low = self.box[b, 0, k], self.box[b, 1, k]
+                self.box[b, 0, k] = 0.5 * (up - low) + self.grid.support
+                self.box[b, 1, k] = ti.cast(told[b, PLACE + k], float) + 0.5 * (up + low)
+
+    @ti.func
+    def turn(self, s, told: ti.template()):
+        """Turn the arm of sample s with its body."""
+        b, local = self.owner[s], vector(self.local, s)
+        for k, arm in ti.static(enumerate(self.arm)):
+            along = ti.cast(three(told, b, TURN + 3 * k).dot(local), float)
+            arm[s] = along
+            self.box[b, 0, k] = tm.max(self.box[b, 0, k], along)
+            self.box[b, 1, k] = tm.min(self.box[b, 1, k], along)
+
+    @ti.func
+    def where(self, s, told: ti.template()):
+        """Place of sample s [m], once its arm is turned."""
+        return self.grid.wrapped(ti.cast(three(told, self.owner[s], PLACE) + vector(self.arm, s), float))
+
+    @ti.func
+    def put(self, s, to, told: ti.template()):
+        """Put sample s into its place in the order of the cells."""
+        b, arm, x = self.owner[s], vector(self.arm, s), self.where(s, told)
+        spin = three(told, b, SPIN)
+        round_it = spin.cross(arm)
+        v = three(told, b, VELOCITY) + round_it
+        a = three(told, b, RISE) + three(told, b, SWING).cross(arm) + spin.cross(round_it)
+        store(self.position, to, x)
+        store(self.velocity, to, v)
+        store(self.acceleration, to, a)
+        self.share[to], self.free[to], self.name[to] = self.shares[s], self.slips[s], s
 
     @ti.func
     def near(self, x):
@@ -222,17 +274,25 @@ class Boundary:
     def forces(self) -> tuple[np.ndarray, np.ndarray]:
         """Force (k, 3) [N] of the water on each body in the last step and its torque (k, 3) about its origin [N m], in
         the axes of the tank; in a slice per metre."""
-        each = self.force.to_numpy().astype(float)
-        torque = np.cross(self.at[0] - self.origins[self.owner], each)
-        return self.by_body(each), self.by_body(torque)
+        borne = np.zeros((2, len(self.bodies), 3))
+        self.sum_forces(borne)
+        return borne[0], borne[1]
+
+    @ti.kernel
+    def sum_forces(self, borne: ti.types.ndarray(dtype=ti.f64, ndim=3)):
+        ti.loop_config(serialize=True)
+        for s in range(self.n):
+            b = self.owner[s]
+            force = ti.cast(vector(self.force, s), ti.f64)
+            torque = ti.cast(vector(self.arm, s), ti.f64).cross(force)
+            for k in ti.static(range(3)):
+                borne[0, b, k] = borne[0, b, k] + force[k]
+                borne[1, b, k] = borne[1, b, k] + torque[k]
 
     def impulses(self) -> np.ndarray:
         """Impulse (k, 3) of the water on each body since the start [N s]."""
-        return self.by_body(self.impulse.to_numpy())
-
-    def by_body(self, values: np.ndarray) -> np.ndarray:
-        """(k, 3) sums of (n, 3) over the samples of each body."""
-        return np.array([values[self.owner == k].sum(axis=0) for k in range(len(self.bodies))])
+        each = self.impulse.to_numpy()
+        return np.array([each[self.owners == k].sum(axis=0) for k in range(len(self.bodies))])
 
 
 @ti.data_oriented

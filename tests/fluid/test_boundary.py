@@ -104,7 +104,7 @@ def test_the_force_acts_where_the_water_pushes(water):
         fluid.advance(0.0015)
     force, torque = fluid.boundary.forces()
     assert force.shape == torque.shape == (1, 3)
-    arm = fluid.boundary.at[0] - np.array([0.1, -0.325, 0.0])
+    arm = fluid.boundary.bodies[0].place
     np.testing.assert_allclose(torque[0], np.cross(arm, fluid.boundary.force.to_numpy()).sum(axis=0), rtol=1e-12)
 
 

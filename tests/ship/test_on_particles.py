@@ -93,7 +93,7 @@ def test_the_waters_pressure_alone_carries_a_box():
         assert not inside.any()
         # Negative control: without what the water presses, nothing else carries it.
         assert "elevation" not in inspect.getsource(pressure) and "wetted" not in inspect.getsource(pressure)
-        simulation.fluid.boundary.shares[:] = 0.0
+        simulation.fluid.boundary.shares.fill(0.0)
         start, height, speed = simulation.time, body.position[1], body.velocity[1]
         with pytest.raises(Diverged, match="sunk to the bed"):
             simulation.run(3.0)

@@ -1,6 +1,6 @@
 """Water: every module of this folder without a leading underscore is a kind a scene may name."""
 
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from math import inf
 from typing import Any, Protocol
 
@@ -21,8 +21,8 @@ class Limits:
 
     def and_of(self, other: "Limits") -> "Limits":
         """The shorter of each."""
-        shorter = (min(a, b) for a, b in zip(astuple(self), astuple(other)))
-        return Limits(*shorter)
+        viscous, force = min(self.viscous, other.viscous), min(self.force, other.force)
+        return Limits(min(self.acoustic, other.acoustic), viscous, force)
 
 
 @dataclass(frozen=True)

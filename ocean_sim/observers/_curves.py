@@ -1,6 +1,5 @@
 """Curves that grow while one looks: wave height, roll, time per picture; as lines in the unit square of a picture."""
 
-from collections import deque
 from math import floor, log10, nan
 
 import numpy as np
@@ -17,18 +16,17 @@ class Curves:
     """The last values of every curve, in the order in which they came."""
 
     def __init__(self) -> None:
-        self.values: dict[str, deque[float]] = {name: deque(maxlen=KEPT) for name in NAMES}
-        self.variances: deque[tuple[float, float]] = deque()
+        self.values: dict[str, list[float]] = {name: [] for name in NAMES}
+        self.variances: list[tuple[float, float]] = []
 
     def add(self, time: float, heights: np.ndarray, roll: float | None, milliseconds: float | None) -> None:
         """Heights of the surface now [m], roll [rad], wall time of the last picture; None where there is none."""
         if len(heights) and not (self.variances and time <= self.variances[-1][0]):
-            self.variances.append((time, float(np.var(heights))))
-            while self.variances[0][0] < time - ROLLING:
-                self.variances.popleft()
-        self.values["H_s"].append(self.wave_height())
-        self.values["roll"].append(nan if roll is None else float(np.degrees(roll)))
-        self.values["picture"].append(nan if milliseconds is None else milliseconds)
+            known = [*self.variances, (time, float(np.var(heights)))]
+            self.variances = [(at, variance) for at, variance in known if at >= time - ROLLING]
+        degrees = nan if roll is None else float(np.degrees(roll))
+        for name, value in zip(NAMES, (self.wave_height(), degrees, nan if milliseconds is None else milliseconds)):
+            self.values[name] = [*self.values[name], value][-KEPT:]
 
     def wave_height(self) -> float:
         """4 sqrt(m0) [m] of all points of the surface over the last seconds."""

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from ocean_sim.observers._curves import Curves
+
 CAMERAS = ("third_person", "helm", "top", "side")
 CONTENTS = ("surface", "particles", "both")
 KEYS = {
@@ -75,6 +77,7 @@ class Panel:
     """What went wrong last."""
     person: Any = None
     """Who steers, once a person does: `give(throttle, rudder)`."""
+    curves: Curves = field(default_factory=Curves)
     asked: list[str] = field(default_factory=list)
     """What is to be done before the next picture: step, reset, wind, snapshot, helm."""
 

@@ -59,8 +59,7 @@ class Config(ObserverConfig):
 
 
 class Preview:
-    """Numbered pictures in the folder preview/ of a run, from the same drawing as the window's; their curves begin anew
-    where a run goes on."""
+    """Numbered pictures in the folder preview/ of a run, from the same drawing as the window's."""
 
     left_out = ("screen",)  # what a checkpoint of it does not hold
 
@@ -120,7 +119,7 @@ class Screen:
 
     def watch(self, simulation: "Simulation", panel: Panel, config: Config | None = None) -> None:
         """Look at another simulation from now on; the panel gets its sliders, cameras and contents."""
-        self.simulation, self.sight, self.history = simulation, Sight(simulation), Curves()
+        self.simulation, self.sight, panel.curves = simulation, Sight(simulation), Curves()
         panel.cameras, panel.contents, panel.person = self.sight.cameras, self.sight.contents, None
         if config is not None:
             panel.camera, panel.content = config.camera, config.content
@@ -133,9 +132,8 @@ class Screen:
         runs."""
         heights = self.sight.heights()
         ship = self.simulation.ship
-        self.history.add(
-            self.simulation.time, heights, None if ship is None else float(ship.body.angles[2]), milliseconds
-        )
+        roll = None if ship is None else float(ship.body.angles[2])
+        panel.curves.add(self.simulation.time, heights, roll, milliseconds)
         for _ in range(self.fresh):
             self.compose(panel, heights, pace)
             self.window.get_image_buffer_as_numpy()
@@ -170,7 +168,7 @@ class Screen:
         balls = self.sight.particles(panel.content == "both") if panel.content != "surface" else None
         if balls is not None and len(balls.places):
             self.balls(balls, eye)
-        self.charts()
+        self.charts(panel.curves)
         self.words(panel, balls, pace)
 
     def eye(self, panel: Panel) -> Eye:
@@ -198,7 +196,7 @@ class Screen:
         self.lit.particles(self.places.field, radius=balls.radius, per_vertex_color=self.tints.field, index_count=count)
         self.canvas.scene(self.lit)
 
-    def charts(self) -> None:
+    def charts(self, curves: Curves) -> None:
         """The curves at the bottom, each in a box of its own."""
         shades = [self.chart(k) for k in range(len(NAMES))]
         corners = np.array(
@@ -207,7 +205,7 @@ class Screen:
         self.shades.put(corners.reshape(-1, 2))
         self.canvas.triangles(self.shades.field, color=SHADE)
         for k, name in enumerate(NAMES):
-            lines = self.history.lines(name, self.chart(k))
+            lines = curves.lines(name, self.chart(k))
             if len(lines):
                 self.curves[name].put(padded(lines))
                 self.canvas.lines(self.curves[name].field, width=0.0022, color=CURVE_COLOURS[name])
@@ -225,7 +223,7 @@ class Screen:
         for k, name in enumerate(NAMES):
             x, y, w, h = self.chart(k)
             with gui.sub_window(names[name], x, 1.0 - y - h - LABEL / height, w, LABEL / height) as box:
-                box.text(self.history.told(name))
+                box.text(panel.curves.told(name))
         with gui.sub_window("Ocean Sim", EDGE / width, EDGE / height, PANEL / width, 1.0 - 2 * EDGE / height) as box:
             controls(box, panel, self.simulation, pace)
         if balls is not None:

@@ -32,6 +32,7 @@ class ObserverConfig(PartConfig):
 
     needs: ClassVar[tuple[str, ...]] = ()  # slots and other observers without which there is nothing to watch
     writes: ClassVar[bool] = True  # whether it needs a run folder; one that does not also watches a bare Simulation
+    reads_surface: ClassVar[bool] = False
     leaves: ClassVar[str] = ""  # files, and what for, as the ledger tells it
     takes: ClassVar[tuple[float, float]] = (0.0, 0.0)  # [s] of processor time each `every`, and more for each particle
 

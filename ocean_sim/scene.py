@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from importlib import import_module
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -66,8 +67,16 @@ class SceneConfig(Heading):
         """What the scene will allocate and compile, and why; nothing is allocated to find out."""
         place, word = self.place(), 8 if self.runtime.precision == "f64" else 4
         rows = [row for part in self.parts().values() if hasattr(part, "ledger") for row in part.ledger(place, word)]
+        if getattr(self.surface, "when_read", False):
+            rows = [row._replace(every=self.reading()) if row.part == "surface" else row for row in rows]
         rate = self.observers["motion"].every if "motion" in self.observers else 0.0
         return rows + [part.watching(name, self.particles(place), rate) for name, part in self.observers.items()]
+
+    def reading(self) -> float:
+        """Simulated time between readings of the surface [s]; 0: each step is one."""
+        if self.ship is not None and self.ship.needs_surface:
+            return 0.0
+        return min((getattr(part, "every", 0.0) for part in self.observers.values() if part.reads_surface), default=inf)
 
     def particles(self, place: Any) -> int:
         """How many the water has at most in this basin."""

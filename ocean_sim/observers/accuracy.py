@@ -37,6 +37,7 @@ COLUMNS = (
 
 class Config(ObserverConfig):
     leaves: ClassVar[str] = "accuracy.csv; sums over all particles"
+    reads_surface: ClassVar[bool] = True
     takes: ClassVar[tuple[float, float]] = (3.7e-3, 5.6e-7)
     every: float = quantity("s", 0.1, gt=0.0)
     """Simulated time between rows."""

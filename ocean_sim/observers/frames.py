@@ -23,6 +23,7 @@ LARGE = 2.0e9  # bytes that are worth a warning
 
 class Config(ObserverConfig):
     leaves: ClassVar[str] = "frames/*.npz"
+    reads_surface: ClassVar[bool] = True
     takes: ClassVar[tuple[float, float]] = (1.3e-3, 3.8e-8)
     every: float = quantity("s", 0.033, gt=0.0)
     """Simulated time between frames; a frame is the first state at or after it."""

@@ -38,6 +38,7 @@ SHADE = (0.07, 0.09, 0.11)
 
 class Config(ObserverConfig):
     leaves: ClassVar[str] = "preview/*.png; pictures while it runs"
+    reads_surface: ClassVar[bool] = True
     every: float = quantity("s", 1.0 / 30.0, gt=0.0)
     """Simulated time between pictures."""
     size: tuple[int, int] = Field((1280, 720), strict=False, json_schema_extra={"unit": "pixels"})

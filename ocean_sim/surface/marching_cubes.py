@@ -4,7 +4,7 @@ Follows the water wherever it goes: crests that break, drops, the bed where it f
 reads it: the field when a mesh or a height is asked for, the heights from the first kernel on that calls `elevation`.
 """
 
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 import taichi as ti
@@ -19,7 +19,7 @@ from ocean_sim.surface._isosurface import Counts, Isosurface
 from ocean_sim.surface._mesh import AREA_AND_VOLUME, Mesh
 from ocean_sim.surface._nodes import MOST_NODES, Nodes
 
-NODE = 6.0e-8  # [s] of processor time a step
+NODE, WET = 2.0e-8, 1.5e-7  # [s] of processor time a reading, for each node and each of those in the water
 FINE, SMOOTH = 0.5, 2.0  # [spacings of the particles] between nodes, and of the radius
 MEASURED = AREA_AND_VOLUME | {
     "surface_ambiguous": "share of the cells with surface whose wet corners are kept apart by choice",
@@ -31,6 +31,7 @@ WIDEST = 6.0  # [spacings] radius at most: a node then counts 900 particles
 class Config(PartConfig):
     """Triangles around the water, from the rows near it of a grid over the whole basin."""
 
+    when_read: ClassVar[bool] = True  # it is made where something reads it, not in each step
     kind: Literal["marching_cubes"] = "marching_cubes"
     spacing: float | None = quantity("m", None, gt=0.0)
     """Distance between nodes, made a little smaller to fit the basin (the listing's stride); null: half the spacing of
@@ -47,6 +48,7 @@ class Config(PartConfig):
     """A mesh of more stops the run."""
 
     _particles: int = PrivateAttr(0)
+    _wet: float = PrivateAttr(0.0)  # [m3] of water
 
     def beside(self, fluid: Any, basin: Basin) -> "Config":
         """This config with what it leaves to the water."""
@@ -57,7 +59,7 @@ class Config(PartConfig):
             "height": self.height or basin.depth,
         }
         config = self.model_copy(update=found)
-        config._particles = lattice.n
+        config._particles, config._wet = lattice.n, lattice.n * lattice.spacing**3
         return config
 
     def problems(self, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
@@ -104,8 +106,9 @@ class Config(PartConfig):
         grid = Isosurface.bytes(nodes, self.most_nodes, word) + word * nodes.inner[0] * nodes.inner[2]
         bins = DensityMap.bytes(self._particles, nodes, self.radius, word)
         why, most = f"surface.spacing {nodes.cell:g} m", min(nodes.count, self.most_nodes)
+        seconds = NODE * nodes.count + WET * self._wet / nodes.cell**3
         return [
-            LedgerRow("surface", f"at most {most} of {nodes.count} nodes", grid, why, NODE * nodes.count),
+            LedgerRow("surface", f"at most {most} of {nodes.count} nodes", grid, why, seconds),
             LedgerRow("surface", f"{self._particles} particles in bins", bins, f"surface.radius {self.radius:g} m"),
         ]
 

@@ -69,6 +69,19 @@ def test_what_a_part_takes_does_not_depend_on_what_else_there_is():
     assert preflight(longer)["estimated_wall_s"] < preflight(config)["estimated_wall_s"]
 
 
+def test_a_surface_that_is_made_when_it_is_read_costs_as_often_as_that():
+    alone = WHOLE | {"surface": "marching_cubes", "ship": None, "platform": None, "frames": {"every": 0.01}}
+
+    def a_step(**changes) -> float:
+        rows = load(alone, changes).ledger()
+        return sum(row.a_step(0.004) for row in rows if row.part == "surface")
+
+    assert a_step() > 0.0
+    assert a_step(**{"frames.every": 0.02}) == pytest.approx(0.5 * a_step())
+    assert a_step(ship=WHOLE["ship"]) == pytest.approx(2.5 * a_step())  # a ship reads it in each step
+    assert a_step(frames=None, accuracy=None) == 0.0
+
+
 def test_the_estimate_grows_with_what_there_is_to_do():
     def wall(**changes) -> float:
         return preflight(load(WHOLE, changes))["estimated_wall_s"]

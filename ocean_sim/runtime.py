@@ -16,6 +16,7 @@ from ocean_sim.parts import PartConfig, quantity
 
 BACKENDS = {"cpu": ti.cpu, "cuda": ti.cuda, "vulkan": ti.vulkan, "metal": ti.metal, "gpu": ti.gpu, "auto": ti.gpu}
 BASE_MEMORY, COPIES = 160_000_000, 100  # [bytes], [bytes a particle]
+TREES, ROOM = 512, 128  # sets of fields that Taichi 1.7 holds, beyond which it crashes, and the most of a simulation
 GRAPHICS = {ti.cuda: "cuda", ti.vulkan: "vulkan", ti.metal: "metal", ti.opengl: "opengl", ti.gles: "gles"}
 
 
@@ -54,12 +55,13 @@ def cache_directory() -> Path:
 
 
 def start(config: RuntimeConfig) -> Backend:
-    """Start Taichi once; the same config again gives the running backend, another one starts afresh without the fields.
+    """Start Taichi once; the same config again gives the running backend while it has room for more fields. Otherwise
+    Taichi starts afresh, and all fields are gone.
 
     Raises BackendMissing where the backend obtained is not the one asked for.
     """
     global _started
-    if _started is not None and _started[0] == config:
+    if _started is not None and _started[0] == config and not full():
         return _started[1]
     threads = config.threads or cores()
     before = _thread_ids()
@@ -85,6 +87,20 @@ def start(config: RuntimeConfig) -> Backend:
         _pin(before)
     _started = (config, Backend(arch, threads if arch == "cpu" else 0, config.precision))
     return _started[1]
+
+
+def full() -> bool:
+    """Whether Taichi has too little room left for the fields of another simulation, so that `start` starts afresh."""
+    return _started is not None and impl.get_runtime().prog.get_snode_tree_size() > TREES - ROOM
+
+
+def must_run(backend: Backend) -> None:
+    """Raises RuntimeError where Taichi was started afresh since it gave this backend."""
+    if _started is None or _started[1] is not backend:
+        raise RuntimeError(
+            "the fields of this simulation are gone: a later one started Taichi afresh, for another `runtime` or because "
+            "there had been about a hundred; finish one before you begin others, or give each a process of its own"
+        )
 
 
 def base_memory(particles: int) -> int:

@@ -19,10 +19,10 @@ class Simulation:
     """A scene that has been built and can be stepped; use it as a context manager.
 
     Raises BackendMissing where the machine lacks what `runtime` asks for. Starting another simulation with another
-    `runtime` takes the fields of this one away.
+    `runtime`, or about a hundred of them, takes the fields of this one away.
     """
 
-    left_out = ("observers", "stage")  # what a checkpoint of it does not hold
+    left_out = ("observers", "stage", "backend")  # what a checkpoint of it does not hold
 
     def __init__(self, scene: "SceneConfig", folder: Path | None = None) -> None:
         """`folder`: where observers write; without it only those watch that write nothing."""
@@ -52,6 +52,7 @@ class Simulation:
 
     def step(self) -> None:
         """Algorithm 8 of the thesis; rendering and logging watch it from outside."""
+        runtime.must_run(self.backend)
         dt = self.next_dt
         with self.stage("wind"):
             self.wind.advance(dt)  # Algorithm 1

@@ -4,6 +4,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from ocean_sim import runtime
 from ocean_sim.conventions import Diverged
 from ocean_sim.parts import library, named
 from ocean_sim.scene import SceneConfig, load, scene_path
@@ -143,7 +144,7 @@ class Session:
             self.rebuild(panel.wind)
 
     def rebuild(self, wind: str) -> None:
-        """The scene from its beginning, with this preset of wind."""
+        """The scene from its beginning, with this preset of wind; in a new window where Taichi has to start afresh."""
         panel = self.panel
         try:
             config = self.config if wind == self.playing else self.of_wind(wind)
@@ -152,8 +153,14 @@ class Session:
             return
         self.simulation.close()
         self.config, self.playing, panel.said = config, wind, ""
+        afresh = runtime.full()
+        if afresh:
+            self.screen.close()
         self.simulation = built(config)
-        self.screen.watch(self.simulation, panel)
+        if afresh:
+            self.open(self.screen.shown)
+        else:
+            self.screen.watch(self.simulation, panel)
 
     def go_on(self, span: float) -> None:
         """Steps over a span of simulated time [s], as many as there is wall time for; one, where that was asked for."""

@@ -98,7 +98,7 @@ def must_run(backend: Backend) -> None:
     """Raises RuntimeError where Taichi was started afresh since it gave this backend."""
     if _started is None or _started[1] is not backend:
         raise RuntimeError(
-            "the fields of this simulation are gone: a later one started Taichi afresh, for another `runtime` or because "
+            "the fields of this simulation are gone: a later one started Taichi afresh, for another runtime, or as "
             "there had been about a hundred; finish one before you begin others, or give each a process of its own"
         )
 

@@ -25,6 +25,10 @@ class Damping(PartConfig):
     roll_quadratic: float = quantity("N m s2", 0.0, ge=0.0)
     """Moment over the square of the roll rate."""
 
+    def beside(self, motions: list[str]) -> "Damping":
+        """The same where the waves of some motions are told otherwise: of these what was given, and no default."""
+        return self.model_copy(update={name: 0.0 for name in motions if name not in self.model_fields_set})
+
 
 class Resistance:
     """The damping of one hull."""

@@ -7,14 +7,19 @@ waves.
 
 from typing import Any, Literal
 
+import numpy as np
+from pydantic import field_validator
+
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import Motions
 from ocean_sim.fluid import Limits
+from ocean_sim.input_file import FileName
 from ocean_sim.ship import Load, loaded
 from ocean_sim.ship._added_mass import AddedMass, reaction
 from ocean_sim.ship._afloat import Afloat, FloatingConfig
 from ocean_sim.ship._damping import Damping, Resistance
 from ocean_sim.ship._placed import Voyage
+from ocean_sim.ship._radiation import Memory, Radiation
 from ocean_sim.ship._rigid_body import advanced
 
 
@@ -24,6 +29,17 @@ class Config(FloatingConfig):
     kind: Literal["dynamic"] = "dynamic"
     added_mass: AddedMass = AddedMass()
     damping: Damping = Damping()
+    radiation: FileName | None = None
+    """A CSV file of added mass and damping over frequency: `omega_rad_s`, `heave_added_kg`, `heave_damping_kg_s`,
+    `pitch_added_kg_m2`, `pitch_damping_kg_m2_s`, or of any other motion. These motions remember the waves that they
+    made; `damping` then says only what else damps them. Null: added mass and damping are constant."""
+
+    @field_validator("radiation")
+    @classmethod
+    def _told(cls, file: str | None) -> str | None:
+        if file is not None:
+            Radiation(file)
+        return file
 
     def build(self, basin: Basin, fluid: Any) -> "Dynamic":
         return Dynamic(self, basin, fluid)
@@ -40,8 +56,14 @@ class Dynamic(Voyage):
         self.afloat = Afloat(config, basin, fluid, below=True)
         super().__init__(config, self.afloat.body, self.afloat.machine, basin.lower[1])
         self.contact, self.sides = self.afloat.contact, self.afloat.sides
-        self.added = config.added_mass.diagonal(self.afloat.still)
-        self.resistance = Resistance(config.damping, self.afloat.still, self.added)
+        self.added, damping = config.added_mass.diagonal(self.afloat.still), config.damping
+        self.memory: Memory | None = None
+        if config.radiation is not None:
+            radiation = Radiation(config.radiation)
+            self.memory, self.added[radiation.numbers] = Memory(radiation), radiation.added
+            damping = damping.beside([Motions._fields[k] for k in radiation.numbers])
+        self.resistance = Resistance(damping, self.afloat.still, self.added)
+        self.relative = np.zeros(6)  # velocity relative to the water, of the last load
         self.longest = self.afloat.limits(Motions(*self.added)._asdict())
 
     def load(self, wind: Any, fluid: Any, surface: Any) -> Load:
@@ -49,7 +71,10 @@ class Dynamic(Voyage):
         afloat, body, r = self.afloat, self.body, self.body.matrix
         wet = afloat.wetted(body, wind, surface)
         share, motion = afloat.share(wet), afloat.motion(body, wet)
-        damping = share * self.resistance.load(motion) @ r.T
+        resisted = self.resistance.load(motion)
+        if self.memory is not None:
+            resisted = resisted + self.memory.load(self.machine.time, motion)
+        self.relative, damping = motion, share * resisted @ r.T
         driven = self.machine.load(motion, afloat.still.density, share)
         driven = {part: load @ r.T for part, load in driven.items()}
         force, torque = sum(
@@ -67,6 +92,8 @@ class Dynamic(Voyage):
         )
 
     def advance(self, load: Load, dt: float) -> None:
+        if self.memory is not None:
+            self.memory.keep(self.machine.time, self.relative)
         self.moved(advanced, load, dt)
 
     def limits(self) -> Limits:

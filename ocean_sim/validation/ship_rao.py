@@ -1,6 +1,7 @@
 """Heave, pitch and roll of a barge and of Wigley's hull in small regular waves, against linear potential flow.
 
-Every kind's error is reported against the frequency; only `dynamic` promises: heave 5 %, pitch 10 % up to 1.2 rad/s,
+Every kind's error is reported against the frequency; only `dynamic` promises, with coefficients by rule or the memory
+of a table from the same potential flow: heave 5 %, pitch 10 % up to 1.2 rad/s,
 where the barge is as long as half a wave, and roll 10 % outside 0.9 to 1.1 rad/s, where viscosity rules; waves longer
 than six hulls 3 %. Roll is compared with 5 % of critical damping added.
 """
@@ -13,7 +14,7 @@ from ocean_sim import waves
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relative
 from ocean_sim.validation._ship import G, at_sea, posed, voyage
-from ocean_sim.validation._tables import table
+from ocean_sim.validation._tables import place, table
 
 LENGTH = {"barge20": 20.0, "wigley": 3.0}
 WAVES = {  # [rad/s]
@@ -35,6 +36,9 @@ def problems(coarse: bool) -> list[Problem]:
         for schemes, keys in ((("hydrostatic",), {}), (("dynamic",), GIVEN if sea == "beam" else {})):
             few = omegas[1:3] if coarse else omegas
             found.append(problem(hull, sea, few, schemes, keys, 4 if coarse else 8))
+        if hull == "barge20":
+            memory: dict[str, Any] = {"radiation": str(place("barge20_radiation"))} | (GIVEN if sea == "beam" else {})
+            found.append(problem(hull, sea, few, ("dynamic",), memory, 4 if coarse else 8))
     return found
 
 
@@ -43,6 +47,7 @@ def problem(
 ) -> Problem:
     """A hull in waves from ahead or from the side."""
     name, turn = f"{hull}, {sea} sea", "pitch" if sea == "head" else "roll"
+    name += ", memory" if "radiation" in keys else ""
     free = ["surge", "heave", "pitch"] if sea == "head" else ["sway", "heave", "roll"]
     kg = {"centre_of_mass": [0.0, 0.17, 0.0]} if hull == "wigley" else {}
     ship = {"hull": hull, "cells_per_draught": cells, "free": free} | kg | keys

@@ -12,6 +12,7 @@ from ocean_sim.observers import _vulkan
 from ocean_sim.observers.checkpoint import KEPT
 from ocean_sim.scene import load
 from ocean_sim.simulation import Simulation
+from ocean_sim.validation._tables import place
 from ocean_sim.verbs.progress import Progress
 from ocean_sim.verbs.resume import gone_on
 
@@ -71,7 +72,7 @@ CLOTH = {"surface": "cloth", "wind": "wide"}
 SCENES = {
     "mueller, cloth, hydrostatic ship, gusts, platform": afloat("mueller", "hydrostatic", **CLOTH, **TRACED),
     "ballistic, emitter, noise": {"basin": SLICE, **water("ballistic", 0.1, **LEFT, **MOUTH), "wind": "noise_only"},
-    "linear waves, dynamic ship, autopilot": sea("dynamic", AUTOPILOT),
+    "linear waves, dynamic ship, autopilot": sea("dynamic", AUTOPILOT | {"radiation": str(place("barge20_radiation"))}),
 }  # fmt: skip
 MORE = {
     "dfsph, stress": {"basin": SQUARE, **water("dfsph"), "wind": {"kind": "stress"}, **GAUGES},

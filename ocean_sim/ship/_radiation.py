@@ -1,0 +1,107 @@
+"""The waves that a hull makes and goes on feeling: its radiation force, from added mass and damping over frequency.
+
+A motion's force is -A(infinity) times its acceleration, less the integral of K(t - tau) times its velocity (Cummins
+1962, Schiffstechnik 9), with Ogilvie's relations (1964, 5th Symposium on Naval Hydrodynamics)
+K(t) = 2/pi int B(omega) cos(omega t) d omega and A(infinity) = A(omega) + 1/omega int K(t) sin(omega t) dt.
+Motions do not act on each other.
+"""
+
+from math import pi
+
+import numpy as np
+
+from ocean_sim import csv_file
+from ocean_sim.conventions import Motions
+from ocean_sim.input_file import shown
+
+FREQUENCY = "omega_rad_s"
+ADDED = dict(zip(Motions._fields, ("kg", "kg", "kg", "kg_m2", "kg_m2", "kg_m2"), strict=True))
+LEFT = 0.25  # of the largest damping: what may be left at the highest frequency
+FEWEST = 4  # frequencies
+FINE = 40  # points of K in a period of the highest frequency, and of B between two frequencies
+TAIL = 8.0  # [highest frequencies] to which damping is carried on
+LOST = 0.003  # of the largest K: what is forgotten
+
+
+class Radiation:
+    """What a CSV file tells of some motions: `omega_rad_s`, and `heave_added_kg`, `heave_damping_kg_s`,
+    `pitch_added_kg_m2`, `pitch_damping_kg_m2_s` and the like, of any of the six.
+
+    Raises ValueError where it tells too little.
+    """
+
+    def __init__(self, file: str) -> None:
+        table = csv_file.columns(file)
+        self.numbers = [k for k, motion in enumerate(Motions._fields) if f"{motion}_added_{ADDED[motion]}" in table]
+        names = [Motions._fields[k] for k in self.numbers]
+        columns = [FREQUENCY, *(f"{name}_{what}" for name in names for what in self.of(name))]
+        missing = [name for name in columns if name not in table]
+        if not names:
+            raise ValueError(f"{shown(file)} has no column of added mass, such as heave_added_kg or pitch_added_kg_m2")
+        if missing:
+            raise ValueError(f"{shown(file)} has no column {', '.join(missing)}")
+        if not np.isfinite([table[name] for name in columns]).all():
+            raise ValueError(f"{shown(file)} holds what is not a number")
+        omega = table[FREQUENCY]
+        if len(omega) < FEWEST or not (omega[0] > 0.0 and (np.diff(omega) > 0.0).all()):
+            raise ValueError(f"{shown(file)}: at least {FEWEST} frequencies above 0 in rising order are needed")
+        self.times = np.arange(0.0, 2.0 * pi / np.diff(omega, prepend=0.0).max(), 2.0 * pi / omega[-1] / FINE)  # [s]
+        kernels, added = [], []
+        for name in names:
+            mass, damping = (table[f"{name}_{what}"] for what in self.of(name))
+            if not damping[-1] <= LEFT * damping.max():
+                most = f"{damping[-1] / damping.max():.0%} of its most"
+                raise ValueError(f"{shown(file)}: at {omega[-1]:g} rad/s the damping of {name} still is {most}; go on")
+            kernel = self.kernel(omega, damping)
+            sines = np.trapezoid(kernel * np.sin(omega[:, None] * self.times), self.times, axis=1)
+            kernels.append(kernel)
+            added.append(float((mass + sines / omega).mean()))
+        self.added = np.array(added)  # (m,) A(infinity) [kg], [kg m2]
+        felt = np.abs(kernels / np.abs(kernels).max(axis=1, keepdims=True)).max(axis=0) > LOST
+        last = int(np.flatnonzero(felt)[-1]) + 1
+        self.times, self.kernels = self.times[:last], np.array(kernels)[:, :last]  # (n,), (m, n) K [kg/s2], [kg m2/s2]
+
+    @staticmethod
+    def of(motion: str) -> tuple[str, str]:
+        """What the columns of a motion are called."""
+        return f"added_{ADDED[motion]}", f"damping_{ADDED[motion]}_s"
+
+    def kernel(self, omega: np.ndarray, damping: np.ndarray) -> np.ndarray:
+        """K at `times`; beyond the table damping falls on as it did at its end, by a power of the frequency."""
+        from scipy.interpolate import PchipInterpolator
+
+        count = FINE * len(omega)
+        within = np.linspace(0.0, omega[-1], count)
+        beyond = np.linspace(omega[-1], TAIL * omega[-1], int(TAIL * count))[1:]
+        ends = np.maximum(damping[-2:], 1e-12 * damping.max())
+        power = max(2.0, -float(np.diff(np.log(ends))[0] / np.diff(np.log(omega[-2:]))[0]))
+        known = PchipInterpolator(np.append(0.0, omega), np.append(0.0, damping))(within)
+        every, falling = np.append(within, beyond), ends[-1] * (omega[-1] / beyond) ** power
+        waves = np.cos(self.times[:, None] * every)
+        return 2.0 / pi * np.trapezoid(np.append(known, falling) * waves, every, axis=1)
+
+
+class Memory:
+    """The radiation force on one hull: what it remembers of its motions."""
+
+    def __init__(self, radiation: Radiation) -> None:
+        self.radiation, self.numbers = radiation, np.array(radiation.numbers)
+        self.often = 2.0 * float(radiation.times[1])  # [s] at least between what is kept
+        self.when, self.moved = np.zeros(0), np.zeros((0, len(radiation.numbers)))  # [s], [m/s] or [rad/s]
+
+    def load(self, time: float, motion: np.ndarray) -> np.ndarray:
+        """(2, 3) force [N] and torque [N m] in body axes, at a velocity relative to the water (6,), body axes."""
+        times = np.append(self.when, time)
+        moved = np.concatenate([self.moved, motion[None, self.numbers]])
+        known, found = self.radiation, np.zeros(6)
+        for k, number in enumerate(self.numbers):
+            felt = np.interp(time - times, known.times, known.kernels[k], right=0.0)
+            found[number] = -np.trapezoid(felt * moved[:, k], times)
+        return found.reshape(2, 3)
+
+    def keep(self, time: float, motion: np.ndarray) -> None:
+        """Remember this velocity (6,), if the last one was long enough ago."""
+        if len(self.when) == 0 or time - self.when[-1] >= self.often * (1.0 - 1e-9):
+            near = self.when >= time - self.radiation.times[-1] - self.often
+            self.when = np.append(self.when[near], time)
+            self.moved = np.concatenate([self.moved[near], motion[None, self.numbers]])

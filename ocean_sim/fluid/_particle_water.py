@@ -41,6 +41,7 @@ class ParticleWater:
         self.pull = Pull(basin, config.body_force)
         self.jet = lattice.jet
         self.time = 0.0  # [s]
+        self.sunk = 0.0  # [m] how far below the level that was asked for its surface begins
         self.emitted_impulse, self.emitted_work = np.zeros(3), 0.0  # [N s], [J]
         self.contact: Any = None  # with a ship: `hull.push`, and by collisions `given` [N s] and `work` [J]
         self.meeting_hull = False

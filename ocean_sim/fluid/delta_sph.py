@@ -314,7 +314,9 @@ class DeltaSph(Sph):
             rho_0 = self.particles.rest_density
             bed = np.append(bed, x[len(bed) :, 1])  # what has left an emitter stays
             deepest = p + rho_0 * pull * (x[:, 1] - bed)
-            x[:, 1] -= np.maximum(deepest**2 - p**2, 0.0) / (2.0 * pull * (rho_0 * self.sound_speed) ** 2)
+            lower = np.maximum(deepest**2 - p**2, 0.0) / (2.0 * pull * (rho_0 * self.sound_speed) ** 2)
+            self.sunk = float(lower.max())
+            x[:, 1] -= lower
             self.particles.position.from_numpy(x)
 
     @property

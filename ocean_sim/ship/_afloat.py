@@ -160,7 +160,9 @@ class Afloat:
             self.contact = WaveContact(config.contact, shape, matter.centre, basin, fluid, pull)
             self.sides = Sides(shape, matter.centre, basin, fluid.walls.gap + self.contact.margin)
         self.water = Water(length, width, height, draught, self.still.gravity, self.closed, self.contact)
-        self.body = config.body(matter, *afloat_pose(self.still))  # at the beginning
+        height, trim = afloat_pose(self.still)
+        sunk = 0.0 if fluid.particles is None else fluid.sunk
+        self.body = config.body(matter, height - sunk, trim)  # at the beginning
         if self.contact is not None:
             self.contact.hull.water = self.water
             self.contact.hull.place(self.body)

@@ -54,6 +54,11 @@ class Placed(Helm):
                 found.append((("position",), where))
         return found
 
+    @property
+    def afloat_at_first(self) -> bool:
+        """Whether it begins at the height at which it floats, not at one that is given."""
+        return len(self.position) == 2
+
     def body(self, matter: Matter, height: float, trim: np.ndarray) -> RigidBody:
         """The body at the beginning; `height` of the centre of mass afloat [m], `trim` (4,) quaternion afloat."""
         pitch, yaw, roll = (radians(angle) for angle in self.attitude_deg)
@@ -61,7 +66,7 @@ class Placed(Helm):
         if not (pitch or roll):
             turn = product(turn, trim)
         x, z = self.position[0], self.position[-1]
-        y = self.position[1] if len(self.position) == 3 else height
+        y = height if self.afloat_at_first else self.position[1]
         body = RigidBody(matter.mass, matter.inertia, np.array([x, y, z]), turn, np.array(self.velocity), np.zeros(3))
         return spinning(body, rotated(turn, np.array(self.rates)))
 

@@ -6,6 +6,7 @@ step before, an explicit step would overshoot. So the water is told an accelerat
 body has of both masses, which is where the two meet (under-relaxation as in Kuttler & Wall 2008, Comput. Mech. 43).
 """
 
+from dataclasses import replace
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -71,9 +72,10 @@ class Pressure(Voyage):
     def __init__(self, config: Config, basin: Basin, fluid: Any) -> None:
         solid: Solid = basin.afloat[0]
         self.boundary, self.number = fluid.boundary, len(basin.obstacles)
-        super().__init__(
-            config, solid.body, Machine(config, config.propeller, config.rudder, solid.centre), basin.lower[1]
-        )
+        body = solid.body
+        if config.afloat_at_first:  # on water that gave way under its own weight since it made room
+            body = replace(body, position=body.position - [0.0, fluid.sunk, 0.0])
+        super().__init__(config, body, Machine(config, config.propeller, config.rudder, solid.centre), basin.lower[1])
         if solid.flat:
             self.free &= IN_A_SLICE
         self.density = float(fluid.particles.rest_density)

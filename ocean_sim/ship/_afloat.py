@@ -14,7 +14,7 @@ from ocean_sim.input_file import beside_scene
 from ocean_sim.parts import LedgerRow, Vector3, named, quantity
 from ocean_sim.ship._cubes import Cubes, Wetted
 from ocean_sim.ship._distance import MANY, memory
-from ocean_sim.ship._hull import Hull, explained, hull_of
+from ocean_sim.ship._hull import Hull, Inertia, explained, hull_of
 from ocean_sim.ship._hydrostatics import Hydrostatics
 from ocean_sim.ship._placed import Machine, Placed
 from ocean_sim.ship._propulsion import Propeller, Rudder
@@ -41,7 +41,7 @@ class FloatingConfig(Placed):
     """Of the whole ship; null: what the hull says."""
     centre_of_mass: Vector3 | None = quantity("m", None)
     """From the hull's origin amidships at the keel; null: what the hull says."""
-    inertia: Vector3 | None = quantity("kg m2", None)
+    inertia: Inertia | None = quantity("kg m2", None)
     """About the centre of mass: of pitch, yaw and roll; null: what the hull says."""
     cells_per_draught: float = quantity("1", 8.0, ge=1.0, le=64.0)
     """Cubes over the draught: 8 for motions, 16 for stability curves."""

@@ -2,9 +2,10 @@
 
 from math import isinf
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
-from pydantic import ValidationError
+from pydantic import AfterValidator, ValidationError
 
 from ocean_sim import yaml_file
 from ocean_sim.parts import PartConfig, Vector3, library, named, quantity
@@ -18,6 +19,18 @@ ENOUGH = 4e5  # cubes of a hull: one that draws little of its height has fewer o
 MESHES = (".stl", ".obj", ".ply")
 
 
+def of_a_body(inertia: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Principal moments that some distribution of mass has."""
+    if not min(inertia) > 0.0:
+        raise ValueError(f"each moment of inertia must be above 0, got {list(inertia)}")
+    if 2.0 * max(inertia) > (1.0 + 1e-9) * sum(inertia):
+        raise ValueError(f"no body has {list(inertia)}: each moment of inertia is at most the sum of the other two")
+    return inertia
+
+
+Inertia = Annotated[Vector3, AfterValidator(of_a_body)]
+
+
 class Hull(PartConfig):
     """A hull; places are from its origin amidships at the keel: x to port, y up, z to the bow."""
 
@@ -26,7 +39,7 @@ class Hull(PartConfig):
     """Of the whole ship."""
     centre_of_mass: Vector3 | None = quantity("m", None)
     """Null: the centroid of the hull, as if it were filled with one matter."""
-    inertia: Vector3 | None = quantity("kg m2", None)
+    inertia: Inertia | None = quantity("kg m2", None)
     """About the centre of mass: of pitch, yaw and roll (about x, y, z); null: of one matter."""
 
     def matter(self, cubes: Voxels) -> Matter:

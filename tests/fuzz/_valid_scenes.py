@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from ocean_sim import schema
 from ocean_sim.scene import SceneConfig, load
+from ocean_sim.validation._tables import place
 from ocean_sim.yaml_file import SceneError
 
 SCHEMA = schema.schema()
@@ -61,6 +62,8 @@ CHOICES: dict[str, st.SearchStrategy] = {
     "seed": st.integers(0, 2**31 - 1),
     "to": st.just("udp://127.0.0.1:5005"),
     "mass": st.sampled_from([50.0, 200.0]),
+    "inertia": st.none() | st.sampled_from([[5.0, 6.0, 3.0], [20.0, 20.0, 1.0]]),
+    "radiation": st.none() | st.just(str(place("barge20_radiation"))),
     "title": st.text(st.characters(codec="utf-8", exclude_categories=["C", "Z"]), max_size=8),
     "point": st.none() | st.sampled_from(NAMES),
     "hull": st.fixed_dictionaries(

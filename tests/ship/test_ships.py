@@ -276,6 +276,8 @@ def test_wind_pushes_a_ship_downwind_and_only_where_it_is_a_target():
         ({"kind": "dynamic", "hull": "barge20", "position": [80.0, 0.0]}, {}, "x = 80 m is outside the basin"),
         ({"kind": "dynamic", "hull": {"shape": {"kind": "sphere", "radius": 1.0}}}, {}, "says no mass"),
         ({"kind": "dynamic", "hull": "barge20", "free": ["hove"]}, {}, "free"),
+        ({"kind": "dynamic", "hull": "barge20", "inertia": [1e6, 0.0, 1e6]}, {}, "inertia must be above 0"),
+        ({"kind": "dynamic", "hull": "barge20", "inertia": [1e6, 3e6, 1e6]}, {}, "at most the sum of the other two"),
         ({"kind": "otter", "controls": [{"time": 1.0}, {"time": 0.5}]}, {}, "times of the rows must grow"),
         ({"kind": "dynamic", **BARGE}, {"motion": {"point": "mast"}}, "the ship has no point 'mast'"),
         ({"kind": "dynamic", **BARGE}, {"fluid": {"kind": "mueller", "spacing": 10.0}}, "give a `surface`"),

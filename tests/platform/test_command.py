@@ -92,6 +92,9 @@ def test_what_makes_no_sense_is_refused(ask, log, tmp_path, words, sentence):
 def test_a_log_that_is_none_is_refused_and_nothing_is_written(ask, tmp_path):
     broken = columns(2.0)
     broken["heave_m"][50:] += 10.0
+    half = {name: column for name, column in columns(2.0).items() if name != "force_buoyancy_y_N"}
+    code, _, err = ask(write(tmp_path / "half.csv", half), "--frame", "ned", "--out", "there")
+    assert code == 2 and "has no column force_buoyancy_y_N" in err and err.count("\n") == 1
     for path in (tmp_path / "absent.csv", tmp_path, write(tmp_path / "jump.csv", broken)):
         code, out, err = ask(path, "--out", "there")
         assert code == 2 and out == "" and err.count("\n") == 1

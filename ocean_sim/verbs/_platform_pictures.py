@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.platform import Commands, Cue
+from ocean_sim.platform import Commands
 from ocean_sim.platform._hexapod import Hexapod
 from ocean_sim.platform.hexapod import Config, Moving
 
@@ -19,19 +19,13 @@ FRAMES, FRAME_RATE = 100, 10  # of a film
 def draw(folder: Path, done: Commands, config: Config, machine: Moving, film: bool) -> None:
     """Every picture of a ride."""
     stride = max(1, len(done.time) // MOST)
-    some = every(done, stride)
+    some = done.some(slice(None, None, stride))
     save(motion(some), folder / "motion.png")
     save(legs(some, config.geometry), folder / "legs.png")
     save(workspace(some, machine), folder / "workspace.png")
     save(strips(machine.hexapod), folder / "strips.png")
     if film:
         filmed(folder / "film.gif", done, machine)
-
-
-def every(done: Commands, stride: int) -> Commands:
-    """Some of the rows, evenly."""
-    cue = Cue(*(column[::stride] for column in done.cue))
-    return Commands._make([*(column[::stride] for column in done[:-1]), cue])
 
 
 def figure(rows: int, columns: int, size: tuple[float, float], **more: Any) -> tuple[Any, np.ndarray]:

@@ -148,7 +148,8 @@ def streamed(sender: datagrams.Sender, done: Commands, machine: Moving, frame: s
             sender.send(packet)
     finally:
         last = max(0, len(sender.sent) - 1)
-        back = machine.settled(done.pose[last], float(done.time[last]), int(done.seq[last]))
+        past = done.pose[[max(0, last - 1), last]]
+        back = machine.settled(past, float(done.time[last]), int(done.seq[last]))
         for packet in datagrams.packets(back.table(), frame):
             sender.send(packet)
         sender.close()

@@ -116,9 +116,9 @@ def test_a_run_streams_what_its_platform_does(tmp_path, capsys):
 
     from ocean_sim.platform.hexapod import Config
 
-    listener = Listener(80)
+    listener = Listener(130)
     observers = {"motion": SimpleNamespace(every=0.01), "platform_log": None}
-    simulation = SimpleNamespace(scene=SimpleNamespace(platform=Config(ramp=0.5), observers=observers))
+    simulation = SimpleNamespace(scene=SimpleNamespace(platform=Config(ramp=1.0), observers=observers))
     log = CsvFile(tmp_path / "platform.csv", {"frame": "flu"}, COLUMNS)
     observer = stream.Config(to=listener.url, frame="ned").build(tmp_path, simulation)
     for k in range(30):
@@ -127,9 +127,9 @@ def test_a_run_streams_what_its_platform_does(tmp_path, capsys):
     log.close()
     observer.close()
     seen = listener.packets()
-    assert [told.seq for told in seen] == list(range(80)) and not any(seen[-1].pose) and seen[0].limited == 1
+    assert [told.seq for told in seen] == list(range(130)) and not any(seen[-1].pose) and seen[0].limited == 1
     np.testing.assert_allclose(seen[0].pose, [0.1, -0.2, -0.3, 0.01, -0.02, -0.03])
-    assert "80 packets" in capsys.readouterr().err
+    assert "130 packets" in capsys.readouterr().err
     with pytest.raises(ValidationError, match="is not like udp://"):
         stream.Config(to="somewhere")
 

@@ -226,20 +226,35 @@ def euler_rates(ride: Ride) -> np.ndarray:
     return np.column_stack([p + sp * about_z, cr * q - sr * r, about_z])
 
 
-def converted(log: MotionLog, frame: str) -> Iterator[list[str | float]]:
+def converted(log: MotionLog, frame: str) -> Iterator[list[str]]:
     """The rows of a log in the axes of another frame; columns that have no axes stay as they are written."""
-    turn = AXES[frame] @ AXES[log.frame].T
-    triples = [[log.names.index(name) for name in triple] for triple in vectors(log.names)]
-    flipped = [log.names.index(name) for name in sideways(log.names)]
-    flip = -1.0 if "ned" in (frame, log.frame) and frame != log.frame else 1.0
+    found = origins(log.names, AXES[frame] @ AXES[log.frame].T)
     for line in log.lines:
-        cells: list[str | float] = list(line.split(","))
-        for places in triples:
-            for place, value in zip(places, turn @ [float(cells[k]) for k in places]):
-                cells[place] = float(value) + 0.0
-        for k in flipped:
-            cells[k] = flip * float(cells[k]) + 0.0
-        yield cells
+        cells = line.split(",")
+        yield [negated(cells[k]) if turned else cells[k] for k, turned in found]
+
+
+def origins(names: list[str], turn: np.ndarray) -> list[tuple[int, bool]]:
+    """Of each column the one whose cells it gets, and whether they change their sign: an axis of any frame is plus or
+    minus one of another's."""
+    found = [(k, False) for k in range(len(names))]
+    for triple in vectors(names):
+        places = [names.index(name) for name in triple]
+        for place, row in zip(places, turn):
+            k = int(np.argmax(np.abs(row)))
+            found[place] = places[k], bool(row[k] < 0.0)
+    if (turn < 0.0).any():
+        for k in map(names.index, sideways(names)):
+            found[k] = k, True
+    return found
+
+
+def negated(cell: str) -> str:
+    """A number with the other sign, its digits as they are; 0 has none."""
+    cell = cell.strip().removeprefix("+")
+    if cell.startswith("-"):
+        return cell[1:]
+    return f"-{cell}" if float(cell) else cell
 
 
 def convertible(path: Path, log: MotionLog) -> None:

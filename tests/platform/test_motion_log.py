@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import csv_file
-from ocean_sim.motion_log import FORCES, FRAMES, converted, convertible, read, ride_of
+from ocean_sim.motion_log import FORCES, FRAMES, converted, convertible, negated, read, ride_of
 from tests.platform.conftest import G, columns, write
 
 
@@ -127,7 +127,8 @@ def test_axes_of_the_frames(log):
     own = dict(zip(whole.names, whole.lines[150].split(",")))
     assert float(row["qx"]) == float(own["qz"]) and float(row["heave_m"]) == -float(own["heave_m"])
     assert float(row["roll_rad"]) == float(own["roll_rad"]) and row["surge_m"] == own["surge_m"]
-    assert [row[f"force_buoyancy_{axis}_N"] for axis in "xyz"] == [3.0, -1.0, -2.0]
+    assert [row[f"force_buoyancy_{axis}_N"] for axis in "xyz"] == ["3", "-1", "-2"]
+    assert [negated(cell) for cell in ("1.50", "-2e-3", " +3", "0", "-0.0")] == ["-1.50", "2e-3", "-3", "0", "0.0"]
 
 
 def test_a_ship_at_rest_feels_gravity_upward(tmp_path):

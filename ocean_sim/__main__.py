@@ -277,7 +277,7 @@ def platform(
         str | None, typer.Option(help="udp://127.0.0.1:5005: replay in real time, to this machine unless named.")
     ] = None,
     packets: Annotated[str, typer.Option(help="ocean_sim or openmotionsim.")] = "ocean_sim",
-    film: Annotated[bool, typer.Option("--film", help="Also film.gif: the hexapod, drawn from its joints.")] = False,
+    film: Annotated[bool, typer.Option("--film", help="Also film.gif: the hexapod in its liveliest 10 s.")] = False,
     out: Annotated[Path, typer.Option(help="Where platform.csv, metrics.csv and the pictures go.")] = Path(
         "runs/platform"
     ),

@@ -153,7 +153,8 @@ class Smooth:
     """The pose that a platform is driven to by packets that come as they come.
 
     It lies on the line between the last two packets, one interval behind. When packets stay away it is held, and when
-    they come back it goes over to them within `ramp` [s]. Packets that are out of order are dropped and counted.
+    they come back it goes over to them within `ramp` [s], also to those of a stream that begins anew. Packets that are
+    out of order are dropped and counted.
     """
 
     def __init__(self, hold: float = 0.1, ramp: float = 3.0) -> None:
@@ -161,16 +162,18 @@ class Smooth:
         self.last: Packet | None = None
         self.line: list[tuple[float, np.ndarray]] = []  # the last two poses, and when they came [s]
         self.returned, self.held = -np.inf, np.zeros(6)  # when packets came back [s], and the pose until then
-        self.lost = self.reordered = self.stalls = 0
+        self.came = self.lost = self.reordered = self.stalls = self.strange = 0
 
     def take(self, packet: Packet, now: float) -> None:
         """A packet that came at `now` [s]."""
-        if self.last is not None and packet.seq <= self.last.seq:
-            self.reordered += 1
-            return
+        self.came += 1
         if self.last is not None:
-            self.lost += packet.seq - self.last.seq - 1
-            if now - self.line[-1][0] > self.hold:
+            silent, ahead = now - self.line[-1][0] > self.hold, packet.seq - self.last.seq
+            if ahead <= 0 and not silent:
+                self.reordered += 1
+                return
+            self.lost += max(0, ahead - 1)
+            if silent:
                 self.held, self.returned, self.line = self.pose(now), now, []
                 self.stalls += 1
         self.last = packet
@@ -188,17 +191,21 @@ class Smooth:
 
 
 def received(url: str, patience: float, told: Callable[[Packet], None]) -> Smooth:
-    """Receive until nothing came for `patience` [s], telling every packet; raises OSError or ValueError."""
+    """Wait for a first packet, then receive until nothing came for `patience` [s], telling every packet; what is none
+    of ours is counted as strange. Raises OSError or ValueError."""
     host, port = address(url)
     platform = Smooth()
     with socket.socket(socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0][0], socket.SOCK_DGRAM) as listening:
         listening.bind((host, port))
-        listening.settimeout(patience)
         while True:
             try:
                 packet = unpacked(listening.recv(2048))
             except TimeoutError:
                 return platform
+            except ValueError:
+                platform.strange += 1
+                continue
+            listening.settimeout(patience)
             platform.take(packet, time.perf_counter())
             told(packet)
 
@@ -210,6 +217,20 @@ def tell(packet: Packet) -> None:
         print(f"{packet.time:8.2f} s  {packet.frame}  x y z roll pitch yaw: {pose}", flush=True)
 
 
+def main(url: str = f"udp://{LOOPBACK}:5005") -> None:
+    """Receive a stream and tell how it came."""
+    print(f"waiting for packets at {url}", flush=True)
+    try:
+        seen = received(url, 10.0, tell)
+    except (OSError, ValueError) as error:
+        print(error if isinstance(error, ValueError) else f"{url}: {error.strerror or error}", file=sys.stderr)
+        sys.exit(2)
+    except KeyboardInterrupt:
+        sys.exit(130)
+    kinds = ("lost", "out of order", "strange")
+    counts = zip(kinds, (seen.lost, seen.reordered, seen.strange))
+    print(f"{seen.came} packets, " + ", ".join(f"{count} {kind}" for kind, count in counts) + f"; {seen.stalls} stalls")
+
+
 if __name__ == "__main__":
-    seen = received(sys.argv[1] if len(sys.argv) > 1 else f"udp://{LOOPBACK}:5005", 10.0, tell)
-    print(f"lost {seen.lost}, out of order {seen.reordered}, stalls {seen.stalls}")
+    main(*sys.argv[1:2])

@@ -1,6 +1,6 @@
 """Motion logs: what a ship did, row by row, as `motion.csv` has it; read, checked, and told in other axes."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from ocean_sim import conventions, input_file
 from ocean_sim.conventions import GRAVITY
+from ocean_sim.csv_file import described
 
 MOTIONS = ("sway_m", "heave_m", "surge_m", "pitch_rad", "yaw_rad", "roll_rad")
 RATES = ("roll_rate_rad_s", "pitch_rate_rad_s", "yaw_rate_rad_s")
@@ -27,6 +28,7 @@ AXES_IN_WORDS = {
 SLOWEST = 10.0  # rows a second that a platform can be driven by
 FASTEST = 50.0  # [m/s] that a ship may move from row to row
 FASTEST_TURN = 20.0  # [rad/s]
+MOST_FELT = 20.0  # [m/s2] in the half of all rows
 UNEVEN = 0.01  # part of the time between rows by which it may differ
 CHUNK = 2000  # rows at a time
 
@@ -81,7 +83,7 @@ def read(path: str | Path) -> MotionLog:
     frame = head.get("frame", "ship")
     if frame not in FRAMES:
         raise ValueError(f"{path}: its head says frame {frame!r}; a frame is one of {', '.join(FRAMES)}")
-    table = numbers(path, names, lines)
+    table = numbers(path, names, lines, [name for name in (*REQUIRED, "seq") if name in names])
     every = spacing(path, table)
     ride = ride_of(table, frame)
     believable(path, table, ride, frame)
@@ -93,6 +95,9 @@ def heading(path: Path, lines: list[str]) -> tuple[list[str], list[str]]:
     if len(lines) < 3:
         raise ValueError(f"{path} has {max(0, len(lines) - 1)} rows; a platform needs at least two")
     names = [name.strip() for name in lines[0].split(",")]
+    twice = next((name for k, name in enumerate(names) if name in names[:k]), None)
+    if twice is not None:
+        raise ValueError(f"{path} has two columns {described(twice)}")
     missing = [name for name in REQUIRED if name not in names]
     if missing:
         unit = next(unit for unit in UNITS if missing[0].endswith(unit))
@@ -106,18 +111,39 @@ def heading(path: Path, lines: list[str]) -> tuple[list[str], list[str]]:
     return names, lines[1:]
 
 
-def numbers(path: Path, names: list[str], lines: list[str]) -> dict[str, np.ndarray]:
-    """The columns that a platform needs, by name."""
-    wanted = [name for name in (*REQUIRED, "seq") if name in names]
+def numbers(path: Path, names: list[str], lines: list[str], wanted: Sequence[str]) -> dict[str, np.ndarray]:
+    """Some of the columns, by name."""
+    places = [names.index(name) for name in wanted]
     try:
-        table = np.loadtxt(lines, delimiter=",", usecols=[names.index(name) for name in wanted], ndmin=2)
-    except ValueError as error:
-        raise ValueError(f"{path}: {str(error).partition(';')[0]}") from None
+        table = parsed(lines, places)
+    except ValueError:
+        row = unreadable(lines, places) or 0
+        cells = dict(zip(names, lines[row].split(",")))
+        name = next(name for name in wanted if unreadable([cells[name]], [0]) == 0)
+        raise ValueError(f"{path}: {name} is {described(cells[name])} in row {row + 1}") from None
     wrong = np.argwhere(~np.isfinite(table))
     if len(wrong):
         row, column = wrong[0]
         raise ValueError(f"{path}: {wanted[column]} is {table[row, column]} in row {row + 1}")
     return dict(zip(wanted, table.T))
+
+
+def parsed(lines: list[str], places: list[int]) -> np.ndarray:
+    """(n, columns) the numbers at some places of each line; raises ValueError."""
+    return np.loadtxt(lines, delimiter=",", usecols=places, comments=None, ndmin=2)
+
+
+def unreadable(lines: list[str], places: list[int]) -> int | None:
+    """Number of the first line that is no numbers at these places: the half that holds it, and again."""
+    try:
+        parsed(lines, places)
+    except ValueError:
+        if len(lines) == 1:
+            return 0
+        half = len(lines) // 2
+        first = unreadable(lines[:half], places)
+        return first if first is not None else half + (unreadable(lines[half:], places) or 0)
+    return None
 
 
 def spacing(path: Path, table: dict[str, np.ndarray]) -> float:
@@ -152,10 +178,20 @@ def believable(path: Path, table: dict[str, np.ndarray], ride: Ride, frame: str)
     rate = np.median(np.linalg.norm(euler_rates(ride), axis=1))
     if min(turn, rate) > 1e-4 and not 0.05 < turn / rate < 20.0:
         raise ValueError(f"{path}: its angles turn at {turn:.3g} rad/s, its rates are {rate:.3g}; is one in degrees?")
+    leap = leaps(ride.attitude)
+    if (leap > FASTEST_TURN * np.diff(time)).any():
+        k = int(np.argmax(leap))
+        raise ValueError(
+            f"{path}: the ship turns by {np.degrees(leap[k]):.3g} degrees between {time[k]:g} s and {time[k + 1]:g} s"
+        )
     upward = turned(ride.attitude, ride.specific_force)[:, 2]
     felt, up = float(np.median(np.linalg.norm(ride.specific_force, axis=1))), float(upward.mean())
     if 0.5 < felt < 2.0:
         raise ValueError(f"{path}: its specific force is about {felt:.2g} m/s2, at rest {GRAVITY} m/s2; is it in g?")
+    if felt > MOST_FELT:
+        raise ValueError(
+            f"{path}: its specific force is about {felt:.3g} m/s2, at rest {GRAVITY}; is its unit another?"
+        )
     if felt > 5.0 and up < 0.5 * felt:
         means = f"frame {frame}, {AXES_IN_WORDS['ship' if frame == 'world' else frame]}"
         raise ValueError(f"{path}: gravity does not point down ({up:.3g} m/s2 upward); is it really in {means}?")
@@ -164,6 +200,14 @@ def believable(path: Path, table: dict[str, np.ndarray], ride: Ride, frame: str)
 def turns(attitude: np.ndarray) -> np.ndarray:
     """(n - 1, 3) differences from row to row [rad], the short way around."""
     return (np.diff(attitude, axis=0) + np.pi) % (2.0 * np.pi) - np.pi
+
+
+def leaps(attitude: np.ndarray) -> np.ndarray:
+    """(n - 1,) angle from row to row [rad], about whichever axis."""
+    from scipy.spatial.transform import Rotation
+
+    pose = Rotation.from_euler("ZYX", attitude[:, ::-1])
+    return (pose[:-1].inv() * pose[1:]).magnitude()
 
 
 def turned(attitude: np.ndarray, vector: np.ndarray) -> np.ndarray:
@@ -182,24 +226,52 @@ def euler_rates(ride: Ride) -> np.ndarray:
     return np.column_stack([p + sp * about_z, cr * q - sr * r, about_z])
 
 
-def converted(log: MotionLog, frame: str) -> Iterator[list[str | float]]:
+def converted(log: MotionLog, frame: str) -> Iterator[list[str]]:
     """The rows of a log in the axes of another frame; columns that have no axes stay as they are written."""
-    turn = AXES[frame] @ AXES[log.frame].T
-    vectors = triples(log.names)
-    flipped = [k for k, name in enumerate(log.names) if name.split("_")[0] in ("sway", "heave", "pitch", "yaw")]
-    flip = -1.0 if "ned" in (frame, log.frame) and frame != log.frame else 1.0
+    found = origins(log.names, AXES[frame] @ AXES[log.frame].T)
     for line in log.lines:
-        cells: list[str | float] = list(line.split(","))
-        for places in vectors:
-            for place, value in zip(places, turn @ [float(cells[k]) for k in places]):
-                cells[place] = float(value) + 0.0
-        for k in flipped:
-            cells[k] = flip * float(cells[k]) + 0.0
-        yield cells
+        cells = line.split(",")
+        yield [negated(cells[k]) if turned else cells[k] for k, turned in found]
 
 
-def triples(names: list[str]) -> list[list[int]]:
-    """Where the components along x, y and z of each vector stand; the quaternion's last three are one."""
+def origins(names: list[str], turn: np.ndarray) -> list[tuple[int, bool]]:
+    """Of each column the one whose cells it gets, and whether they change their sign: an axis of any frame is plus or
+    minus one of another's."""
+    found = [(k, False) for k in range(len(names))]
+    for triple in vectors(names):
+        places = [names.index(name) for name in triple]
+        for place, row in zip(places, turn):
+            k = int(np.argmax(np.abs(row)))
+            found[place] = places[k], bool(row[k] < 0.0)
+    if (turn < 0.0).any():
+        for k in map(names.index, sideways(names)):
+            found[k] = k, True
+    return found
+
+
+def negated(cell: str) -> str:
+    """A number with the other sign, its digits as they are; 0 has none."""
+    cell = cell.strip().removeprefix("+")
+    if cell.startswith("-"):
+        return cell[1:]
+    return f"-{cell}" if float(cell) else cell
+
+
+def convertible(path: Path, log: MotionLog) -> None:
+    """Refuse a log that cannot be told in other axes: a vector lacks a component, or a cell is no number."""
+    wanted = [name for triple in vectors(log.names) for name in triple] + sideways(log.names)
+    missing = next((name for name in wanted if name not in log.names), None)
+    if missing is not None:
+        raise ValueError(f"{path} has no column {missing}; without it a vector cannot be told in other axes")
+    numbers(path, log.names, log.lines, wanted)
+
+
+def sideways(names: list[str]) -> list[str]:
+    """The columns that change their sign between NED and the other frames."""
+    return [name for name in names if name.split("_")[0] in ("sway", "heave", "pitch", "yaw")]
+
+
+def vectors(names: list[str]) -> list[list[str]]:
+    """The components along x, y and z of each vector; the quaternion's last three are one."""
     found = [["qx", "qy", "qz"]] if "qx" in names else []
-    found += [[name.replace("_x_", f"_{axis}_") for axis in "xyz"] for name in names if "_x_" in name]
-    return [[names.index(name) for name in triple] for triple in found]
+    return found + [[name.replace("_x_", f"_{axis}_") for axis in "xyz"] for name in names if "_x_" in name]

@@ -46,7 +46,8 @@ class Stream:
     def __init__(self, config: Config, folder: Path, every: float, platform: Platform) -> None:
         self.config, self.every, self.platform = config, every, platform
         self.log = Growing(folder / "platform.csv")
-        self.last: dict[str, np.ndarray] = {}  # the last row
+        self.past = np.zeros((0, 6))  # the last two poses
+        self.time, self.seq = 0.0, 0  # of the last row
         self.sender = Sender(config.to, config.packets)
 
     def observe(self, simulation: "Simulation") -> None:
@@ -55,15 +56,15 @@ class Stream:
     def send(self, table: dict[str, np.ndarray]) -> None:
         """Send rows, each at its time."""
         if table and len(table["seq"]):
-            self.last = {name: column[-1] for name, column in table.items()}
+            self.past = np.vstack([self.past, np.column_stack([table[name] for name in POSE])])[-2:]
+            self.time, self.seq = float(table["time_s"][-1]), int(table["seq"][-1])
             for packet in packets(table, self.config.frame):
                 self.sender.send(packet)
 
     def close(self) -> None:
         if self.log.path.is_file():
             self.send(self.log.rows())
-        if self.last:
-            pose = np.array([self.last[name] for name in POSE])
-            self.send(self.platform.settled(pose, float(self.last["time_s"]), int(self.last["seq"])).table())
+        if len(self.past):
+            self.send(self.platform.settled(self.past[[0, -1]], self.time, self.seq).table())
         print(f"stream to {self.config.to}: {self.sender.jitter()}", file=sys.stderr, flush=True)
         self.sender.close()

@@ -50,6 +50,11 @@ class Commands(NamedTuple):
     limited: np.ndarray  # (n,) sum of what held it back
     cue: Cue  # what the washout wanted
 
+    def some(self, which: slice) -> "Commands":
+        """Some of the rows."""
+        cue = Cue(*(column[which] for column in self.cue))
+        return Commands._make([*(column[which] for column in self[:-1]), cue])
+
     def table(self) -> dict[str, np.ndarray]:
         """The columns of platform.csv by name."""
         head, end = [self.time[:, None], self.seq[:, None]], [self.limited[:, None]]
@@ -75,6 +80,6 @@ class Platform(Protocol):
 
     def follow(self, ride: Ride) -> Commands: ...
 
-    def settled(self, pose: np.ndarray, time: float, seq: int) -> Commands:
-        """The way back to neutral from the (6,) pose of a last row."""
+    def settled(self, past: np.ndarray, time: float, seq: int) -> Commands:
+        """The way back to neutral from the (2, 6) poses of the last two rows, the last of this time [s] and number."""
         ...

@@ -37,6 +37,7 @@ class Geometry(PartConfig):
     refused as singular."""
 
     @model_validator(mode="after")
+    @np.errstate(all="ignore")
     def _assembles(self) -> "Geometry":
         if self.longest - self.shortest <= 2.0 * self.buffer:
             stroke = f"{self.shortest:g} to {self.longest:g} m"
@@ -49,6 +50,8 @@ class Geometry(PartConfig):
             if not hexapod.low < length < hexapod.high:
                 ends = f"{hexapod.low:g} to {hexapod.high:g} m"
                 raise ValueError(f"it cannot be assembled: in neutral leg {k} is {length:.4g} m long, outside {ends}")
+        if not hexapod.radius > 0.0:
+            raise ValueError("it cannot be held: all joints of its platform are at the point whose pose is told")
         condition = hexapod.condition(np.zeros((1, 6)))[0]
         if not condition < self.condition_limit:
             told = f"condition number {condition:.3g}, limit {self.condition_limit:g}"

@@ -99,9 +99,13 @@ class Legs:
     A leg that fell behind catches up at a speed from which it can still stop in time, then follows exactly again.
     """
 
-    def __init__(self, geometry: Geometry, every: float, neutral: np.ndarray) -> None:
+    def __init__(
+        self, geometry: Geometry, every: float, length: np.ndarray, velocity: np.ndarray | None = None
+    ) -> None:
+        """`every`: time between rows [s]; (6,) length [m] and velocity [m/s] at first, by default at rest."""
         self.speed, self.acceleration, self.every = geometry.leg_speed, geometry.leg_acceleration, every
-        self.target, self.length, self.velocity = neutral, neutral, np.zeros(6)
+        self.target, self.length = length, length
+        self.velocity = np.zeros(6) if velocity is None else velocity
 
     def follow(self, targets: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(n, 6) lengths and (n, 6) speeds for the (n, 6) lengths wanted, and (n,) which limits that took."""

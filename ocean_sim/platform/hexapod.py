@@ -15,13 +15,14 @@ from ocean_sim.motion_log import Ride
 from ocean_sim.parts import LedgerRow, PartConfig, library, named, quantity
 from ocean_sim.platform import SINGULAR, Commands, Cue, Washout
 from ocean_sim.platform._hexapod import Geometry, Hexapod, rates_to_turn, rotation
-from ocean_sim.platform._limits import Legs, Workspace
+from ocean_sim.platform._limits import SAME, Legs, Workspace
 
 if TYPE_CHECKING:
     from ocean_sim.scene import SceneConfig
 
 # A washout is one file, `_washout_<kind>.py`: a Config with its `kind`, that builds what follows a ride.
 WASHOUTS = sorted(path.stem for path in Path(__file__).parent.glob("_washout_*.py"))
+GLIDE = 0.15  # [s] in which a platform that is told to stop loses its speed
 AnyWashout: Any = reduce(or_, [import_module(f"ocean_sim.platform.{name}").Config for name in WASHOUTS])
 
 
@@ -67,7 +68,7 @@ class Moving:
     def __init__(self, config: Config, every: float) -> None:
         geometry: Any = config.geometry
         washout: Any = config.washout
-        self.every, self.ramp = every, config.ramp
+        self.every, self.ramp, self.geometry = every, config.ramp, geometry
         self.hexapod = Hexapod(geometry)
         self.workspace = Workspace(self.hexapod)
         self.washout: Washout = washout.build(every, self.workspace.ends[:3])
@@ -82,26 +83,43 @@ class Moving:
         wanted = cue.pose * self.part(ride.time)[:, None]
         pose, limited = self.workspace.scaled_back(wanted)
         legs, velocity, held = self.legs.follow(self.hexapod.legs(pose))
-        late = held > 0
+        limited |= cue.limited | held | self.stood(pose, legs, held > 0)
+        force, rate = self.felt(pose)
+        return Commands(ride.time, ride.seq, pose, legs, velocity, force, rate, limited, cue)
+
+    def stood(self, pose: np.ndarray, legs: np.ndarray, late: np.ndarray) -> np.ndarray:
+        """(n,) which limits are told of poses, after those of late legs are put where the legs are."""
+        limited = np.zeros(len(pose), dtype=int)
         if late.any():
             found = self.hexapod.pose(legs[late], pose[late])
             lost = np.isnan(found)  # legs that no pose near has: the one that was wanted is told
             pose[late] = np.where(lost, pose[late], found)
-            limited[late] |= np.where(lost.any(axis=1), SINGULAR, 0)
-        force, rate = self.felt(pose)
-        return Commands(ride.time, ride.seq, pose, legs, velocity, force, rate, cue.limited | limited | held, cue)
+            limited[late] = np.where(lost.any(axis=1), SINGULAR, 0)
+        return limited
 
-    def settled(self, pose: np.ndarray, time: float, seq: int) -> Commands:
-        """The rows after a last one of (6,) pose, time [s] and number, that bring the platform back to neutral within
-        its ramp."""
-        count = np.arange(1, round(self.ramp / self.every) + 1)
-        fading = pose * (1.0 - smoothly(count / max(1, len(count))))[:, None]
-        legs = self.hexapod.legs(np.vstack([pose, fading]))
-        speed, none = np.diff(legs, axis=0) / self.every, np.zeros(len(count), dtype=int)
-        self.past = np.vstack([pose, pose])
-        force, rate = self.felt(fading)
-        cue = Cue(fading, none, force, rate)
-        return Commands(time + count * self.every, seq + count, fading, legs[1:], speed, force, rate, none, cue)
+    def settled(self, past: np.ndarray, time: float, seq: int) -> Commands:
+        """The rows after a last one of this time [s] and number, that bring the platform from its (2, 6) last two poses
+        back to neutral within its ramp: it glides on, no leg is braked harder than it may be, and none leaves its
+        stroke. Where the legs need longer, there are more rows."""
+        lengths, every, machine = self.hexapod.legs(past), self.every, self.geometry
+        longest = (
+            machine.longest - machine.shortest
+        ) / machine.leg_speed + machine.leg_speed / machine.leg_acceleration
+        count = np.arange(1, round((self.ramp + GLIDE + 2.0 * longest) / every) + 2)
+        t = (count * every)[:, None]
+        glide = past[1] + (past[1] - past[0]) / every * GLIDE * (1.0 - np.exp(-t / GLIDE))
+        pose = glide * (1.0 - (smoothly(np.minimum(t / self.ramp, 1.0)) if self.ramp > 0.0 else 1.0))
+        free = self.hexapod.legs(pose)
+        within = np.clip(free, self.hexapod.low, self.hexapod.high)
+        drives = Legs(machine, every, lengths[1], (lengths[1] - lengths[0]) / every)
+        legs, velocity, held = drives.follow(within)
+        limited = held | self.stood(pose, legs, (held > 0) | (free != within).any(axis=1))
+        home = (count >= round(self.ramp / every)) & (np.abs(legs - self.hexapod.neutral_legs).max(axis=1) < SAME)
+        self.past = past
+        force, rate = self.felt(pose)
+        cue, end = Cue(pose, limited, force, rate), int(np.argmax(home)) + 1 if home.any() else len(count)
+        rows = Commands(time + t[:, 0], seq + count, pose, legs, velocity, force, rate, limited, cue)
+        return rows.some(slice(end))
 
     def part(self, time: np.ndarray) -> np.ndarray:
         """(n,) from 0 to 1 over the ramp."""

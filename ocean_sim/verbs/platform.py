@@ -40,7 +40,7 @@ def platform(
             raise console.Refused(f"--{what}: there is no {name!r}{choice_sentence(name, known)[0]}")
     config = configured(geometry, washout)
     sender = opened(stream, packets) if stream is not None else None
-    ride = opened_log(log)
+    ride = opened_log(log, frame)
     machine = config.build(ride.every)
     done = joined([machine.follow(rows) for rows in ride.ride.chunks()])
     found = metrics(ride.ride, done, machine.hexapod, ride.every)
@@ -83,11 +83,14 @@ def opened(stream: str, packets: str) -> datagrams.Sender:
         raise console.Refused(f"--stream: {error}") from None
 
 
-def opened_log(log: Path) -> MotionLog:
-    """A motion log, or the one in a run folder; raises Refused."""
+def opened_log(log: Path, frame: str | None) -> MotionLog:
+    """A motion log, or the one in a run folder, that can be told in this frame; raises Refused."""
     path = log / "motion.csv" if log.is_dir() else log
     try:
-        return motion_log.read(path)
+        found = motion_log.read(path)
+        if frame is not None:
+            motion_log.convertible(path, found)
+        return found
     except ValueError as error:
         raise console.Refused(str(error)) from None
 
@@ -145,7 +148,8 @@ def streamed(sender: datagrams.Sender, done: Commands, machine: Moving, frame: s
             sender.send(packet)
     finally:
         last = max(0, len(sender.sent) - 1)
-        back = machine.settled(done.pose[last], float(done.time[last]), int(done.seq[last]))
+        past = done.pose[[max(0, last - 1), last]]
+        back = machine.settled(past, float(done.time[last]), int(done.seq[last]))
         for packet in datagrams.packets(back.table(), frame):
             sender.send(packet)
         sender.close()

@@ -9,7 +9,9 @@ from ocean_sim import motion_log
 from ocean_sim.__main__ import answered
 from ocean_sim.observers._csv import columns as read_columns
 from ocean_sim.platform import COLUMNS
-from tests.platform.conftest import Listener, columns, write
+from ocean_sim.platform.hexapod import Config
+from ocean_sim.verbs import _platform_pictures
+from tests.platform.conftest import Listener, columns, ride, write
 
 PICTURES = {"motion.png", "legs.png", "workspace.png", "strips.png"}
 
@@ -53,6 +55,39 @@ def test_a_log_becomes_a_ride(ask, log, tmp_path):
     }
 
 
+@pytest.fixture(scope="module")
+def drawn():
+    """A ride that is quiet at first, and its machine."""
+    machine, t = Config(ramp=0.0).build(0.01), np.arange(2500) * 0.01
+    up = np.where(t > 12.0, np.sin(t), 0.0)[:, None] * [0.0, 0.0, 1.0]
+    return machine.follow(ride(len(t), 0.01, up)), machine
+
+
+@pytest.mark.parametrize("one, other", _platform_pictures.PAIRS)
+def test_a_workspace_is_drawn_whole(drawn, one, other):
+    """All that two motions reach together lies inside its picture, and each alone reaches the ends that are known."""
+    _, machine = drawn
+    across, up, usage = _platform_pictures.reached(machine, one, other)
+    inside = usage <= 1.0
+    assert inside.any() and not (inside[0].any() or inside[-1].any() or inside[:, 0].any() or inside[:, -1].any())
+    for values, motion in ((across, one), (up, other)):
+        ends = machine.workspace.ends[motion] * (1.0 if motion < 3 else 180.0 / np.pi)
+        step = np.ptp(values) / (_platform_pictures.FINE - 1)
+        assert values[inside].min() <= ends[0] + step and values[inside].max() >= ends[1] - step
+
+
+def test_a_film_is_in_real_time_and_shows_the_liveliest_seconds(drawn, tmp_path):
+    from PIL import Image
+
+    done, machine = drawn
+    rows = _platform_pictures.lively(done, machine)
+    assert len(rows) == 200 and done.time[rows[0]] > 11.0 and np.all(np.diff(rows) == 5)
+    short = done.some(slice(1300, 1360))
+    _platform_pictures.filmed(tmp_path / "film.gif", short, machine)
+    with Image.open(tmp_path / "film.gif") as film:
+        assert film.n_frames == len(_platform_pictures.lively(short, machine)) == 12 and film.info["duration"] == 50
+
+
 def test_it_streams_at_the_pace_of_the_log_and_comes_to_rest(ask, tmp_path):
     short, listener = write(tmp_path / "short.csv", columns(0.5)), Listener(351)
     code, out, _ = ask(short, "--stream", listener.url)
@@ -92,6 +127,9 @@ def test_what_makes_no_sense_is_refused(ask, log, tmp_path, words, sentence):
 def test_a_log_that_is_none_is_refused_and_nothing_is_written(ask, tmp_path):
     broken = columns(2.0)
     broken["heave_m"][50:] += 10.0
+    half = {name: column for name, column in columns(2.0).items() if name != "force_buoyancy_y_N"}
+    code, _, err = ask(write(tmp_path / "half.csv", half), "--frame", "ned", "--out", "there")
+    assert code == 2 and "has no column force_buoyancy_y_N" in err and err.count("\n") == 1
     for path in (tmp_path / "absent.csv", tmp_path, write(tmp_path / "jump.csv", broken)):
         code, out, err = ask(path, "--out", "there")
         assert code == 2 and out == "" and err.count("\n") == 1

@@ -111,6 +111,20 @@ def test_a_geometry_that_cannot_be_assembled_is_refused(wrong, sentence):
         Geometry.model_validate(ready_made("geometry", "hexapod_a") | wrong)
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    "wrong, sentence",
+    [
+        ({"platform": [[0.0, 0.0, 0.0]] * 6}, "all joints of its platform are at the point whose pose is told"),
+        ({"platform": [[0.5, 0.0, 0.0]] * 6}, "its neutral pose is singular"),
+        ({"platform": [[1e160, 0.0, 0.0], *HEX_A["platform"][1:]]}, "it cannot be assembled"),
+    ],
+)
+def test_a_geometry_of_one_point_or_beyond_all_size_is_refused_without_a_warning(wrong, sentence):
+    with pytest.raises(ValidationError, match=sentence):
+        Geometry.model_validate(ready_made("geometry", "hexapod_a") | wrong)
+
+
 def test_a_geometry_that_is_singular_in_neutral_is_refused():
     """Legs between two like hexagons all stand upright: nothing holds the platform from moving sideways."""
     corners = [[np.cos(a), np.sin(a), 0.0] for a in np.arange(6) * np.pi / 3.0]

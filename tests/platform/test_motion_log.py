@@ -1,8 +1,10 @@
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from ocean_sim import csv_file
-from ocean_sim.motion_log import FORCES, FRAMES, converted, read, ride_of
+from ocean_sim.motion_log import FORCES, FRAMES, converted, convertible, negated, read, ride_of
 from tests.platform.conftest import G, columns, write
 
 
@@ -31,6 +33,14 @@ BAD = {
     "a jump": (with_value("heave_m", 700, 10.0), "the ship jumps by .* m between"),
     "no rows": (without(columns(), np.r_[0:0]), "has 0 rows"),
     "one row": (without(columns(), np.r_[0:1]), "has 1 rows"),
+    "a turn at once": (
+        changed("roll_rad", lambda roll: roll + 1.5 * (np.arange(len(roll)) >= 700)),
+        "turns by 8[56]",
+    ),
+    "forces in mm/s2": (
+        columns() | {name: 1000.0 * columns()[name] for name in FORCES},
+        "is its unit another?",
+    ),
     "forces in g": (columns() | {name: columns()[name] / G for name in FORCES}, "is it in g?"),
     "rates in degrees": (
         changed("roll_rate_rad_s", np.degrees),
@@ -65,7 +75,10 @@ def test_other_units_and_frames_are_named(tmp_path):
     with pytest.raises(ValueError, match="row 48 has 20 cells under 21 names"):
         read(path)
     path.write_text("\n".join([*lines[:50], lines[50].replace(lines[50].split(",")[4], "word", 1), *lines[51:]]))
-    with pytest.raises(ValueError, match="word"):
+    with pytest.raises(ValueError, match="surge_m is 'word' in row 48"):
+        read(path)
+    path.write_text("\n".join([*lines[:2], lines[2].replace("force_buoyancy_x_N", "roll_rad"), *lines[3:]]))
+    with pytest.raises(ValueError, match="has two columns 'roll_rad'"):
         read(path)
     path.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(ValueError, match="is not UTF-8 text"):
@@ -86,6 +99,22 @@ def test_a_log_is_the_same_ride_in_every_frame(log, tmp_path):
         np.testing.assert_allclose(back, [[float(cell) for cell in line.split(",")] for line in whole.lines], atol=1e-8)
 
 
+def test_a_log_whose_vectors_are_not_whole_is_told_in_no_other_axes(tmp_path):
+    table = columns(1.0)
+    convertible(Path("a.csv"), read(write(tmp_path / "whole.csv", table)))
+    alone = {name: column for name, column in table.items() if name != "force_buoyancy_y_N"}
+    words = table | {"force_buoyancy_z_N": ["none"] * 101}
+    for name, wrong, sentence in (
+        ("alone.csv", alone, "has no column force_buoyancy_y_N; without it a vector cannot be told in other axes"),
+        ("words.csv", words, "force_buoyancy_z_N is 'none' in row 1"),
+    ):
+        path = tmp_path / name
+        rows = [",".join(str(cell) for cell in row) for row in zip(*wrong.values())]
+        path.write_text("\n".join([",".join(wrong), *rows]))
+        with pytest.raises(ValueError, match=sentence):
+            convertible(path, read(path))
+
+
 def test_axes_of_the_frames(log):
     """NED (1, 2, 3) is ours (-2, -3, 1) and FLU (1, -2, -3); a worked specific force, and the quaternion."""
     ned = np.array([-0.187498, -0.991343, -8.237563])
@@ -98,7 +127,8 @@ def test_axes_of_the_frames(log):
     own = dict(zip(whole.names, whole.lines[150].split(",")))
     assert float(row["qx"]) == float(own["qz"]) and float(row["heave_m"]) == -float(own["heave_m"])
     assert float(row["roll_rad"]) == float(own["roll_rad"]) and row["surge_m"] == own["surge_m"]
-    assert [row[f"force_buoyancy_{axis}_N"] for axis in "xyz"] == [3.0, -1.0, -2.0]
+    assert [row[f"force_buoyancy_{axis}_N"] for axis in "xyz"] == ["3", "-1", "-2"]
+    assert [negated(cell) for cell in ("1.50", "-2e-3", " +3", "0", "-0.0")] == ["-1.50", "2e-3", "-3", "0", "0.0"]
 
 
 def test_a_ship_at_rest_feels_gravity_upward(tmp_path):

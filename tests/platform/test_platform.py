@@ -163,6 +163,25 @@ def test_ramps_begin_in_neutral():
     assert np.abs(sudden.leg_velocity[:20]).max() > 0.1  # pitch is there at once
 
 
+@pytest.mark.parametrize("seconds, ramp", [(30.0, 3.0), (31.25, 3.0), (31.0, 0.5), (31.0, 0.0)])
+def test_a_stop_in_full_motion_is_no_jerk(seconds, ramp):
+    """The way back to neutral begins with the speed that the legs have; they keep to their limits all the way."""
+    rows = wave(5.0, 1.2, seconds, angles=np.radians(4.0))
+    machine = Config(ramp=ramp).build(DT)
+    done = machine.follow(rows)
+    back = machine.settled(done.pose[-2:], float(done.time[-1]), int(done.seq[-1]))
+    velocity = np.vstack([done.leg_velocity[-1:], back.leg_velocity])
+    assert np.abs(velocity[0]).max() > 0.2 and np.abs(velocity).max() <= 1.0 + 1e-9
+    assert np.abs(np.diff(velocity, axis=0)).max() <= 10.0 * DT * (1.0 + 1e-6)
+    np.testing.assert_allclose(machine.hexapod.legs(back.pose), back.legs, atol=1e-9)
+    assert back.legs.min() >= 2.081 and back.legs.max() <= 3.331
+    assert not back.pose[-1].any() and len(back.time) >= round(ramp / DT)
+    assert back.seq.tolist() == list(range(done.seq[-1] + 1, done.seq[-1] + 1 + len(back.seq)))
+    fading = done.pose[-1:] * np.linspace(1.0, 0.0, 301)[1:, None]  # the negative control: a line from where it stands
+    sudden = (machine.hexapod.legs(fading[:1]) - done.legs[-1]) / DT - done.leg_velocity[-1]
+    assert np.abs(sudden).max() > 10.0 * DT
+
+
 def test_blocks_of_any_size_give_the_same_commands():
     rows = wave(5.0, 1.5, seconds=4.0, angles=0.1)
     whole = Config().build(DT).follow(rows)

@@ -71,11 +71,44 @@ def test_the_receiver_tells_what_came_and_counts():
     thread.start()
     time.sleep(0.3)
     sender = Sender(url)
+    sender.socket.sendto(packed(packet(0), "openmotionsim"), sender.address)
     for k in (0, 1, 4, 3):
         sender.send(packet(k, every=0.0))
     sender.close()
     thread.join()
-    assert (seen[0].lost, seen[0].reordered, len(told)) == (2, 1, 4)
+    assert (seen[0].came, seen[0].lost, seen[0].reordered, seen[0].strange, len(told)) == (4, 2, 1, 1, 4)
+
+
+def test_the_receiver_waits_for_a_first_packet_and_says_what_is_wrong(capsys):
+    url, told = f"udp://127.0.0.1:{free_port()}", []
+    thread = threading.Thread(target=received, args=(url, 0.2, told.append))
+    thread.start()
+    time.sleep(1.0)  # longer than its patience
+    sender = Sender(url)
+    sender.send(packet(0))
+    sender.close()
+    thread.join()
+    assert [seen.seq for seen in told] == [0]
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.bind(("127.0.0.1", 0))
+        for wrong in ("tcp://there", f"udp://127.0.0.1:{other.getsockname()[1]}"):
+            with pytest.raises(SystemExit) as end:
+                datagrams.main(wrong)
+            said = capsys.readouterr().err
+            assert end.value.code == 2 and said.count("\n") == 1 and wrong in said
+
+
+def test_a_stream_that_begins_anew_is_followed():
+    """After a silence it is no late packet of the one before; without one it is."""
+    smooth = Smooth(hold=0.1, ramp=1.0)
+    for k in range(100, 110):
+        smooth.take(packet(k, 0.3), 0.01 * k)
+    smooth.take(packet(5, 0.1), 1.095)
+    assert smooth.reordered == 1 and smooth.last.seq == 109
+    for k in range(300):
+        smooth.take(packet(k, 0.1), 2.0 + 0.01 * k)
+    assert (smooth.reordered, smooth.lost, smooth.stalls) == (1, 0, 1)
+    assert smooth.pose(2.0)[2] == pytest.approx(0.3) and smooth.pose(4.99)[2] == pytest.approx(0.1)
 
 
 def test_a_sender_that_is_late_does_not_burst():
@@ -116,9 +149,9 @@ def test_a_run_streams_what_its_platform_does(tmp_path, capsys):
 
     from ocean_sim.platform.hexapod import Config
 
-    listener = Listener(80)
+    listener = Listener(130)
     observers = {"motion": SimpleNamespace(every=0.01), "platform_log": None}
-    simulation = SimpleNamespace(scene=SimpleNamespace(platform=Config(ramp=0.5), observers=observers))
+    simulation = SimpleNamespace(scene=SimpleNamespace(platform=Config(ramp=1.0), observers=observers))
     log = CsvFile(tmp_path / "platform.csv", {"frame": "flu"}, COLUMNS)
     observer = stream.Config(to=listener.url, frame="ned").build(tmp_path, simulation)
     for k in range(30):
@@ -127,9 +160,9 @@ def test_a_run_streams_what_its_platform_does(tmp_path, capsys):
     log.close()
     observer.close()
     seen = listener.packets()
-    assert [told.seq for told in seen] == list(range(80)) and not any(seen[-1].pose) and seen[0].limited == 1
+    assert [told.seq for told in seen] == list(range(130)) and not any(seen[-1].pose) and seen[0].limited == 1
     np.testing.assert_allclose(seen[0].pose, [0.1, -0.2, -0.3, 0.01, -0.02, -0.03])
-    assert "80 packets" in capsys.readouterr().err
+    assert "130 packets" in capsys.readouterr().err
     with pytest.raises(ValidationError, match="is not like udp://"):
         stream.Config(to="somewhere")
 

@@ -119,9 +119,9 @@ def film(pictures: dict[str, np.ndarray], path: Path) -> None:
 
 def strip(pictures: dict[str, np.ndarray], times: np.ndarray, rides: dict[str, np.ndarray], path: Path) -> None:
     """A row of pictures a kind, and what each did below them."""
-    figure = paper(15.0, 12.0)
+    figure = paper(15.0, 10.4)
     grid = figure.add_gridspec(len(KINDS) + 1, 3 * SHOWN, height_ratios=[1.0] * len(KINDS) + [1.25])
-    shown = np.linspace(0, len(times) - 1, SHOWN).astype(int)
+    shown = np.unique(np.linspace(0, len(times) - 1, SHOWN).astype(int))
     for row, kind in enumerate(pictures):
         for column, k in enumerate(shown):
             panel = figure.add_subplot(grid[row, 3 * column : 3 * column + 3])
@@ -132,7 +132,7 @@ def strip(pictures: dict[str, np.ndarray], times: np.ndarray, rides: dict[str, n
         panel = figure.add_subplot(grid[-1, SHOWN * column : SHOWN * (column + 1)])
         for kind, colour in KINDS.items():
             panel.plot(rides[kind][:, 0], rides[kind][:, 1 + column], color=colour, lw=1.8, label=kind)
-        panel.set(xlabel="time [s]", ylabel=name)
+        panel.set(xlabel="time [s]", title=name)
         panel.grid(color=PALE, lw=0.7)
         if column == 0:
             panel.legend(ncols=2)

@@ -210,6 +210,8 @@ class Restoring:
 
     def from_file(self, node: Any, fresh: Any, path: str) -> TextIOWrapper:
         name, size = node[FILE]
+        if type(size) is not int or size < 0:
+            raise Differs(f"{name} cannot have {size!r:.60} bytes")
         place = self.folder / inside(name)
         if not place.is_file() or place.stat().st_size < size:
             raise Differs(f"{name} is shorter than it was when the checkpoint was made")

@@ -171,6 +171,19 @@ def test_words_for_numbers_and_nothing_for_a_path_are_no_state(kept, unfilled, n
         closed(files)
 
 
+@pytest.mark.parametrize("size", [-3, "long", None, 1e3])
+def test_a_file_of_no_size_is_no_state(kept, unfilled, size):
+    checkpoint, there = file.read(kept[0]), copy_of(kept)
+    spot = next(path for path in paths(checkpoint.tree) if path[-3:] == ("file", "file", 1))
+    tree = changed(checkpoint.tree, spot, lambda at, key: at.__setitem__(key, size))
+    with TemporaryDirectory() as beside:
+        simulation = Simulation(load(SEA), Path(beside))
+        files = [*simulation.observers]
+        with pytest.raises(Differs, match="cannot have .* bytes"):
+            restore(simulation, checkpoint._replace(tree=tree), there)
+        closed(files)
+
+
 def test_a_checkpoint_without_its_backend_is_refused_in_a_sentence(kept, capsys):
     checkpoint, there = file.read(kept[0]), copy_of(kept)
     file.written(checkpoint._replace(made={k: v for k, v in checkpoint.made.items() if k != "backend"}), there)

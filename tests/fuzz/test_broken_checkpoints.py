@@ -179,7 +179,7 @@ def test_a_file_of_no_size_is_no_state(kept, unfilled, size):
     with TemporaryDirectory() as beside:
         simulation = Simulation(load(SEA), Path(beside))
         files = [*simulation.observers]
-        with pytest.raises(Differs, match="cannot have .* bytes"):
+        with pytest.raises(Differs, match=r"cannot have .* bytes"):
             restore(simulation, checkpoint._replace(tree=tree), there)
         closed(files)
 

@@ -41,7 +41,7 @@ def test_a_log_becomes_a_ride(ask, log, tmp_path):
     assert tuple(ned) == COLUMNS and "# frame: ned\n" in (folder / "platform.csv").read_text()
     assert motion_log.read(folder / "motion_ned.csv").frame == "ned"
     code, out, _ = ask(log.parent, "--out", "again")  # a run folder
-    assert code == 0 and "motion sickness dose" in out and "1001 rows" in out
+    assert code == 0 and "motion sickness dose" in out and "1001 rows" in out and "nan" not in out
     flu = read_columns(tmp_path / "again" / "platform.csv")
     np.testing.assert_allclose(ned["z_m"], -flu["z_m"], atol=1e-12)
     np.testing.assert_array_equal(ned["leg1_m"], flu["leg1_m"])
@@ -74,6 +74,15 @@ def test_a_workspace_is_drawn_whole(drawn, one, other):
         ends = machine.workspace.ends[motion] * (1.0 if motion < 3 else 180.0 / np.pi)
         step = np.ptp(values) / (_platform_pictures.FINE - 1)
         assert values[inside].min() <= ends[0] + step and values[inside].max() >= ends[1] - step
+
+
+def test_a_long_ride_is_drawn_where_it_is_liveliest(drawn, tmp_path, monkeypatch):
+    done, machine = drawn
+    monkeypatch.setattr(_platform_pictures, "LONGEST", 5.0)
+    spans, legs = [], _platform_pictures.legs
+    monkeypatch.setattr(_platform_pictures, "legs", lambda some, *more: (spans.append(some.time), legs(some, *more))[1])
+    _platform_pictures.draw(tmp_path, done, Config(), machine, film=False)
+    assert len(spans[0]) == 500 and spans[0][0] > 11.0 and {path.name for path in tmp_path.iterdir()} == PICTURES
 
 
 def test_a_film_is_in_real_time_and_shows_the_liveliest_seconds(drawn, tmp_path):

@@ -81,6 +81,8 @@ def opened(stream: str, packets: str) -> datagrams.Sender:
         return datagrams.Sender(stream, packets)
     except ValueError as error:
         raise console.Refused(f"--stream: {error}") from None
+    except OSError as error:
+        raise console.Refused(f"--stream: {stream}: {error.strerror}") from None
 
 
 def opened_log(log: Path, frame: str | None) -> MotionLog:

@@ -125,6 +125,7 @@ def test_other_geometries_and_washouts(ask, log, tmp_path):
         (["--frame", "enu"], "--frame: there is no 'enu'; there are flu, ned, ship"),
         (["--packets", "x"], "--packets: there is no 'x'"),
         (["--stream", "tcp://there"], "--stream: 'tcp://there' is not like udp://127.0.0.1:5005"),
+        (["--stream", "udp://nowhere.invalid:5"], "--stream: udp://nowhere.invalid:5: "),
     ],
 )
 def test_what_makes_no_sense_is_refused(ask, log, tmp_path, words, sentence):

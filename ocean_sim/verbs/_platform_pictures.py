@@ -225,6 +225,6 @@ def inscribed(pose: np.ndarray) -> str:
 def lively(done: Commands, machine: Moving) -> np.ndarray:
     """Rows at the times of a film's frames."""
     span = liveliest(done, machine, SECONDS)
-    frames = round((span.stop - span.start) * machine.every * FRAME_RATE)
+    frames = max(1, round((span.stop - span.start) * machine.every * FRAME_RATE))
     rows = span.start + np.round(np.arange(frames) / FRAME_RATE / machine.every).astype(int)
     return np.minimum(rows, span.stop - 1)

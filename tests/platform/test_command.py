@@ -97,6 +97,13 @@ def test_a_film_is_in_real_time_and_shows_the_liveliest_seconds(drawn, tmp_path)
         assert film.n_frames == len(_platform_pictures.lively(short, machine)) == 12 and film.info["duration"] == 50
 
 
+def test_a_ride_of_two_rows_is_one(ask, tmp_path):
+    two = {name: column[:2] for name, column in columns(1.0).items()}
+    code, out, err = ask(write(tmp_path / "two.csv", two), "--film", "--out", "two")
+    assert (code, err) == (0, "") and "2 rows" in out
+    assert {path.name for path in (tmp_path / "two").iterdir()} >= PICTURES | {"film.gif", "platform.csv"}
+
+
 def test_it_streams_at_the_pace_of_the_log_and_comes_to_rest(ask, tmp_path):
     short, listener = write(tmp_path / "short.csv", columns(0.5)), Listener(351)
     code, out, _ = ask(short, "--stream", listener.url)

@@ -79,6 +79,9 @@ def test_other_units_and_frames_are_named(tmp_path):
     path.write_text("\n".join([*lines[:50], lines[50].replace(lines[50].split(",")[4], "word", 1), *lines[51:]]))
     with pytest.raises(ValueError, match="surge_m is 'word' in row 48"):
         read(path)
+    path.write_text("\n".join([*lines[:50], lines[50].replace(lines[50].split(",")[4], "", 1), *lines[51:]]))
+    with pytest.raises(ValueError, match="surge_m is '' in row 48"):
+        read(path)
     path.write_text("\n".join([*lines[:2], lines[2].replace("force_buoyancy_x_N", "roll_rad"), *lines[3:]]))
     with pytest.raises(ValueError, match="has two columns 'roll_rad'"):
         read(path)

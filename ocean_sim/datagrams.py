@@ -107,7 +107,8 @@ class Jitter(NamedTuple):
 
 
 class Sender:
-    """Sends rows at the pace of their own time.
+    """Sends rows at the pace of their own time. Raises ValueError where the address is none, OSError where nobody knows
+    the host.
 
     A row that comes too late is sent at once and the clock is set by it: what follows keeps its pace, there is no
     burst.
@@ -120,7 +121,7 @@ class Sender:
         try:
             kind = socket.getaddrinfo(*self.address, type=socket.SOCK_DGRAM)[0][0]
         except OSError as error:
-            raise ValueError(f"{url}: {error.strerror or error}") from None
+            raise OSError(error.errno, error.strerror or str(error), url) from None
         self.socket = socket.socket(kind, socket.SOCK_DGRAM)
         self.start: float | None = None  # what the clock says at time 0 of the rows [s]
         self.sent: list[float] = []  # [s]

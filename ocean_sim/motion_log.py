@@ -119,7 +119,7 @@ def numbers(path: Path, names: list[str], lines: list[str], wanted: Sequence[str
     except ValueError:
         row = unreadable(lines, places) or 0
         cells = dict(zip(names, lines[row].split(",")))
-        name = next(name for name in wanted if unreadable([cells[name]], [0]) == 0)
+        name = next((name for name in wanted if unreadable([f"{cells[name]},"], [0]) == 0), wanted[0])
         raise ValueError(f"{path}: {name} is {described(cells[name])} in row {row + 1}") from None
     wrong = np.argwhere(~np.isfinite(table))
     if len(wrong):

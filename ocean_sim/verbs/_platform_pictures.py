@@ -10,7 +10,8 @@ from ocean_sim.platform import Commands
 from ocean_sim.platform._hexapod import Hexapod
 from ocean_sim.platform.hexapod import Config, Moving
 
-MOST = 4000  # points of a curve
+LONGEST = 120.0  # [s] of a curve over time
+MOST = 20000  # points of a path
 AXES = ("x [m]", "y [m]", "z [m]", "roll [deg]", "pitch [deg]", "yaw [deg]")
 FORCES = ("felt force x [m/s²]", "y", "z, less g")
 RATES = ("felt rate x [deg/s]", "y", "z")
@@ -18,20 +19,29 @@ STRIPS = (("pitch", 4), ("roll", 3), ("yaw", 5))
 SWING = np.radians(12.0)
 SECONDS, FRAME_RATE = 10.0, 20  # of a film
 PAIRS = ((0, 2), (1, 2), (0, 1), (3, 4), (3, 5), (4, 5))  # motions of which a workspace is drawn
-FINE = 161  # points along one of them
+FINE = 121  # points along one of them
 THICK = 0.025  # of the drawn platform, as a part of its height
 
 
 def draw(folder: Path, done: Commands, config: Config, machine: Moving, film: bool) -> None:
     """Every picture of a ride."""
-    stride = max(1, len(done.time) // MOST)
-    some = done.some(slice(None, None, stride))
-    save(motion(some), folder / "motion.png")
-    save(legs(some, config.geometry), folder / "legs.png")
-    save(workspace(some, machine), folder / "workspace.png")
+    shown = done.some(liveliest(done, machine, LONGEST))
+    for picture, name in ((motion(shown), "motion.png"), (legs(shown, config.geometry), "legs.png")):
+        if len(shown.time) < len(done.time):
+            picture.suptitle(f"the liveliest {LONGEST:g} s of {np.ptp(done.time):.4g} s", fontsize=10)
+        save(picture, folder / name)
+    save(workspace(done.some(slice(None, None, max(1, len(done.time) // MOST))), machine), folder / "workspace.png")
     save(strips(machine.hexapod), folder / "strips.png")
     if film:
         filmed(folder / "film.gif", done, machine)
+
+
+def liveliest(done: Commands, machine: Moving, seconds: float) -> slice:
+    """The rows of the span of so many seconds in which the legs move most."""
+    moved = np.concatenate([[0.0], np.cumsum(np.abs(done.leg_velocity).sum(axis=1))])
+    rows = min(len(done.time), round(seconds / machine.every))
+    first = int(np.argmax(moved[rows:] - moved[: len(moved) - rows]))
+    return slice(first, first + rows)
 
 
 def figure(rows: int, columns: int, size: tuple[float, float], **more: Any) -> tuple[Any, np.ndarray]:
@@ -213,9 +223,8 @@ def inscribed(pose: np.ndarray) -> str:
 
 
 def lively(done: Commands, machine: Moving) -> np.ndarray:
-    """Rows at the times of a film's frames: of the span in which the legs move most."""
-    moved = np.concatenate([[0.0], np.cumsum(np.abs(done.leg_velocity).sum(axis=1))])
-    rows = min(len(done.time), round(SECONDS / machine.every))
-    first = int(np.argmax(moved[rows:] - moved[: len(moved) - rows]))
-    frames = round(rows * machine.every * FRAME_RATE)
-    return np.minimum(first + np.round(np.arange(frames) / FRAME_RATE / machine.every).astype(int), first + rows - 1)
+    """Rows at the times of a film's frames."""
+    span = liveliest(done, machine, SECONDS)
+    frames = max(1, round((span.stop - span.start) * machine.every * FRAME_RATE))
+    rows = span.start + np.round(np.arange(frames) / FRAME_RATE / machine.every).astype(int)
+    return np.minimum(rows, span.stop - 1)

@@ -81,6 +81,8 @@ def opened(stream: str, packets: str) -> datagrams.Sender:
         return datagrams.Sender(stream, packets)
     except ValueError as error:
         raise console.Refused(f"--stream: {error}") from None
+    except OSError as error:
+        raise console.Refused(f"--stream: {stream}: {error.strerror}") from None
 
 
 def opened_log(log: Path, frame: str | None) -> MotionLog:
@@ -160,7 +162,8 @@ def show(done: Commands, found: list[Metric], files: list[Path]) -> None:
     """What people want to know of a ride."""
     value = {metric.quantity: metric.value for metric in found}
     kinds = ("scaled_rms", "felt_rms", "error_rms", "correlation", "delay", "false_cue")
-    rows = [[name, *(f"{value[f'{name}_{kind}']:.4g}" for kind in kinds)] for name in WITHIN]
+    numbers = [[value[f"{name}_{kind}"] for kind in kinds] for name in WITHIN]
+    rows = [[name, *("-" if np.isnan(n) else f"{n:.4g}" for n in row)] for name, row in zip(WITHIN, numbers)]
     console.table("felt against scaled motion, m/s2 and rad/s", ["", *(kind.replace("_", " ") for kind in kinds)], rows)
     sick = (value["motion_sickness_dose_ship"], value["motion_sickness_dose_platform"])
     limited, stroke = 100.0 * value["share_limited"], 100.0 * value["stroke_used"]

@@ -41,7 +41,7 @@ def test_a_log_becomes_a_ride(ask, log, tmp_path):
     assert tuple(ned) == COLUMNS and "# frame: ned\n" in (folder / "platform.csv").read_text()
     assert motion_log.read(folder / "motion_ned.csv").frame == "ned"
     code, out, _ = ask(log.parent, "--out", "again")  # a run folder
-    assert code == 0 and "motion sickness dose" in out and "1001 rows" in out
+    assert code == 0 and "motion sickness dose" in out and "1001 rows" in out and "nan" not in out
     flu = read_columns(tmp_path / "again" / "platform.csv")
     np.testing.assert_allclose(ned["z_m"], -flu["z_m"], atol=1e-12)
     np.testing.assert_array_equal(ned["leg1_m"], flu["leg1_m"])
@@ -76,6 +76,15 @@ def test_a_workspace_is_drawn_whole(drawn, one, other):
         assert values[inside].min() <= ends[0] + step and values[inside].max() >= ends[1] - step
 
 
+def test_a_long_ride_is_drawn_where_it_is_liveliest(drawn, tmp_path, monkeypatch):
+    done, machine = drawn
+    monkeypatch.setattr(_platform_pictures, "LONGEST", 5.0)
+    spans, legs = [], _platform_pictures.legs
+    monkeypatch.setattr(_platform_pictures, "legs", lambda some, *more: (spans.append(some.time), legs(some, *more))[1])
+    _platform_pictures.draw(tmp_path, done, Config(), machine, film=False)
+    assert len(spans[0]) == 500 and spans[0][0] > 11.0 and {path.name for path in tmp_path.iterdir()} == PICTURES
+
+
 def test_a_film_is_in_real_time_and_shows_the_liveliest_seconds(drawn, tmp_path):
     from PIL import Image
 
@@ -86,6 +95,13 @@ def test_a_film_is_in_real_time_and_shows_the_liveliest_seconds(drawn, tmp_path)
     _platform_pictures.filmed(tmp_path / "film.gif", short, machine)
     with Image.open(tmp_path / "film.gif") as film:
         assert film.n_frames == len(_platform_pictures.lively(short, machine)) == 12 and film.info["duration"] == 50
+
+
+def test_a_ride_of_two_rows_is_one(ask, tmp_path):
+    two = {name: column[:2] for name, column in columns(1.0).items()}
+    code, out, err = ask(write(tmp_path / "two.csv", two), "--film", "--out", "two")
+    assert (code, err) == (0, "") and "2 rows" in out
+    assert {path.name for path in (tmp_path / "two").iterdir()} >= PICTURES | {"film.gif", "platform.csv"}
 
 
 def test_it_streams_at_the_pace_of_the_log_and_comes_to_rest(ask, tmp_path):
@@ -116,6 +132,7 @@ def test_other_geometries_and_washouts(ask, log, tmp_path):
         (["--frame", "enu"], "--frame: there is no 'enu'; there are flu, ned, ship"),
         (["--packets", "x"], "--packets: there is no 'x'"),
         (["--stream", "tcp://there"], "--stream: 'tcp://there' is not like udp://127.0.0.1:5005"),
+        (["--stream", "udp://nowhere.invalid:5"], "--stream: udp://nowhere.invalid:5: "),
     ],
 )
 def test_what_makes_no_sense_is_refused(ask, log, tmp_path, words, sentence):

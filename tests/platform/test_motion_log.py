@@ -3,8 +3,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ocean_sim import csv_file
+from ocean_sim import conventions, csv_file
 from ocean_sim.motion_log import FORCES, FRAMES, converted, convertible, negated, read, ride_of
+from ocean_sim.observers.motion import COLUMNS, Motion
+from ocean_sim.ship import PARTS
 from tests.platform.conftest import G, columns, write
 
 
@@ -77,6 +79,9 @@ def test_other_units_and_frames_are_named(tmp_path):
     path.write_text("\n".join([*lines[:50], lines[50].replace(lines[50].split(",")[4], "word", 1), *lines[51:]]))
     with pytest.raises(ValueError, match="surge_m is 'word' in row 48"):
         read(path)
+    path.write_text("\n".join([*lines[:50], lines[50].replace(lines[50].split(",")[4], "", 1), *lines[51:]]))
+    with pytest.raises(ValueError, match="surge_m is '' in row 48"):
+        read(path)
     path.write_text("\n".join([*lines[:2], lines[2].replace("force_buoyancy_x_N", "roll_rad"), *lines[3:]]))
     with pytest.raises(ValueError, match="has two columns 'roll_rad'"):
         read(path)
@@ -129,6 +134,40 @@ def test_axes_of_the_frames(log):
     assert float(row["roll_rad"]) == float(own["roll_rad"]) and row["surge_m"] == own["surge_m"]
     assert [row[f"force_buoyancy_{axis}_N"] for axis in "xyz"] == ["3", "-1", "-2"]
     assert [negated(cell) for cell in ("1.50", "-2e-3", " +3", "0", "-0.0")] == ["-1.50", "2e-3", "-3", "0", "0.0"]
+
+
+@pytest.mark.parametrize(
+    "frame, felt",
+    [
+        ("ned", (-0.187498, -0.991343, -8.237563)),
+        ("flu", (-0.187498, 0.991343, 8.237563)),
+        ("ship", (0.991343, 8.237563, -0.187498)),
+    ],
+)
+def test_a_worked_specific_force_as_the_log_tells_it(frame, felt):
+    """In NED: acceleration (0.5, -0.3, 0.8), rate (0.1, 0.2, 0.05) and its change (0.3, -0.2, 0.1), felt at (2, 0.5,
+    -1.5), roll 8 and pitch -5 degrees."""
+    from types import SimpleNamespace
+
+    from scipy.spatial.transform import Rotation
+
+    ours = conventions.FRAMES["ned"].T
+    turn = ours @ Rotation.from_euler("ZYX", [0.0, -5.0, 8.0], degrees=True).as_matrix() @ ours.T
+    acceleration, rate, change, arm = (
+        ours @ vector for vector in ([0.5, -0.3, 0.8], [0.1, 0.2, 0.05], [0.3, -0.2, 0.1], [2.0, 0.5, -1.5])
+    )
+    still = dict.fromkeys(("position", "angles", "velocity", "rates"), np.zeros(3))
+    body = SimpleNamespace(
+        matrix=turn, angular_velocity=turn @ rate, orientation=np.array([1.0, 0.0, 0.0, 0.0]), **still
+    )
+    load = SimpleNamespace(parts=np.zeros((len(PARTS), 2, 3)))
+    ship = SimpleNamespace(
+        body=body, last=load, acceleration=turn @ acceleration, turning=turn @ change, orders=[0.0, 0.0]
+    )
+    observer = Motion.__new__(Motion)
+    observer.frame, observer.arm, observer.gravity = frame, arm, np.array([0.0, -G, 0.0])
+    row = dict(zip(COLUMNS[2:], observer.row(ship)))
+    np.testing.assert_allclose([row[name] for name in FORCES], felt, rtol=0.0, atol=1e-6)
 
 
 def test_a_ship_at_rest_feels_gravity_upward(tmp_path):

@@ -51,6 +51,15 @@ def test_an_address_is_this_machine_unless_another_is_named():
             address(wrong)
 
 
+def test_a_host_that_nobody_knows_is_told_in_a_sentence():
+    from ocean_sim.__main__ import meaning
+
+    with pytest.raises(OSError) as error:
+        Sender("udp://nowhere.invalid:5")
+    code, sentence, _ = meaning(error.value)
+    assert code == 1 and sentence.endswith(": udp://nowhere.invalid:5") and "should not happen" not in sentence
+
+
 def test_a_stream_on_loopback_loses_nothing_and_keeps_its_pace():
     """100 packets a second, for a short while; the deviation is reported, and depends on who else uses the machine."""
     listener = Listener(150)

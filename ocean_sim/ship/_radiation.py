@@ -17,9 +17,9 @@ from ocean_sim.input_file import shown
 FREQUENCY = "omega_rad_s"
 ADDED = dict(zip(Motions._fields, ("kg", "kg", "kg", "kg_m2", "kg_m2", "kg_m2"), strict=True))
 LEFT = 0.25  # of the largest damping: what may be left at the highest frequency
-FEWEST = 4  # frequencies
-FINE = 40  # points of K in a period of the highest frequency, and of B between two frequencies
-TAIL = 8.0  # [highest frequencies] to which damping is carried on
+FEWEST, MOST = 4, 300  # frequencies
+FINE = 20  # points of K in a period of the highest frequency, and of B between two frequencies
+TAIL = 3.0  # [highest frequencies] to which damping is carried on
 LOST = 0.003  # of the largest K: what is forgotten
 
 
@@ -43,12 +43,14 @@ class Radiation:
         if not np.isfinite([table[name] for name in columns]).all():
             raise ValueError(f"{shown(file)} holds what is not a number")
         omega = table[FREQUENCY]
-        if len(omega) < FEWEST or not (omega[0] > 0.0 and (np.diff(omega) > 0.0).all()):
-            raise ValueError(f"{shown(file)}: at least {FEWEST} frequencies above 0 in rising order are needed")
+        if not FEWEST <= len(omega) <= MOST or not (omega[0] > 0.0 and (np.diff(omega) > 0.0).all()):
+            raise ValueError(f"{shown(file)}: {FEWEST} to {MOST} frequencies above 0 in rising order are needed")
         self.times = np.arange(0.0, 2.0 * pi / np.diff(omega, prepend=0.0).max(), 2.0 * pi / omega[-1] / FINE)  # [s]
         kernels, added = [], []
         for name in names:
             mass, damping = (table[f"{name}_{what}"] for what in self.of(name))
+            if not damping.max() > 0.0:
+                raise ValueError(f"{shown(file)}: {name} has no damping, so no waves to remember")
             if not damping[-1] <= LEFT * damping.max():
                 most = f"{damping[-1] / damping.max():.0%} of its most"
                 raise ValueError(f"{shown(file)}: at {omega[-1]:g} rad/s the damping of {name} still is {most}; go on")
@@ -72,13 +74,13 @@ class Radiation:
 
         count = FINE * len(omega)
         within = np.linspace(0.0, omega[-1], count)
-        beyond = np.linspace(omega[-1], TAIL * omega[-1], int(TAIL * count))[1:]
+        beyond = np.linspace(omega[-1], TAIL * omega[-1], int((TAIL - 1.0) * count))[1:]
         ends = np.maximum(damping[-2:], 1e-12 * damping.max())
         power = max(2.0, -float(np.diff(np.log(ends))[0] / np.diff(np.log(omega[-2:]))[0]))
         known = PchipInterpolator(np.append(0.0, omega), np.append(0.0, damping))(within)
         every, falling = np.append(within, beyond), ends[-1] * (omega[-1] / beyond) ** power
-        waves = np.cos(self.times[:, None] * every)
-        return 2.0 / pi * np.trapezoid(np.append(known, falling) * waves, every, axis=1)
+        whole = np.append(known, falling)
+        return np.array([2.0 / pi * np.trapezoid(whole * np.cos(every * t), every) for t in self.times])
 
 
 class Memory:
@@ -86,7 +88,7 @@ class Memory:
 
     def __init__(self, radiation: Radiation) -> None:
         self.radiation, self.numbers = radiation, np.array(radiation.numbers)
-        self.often = 2.0 * float(radiation.times[1])  # [s] at least between what is kept
+        self.often = float(radiation.times[1])  # [s] at least between what is kept
         self.when, self.moved = np.zeros(0), np.zeros((0, len(radiation.numbers)))  # [s], [m/s] or [rad/s]
 
     def load(self, time: float, motion: np.ndarray) -> np.ndarray:

@@ -110,8 +110,8 @@ def test_its_draught_at_ten_spacings():
 @pytest.mark.slow
 @pytest.mark.parametrize("density", [100.0, 900.0])
 def test_light_and_heavy_bodies_are_stable(density):
-    """At a tenth of the water's density the water beside a body outweighs it six times; it draws two spacings. Both begin
-    on the level that the water has under its own weight, 12 mm below the one that was asked for."""
+    """At a tenth of the water's density the water beside a body outweighs it six times; it draws two spacings. Both
+    begin on the level that the water has under its own weight, 12 mm below the one that was asked for."""
     with Simulation(load(slice_of_water(density, spacing=0.04), QUIET)) as simulation:
         while simulation.time < 0.6:
             simulation.step()

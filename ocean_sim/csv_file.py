@@ -17,11 +17,15 @@ def columns(path: str | Path) -> dict[str, np.ndarray]:
     if uneven is not None:
         cells = uneven.count(",") + 1
         raise input_file.Unreadable(path, f"it has {len(names)} names and a row of {cells}, {described(uneven)}")
-    twice = next((name for k, name in enumerate(names) if name in names[:k]), None)
-    if twice is not None:
-        raise input_file.Unreadable(path, f"it has two columns {described(twice)}")
+    if (name := twice(names)) is not None:
+        raise input_file.Unreadable(path, f"it has two columns {described(name)}")
     table = np.genfromtxt(lines[1:], delimiter=",", ndmin=2, comments=None)  # type: ignore[call-overload]
     return dict(zip(names, table.T))
+
+
+def twice(names: list[str]) -> str | None:
+    """The first name that is there a second time."""
+    return next((name for k, name in enumerate(names) if name in names[:k]), None)
 
 
 def described(text: str) -> str:

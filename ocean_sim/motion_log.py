@@ -8,7 +8,7 @@ import numpy as np
 
 from ocean_sim import conventions, input_file
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.csv_file import described
+from ocean_sim.csv_file import described, twice
 
 MOTIONS = ("sway_m", "heave_m", "surge_m", "pitch_rad", "yaw_rad", "roll_rad")
 RATES = ("roll_rate_rad_s", "pitch_rate_rad_s", "yaw_rate_rad_s")
@@ -95,9 +95,8 @@ def heading(path: Path, lines: list[str]) -> tuple[list[str], list[str]]:
     if len(lines) < 3:
         raise ValueError(f"{path} has {max(0, len(lines) - 1)} rows; a platform needs at least two")
     names = [name.strip() for name in lines[0].split(",")]
-    twice = next((name for k, name in enumerate(names) if name in names[:k]), None)
-    if twice is not None:
-        raise ValueError(f"{path} has two columns {described(twice)}")
+    if (name := twice(names)) is not None:
+        raise ValueError(f"{path} has two columns {described(name)}")
     missing = [name for name in REQUIRED if name not in names]
     if missing:
         unit = next(unit for unit in UNITS if missing[0].endswith(unit))

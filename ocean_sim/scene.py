@@ -70,7 +70,8 @@ class SceneConfig(Heading):
         if getattr(self.surface, "when_read", False):
             rows = [row._replace(every=self.reading()) if row.part == "surface" else row for row in rows]
         rate = self.observers["motion"].every if "motion" in self.observers else 0.0
-        return rows + [part.watching(name, self.particles(place), rate) for name, part in self.observers.items()]
+        particles = self.particles(place)
+        return rows + [part.watching(name, particles, rate) for name, part in self.observers.items()]
 
     def reading(self) -> float:
         """Simulated time between readings of the surface [s]; 0: each step is one."""

@@ -6,7 +6,9 @@ K(t) = 2/pi int B(omega) cos(omega t) d omega and A(infinity) = A(omega) + 1/ome
 Motions do not act on each other.
 """
 
+from functools import cached_property
 from math import pi
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,6 +23,14 @@ FEWEST, MOST = 4, 300  # frequencies
 FINE = 20  # points of K in a period of the highest frequency, and of B between two frequencies
 TAIL = 3.0  # [highest frequencies] to which damping is carried on
 LOST = 0.003  # of the largest K: what is forgotten
+
+
+class Response(NamedTuple):
+    """What some motions leave behind in the water."""
+
+    times: np.ndarray  # (n,) since a push [s]
+    kernels: np.ndarray  # (m, n) K [kg/s2], [kg m2/s2]
+    added: np.ndarray  # (m,) A(infinity) [kg], [kg m2]
 
 
 class Radiation:
@@ -45,33 +55,36 @@ class Radiation:
         omega = table[FREQUENCY]
         if not FEWEST <= len(omega) <= MOST or not (omega[0] > 0.0 and (np.diff(omega) > 0.0).all()):
             raise ValueError(f"{shown(file)}: {FEWEST} to {MOST} frequencies above 0 in rising order are needed")
-        self.times = np.arange(0.0, 2.0 * pi / np.diff(omega, prepend=0.0).max(), 2.0 * pi / omega[-1] / FINE)  # [s]
-        kernels, added = [], []
-        for name in names:
-            mass, damping = (table[f"{name}_{what}"] for what in self.of(name))
-            if not damping.max() > 0.0:
+        self.omega = omega
+        self.mass, self.damping = (np.array([table[f"{name}_{self.of(name)[k]}"] for name in names]) for k in range(2))
+        for name, most, last in zip(names, self.damping.max(axis=1), self.damping[:, -1]):
+            if not most > 0.0:
                 raise ValueError(f"{shown(file)}: {name} has no damping, so no waves to remember")
-            if not damping[-1] <= LEFT * damping.max():
-                most = f"{damping[-1] / damping.max():.0%} of its most"
-                raise ValueError(f"{shown(file)}: at {omega[-1]:g} rad/s the damping of {name} still is {most}; go on")
-            kernel = self.kernel(omega, damping)
-            sines = np.trapezoid(kernel * np.sin(omega[:, None] * self.times), self.times, axis=1)
-            kernels.append(kernel)
-            added.append(float((mass + sines / omega).mean()))
-        self.added = np.array(added)  # (m,) A(infinity) [kg], [kg m2]
-        felt = np.abs(kernels / np.abs(kernels).max(axis=1, keepdims=True)).max(axis=0) > LOST
-        last = int(np.flatnonzero(felt)[-1]) + 1
-        self.times, self.kernels = self.times[:last], np.array(kernels)[:, :last]  # (n,), (m, n) K [kg/s2], [kg m2/s2]
+            if not last <= LEFT * most:
+                still = f"the damping of {name} still is {last / most:.0%} of its most"
+                raise ValueError(f"{shown(file)}: at {omega[-1]:g} rad/s {still}; go on")
 
     @staticmethod
     def of(motion: str) -> tuple[str, str]:
         """What the columns of a motion are called."""
         return f"added_{ADDED[motion]}", f"damping_{ADDED[motion]}_s"
 
-    def kernel(self, omega: np.ndarray, damping: np.ndarray) -> np.ndarray:
-        """K at `times`; beyond the table damping falls on as it did at its end, by a power of the frequency."""
+    @cached_property
+    def response(self) -> "Response":
+        """To a push, until next to nothing is left of it."""
+        omega, apart = self.omega, np.diff(self.omega, prepend=0.0).max()
+        times = np.arange(0.0, 2.0 * pi / apart, 2.0 * pi / omega[-1] / FINE)
+        kernels = np.array([self.kernel(times, damping) for damping in self.damping])
+        sines = np.trapezoid(kernels[:, None] * np.sin(omega[:, None] * times), times, axis=2)
+        felt = np.abs(kernels / np.abs(kernels).max(axis=1, keepdims=True)).max(axis=0) > LOST
+        last = int(np.flatnonzero(felt)[-1]) + 1
+        return Response(times[:last], kernels[:, :last], (self.mass + sines / omega).mean(axis=1))
+
+    def kernel(self, times: np.ndarray, damping: np.ndarray) -> np.ndarray:
+        """K at some times [s]; beyond the table damping falls on as it did at its end, by a power of the frequency."""
         from scipy.interpolate import PchipInterpolator
 
+        omega = self.omega
         count = FINE * len(omega)
         within = np.linspace(0.0, omega[-1], count)
         beyond = np.linspace(omega[-1], TAIL * omega[-1], int((TAIL - 1.0) * count))[1:]
@@ -80,22 +93,22 @@ class Radiation:
         known = PchipInterpolator(np.append(0.0, omega), np.append(0.0, damping))(within)
         every, falling = np.append(within, beyond), ends[-1] * (omega[-1] / beyond) ** power
         whole = np.append(known, falling)
-        return np.array([2.0 / pi * np.trapezoid(whole * np.cos(every * t), every) for t in self.times])
+        return np.array([2.0 / pi * np.trapezoid(whole * np.cos(every * t), every) for t in times])
 
 
 class Memory:
     """The radiation force on one hull: what it remembers of its motions."""
 
     def __init__(self, radiation: Radiation) -> None:
-        self.radiation, self.numbers = radiation, np.array(radiation.numbers)
-        self.often = float(radiation.times[1])  # [s] at least between what is kept
+        self.response, self.numbers = radiation.response, np.array(radiation.numbers)
+        self.often = float(self.response.times[1])  # [s] at least between what is kept
         self.when, self.moved = np.zeros(0), np.zeros((0, len(radiation.numbers)))  # [s], [m/s] or [rad/s]
 
     def load(self, time: float, motion: np.ndarray) -> np.ndarray:
         """(2, 3) force [N] and torque [N m] in body axes, at a velocity relative to the water (6,), body axes."""
         times = np.append(self.when, time)
         moved = np.concatenate([self.moved, motion[None, self.numbers]])
-        known, found = self.radiation, np.zeros(6)
+        known, found = self.response, np.zeros(6)
         for k, number in enumerate(self.numbers):
             felt = np.interp(time - times, known.times, known.kernels[k], right=0.0)
             found[number] = -np.trapezoid(felt * moved[:, k], times)
@@ -104,6 +117,6 @@ class Memory:
     def keep(self, time: float, motion: np.ndarray) -> None:
         """Remember this velocity (6,), if the last one was long enough ago."""
         if len(self.when) == 0 or time - self.when[-1] >= self.often * (1.0 - 1e-9):
-            near = self.when >= time - self.radiation.times[-1] - self.often
+            near = self.when >= time - self.response.times[-1] - self.often
             self.when = np.append(self.when[near], time)
             self.moved = np.concatenate([self.moved[near], motion[None, self.numbers]])

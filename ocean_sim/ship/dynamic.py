@@ -60,7 +60,7 @@ class Dynamic(Voyage):
         self.memory: Memory | None = None
         if config.radiation is not None:
             radiation = Radiation(config.radiation)
-            self.memory, self.added[radiation.numbers] = Memory(radiation), radiation.added
+            self.memory, self.added[radiation.numbers] = Memory(radiation), radiation.response.added
             damping = damping.beside([Motions._fields[k] for k in radiation.numbers])
         self.resistance = Resistance(damping, self.afloat.still, self.added)
         self.relative = np.zeros(6)  # velocity relative to the water, of the last load

@@ -20,12 +20,12 @@ HALF = 2.0 / 3.0 * pi * 1000.0 * 5.0**3  # [kg] of water that the sphere displac
 
 def test_a_hemisphere_that_heaves_at_once_takes_half_of_its_displacement_along():
     """Hulme 1982: A(infinity) is 1/2 in closed form; the table ends at K a = 10."""
-    assert Radiation(str(SPHERE)).added[0] == pytest.approx(0.5 * HALF, rel=0.005)
+    assert Radiation(str(SPHERE)).response.added[0] == pytest.approx(0.5 * HALF, rel=0.005)
 
 
 @pytest.mark.parametrize("file, motions", [(SPHERE, ["heave"]), (BARGE, ["heave", "pitch"])])
 def test_what_the_table_tells_comes_back(file, motions):
-    told, found = columns(file), Radiation(str(file))
+    told, found = columns(file), Radiation(str(file)).response
     omega, t = told["omega_rad_s"], found.times
     for k, motion in enumerate(motions):
         unit = "kg" if motion == "heave" else "kg_m2"
@@ -38,8 +38,8 @@ def test_what_the_table_tells_comes_back(file, motions):
 
 def test_a_steady_oscillation_is_held_back_by_damping_and_carried_by_added_mass():
     """At one frequency the memory is -B v less (A - A(infinity)) times the acceleration, however steps fall."""
-    radiation, omega = Radiation(str(SPHERE)), 1.2531  # K a = 0.8
-    memory, random, time = Memory(radiation), np.random.default_rng(3), 0.0
+    omega = 1.2531  # K a = 0.8
+    memory, random, time = Memory(Radiation(str(SPHERE))), np.random.default_rng(3), 0.0
     rows = []
     while time < 60.0:
         motion = np.zeros(6)
@@ -53,8 +53,8 @@ def test_a_steady_oscillation_is_held_back_by_damping_and_carried_by_added_mass(
     told = columns(SPHERE)
     assert damping == pytest.approx(np.interp(omega, told["omega_rad_s"], told["heave_damping_kg_s"]), rel=0.03)
     exact = np.interp(omega, told["omega_rad_s"], told["heave_added_kg"])
-    assert radiation.added[0] + added == pytest.approx(exact, rel=0.03)
-    assert len(memory.when) * memory.often < radiation.times[-1] + 3.0 * memory.often  # it forgets
+    assert memory.response.added[0] + added == pytest.approx(exact, rel=0.03)
+    assert len(memory.when) * memory.often < memory.response.times[-1] + 3.0 * memory.often  # it forgets
 
 
 def test_a_sphere_let_go_a_little_swings_as_linear_theory_says():

@@ -24,7 +24,7 @@ the scatter is 2.6 % then (0.5 % in the row at the bed), but there from the star
 """
 
 from math import sqrt
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 import taichi as ti
@@ -57,6 +57,7 @@ GAP = 0.1  # of what is missing in a gap that may close in a step; wider gaps cl
 class Config(SphConfig):
     """Incompressible water, for large time steps."""
 
+    unheeded: ClassVar[tuple[str, ...]] = ("compression",)  # keys that change no number of a run
     kind: Literal["dfsph"] = "dfsph"
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
     """Support radius of the smoothing kernel over the spacing; by default 3.6 in a slice and 2.0 in space."""

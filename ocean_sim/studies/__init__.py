@@ -1,8 +1,9 @@
 """Studies: many runs of scenes or of validation cases, and what they say together."""
 
-WITHOUT_EFFECT = {"dfsph": ("fluid.compression",)}  # by scheme: keys that change no number of its runs
+from ocean_sim.parts import config_of, kinds
 
 
 def heeds(scheme: str, key: str) -> bool:
     """Whether a setting of this key can change what a scheme computes."""
-    return key not in WITHOUT_EFFECT.get(scheme, ())
+    slot, _, name = key.partition(".")
+    return scheme not in kinds(slot) or name not in getattr(config_of(slot, scheme), "unheeded", ())

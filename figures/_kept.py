@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.observers import render
-from ocean_sim.scene import load
+from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.waves import Components, elevation
 

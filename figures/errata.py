@@ -21,18 +21,18 @@ from _options import options
 from _paper import BLUE, GREY, INK, PALE, keep, paper, table
 
 from ocean_sim.conventions import AIR_DENSITY, GRAVITY, WATER_DENSITY
-from ocean_sim.fluid._smoothing import Smoothing
-from ocean_sim.observers._water_shading import REFRACTIVE_INDEX, fresnel
+from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.parts import PACKAGE
+from ocean_sim.pictures.water_shading import REFRACTIVE_INDEX, fresnel
 from ocean_sim.random_numbers import numpy_uniform3
-from ocean_sim.scene import load
+from ocean_sim.reading.scene import load
 from ocean_sim.ship import PARTS
-from ocean_sim.ship._hull import hull_of
-from ocean_sim.ship._hydrostatics import UP
-from ocean_sim.ship._rigid_body import RigidBody, advanced, angles, oriented
+from ocean_sim.ship.shared.hull import hull_of
+from ocean_sim.ship.shared.hydrostatics import UP
+from ocean_sim.ship.shared.rigid_body import RigidBody, advanced, angles, oriented
 from ocean_sim.simulation import Simulation
-from ocean_sim.surface._mesh import sheet
-from ocean_sim.wind._air_load import drag, drag_coefficient, lift, stress
+from ocean_sim.surface.shared.mesh import sheet
+from ocean_sim.wind.shared.air_load import drag, drag_coefficient, lift, stress
 
 BLOWS = 10.0  # wind [m/s]
 LIFTS = 1.0e-3  # lift coefficient
@@ -191,7 +191,7 @@ def of_the_water(own: Program) -> list[Erratum]:
     """Chapter 2."""
     upwards = 0.5 * AIR_DENSITY * BLOWS**2 * LIFTS
     shorter = sqrt(stirred(STEP / 2, STEP) / stirred(STEP, STEP))
-    air = "wind/_air_load.py"
+    air = "wind/shared/air_load.py"
     return [
         erratum(
             "2.2.3",

@@ -13,7 +13,7 @@ import numpy as np
 from _options import options
 from _paper import BLUE, GREY, INK, keep, paper, table
 
-from ocean_sim.scene import load
+from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 
 LENGTH, DEPTH, HEIGHT = 4.0, 1.0, 0.2  # [m]

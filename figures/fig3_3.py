@@ -10,7 +10,7 @@ import numpy as np
 from _options import options
 from _paper import keep, paper
 
-from ocean_sim.surface._springs import springs
+from ocean_sim.surface.shared.springs import springs
 
 NX, NZ = 5, 4
 COLOURS = {"stretch": "#0b4f6c", "shear": "#c8553d", "bend": "#588157"}

@@ -9,8 +9,8 @@ import numpy as np
 from _options import options
 from _paper import INK, keep, paper, table
 
-from ocean_sim.observers._surface_fit import fit, highest
-from ocean_sim.scene import load
+from ocean_sim.observers.shared.surface_fit import fit, highest
+from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 
 SCENE, MOMENT = "thesis/fig6_3c_wide", 6.0  # [s]

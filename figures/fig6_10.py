@@ -11,9 +11,9 @@ import numpy as np
 from _options import options
 from _paper import BLUE, GREEN, GREY, INK, ORANGE, PALE, PURPLE, RED, SKY, keep, paper, table
 
-from ocean_sim.platform._hexapod import Hexapod
 from ocean_sim.platform.hexapod import Config
-from ocean_sim.verbs._platform_pictures import stand
+from ocean_sim.platform.shared.kinematics import Hexapod
+from ocean_sim.verbs.shared.platform_pictures import stand
 
 GEOMETRY = "hexapod_a"
 MOTIONS = {"pitch": 4, "roll": 3, "yaw": 5}  # their place in a pose

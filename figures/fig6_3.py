@@ -22,10 +22,10 @@ import numpy as np
 from _options import options, progress
 from _paper import BLUE, INK, PALE, keep, paper, table
 
-from ocean_sim.orbits import circulation
-from ocean_sim.scene import load
+from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
-from ocean_sim.wave_record import evenly, zero_crossing_waves
+from ocean_sim.waves.orbits import circulation
+from ocean_sim.waves.record import evenly, zero_crossing_waves
 
 SETTLED, LASTS = 5.0, 15.0  # [s]
 QUIET = dict.fromkeys(("accuracy", "timings", "health", "frames", "render", "report"))

@@ -20,10 +20,10 @@ from _options import options, progress
 from _paper import BLUE, INK, ORANGE, PALE, RED, keep, paper, table
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.observers._foam import shares
-from ocean_sim.orbits import white_caps_of
+from ocean_sim.pictures.foam import shares
 from ocean_sim.random_numbers import numpy_uniform
 from ocean_sim.waves import COMPONENTS, Components, Spectrum, wavenumber
+from ocean_sim.waves.orbits import white_caps_of
 
 WINDS, SHOWN = np.arange(4.0, 25.0, 1.0), (7.0, 10.0, 15.0, 20.0)  # [m/s]
 PHILLIPS, PEAK = 0.0081, 0.13  # of the spectrum; peak frequency times wind over g

@@ -17,7 +17,7 @@ from _kept import BARE, grey, kept, save, shots
 from _options import options, progress
 from _paper import keep, paper, table
 
-from ocean_sim.orbits import white_caps_of
+from ocean_sim.waves.orbits import white_caps_of
 
 WIND = 14.0  # [m/s]
 SCENE = {

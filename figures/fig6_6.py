@@ -16,7 +16,7 @@ from _options import options, progress
 from _paper import BLUE, GREEN, INK, ORANGE, PALE, RED, keep, paper, table
 from fig6_5 import SCENE
 
-from ocean_sim.observers._kept_frames import Log, frame_files
+from ocean_sim.pictures.frame_files import Log, frame_files
 
 EVERY = 1.0 / 30.0  # [s] between frames of the clip
 BEGIN, SHOWN = 6.0, 8.0  # [s] when the clip begins, and the time of the picture

@@ -17,7 +17,7 @@ from _kept import BARE, kept, save, shots
 from _options import options, progress
 from _paper import BLUE, GREEN, INK, ORANGE, PALE, RED, keep, paper, table
 
-from ocean_sim.observers._kept_frames import Frame, Log, frame_files
+from ocean_sim.pictures.frame_files import Frame, Log, frame_files
 
 MASS, SPEED, DROP = 30_000.0, 6.0, 1.0  # of the yacht [kg], [m/s], [m] above where it floats
 LASTS, EVERY = 3.2, 0.05  # [s]

@@ -18,8 +18,8 @@ from _kept import BARE, film, save, shots
 from _options import options, progress
 from _paper import BLUE, GREY, INK, ORANGE, PALE, RED, keep, paper, table
 
-from ocean_sim.observers._kept_frames import frame_files
-from ocean_sim.scene import load
+from ocean_sim.pictures.frame_files import frame_files
+from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 
 QUIET = dict.fromkeys(("accuracy", "timings", "health", "frames", "render", "report", "motion"))

@@ -10,8 +10,8 @@ from typing import Any
 from _options import options, progress
 from _paper import keep, paper
 
-from ocean_sim.studies import _runs, _table
-from ocean_sim.studies._pareto import SPEEDS, panel
+from ocean_sim.studies.shared import runs, table
+from ocean_sim.studies.shared.pareto import SPEEDS, panel
 from ocean_sim.studies.tradeoff import TRIALS, clock, points
 
 FAST = ("hydrostatic", "surface_slab")
@@ -22,7 +22,7 @@ def found(fast: bool, folder: Path) -> list[dict[str, Any]]:
     """The rows of the quick study; in haste those of two cases, coarse and with every scheme as it comes."""
     plan = [point for point in points(quick=True) if not fast or (point.trial.case in FAST and not point.settings)]
     rows = {}
-    for k, answer in _runs.answers([point.order() for point in plan], folder, _runs.cores()):
+    for k, answer in runs.answers([point.order() for point in plan], folder, runs.cores()):
         rows[k] = plan[k].rows(answer)
         progress(len(rows) / len(plan), f"{len(rows)} of {len(plan)} runs")
     return [row for k in sorted(rows) for row in rows[k]]
@@ -47,8 +47,8 @@ def drawn(rows: list[dict[str, Any]], path: Path) -> None:
 def main() -> None:
     asked = options(__doc__, "two cases, coarse", study="tradeoff.csv of a study; without it the quick one is run")
     with TemporaryDirectory(prefix=".study-", dir=asked.out) as folder:
-        rows = _table.read(asked.study) if asked.study else found(asked.fast, Path(folder))
-    _table.write(asked.out / "speed_accuracy.csv", rows)
+        rows = table.read(asked.study) if asked.study else found(asked.fast, Path(folder))
+    table.write(asked.out / "speed_accuracy.csv", rows)
     drawn(rows, asked.out / "speed_accuracy.png")
 
 

@@ -10,7 +10,7 @@ from typing import Any
 from _options import options, progress
 
 from ocean_sim.result import Result
-from ocean_sim.studies import _maps, _runs, _table
+from ocean_sim.studies.shared import maps, runs, table
 from ocean_sim.studies.stability import AXES, LIMIT, spots
 
 FAST, STEPS = ("compression", 0.04), (1.0, 4.0)  # in haste: the map, its row, and the steps over courant's own
@@ -24,8 +24,8 @@ def found(fast: bool, folder: Path) -> list[dict[str, Any]]:
         if not fast or ((spot.axis.name, spot.value) == FAST and spot.factor in STEPS)
     ]
     rows, orders = {}, [spot.order() for spot in plan]
-    for k, answer in _runs.answers(orders, folder, _runs.cores(), limit=LIMIT[True]):
-        rows[k] = plan[k].row(answer, Result(folder / _runs.address(orders[k])))
+    for k, answer in runs.answers(orders, folder, runs.cores(), limit=LIMIT[True]):
+        rows[k] = plan[k].row(answer, Result(folder / runs.address(orders[k])))
         progress(len(rows) / len(plan), f"{len(rows)} of {len(plan)} runs")
     return [rows[k] for k in sorted(rows)]
 
@@ -33,12 +33,12 @@ def found(fast: bool, folder: Path) -> list[dict[str, Any]]:
 def main() -> None:
     asked = options(__doc__, "six points of one map", study="stability.csv of a study; without it the quick one is run")
     with TemporaryDirectory(prefix=".study-", dir=asked.out) as folder:
-        rows = _table.read(asked.study) if asked.study else found(asked.fast, Path(folder))
-    _table.write(asked.out / "stability.csv", rows)
+        rows = table.read(asked.study) if asked.study else found(asked.fast, Path(folder))
+    table.write(asked.out / "stability.csv", rows)
     for axis in AXES:
         here = [row for row in rows if row["map"] == axis.name]
         if here:
-            _maps.draw(asked.out / f"stability_{axis.name.replace(' ', '_')}.png", f"{axis.name} [{axis.unit}]", here)
+            maps.draw(asked.out / f"stability_{axis.name.replace(' ', '_')}.png", f"{axis.name} [{axis.unit}]", here)
 
 
 if __name__ == "__main__":

@@ -15,11 +15,11 @@ import numpy as np
 from _options import options, progress
 from _paper import BLUE, GREEN, INK, ORANGE, PALE, RED, keep, paper, table
 
+from ocean_sim.files.yaml_file import read
 from ocean_sim.observers.render import images
 from ocean_sim.parts import library
-from ocean_sim.scene import load, observer_names
+from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.simulation import Simulation
-from ocean_sim.yaml_file import read
 
 KINDS = {"thesis": RED, "hydrostatic": ORANGE, "dynamic": BLUE, "pressure": GREEN}
 SCALE, HEADING = 2.0 / 3.0, 60.0  # of the yacht; [deg], 30 off the way the waves go

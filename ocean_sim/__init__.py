@@ -9,7 +9,8 @@ import os
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ocean_sim.scene import load, run
+    from ocean_sim.reading.scene import load
+    from ocean_sim.result import run
     from ocean_sim.simulation import Simulation
 
 __all__ = ["Simulation", "load", "run"]
@@ -19,10 +20,14 @@ os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "False")  # before Taichi is
 
 def __getattr__(name: str) -> Any:
     """The public names, imported when they are first used: `ocean-sim list` needs no Taichi."""
-    if name in ("load", "run"):
-        from ocean_sim import scene
+    if name == "load":
+        from ocean_sim.reading.scene import load
 
-        return getattr(scene, name)
+        return load
+    if name == "run":
+        from ocean_sim.result import run
+
+        return run
     if name == "Simulation":
         from ocean_sim.simulation import Simulation
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from ocean_sim.conventions import Diverged
-from ocean_sim.verbs import console
+from ocean_sim.verbs.shared import console
 
 app = typer.Typer(
     name="ocean-sim",
@@ -89,7 +89,7 @@ def schema(
     json: Annotated[bool, typer.Option("--json", help="The answer is JSON in any case.")] = True,
 ) -> None:
     """The JSON Schema of a scene, for editors."""
-    from ocean_sim.schema import text
+    from ocean_sim.reading.schema import text
 
     if out is None:
         sys.stdout.write(text())
@@ -185,7 +185,7 @@ def render(
     json: Json = False,
 ) -> None:
     """Pictures and a film from a finished run, without simulating again."""
-    from ocean_sim.verbs.after import numbers, pixels, render
+    from ocean_sim.verbs.shared.after import numbers, pixels, render
 
     asked = {
         "camera": camera,
@@ -211,7 +211,7 @@ def export(
     json: Json = False,
 ) -> None:
     """Files for ParaView and Blender."""
-    from ocean_sim.verbs.after import export
+    from ocean_sim.verbs.shared.after import export
 
     export(run, particles, surface, every, out, json)
 
@@ -379,8 +379,8 @@ def told(error: BaseException, as_json: bool) -> int:
 
 def meaning(error: BaseException) -> tuple[int, str, list[Any]]:
     """Exit code, sentence, and the places in a scene that an error speaks of."""
-    from ocean_sim.input_file import Unreadable
-    from ocean_sim.yaml_file import SceneError
+    from ocean_sim.files.input_file import Unreadable
+    from ocean_sim.files.yaml_file import SceneError
 
     if isinstance(error, SceneError):
         return 2, str(error), error.problems

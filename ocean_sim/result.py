@@ -1,4 +1,4 @@
-"""What a run left behind, read from its folder when asked for."""
+"""A scene run into a folder, and what the run left there, read when asked for."""
 
 import json
 from functools import cached_property
@@ -6,6 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from ocean_sim.observers import Observer
+from ocean_sim.reading.scene import SceneConfig, load
 
 
 class Result:
@@ -51,6 +54,21 @@ class Result:
     @cached_property
     def timings(self) -> dict[str, np.ndarray]:
         return self.table("timings")
+
+
+def run(
+    scene: SceneConfig | str | Path | dict[str, Any], out: str | Path, watchers: tuple[Observer, ...] = ()
+) -> Result:
+    """Simulate a scene and write its run folder; `watchers` are observers beyond those that the scene names."""
+    from ocean_sim.simulation import Simulation
+
+    config = scene if isinstance(scene, SceneConfig) else load(scene)
+    folder = Path(out)
+    folder.mkdir(parents=True, exist_ok=True)
+    with Simulation(config, folder) as simulation:
+        simulation.observers.extend(watchers)
+        simulation.run(config.duration)
+    return Result(folder)
 
 
 def _array(words: list[str]) -> np.ndarray:

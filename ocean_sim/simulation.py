@@ -12,7 +12,7 @@ from ocean_sim.fluid import Limits
 from ocean_sim.observers import Observer
 
 if TYPE_CHECKING:
-    from ocean_sim.scene import SceneConfig
+    from ocean_sim.reading.scene import SceneConfig
 
 
 class Simulation:

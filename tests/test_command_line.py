@@ -14,9 +14,10 @@ import pytest
 from ocean_sim import runtime
 from ocean_sim.__main__ import answered
 from ocean_sim.conventions import Diverged
-from ocean_sim.scene import observer_names
-from ocean_sim.verbs import after, console, doctor
+from ocean_sim.reading.scene import observer_names
+from ocean_sim.verbs import doctor
 from ocean_sim.verbs.run import run_folder, written
+from ocean_sim.verbs.shared import after, console
 
 SMALL = """title: A small tank
 duration: 0.05
@@ -249,10 +250,11 @@ def test_render_and_export_want_a_finished_run(ask):
 
 
 def test_render_without_opengl_is_exit_code_3(ask, monkeypatch):
-    from ocean_sim.observers import _opengl, render
+    from ocean_sim.observers import render
+    from ocean_sim.pictures import opengl
 
     def missing(*_: object, **__: object) -> None:
-        raise _opengl.OpenGLMissing
+        raise opengl.OpenGLMissing
 
     monkeypatch.setattr(render, "render_run", missing)
     monkeypatch.setattr(render, "impossible", lambda *_: None)
@@ -284,8 +286,8 @@ def test_an_interrupted_run_keeps_what_was_written(folder):
 
 
 def test_what_a_run_wrote_is_read_without_its_comments(folder):
+    from ocean_sim.reading.scene import load
     from ocean_sim.result import Result
-    from ocean_sim.scene import load
 
     (folder / "gauges.csv").write_text("# frame: world\n# seed: 0\ntime_s,centre_m\n0,0.5\n0.05,\n")
     (folder / "events.jsonl").write_text('{"event": "start"}\n{"event": "clipped", "particles": 3}\n')

@@ -8,8 +8,8 @@ from pydantic import TypeAdapter, ValidationError
 
 from ocean_sim import waves
 from ocean_sim.basin import Config as BasinConfig
+from ocean_sim.basin.tank_motion import Frame, Motion, TankMotion, Wavemaker, apparent_acceleration, turned
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.motion import Frame, Motion, TankMotion, Wavemaker, apparent_acceleration, turned
 
 SLICE = BasinConfig(length=10.0, depth=0.5).build()
 BAY = BasinConfig(length=10.0, width=5.0, depth=0.5).build()

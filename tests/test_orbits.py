@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import waves
-from ocean_sim.orbits import (
+from ocean_sim.waves.orbits import (
     circulation,
     orbit,
     orbit_ratio,

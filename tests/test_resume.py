@@ -14,9 +14,9 @@ from random import Random
 import pytest
 
 from ocean_sim.__main__ import answered
-from ocean_sim.observers import _checkpoint_file as file
-from ocean_sim.scene import load
-from ocean_sim.scene import run as run_scene
+from ocean_sim.reading.scene import load
+from ocean_sim.result import run as run_scene
+from ocean_sim.state import file
 
 QUIET = ["--set", "render=null", "--set", "report=null", "--set", "runtime.threads=1"]
 SEA = """duration: 0.4

@@ -7,10 +7,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from ocean_sim import composition, parts, schema
-from ocean_sim import scene as scene_module
-from ocean_sim.scene import always_on, load, observer_names
-from ocean_sim.yaml_file import SceneError, setting
+from ocean_sim import parts
+from ocean_sim.files.yaml_file import SceneError, setting
+from ocean_sim.reading import composition, schema
+from ocean_sim.reading import scene as scene_module
+from ocean_sim.reading.scene import always_on, load, observer_names
 
 BASIN = {"length": 40.0, "width": 40.0, "depth": 7.5}
 PLAIN = {"basin": BASIN, "fluid": {"kind": "mueller", "spacing": 1.25}}

@@ -7,8 +7,8 @@ import pytest
 
 from ocean_sim import waves
 from ocean_sim.__main__ import answered
-from ocean_sim.orbits import breaking_cover, falling
-from ocean_sim.wave_record import Unmeasurable, measured, welch, zero_crossing_waves
+from ocean_sim.waves.orbits import breaking_cover, falling
+from ocean_sim.waves.record import Unmeasurable, measured, welch, zero_crossing_waves
 
 # A known-answer record: a [m], f [Hz], phase [rad] of six cosines over 2000 s. Its moments are closed forms; the
 # numbers of its zero up-crossings come from a script of its own, at 200 Hz.

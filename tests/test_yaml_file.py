@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ocean_sim.yaml_file import Place, SceneError, merged, node_of, parsed, read, setting
+from ocean_sim.files.yaml_file import Place, SceneError, merged, node_of, parsed, read, setting
 
 HERE = Place("f.yaml", 1, 1)
 

@@ -41,7 +41,7 @@ class Fluid(Protocol):
     """Water. `elevation` is callable from a Taichi kernel; between steps everything is current and in cell order."""
 
     particles: Any  # None where the water has none: a closed form
-    around: Any  # sums over the water within a support of a point (`_around.py`); only where there are particles
+    around: Any  # sums over the water within a support of a point (`shared/around.py`); only where there are particles
     sound_speed: float  # [m/s]
     reference_speed: float  # [m/s]
     status: Status

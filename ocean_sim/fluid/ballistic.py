@@ -8,11 +8,11 @@ import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
-from ocean_sim.fluid._field import Field
-from ocean_sim.fluid._grid import TASK, GridSize
-from ocean_sim.fluid._ledger import GRAVITY, SHIP, WALLS, WIND
-from ocean_sim.fluid._particle_water import ParticleWater
-from ocean_sim.fluid._water import WaterConfig, free_fall_speed
+from ocean_sim.fluid.shared.accounts import GRAVITY, SHIP, WALLS, WIND
+from ocean_sim.fluid.shared.field import Field
+from ocean_sim.fluid.shared.grid import TASK, GridSize
+from ocean_sim.fluid.shared.particle_water import ParticleWater
+from ocean_sim.fluid.shared.water import WaterConfig, free_fall_speed
 from ocean_sim.parts import LedgerRow
 from ocean_sim.wind import Wind
 

@@ -23,12 +23,12 @@ import taichi.math as tm
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Limits
-from ocean_sim.fluid._grid import TASK
-from ocean_sim.fluid._images import beside, climbed, reflected, slid
-from ocean_sim.fluid._ledger import DIFFUSION, PRESSURE, VISCOSITY, WALLS
-from ocean_sim.fluid._particles import Components
-from ocean_sim.fluid._smoothing import Smoothing, positive
-from ocean_sim.fluid._sph import Sph, SphConfig, limits, rows
+from ocean_sim.fluid.shared.accounts import DIFFUSION, PRESSURE, VISCOSITY, WALLS
+from ocean_sim.fluid.shared.grid import TASK
+from ocean_sim.fluid.shared.images import beside, climbed, reflected, slid
+from ocean_sim.fluid.shared.particles import Components
+from ocean_sim.fluid.shared.smoothing import Smoothing, positive
+from ocean_sim.fluid.shared.sph import Sph, SphConfig, limits, rows
 from ocean_sim.parts import LedgerRow, quantity
 from ocean_sim.wind import Wind
 

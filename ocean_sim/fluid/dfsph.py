@@ -31,16 +31,17 @@ import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.basin import Basin
-from ocean_sim.fluid import Limits, _pairs
-from ocean_sim.fluid._grid import TASK
-from ocean_sim.fluid._images import OfPlaces, climbed, mirrored, turned
-from ocean_sim.fluid._ledger import GRAVITY, PRESSURE, SHIP, VISCOSITY, WALLS, WIND
-from ocean_sim.fluid._pairs import Pairs
-from ocean_sim.fluid._particles import Components
-from ocean_sim.fluid._pressure_solver import REPORT, TOO_DENSE, UPHILL, Solver, away_from
-from ocean_sim.fluid._smoothing import Smoothing
-from ocean_sim.fluid._sph import Sph, SphConfig, limits, rows
-from ocean_sim.fluid._stencil import Stencil
+from ocean_sim.fluid import Limits
+from ocean_sim.fluid.shared.accounts import GRAVITY, PRESSURE, SHIP, VISCOSITY, WALLS, WIND
+from ocean_sim.fluid.shared.grid import TASK
+from ocean_sim.fluid.shared.images import OfPlaces, climbed, mirrored, turned
+from ocean_sim.fluid.shared.pairs import Pairs
+from ocean_sim.fluid.shared.pairs import size as size_of_pairs
+from ocean_sim.fluid.shared.particles import Components
+from ocean_sim.fluid.shared.pressure_solver import REPORT, TOO_DENSE, UPHILL, Solver, away_from
+from ocean_sim.fluid.shared.smoothing import Smoothing
+from ocean_sim.fluid.shared.sph import Sph, SphConfig, limits, rows
+from ocean_sim.fluid.shared.stencil import Stencil
 from ocean_sim.parts import LedgerRow, quantity
 from ocean_sim.wind import Wind
 
@@ -97,7 +98,9 @@ class Config(SphConfig):
         what = "position, velocity, density, pressure, number; predicted velocity, way and two solvers' fields"
         sizes = self.sized(basin, READS, 1)
         n, neighbours = sizes.grid.lattice.n, Stencil(Smoothing(basin.dimension, self.ratio(basin)), 1.0).neighbours
-        pairs = LedgerRow("fluid", "pairs", _pairs.size(n, neighbours, word), f"{neighbours} neighbours on the lattice")
+        pairs = LedgerRow(
+            "fluid", "pairs", size_of_pairs(n, neighbours, word), f"{neighbours} neighbours on the lattice"
+        )
         return [*rows(sizes, word, 26 + 2 * self.enclosed(basin), what, PAIR), pairs]
 
     def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "Dfsph":

@@ -13,11 +13,11 @@ import taichi.math as tm
 from pydantic import model_validator
 
 from ocean_sim.basin import Basin
-from ocean_sim.fluid._grid import TASK
-from ocean_sim.fluid._images import OfPlaces, beside, climbed, reflected
-from ocean_sim.fluid._ledger import WALLS
-from ocean_sim.fluid._smoothing import positive
-from ocean_sim.fluid._sph import Sph, SphConfig, rows
+from ocean_sim.fluid.shared.accounts import WALLS
+from ocean_sim.fluid.shared.grid import TASK
+from ocean_sim.fluid.shared.images import OfPlaces, beside, climbed, reflected
+from ocean_sim.fluid.shared.smoothing import positive
+from ocean_sim.fluid.shared.sph import Sph, SphConfig, rows
 from ocean_sim.parts import LedgerRow, quantity
 from ocean_sim.wind import Wind
 

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ocean_sim.observers._csv import CsvFile, heading
-from ocean_sim.observers._energy import falls_around
-from ocean_sim.observers._outside import beyond
-from ocean_sim.observers._sampled import Sampled
-from ocean_sim.observers._surface_fit import SurfaceFit
+from ocean_sim.observers.shared.csv_rows import CsvFile, heading
+from ocean_sim.observers.shared.energy import falls_around
+from ocean_sim.observers.shared.escaped import beyond
+from ocean_sim.observers.shared.sampled import Sampled
+from ocean_sim.observers.shared.surface_fit import SurfaceFit
 from ocean_sim.parts import ObserverConfig, quantity
 
 if TYPE_CHECKING:

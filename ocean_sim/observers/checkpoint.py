@@ -9,11 +9,11 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from ocean_sim.machine import installed
-from ocean_sim.observers import _checkpoint_file as file
-from ocean_sim.observers._fields import Contents
-from ocean_sim.observers._sampled import Multiples
-from ocean_sim.observers._state import Restoring, Taken
+from ocean_sim.observers.shared.sampled import Multiples
 from ocean_sim.parts import ObserverConfig, quantity
+from ocean_sim.state import file
+from ocean_sim.state.fields import Contents
+from ocean_sim.state.walk import Restoring, Taken
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from ocean_sim.observers._counted import spacing
-from ocean_sim.observers._points import grid, pairs
-from ocean_sim.observers._sampled import Multiples
+from ocean_sim.basin.points import grid, pairs
+from ocean_sim.files.whole_file import whole
+from ocean_sim.observers.shared.sampled import Multiples
 from ocean_sim.parts import ObserverConfig, quantity
-from ocean_sim.whole_file import whole
+from ocean_sim.pictures.counted import spacing
 
 if TYPE_CHECKING:
-    from ocean_sim.scene import SceneConfig
+    from ocean_sim.reading.scene import SceneConfig
     from ocean_sim.simulation import Simulation
 
 

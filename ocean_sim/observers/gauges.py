@@ -7,8 +7,8 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ocean_sim.basin import Basin
-from ocean_sim.observers._csv import CsvFile, heading
-from ocean_sim.observers._sampled import Sampled
+from ocean_sim.observers.shared.csv_rows import CsvFile, heading
+from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.parts import ObserverConfig, quantity
 
 if TYPE_CHECKING:

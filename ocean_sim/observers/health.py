@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from ocean_sim.conventions import Diverged
-from ocean_sim.observers._energy import driven, total
-from ocean_sim.observers._outside import beyond
+from ocean_sim.observers.shared.energy import driven, total
+from ocean_sim.observers.shared.escaped import beyond
 from ocean_sim.parts import ObserverConfig, quantity
 
 if TYPE_CHECKING:

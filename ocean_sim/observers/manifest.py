@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from ocean_sim.files.whole_file import whole
 from ocean_sim.machine import installed
-from ocean_sim.observers._counted import count, spacing
 from ocean_sim.parts import ObserverConfig
-from ocean_sim.whole_file import whole
+from ocean_sim.pictures.counted import count, spacing
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation

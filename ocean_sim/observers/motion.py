@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ocean_sim.conventions import Frame, Motions, to_frame
-from ocean_sim.observers._csv import CsvFile, heading
-from ocean_sim.observers._sampled import Sampled
+from ocean_sim.observers.shared.csv_rows import CsvFile, heading
+from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.parts import ObserverConfig, quantity
 from ocean_sim.ship import PARTS
 

@@ -3,11 +3,11 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-from ocean_sim.csv_file import Growing
-from ocean_sim.motion_log import AXES_IN_WORDS, ride_of
-from ocean_sim.observers._csv import CsvFile
+from ocean_sim.files.csv_file import Growing
+from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.parts import ObserverConfig
 from ocean_sim.platform import COLUMNS, LIMITS
+from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, ride_of
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation

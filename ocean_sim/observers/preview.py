@@ -13,16 +13,16 @@ import numpy as np
 import taichi as ti
 from pydantic import Field, field_validator
 
-from ocean_sim.observers._buffers import Buffer, Mesh
-from ocean_sim.observers._controls import controls
-from ocean_sim.observers._curves import KEPT, NAMES, Curves
-from ocean_sim.observers._panel import HELM, Panel, after, sliders_of
-from ocean_sim.observers._sampled import Multiples
-from ocean_sim.observers._sight import SPEEDS, Balls, Sight, backdrop
-from ocean_sim.observers._view import Eye, seen
-from ocean_sim.observers._vulkan import ScreenMissing, VulkanMissing, require
+from ocean_sim.files.whole_file import whole
+from ocean_sim.observers.shared.sampled import Multiples
 from ocean_sim.parts import ObserverConfig, quantity
-from ocean_sim.whole_file import whole
+from ocean_sim.pictures.buffers import Buffer, Mesh
+from ocean_sim.pictures.controls import controls
+from ocean_sim.pictures.curves import KEPT, NAMES, Curves
+from ocean_sim.pictures.panel import HELM, Panel, after, sliders_of
+from ocean_sim.pictures.preview_eye import Eye, seen
+from ocean_sim.pictures.preview_scene import SPEEDS, Balls, Sight, backdrop
+from ocean_sim.pictures.vulkan import ScreenMissing, VulkanMissing, require
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation

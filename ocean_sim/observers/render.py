@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from ocean_sim.observers import _opengl
-from ocean_sim.observers._camera import ABOARD, Name
-from ocean_sim.observers._kept_frames import Frame, Log, frame_files, schedule, survey
-from ocean_sim.observers._order import Order, Quality, RenderFailed
-from ocean_sim.observers._picture import Picture
+from ocean_sim.files.whole_file import whole
 from ocean_sim.parts import ObserverConfig, Vector3, quantity
-from ocean_sim.whole_file import whole
+from ocean_sim.pictures import opengl
+from ocean_sim.pictures.camera import ABOARD, Name
+from ocean_sim.pictures.frame_files import Frame, Log, frame_files, schedule, survey
+from ocean_sim.pictures.order import Order, Quality, RenderFailed
+from ocean_sim.pictures.picture import Picture
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 GAP = 6  # pixels between the pictures of a strip
 Moment = Annotated[float, Field(ge=0.0, strict=False)]
 Progress = Callable[[int, int], None]  # pictures drawn, pictures in all
-OpenGLMissing = _opengl.OpenGLMissing
-probe = _opengl.probe
+OpenGLMissing = opengl.OpenGLMissing
+probe = opengl.probe
 
 
 class Config(ObserverConfig):
@@ -145,13 +145,13 @@ def render_run(
 
 def draw_apart(orders: Sequence[Order], progress: Progress | None = None) -> None:
     """Draw what is ordered in a child process; raises OpenGLMissing or RenderFailed."""
-    window = _opengl.window()
+    window = opengl.window()
     if window is None:
         raise OpenGLMissing
     command = [sys.executable, "-m", "ocean_sim.observers.render", json.dumps([asdict(order) for order in orders])]
     with tempfile.TemporaryFile("w+") as complaints:
         child = subprocess.Popen(
-            command, env=_opengl.environment(window), stdout=subprocess.PIPE, stderr=complaints, text=True
+            command, env=opengl.environment(window), stdout=subprocess.PIPE, stderr=complaints, text=True
         )
         try:
             follow(child, progress)
@@ -161,7 +161,7 @@ def draw_apart(orders: Sequence[Order], progress: Progress | None = None) -> Non
         complaints.seek(0)
         said = complaints.read().strip()
     if child.returncode < 0:
-        _opengl.forget()
+        opengl.forget()
         raise RenderFailed(f"the drawing process died (signal {-child.returncode}); {OpenGLMissing()}")
     if child.returncode > 0:
         raise RenderFailed(said.splitlines()[-1] if said else "the drawing process ended without a word")

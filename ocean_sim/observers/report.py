@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from ocean_sim.observers._csv import columns
-from ocean_sim.observers._page import page, picture, plot, table, text
-from ocean_sim.observers._plot import curves
+from ocean_sim.files.whole_file import whole
+from ocean_sim.observers.shared.csv_rows import columns
+from ocean_sim.observers.shared.page import page, picture, plot, table, text
+from ocean_sim.observers.shared.svg_plot import curves
 from ocean_sim.parts import ObserverConfig
-from ocean_sim.whole_file import whole
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation

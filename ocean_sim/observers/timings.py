@@ -7,8 +7,8 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
-from ocean_sim.observers._csv import CsvFile, heading
-from ocean_sim.observers._sampled import Multiples
+from ocean_sim.observers.shared.csv_rows import CsvFile, heading
+from ocean_sim.observers.shared.sampled import Multiples
 from ocean_sim.parts import ObserverConfig, quantity
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import numpy as np
 from pydantic import Field, model_validator
 
-from ocean_sim.observers._csv import CsvFile, heading
-from ocean_sim.observers._sampled import Sampled
+from ocean_sim.observers.shared.csv_rows import CsvFile, heading
+from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.parts import ObserverConfig, PartConfig, Vector3, quantity
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ocean_sim.motion_log import Ride
+from ocean_sim.platform.shared.motion_log import Ride
 
 LEGS = range(1, 7)
 COLUMNS = (

@@ -9,21 +9,21 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from pydantic import Field, field_validator
 
-from ocean_sim import yaml_file
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.motion_log import Ride
+from ocean_sim.files import yaml_file
 from ocean_sim.parts import LedgerRow, PartConfig, library, named, quantity
 from ocean_sim.platform import SINGULAR, Commands, Cue, Washout
-from ocean_sim.platform._hexapod import Geometry, Hexapod, rates_to_turn, rotation
-from ocean_sim.platform._limits import SAME, Legs, Workspace
+from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, rates_to_turn, rotation
+from ocean_sim.platform.shared.limits import SAME, Legs, Workspace
+from ocean_sim.platform.shared.motion_log import Ride
 
 if TYPE_CHECKING:
-    from ocean_sim.scene import SceneConfig
+    from ocean_sim.reading.scene import SceneConfig
 
 # A washout is one file, `_washout_<kind>.py`: a Config with its `kind`, that builds what follows a ride.
-WASHOUTS = sorted(path.stem for path in Path(__file__).parent.glob("_washout_*.py"))
+WASHOUTS = sorted(path.stem for path in (Path(__file__).parent / "washout").glob("[!_]*.py"))
 GLIDE = 0.15  # [s] in which a platform that is told to stop loses its speed
-AnyWashout: Any = reduce(or_, [import_module(f"ocean_sim.platform.{name}").Config for name in WASHOUTS])
+AnyWashout: Any = reduce(or_, [import_module(f"ocean_sim.platform.washout.{name}").Config for name in WASHOUTS])
 
 
 class Config(PartConfig):

@@ -12,15 +12,15 @@ from pydantic import field_validator
 
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import Motions
+from ocean_sim.files.input_file import FileName
 from ocean_sim.fluid import Limits
-from ocean_sim.input_file import FileName
 from ocean_sim.ship import Load, loaded
-from ocean_sim.ship._added_mass import AddedMass, reaction
-from ocean_sim.ship._afloat import Afloat, FloatingConfig
-from ocean_sim.ship._damping import Damping, Resistance
-from ocean_sim.ship._placed import Voyage
-from ocean_sim.ship._radiation import Memory, Radiation
-from ocean_sim.ship._rigid_body import advanced
+from ocean_sim.ship.shared.added_mass import AddedMass, reaction
+from ocean_sim.ship.shared.afloat import Afloat, FloatingConfig
+from ocean_sim.ship.shared.damping import Damping, Resistance
+from ocean_sim.ship.shared.placed import Voyage
+from ocean_sim.ship.shared.radiation import Memory, Radiation
+from ocean_sim.ship.shared.rigid_body import advanced
 
 
 class Config(FloatingConfig):

@@ -11,10 +11,10 @@ import numpy as np
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
 from ocean_sim.ship import Load, loaded
-from ocean_sim.ship._afloat import Afloat, FloatingConfig
-from ocean_sim.ship._damping import Damping, Resistance
-from ocean_sim.ship._placed import Voyage
-from ocean_sim.ship._rigid_body import advanced
+from ocean_sim.ship.shared.afloat import Afloat, FloatingConfig
+from ocean_sim.ship.shared.damping import Damping, Resistance
+from ocean_sim.ship.shared.placed import Voyage
+from ocean_sim.ship.shared.rigid_body import advanced
 
 
 class Config(FloatingConfig):

@@ -15,9 +15,9 @@ from ocean_sim.conventions import from_frame, to_frame
 from ocean_sim.fluid import Limits
 from ocean_sim.parts import LedgerRow
 from ocean_sim.ship import Load, loaded
-from ocean_sim.ship._hydrostatics import Matter
-from ocean_sim.ship._placed import Machine, Placed, Voyage
-from ocean_sim.ship._rigid_body import advanced, oriented
+from ocean_sim.ship.shared.hydrostatics import Matter
+from ocean_sim.ship.shared.placed import Machine, Placed, Voyage
+from ocean_sim.ship.shared.rigid_body import advanced, oriented
 
 G, DENSITY, CROSSED_DENSITY = 9.81, 1025.0, 1026.0  # [m/s2], [kg/m3]; the second is that of its cross-flow drag
 LENGTH, BREADTH, PONTOON, ASIDE = 2.0, 1.08, 0.25, 0.395  # [m]; a hull's breadth, and its place from the middle

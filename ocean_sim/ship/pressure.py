@@ -15,11 +15,11 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
 from ocean_sim.parts import LedgerRow
 from ocean_sim.ship import Load, loaded
-from ocean_sim.ship._afloat import FloatingConfig, afloat_pose
-from ocean_sim.ship._hydrostatics import Hydrostatics, Matter
-from ocean_sim.ship._placed import Machine, Voyage
-from ocean_sim.ship._rigid_body import RigidBody, advanced, held
-from ocean_sim.ship._solid import Solid
+from ocean_sim.ship.shared.afloat import FloatingConfig, afloat_pose
+from ocean_sim.ship.shared.hydrostatics import Hydrostatics, Matter
+from ocean_sim.ship.shared.placed import Machine, Voyage
+from ocean_sim.ship.shared.rigid_body import RigidBody, advanced, held
+from ocean_sim.ship.shared.solid import Solid
 
 IN_A_SLICE = np.array([True, True, False, False, False, True])  # sway, heave and roll
 FEWEST = 2.0  # spacings across a hull

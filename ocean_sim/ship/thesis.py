@@ -16,9 +16,9 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
 from ocean_sim.parts import quantity
 from ocean_sim.ship import Load, loaded
-from ocean_sim.ship._afloat import Afloat, FloatingConfig
-from ocean_sim.ship._placed import Voyage
-from ocean_sim.ship._rigid_body import RigidBody, thesis_advanced
+from ocean_sim.ship.shared.afloat import Afloat, FloatingConfig
+from ocean_sim.ship.shared.placed import Voyage
+from ocean_sim.ship.shared.rigid_body import RigidBody, thesis_advanced
 
 NODES = 32  # along the basin, as `getWaveHeight` counts them
 

@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.conventions import Motions
+from ocean_sim.files.yaml_file import Node, Place, SceneError, node_of, parsed, problem
+from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result
-from ocean_sim.scene import SceneConfig, load
-from ocean_sim.studies._runs import address
-from ocean_sim.studies._scene_run import PICTURES, of, ordered, waves
-from ocean_sim.yaml_file import Node, Place, SceneError, node_of, parsed, problem
+from ocean_sim.studies.shared.runs import address
+from ocean_sim.studies.shared.scene_run import PICTURES, of, ordered, waves
 
 PROFILES = ("ci", "interactive", "thesis", "reference")
 SEEDS = {True: 2, False: 5}  # quick or not

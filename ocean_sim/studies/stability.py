@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result
-from ocean_sim.scene import SceneConfig, load
 from ocean_sim.studies import heeds
-from ocean_sim.studies._scene_run import PICTURES, of, ordered
-from ocean_sim.yaml_file import SceneError
+from ocean_sim.studies.shared.scene_run import PICTURES, of, ordered
 
 SCHEMES = ("mueller", "delta_sph", "dfsph")
 COLUMN: dict[str, Any] = {

@@ -17,12 +17,12 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
+from ocean_sim.files.yaml_file import Node, Place, Problem, SceneError, node_of, problem, read
 from ocean_sim.parts import PartConfig
-from ocean_sim.scene import SceneConfig, load
-from ocean_sim.studies._runs import address
-from ocean_sim.studies._scene_run import PICTURES, ordered
-from ocean_sim.translation import validated
-from ocean_sim.yaml_file import Node, Place, Problem, SceneError, node_of, problem, read
+from ocean_sim.reading.scene import SceneConfig, load
+from ocean_sim.reading.translation import validated
+from ocean_sim.studies.shared.runs import address
+from ocean_sim.studies.shared.scene_run import PICTURES, ordered
 
 MOST_RUNS = 10_000
 Settings = dict[str, Node]

@@ -12,9 +12,9 @@ from functools import cache
 from importlib.resources import files
 from typing import Any, NamedTuple
 
+from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.studies import heeds
-from ocean_sim.studies._case_run import ordered, problem_of
-from ocean_sim.yaml_file import SceneError
+from ocean_sim.studies.shared.case_run import ordered, problem_of
 
 FLUIDS, SHIPS = ("mueller", "delta_sph", "dfsph"), ("hydrostatic", "dynamic")
 SURFACES = ("cloth", "marching_cubes")

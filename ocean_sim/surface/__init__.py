@@ -5,7 +5,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ocean_sim.surface._mesh import Mesh
+from ocean_sim.surface.shared.mesh import Mesh
 
 
 class Surface(Protocol):

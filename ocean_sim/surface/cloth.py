@@ -15,9 +15,9 @@ from taichi.lang.util import to_numpy_type
 
 from ocean_sim.basin import Basin
 from ocean_sim.parts import LedgerRow, PartConfig, quantity
-from ocean_sim.surface._contact import Contact
-from ocean_sim.surface._mesh import AREA_AND_VOLUME, Mesh, sheet
-from ocean_sim.surface._springs import BEND, SHEAR, STRETCH
+from ocean_sim.surface.shared.contact import Contact
+from ocean_sim.surface.shared.mesh import AREA_AND_VOLUME, Mesh, sheet
+from ocean_sim.surface.shared.springs import BEND, SHEAR, STRETCH
 
 CONTACTS = 8  # the most moves of a node towards the surface in one update
 NEAR = 0.01  # [thicknesses] a smaller move is the last

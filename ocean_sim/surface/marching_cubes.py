@@ -14,10 +14,10 @@ from pydantic import PrivateAttr
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import Diverged
 from ocean_sim.parts import LedgerRow, PartConfig, quantity
-from ocean_sim.surface._density_map import DensityMap, flat_share
-from ocean_sim.surface._isosurface import Counts, Isosurface
-from ocean_sim.surface._mesh import AREA_AND_VOLUME, Mesh
-from ocean_sim.surface._nodes import MOST_NODES, Nodes
+from ocean_sim.surface.shared.density_map import DensityMap, flat_share
+from ocean_sim.surface.shared.isosurface import Counts, Isosurface
+from ocean_sim.surface.shared.mesh import AREA_AND_VOLUME, Mesh
+from ocean_sim.surface.shared.nodes import MOST_NODES, Nodes
 
 NODE, WET = 2.0e-8, 1.5e-7  # [s] of processor time a reading, for each node and each of those in the water
 FINE, SMOOTH = 0.5, 2.0  # [spacings of the particles] between nodes, and of the radius

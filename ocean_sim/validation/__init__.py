@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ocean_sim.parts import kinds
 
 if TYPE_CHECKING:
-    from ocean_sim.validation._case import Problem
+    from ocean_sim.validation.shared.case import Problem
 
 ORDER = (
     "hydrostatic",

@@ -7,8 +7,8 @@ judged against the sum of m |a| dt, the impulse that its particles exchanged.
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise
-from ocean_sim.validation._state import place, shaken, state
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
+from ocean_sim.validation.shared.state import place, shaken, state
 
 SPEED = 0.1  # [m/s]
 STEPS = 50

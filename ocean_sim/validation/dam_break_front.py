@@ -40,9 +40,9 @@ import numpy as np
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise
-from ocean_sim.validation._state import watched
-from ocean_sim.validation._tables import table
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
+from ocean_sim.validation.shared.state import watched
+from ocean_sim.validation.shared.tables import table
 
 WIDTH = 1.0  # a [m]
 TANK = 5.0  # [a]

@@ -10,8 +10,8 @@ from math import sqrt
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation._state import State, place, state, watched
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation.shared.state import State, place, state, watched
 
 RATE = 100.0  # A0 [1/s]
 END = 0.76  # A0 t

@@ -9,8 +9,8 @@ from math import sqrt
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise
-from ocean_sim.validation._state import State, watched
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
+from ocean_sim.validation.shared.state import State, watched
 
 DENSITY = 1000.0  # [kg/m3]
 SOURCE = "p = rho g (H - z); Adami, Hu & Adams 2012"

@@ -19,9 +19,9 @@ import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation._state import watched
-from ocean_sim.wave_record import measured
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation.shared.state import watched
+from ocean_sim.waves.record import measured
 
 DEPTH, HEIGHT, PERIOD, SEED = 0.5, 0.04, 1.5, 3  # [m], [m], [s]
 WAVELENGTH = 2.0 * pi / float(waves.wavenumber(2.0 * pi / PERIOD, DEPTH))  # 2.827 m

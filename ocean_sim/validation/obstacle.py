@@ -16,9 +16,9 @@ of which a wire would feel only what wets it.
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation._state import watched
-from ocean_sim.validation._tables import table
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation.shared.state import watched
+from ocean_sim.validation.shared.tables import table
 
 LENGTH, WIDTH, DEPTH, RESERVOIR = 3.22, 1.0, 0.55, 1.228  # [m]
 BOX, BOX_WIDTH, FACE = 0.161, 0.403, 2.3955  # side and width of the box, and how far its face is from the reservoir [m]

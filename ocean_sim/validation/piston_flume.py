@@ -24,8 +24,8 @@ import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation._state import watched
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation.shared.state import watched
 
 DEPTH, HEIGHT, PERIOD, LENGTH = 0.5, 0.05, 1.5, 9.5  # [m], [m], [s], [m]
 OMEGA = 2.0 * pi / PERIOD

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation._ship import DENSITY, OF_WATER, at_sea, sunk
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation.shared.ship import DENSITY, OF_WATER, at_sea, sunk
 
 HEIGHT = 1.0  # [m] of every shape
 SHAPES: dict[str, dict[str, Any]] = {

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise
-from ocean_sim.validation._ship import at_sea, posed, voyage
-from ocean_sim.validation._tables import place, table
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
+from ocean_sim.validation.shared.ship import at_sea, posed, voyage
+from ocean_sim.validation.shared.tables import place, table
 
 MASS, STIFFNESS, PERIOD, SHARE = 261799.39, 770.475e3, 4.365, 0.0835  # [kg], [N/m] rho g pi R^2, [s], of critical
 ADDED = STIFFNESS * (PERIOD / 2.0 / pi) ** 2 * (1.0 - SHARE**2) - MASS  # [kg]

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise
-from ocean_sim.validation._ship import OF_WATER, at_sea, sunk, turned
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
+from ocean_sim.validation.shared.ship import OF_WATER, at_sea, sunk, turned
 
 LEVERS = {  # heel [deg]: GZ [m]
     "barge20": {10: 0.20979, 20: 0.45944, 30: 0.76036, 40: 0.77401, 60: 0.37254, 90: -0.5},

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation._ship import at_sea, voyage
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation.shared.ship import at_sea, voyage
 
 FASTEST = (0.5 * 24.4 * 9.81 / 0.01108) ** 0.5  # [rad/s]
 FULL = pi * 35.0 / 180.0  # [rad] of the rudder order

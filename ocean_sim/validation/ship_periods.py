@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation._ship import at_sea, period_of, posed, turned, voyage
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation.shared.ship import at_sea, period_of, posed, turned, voyage
 
 STIFFNESS = {"heave": 1569.6e3, "roll": 3662.4e3, "pitch": 47611e3}  # [N/m], [N m/rad]
 INERTIA = {"heave": 320e3, "roll": 2508.8e3, "pitch": 8000e3}  # [kg], [kg m2]

@@ -12,9 +12,9 @@ import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation._ship import G, at_sea, posed, voyage
-from ocean_sim.validation._tables import place, table
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation.shared.ship import G, at_sea, posed, voyage
+from ocean_sim.validation.shared.tables import place, table
 
 LENGTH = {"barge20": 20.0, "wigley": 3.0}
 WAVES = {  # [rad/s]

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise
-from ocean_sim.validation._ship import OF_WATER, at_sea, voyage
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
+from ocean_sim.validation.shared.ship import OF_WATER, at_sea, voyage
 
 SECONDS = 60.0
 

@@ -9,8 +9,8 @@ from functools import partial
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation._ship import G, voyage
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation.shared.ship import G, voyage
 
 LENGTH, DEPTH, SIDE, DRAUGHT, TOP = 3.2, 1.2, 0.8, 0.4, 0.3  # [m] of the tank, the box, and its centre of mass
 SETTLED = 1.0  # [s]

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation._ship import OF_WATER, at_sea, voyage
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation.shared.ship import OF_WATER, at_sea, voyage
 
 THRUST, DRAG, MASS, AHEAD, COAST = 14400.0, 400.0, 30000.0, 30.0, 20.0  # [N], [N s2/m2], [kg], [s], [s]
 

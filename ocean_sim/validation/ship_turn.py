@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise
-from ocean_sim.validation._ship import OF_WATER, at_sea
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
+from ocean_sim.validation.shared.ship import OF_WATER, at_sea
 
 AHEAD, TURN, ZIGZAG, STEP = 30.0, 150.0, 100.0, 0.05  # [s]
 RUDDER = 35.0  # [deg]

@@ -13,8 +13,8 @@ import numpy as np
 
 from ocean_sim.conventions import AIR_DENSITY
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation._ship import OF_WATER, acting, at_sea, voyage
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation.shared.ship import OF_WATER, acting, at_sea, voyage
 
 LENGTH, BREADTH, HEIGHT, DRAUGHT = 2.0, 1.0, 0.10, 0.02  # [m]
 COEFFICIENT = 1.2875e-3  # of drag, below 7.5 m/s

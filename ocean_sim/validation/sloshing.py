@@ -14,9 +14,9 @@ import numpy as np
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation._state import State, watched
-from ocean_sim.validation._tables import table
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation.shared.state import State, watched
+from ocean_sim.validation.shared.tables import table
 
 LENGTH, DEPTH, SWAY = 1.0, 0.5, 0.01  # [m]
 K = pi / LENGTH

@@ -9,8 +9,8 @@ from math import sqrt
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise
-from ocean_sim.validation._state import State, place, state, watched
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
+from ocean_sim.validation.shared.state import State, place, state, watched
 
 SIDE, SPIN, END = 1.0, 1.0, 2.0  # L [m], w [1/s], w t
 CORE = 0.25  # [L] radius around the centre in which voids are sought

@@ -11,8 +11,8 @@ from math import exp, pi, sqrt, tanh
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation._state import place, state, watched
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation.shared.state import place, state, watched
 
 G, DEPTH, LENGTH, AMPLITUDE = 1.0, 1.0, 2.0, 0.05
 K = 2.0 * pi / LENGTH  # [1/m]

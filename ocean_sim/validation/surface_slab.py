@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation._state import place, state
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation.shared.state import place, state
 
 WAVELENGTH, AMPLITUDE, WAVES = 2.0, 0.1, 2  # [m], [m], along the slab
 DEPTH, WIDTH, WHOLE = 1.2, 0.8, 0.6  # [m]; the upper WHOLE moves as a whole

@@ -10,8 +10,8 @@ from math import exp, pi
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation._state import State, place, shaken, state, watched
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation.shared.state import State, place, shaken, state, watched
 
 SPEED, REYNOLDS = 1.0, 100.0  # [m/s], 1
 DECAY = 8.0 * pi**2 / REYNOLDS  # [1/s] of the speed

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise
-from ocean_sim.validation._ship import OF_WATER, at_sea, posed, voyage
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
+from ocean_sim.validation.shared.ship import OF_WATER, at_sea, posed, voyage
 
 SECONDS, DT, HIGH = 60.0, 1.0 / 60.0, 1.0e5  # [s], [s], [m]
 POSE = np.array([-0.84949542, 0.21516101, -0.09205273, -0.47285259])

@@ -17,9 +17,9 @@ import numpy as np
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation._state import watched
-from ocean_sim.validation._tables import table
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation.shared.state import watched
+from ocean_sim.validation.shared.tables import table
 
 HEIGHT, TANK = 0.6, 5.366  # H [m], [H]
 DENSITY = 1000.0  # [kg/m3]

@@ -12,9 +12,9 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.conventions import AIR_DENSITY, GRAVITY, WATER_DENSITY
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation._state import watched
-from ocean_sim.validation._wind import REAL, U10, blowing, stilled
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation.shared.state import watched
+from ocean_sim.validation.shared.wind import REAL, U10, blowing, stilled
 
 WAVELENGTH, DEPTH, STEEPNESS, PERIODS = 1.0, 0.5, 0.06, 8  # [m], [m], ka at the start, periods
 K = 2.0 * pi / WAVELENGTH

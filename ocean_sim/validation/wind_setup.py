@@ -20,9 +20,9 @@ from dataclasses import replace
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation._state import watched
-from ocean_sim.validation._wind import blowing, stilled
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation.shared.state import watched
+from ocean_sim.validation.shared.wind import blowing, stilled
 
 LENGTH, DEPTH, VISCOSITY, STRESS = 1.0, 0.1, 1e-2, 5.0  # [m], [m], [m2/s], [Pa]
 DENSITY, G = 1000.0, 9.81  # [kg/m3], [m/s2]

@@ -6,9 +6,9 @@ Nothing else acts along x, so this is exact, whatever the resolution and however
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._case import Curve, Finding, Problem, Promise
-from ocean_sim.validation._state import watched
-from ocean_sim.validation._wind import blowing, stilled
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
+from ocean_sim.validation.shared.state import watched
+from ocean_sim.validation.shared.wind import blowing, stilled
 
 LENGTH, DEPTH, STRESS, DURATION = 1.0, 0.5, 5.0, 0.5  # [m], [m], [Pa], [s]
 LIMIT = {"delta_sph": 1e-5}

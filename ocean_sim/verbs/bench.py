@@ -10,8 +10,8 @@ from statistics import median
 from time import monotonic, perf_counter, process_time
 from typing import Any
 
-from ocean_sim.verbs import console
-from ocean_sim.yaml_file import Problem, SceneError
+from ocean_sim.files.yaml_file import Problem, SceneError
+from ocean_sim.verbs.shared import console
 
 DEFAULT = ("bench/dam_break_6k", "bench/dam_break_50k")
 WARM_UP = 20  # steps
@@ -60,8 +60,8 @@ def measured(order: dict[str, Any], cold: bool) -> dict[str, Any]:
 
 def bench_one(order: dict[str, Any]) -> None:
     """Measures one scene in this process and answers in JSON."""
-    from ocean_sim.observers._counted import count
-    from ocean_sim.scene import load, observer_names
+    from ocean_sim.pictures.counted import count
+    from ocean_sim.reading.scene import load, observer_names
     from ocean_sim.simulation import Simulation
 
     quiet: dict[str, Any] = {name: None for name in observer_names() if name not in ("manifest", "timings")}

@@ -4,10 +4,10 @@ from types import SimpleNamespace
 from typing import Any
 
 from ocean_sim import machine
+from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.parts import config_of
-from ocean_sim.scene import SceneConfig, load
-from ocean_sim.verbs import console
-from ocean_sim.yaml_file import SceneError
+from ocean_sim.reading.scene import SceneConfig, load
+from ocean_sim.verbs.shared import console
 
 NOTHING = dict.fromkeys(("particles", "memory_mb", "time_step", "limited_by", "estimated_wall_s"))
 

@@ -9,7 +9,7 @@ import sys
 from typing import Any
 
 from ocean_sim import machine
-from ocean_sim.verbs import console
+from ocean_sim.verbs.shared import console
 
 PACKAGES = ("ocean-sim", "taichi", "numpy", "pydantic", "pyvista", "vtk", "h5py", "imageio-ffmpeg")
 BACKENDS = ("cpu", "cuda", "vulkan", "metal")
@@ -18,7 +18,7 @@ from ocean_sim.runtime import RuntimeConfig, cache_directory, start
 start(RuntimeConfig(arch={arch!r}))
 print(cache_directory())
 """
-PREVIEW = "from ocean_sim.observers._vulkan import require; require(show=False)"
+PREVIEW = "from ocean_sim.pictures.vulkan import require; require(show=False)"
 FILM = """
 import subprocess
 from imageio_ffmpeg import get_ffmpeg_exe
@@ -96,7 +96,7 @@ def probed(script: str) -> dict[str, Any]:
 
 def opengl() -> dict[str, Any]:
     """Whether pictures can be drawn without a screen."""
-    script = "from ocean_sim.observers._opengl import probe, window; print(json.dumps([probe(), window()]))"
+    script = "from ocean_sim.pictures.opengl import probe, window; print(json.dumps([probe(), window()]))"
     fact = probed(f"import json; {script}")
     if not fact["ok"]:
         return fact

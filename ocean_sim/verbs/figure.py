@@ -11,9 +11,9 @@ from time import perf_counter
 from typing import Any, NamedTuple
 
 from ocean_sim.parts import PACKAGE, library
-from ocean_sim.translation import choice_sentence
-from ocean_sim.verbs import console
-from ocean_sim.verbs.progress import Bar
+from ocean_sim.reading.translation import choice_sentence
+from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.progress import Bar
 
 SHARE = re.compile(r" *(\d+)%  (.*)")  # how a script tells how far it is
 ALL = "all"  # of the thesis, and its errata; our own studies are drawn by their names

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ocean_sim.conventions import GRAVITY, WATER_DENSITY
-from ocean_sim.verbs import console
+from ocean_sim.verbs.shared import console
 
 HALF = 0.5  # of the water's density: what a hull without a mass is taken to weigh
 EMPTY = dict.fromkeys(("volume_m3", "displacement_kg", "draught_m", "kb_m", "bm_m", "gm_m"))
@@ -13,8 +13,8 @@ EMPTY = dict.fromkeys(("volume_m3", "displacement_kg", "draught_m", "kb_m", "bm_
 
 def hull(name: str, mass: float | None, cells: float, out: Path | None, as_json: bool) -> int:
     """Tell what a hull is; the exit code is 2 where it is none."""
-    from ocean_sim.ship._hull import explained, hull_of
-    from ocean_sim.ship._mesh import BadMesh
+    from ocean_sim.ship.shared.hull import explained, hull_of
+    from ocean_sim.ship.shared.mesh import BadMesh
 
     try:
         shape = hull_of(name)
@@ -37,15 +37,15 @@ def hull(name: str, mass: float | None, cells: float, out: Path | None, as_json:
 
 def report(shape: Any, mass: float | None, cells: float) -> tuple[dict[str, Any], list[str]]:
     """What `hull` answers, and sentences for people."""
-    from ocean_sim.ship._added_mass import by_rule
-    from ocean_sim.ship._hull import COARSE
-    from ocean_sim.ship._hydrostatics import HEELS
-    from ocean_sim.ship._voxels import voxels
+    from ocean_sim.ship.shared.added_mass import by_rule
+    from ocean_sim.ship.shared.hull import COARSE
+    from ocean_sim.ship.shared.hydrostatics import HEELS
+    from ocean_sim.ship.shared.voxels import voxels
 
     said, problems = [], []
     solid = shape.shape.closed() if hasattr(shape.shape, "closed") else None
     if solid is not None:
-        from ocean_sim.ship._mesh import guessed, read
+        from ocean_sim.ship.shared.mesh import guessed, read
 
         guess = guessed(read(Path(shape.shape.file)), shape.shape)
         said.append(f"watertight, {len(solid.faces)} faces; {guess.sentence()}")
@@ -117,7 +117,7 @@ def draw(path: Path, shape: Any, found: dict[str, Any]) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    from ocean_sim.ship._voxels import voxels
+    from ocean_sim.ship.shared.voxels import voxels
 
     lower, upper = shape.shape.bounds()
     cubes = voxels(shape.shape, float((upper - lower)[1]) / 24.0)

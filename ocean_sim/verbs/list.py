@@ -3,11 +3,12 @@
 import ast
 from pathlib import Path
 
+from ocean_sim.files.yaml_file import read
 from ocean_sim.parts import PACKAGE, SLOTS, kinds, library, named
-from ocean_sim.translation import choice_sentence
+from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.validation import names
-from ocean_sim.verbs import console, figure
-from ocean_sim.yaml_file import read
+from ocean_sim.verbs import figure
+from ocean_sim.verbs.shared import console
 
 SECTIONS = ("scenes", *SLOTS, "hull", "geometry", "washout", "observers", "profiles", "cases", "figures")
 

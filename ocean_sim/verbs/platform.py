@@ -7,18 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim import datagrams, motion_log
-from ocean_sim.motion_log import AXES, MotionLog
-from ocean_sim.observers._csv import CsvFile
+from ocean_sim.files.yaml_file import Node, Place, Problem, SceneError, node_of, read
 from ocean_sim.observers.platform_log import heading
+from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.parts import library, named
 from ocean_sim.platform import COLUMNS, Commands, Cue
-from ocean_sim.platform._metrics import Metric, metrics
 from ocean_sim.platform.hexapod import Config, Moving
-from ocean_sim.translation import choice_sentence, validated
-from ocean_sim.verbs import _platform_pictures as pictures
-from ocean_sim.verbs import console
-from ocean_sim.yaml_file import Node, Place, Problem, SceneError, node_of, read
+from ocean_sim.platform.shared import datagrams, motion_log
+from ocean_sim.platform.shared.metrics import Metric, metrics
+from ocean_sim.platform.shared.motion_log import AXES, MotionLog
+from ocean_sim.reading.translation import choice_sentence, validated
+from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared import platform_pictures as pictures
 
 WITHIN = ("force_x", "force_y", "force_z", "rate_x", "rate_y", "rate_z")
 

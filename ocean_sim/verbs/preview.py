@@ -6,12 +6,12 @@ from typing import Any
 
 from ocean_sim import runtime
 from ocean_sim.conventions import Diverged
+from ocean_sim.files.yaml_file import SceneError, read
 from ocean_sim.parts import library, named
-from ocean_sim.scene import SceneConfig, load, scene_path
+from ocean_sim.reading.scene import SceneConfig, load, scene_path
+from ocean_sim.reading.translation import validated
 from ocean_sim.simulation import Simulation
-from ocean_sim.translation import validated
-from ocean_sim.verbs import console
-from ocean_sim.yaml_file import SceneError, read
+from ocean_sim.verbs.shared import console
 
 OWN = "of the scene"  # a wind that is no preset
 BUDGET = 0.1  # [s] wall time for steps between two pictures of a window

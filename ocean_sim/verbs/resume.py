@@ -5,13 +5,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from ocean_sim.observers import _checkpoint_file as file
-from ocean_sim.result import Result
-from ocean_sim.scene import SceneConfig, load, run
-from ocean_sim.verbs import console
-from ocean_sim.verbs.progress import Progress
+from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.reading.scene import SceneConfig, load
+from ocean_sim.result import Result, run
+from ocean_sim.state import file
 from ocean_sim.verbs.run import kernels, told, until_node
-from ocean_sim.yaml_file import SceneError
+from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.progress import Progress
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -44,9 +44,9 @@ def resume(folder: Path, until: float | None, as_json: bool) -> None:
 
 def gone_on(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: Progress) -> Result:
     """The run from a checkpoint on. Its parts are built beside its folder, in which nothing changes until all fits."""
-    from ocean_sim.observers._state import Differs
     from ocean_sim.observers.checkpoint import restore
     from ocean_sim.simulation import Simulation
+    from ocean_sim.state.walk import Differs
 
     def restored(simulation: "Simulation") -> None:
         if kept.made.get("backend") != simulation.backend.arch:

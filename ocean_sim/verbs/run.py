@@ -5,13 +5,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ocean_sim.files.yaml_file import Node, Place, node_of
+from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.result import Result
-from ocean_sim.scene import SceneConfig, load, scene_path
-from ocean_sim.scene import run as run_scene
-from ocean_sim.verbs import console
+from ocean_sim.result import run as run_scene
 from ocean_sim.verbs.check import preflight, short
-from ocean_sim.verbs.progress import Progress
-from ocean_sim.yaml_file import Node, Place, node_of
+from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.progress import Progress
 
 WRITTEN = (
     *("manifest.json", "*.csv", "events.jsonl", "checkpoint_*.h5", "report.html"),

@@ -5,10 +5,11 @@ from typing import Any
 
 from ocean_sim.machine import cores
 from ocean_sim.result import Result
-from ocean_sim.studies import _maps, _runs, _table
+from ocean_sim.studies.shared import maps, runs
+from ocean_sim.studies.shared import table as table_module
 from ocean_sim.studies.stability import AXES, LIMIT, VERDICTS, spots
 from ocean_sim.studies.stability import told as summarised
-from ocean_sim.verbs import console
+from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.sweep import text, told
 
 
@@ -23,15 +24,15 @@ def stability(scene: str | None, quick: bool, workers: int | None, out: Path, as
     rows: dict[int, dict[str, Any]] = {}
     orders, at_once = [spot.order() for spot in plan], workers or cores()
     for k, answer in told(orders, out / "runs", at_once, None, as_json, limit=LIMIT[quick]):
-        rows[k] = plan[k].row(answer, Result(out / "runs" / _runs.address(orders[k])))
-        _table.write(out / "stability.csv", [rows[n] for n in sorted(rows)])
+        rows[k] = plan[k].row(answer, Result(out / "runs" / runs.address(orders[k])))
+        table_module.write(out / "stability.csv", [rows[n] for n in sorted(rows)])
     table = [rows[k] for k in sorted(rows)]
     lines = summarised(table)
-    _table.write(out / "limits.csv", lines)
+    table_module.write(out / "limits.csv", lines)
     for axis in AXES:
         here = [row for row in table if row["map"] == axis.name]
         if here:
-            _maps.draw(out / f"stability_{axis.name.replace(' ', '_')}.png", f"{axis.name} [{axis.unit}]", here)
+            maps.draw(out / f"stability_{axis.name.replace(' ', '_')}.png", f"{axis.name} [{axis.unit}]", here)
     if as_json:
         console.answer(table)
     else:

@@ -5,10 +5,11 @@ from time import perf_counter
 from typing import Any
 
 from ocean_sim.machine import cores
-from ocean_sim.studies import _runs, _table
+from ocean_sim.studies.shared import runs as runs_module
+from ocean_sim.studies.shared import table as table_module
 from ocean_sim.studies.sweep import planned
-from ocean_sim.verbs import console
-from ocean_sim.verbs.progress import Bar
+from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.progress import Bar
 
 SHOWN = ("outcome", "simulated_s", "particles", "wall_s", "reason")
 
@@ -25,7 +26,7 @@ def sweep(plan: Path, scheduler: str | None, workers: int | None, out: Path | No
     rows: dict[int, dict[str, Any]] = {}
     for k, answer in told(orders, folder, at_once, scheduler, as_json):
         rows[k] = runs[k].row(answer)
-        _table.write(folder / "results.csv", [rows[k] for k in sorted(rows)])
+        table_module.write(folder / "results.csv", [rows[k] for k in sorted(rows)])
     table = [rows[k] for k in sorted(rows)]
     if as_json:
         console.answer(table)
@@ -38,7 +39,7 @@ def told(orders: list[dict[str, Any]], folder: Path, workers: int, scheduler: st
     """The answers of orders as they come, with their progress shown."""
     bar, began, done = Bar(max(1.0, len(orders)), quiet), perf_counter(), 0
     try:
-        for k, answer in _runs.answers(orders, folder, workers, scheduler, **more):
+        for k, answer in runs_module.answers(orders, folder, workers, scheduler, **more):
             done += 1
             if not quiet:
                 bar.show(done, f"{done} of {len(orders)} runs, {console.duration(perf_counter() - began)}")

@@ -4,10 +4,11 @@ from pathlib import Path
 from typing import Any
 
 from ocean_sim.machine import cores
-from ocean_sim.studies import _pareto, _table
+from ocean_sim.studies.shared import pareto
+from ocean_sim.studies.shared import table as table_module
 from ocean_sim.studies.tradeoff import TRIALS, clock, equals, front, points
-from ocean_sim.verbs import console
-from ocean_sim.verbs._scene_tradeoff import of_scene
+from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.scene_tradeoff import of_scene
 from ocean_sim.verbs.sweep import text, told
 
 SHOWN = ("scheme", "particles", "neighbours", "wall_per_s", "cpu_per_s", "error", "unit", "changed", "")
@@ -45,7 +46,7 @@ def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None
     rows: dict[int, list[dict[str, Any]]] = {}
     for k, answer in told([point.order() for point in plan], out / "runs", workers or cores(), None, as_json):
         rows[k] = plan[k].rows(answer)
-        _table.write(out / "tradeoff.csv", [row for n in sorted(rows) for row in rows[n]])
+        table_module.write(out / "tradeoff.csv", [row for n in sorted(rows) for row in rows[n]])
     table = [row for n in sorted(rows) for row in rows[n]]
     drawn = {
         trial.case: [row for row in table if (row["case"], row["quantity"]) == (trial.case, trial.quantity)]
@@ -53,10 +54,10 @@ def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None
     }
     speed = clock(table)
     fair = equals([row for here in drawn.values() for row in here], speed)
-    _table.write(out / "equal.csv", fair)
+    table_module.write(out / "equal.csv", fair)
     for trial in TRIALS:
         if drawn[trial.case]:
-            _pareto.draw(out / f"tradeoff_{trial.case}.png", trial, drawn[trial.case], speed)
+            pareto.draw(out / f"tradeoff_{trial.case}.png", trial, drawn[trial.case], speed)
             if not as_json:
                 show(f"{trial.case}: {trial.quantity}", drawn[trial.case], speed)
     if as_json:

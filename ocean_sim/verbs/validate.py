@@ -5,11 +5,11 @@ from pathlib import Path
 from typing import Any
 
 from ocean_sim.parts import kinds
-from ocean_sim.translation import choice_sentence
+from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.validation import names, problems
-from ocean_sim.validation._case import KEYS
-from ocean_sim.validation._plot import draw
-from ocean_sim.verbs import console
+from ocean_sim.validation.shared.case import KEYS
+from ocean_sim.validation.shared.plot import draw
+from ocean_sim.verbs.shared import console
 
 
 def validate(

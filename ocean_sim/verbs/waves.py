@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim import csv_file
-from ocean_sim.orbits import motion, read_tracers, towards
-from ocean_sim.verbs import console
-from ocean_sim.verbs._over_time import OverTime, Unreadable, over_time
-from ocean_sim.wave_record import CUT_OFF, Sea, Unmeasurable, evenly, measured, welch
+from ocean_sim.files import csv_file
+from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.over_time import OverTime, Unreadable, over_time
+from ocean_sim.waves.orbits import motion, read_tracers, towards
+from ocean_sim.waves.record import CUT_OFF, Sea, Unmeasurable, evenly, measured, welch
 
 SUFFIX = "_m"  # of an elevation gauge
 COLUMNS = {

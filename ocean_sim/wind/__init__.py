@@ -2,7 +2,7 @@
 
 from typing import Literal, Protocol
 
-from ocean_sim.wind._air import Air
+from ocean_sim.wind.shared.air import Air
 
 
 class Wind(Protocol):

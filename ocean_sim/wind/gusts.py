@@ -16,14 +16,14 @@ from pydantic import Field
 from ocean_sim.basin import Basin
 from ocean_sim.parts import LedgerRow, PartConfig, Vector2, Vector3, quantity
 from ocean_sim.random_numbers import numpy_uniform3
-from ocean_sim.wind._air import Air, joined, turned_all
-from ocean_sim.wind._air_load import drag, lift
-from ocean_sim.wind._noise import EVERY, OWN, Noise, NoiseSize
-from ocean_sim.wind._now import RUN, Now
-from ocean_sim.wind._passages import Passages
-from ocean_sim.wind._schedule import Scheduled
-from ocean_sim.wind._volumes import Shape, turned, turned_back, within
-from ocean_sim.wind._warnings import kick, stylised
+from ocean_sim.wind.shared.air import Air, joined, turned_all
+from ocean_sim.wind.shared.air_load import drag, lift
+from ocean_sim.wind.shared.clock import RUN, Now
+from ocean_sim.wind.shared.noise import EVERY, OWN, Noise, NoiseSize
+from ocean_sim.wind.shared.passages import Passages
+from ocean_sim.wind.shared.schedule import Scheduled
+from ocean_sim.wind.shared.volumes import Shape, turned, turned_back, within
+from ocean_sim.wind.shared.warnings import kick, stylised
 from ocean_sim.wind.still import Still
 
 NOISE, PASSAGES = 0x1_0000, 0x2_0000  # streams of random numbers; the volume's number is added

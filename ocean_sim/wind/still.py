@@ -7,7 +7,7 @@ import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.parts import PartConfig
-from ocean_sim.wind._air import NONE, Air
+from ocean_sim.wind.shared.air import NONE, Air
 
 
 class Config(PartConfig):

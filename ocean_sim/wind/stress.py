@@ -16,11 +16,11 @@ import taichi.math as tm
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import AIR_DENSITY
 from ocean_sim.parts import LedgerRow, quantity
-from ocean_sim.wind._air import Air
-from ocean_sim.wind._air_load import DragLaw, drag, stress
-from ocean_sim.wind._now import Now
-from ocean_sim.wind._schedule import Scheduled
-from ocean_sim.wind._warnings import out_of_range, unresolved
+from ocean_sim.wind.shared.air import Air
+from ocean_sim.wind.shared.air_load import DragLaw, drag, stress
+from ocean_sim.wind.shared.clock import Now
+from ocean_sim.wind.shared.schedule import Scheduled
+from ocean_sim.wind.shared.warnings import out_of_range, unresolved
 from ocean_sim.wind.still import Still
 
 ALONG_X, ALONG_Z, PRESSURE, AHEAD_X, AHEAD_Z, SPEED = range(6)

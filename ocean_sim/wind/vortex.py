@@ -13,12 +13,12 @@ import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.parts import LedgerRow, Vector2, quantity
-from ocean_sim.wind._air import Air
-from ocean_sim.wind._noise import EVERY, OWN, Noise, NoiseSize
-from ocean_sim.wind._now import RUN, Now
-from ocean_sim.wind._passages import Passages
-from ocean_sim.wind._schedule import Timed
-from ocean_sim.wind._warnings import kick, stylised
+from ocean_sim.wind.shared.air import Air
+from ocean_sim.wind.shared.clock import RUN, Now
+from ocean_sim.wind.shared.noise import EVERY, OWN, Noise, NoiseSize
+from ocean_sim.wind.shared.passages import Passages
+from ocean_sim.wind.shared.schedule import Timed
+from ocean_sim.wind.shared.warnings import kick, stylised
 from ocean_sim.wind.still import Still
 
 NOISE = 0x3_0000  # stream of random numbers

@@ -10,7 +10,7 @@ import pytest
 import taichi as ti
 
 from ocean_sim import runtime
-from ocean_sim.scene import load
+from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 
 TANK = {"length": 4.0, "width": 3.0, "depth": 1.2}

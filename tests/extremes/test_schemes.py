@@ -9,8 +9,8 @@ import pytest
 
 import ocean_sim
 from ocean_sim.conventions import GRAVITY, Diverged
-from ocean_sim.observers import _energy
-from ocean_sim.scene import SceneError, observer_names
+from ocean_sim.observers.shared import energy
+from ocean_sim.reading.scene import SceneError, observer_names
 
 DEPTH = 0.5  # [m]
 COLUMN = {
@@ -65,7 +65,7 @@ def run(scheme: str, extreme: str) -> str:
             x[1] = x[0]
             particles.position.from_numpy(x)
             fluid.begin()
-        before = _energy.total(simulation)
+        before = energy.total(simulation)
         try:
             simulation.run(until=scene.duration)
         except Diverged as stopped:
@@ -77,7 +77,7 @@ def run(scheme: str, extreme: str) -> str:
         assert particles.density.to_numpy().max() < 1500.0
         assert np.abs(v).max() < 10.0 * np.sqrt(GRAVITY * DEPTH)
         weight = particles.mass * particles.n * GRAVITY * DEPTH
-        assert _energy.total(simulation) - before < 0.1 * weight
+        assert energy.total(simulation) - before < 0.1 * weight
     return ""
 
 

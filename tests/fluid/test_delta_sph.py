@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.fluid._stencil import Stencil
 from ocean_sim.fluid.delta_sph import DAMPER, IMPACT, SOLID
+from ocean_sim.fluid.shared.stencil import Stencil
 from tests.fluid.conftest import box, by_id, put
 
 OPEN = {"length": 1.0, "width": 1.0, "depth": 0.5, "walls": "none", "floor": "none", "gravity": [0.0, 0.0, 0.0]}

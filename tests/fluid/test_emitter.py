@@ -5,7 +5,7 @@ import pytest
 
 from ocean_sim import load
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.scene import SceneError
+from ocean_sim.reading.scene import SceneError
 from tests.fluid.conftest import by_id
 
 G = np.array([0.0, -GRAVITY, 0.0])

@@ -7,8 +7,8 @@ import pytest
 import taichi as ti
 
 from ocean_sim.conventions import Diverged
-from ocean_sim.fluid._grid import TASK
-from ocean_sim.fluid._images import mirrored as mirrored_place
+from ocean_sim.fluid.shared.grid import TASK
+from ocean_sim.fluid.shared.images import mirrored as mirrored_place
 from tests.fluid.conftest import by_id, put
 
 

@@ -10,8 +10,8 @@ import taichi.math as tm
 
 from ocean_sim.basin import Config as BasinConfig
 from ocean_sim.fluid import delta_sph, dfsph
-from ocean_sim.fluid._smoothing import Smoothing
-from ocean_sim.fluid._stencil import Stencil
+from ocean_sim.fluid.shared.smoothing import Smoothing
+from ocean_sim.fluid.shared.stencil import Stencil
 
 SUPPORT = 0.7
 

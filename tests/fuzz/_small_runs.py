@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from ocean_sim.conventions import Diverged
+from ocean_sim.reading.scene import SceneConfig
 from ocean_sim.result import Result
-from ocean_sim.scene import SceneConfig
 from ocean_sim.simulation import Simulation
 
 STEPS = 50

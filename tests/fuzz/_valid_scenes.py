@@ -5,10 +5,10 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from ocean_sim import schema
-from ocean_sim.scene import SceneConfig, load
-from ocean_sim.validation._tables import place
-from ocean_sim.yaml_file import SceneError
+from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.reading import schema
+from ocean_sim.reading.scene import SceneConfig, load
+from ocean_sim.validation.shared.tables import place
 
 SCHEMA = schema.schema()
 DEFINITIONS = SCHEMA["$defs"]

@@ -13,13 +13,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ocean_sim.__main__ import answered
-from ocean_sim.observers import _checkpoint_file as file
-from ocean_sim.observers._fields import Contents
-from ocean_sim.observers._state import Differs
 from ocean_sim.observers.checkpoint import restore
-from ocean_sim.scene import load
-from ocean_sim.scene import run as run_scene
+from ocean_sim.reading.scene import load
+from ocean_sim.result import run as run_scene
 from ocean_sim.simulation import Simulation
+from ocean_sim.state import file
+from ocean_sim.state.fields import Contents
+from ocean_sim.state.walk import Differs
 
 SEA = {
     "duration": 0.1,

@@ -11,9 +11,11 @@ from _settings import few, many
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ocean_sim import __main__, csv_file, input_file, motion_log
-from ocean_sim.motion_log import REQUIRED
-from ocean_sim.yaml_file import SceneError
+from ocean_sim import __main__
+from ocean_sim.files import csv_file, input_file
+from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.platform.shared import motion_log
+from ocean_sim.platform.shared.motion_log import REQUIRED
 
 TALK = ("Traceback", "this should not happen", "Errno")
 
@@ -55,8 +57,8 @@ def log_text() -> bytes:
 def test_a_spoilt_hull_is_refused_or_is_one(kind, tmp_path, monkeypatch):
     import trimesh
 
-    from ocean_sim.ship._mesh import BadMesh
-    from ocean_sim.ship._shapes import MeshFile
+    from ocean_sim.ship.shared.mesh import BadMesh
+    from ocean_sim.ship.shared.shapes import MeshFile
 
     monkeypatch.chdir(tmp_path)
     whole = trimesh.creation.box((0.4, 0.3, 1.0)).export(file_type=kind)
@@ -87,8 +89,8 @@ def box(kind: str) -> bytes:
 
 def hull_judged(data, folder: Path) -> None:
     """A decayed mesh is refused in a sentence, or has the size of a thing."""
-    from ocean_sim.ship._mesh import BadMesh
-    from ocean_sim.ship._shapes import MeshFile
+    from ocean_sim.ship.shared.mesh import BadMesh
+    from ocean_sim.ship.shared.shapes import MeshFile
 
     kind = data.draw(st.sampled_from(["stl", "obj", "ply"]))
     broken = data.draw(decayed(box(kind)))
@@ -135,7 +137,7 @@ def test_many_decayed_hulls_and_logs(place, judged, data):
 
 
 def test_materials_that_a_mesh_names_are_not_looked_for(tmp_path):
-    from ocean_sim.ship._shapes import MeshFile
+    from ocean_sim.ship.shared.shapes import MeshFile
 
     corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
     faces = "usemtl x\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
@@ -191,7 +193,7 @@ def test_a_table_begins_with_a_byte_order_mark_or_not_and_has_even_rows(tmp_path
 
 
 def test_files_are_found_from_the_folder_of_the_scene(tmp_path, monkeypatch):
-    from ocean_sim.scene import load
+    from ocean_sim.reading.scene import load
 
     (tmp_path / "scenes" / "deep").mkdir(parents=True)
     tank = "time_s,x_m\n" + "".join(f"{k},0\n" for k in range(4))

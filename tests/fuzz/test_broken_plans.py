@@ -9,8 +9,8 @@ from _settings import few, many
 from hypothesis import given, settings
 from test_broken_scenes import complaints
 
+from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.studies.sweep import planned
-from ocean_sim.yaml_file import SceneError
 
 SEA = """basin: {length: 40.0, width: 40.0, depth: 7.5}
 fluid: {kind: linear_waves, height: 0.5, period: 4.0}

@@ -13,9 +13,9 @@ from _valid_scenes import scenes, settled
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from ocean_sim.scene import load
+from ocean_sim.files.yaml_file import Problem, SceneError
+from ocean_sim.reading.scene import load
 from ocean_sim.verbs.check import preflight
-from ocean_sim.yaml_file import Problem, SceneError
 
 MACHINE_TALK = ("Errno", "Traceback", "pydantic", "Input should", "array(", "<class", "object at")
 ABOUT_THE_FILE = ("not valid YAML", "this ", "there is no", "expected a mapping", "nested", "cannot", "more than")

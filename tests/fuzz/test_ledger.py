@@ -9,9 +9,9 @@ from statistics import median
 import pytest
 
 from ocean_sim.parts import config_of
+from ocean_sim.reading.scene import load
 from ocean_sim.result import Result
 from ocean_sim.runtime import allocated_bytes, start
-from ocean_sim.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.verbs.check import ledger, preflight
 
@@ -144,7 +144,7 @@ from collections import Counter
 from pathlib import Path
 from taichi.lang.kernel_impl import Kernel
 from ocean_sim import runtime
-from ocean_sim.scene import load, run
+from ocean_sim import load, run
 from ocean_sim.simulation import Simulation
 
 launches, costs = Counter(), []
@@ -191,7 +191,7 @@ def whole_and_without(tmp_path_factory) -> dict[str, dict]:
     return {name: runs(scene, folder / name) for name, scene in scenes.items()}
 
 
-STILL = {"ocean_sim.wind.still", "ocean_sim.wind._air"}  # an absent wind is one that blows nowhere
+STILL = {"ocean_sim.wind.still", "ocean_sim.wind.shared.air"}  # an absent wind is one that blows nowhere
 
 
 def test_a_slot_that_is_left_out_is_not_imported_or_compiled(whole_and_without):

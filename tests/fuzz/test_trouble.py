@@ -116,9 +116,9 @@ def test_a_killed_renderer_is_told_and_the_run_is_kept(folder, tell, monkeypatch
     if not Path("seen").exists():
         assert tell("run", "s.yaml", "--out", "seen")[0] == 0
     before = Path("seen/gauges.csv").read_bytes()
-    monkeypatch.setattr(render._opengl, "window", lambda: "egl")
-    monkeypatch.setattr(render._opengl, "environment", lambda window: dict(os.environ))
-    monkeypatch.setattr(render._opengl, "forget", lambda: None)
+    monkeypatch.setattr(render.opengl, "window", lambda: "egl")
+    monkeypatch.setattr(render.opengl, "environment", lambda window: dict(os.environ))
+    monkeypatch.setattr(render.opengl, "forget", lambda: None)
     monkeypatch.setattr(render, "follow", lambda child, progress: (child.kill(), child.wait()))
     code, err = tell("render", "seen", "--quality", "draft")
     assert code == 1 and "the drawing process died (signal 9)" in err and "Traceback" not in err

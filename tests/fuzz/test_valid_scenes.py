@@ -8,7 +8,7 @@ from _small_runs import not_numbers, ran
 from _valid_scenes import scenes, settled
 from hypothesis import HealthCheck, Phase, given, settings
 
-from ocean_sim.scene import SceneConfig
+from ocean_sim.reading.scene import SceneConfig
 from ocean_sim.verbs.check import preflight
 
 MANY = int(os.environ.get("OCEAN_SIM_SCENES", 500))  # each takes 3 to 10 s of one core, most of it compiling

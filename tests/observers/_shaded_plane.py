@@ -8,8 +8,9 @@ import sys
 
 import numpy as np
 
-from ocean_sim.observers import _sky, _water_glsl
-from ocean_sim.observers import _water_shading as w
+from ocean_sim.pictures import sky as sky_module
+from ocean_sim.pictures import water_glsl
+from ocean_sim.pictures import water_shading as w
 
 PIXELS, HALF = 48, 6.0  # pixels along a side, half a side [m]
 CASES = {
@@ -20,7 +21,7 @@ CASES = {
     "body": w.Terms(reflection=False, glint=None, fog=False),
     "mirror": w.Terms(body=False, glint=None, foam=False, fog=False),
 }
-SUN = _sky.unit(np.array([-0.7, 0.5, 0.4]))
+SUN = sky_module.unit(np.array([-0.7, 0.5, 0.4]))
 EYES = {"above": (40.0, 30.0, -30.0), "aslant": (-14.0, 6.0, 9.0), "grazing": (-300.0, 1.0, 200.0)}
 VARIANCE, PIXEL = 0.004, 0.0004  # of slopes; angle of a pixel [rad]
 FACES = {"+x": (1, 0, 0), "-x": (0, 1, 1), "+y": (0, 1, 0), "-y": (1, 0, 1), "+z": (0, 0, 1), "-z": (1, 1, 0)}
@@ -38,21 +39,21 @@ def normals(points: np.ndarray) -> np.ndarray:
     return np.stack([0.05 * points[..., 0], np.ones(points.shape[:-1]), 0.05 * points[..., 2]], axis=-1)
 
 
-def smooth_sky() -> _sky.Sky:
-    d = _sky.directions(256, 128)
+def smooth_sky() -> sky_module.Sky:
+    d = sky_module.directions(256, 128)
     image = np.stack([0.5 + 0.4 * d[..., 0], 0.5 + 0.3 * d[..., 2], 0.6 + 0.5 * d[..., 1]], axis=-1)
-    return _sky.Sky(image, SUN)
+    return sky_module.Sky(image, SUN)
 
 
-def six_colours() -> _sky.Sky:
-    d = _sky.directions(256, 128)
+def six_colours() -> sky_module.Sky:
+    d = sky_module.directions(256, 128)
     axis = np.abs(d).argmax(axis=-1)
     names = np.array([["+x", "-x"], ["+y", "-y"], ["+z", "-z"]])
     positive = np.take_along_axis(d, axis[..., None], axis=-1)[..., 0] > 0.0
     image = np.zeros(d.shape)
     for name, colour in FACES.items():
         image[names[axis, np.where(positive, 0, 1)] == name] = colour
-    return _sky.Sky(image, SUN)
+    return sky_module.Sky(image, SUN)
 
 
 def water(eye: np.ndarray, foam: float = 0.0) -> w.Water:
@@ -61,7 +62,7 @@ def water(eye: np.ndarray, foam: float = 0.0) -> w.Water:
     distance = np.linalg.norm(away, axis=1)
     n = len(points)
     height, variance, white = np.full(n, 0.4), np.full(n, VARIANCE), np.full(n, foam)
-    return w.Water(_sky.unit(normals(points)), -away / distance[:, None], distance, height, variance, white)
+    return w.Water(sky_module.unit(normals(points)), -away / distance[:, None], distance, height, variance, white)
 
 
 def footprints(seen: w.Water) -> np.ndarray:
@@ -84,15 +85,15 @@ def main(out: str) -> None:
     mesh = pyvista.PolyData.from_regular_faces(corners, np.array([[0, 1, 2], [2, 1, 3]]))
     mesh.point_data["nrm"] = normals(corners).astype(np.float32)
     skies = {"smooth": smooth_sky(), "six": six_colours()}
-    textures = {name: _water_glsl.texture(sky.image, smaller=True, repeat=True) for name, sky in skies.items()}
-    none = _water_glsl.texture(np.zeros((2, 2, 4), np.uint8))
+    textures = {name: water_glsl.texture(sky.image, smaller=True, repeat=True) for name, sky in skies.items()}
+    none = water_glsl.texture(np.zeros((2, 2, 4), np.uint8))
     drawn = {}
 
     def draw(name: str, sky: str, eye: np.ndarray, terms: w.Terms, foam: float = 0.0, ripples: float = 0.0) -> None:
         mesh.point_data["att"] = np.tile(np.float32([foam, 0.4, VARIANCE]), (4, 1))
         inputs = {"sky": textures[sky], "hull": none, "mirror": none}
-        shaded = _water_glsl.Shaded(mesh, _water_glsl.WATER, _water_glsl.WATER_FUNCTIONS, inputs, attributes=True)
-        shaded.set(**_water_glsl.plain(), **_water_glsl.lit_by(skies[sky]), **_water_glsl.switched(terms))
+        shaded = water_glsl.Shaded(mesh, water_glsl.WATER, water_glsl.WATER_FUNCTIONS, inputs, attributes=True)
+        shaded.set(**water_glsl.plain(), **water_glsl.lit_by(skies[sky]), **water_glsl.switched(terms))
         shaded.set(eyeW=eye, rippleVariance=ripples, pixel=PIXEL)
         plotter.add_actor(shaded.actor, reset_camera=False, render=False, name="plane")
         plotter.render()

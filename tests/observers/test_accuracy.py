@@ -3,7 +3,7 @@ import pytest
 
 import ocean_sim
 from ocean_sim.observers import accuracy
-from ocean_sim.observers._csv import columns
+from ocean_sim.observers.shared.csv_rows import columns
 
 
 def test_sums_are_those_of_the_particles(tmp_path, watched):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ocean_sim.observers import _camera
-from ocean_sim.observers._camera import Operator, Track, Vessel
+from ocean_sim.pictures import camera as camera_module
+from ocean_sim.pictures.camera import Operator, Track, Vessel
 
 LOWER, UPPER = np.array([-100.0, -20.0, -100.0]), np.array([100.0, 2.0, 100.0])
 LENGTH, SPEED, STEP = 15.0, 4.0, 0.05
@@ -30,7 +30,7 @@ def operator():
 
 
 def test_every_name_has_a_camera_whose_axes_are_square(operator):
-    for name in _camera.Name.__args__:
+    for name in camera_module.Name.__args__:
         given = {"eye": (30.0, 5.0, 0.0), "target": (0.0, 0.0, 0.0)} if name == "fixed" else {}
         camera = operator(name, **given).at(3.0)
         assert np.isfinite(camera.eye).all()
@@ -39,9 +39,9 @@ def test_every_name_has_a_camera_whose_axes_are_square(operator):
 
 
 def test_follow_is_behind_the_ship_and_lags_as_a_first_order_filter_does(operator):
-    lag = _camera.LAG[0]
+    lag = camera_module.LAG[0]
     decay = np.exp(-STEP / lag)
-    place, heading = _camera.damped(operator("follow").vessel.track)
+    place, heading = camera_module.damped(operator("follow").vessel.track)
     behind = SPEED * 18.0 - 40.0 - place[360, 2]
     assert behind == pytest.approx(SPEED * STEP * decay / (1.0 - decay), rel=1e-6)  # steady state of a ramp
     assert behind == pytest.approx(SPEED * lag, rel=0.05) and np.abs(heading).max() < 1e-12
@@ -54,7 +54,7 @@ def test_the_heading_of_follow_does_not_jump_where_the_angle_does():
     angle = np.linspace(3.0, 3.3, 200)  # through pi
     turn = np.zeros((200, 3, 3))
     turn[:, 0, 2], turn[:, 2, 2] = np.sin(angle), np.cos(angle)
-    _, heading = _camera.damped(Track(time, np.zeros((200, 3)), turn))
+    _, heading = camera_module.damped(Track(time, np.zeros((200, 3)), turn))
     assert np.abs(np.diff(heading)).max() < 0.01
 
 

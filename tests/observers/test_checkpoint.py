@@ -7,14 +7,14 @@ import pytest
 from taichi.lang import impl
 
 from ocean_sim.fluid.linear_waves import LinearWaves
-from ocean_sim.observers import _checkpoint_file as file
-from ocean_sim.observers import _vulkan
 from ocean_sim.observers.checkpoint import KEPT
-from ocean_sim.scene import load
+from ocean_sim.pictures import vulkan
+from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation._tables import place
-from ocean_sim.verbs.progress import Progress
+from ocean_sim.state import file
+from ocean_sim.validation.shared.tables import place
 from ocean_sim.verbs.resume import gone_on
+from ocean_sim.verbs.shared.progress import Progress
 
 QUIET = {"seed": 3, "runtime": {"threads": 1}, "timings": None, "render": None, "report": None}
 OFTEN = {"frames": {"every": 0.05}, "accuracy": {"every": 0.02}, "checkpoint": {"every": 100.0}}
@@ -142,7 +142,7 @@ def test_a_run_goes_on_as_if_nothing_had_happened(name, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not _vulkan.draws(show=False), reason="no Vulkan on this machine")
+@pytest.mark.skipif(not vulkan.draws(show=False), reason="no Vulkan on this machine")
 def test_a_preview_goes_on_with_the_same_pictures(tmp_path):
     scene = scene_of({"basin": SLICE, **water("mueller", 0.1), "preview": {"every": 0.1, "size": [960, 640]}})
     assert resumed(scene, tmp_path) == []

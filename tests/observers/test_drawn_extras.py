@@ -3,32 +3,33 @@
 import numpy as np
 import pytest
 
-from ocean_sim.observers import _drawn_boxes, _opengl, _wake, render
-from ocean_sim.observers._camera import Track, Vessel
+from ocean_sim.observers import render
+from ocean_sim.pictures import drawn_boxes, opengl, wake
+from ocean_sim.pictures.camera import Track, Vessel
 
-with_opengl = pytest.mark.skipif(_opengl.probe() is not None, reason="no OpenGL on this machine")
+with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 NODES = np.arange(-60.0, 60.1, 0.5)
 
 
-def steaming(speed: float) -> _wake.Wake:
+def steaming(speed: float) -> wake.Wake:
     """A ship of 15 m that goes along +z for 12 s, at z = 0 at the end."""
     time = np.linspace(0.0, 12.0, 25)
     place = np.stack([0.0 * time, 0.0 * time, speed * (time - 12.0)], axis=1)
     track = Track(time, place, np.tile(np.eye(3), (25, 1, 1)))
-    return _wake.Wake(Vessel(15.0, np.zeros(3), track), 4.0, NODES, NODES)
+    return wake.Wake(Vessel(15.0, np.zeros(3), track), 4.0, NODES, NODES)
 
 
 def test_a_wake_lies_where_the_stern_was_and_fades_with_age():
     share = steaming(4.0).share(12.0)
-    middle, stern = np.abs(NODES).argmin(), -_wake.STERN * 15.0
+    middle, stern = np.abs(NODES).argmin(), -wake.STERN * 15.0
     on_track = share[middle]
     assert not on_track[NODES > stern + 4.0].any()  # none before the stern
     behind = on_track[(NODES < stern - 1.0) & (NODES > stern - 40.0)]
-    assert (np.diff(behind) > 0.0).all() and behind.max() <= _wake.WHITEST
+    assert (np.diff(behind) > 0.0).all() and behind.max() <= wake.WHITEST
     ages = (stern - NODES[(NODES < stern - 1.0) & (NODES > stern - 40.0)]) / 4.0
-    step = 12.0 / (_wake.STEPS - 1)  # [s] between the places of the stern that are kept
-    wanted = _wake.WHITEST * np.exp(-ages / _wake.LASTS)
-    np.testing.assert_allclose(behind, wanted, rtol=np.expm1(step / _wake.LASTS))
+    step = 12.0 / (wake.STEPS - 1)  # [s] between the places of the stern that are kept
+    wanted = wake.WHITEST * np.exp(-ages / wake.LASTS)
+    np.testing.assert_allclose(behind, wanted, rtol=np.expm1(step / wake.LASTS))
     np.testing.assert_allclose(share, share[::-1], atol=1e-9)  # the same on both sides
     assert not share[np.abs(NODES) > 8.0].any()
 
@@ -40,7 +41,7 @@ def test_a_ship_that_rests_leaves_no_wake():
 
 def test_a_box_has_six_faces_that_look_outwards():
     low, up = np.array([1.0, -2.0, 3.0]), np.array([2.0, 0.5, 3.5])
-    points, normals = _drawn_boxes.faces(low, up)
+    points, normals = drawn_boxes.faces(low, up)
     assert points.shape == normals.shape == (24, 3)
     assert ((points == low) | (points == up)).all()
     middle = points.reshape(6, 4, 3).mean(axis=1)

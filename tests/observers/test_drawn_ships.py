@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from ocean_sim.observers import _drawn_ship, _ship_hull, _ship_parts
-from ocean_sim.observers._ship_model import BLACK, OXIDE, WHITE, modelled
-from ocean_sim.ship._drawn import drawn
-from ocean_sim.ship._hull import hull_of
+from ocean_sim.pictures import drawn_ship, ship_hull, ship_parts
+from ocean_sim.pictures.ship_model import BLACK, OXIDE, WHITE, modelled
+from ocean_sim.ship.shared.drawn import drawn
+from ocean_sim.ship.shared.hull import hull_of
 
 NOWHERE = np.full(3, np.nan)
 HULLS = {
@@ -34,7 +34,7 @@ def placed(name):
 def ship(request):
     vertices, triangles, share, helm = placed(request.param)
     made = modelled(vertices, triangles, share, request.param, helm)
-    return request.param, made, _ship_hull.Hull(vertices, triangles, share)
+    return request.param, made, ship_hull.Hull(vertices, triangles, share)
 
 
 def area(corners):
@@ -63,7 +63,7 @@ def test_colours_end_exactly_at_their_heights(ship):
     bands = [(0.0, OXIDE), (np.inf, BLACK)]
     corners, normals = hull.values[:, :, :3], hull.values[:, :, 3:]
     height = hull.over_water(corners)
-    mesh = _ship_parts.banded(corners, normals, height, bands)
+    mesh = ship_parts.banded(corners, normals, height, bands)
     after = hull.over_water(mesh.corners)
     below = (mesh.colour == OXIDE).all(axis=1)
     assert after[below].max() < 1e-9 and after[~below].min() > -1e-9
@@ -73,7 +73,7 @@ def test_colours_end_exactly_at_their_heights(ship):
 @pytest.mark.parametrize("name, level", [("barge20", 2.0), ("sphere", 5.0), ("cylinder", 1.0)])
 def test_the_waterline_is_where_archimedes_has_it(name, level):
     vertices, triangles, share, _ = placed(name)
-    hull = _ship_hull.Hull(vertices, triangles, share)
+    hull = ship_hull.Hull(vertices, triangles, share)
     keel = hull.over_water(np.array([0.0, vertices[:, 1].min(), 0.0]))
     assert -keel == pytest.approx(level, abs=2e-3 * np.ptp(vertices[:, 1]))
     np.testing.assert_allclose(hull.up, [0.0, 1.0, 0.0], atol=1e-9)
@@ -82,24 +82,24 @@ def test_the_waterline_is_where_archimedes_has_it(name, level):
 def test_a_box_that_is_loaded_off_its_middle_trims_as_a_wall_sided_ship():
     length, draught, high, off = 20.0, 2.0, 2.2, 0.4
     lower, upper = np.array([-4.0, -high, -length / 2 - off]), np.array([4.0, 4.0 - high, length / 2 - off])
-    corners = _ship_parts.box(lower, upper, WHITE).corners
+    corners = ship_parts.box(lower, upper, WHITE).corners
 
     def lever(t):  # centre of buoyancy of a wall-sided hull at a trim of tangent t, along the level
         z, y = length**2 / (12.0 * draught) * t, draught / 2.0 + length**2 / (24.0 * draught) * t**2
         return (z - off) + (y - high) * t
 
-    up, level = _ship_hull.settled(corners, 0.5)
+    up, level = ship_hull.settled(corners, 0.5)
     assert abs(up[2] / up[1]) == pytest.approx(brentq(lever, 0.0, 0.3), rel=1e-6)
-    volume, *moment = _ship_hull.submerged(corners, up, level)
+    volume, *moment = ship_hull.submerged(corners, up, level)
     arm = np.array(moment) / volume
     assert volume == pytest.approx(320.0) and np.linalg.norm(arm - (arm @ up) * up) < 1e-6
-    upright = np.array(_ship_hull.submerged(corners, np.array([0.0, 1.0, 0.0]), high - draught)[1:]) / volume
+    upright = np.array(ship_hull.submerged(corners, np.array([0.0, 1.0, 0.0]), high - draught)[1:]) / volume
     assert abs(upright[2]) == pytest.approx(off)  # upright it is not at rest
 
 
 def test_a_ship_heavier_than_its_hull_can_carry_is_awash():
-    corners = _ship_parts.box((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0), WHITE).corners
-    up, level = _ship_hull.settled(corners, 1.0)
+    corners = ship_parts.box((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0), WHITE).corners
+    up, level = ship_hull.settled(corners, 1.0)
     assert (corners @ up + level).max() == pytest.approx(0.0)
 
 
@@ -131,13 +131,13 @@ def test_the_helmsman_sees_the_sea_ahead_and_the_bow_below(name):
 
 def test_smooth_shading_stops_at_a_crease():
     vertices, triangles = drawn(hull_of("barge20").shape)
-    normals = _ship_parts.smooth_normals(vertices, triangles)
+    normals = ship_parts.smooth_normals(vertices, triangles)
     corners = vertices[triangles]
     flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     flat /= np.linalg.norm(flat, axis=1, keepdims=True)
     np.testing.assert_allclose(normals, np.repeat(flat[:, None], 3, axis=1), atol=1e-9)
     vertices, triangles = drawn(hull_of("sphere").shape)
-    normals = _ship_parts.smooth_normals(vertices, triangles).reshape(-1, 3)
+    normals = ship_parts.smooth_normals(vertices, triangles).reshape(-1, 3)
     radial = (vertices - [0.0, 5.0, 0.0])[triangles].reshape(-1, 3)
     cosine = (normals * radial).sum(axis=1) / np.linalg.norm(radial, axis=1)
     assert np.percentile(cosine, 1) > np.cos(np.radians(10.0))
@@ -151,8 +151,8 @@ def test_a_hull_without_a_deck_to_stand_on_is_a_test_body():
 
 
 def test_light_is_finite_and_brighter_towards_the_sun():
-    from ocean_sim.observers import _sky
+    from ocean_sim.pictures import sky
 
-    normals = np.stack([_sky.SUN, -_sky.SUN])
-    light = _drawn_ship.lit(normals, np.full((2, 3), 0.5), np.zeros((2, 1)))
+    normals = np.stack([sky.SUN, -sky.SUN])
+    light = drawn_ship.lit(normals, np.full((2, 3), 0.5), np.zeros((2, 1)))
     assert (light[0] > 2.0 * light[1]).all() and (light > 0.0).all()

@@ -3,9 +3,9 @@ import json
 import numpy as np
 import pytest
 
+from ocean_sim.files.vtkhdf import Series
 from ocean_sim.observers import frames
-from ocean_sim.observers._export import NothingToExport, export_run
-from ocean_sim.observers._vtkhdf import Series
+from ocean_sim.pictures.export import NothingToExport, export_run
 
 
 @pytest.fixture

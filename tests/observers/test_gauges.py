@@ -3,7 +3,7 @@ import pytest
 from pydantic import ValidationError
 
 from ocean_sim.observers import gauges
-from ocean_sim.observers._csv import columns
+from ocean_sim.observers.shared.csv_rows import columns
 
 
 @pytest.mark.parametrize("steps_of", [(0.01,), (0.013, 0.002, 0.031), (0.12,)])

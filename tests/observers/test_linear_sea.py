@@ -5,14 +5,16 @@ import json
 import numpy as np
 import pytest
 
-from ocean_sim import composition, scene, waves
+from ocean_sim import waves
+from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.observers import frames
-from ocean_sim.observers._csv import columns
-from ocean_sim.observers._export import NothingToExport, export_run
+from ocean_sim.observers.shared.csv_rows import columns
 from ocean_sim.parts import PartConfig
-from ocean_sim.scene import load
+from ocean_sim.pictures.export import NothingToExport, export_run
+from ocean_sim.reading import composition, scene
+from ocean_sim.reading.scene import load
+from ocean_sim.result import run as run_scene
 from ocean_sim.verbs.check import preflight, short
-from ocean_sim.yaml_file import SceneError
 
 OVER = {"runtime.threads": 1, "duration": 1.0, "frames.spacing": 4.0, "frames.every": 0.5, "render": None}
 
@@ -22,7 +24,7 @@ def run(tmp_path_factory):
     """The scene and the folder of one run of the packaged sea."""
     config = load("linear_sea", OVER)
     folder = tmp_path_factory.mktemp("sea")
-    scene.run(config, folder)
+    run_scene(config, folder)
     return config, folder
 
 
@@ -56,7 +58,7 @@ def test_the_final_state_is_told_apart_by_its_hash(run, tmp_path):
     _, folder = run
     of = {}
     for name, over in {"same": {}, "later": {"duration": 1.1}, "other": {"fluid.spectrum.seed": 8}}.items():
-        scene.run(load("linear_sea", {**OVER, **over}), tmp_path / name)
+        run_scene(load("linear_sea", {**OVER, **over}), tmp_path / name)
         of[name] = json.loads((tmp_path / name / "manifest.json").read_text())["state_sha256"]
     first = json.loads((folder / "manifest.json").read_text())["state_sha256"]
     assert of["same"] == first and len({first, of["later"], of["other"]}) == 3

@@ -13,17 +13,19 @@ import pytest
 
 from ocean_sim import runtime
 from ocean_sim.__main__ import answered
-from ocean_sim.observers import _panel, _view, _vulkan, preview
-from ocean_sim.observers._controls import controls
-from ocean_sim.observers._curves import KEPT, Curves
-from ocean_sim.observers._panel import Panel, Slider, sliders_of
-from ocean_sim.observers._sight import Sight, backdrop, speed_colours
+from ocean_sim.observers import preview
 from ocean_sim.parts import PACKAGE
-from ocean_sim.scene import load
+from ocean_sim.pictures import panel as panel_module
+from ocean_sim.pictures import preview_eye, vulkan
+from ocean_sim.pictures.controls import controls
+from ocean_sim.pictures.curves import KEPT, Curves
+from ocean_sim.pictures.panel import Panel, Slider, sliders_of
+from ocean_sim.pictures.preview_scene import Sight, backdrop, speed_colours
+from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.verbs import preview as verb
 
-HAS_VULKAN = _vulkan.draws(show=False)
+HAS_VULKAN = vulkan.draws(show=False)
 with_vulkan = pytest.mark.skipif(not HAS_VULKAN, reason="no Vulkan on this machine")
 CONFIG = preview.Config(size=(1280, 720))
 HERE = os.environ | {"PYTHONPATH": str(PACKAGE.parent)}
@@ -85,7 +87,7 @@ def test_throttle_and_brake_pedal_and_wheel():
     panel.person = Wheel()
     for _ in range(10):
         panel.hold({"Up", "Left"}, 0.1)
-    assert panel.person.throttle == pytest.approx(_panel.PEDAL)
+    assert panel.person.throttle == pytest.approx(panel_module.PEDAL)
     assert panel.person.rudder == pytest.approx(radians(20.0))  # positive turns to port
     panel.hold({"Down"}, 100.0)
     assert panel.person.throttle == -1.0
@@ -130,7 +132,7 @@ def test_significant_wave_height_of_a_sine_is_four_standard_deviations_of_the_la
 @pytest.mark.parametrize("aspect", [16 / 9, 4 / 3])
 def test_the_whole_basin_is_in_the_part_of_the_picture_that_no_panel_covers(camera, aspect):
     lower, upper, free = np.array([-30.0, -7.5, -10.0]), np.array([30.0, 2.0, 10.0]), (0.25, 0.2, 0.7, 0.75)
-    eye = _view.seen(camera, (0.7, 0.4, 1.0), (lower, upper), None, 0.0, free, aspect)
+    eye = preview_eye.seen(camera, (0.7, 0.4, 1.0), (lower, upper), None, 0.0, free, aspect)
     forward = (eye.target - eye.place) / np.linalg.norm(eye.target - eye.place)
     right = np.cross(forward, eye.up)
     right /= np.linalg.norm(right)
@@ -146,7 +148,7 @@ def test_the_whole_basin_is_in_the_part_of_the_picture_that_no_panel_covers(came
 
 def test_the_eye_at_the_helm_moves_with_the_ship_and_looks_over_the_bow(coarse):
     ship = coarse.ship
-    eye = _view.seen("helm", (0.0, 0.4, 1.0), Sight(coarse).box, ship, 15.0, (0.0, 0.0, 1.0, 1.0), 1.5)
+    eye = preview_eye.seen("helm", (0.0, 0.4, 1.0), Sight(coarse).box, ship, 15.0, (0.0, 0.0, 1.0, 1.0), 1.5)
     np.testing.assert_allclose(eye.place, ship.body.position + ship.body.matrix @ ship.points["helm"])
     assert (eye.target - eye.place) @ ship.body.matrix[:, 2] == pytest.approx(1.0)
 
@@ -178,7 +180,7 @@ def test_colours_of_speed_brighten_evenly():
 
 
 def test_the_backdrop_covers_the_picture_and_is_bright_at_the_horizon():
-    eye = _view.Eye(np.zeros(3), np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]), 35.0, 0.1, 100.0)
+    eye = preview_eye.Eye(np.zeros(3), np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]), 35.0, 0.1, 100.0)
     corners, colours = backdrop(eye, 1.5)
     a, b, c = corners[0::3], corners[1::3], corners[2::3]
     area = 0.5 * np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]).sum()
@@ -338,20 +340,20 @@ def test_a_window_is_played_with(tmp_path, monkeypatch):
 
 def test_without_vulkan_or_a_screen_a_sentence_says_what_to_do(tmp_path, monkeypatch, capsys):
     command = ["preview", "ship_linear_sea", "--out", str(tmp_path / "out")]
-    monkeypatch.setattr(_vulkan, "draws", lambda show: False)
+    monkeypatch.setattr(vulkan, "draws", lambda show: False)
     assert answered([*command, "--frames", "1"]) == 3
     assert "apt-get install --no-install-recommends libx11-6 mesa-vulkan-drivers" in capsys.readouterr().err
-    monkeypatch.setattr(_vulkan, "draws", lambda show: not show)
+    monkeypatch.setattr(vulkan, "draws", lambda show: not show)
     assert answered(command) == 3
     assert "--frames" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
 
 def test_without_a_display_no_window_is_tried(monkeypatch):
-    for name in _vulkan.SCREENS:
+    for name in vulkan.SCREENS:
         monkeypatch.delenv(name, raising=False)
-    monkeypatch.setattr(_vulkan.subprocess, "run", lambda *a, **k: pytest.fail("a window was tried"))
-    assert not _vulkan.draws(show=True)
+    monkeypatch.setattr(vulkan.subprocess, "run", lambda *a, **k: pytest.fail("a window was tried"))
+    assert not vulkan.draws(show=True)
 
 
 @pytest.mark.parametrize(
@@ -423,7 +425,7 @@ def test_as_an_observer_it_leaves_pictures_in_the_run_folder(coarse, tmp_path, m
 
 
 def test_a_run_without_vulkan_goes_on_without_pictures(coarse, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(_vulkan, "draws", lambda show: False)
+    monkeypatch.setattr(vulkan, "draws", lambda show: False)
     observer = CONFIG.build(tmp_path, coarse)
     observer.observe(coarse)
     observer.close()

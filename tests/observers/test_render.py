@@ -7,19 +7,13 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from ocean_sim.observers import (
-    _camera,
-    _kept_frames,
-    _opengl,
-    _points,
-    _sky,
-    _water_mesh,
-    _water_shading,
-    frames,
-    render,
-)
+from ocean_sim.basin import points as points_module
+from ocean_sim.observers import frames, render
+from ocean_sim.pictures import camera as camera_module
+from ocean_sim.pictures import frame_files, opengl, water_mesh, water_shading
+from ocean_sim.pictures import sky as sky_module
 
-with_opengl = pytest.mark.skipif(_opengl.probe() is not None, reason="no OpenGL on this machine")
+with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 
 
 @pytest.fixture
@@ -37,27 +31,27 @@ def kept(tmp_path, watched):
 def test_fresnel_against_published_values():
     angles = np.radians([0.0, 30.0, 45.0, 60.0, 75.0, 85.0, 89.0])
     exact = [0.02037, 0.02144, 0.02790, 0.05969, 0.21238, 0.58352, 0.89628]
-    np.testing.assert_allclose(_water_shading.fresnel(np.cos(angles)), exact, atol=6e-6)
-    assert _water_shading.fresnel(np.array([0.0]))[0] == pytest.approx(1.0)
+    np.testing.assert_allclose(water_shading.fresnel(np.cos(angles)), exact, atol=6e-6)
+    assert water_shading.fresnel(np.array([0.0]))[0] == pytest.approx(1.0)
 
 
 def test_flat_water_mirrors_the_sky_at_grazing_angles_and_shows_itself_from_above():
     origin, up = np.zeros((1, 3)), np.array([[0.0, 1.0, 0.0]])
-    above = _water_shading.surface(origin, up, np.zeros(1), np.array([0.0, 50.0, 0.1]))
-    grazing = _water_shading.surface(origin, up, np.zeros(1), np.array([50.0, 1.0, 0.0]))
+    above = water_shading.surface(origin, up, np.zeros(1), np.array([0.0, 50.0, 0.1]))
+    grazing = water_shading.surface(origin, up, np.zeros(1), np.array([50.0, 1.0, 0.0]))
     assert above.sum() < 0.5 * grazing.sum()
     assert np.isfinite(above).all() and np.isfinite(grazing).all()
 
 
 def test_the_sky_is_finite_and_not_negative_in_every_direction():
-    directions = _sky.unit(np.random.default_rng(0).normal(size=(1000, 3)))
-    for colour in (_sky.colour(directions), _sky.around(directions)):
+    directions = sky_module.unit(np.random.default_rng(0).normal(size=(1000, 3)))
+    for colour in (sky_module.colour(directions), sky_module.around(directions)):
         assert np.isfinite(colour).all() and (colour >= 0.0).all()
 
 
 def test_the_smooth_surface_keeps_a_level_goes_through_its_points_and_stands_level_at_walls():
-    x, z = _points.middles(-3.0, 3.0, 0.5), _points.middles(-2.0, 2.0, 0.5)
-    mesh = _water_mesh.WaterMesh(x, z, np.array([-3.0, -2.0, -2.0]), np.array([3.0, 2.0, 2.0]), nodes=2000)
+    x, z = points_module.middles(-3.0, 3.0, 0.5), points_module.middles(-2.0, 2.0, 0.5)
+    mesh = water_mesh.WaterMesh(x, z, np.array([-3.0, -2.0, -2.0]), np.array([3.0, 2.0, 2.0]), nodes=2000)
     np.testing.assert_allclose(mesh.heights(np.full((12, 8), 0.3)), 0.3, atol=1e-12)
     wave = np.cos(np.pi * (x + 3.0) / 6.0)[:, None] * np.ones(8)
     points, normals = mesh.surface(wave)
@@ -76,20 +70,20 @@ def test_the_smooth_surface_keeps_a_level_goes_through_its_points_and_stands_lev
 @pytest.mark.parametrize("size", [(40.0, 7.5, 40.0), (8.0, 1.0, 0.5), (2.0, 9.0, 30.0)])
 def test_every_camera_sees_the_whole_basin(name, size):
     upper = 0.5 * np.array(size)
-    camera = _camera.placed(name, -upper, upper, 16.0 / 9.0)
+    camera = camera_module.placed(name, -upper, upper, 16.0 / 9.0)
     right = np.cross(camera.forward, camera.up)
     corners = np.array(list(np.ndindex(2, 2, 2))) * 2.0 * upper - upper - camera.eye
     away = corners @ camera.forward
-    half = camera.parallel_height or away * np.tan(np.radians(_camera.VIEW_ANGLE / 2))
+    half = camera.parallel_height or away * np.tan(np.radians(camera_module.VIEW_ANGLE / 2))
     assert (away > 0.0).all()
     assert (np.abs(corners @ camera.up) <= half).all() and (np.abs(corners @ right) <= half * 16.0 / 9.0).all()
 
 
 def test_the_film_takes_the_nearest_frame_in_real_time():
     times = np.array([0.0, 0.034, 0.066, 0.101, 0.133])
-    assert _kept_frames.schedule(times, 0.033) == [0, 1, 2, 3, 4]
-    assert _kept_frames.schedule(times, 0.066) == [0, 2, 4]
-    assert _kept_frames.schedule(times[:1], 0.033) == [0]
+    assert frame_files.schedule(times, 0.033) == [0, 1, 2, 3, 4]
+    assert frame_files.schedule(times, 0.066) == [0, 2, 4]
+    assert frame_files.schedule(times[:1], 0.033) == [0]
 
 
 @pytest.mark.parametrize("size", [(961, 540), (960, 541), (0, 0), (960,), (20000, 540)])
@@ -100,7 +94,7 @@ def test_a_size_that_no_film_can_have_is_refused_at_once(size):
 
 def test_missing_opengl_is_a_sentence(kept, watched, monkeypatch, capsys):
     folder = kept()
-    monkeypatch.setattr(_opengl, "window", lambda: None)
+    monkeypatch.setattr(opengl, "window", lambda: None)
     with pytest.raises(render.OpenGLMissing, match="apt-get install --no-install-recommends libegl1 libgl1-mesa-dri"):
         render.render_run(folder)
     render.Render(render.Config(), folder, watched()).close()
@@ -110,8 +104,8 @@ def test_missing_opengl_is_a_sentence(kept, watched, monkeypatch, capsys):
 
 def test_a_drawing_process_that_dies_is_a_sentence(kept, monkeypatch, tmp_path):
     folder, forgotten = kept(), []
-    monkeypatch.setattr(_opengl, "window", lambda: "vtkEGLRenderWindow")
-    monkeypatch.setattr(_opengl, "forget", lambda: forgotten.append(True))
+    monkeypatch.setattr(opengl, "window", lambda: "vtkEGLRenderWindow")
+    monkeypatch.setattr(opengl, "forget", lambda: forgotten.append(True))
     dying = tmp_path / "python"
     dying.write_text("#!/bin/sh\nkill -SEGV $$\n")
     dying.chmod(0o755)
@@ -125,8 +119,8 @@ def test_the_probe_believes_only_what_was_drawn(monkeypatch):
     def child(command, **how):
         return subprocess.CompletedProcess(command, -11, stdout="drawn by vtkEGLRenderWindow", stderr="")
 
-    monkeypatch.setattr(_opengl.subprocess, "run", child)
-    assert not _opengl.draws("vtkEGLRenderWindow")
+    monkeypatch.setattr(opengl.subprocess, "run", child)
+    assert not opengl.draws("vtkEGLRenderWindow")
 
 
 def test_after_an_interruption_nobody_waits_for_a_film(kept, watched, capsys):
@@ -180,7 +174,7 @@ def test_a_surface_that_folds_is_drawn_as_its_triangles_are(kept):
 
     folder = kept()
     ball = pyvista.Sphere(radius=1.0, center=(0.0, -1.0, 0.0))
-    for path in _kept_frames.frame_files(folder):
+    for path in frame_files.frame_files(folder):
         frame = dict(np.load(path)) | {
             "vertices": ball.points,
             "triangles": ball.regular_faces,

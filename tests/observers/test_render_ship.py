@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from ocean_sim.__main__ import answered
-from ocean_sim.observers import _opengl, render
-from ocean_sim.ship._drawn import drawn
-from ocean_sim.ship._hull import hull_of
+from ocean_sim.observers import render
+from ocean_sim.pictures import opengl
+from ocean_sim.ship.shared.drawn import drawn
+from ocean_sim.ship.shared.hull import hull_of
 
-with_opengl = pytest.mark.skipif(_opengl.probe() is not None, reason="no OpenGL on this machine")
+with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 
 
 def voyage(folder, count, every=0.1, ship=True):
@@ -151,7 +152,7 @@ def test_the_verb_draws_stills_a_strip_and_a_film_of_the_right_length(folder, tm
 MEMORY = """
 import json, sys
 from ocean_sim.observers import render
-from ocean_sim.observers._order import Order
+from ocean_sim.pictures.order import Order
 def resident():
     return int(open("/proc/self/statm").read().split()[1]) * 4096 / 1e6
 for done, _ in render.draw(Order(**json.loads(sys.argv[1]))):
@@ -169,7 +170,7 @@ def test_the_memory_of_a_film_of_500_pictures_is_flat(tmp_path):
     order |= {"quality": "draft", "every": 0.05, "film": True}
     child = subprocess.run(
         [sys.executable, "-c", MEMORY, json.dumps(order)],
-        env=_opengl.environment(_opengl.window()),
+        env=opengl.environment(opengl.window()),
         capture_output=True,
         text=True,
         check=True,

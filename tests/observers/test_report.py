@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from ocean_sim.observers import accuracy, gauges, manifest, report, timings
-from ocean_sim.observers._page import text
-from ocean_sim.observers._plot import POINTS, curves, thinned, ticks
+from ocean_sim.observers.shared.page import text
+from ocean_sim.observers.shared.svg_plot import POINTS, curves, thinned, ticks
 
 VOID = {"meta", "img", "br", "hr", "link"}
 
@@ -146,7 +146,7 @@ def test_motions_and_platform_are_drawn(tmp_path, ran):
 
 
 def test_a_scene_is_told_as_yaml(tmp_path):
-    from ocean_sim.yaml_file import read
+    from ocean_sim.files.yaml_file import read
 
     scene = {
         "title": "Wind: <& water>, # not a comment",

@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ocean_sim.observers._csv import CsvFile, columns
-from ocean_sim.observers._sampled import Multiples, Sampled
+from ocean_sim.observers.shared.csv_rows import CsvFile, columns
+from ocean_sim.observers.shared.sampled import Multiples, Sampled
 
 
 @given(st.lists(st.floats(1e-4, 0.2), min_size=1, max_size=60), st.sampled_from([0.05, 0.033, 0.1, 0.01]))

@@ -9,22 +9,14 @@ import numpy as np
 import pytest
 
 from ocean_sim import waves
-from ocean_sim.observers import (
-    _far_sea,
-    _foam,
-    _opengl,
-    _points,
-    _ripples,
-    _sea_state,
-    _sea_surface,
-    _spray,
-    frames,
-    render,
-)
+from ocean_sim.basin import points as points_module
+from ocean_sim.observers import frames, render
+from ocean_sim.pictures import far_sea, foam, opengl, sea_state, sea_surface, spray
+from ocean_sim.pictures import ripples as ripples_module
 
-with_opengl = pytest.mark.skipif(_opengl.probe() is not None, reason="no OpenGL on this machine")
+with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 LOWER, UPPER = np.array([-20.0, -7.5, -15.0]), np.array([20.0, 0.0, 15.0])
-X, Z = _points.middles(-20.0, 20.0, 1.25), _points.middles(-15.0, 15.0, 1.25)
+X, Z = points_module.middles(-20.0, 20.0, 1.25), points_module.middles(-15.0, 15.0, 1.25)
 GRID = {"x": X, "z": Z, "lower": LOWER, "upper": UPPER, "depth": 7.5, "spacing": 1.25}
 
 
@@ -43,15 +35,15 @@ def spectrum(seed: int = 1) -> waves.Components:
     return wanted.components(waves.direction(60.0, 3), 7.5)
 
 
-def state(exact: waves.Components | None = None) -> _sea_state.SeaState:
+def state(exact: waves.Components | None = None) -> sea_state.SeaState:
     kept = [standing(t).elevation for t in np.arange(0.0, 20.0, 0.5)]
-    estimated = _far_sea.of_frames(kept, (40.0, 30.0), 7.5, np.array([0.6, 0.8]))
+    estimated = far_sea.of_frames(kept, (40.0, 30.0), 7.5, np.array([0.6, 0.8]))
     height = 4.0 * float(np.mean([e.std() for e in kept]))
-    return _sea_state.SeaState(exact, estimated, _ripples.Wind(5.0, 0.3), 0.05, height, 1.25, True)
+    return sea_state.SeaState(exact, estimated, ripples_module.Wind(5.0, 0.3), 0.05, height, 1.25, True)
 
 
 def test_inside_the_basin_the_drawn_height_is_the_kept_one_within_a_millimetre():
-    surface = _sea_surface.SeaSurface(GRID, state(), 12_000)
+    surface = sea_surface.SeaSurface(GRID, state(), 12_000)
     frame = standing(7.3)
     drawn = surface.at(frame).height
     at_x, at_z = (np.abs(nodes[:, None] - known).argmin(axis=0) for nodes, known in ((surface.x, X), (surface.z, Z)))
@@ -63,7 +55,7 @@ def test_inside_the_basin_the_drawn_height_is_the_kept_one_within_a_millimetre()
 
 def test_a_sea_in_closed_form_is_drawn_as_it_is_at_every_node_of_the_basin():
     sea = spectrum()
-    surface = _sea_surface.SeaSurface(GRID, state(sea), 5_000)
+    surface = sea_surface.SeaSurface(GRID, state(sea), 5_000)
     drawn = surface.at(SimpleNamespace(time=12.3, elevation=np.zeros((len(X), len(Z)))))
     inside = (np.abs(surface.x) <= 20.0)[:, None] & (np.abs(surface.z) <= 15.0)
     places = surface.places[inside.ravel()]
@@ -72,39 +64,39 @@ def test_a_sea_in_closed_form_is_drawn_as_it_is_at_every_node_of_the_basin():
 
 def test_no_edge_shows_where_the_basin_ends():
     """Neighbouring nodes differ no more across the rim and in the margin than within the basin."""
-    surface = _sea_surface.SeaSurface(GRID, state(), 12_000)
+    surface = sea_surface.SeaSurface(GRID, state(), 12_000)
     height = surface.at(standing(7.3)).height
     slope = np.abs(np.diff(height, axis=0) / np.diff(surface.x)[:, None])
     middle = 0.5 * (surface.x[1:] + surface.x[:-1])
     across = np.abs(np.abs(middle) - 20.0) < 1.0
     within, margin = np.abs(middle) < 19.0, (np.abs(middle) > 20.0) & (np.abs(middle) < 20.0 + surface.margin)
     assert slope[across].max() < 1.2 * slope[within].max() and slope[margin].max() < 1.8 * slope[within].max()
-    assert surface.x[0] < -_far_sea.OUT and surface.x[-1] > _far_sea.OUT
+    assert surface.x[0] < -far_sea.OUT and surface.x[-1] > far_sea.OUT
 
 
 def test_the_far_sea_has_the_variance_of_the_basin_and_runs_with_the_wind():
     kept = [standing(t).elevation for t in np.arange(0.0, 20.0, 0.5)]
     towards = np.array([0.6, 0.8])
-    far = _far_sea.of_frames(kept, (40.0, 30.0), 7.5, towards)
+    far = far_sea.of_frames(kept, (40.0, 30.0), 7.5, towards)
     assert 0.5 * (far.amplitude**2).sum() == pytest.approx(np.mean([e.var() for e in kept]), rel=1e-6)
     mean = (far.amplitude**2 * far.wavenumber).sum() / (far.amplitude**2).sum()
     modes = np.pi * np.hypot(np.array([2, 4, 7, 3, 9]) / 40.0, np.array([1, 3, 2, 6, 5]) / 30.0)
     assert modes.min() < mean < modes.max()
-    many = _far_sea.of_frames([np.random.default_rng(0).normal(size=(32, 24))], (40.0, 30.0), 7.5, towards)
+    many = far_sea.of_frames([np.random.default_rng(0).normal(size=(32, 24))], (40.0, 30.0), 7.5, towards)
     assert ((many.amplitude**2)[:, None] * many.wavevector).sum(axis=0) @ towards > 0.0
     places = np.random.default_rng(5).uniform(-4000.0, 4000.0, (4000, 2))
     assert waves.elevation(far, places, 3.0).var() == pytest.approx(0.5 * (far.amplitude**2).sum(), rel=0.1)
 
 
 def test_still_water_makes_a_flat_far_sea():
-    far = _far_sea.of_frames([np.full((8, 6), 0.2)], (10.0, 8.0), 2.0, np.array([1.0, 0.0]))
+    far = far_sea.of_frames([np.full((8, 6), 0.2)], (10.0, 8.0), 2.0, np.array([1.0, 0.0]))
     assert not waves.elevation(far, np.zeros((3, 2))).any()
 
 
 def test_waves_that_the_grid_cannot_hold_widen_the_glint_instead():
     sea = spectrum()
     x = np.array([-2000.0, -1000.0, -1.0, -0.5, 0.0, 0.5, 1.0, 1000.0, 2000.0])
-    far = _far_sea.FarSea(sea, x, x, np.full(2, -1.0), np.full(2, 1.0))
+    far = far_sea.FarSea(sea, x, x, np.full(2, -1.0), np.full(2, 1.0))
     slopes = 0.5 * ((sea.amplitude * sea.wavenumber) ** 2).sum()
     assert far.variance[4, 4] == pytest.approx(0.0, abs=1e-9) and far.variance[0, 0] == pytest.approx(0.5 * slopes)
     assert abs(far.at(1.0).height[0, 0]) < 1e-9
@@ -115,16 +107,16 @@ def test_crests_converge_by_their_wavenumber():
     for p, q in [(1, 0), (3, 2)]:
         shape = np.outer(np.cos(p * np.pi * (X + 20.0) / 40.0), np.cos(q * np.pi * (Z + 15.0) / 30.0))
         k = np.pi * np.hypot(p / 40.0, q / 30.0)
-        np.testing.assert_allclose(_foam.convergence(0.3 * shape, 1.25, 1.25), k * 0.3 * shape, atol=1e-12)
+        np.testing.assert_allclose(foam.convergence(0.3 * shape, 1.25, 1.25), k * 0.3 * shape, atol=1e-12)
 
 
 def test_white_crests_cover_what_steepness_calls_for():
-    surface = _sea_surface.SeaSurface(GRID, state(), 12_000)
+    surface = sea_surface.SeaSurface(GRID, state(), 12_000)
     gentle = surface.at(standing(7.3)).convergence
     steep = gentle * 0.45 / gentle[surface.near].max()
     assert not surface.foam(gentle * 0.25 / gentle[surface.near].max()).any()
-    wanted = _foam.cover(steep[surface.near])
-    assert 0.0 < wanted <= _foam.MOST
+    wanted = foam.cover(steep[surface.near])
+    assert 0.0 < wanted <= foam.MOST
     assert surface.foam(steep)[surface.near].mean() == pytest.approx(wanted, rel=0.1)
 
 
@@ -132,40 +124,40 @@ def test_distance_to_the_waterline_of_a_box():
     vertices = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-0.5, 0.5) for z in (-3.0, 3.0)])
     from scipy.spatial import ConvexHull
 
-    line = _foam.waterline(vertices, ConvexHull(vertices).simplices, vertices[:, 1] - 0.1)
+    line = foam.waterline(vertices, ConvexHull(vertices).simplices, vertices[:, 1] - 0.1)
     points = np.array([[0.0, 0.0], [0.9, 0.0], [1.5, 0.0], [2.0, 4.0], [0.0, -5.0]])
-    np.testing.assert_allclose(_foam.distance(points, line), [-1.0, -0.1, 0.5, 2.0**0.5, 2.0], atol=1e-9)
-    assert not len(_foam.waterline(vertices, ConvexHull(vertices).simplices, vertices[:, 1] + 9.0))
+    np.testing.assert_allclose(foam.distance(points, line), [-1.0, -0.1, 0.5, 2.0**0.5, 2.0], atol=1e-9)
+    assert not len(foam.waterline(vertices, ConvexHull(vertices).simplices, vertices[:, 1] + 9.0))
 
 
 def test_a_drop_is_lonely_and_water_is_not():
     block = np.stack(np.meshgrid(*[np.arange(6) * 1.0] * 3), axis=-1).reshape(-1, 3)
     drops = np.array([[2.0, 9.0, 2.0], [4.0, 12.0, 4.0]])
-    found = _spray.lonely(np.concatenate([block, drops]), 1.0)
+    found = spray.lonely(np.concatenate([block, drops]), 1.0)
     assert found.sum() == 2 and found[-2:].all()
 
 
 def test_a_tank_is_no_piece_of_sea(folder, tmp_path):
-    assert _sea_state.of_run(folder, GRID).open
+    assert sea_state.of_run(folder, GRID).open
     beside = tmp_path / "tank"
     shutil.copytree(folder, beside)
     for basin, piece in ({"motion": None}, True), ({"motion": {"surge": 0.1}}, False), ({"obstacles": []}, True):
         (beside / "manifest.json").write_text(json.dumps({"scene": {"basin": basin}}))
-        assert _sea_state.of_run(beside, GRID).open == piece
+        assert sea_state.of_run(beside, GRID).open == piece
     last = beside / "frames" / "frame_00002.npz"
     dry = dict(np.load(last)) | {"elevation": np.full((len(X), len(Z)), -7.5)}
     np.savez(last, **dry)
-    assert not _sea_state.of_run(beside, GRID).open
+    assert not sea_state.of_run(beside, GRID).open
 
 
 def test_the_wind_of_a_scene_leads_the_ripples():
-    assert _sea_state.heading({"heading_deg": 90.0}) == pytest.approx(0.0)
-    assert _sea_state.heading({"heading_deg": 0.0}) == pytest.approx(np.pi / 2)
+    assert sea_state.heading({"heading_deg": 90.0}) == pytest.approx(0.0)
+    assert sea_state.heading({"heading_deg": 0.0}) == pytest.approx(np.pi / 2)
     gust = {"volumes": [{"acceleration": [0.0, 2.0, -1.0]}]}
-    assert _sea_state.heading(gust) == pytest.approx(-np.pi / 2) and _sea_state.heading({"kind": "still"}) is None
-    wind = _sea_state.wind_of({"wind": {"u10": 9.0}}, None, 0.2)
+    assert sea_state.heading(gust) == pytest.approx(-np.pi / 2) and sea_state.heading({"kind": "still"}) is None
+    wind = sea_state.wind_of({"wind": {"u10": 9.0}}, None, 0.2)
     assert wind.speed == 9.0
-    assert _far_sea.wind_speed_of(0.21 * 10.0**2 / 9.80665) == pytest.approx(10.0, rel=2e-3)
+    assert far_sea.wind_speed_of(0.21 * 10.0**2 / 9.80665) == pytest.approx(10.0, rel=2e-3)
 
 
 @pytest.fixture(scope="module")
@@ -235,7 +227,7 @@ def test_frames_keep_the_waves_of_a_sea_in_closed_form_and_nothing_of_particles(
 
 
 def test_foam_covers_what_is_asked_for():
-    surface = _sea_surface.SeaSurface(GRID, state(), 12_000)
+    surface = sea_surface.SeaSurface(GRID, state(), 12_000)
     gentle = surface.at(standing(7.3)).convergence
     for wanted in (0.01, 0.05, 0.2):
         assert surface.foam(gentle, wanted)[surface.near].mean() == pytest.approx(wanted, rel=0.1)

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ocean_sim.observers._csv import CsvFile
-from ocean_sim.observers._sampled import Sampled
-from ocean_sim.observers._state import Differs, Restoring, Taken
-from ocean_sim.platform._washout_classical import Filter
-from ocean_sim.ship._rigid_body import RigidBody
+from ocean_sim.observers.shared.csv_rows import CsvFile
+from ocean_sim.observers.shared.sampled import Sampled
+from ocean_sim.platform.washout.classical import Filter
+from ocean_sim.ship.shared.rigid_body import RigidBody
+from ocean_sim.state.walk import Differs, Restoring, Taken
 
 
 def through(root, fresh, folder=Path("/nowhere")):

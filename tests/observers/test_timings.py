@@ -3,7 +3,7 @@ from time import sleep
 import pytest
 
 from ocean_sim.observers import timings
-from ocean_sim.observers._csv import columns
+from ocean_sim.observers.shared.csv_rows import columns
 
 
 def slow(simulation):

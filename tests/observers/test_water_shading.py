@@ -9,10 +9,12 @@ import _shaded_plane as plane
 import numpy as np
 import pytest
 
-from ocean_sim.observers import _foam, _opengl, _ripples, _sky
-from ocean_sim.observers import _water_shading as w
+from ocean_sim.pictures import foam as foam_module
+from ocean_sim.pictures import opengl, ripples
+from ocean_sim.pictures import sky as sky_module
+from ocean_sim.pictures import water_shading as w
 
-with_opengl = pytest.mark.skipif(_opengl.probe() is not None, reason="no OpenGL on this machine")
+with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 UP = np.array([[0.0, 1.0, 0.0]])
 
 
@@ -21,7 +23,7 @@ def drawn(tmp_path_factory):
     """The pictures that `_shaded_plane` draws."""
     out = tmp_path_factory.mktemp("plane") / "drawn.npz"
     command = [sys.executable, plane.__file__, str(out)]
-    inherited = _opengl.environment(_opengl.window())
+    inherited = opengl.environment(opengl.window())
     inherited["PYTHONPATH"] = os.pathsep.join([str(Path(w.__file__).parents[2]), inherited.get("PYTHONPATH", "")])
     child = subprocess.run(command, env=inherited, capture_output=True, text=True, timeout=240)
     assert child.returncode == 0, child.stderr[-2000:]
@@ -49,7 +51,7 @@ def test_the_widest_refracted_angle_is_that_of_snell():
 
 def test_the_mirrored_ray_makes_the_angle_of_the_eye_with_the_normal():
     rng = np.random.default_rng(0)
-    eye, normal = (_sky.unit(rng.normal(size=(200, 3))) for _ in range(2))
+    eye, normal = (sky_module.unit(rng.normal(size=(200, 3))) for _ in range(2))
     ray = w.reflected(eye, normal)
     np.testing.assert_allclose(w.cosine(ray, normal), w.cosine(eye, normal), atol=1e-12)
     np.testing.assert_allclose(np.linalg.norm(ray, axis=1), 1.0, atol=1e-12)
@@ -83,7 +85,7 @@ def test_facets_of_every_slope_make_up_the_whole_surface(variance):
 
 def test_no_colour_is_not_a_number_straight_down_or_along_the_water():
     sky = plane.smooth_sky()
-    for eye in (UP, _sky.unit(np.array([[1.0, 1e-9, 0.0]])), np.array([[1.0, 0.0, 0.0]])):
+    for eye in (UP, sky_module.unit(np.array([[1.0, 1e-9, 0.0]])), np.array([[1.0, 0.0, 0.0]])):
         for terms in plane.CASES.values():
             seen = w.Water(UP, eye, np.array([10.0]), np.zeros(1), np.full(1, 0.004), np.ones(1))
             assert np.isfinite(w.final_colour(seen, sky, terms)).all()
@@ -98,7 +100,7 @@ def test_switching_a_term_off_changes_the_picture():
 
 def test_algorithm_6_is_the_sum_of_its_terms():
     """Golden numbers by hand: flat water under an even sky, seen from straight above, the sun at the zenith."""
-    sky = _sky.Sky(np.full((8, 16, 3), 0.5), np.array([0.0, 1.0, 0.0]), np.ones(3))
+    sky = sky_module.Sky(np.full((8, 16, 3), 0.5), np.array([0.0, 1.0, 0.0]), np.ones(3))
     seen = w.Water(UP, UP, np.array([5.0]), np.zeros(1), np.zeros(1), np.zeros(1))
     share = ((w.REFRACTIVE_INDEX - 1) / (w.REFRACTIVE_INDEX + 1)) ** 2
     expected = w.DEEP + (1.0 - share) * w.CREST + share * 0.5 + 1.0
@@ -136,7 +138,7 @@ def test_each_direction_of_a_six_coloured_sky_is_mirrored_from_where_it_is(drawn
 
 
 def test_no_direction_below_the_horizon_shows_the_nadir():
-    below = _sky.unit(np.array([[1.0, -0.5, 0.0], [0.0, -0.9, -0.4], [0.01, -1.0, 0.0]]))
+    below = sky_module.unit(np.array([[1.0, -0.5, 0.0], [0.0, -0.9, -0.4], [0.01, -1.0, 0.0]]))
     np.testing.assert_allclose(plane.six_colours().sample(below), [(1, 0, 0), (1, 1, 0), (1, 0, 0)], atol=1e-6)
 
 
@@ -145,8 +147,8 @@ def test_ripples_of_the_program_are_numpy_s(drawn):
     water = plane.water(np.array(plane.EYES["above"]))
     points = plane.places().reshape(-1, 3)
     footprint = plane.footprints(water)
-    x, z, lost = _ripples.slopes(points[:, 0], points[:, 2], 0.0, footprint, _ripples.Wind(5.0, 0.0), 1.0, 0.03)
-    water = water._replace(normal=_ripples.tilted(water.normal, x, z), variance=water.variance + lost)
+    x, z, lost = ripples.slopes(points[:, 0], points[:, 2], 0.0, footprint, ripples.Wind(5.0, 0.0), 1.0, 0.03)
+    water = water._replace(normal=ripples.tilted(water.normal, x, z), variance=water.variance + lost)
     expected = w.display(w.final_colour(water, plane.smooth_sky()), w.EXPOSURE).reshape(plane.PIXELS, plane.PIXELS, 3)
     difference = np.abs(drawn["ripples"] - expected.astype(int))
     assert difference.mean() < 0.5 and np.quantile(difference, 0.99) <= 4  # 32-bit places in the finest octaves
@@ -158,8 +160,8 @@ def test_ripples_have_the_slopes_of_cox_and_munk_whether_seen_or_not():
     variance = w.slope_variance(7.0)
     assert variance == pytest.approx(0.0388, abs=1e-4)
     for footprint in (1e-3, 0.1, 0.5, 50.0):
-        along, across, lost = _ripples.slopes(
-            x, z, 3.0, np.full(x.shape, footprint), _ripples.Wind(7.0, 0.4), 2.5, variance
+        along, across, lost = ripples.slopes(
+            x, z, 3.0, np.full(x.shape, footprint), ripples.Wind(7.0, 0.4), 2.5, variance
         )
         seen = (along**2 + across**2).mean()
         assert seen + 2.0 * lost.mean() == pytest.approx(variance, rel=0.06)
@@ -169,7 +171,7 @@ def test_ripples_have_the_slopes_of_cox_and_munk_whether_seen_or_not():
 def test_ripples_are_steeper_along_the_wind_than_across_it():
     x, z = np.random.default_rng(2).uniform(-200.0, 200.0, (2, 100_000))
     for angle in (0.0, 1.1):
-        a, b, _ = _ripples.slopes(x, z, 0.0, np.full(x.shape, 1e-3), _ripples.Wind(7.0, angle), 2.5, 0.04)
+        a, b, _ = ripples.slopes(x, z, 0.0, np.full(x.shape, 1e-3), ripples.Wind(7.0, angle), 2.5, 0.04)
         along, across = a * np.cos(angle) + b * np.sin(angle), b * np.cos(angle) - a * np.sin(angle)
         assert along.var() > 1.4 * across.var()
 
@@ -179,10 +181,10 @@ def test_the_cover_of_foam_is_the_one_asked_for(cover):
     rng = np.random.default_rng(4)
     x, z = (a.ravel() for a in np.meshgrid(np.arange(0.0, 120.0, 0.3), np.arange(0.0, 120.0, 0.3)))
     crests = sum(np.cos(k[0] * x + k[1] * z + k[2]) for k in rng.uniform(-3.0, 3.0, (30, 3)))
-    share = _foam.shares(crests, cover)
+    share = foam_module.shares(crests, cover)
     assert share.mean() == pytest.approx(cover, rel=0.05)
     for footprint in (0.01, 0.2, 2.0):
-        white = _foam.white(share, x, z, np.full(x.shape, footprint))
+        white = foam_module.white(share, x, z, np.full(x.shape, footprint))
         assert white.mean() == pytest.approx(cover, rel=0.2)
         assert ((white >= 0.0) & (white <= 1.0)).all()
 
@@ -193,7 +195,7 @@ def test_foam_of_the_program_is_numpy_s(drawn, share):
     water = plane.water(np.array(plane.EYES["above"]))
     points = plane.places().reshape(-1, 3)
     footprint = plane.footprints(water)
-    white = _foam.white(np.full(len(points), share), points[:, 0], points[:, 2], footprint)
+    white = foam_module.white(np.full(len(points), share), points[:, 0], points[:, 2], footprint)
     water = water._replace(foam=white)
     colours = w.final_colour(water, plane.smooth_sky(), w.Terms(glint=None))
     expected = w.display(colours, w.EXPOSURE).reshape(plane.PIXELS, plane.PIXELS, 3).astype(int)
@@ -201,16 +203,16 @@ def test_foam_of_the_program_is_numpy_s(drawn, share):
 
 
 def test_calm_water_has_no_foam_by_either_rule():
-    assert not _foam.shares(np.zeros((9, 9)), 0.05).any() and _foam.cover(np.zeros((9, 9))) == 0.0
+    assert not foam_module.shares(np.zeros((9, 9)), 0.05).any() and foam_module.cover(np.zeros((9, 9))) == 0.0
     np.testing.assert_allclose(w.foam_by_height(np.array([-1.0, 0.0, 0.2, 0.8, 2.0])), [0.0, 0.0, 0.375, 1.0, 1.0])
 
 
 def test_the_scattered_sky_is_blue_above_and_brightest_at_the_sun():
-    sky = _sky.Sky(**{k: v for k, v in _sky.made(_sky.SUN, 256, 0.5, 3).items() if k == "image"})
+    sky = sky_module.Sky(**{k: v for k, v in sky_module.made(sky_module.SUN, 256, 0.5, 3).items() if k == "image"})
     assert np.isfinite(sky.image).all() and (sky.image >= 0.0).all()
-    away = _sky.unit(np.array([[-_sky.SUN[0], 1.0, -_sky.SUN[2]]]))
-    clear = _sky.scattered(away, _sky.SUN)[0][0]
+    away = sky_module.unit(np.array([[-sky_module.SUN[0], 1.0, -sky_module.SUN[2]]]))
+    clear = sky_module.scattered(away, sky_module.SUN)[0][0]
     assert clear[2] > 1.5 * clear[0]
-    d = _sky.directions(256, 128).reshape(-1, 3)
+    d = sky_module.directions(256, 128).reshape(-1, 3)
     brightest = d[sky.image.reshape(-1, 3).sum(axis=1).argmax()]
-    assert brightest @ _sky.SUN > np.cos(np.radians(2.0))
+    assert brightest @ sky_module.SUN > np.cos(np.radians(2.0))

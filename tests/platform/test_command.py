@@ -5,12 +5,12 @@ import json
 import numpy as np
 import pytest
 
-from ocean_sim import motion_log
 from ocean_sim.__main__ import answered
-from ocean_sim.observers._csv import columns as read_columns
+from ocean_sim.observers.shared.csv_rows import columns as read_columns
 from ocean_sim.platform import COLUMNS
 from ocean_sim.platform.hexapod import Config
-from ocean_sim.verbs import _platform_pictures
+from ocean_sim.platform.shared import motion_log
+from ocean_sim.verbs.shared import platform_pictures
 from tests.platform.conftest import Listener, columns, ride, write
 
 PICTURES = {"motion.png", "legs.png", "workspace.png", "strips.png"}
@@ -63,25 +63,25 @@ def drawn():
     return machine.follow(ride(len(t), 0.01, up)), machine
 
 
-@pytest.mark.parametrize("one, other", _platform_pictures.PAIRS)
+@pytest.mark.parametrize("one, other", platform_pictures.PAIRS)
 def test_a_workspace_is_drawn_whole(drawn, one, other):
     """All that two motions reach together lies inside its picture, and each alone reaches the ends that are known."""
     _, machine = drawn
-    across, up, usage = _platform_pictures.reached(machine, one, other)
+    across, up, usage = platform_pictures.reached(machine, one, other)
     inside = usage <= 1.0
     assert inside.any() and not (inside[0].any() or inside[-1].any() or inside[:, 0].any() or inside[:, -1].any())
     for values, motion in ((across, one), (up, other)):
         ends = machine.workspace.ends[motion] * (1.0 if motion < 3 else 180.0 / np.pi)
-        step = np.ptp(values) / (_platform_pictures.FINE - 1)
+        step = np.ptp(values) / (platform_pictures.FINE - 1)
         assert values[inside].min() <= ends[0] + step and values[inside].max() >= ends[1] - step
 
 
 def test_a_long_ride_is_drawn_where_it_is_liveliest(drawn, tmp_path, monkeypatch):
     done, machine = drawn
-    monkeypatch.setattr(_platform_pictures, "LONGEST", 5.0)
-    spans, legs = [], _platform_pictures.legs
-    monkeypatch.setattr(_platform_pictures, "legs", lambda some, *more: (spans.append(some.time), legs(some, *more))[1])
-    _platform_pictures.draw(tmp_path, done, Config(), machine, film=False)
+    monkeypatch.setattr(platform_pictures, "LONGEST", 5.0)
+    spans, legs = [], platform_pictures.legs
+    monkeypatch.setattr(platform_pictures, "legs", lambda some, *more: (spans.append(some.time), legs(some, *more))[1])
+    platform_pictures.draw(tmp_path, done, Config(), machine, film=False)
     assert len(spans[0]) == 500 and spans[0][0] > 11.0 and {path.name for path in tmp_path.iterdir()} == PICTURES
 
 
@@ -89,12 +89,12 @@ def test_a_film_is_in_real_time_and_shows_the_liveliest_seconds(drawn, tmp_path)
     from PIL import Image
 
     done, machine = drawn
-    rows = _platform_pictures.lively(done, machine)
+    rows = platform_pictures.lively(done, machine)
     assert len(rows) == 200 and done.time[rows[0]] > 11.0 and np.all(np.diff(rows) == 5)
     short = done.some(slice(1300, 1360))
-    _platform_pictures.filmed(tmp_path / "film.gif", short, machine)
+    platform_pictures.filmed(tmp_path / "film.gif", short, machine)
     with Image.open(tmp_path / "film.gif") as film:
-        assert film.n_frames == len(_platform_pictures.lively(short, machine)) == 12 and film.info["duration"] == 50
+        assert film.n_frames == len(platform_pictures.lively(short, machine)) == 12 and film.info["duration"] == 50
 
 
 def test_a_ride_of_two_rows_is_one(ask, tmp_path):

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from ocean_sim.platform._hexapod import Geometry, Hexapod, rotation
 from ocean_sim.platform.hexapod import ready_made
+from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, rotation
 from tests.platform.conftest import DATA
 
 INCH = 0.0254

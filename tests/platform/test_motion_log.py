@@ -3,9 +3,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ocean_sim import conventions, csv_file
-from ocean_sim.motion_log import FORCES, FRAMES, converted, convertible, negated, read, ride_of
+from ocean_sim import conventions
+from ocean_sim.files import csv_file
 from ocean_sim.observers.motion import COLUMNS, Motion
+from ocean_sim.platform.shared.motion_log import FORCES, FRAMES, converted, convertible, negated, read, ride_of
 from ocean_sim.ship import PARTS
 from tests.platform.conftest import G, columns, write
 

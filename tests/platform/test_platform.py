@@ -3,12 +3,12 @@ import time
 import numpy as np
 import pytest
 
-from ocean_sim.motion_log import Ride, ride_of
-from ocean_sim.observers._csv import columns as read_columns
+from ocean_sim.observers.shared.csv_rows import columns as read_columns
 from ocean_sim.platform import LEG_ACCELERATION, LEG_SPEED, SINGULAR, STROKE, Cue
-from ocean_sim.platform._limits import Legs, Workspace, softened
-from ocean_sim.platform._metrics import delay, dose, metrics, sickness_weighting
 from ocean_sim.platform.hexapod import Config
+from ocean_sim.platform.shared.limits import Legs, Workspace, softened
+from ocean_sim.platform.shared.metrics import delay, dose, metrics, sickness_weighting
+from ocean_sim.platform.shared.motion_log import Ride, ride_of
 from tests.platform.conftest import G, columns, ride
 
 DT = 0.01
@@ -131,8 +131,8 @@ def test_scaling_back_is_smooth_and_leaves_what_fits():
 
 
 def test_a_singular_pose_is_refused_and_told():
-    from ocean_sim.platform._hexapod import Geometry, Hexapod
     from ocean_sim.platform.hexapod import ready_made
+    from ocean_sim.platform.shared.kinematics import Geometry, Hexapod
 
     wide = {"shortest": 1.0, "longest": 5.0, "condition_limit": 4.0}  # so that legs reach what conditioning refuses
     workspace = Workspace(Hexapod(Geometry.model_validate(ready_made("geometry", "hexapod_a") | wide)))
@@ -245,7 +245,7 @@ def test_the_platform_beside_a_ship_is_the_one_of_the_command(tmp_path):
     from types import SimpleNamespace
 
     from ocean_sim.observers import platform_log
-    from ocean_sim.observers._csv import CsvFile
+    from ocean_sim.observers.shared.csv_rows import CsvFile
 
     rows = columns(3.0)
     motion = CsvFile(tmp_path / "motion.csv", {"frame": "world"}, list(rows))
@@ -268,8 +268,8 @@ def test_the_platform_beside_a_ship_is_the_one_of_the_command(tmp_path):
     "name, absent", [("platform_log", "platform, motion"), ("stream", "platform, motion, platform_log")]
 )
 def test_a_scene_without_a_ship_has_no_platform_to_watch(name, absent):
-    from ocean_sim.scene import load
-    from ocean_sim.yaml_file import SceneError
+    from ocean_sim.files.yaml_file import SceneError
+    from ocean_sim.reading.scene import load
 
     sea = {"basin": {"length": 9.0, "width": 9.0, "depth": 2.0}, "fluid": {"kind": "mueller", "spacing": 0.5}}
     with pytest.raises(SceneError, match=f"{name}: needs platform, motion.*, which this scene does not have"):

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from ocean_sim import datagrams
-from ocean_sim.datagrams import Packet, Sender, Smooth, address, packed, received, unpacked
 from ocean_sim.observers import stream
-from ocean_sim.observers._csv import CsvFile
+from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.platform import COLUMNS
+from ocean_sim.platform.shared import datagrams
+from ocean_sim.platform.shared.datagrams import Packet, Sender, Smooth, address, packed, received, unpacked
 from tests.platform.conftest import Listener
 
 
@@ -74,7 +74,7 @@ def test_a_stream_on_loopback_loses_nothing_and_keeps_its_pace():
 
 
 def test_the_receiver_tells_what_came_and_counts():
-    """The one that `python -m ocean_sim.datagrams` runs."""
+    """The one that `python -m ocean_sim.platform.shared.datagrams` runs."""
     url, told, seen = f"udp://127.0.0.1:{free_port()}", [], []
     thread = threading.Thread(target=lambda: seen.append(received(url, 3.0, told.append)))
     thread.start()

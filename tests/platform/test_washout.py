@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.signal import sosfreqz
 
-from ocean_sim.motion_log import Ride
 from ocean_sim.platform import INPUT, TILT_RATE
-from ocean_sim.platform._washout_classical import Config, Travel, gravity
 from ocean_sim.platform.hexapod import ready_made
+from ocean_sim.platform.shared.motion_log import Ride
+from ocean_sim.platform.washout.classical import Config, Travel, gravity
 from tests.platform.conftest import DATA, ride
 
 FREE = np.array([[-np.inf, np.inf]] * 3)

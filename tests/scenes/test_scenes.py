@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.parts import SLOTS, config_of, kinds, library, named
-from ocean_sim.scene import load, packaged_scenes
+from ocean_sim.reading.scene import load, packaged_scenes
 from ocean_sim.simulation import Simulation
 
 BASIN = {"length": 40.0, "width": 40.0, "depth": 7.5}

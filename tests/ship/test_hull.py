@@ -7,10 +7,10 @@ import pytest
 
 from ocean_sim.__main__ import answered
 from ocean_sim.parts import named
-from ocean_sim.ship._added_mass import by_rule, slenderness
-from ocean_sim.ship._hull import Hull, hull_of
-from ocean_sim.ship._mesh import BadMesh
-from ocean_sim.ship._voxels import voxels
+from ocean_sim.ship.shared.added_mass import by_rule, slenderness
+from ocean_sim.ship.shared.hull import Hull, hull_of
+from ocean_sim.ship.shared.mesh import BadMesh
+from ocean_sim.ship.shared.voxels import voxels
 
 WATER = (1000.0, 9.81)
 

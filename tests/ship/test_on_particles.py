@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from ocean_sim.conventions import Diverged
-from ocean_sim.scene import load, observer_names
+from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.ship import pressure
 from ocean_sim.simulation import Simulation
-from ocean_sim.yaml_file import SceneError
 
 QUIET = {name: None for name in observer_names() if name != "manifest"} | {"runtime.threads": 1}
 REST = ("thesis", "dynamic")

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from ocean_sim import Simulation, load
-from ocean_sim.csv_file import columns
-from ocean_sim.scene import SceneError
-from ocean_sim.ship._damping import Damping
-from ocean_sim.ship._radiation import Memory, Radiation
-from ocean_sim.validation._ship import at_sea, posed, voyage
-from ocean_sim.validation._tables import place
+from ocean_sim.files.csv_file import columns
+from ocean_sim.reading.scene import SceneError
+from ocean_sim.ship.shared.damping import Damping
+from ocean_sim.ship.shared.radiation import Memory, Radiation
+from ocean_sim.validation.shared.ship import at_sea, posed, voyage
+from ocean_sim.validation.shared.tables import place
 
 SPHERE, BARGE = place("sphere_radiation"), place("barge20_radiation")
 HALF = 2.0 / 3.0 * pi * 1000.0 * 5.0**3  # [kg] of water that the sphere displaces

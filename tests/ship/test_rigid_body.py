@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from scipy.special import ellipj, ellipk
 
-from ocean_sim.ship import _rigid_body as rigid
+from ocean_sim.ship.shared import rigid_body as rigid
 
 NUMBER = st.floats(-3.0, 3.0, allow_nan=False)
 TURN = st.tuples(NUMBER, NUMBER, NUMBER).map(np.array)

@@ -5,16 +5,16 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from ocean_sim import csv_file, scene
 from ocean_sim.conventions import Diverged
+from ocean_sim.files import csv_file
+from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.observers.manifest import state_sha256
 from ocean_sim.observers.motion import COLUMNS
-from ocean_sim.result import Result
-from ocean_sim.scene import load, observer_names
+from ocean_sim.reading.scene import load, observer_names
+from ocean_sim.result import Result, run
 from ocean_sim.ship import PARTS
-from ocean_sim.ship import _rigid_body as rigid
+from ocean_sim.ship.shared import rigid_body as rigid
 from ocean_sim.simulation import Simulation
-from ocean_sim.yaml_file import SceneError
 
 QUIET = {name: None for name in observer_names() if name != "manifest"} | {"runtime.threads": 1}
 BARGE = {"hull": "barge20", "cells_per_draught": 4}
@@ -162,7 +162,7 @@ def told(tmp_path_factory):
         keys = {"motion": {"every": 0.05, "point": "helm", "frame": frame}}
         over = {name: value for name, value in QUIET.items() if name != "motion"}
         config = load(calm(ship, **keys, duration=6.0), over)
-        scene.run(config, folder / frame)
+        run(config, folder / frame)
         results[frame] = Result(folder / frame).motion
     return results
 
@@ -228,7 +228,7 @@ def test_a_sea_a_ship_and_a_platform_run_to_their_files(tmp_path):
     over = {name: value for name, value in QUIET.items() if name not in ("motion", "platform_log", "frames")}
     fluid = {"kind": "linear_waves", "height": 0.8, "period": 4.0}
     keys = {"motion": {"every": 0.01, "point": "helm"}, "frames": {"every": 0.5, "spacing": 10.0}}
-    scene.run(load(calm(ship, fluid=fluid, platform=platform, duration=1.0, **keys), over), tmp_path)
+    run(load(calm(ship, fluid=fluid, platform=platform, duration=1.0, **keys), over), tmp_path)
     motion = Result(tmp_path).motion
     platform_log = csv_file.columns(tmp_path / "platform.csv")
     assert len(motion["time_s"]) == 101 and len(platform_log["time_s"]) >= 100

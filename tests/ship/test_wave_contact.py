@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from ocean_sim.conventions import Diverged
-from ocean_sim.observers._energy import total
-from ocean_sim.scene import load, observer_names
-from ocean_sim.ship import _wave_contact
-from ocean_sim.ship._distance import around
-from ocean_sim.ship._rigid_body import RigidBody, advanced, oriented, spinning
-from ocean_sim.ship._shapes import Box, Sphere
-from ocean_sim.ship._wall_contact import Sides
+from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.observers.shared.energy import total
+from ocean_sim.reading.scene import load, observer_names
+from ocean_sim.ship.shared import wave_contact
+from ocean_sim.ship.shared.distance import around
+from ocean_sim.ship.shared.rigid_body import RigidBody, advanced, oriented, spinning
+from ocean_sim.ship.shared.shapes import Box, Sphere
+from ocean_sim.ship.shared.wall_contact import Sides
 from ocean_sim.simulation import Simulation
-from ocean_sim.yaml_file import SceneError
 
 QUIET = {name: None for name in observer_names() if name != "manifest"} | {"runtime.threads": 1}
 SHAPE = {"kind": "box", "length": 0.6, "breadth": 0.6, "height": 0.5}
@@ -134,7 +134,7 @@ def test_a_light_ship_is_not_thrown_back_and_the_threads_change_nothing(monkeypa
     """A tenth as heavy as the water that it hits: impulses one by one would return its speed several times. In f32."""
     scene, states = shot({"kind": "ballistic"}, mass=10.0), []
     for threads, serial in ((1, 20_000), (1, 0), (2, 0)):
-        monkeypatch.setattr(_wave_contact, "SERIAL", serial)
+        monkeypatch.setattr(wave_contact, "SERIAL", serial)
         with Simulation(load(scene, QUIET | {"runtime.threads": threads})) as simulation:
             before = momenta(simulation)
             simulation.run(0.2)

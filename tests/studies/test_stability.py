@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from ocean_sim.__main__ import answered
-from ocean_sim.scene import load
-from ocean_sim.studies import _runs, _table
+from ocean_sim.reading.scene import load
+from ocean_sim.studies.shared import runs
+from ocean_sim.studies.shared import table as table_module
 from ocean_sim.studies.stability import AXES, COLUMN, SCHEMES, spots, told, verdict
 
 TANK = """basin: {length: 1.0, depth: 0.5}
@@ -91,12 +92,12 @@ def test_the_study_leaves_tables_and_pictures_and_tells_what_has_no_verdict(caps
         Path(folder).mkdir(parents=True)
         columns = table(gain=0.05 if order["scene"]["fluid"]["compression"] == 1.0 else 0.0)
         rows = [dict(zip(columns, values)) for values in zip(*columns.values())]
-        _table.write(Path(folder) / "accuracy.csv", rows)
+        table_module.write(Path(folder) / "accuracy.csv", rows)
         if order["scene"]["wind"]["kind"] == "gusts":
-            return _runs.failure("its process was ended by SIGSEGV")
+            return runs.failure("its process was ended by SIGSEGV")
         return {"outcome": "stopped", "reason": "too fast"} if order["scene"]["time_step"]["dt"] > 0.08 else DONE
 
-    monkeypatch.setattr(_runs, "performed", made_up)
+    monkeypatch.setattr(runs, "performed", made_up)
     assert answered(["stability", "tank.yaml", "--quick", "--out", "out"]) == 1
     said = capsys.readouterr().out
     assert "4 without a verdict" in said and "no verdict: wind 24.4, delta_sph" in said and "SIGSEGV" in said

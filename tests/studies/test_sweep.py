@@ -15,10 +15,10 @@ from types import SimpleNamespace
 import pytest
 
 from ocean_sim.__main__ import answered
+from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.parts import PACKAGE
-from ocean_sim.studies import _runs
+from ocean_sim.studies.shared import runs as runs_module
 from ocean_sim.studies.sweep import planned
-from ocean_sim.yaml_file import SceneError
 
 SEA = """basin: {length: 40.0, width: 40.0, depth: 7.5}
 fluid: {kind: linear_waves, height: 0.5, period: 4.0}
@@ -79,7 +79,9 @@ def test_a_plan_means_every_combination_in_its_own_order():
 
 def test_equal_scenes_have_one_address_and_others_another():
     first, *_, last = planned(Path("plan.yaml"))
-    assert _runs.address(first.order(1)) == _runs.address(first.order(2)) != _runs.address(last.order(1))
+    assert (
+        runs_module.address(first.order(1)) == runs_module.address(first.order(2)) != runs_module.address(last.order(1))
+    )
 
 
 def test_a_plan_that_is_wrong_says_where():
@@ -109,36 +111,36 @@ def test_a_killed_worker_is_a_failure_and_the_others_go_on():
     def kill_the_second() -> None:
         while not (begun / "begun").exists():
             time.sleep(0.02)
-        for child in list(_runs._running):
+        for child in list(runs_module._running):
             if Path(child.args[-1]) == begun.resolve():
                 os.kill(child.pid, signal.SIGKILL)
 
     asked = orders(4, wait=1.5)
-    begun = Path("out") / _runs.address(asked[1])
+    begun = Path("out") / runs_module.address(asked[1])
     Thread(target=kill_the_second).start()
-    found = dict(_runs.answers(asked, Path("out"), workers=2))
+    found = dict(runs_module.answers(asked, Path("out"), workers=2))
     assert [found[k]["outcome"] for k in range(4)] == ["done", "failed", "done", "done"]
     assert "SIGKILL" in found[1]["reason"]
-    kept = {k: os.stat(Path("out") / _runs.address(asked[k]) / "answer.json").st_mtime_ns for k in (0, 2, 3)}
-    again = dict(_runs.answers(asked, Path("out"), workers=2))  # the same call repeats the failed one alone
+    kept = {k: os.stat(Path("out") / runs_module.address(asked[k]) / "answer.json").st_mtime_ns for k in (0, 2, 3)}
+    again = dict(runs_module.answers(asked, Path("out"), workers=2))  # the same call repeats the failed one alone
     assert [again[k]["outcome"] for k in range(4)] == 4 * ["done"]
     for k, when in kept.items():
-        assert os.stat(Path("out") / _runs.address(asked[k]) / "answer.json").st_mtime_ns == when
+        assert os.stat(Path("out") / runs_module.address(asked[k]) / "answer.json").st_mtime_ns == when
 
 
 def test_a_run_that_falls_or_takes_too_long_says_so():
-    ((_, fallen),) = _runs.answers(orders(1, fall="no space left"), Path("out"), workers=1)
+    ((_, fallen),) = runs_module.answers(orders(1, fall="no space left"), Path("out"), workers=1)
     assert (fallen["outcome"], fallen["reason"]) == ("failed", "no space left")
-    ((_, slow),) = _runs.answers(orders(1, wait=60.0), Path("out"), workers=1, limit=1.0)
+    ((_, slow),) = runs_module.answers(orders(1, wait=60.0), Path("out"), workers=1, limit=1.0)
     assert slow["outcome"] == "failed" and "1 s of wall time" in slow["reason"]
 
 
 def test_equal_orders_are_run_once_and_torn_answers_again():
     asked = [*orders(1), *orders(1)]
-    place = Path("out") / _runs.address(asked[0])
+    place = Path("out") / runs_module.address(asked[0])
     place.mkdir(parents=True)
     (place / "answer.json").write_text('{"outcome": "do')
-    found = sorted(_runs.answers(asked, Path("out"), workers=2))
+    found = sorted(runs_module.answers(asked, Path("out"), workers=2))
     assert [k for k, _ in found] == [0, 1] and found[0][1] == found[1][1] == {"outcome": "done", "number": 0}
     assert len(list(Path("out").iterdir())) == 1
 
@@ -162,11 +164,13 @@ def test_a_cluster_gets_the_orders_that_are_left(monkeypatch):
             return ThreadPoolExecutor(2)
 
     monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace(Client=Client, LocalCluster=None))
-    found = dict(_runs.answers(orders(2), Path("out"), 1, "tcp://there:8786"))
+    found = dict(runs_module.answers(orders(2), Path("out"), 1, "tcp://there:8786"))
     assert asked_for == ["tcp://there:8786"] and [found[k]["number"] for k in (0, 1)] == [0, 1]
-    with pytest.raises(_runs.ClusterMissing, match="no Dask scheduler answers at tcp://nowhere:1"):
-        list(_runs.answers(orders(3), Path("out"), 1, "tcp://nowhere:1"))
-    assert len(list(_runs.answers(orders(2), Path("out"), 1, "tcp://nowhere:1"))) == 2  # nothing is left to be run
+    with pytest.raises(runs_module.ClusterMissing, match="no Dask scheduler answers at tcp://nowhere:1"):
+        list(runs_module.answers(orders(3), Path("out"), 1, "tcp://nowhere:1"))
+    assert (
+        len(list(runs_module.answers(orders(2), Path("out"), 1, "tcp://nowhere:1"))) == 2
+    )  # nothing is left to be run
 
 
 def test_two_workers_of_a_real_cluster_one_of_which_is_killed():
@@ -181,7 +185,7 @@ def test_two_workers_of_a_real_cluster_one_of_which_is_killed():
             os.kill(pid, signal.SIGKILL)
 
         Thread(target=kill).start()
-        found = dict(_runs.answers(asked, Path("out"), 2, cluster.scheduler_address))
+        found = dict(runs_module.answers(asked, Path("out"), 2, cluster.scheduler_address))
     assert [found[k]["outcome"] for k in range(4)] == 4 * ["done"]
 
 
@@ -189,8 +193,8 @@ def test_two_workers_of_a_real_cluster_one_of_which_is_killed():
 def test_no_run_outlives_the_study(sign, tmp_path):
     script = f"""
 from pathlib import Path
-from ocean_sim.studies import _runs
-list(_runs.answers({orders(5, wait=60.0)!r}, Path("out"), workers=2))
+from ocean_sim.studies import runs_module
+list(runs_module.answers({orders(5, wait=60.0)!r}, Path("out"), workers=2))
 """
     path = os.pathsep.join([str(PACKAGE.parent), str(tmp_path)])
     study = subprocess.Popen([sys.executable, "-c", script], env=os.environ | {"PYTHONPATH": path}, stderr=-1)
@@ -216,9 +220,9 @@ def _alive(pid: int) -> bool:
 
 def test_another_package_has_other_answers(monkeypatch):
     (order,) = orders(1)
-    before = _runs.address(order)
-    monkeypatch.setattr(_runs, "_sources", lambda: "edited")
-    assert _runs.address(order) != before
+    before = runs_module.address(order)
+    monkeypatch.setattr(runs_module, "_sources", lambda: "edited")
+    assert runs_module.address(order) != before
 
 
 def test_a_sweep_leaves_a_table_whose_failures_are_rows(capsys):

@@ -6,16 +6,17 @@ from statistics import median
 import numpy as np
 import pytest
 
+from ocean_sim import load, run
 from ocean_sim.__main__ import answered
+from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.result import Result
-from ocean_sim.scene import load, run
-from ocean_sim.studies import _pareto, _runs, _table, heeds, tradeoff
-from ocean_sim.studies._clocked import Clocked
+from ocean_sim.studies import heeds, tradeoff
 from ocean_sim.studies.scene_tradeoff import SEEDS, Budget, best, errors, finest, settings, summary, varied
+from ocean_sim.studies.shared import pareto, runs, table
+from ocean_sim.studies.shared.clocked import Clocked
 from ocean_sim.studies.tradeoff import TRIALS, clock, equals, front, points
 from ocean_sim.validation import problems
 from ocean_sim.verbs import tradeoff as verb
-from ocean_sim.yaml_file import SceneError
 
 SEA = """basin: {length: 40.0, width: 40.0, depth: 7.5}
 fluid: {kind: linear_waves, height: 0.2, period: 1.0}
@@ -50,7 +51,7 @@ def test_the_study_has_three_schemes_on_six_cases_and_every_setting_is_another()
     of_water = [point for point in plan if point.trial.schemes == tradeoff.FLUIDS]
     assert len({point.trial.case for point in of_water}) == 6
     assert {point.scheme for point in of_water} == {"mueller", "delta_sph", "dfsph"}
-    addresses = [_runs.address(point.order()) for point in points(quick=False)]
+    addresses = [runs.address(point.order()) for point in points(quick=False)]
     assert len(set(addresses)) == len(addresses) > len(plan)
     changed = {(point.scheme, point.changed) for point in plan if point.trial.case == "standing_wave"}
     assert ("delta_sph", "fluid.support_ratio=2.0") in changed
@@ -122,13 +123,13 @@ def test_surfaces_are_run_coarse_and_fine_and_peers_are_marks():
 
 def test_a_table_is_read_as_it_was_written(tmp_path):
     rows = [{"a": 1.5, "b": None, "c": "x=1", "d": True}, {"a": 2, "b": [1], "c": "", "d": False}]
-    _table.write(tmp_path / "a.csv", rows)
-    assert _table.read(tmp_path / "a.csv") == [rows[0], rows[1] | {"c": None}]
+    table.write(tmp_path / "a.csv", rows)
+    assert table.read(tmp_path / "a.csv") == [rows[0], rows[1] | {"c": None}]
 
 
 def test_pictures_hold_failures_too(tmp_path):
     rows = [row("mueller", 1.0, 0.0), row("dfsph", 2.0, 1.0, changed="fluid.compression=0.04"), row("dfsph", 3.0, None)]
-    _pareto.draw(tmp_path / "a.png", TRIALS[2], rows, "wall_per_s")
+    pareto.draw(tmp_path / "a.png", TRIALS[2], rows, "wall_per_s")
     assert (tmp_path / "a.png").stat().st_size > 10_000
 
 
@@ -176,7 +177,7 @@ def test_a_setting_has_its_seeds_a_gauge_and_a_line_to_paste():
     assert plan[0].line() == "--set fluid.height=0.2 --set runtime.precision=f32"
     assert [scene.seed for scene in plan[0].scenes] == [0, 1, 2]
     assert "gauges" in plan[0].scenes[0].observers
-    assert _runs.address(plan[0].order(0)) != _runs.address(plan[0].order(0, again=True))
+    assert runs.address(plan[0].order(0)) != runs.address(plan[0].order(0, again=True))
 
 
 def test_a_line_can_be_pasted_whatever_the_values():
@@ -199,7 +200,7 @@ def test_the_study_of_cases_leaves_tables_and_pictures(monkeypatch, capsys):
     few = tuple(trial for trial in TRIALS if trial.case in ("dam_break_front", "ship_rao"))
     monkeypatch.setattr(tradeoff, "TRIALS", few)
     monkeypatch.setattr(verb, "TRIALS", few)
-    monkeypatch.setattr(_runs, "performed", made_up)
+    monkeypatch.setattr(runs, "performed", made_up)
     assert answered(["tradeoff", "--quick", "--out", "out"]) == 0
     said = capsys.readouterr().out
     assert "processor time is compared" in said and "too fast" in said and "400" in said
@@ -211,10 +212,10 @@ def written(folder: str, amplitude: float, period: float) -> Result:
     time = np.arange(0.0, 20.0, 0.05)
     height = amplitude * np.sin(2.0 * np.pi * time / period)
     Path(folder).mkdir()
-    _table.write(Path(folder) / "gauges.csv", [{"time_s": t, "a_m": y} for t, y in zip(time, height)])
-    _table.write(Path(folder) / "motion.csv", [{"time_s": t, "heave_m": y + 3.0} for t, y in zip(time, height)])
+    table.write(Path(folder) / "gauges.csv", [{"time_s": t, "a_m": y} for t, y in zip(time, height)])
+    table.write(Path(folder) / "motion.csv", [{"time_s": t, "heave_m": y + 3.0} for t, y in zip(time, height)])
     legs = [{"time_s": t} | {f"leg{k}_m": y for k in range(1, 7)} for t, y in zip(time, height)]
-    _table.write(Path(folder) / "platform.csv", legs)
+    table.write(Path(folder) / "platform.csv", legs)
     return Result(folder)
 
 

@@ -5,8 +5,8 @@ import pytest
 import taichi as ti
 import taichi.math as tm
 
-from ocean_sim.surface._contact import Contact
-from ocean_sim.surface._springs import springs
+from ocean_sim.surface.shared.contact import Contact
+from ocean_sim.surface.shared.springs import springs
 from tests.fluid.conftest import put
 
 H = 0.1  # [m] spacing of the particles

@@ -5,11 +5,12 @@ import hashlib
 import numpy as np
 import pytest
 
-from ocean_sim.observers._csv import columns
-from ocean_sim.observers._export import export_run
-from ocean_sim.scene import load, packaged_scenes, run
+from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.observers.shared.csv_rows import columns
+from ocean_sim.pictures.export import export_run
+from ocean_sim.reading.scene import load, packaged_scenes
+from ocean_sim.result import run
 from ocean_sim.simulation import Simulation
-from ocean_sim.yaml_file import SceneError
 
 SEA = {
     "basin": {"length": 24.0, "width": 20.0, "depth": 5.0},

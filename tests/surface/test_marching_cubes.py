@@ -13,11 +13,11 @@ from ocean_sim import runtime
 from ocean_sim.basin import Basin
 from ocean_sim.basin import Config as BasinConfig
 from ocean_sim.conventions import Diverged
-from ocean_sim.fluid._particles import Components, Count
-from ocean_sim.observers._taubin import smoothed
-from ocean_sim.surface._density_map import flat_share
+from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.fluid.shared.particles import Components, Count
+from ocean_sim.pictures.smoothed_mesh import smoothed
 from ocean_sim.surface.marching_cubes import Config, MarchingCubes
-from ocean_sim.yaml_file import SceneError
+from ocean_sim.surface.shared.density_map import flat_share
 from tests.surface.test_isosurface import topology
 
 SPACING = 0.1  # [m] of the particles

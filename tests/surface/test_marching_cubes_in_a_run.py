@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.parts import PACKAGE, library
-from ocean_sim.scene import load
+from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 
 SEA = {

@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ocean_sim.fluid._smoothing import Smoothing
+from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.parts import kinds
 from ocean_sim.validation import (
-    _shear,
     dam_break_front,
     elliptical_drop,
     hydrostatic,
@@ -20,9 +19,10 @@ from ocean_sim.validation import (
     taylor_green,
     wall_impact,
 )
-from ocean_sim.validation._case import Finding, Promise
-from ocean_sim.validation._state import State
-from ocean_sim.validation._tables import table
+from ocean_sim.validation.shared import shear
+from ocean_sim.validation.shared.case import Finding, Promise
+from ocean_sim.validation.shared.state import State
+from ocean_sim.validation.shared.tables import table
 
 QUICK = {"runtime.threads": 1}
 
@@ -43,10 +43,10 @@ def lattice(spacing: float, low: tuple[float, float], up: tuple[float, float]) -
     return np.stack([grid[0].ravel(), grid[1].ravel(), np.zeros(grid[0].size)], axis=1)
 
 
-@pytest.mark.parametrize("exact, column", [(_shear.poiseuille, "u_poiseuille"), (_shear.couette, "u_couette")])
+@pytest.mark.parametrize("exact, column", [(shear.poiseuille, "u_poiseuille"), (shear.couette, "u_couette")])
 def test_the_series_are_those_of_the_table(exact, column):
     data = table("analytic_poiseuille_couette")
-    assert set(_shear.TIMES) <= set(data["t"])
+    assert set(shear.TIMES) <= set(data["t"])
     for time in np.unique(data["t"]):
         at = data["t"] == time
         y = 1e3 * data["y"][at]

@@ -7,8 +7,8 @@ import pytest
 
 from ocean_sim import waves
 from ocean_sim.validation import imposed_sea, problems, wind_growth, wind_setup, wind_stress
-from ocean_sim.validation._wind import REAL, blowing
-from ocean_sim.wind._air_load import stress
+from ocean_sim.validation.shared.wind import REAL, blowing
+from ocean_sim.wind.shared.air_load import stress
 
 
 def test_the_tabulated_stress_is_that_of_the_wind():

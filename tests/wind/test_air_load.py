@@ -6,7 +6,7 @@ import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.conventions import AIR_DENSITY
-from ocean_sim.wind._air_load import C_d, drag, drag_coefficient, lift, stress
+from ocean_sim.wind.shared.air_load import C_d, drag, drag_coefficient, lift, stress
 
 WINDS = np.random.default_rng(1).normal(size=(200, 3)) * 12.0  # [m/s]
 AREA, C_L = 2.5, 1.0e-3  # [m2], lift coefficient

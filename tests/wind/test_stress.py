@@ -5,13 +5,13 @@ import pytest
 
 import ocean_sim
 from ocean_sim.conventions import AIR_DENSITY, Diverged
-from ocean_sim.fluid import _exposure
+from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.fluid.shared import exposure as exposure_module
 from ocean_sim.parts import config_of
-from ocean_sim.scene import observer_names
-from ocean_sim.validation._state import state
-from ocean_sim.wind._air_load import DRAG_LAWS, stress
-from ocean_sim.wind._warnings import added_viscosity, eaten, fed, fetch_limited, plant
-from ocean_sim.yaml_file import SceneError
+from ocean_sim.reading.scene import observer_names
+from ocean_sim.validation.shared.state import state
+from ocean_sim.wind.shared.air_load import DRAG_LAWS, stress
+from ocean_sim.wind.shared.warnings import added_viscosity, eaten, fed, fetch_limited, plant
 
 UP = (0.0, 1.0, 0.0)
 # 1000 C_d at 10 m wind speed by Wu (1982), Garratt (1977) and Zijlema, van Vledder & Holthuijsen (2012).
@@ -168,7 +168,7 @@ def test_exposed_area_moves_with_its_particle(under_waves):
 
 def test_momentum_is_the_same_however_much_counts_as_surface(monkeypatch):
     """W1 in f32, on flat water; with a lower threshold half as many particles again count as exposed."""
-    monkeypatch.setattr(_exposure, "EXPOSED", 0.003)
+    monkeypatch.setattr(exposure_module, "EXPOSED", 0.003)
     config = scene(wind={"kind": "stress", "gain": 30.0})
     with ocean_sim.Simulation(config) as simulation:
         gained, time = momentum(simulation, 60)

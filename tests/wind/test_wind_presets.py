@@ -6,7 +6,7 @@ import pytest
 
 from ocean_sim import basin
 from ocean_sim.parts import config_of, named
-from ocean_sim.scene import load
+from ocean_sim.reading.scene import load
 
 PRINTED = {
     "CreateEmFluid": {

@@ -1,0 +1,254 @@
+"""The basin: its size, walls, floor and lid; three-dimensional, or a vertical slice in x-y where no width is given."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from ocean_sim.basin.tank_motion import Motion, Piston, Wavemaker
+from ocean_sim.conventions import GRAVITY
+from ocean_sim.parts import PartConfig, Vector3, quantity
+
+OPEN = 1.0e30  # [m] where a side that is open would stand
+SIDES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
+
+Wall = Literal["none", "reflecting", "no_slip", "periodic", "absorbing"]
+Slip = Literal["free_slip", "no_slip"]
+Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
+ROUNDING = 1e-9  # [m] by which a box may reach over a side or into another one
+
+
+class Walls(PartConfig):
+    """One kind of wall a side; `x` stands for both `x_min` and `x_max`, `z` likewise."""
+
+    x: Wall = "reflecting"
+    z: Wall = "reflecting"
+    x_min: Wall | None = None
+    x_max: Wall | None = None
+    z_min: Wall | None = None
+    z_max: Wall | None = None
+    y: Literal["periodic"] | None = None
+    """`periodic`: what leaves through the bed comes in at the still surface; there is neither then."""
+
+    def at(self, side: str) -> Wall:
+        """The kind of wall at `x_min`, `x_max`, `z_min` or `z_max`."""
+        return getattr(self, side) or getattr(self, side[0])
+
+
+class Lid(PartConfig):
+    """A flat lid at the height of the still water."""
+
+    slip: Slip = "no_slip"
+    velocity: Vector3 = quantity("m/s", (0.0, 0.0, 0.0))
+    """It slides in its own plane."""
+
+
+class Box(PartConfig):
+    """A box of water, or one that it flows around; in a slice the points are [x, y]."""
+
+    min: Point = quantity("m")
+    """Lowest corner."""
+    max: Point = quantity("m")
+    """Highest corner."""
+
+    @model_validator(mode="after")
+    def _has_an_inside(self) -> "Box":
+        if len(self.min) != len(self.max) or any(a >= b for a, b in zip(self.min, self.max, strict=True)):
+            raise ValueError(f"every number of max must be greater than that of min, got {self.min} and {self.max}")
+        return self
+
+
+class Obstacle(Box):
+    """A fixed box in the water. One that is thinner than the support of the smoothing kernel lets the water on both
+    sides feel each other through it."""
+
+    slip: Slip = "free_slip"
+    """`no_slip`: water that touches it rests."""
+
+
+class Config(PartConfig):
+    """Size and sides of the basin; the origin is the centre of the still surface, y points up."""
+
+    length: float = quantity("m", gt=0.0)
+    """Length along x."""
+    width: float | None = quantity("m", None, gt=0.0)
+    """Width along z; none: a vertical slice in x-y."""
+    depth: float = quantity("m", gt=0.0)
+    """Depth of the still water."""
+    gravity: Vector3 = quantity("m/s2", (0.0, -GRAVITY, 0.0))
+    """Acceleration of gravity."""
+    walls: Wall | Walls = "reflecting"
+    """`reflecting` (free slip), `no_slip`, `periodic`, `absorbing` or `none`, for all sides or per side; walls rise
+    without limit."""
+    floor: Literal["free_slip", "no_slip", "none"] = "free_slip"
+    """The bed."""
+    lid: Lid | None = None
+    """A lid on the still water; none: a free surface."""
+    restitution: float = quantity("1", 0.0, ge=0.0, le=1.0)
+    """Share of the normal speed that a particle keeps when it meets a wall or the floor."""
+    friction: float = quantity("1", 0.0, ge=0.0)
+    """Coulomb friction at walls and floor: tangential over normal impulse, at most."""
+
+    obstacles: Annotated[tuple[Obstacle, ...], Field(strict=False)] = ()
+    """Fixed boxes, which the water flows around."""
+    motion: Motion | None = None
+    """How the whole tank moves; what is measured is measured in its axes."""
+    wavemaker: Wavemaker | None = None
+    """A wall that makes waves."""
+
+    def build(self) -> "Basin":
+        return Basin(self)
+
+    def problems(self, basin: "Basin") -> list[tuple[tuple[str | int, ...], str]]:
+        """What contradicts itself: (path below `basin`, sentence)."""
+        found: list[tuple[tuple[str | int, ...], str]] = []
+        walls = basin.walls
+        for axis in "xz" if basin.dimension == 3 else "x":
+            if [walls.at(f"{axis}_min"), walls.at(f"{axis}_max")].count("periodic") == 1:
+                found.append((("walls",), f"{axis} is periodic on one side only; periodic sides come in pairs"))
+        if walls.y == "periodic":
+            if self.lid is not None:
+                found.append((("lid",), "a basin that is periodic along y has no lid"))
+            if self.floor != "none":
+                found.append((("floor",), "a basin that is periodic along y has no floor; say floor: none"))
+        if self.lid is not None and self.lid.velocity[1] != 0.0:
+            found.append((("lid", "velocity"), "a lid slides in its own plane: its velocity along y must be 0"))
+        found += blocked(self.obstacles, basin)
+        for key, part in (("motion", self.motion), ("wavemaker", self.wavemaker)):
+            found += [((key, *path), sentence) for path, sentence in part.problems(basin)] if part is not None else []
+        return found
+
+
+def blocked(obstacles: tuple[Obstacle, ...], basin: "Basin") -> list[tuple[tuple[str | int, ...], str]]:
+    """What is wrong with obstacles in this basin."""
+    found: list[tuple[tuple[str | int, ...], str]] = []
+    for k, box in enumerate(obstacles):
+        key = ("obstacles", k)
+        if len(box.min) != basin.dimension:
+            found.append((key, f"a point of this basin has {basin.dimension} numbers, got {len(box.min)}"))
+            continue
+        out = [
+            axis
+            for axis, low, up, least, most in zip("xyz", box.min, box.max, basin.lower, basin.upper)
+            if low < least - ROUNDING or (up > most + ROUNDING and (axis != "y" or basin.closed))
+        ]
+        if out:
+            found.append((key, f"the box reaches out of the basin along {' and '.join(out)}"))
+        for other in obstacles[:k]:
+            common = [min(a, b) - max(c, d) for a, b, c, d in zip(box.max, other.max, box.min, other.min)]
+            if len(other.min) == basin.dimension and min(common) > ROUNDING:
+                found.append((key, "the box overlaps an earlier one"))
+    return found
+
+
+@dataclass(frozen=True)
+class Side:
+    """A flat side that mirrors the water."""
+
+    axis: int
+    upper: bool
+    place: float  # [m] along the axis
+    slip: Slip
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [m/s]
+    absorbing: bool = False  # the water in front of it is slowed down
+    piston: Piston | None = None  # how it moves along its axis
+
+
+@dataclass(frozen=True)
+class Basin:
+    """The box of water, in plain numbers."""
+
+    config: Config
+    afloat: tuple[
+        Any, ...
+    ] = ()  # what floats in it: `inside` of places, `felt`, `origin`, `samples` (ship.shared.solid)
+
+    @property
+    def dimension(self) -> int:
+        return 2 if self.config.width is None else 3
+
+    @property
+    def depth(self) -> float:
+        return self.config.depth
+
+    @property
+    def gravity(self) -> tuple[float, float, float]:
+        return self.config.gravity
+
+    @cached_property
+    def walls(self) -> Walls:
+        """The kind of every wall."""
+        walls = self.config.walls
+        return walls if isinstance(walls, Walls) else Walls(x=walls, z=walls)
+
+    @property
+    def lower(self) -> tuple[float, float, float]:
+        """Lowest corner [m]: the bed; z is 0 in a slice."""
+        return (-self.config.length / 2, -self.config.depth, -(self.config.width or 0.0) / 2)
+
+    @property
+    def upper(self) -> tuple[float, float, float]:
+        """Highest corner [m]: under a lid, or where y is periodic, the still surface; else as far above it as the bed
+        lies below, and nothing ends there."""
+        top = 0.0 if self.closed else self.config.depth
+        return (self.config.length / 2, top, (self.config.width or 0.0) / 2)
+
+    @property
+    def closed(self) -> bool:
+        """Whether the basin has no room for a free surface."""
+        return self.config.lid is not None or self.walls.y == "periodic"
+
+    @property
+    def volume(self) -> float:
+        """Volume of the still water [m3]; in a slice its area [m2]."""
+        return self.config.length * self.config.depth * (self.config.width or 1.0)
+
+    @cached_property
+    def periods(self) -> tuple[float, float, float]:
+        """Length of each periodic axis [m]; 0 where an axis is not."""
+        repeats = (
+            self.walls.at("x_min") == "periodic",
+            self.walls.y == "periodic",
+            self.dimension == 3 and self.walls.at("z_min") == "periodic",
+        )
+        return tuple(up - low if here else 0.0 for low, up, here in zip(self.lower, self.upper, repeats))  # type: ignore[return-value]
+
+    @cached_property
+    def sides(self) -> tuple[Side, ...]:
+        """The sides that hold water, each a mirror."""
+        found = []
+        for axis in (0, 2) if self.dimension == 3 else (0,):
+            for upper, name in ((False, f"{'xyz'[axis]}_min"), (True, f"{'xyz'[axis]}_max")):
+                kind = self.walls.at(name)
+                if kind in ("reflecting", "no_slip", "absorbing"):
+                    place = (self.upper if upper else self.lower)[axis]
+                    slip: Slip = "no_slip" if kind == "no_slip" else "free_slip"
+                    piston = self.piston if self.config.wavemaker and self.config.wavemaker.wall == name else None
+                    found.append(Side(axis, upper, place, slip, absorbing=kind == "absorbing", piston=piston))
+        if self.config.floor != "none":
+            found.append(Side(1, False, self.lower[1], self.config.floor))
+        if self.config.lid is not None:
+            found.append(Side(1, True, 0.0, self.config.lid.slip, self.config.lid.velocity))
+        return tuple(found)
+
+    @cached_property
+    def obstacles(self) -> list[tuple[tuple[float, ...], tuple[float, ...]]]:
+        """Lowest and highest corner of each obstacle [m]; a slice has no ends along z."""
+        flat, boxes = 3 - self.dimension, (box for box in self.config.obstacles if len(box.min) == self.dimension)
+        return [((*box.min, *flat * (-OPEN,)), (*box.max, *flat * (OPEN,))) for box in boxes]
+
+    @cached_property
+    def piston(self) -> Piston | None:
+        """The wavemaker at work."""
+        maker = self.config.wavemaker
+        return maker.build(self.depth, -self.gravity[1]) if maker is not None else None
+
+    def stops(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """Where walls, floor and lid stand on each axis [m], lower and upper, a piston as far out as it goes; OPEN
+        where there is none."""
+        low, up = [-OPEN] * 3, [OPEN] * 3
+        for side in self.sides:
+            away = side.piston.reach if side.piston is not None else 0.0
+            (up if side.upper else low)[side.axis] = side.place + (away if side.upper else -away)
+        return tuple(low), tuple(up)  # type: ignore[return-value]

@@ -1,0 +1,267 @@
+"""Prescribed motion of the tank and of a piston wavemaker: displacement, velocity and acceleration in time.
+
+The tank is simulated in its own axes. Its motion then is an acceleration of the water, `apparent_acceleration`, and
+results are told in the axes of the tank.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from math import cos, pi, sin
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from ocean_sim import waves
+from ocean_sim.files import csv_file
+from ocean_sim.files.input_file import FileName, Unreadable
+from ocean_sim.parts import PartConfig, quantity
+
+if TYPE_CHECKING:
+    from ocean_sim.basin import Basin
+
+Axis = Literal["x", "y", "z", "roll_x", "roll_y", "roll_z"]
+Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
+Law = Callable[[float], tuple[float, float, float]]  # time [s] -> displacement, velocity, acceleration
+Problems = list[tuple[tuple[str, ...], str]]  # path below the config, sentence
+
+SLICE_AXES = ("x", "y", "roll_z")  # along and about which a vertical slice can move
+
+
+@dataclass(frozen=True)
+class Frame:
+    """How the tank's axes move at one time; vectors are in the axes of the tank."""
+
+    angle: np.ndarray  # (3,) by which they are turned, along the axis of the turn [rad]
+    displacement: np.ndarray  # (3,) of the pivot [m]
+    velocity: np.ndarray  # (3,) of the pivot [m/s]
+    acceleration: np.ndarray  # (3,) of the pivot [m/s2]
+    rate: np.ndarray  # (3,) omega [rad/s]
+    angular_acceleration: np.ndarray  # (3,) alpha [rad/s2]
+    pivot: np.ndarray  # (3,) [m] in the tank
+
+    def push(self, gravity: np.ndarray) -> np.ndarray:
+        """(3,) what gravity [m/s2], given in world axes, and the motion of the pivot are to water at rest at the pivot:
+        g' - a [m/s2]."""
+        return turned(gravity, -self.angle) - self.acceleration
+
+
+def turned(vector: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """(3,) turned by `angle` [rad] about its direction, by the right hand (Rodrigues)."""
+    size = float(np.linalg.norm(angle))
+    if size == 0.0:
+        return np.asarray(vector, dtype=float)
+    n = angle / size
+    return vector * cos(size) + np.cross(n, vector) * sin(size) + n * (n @ vector) * (1.0 - cos(size))
+
+
+def apparent_acceleration(frame: Frame, gravity: np.ndarray, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+    """(m, 3) acceleration [m/s2] of free water at (m, 3) places and velocities in the axes of the tank:
+    g' - a - alpha x r - omega x (omega x r) - 2 omega x v, with r from the pivot."""
+    r, omega = position - frame.pivot, frame.rate
+    euler = np.cross(frame.angular_acceleration, r)
+    centrifugal = np.cross(omega, np.cross(omega, r))
+    return frame.push(gravity) - euler - centrifugal - 2.0 * np.cross(omega, velocity)
+
+
+def ramped(law: Law, ramp: float) -> Law:
+    """The law, growing from nothing over `ramp` [s] by 10 s^3 - 15 s^4 + 6 s^5: its acceleration does not jump."""
+
+    def grown(t: float) -> tuple[float, float, float]:
+        x, v, a = law(t)
+        if t >= ramp:
+            return x, v, a
+        s = max(t, 0.0) / ramp
+        r = s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+        r_t = 30.0 * (s * (1.0 - s)) ** 2 / ramp
+        r_tt = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / ramp**2
+        return r * x, r * v + r_t * x, r * a + 2.0 * r_t * v + r_tt * x
+
+    return grown
+
+
+class Tank(PartConfig):
+    """What every motion of the tank says."""
+
+    about: Point | None = quantity("m", None)
+    """The point about which it rolls; in a slice [x, y]; by default the centre of the still surface."""
+
+    def problems(self, basin: "Basin") -> Problems:
+        """What is wrong with this motion in this basin."""
+        if self.about is not None and len(self.about) != basin.dimension:
+            return [(("about",), f"a point of this basin has {basin.dimension} numbers, got {len(self.about)}")]
+        return []
+
+
+def unmoved(axis: str, basin: "Basin") -> Problems:
+    """Why the tank cannot move so."""
+    if basin.dimension == 2 and axis not in SLICE_AXES:
+        return [(("axis",), f"a slice in x-y moves along x or y or about z ({', '.join(SLICE_AXES)}), not {axis!r}")]
+    return []
+
+
+class Harmonic(Tank):
+    """amplitude sin(2 pi t / period), along an axis or about it."""
+
+    kind: Literal["harmonic"] = "harmonic"
+    axis: Axis
+    """`x`, `y` and `z`: along it [m]; `roll_x`, `roll_y` and `roll_z`: about it, by the right hand [rad]."""
+    amplitude: float = quantity("m or rad")
+    """Half the distance, or half the angle, from end to end."""
+    period: float = quantity("s", gt=0.0)
+    """Period."""
+    ramp: float | None = quantity("s", None, ge=0.0)
+    """Time over which the motion grows to its amplitude; by default one period. With 0 the tank has its full speed at
+    once, and the water with it."""
+
+    def problems(self, basin: "Basin") -> Problems:
+        return super().problems(basin) + unmoved(self.axis, basin)
+
+    def build(self) -> "TankMotion":
+        omega = 2.0 * pi / self.period
+
+        def law(t: float) -> tuple[float, float, float]:
+            x = self.amplitude * sin(omega * t)
+            return x, self.amplitude * omega * cos(omega * t), -(omega**2) * x
+
+        return TankMotion(self.axis, self.about, ramped(law, self.period if self.ramp is None else self.ramp))
+
+
+class Recorded(Tank):
+    """The motion in a file, smooth between its rows (a cubic spline); the tank stands still before and after them."""
+
+    file: FileName
+    """CSV with columns `time_s` and that of an axis, with its unit or without: `x_m`, `y_m`, `z_m`, `roll_x_rad`,
+    `roll_y_rad` or `roll_z_rad`."""
+    axis: Axis | None = None
+    """Which of several columns; by default the only one."""
+
+    def rows(self) -> tuple[Axis, np.ndarray, np.ndarray]:
+        """Axis, times [s] and displacements [m or rad]; raises Unreadable."""
+        found = csv_file.columns(self.file)
+        columns = {name.removesuffix("_m").removesuffix("_rad"): column for name, column in found.items()}
+        axes: list[Axis] = [axis for axis in Axis.__args__ if axis in columns]  # type: ignore[attr-defined]
+        if self.axis is not None:
+            axes = [axis for axis in axes if axis == self.axis]
+        if "time_s" not in columns or not axes:
+            wanted = self.axis or "an axis (x, y, z, roll_x, roll_y or roll_z)"
+            raise Unreadable(self.file, f"needs the columns time_s and that of {wanted}")
+        if len(axes) > 1:
+            raise Unreadable(self.file, f"has columns of several axes, {', '.join(axes)}; say axis: {axes[0]}")
+        times, moved = columns["time_s"], columns[axes[0]]
+        if len(times) < 4 or not np.isfinite([times, moved]).all() or not (np.diff(times) > 0.0).all():
+            raise Unreadable(self.file, "needs at least four rows of numbers, in the order of time")
+        return axes[0], times, moved
+
+    def problems(self, basin: "Basin") -> Problems:
+        try:
+            axis = self.rows()[0]
+        except Unreadable as error:
+            return [(("file",), f"{error}")]
+        return super().problems(basin) + unmoved(axis, basin)
+
+    def build(self) -> "TankMotion":
+        from scipy.interpolate import CubicSpline
+
+        axis, times, moved = self.rows()
+        spline = CubicSpline(times, moved)
+
+        def law(t: float) -> tuple[float, float, float]:
+            if not times[0] <= t <= times[-1]:
+                return float(moved[0 if t < times[0] else -1]), 0.0, 0.0
+            return float(spline(t)), float(spline(t, 1)), float(spline(t, 2))
+
+        return TankMotion(axis, self.about, law)
+
+
+Motion = Harmonic | Recorded
+
+
+@dataclass(frozen=True)
+class TankMotion:
+    """A tank that moves along or about one axis."""
+
+    axis: Axis
+    about: tuple[float, ...] | None
+    law: Law
+
+    @cached_property
+    def direction(self) -> np.ndarray:
+        """(3,) unit vector of the axis."""
+        return np.eye(3)["xyz".index(self.axis[-1])]
+
+    def at(self, time: float) -> Frame:
+        """How the tank moves at a time [s]."""
+        x, v, a = (value * self.direction for value in self.law(time))
+        still, pivot = np.zeros(3), np.array((*(self.about or (0.0, 0.0)), 0.0)[:3])
+        if self.axis.startswith("roll"):
+            return Frame(x, still, still, still, v, a, pivot)
+        return Frame(still, x, v, a, still, still, pivot)
+
+
+class Wavemaker(waves.WaveTrain):
+    """A wall that moves to and fro as a whole, a piston; its stroke follows from the waves that it is to make."""
+
+    wall: Literal["x_min", "x_max", "z_min", "z_max"] = "x_min"
+    """The wall that moves; its waves go into the basin."""
+    ramp: float | None = quantity("s", None, ge=0.0)
+    """Time over which the motion grows; by default one period (of a spectrum its peak period)."""
+
+    def problems(self, basin: "Basin") -> Problems:
+        """What is wrong with this wavemaker in this basin."""
+        key: tuple[str, ...] = ("height",) if self.spectrum is None else ("spectrum", "significant_wave_height")
+        found = [(key, sentence) for sentence in waves.unsuited(basin, *self.scale)]
+        if self.spectrum is not None and self.spectrum.heading_deg is not None:
+            found.append((("spectrum", "heading_deg"), "the waves of a piston go away from its wall: leave this out"))
+        if basin.dimension == 2 and self.wall.startswith("z"):
+            found.append((("wall",), "a slice in x-y has no walls along z"))
+        elif basin.walls.at(self.wall) not in ("reflecting", "no_slip"):
+            kind = basin.walls.at(self.wall)
+            found.append((("wall",), f"a piston is a reflecting or no_slip wall; {self.wall} is {kind}"))
+        return found
+
+    def build(self, depth: float, gravity: float) -> "Piston":
+        """`gravity` [m/s2] downwards."""
+        inward = 1.0 if self.wall.endswith("min") else -1.0
+        sea = self.train(np.array([1.0, 0.0]), depth, gravity)
+        ramp = self.scale[1] if self.ramp is None else self.ramp
+        return Piston(sea, inward, ramp)
+
+
+@dataclass(frozen=True)
+class Piston:
+    """The wall at work. Far away its waves are a cos(k s - omega t + phase), s being the distance from its place of
+    rest: for that it moves by S/2 sin(omega t - phase) into the basin, S the stroke (Biesel & Suquet 1951)."""
+
+    sea: waves.Components
+    inward: float  # direction of the basin along the wall's axis: 1 or -1
+    ramp: float  # [s]
+
+    @cached_property
+    def amplitude(self) -> np.ndarray:
+        """(n,) half the stroke for each wave [m]: its height over H/S."""
+        return self.sea.amplitude / waves.piston_transfer(self.sea.wavenumber * self.sea.depth)
+
+    @property
+    def stroke(self) -> float:
+        """Full stroke [m]; of a spectrum the significant one, four standard deviations of the displacement."""
+        full = 2.0 if len(self.amplitude) == 1 else 8.0**0.5
+        return full * float(np.linalg.norm(self.amplitude))
+
+    @property
+    def reach(self) -> float:
+        """How far it ever goes to either side [m]."""
+        return float(self.amplitude.sum())
+
+    def steady(self, time: float) -> tuple[float, float, float]:
+        """The motion when it has grown, into the basin."""
+        omega = self.sea.omega
+        angle = omega * time - self.sea.phase
+        x, v = self.amplitude * np.sin(angle), self.amplitude * omega * np.cos(angle)
+        return float(x.sum()), float(v.sum()), -float((omega**2 * x).sum())
+
+    def at(self, time: float) -> tuple[float, float, float]:
+        """Displacement [m], velocity [m/s] and acceleration [m/s2] along the axis of the wall at a time [s]."""
+        x, v, a = ramped(self.steady, self.ramp)(time)
+        return self.inward * x, self.inward * v, self.inward * a

@@ -1,0 +1,28 @@
+"""Arrays that are slow to make, kept in the user's cache by the content they were made of."""
+
+import hashlib
+import os
+from collections.abc import Callable
+
+import numpy as np
+
+from ocean_sim.files import input_file
+from ocean_sim.runtime import cache_directory
+
+
+def kept(folder: str, content: bytes, made: Callable[[], dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
+    """What `made` returns, from the cache where it was made of the same content before; a cache that cannot be
+    written is no failure."""
+    path = cache_directory() / folder / f"{hashlib.sha256(content).hexdigest()}.npz"
+    try:
+        return input_file.arrays(path)
+    except input_file.Unreadable:
+        arrays = made()
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        beside = path.with_suffix(f".{os.getpid()}.npz")
+        np.savez(beside, **arrays)  # type: ignore[arg-type]
+        os.replace(beside, path)
+    except OSError:
+        pass
+    return arrays

@@ -1,0 +1,268 @@
+"""YAML 1.2 with positions: the only place that reads it. Every value knows where it was written."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ocean_sim.files.input_file import Unreadable, shown, text
+
+TEXTS = ("str", "timestamp", "merge", "value")  # the last three are words of YAML 1.1
+MOST_BYTES = 1_000_000  # a table of numbers that is longer goes into a CSV file
+LONGEST_KEY = 100  # characters
+MOST_VALUES = 200_000  # aliases of aliases can name more values than a machine can hold
+
+
+class Place(NamedTuple):
+    """Where something was written; line and column count from 1, and are absent for what came from no file."""
+
+    file: str
+    line: int | None = None
+    column: int | None = None
+
+
+class Problem(NamedTuple):
+    """One thing that is wrong with what a user wrote, where, and the likeliest intention."""
+
+    file: str
+    line: int | None
+    column: int | None
+    key: str
+    message: str
+    suggestion: str | None = None
+
+    def __str__(self) -> str:
+        return ": ".join([":".join(str(p) for p in self[:3] if p is not None), *filter(None, [self.key]), self.message])
+
+
+class SceneError(Exception):
+    """Everything that is wrong with a scene, in the order of its lines."""
+
+    def __init__(self, problems: list[Problem]) -> None:
+        self.problems = sorted(set(problems), key=lambda p: (p.file, p.line or 0, p.column or 0, p.key, p.message))
+        super().__init__("\n".join(map(str, self.problems)))
+
+
+def problem(place: Place, key: str, message: str, suggestion: str | None = None) -> Problem:
+    """A problem at a place."""
+    return Problem(*place, key, message, suggestion)
+
+
+@dataclass(frozen=True)
+class Node:
+    """A value and where it was written: a mapping holds nodes by key, a list holds nodes, the rest are plain."""
+
+    data: Any
+    place: Place
+    key_place: Place
+
+    @property
+    def is_mapping(self) -> bool:
+        return isinstance(self.data, dict)
+
+    def child(self, step: str | int) -> "Node | None":
+        """What is written under a key, or at an index of a list."""
+        if isinstance(self.data, dict):
+            return self.data.get(step)
+        if isinstance(self.data, list) and isinstance(step, int) and 0 <= step < len(self.data):
+            return self.data[step]
+        return None
+
+    def plain(self) -> Any:
+        """The value without positions."""
+        if isinstance(self.data, dict):
+            return {key: node.plain() for key, node in self.data.items()}
+        if isinstance(self.data, list):
+            return [node.plain() for node in self.data]
+        return self.data
+
+    def with_data(self, data: Any) -> "Node":
+        """Another value at the same place."""
+        return Node(data, self.place, self.key_place)
+
+
+def node_of(data: Any, place: Place) -> Node:
+    """Plain data as nodes that all say they come from `place`."""
+    if isinstance(data, Node):
+        return data
+    if isinstance(data, dict):
+        return Node({str(key): node_of(value, place) for key, value in data.items()}, place, place)
+    if isinstance(data, list | tuple):
+        return Node([node_of(value, place) for value in data], place, place)
+    return Node(data, place, place)
+
+
+def merged(below: Node, above: Node) -> Node:
+    """`above` laid over `below`: mappings key by key, everything else replaced."""
+    if not (below.is_mapping and above.is_mapping):
+        return above
+    data = dict(below.data)
+    for key, node in above.data.items():
+        data[key] = merged(data[key], node) if key in data else node
+    return above.with_data(data)
+
+
+def read(path: Path, name: str | None = None) -> Node:
+    """The mapping in a file; raises SceneError naming the file as `name`."""
+    name = name or shown(path)
+    try:
+        node = parsed(text(path, MOST_BYTES), Place(name, 1, 1))
+    except Unreadable as error:
+        raise SceneError([Problem(name, None, None, "", error.reason)]) from None
+    if node.data is None:
+        raise SceneError([problem(Place(name, 1, 1), "", "this file is empty; a mapping was expected")])
+    if not node.is_mapping:
+        raise SceneError([problem(node.place, "", f"expected a mapping of keys to values, got {described(node.data)}")])
+    return node
+
+
+def setting(text: str) -> tuple[str, Node]:
+    """A `--set key=value`: the dotted key, and the value read as YAML."""
+    key, equals, value = text.partition("=")
+    place = Place(f"--set {text}")
+    if not equals or not key.strip():
+        raise SceneError([problem(place, "", "expected key=value, as in fluid.spacing=0.8")])
+    if not value.strip():
+        raise SceneError([problem(place, key, f"there is no value; {key}=null removes it")])
+    return key.strip(), node_of(parsed(value, place).plain(), place)
+
+
+def parsed(text: str, start: Place) -> Node:
+    """YAML text as nodes; positions are kept where `start` has a line."""
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import MarkedYAMLError, YAMLError
+    from ruamel.yaml.reader import ReaderError
+
+    try:
+        tree = YAML(typ="safe", pure=True).compose(text)
+        if tree is None:
+            return Node(None, start, start)
+        reader = _Reader(start)
+        node = reader.node(tree)
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        place = start if start.line is None or mark is None else Place(start.file, mark.line + 1, mark.column + 1)
+        sentence = " ".join(filter(None, [error.context, error.problem])) or "this is not YAML"
+        raise SceneError([problem(place, "", f"not valid YAML: {sentence}")]) from None
+    except ReaderError as error:
+        raise SceneError([unprintable(text, error, start)]) from None
+    except YAMLError as error:
+        reason = str(error).strip().splitlines()[0]
+        raise SceneError([problem(start, "", f"not valid YAML: {reason}")]) from None
+    except RecursionError:
+        raise SceneError([problem(start, "", "nested too deeply")]) from None
+    except (ValueError, OverflowError) as error:
+        raise SceneError([problem(start, "", f"not valid YAML: {error}")]) from None
+    if reader.problems:
+        raise SceneError(reader.problems)
+    return node
+
+
+def unprintable(text: str, error: Any, start: Place) -> Problem:
+    """A character that YAML does not allow, and where it is."""
+    character = text[error.position : error.position + 1] or "?"
+    before = text[: error.position].splitlines() or [""]
+    place = start if start.line is None else Place(start.file, len(before), len(before[-1]) + 1)
+    return problem(place, "", f"not valid YAML: the character U+{ord(character):04X} is not allowed")
+
+
+def described(value: Any) -> str:
+    """A value in the words of YAML, cut short: for messages."""
+    if value is None:
+        return "null"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, dict):
+        return "a mapping" if value else "an empty mapping"
+    if isinstance(value, list):
+        return "a list" if value else "an empty list"
+    try:
+        text = repr(value)
+    except ValueError:  # Python refuses to print integers of more than 4300 digits
+        return "a number too long to print"
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+class _Reader:
+    """From ruamel's tree to nodes: scalars by the core schema of YAML 1.2, which knows no dates and no merge keys."""
+
+    def __init__(self, start: Place) -> None:
+        self.start = start
+        self.problems: list[Problem] = []
+        self.count = 0
+        self.open: set[int] = set()
+
+    def place(self, tree: Any) -> Place:
+        if self.start.line is None:
+            return self.start
+        return Place(self.start.file, tree.start_mark.line + 1, tree.start_mark.column + 1)
+
+    def refuse(self, tree: Any, key: str, message: str) -> Node:
+        self.problems.append(problem(self.place(tree), key, message))
+        return Node(None, self.place(tree), self.place(tree))
+
+    def node(self, tree: Any, key: Any = None, path: str = "") -> Node:
+        place = self.place(tree)
+        key_place = self.place(key) if key is not None else place
+        if key is not None and tree.id == "scalar" and tree.value == "":
+            place = key_place  # a value that is not written stands where its key does
+        self.count += 1
+        if self.count > MOST_VALUES:
+            raise SceneError([*self.problems, problem(place, path, f"more than {MOST_VALUES} values")])
+        if id(tree) in self.open:
+            return self.refuse(tree, path, "this alias stands inside what it names")
+        self.open.add(id(tree))
+        data: Any
+        if tree.id == "mapping":
+            data = self.mapping(tree, path)
+        elif tree.id == "sequence":
+            data = [self.node(item, None, f"{path}.{i}".lstrip(".")) for i, item in enumerate(tree.value)]
+        else:
+            data = self.scalar(tree, path)
+        self.open.discard(id(tree))
+        return Node(data, place, key_place)
+
+    def mapping(self, tree: Any, path: str) -> dict[str, Node]:
+        data: dict[str, Node] = {}
+        for key, value in tree.value:
+            if key.id != "scalar" or not key.value.isprintable() or len(key.value) > LONGEST_KEY:
+                self.refuse(key, path, "a key must be a word")
+                continue
+            inside = f"{path}.{key.value}".lstrip(".")
+            if key.value in data:
+                first = data[key.value].key_place
+                where = f" (first in line {first.line})" if first.line is not None else ""
+                self.refuse(key, inside, f"this key is given twice{where}")
+                continue
+            data[key.value] = self.node(value, key, inside)
+        return data
+
+    def scalar(self, tree: Any, path: str) -> Any:
+        kind = str(tree.tag).removeprefix("tag:yaml.org,2002:")
+        text = tree.value
+        if kind == "null":
+            return None
+        if kind == "bool":
+            return text.lower() == "true"
+        if kind in ("int", "float"):
+            try:
+                return _integer(text) if kind == "int" else _real(text)
+            except ValueError:
+                return self.refuse(tree, path, f"{described(text)} is not a number that can be read").data
+        if any("\ud800" <= c <= "\udfff" for c in text):
+            try:  # JSON writes one character as two escapes
+                text = text.encode("utf-16", "surrogatepass").decode("utf-16")
+            except UnicodeDecodeError:
+                return self.refuse(tree, path, "an escape that stands for half of a character").data
+        if kind not in TEXTS:
+            return self.refuse(tree, path, f"tags such as {tree.tag} are not read here").data
+        return text
+
+
+def _integer(text: str) -> int:
+    digits = text.replace("_", "").lower()
+    base = {"0x": 16, "0o": 8, "0b": 2}.get(digits.lstrip("+-")[:2], 10)
+    return int(digits, base)
+
+
+def _real(text: str) -> float:
+    return float(text.replace("_", "").lower().replace(".inf", "inf").replace(".nan", "nan"))

@@ -1,0 +1,111 @@
+"""What a step did, counted per group of cells and added in their order: extremes, and the impulse of every term."""
+
+from math import isfinite
+
+import numpy as np
+import taichi as ti
+
+from ocean_sim.conventions import Diverged
+from ocean_sim.fluid import Status
+from ocean_sim.fluid.shared.grid import Grid
+
+TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "diffusion")
+PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS, SHIP, DIFFUSION = range(len(TERMS))
+SUMMARY = 7  # numbers that a step reports
+DENSE = 1.0e30  # [kg/m3] more than any density
+
+
+@ti.data_oriented
+class Ledger:
+    """Each group of cells writes its own row, so nothing depends on the order of threads."""
+
+    def __init__(self, groups: int, impulses: bool) -> None:
+        """`impulses`: whether impulse and work of each term are summed (f64), for `accuracy`."""
+        self.groups, self.impulses = groups, impulses
+        self.overflow = ti.field(int, shape=groups)
+        self.speed2, self.acceleration2 = ti.field(float, shape=groups), ti.field(float, shape=groups)
+        self.thin, self.dense = ti.field(float, shape=groups), ti.field(float, shape=groups)
+        self.sum = ti.field(float, shape=groups)
+        self.clipped = ti.field(int, shape=groups)
+        if impulses:
+            self.impulse = ti.field(ti.f64, shape=(groups, len(TERMS), 3))
+            self.work = ti.field(ti.f64, shape=(groups, len(TERMS)))
+
+    @ti.func
+    def begin_motion(self, group):
+        self.speed2[group] = self.acceleration2[group] = self.sum[group] = 0.0
+
+    @ti.func
+    def begin_density(self, group):
+        self.thin[group], self.dense[group] = DENSE, 0.0
+
+    @ti.func
+    def count_motion(self, group, v, a, fast):
+        v2, a2 = v.dot(v), a.dot(a)
+        self.speed2[group] = ti.max(self.speed2[group], v2)
+        self.acceleration2[group] = ti.max(self.acceleration2[group], a2)
+        self.sum[group] = self.sum[group] + v2
+        self.clipped[group] = self.clipped[group] + fast
+
+    @ti.func
+    def count_density(self, group, density):
+        self.thin[group] = ti.min(self.thin[group], density)
+        self.dense[group] = ti.max(self.dense[group], density)
+
+    @ti.func
+    def count_impulse(self, group, term: ti.template(), impulse, v):
+        """Impulse [N s] of a term on a particle whose mean velocity of the step is v: v . impulse is its work [J]."""
+        for k in ti.static(range(3)):
+            self.impulse[group, term, k] = self.impulse[group, term, k] + ti.cast(impulse[k], ti.f64)
+        self.count_work(group, term, impulse.dot(v))
+
+    @ti.func
+    def count_step(self, group, kick, pressure, viscosity, wind, gravity, ship, walls, mean):
+        """Accelerations [m/s2] of a particle, each for `kick` [kg s], and the impulse of the walls on it [N s]; `mean`
+        is its mean velocity of the step."""
+        self.count_impulse(group, PRESSURE, kick * pressure, mean)
+        self.count_impulse(group, VISCOSITY, kick * viscosity, mean)
+        self.count_impulse(group, WIND, kick * wind, mean)
+        self.count_impulse(group, GRAVITY, kick * gravity, mean)
+        self.count_impulse(group, SHIP, kick * ship, mean)
+        self.count_impulse(group, WALLS, walls, mean)
+
+    @ti.func
+    def count_work(self, group, term: ti.template(), work):
+        self.work[group, term] = self.work[group, term] + ti.cast(work, ti.f64)
+
+    @ti.func
+    def summarise(self, summary: ti.template()):
+        """Into an array of SUMMARY numbers: largest squared speed and acceleration, least and largest density, a sum
+        that shows what is not a number, particles held back, and cells with more candidates than their list holds."""
+        speed2, acceleration2, thin, dense, total = 0.0, 0.0, DENSE, 0.0, 0.0
+        clipped, crowded = 0, 0
+        ti.loop_config(serialize=True)
+        for g in range(self.groups):
+            speed2, acceleration2 = ti.max(speed2, self.speed2[g]), ti.max(acceleration2, self.acceleration2[g])
+            thin, dense = ti.min(thin, self.thin[g]), ti.max(dense, self.dense[g])
+            total += self.sum[g] + self.dense[g]
+            clipped += self.clipped[g]
+            crowded += self.overflow[g]
+        for k, number in ti.static(enumerate((speed2, acceleration2, thin, dense, total, clipped, crowded))):
+            summary[k] = number
+
+    def status(self, summary: np.ndarray, grid: Grid) -> Status:
+        """What `summarise` left, as it is shown outside; raises Diverged where a list of candidates overflowed."""
+        speed2, acceleration2, thin, dense, total, clipped, crowded = summary.tolist()
+        if crowded:
+            x, y, z = grid.fullest()
+            raise Diverged(
+                f"{int(crowded)} cells have more neighbours than their lists hold: the water is packed up to "
+                f"{dense:.0f} kg/m3, most of all around ({x:.4g}, {y:.4g}, {z:.4g}) m; "
+                "try a smaller compression (stiffer water), a smaller time step or more viscosity"
+            )
+        return Status(speed2**0.5, acceleration2**0.5, thin, dense, int(clipped), isfinite(total))
+
+    def total(self) -> dict[str, np.ndarray]:
+        """Impulse of each term since the start [N s], (3,) each; empty where it is not summed."""
+        return dict(zip(TERMS[:DIFFUSION], self.impulse.to_numpy().sum(axis=0))) if self.impulses else {}
+
+    def total_work(self) -> dict[str, float]:
+        """Work of each term since the start [J]; of diffusion, what it adds to the internal energy."""
+        return dict(zip(TERMS, self.work.to_numpy().sum(axis=0).tolist(), strict=True)) if self.impulses else {}

@@ -1,0 +1,116 @@
+"""The water around a point that need not be a particle: particles, their repeats beyond periodic sides, and their
+images in walls, floor and lid.
+
+It is the point that is mirrored, not the water: an image lies from the point as its particle lies from the mirrored
+point, turned round. Every set of sides within reach is a mirror of its own, so corners are mirrored in all of theirs.
+"""
+
+from typing import Any
+
+import taichi as ti
+import taichi.math as tm
+
+from ocean_sim.fluid.shared.grid import Grid
+from ocean_sim.fluid.shared.images import AXIS, OFFSET, PLACE, PULL, PUSH, SIGN, TURN, mirrored
+
+
+@ti.func
+def unmirrored():
+    """The mirror that shows everything as it is."""
+    mirror = ti.Matrix.zero(float, 5, 3)
+    for k in ti.static(range(3)):
+        mirror[SIGN, k] = mirror[TURN, k] = 1.0
+    return mirror
+
+
+@ti.func
+def in_turn(first, then):
+    """The mirror that shows what `then` shows of what `first` shows."""
+    mirror = first
+    for k in ti.static(range(3)):
+        mirror[SIGN, k] = then[SIGN, k] * first[SIGN, k]
+        mirror[OFFSET, k] = then[SIGN, k] * first[OFFSET, k] + then[OFFSET, k]
+        mirror[TURN, k] = then[TURN, k] * first[TURN, k]
+        mirror[PUSH, k] = then[TURN, k] * first[PUSH, k] + then[PUSH, k]
+        mirror[PULL, k] = first[PULL, k] + then[PULL, k]
+    return mirror
+
+
+@ti.data_oriented
+class Around:
+    """Sums of a law over all water within one support of a point.
+
+    A law has `sums`, how many numbers it adds up, and `term(own, j, d, mirror)`, what particle j adds that is seen at d
+    [m] from the point in a mirror; `own` is handed through.
+    """
+
+    def __init__(self, particles: Any, grid: Grid, start: Any = None) -> None:
+        """`particles`: what has a `position`, in the order of its cells; `start`: the first of every cell, by default
+        as the grid has sorted them."""
+        self.position, self.grid, self.start = particles.position, grid, start or grid.start
+        self.periods, self.across = grid.basin.periods, grid.basin.periods[0] > 0.0
+        self.images = grid.images
+
+    @ti.func
+    def total(self, x, law: ti.template(), own):
+        """Of the law's terms around x."""
+        here = self.grid.wrapped(x)
+        reach = self.reach(here)
+        total = ti.Vector.zero(float, law.sums)
+        for subset in range(reach + 1):
+            if subset & reach == subset:
+                mirror = unmirrored()
+                if ti.static(self.images.sides > 0):
+                    for side in range(self.images.sides):
+                        if subset >> side & 1:
+                            mirror = in_turn(mirror, self.images.mirror(side))
+                total += self.seen(here, mirror, law, own)
+        return total
+
+    @ti.func
+    def reach(self, x):
+        """The sides within a support of x, a bit each."""
+        reach = 0
+        if ti.static(self.images.sides > 0):
+            for side in range(self.images.sides):
+                away = x[int(self.images.side[side, AXIS])] - self.images.side[side, PLACE]
+                reach |= int(ti.abs(away) < self.grid.support) << side
+        return reach
+
+    @ti.func
+    def seen(self, x, mirror, law: ti.template(), own):
+        """What the particles add that are seen from x in one mirror."""
+        p, grid = self.position, self.grid
+        y = mirrored(mirror, x)  # flat mirrors at right angles are their own inverse
+        place = grid.place(y)
+        total = ti.Vector.zero(float, law.sums)
+        for row in range(9):
+            for part in range(ti.static(3 if self.across else 1)):
+                first = tm.ivec3(part - 1, row % 3 - 1, row // 3 - 1)
+                there, shift = self.home(place + first)
+                c, middle = grid.cell_at(there), grid.lower + (there - 0.5) / grid.per_width
+                for j in range(self.start[c], self.start[c + ti.static(1 if self.across else 3)]):
+                    e = self.beside(tm.vec3(p.x[j], p.y[j], p.z[j]), middle) + shift - y
+                    d = tm.vec3([mirror[SIGN, k] * e[k] for k in ti.static(range(3))])
+                    total += law.term(own, j, d, mirror)
+        return total
+
+    @ti.func
+    def beside(self, x, middle):
+        """The repeat of x nearest to the middle of its cell [m]: a scheme that sorts in the middle of its step may have
+        moved a particle on through a periodic side."""
+        for k, period in ti.static(enumerate(self.periods)):
+            if ti.static(period > 0.0):
+                x[k] -= period * ti.round((x[k] - middle[k]) / period)
+        return x
+
+    @ti.func
+    def home(self, place):
+        """The cell that a cell beyond a periodic side repeats, and how far its water is shifted [m]."""
+        shift = tm.vec3(0.0)
+        for k, period in ti.static(enumerate(self.periods)):
+            if ti.static(period > 0.0):
+                around = int(place[k] > self.grid.cells[k] - 2) - int(place[k] < 1)
+                place[k] -= around * (self.grid.cells[k] - 2)
+                shift[k] = around * period
+        return place, shift

@@ -1,0 +1,350 @@
+"""Solid bodies in the water, as samples of what lies within one support of their faces: they stand in the sums of the
+water's laws as particles would, and what the water does to them is gathered back.
+
+A sample counts by its volume over that of a particle (Akinci et al. 2012, ACM Trans. Graph. 31). To each particle it
+shows that particle's own pressure, continued to its place by the weight of the water less the acceleration of the body
+(the pressure gradient at a wall of Adami, Hu & Adams 2012, J. Comput. Phys. 231, eq. 26): both sides of a thin body
+keep their own pressure, and still water is exact. Its velocity is the body's where water is pressed together, and that
+which a mirror in its place would show where it rubs. A sample is pushed as strongly as it pushes. Flat sides mirror
+samples as they mirror particles: what an image of a sample presses across its side is that side's, all else is the
+body's.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import taichi as ti
+import taichi.math as tm
+
+from ocean_sim.fluid.shared.around import Around
+from ocean_sim.fluid.shared.grid import TASK
+from ocean_sim.fluid.shared.images import SIGN, turned
+from ocean_sim.fluid.shared.particles import Components
+from ocean_sim.fluid.shared.smoothing import Smoothing
+from ocean_sim.fluid.shared.water import Lattice
+
+if TYPE_CHECKING:
+    from ocean_sim.fluid.shared.sph import Sph
+
+BLOCK = 32  # samples of a task
+PLACE, TURN, VELOCITY, SPIN, RISE, SWING, TOLD = 0, 3, 12, 15, 18, 21, 24  # where what is told of a body begins
+UPRIGHT = np.eye(3)
+
+
+@dataclass(frozen=True)
+class Body:
+    """Samples of a solid body."""
+
+    place: np.ndarray  # (m, 3) in the body's axes, from its origin [m]
+    volume: np.ndarray  # (m,) [m3]; in a slice [m2]
+    no_slip: bool
+    origin: np.ndarray  # (3,) where it is at first [m]
+
+
+def boxes(lattice: Lattice, support: float) -> list[Body]:
+    """The obstacles of the basin, sampled about as densely as the water, no deeper than it can feel."""
+    basin, bodies = lattice.basin, []
+    for obstacle in basin.config.obstacles:
+        d = basin.dimension
+        low, up = np.array(obstacle.min), np.array(obstacle.max)
+        count = np.maximum(1, np.round((up - low) / lattice.spacing)).astype(int)
+        apart = (up - low) / count
+        index = np.array(list(product(*(range(n) for n in count[::-1]))))[:, ::-1]
+        felt = (np.minimum(index, count - 1 - index) * apart < support).any(axis=1)
+        place = np.zeros((int(felt.sum()), 3))
+        place[:, :d] = (index[felt] + 0.5) * apart - 0.5 * (up - low)
+        origin = np.zeros(3)
+        origin[:d] = 0.5 * (low + up)
+        bodies.append(Body(place, np.full(len(place), apart.prod()), obstacle.slip == "no_slip", origin))
+    return bodies
+
+
+def floating(lattice: Lattice, support: float) -> list[Body]:
+    """What floats in the basin, likewise."""
+    return [
+        Body(*solid.samples(lattice.spacing, support), False, solid.origin)
+        for solid in lattice.basin.afloat
+        if solid.felt
+    ]
+
+
+def memory(samples: int, bodies: int, cells: int, word: int) -> int:
+    """Bytes of the fields of a Boundary, where `word` is the size of a `float` [bytes]."""
+    return samples * (20 * word + 20 + 24) + 6 * word * bodies + 4 * (cells + 1)
+
+
+@ti.func
+def vector(components: ti.template(), s):
+    """Number s of three fields, as one vector."""
+    return tm.vec3(components.x[s], components.y[s], components.z[s])
+
+
+@ti.func
+def store(components: ti.template(), s, values):
+    """Write one vector as number s of three fields."""
+    for k, component in ti.static(enumerate(components)):
+        component[s] = ti.cast(values[k], float)
+
+
+@ti.func
+def three(told: ti.template(), body, first: ti.template()):
+    """Three numbers of what is told of a body."""
+    return ti.Vector([told[body, first + k] for k in ti.static(range(3))])
+
+
+@ti.data_oriented
+class Boundary:
+    """All solid bodies in the water: `place` them, `sort`, `react`; then `forces` says what they feel."""
+
+    def __init__(self, bodies: Sequence[Body], fluid: "Sph") -> None:
+        particles, self.grid = fluid.particles, fluid.grid
+        self.fluid, self.bodies, self.pull = fluid, bodies, fluid.pull
+        self.owners = np.repeat(np.arange(len(bodies)), [len(body.place) for body in bodies])
+        self.n = n = len(self.owners)
+        self.blocks = -(-n // BLOCK)
+        self.told = np.zeros((len(bodies), TOLD))  # where they are and how they move
+        # In the order of the bodies; places are from the origin [m], in the body's axes and in those of the tank.
+        self.local, self.arm, self.force = Components(n), Components(n), Components(n)
+        self.impulse = ti.field(ti.f64, shape=(n, 3))
+        self.shares, self.slips = ti.field(float, shape=n), ti.field(int, shape=n)
+        self.owner, self.cell = ti.field(int, shape=n), ti.field(int, shape=n)
+        # In the order of the cells, as `name` tells.
+        self.position, self.velocity, self.acceleration = Components(n), Components(n), Components(n)
+        self.share, self.free, self.name = ti.field(float, shape=n), ti.field(int, shape=n), ti.field(int, shape=n)
+        self.start = ti.field(int, shape=self.grid.cell_count + 1)
+        self.box = ti.field(float, shape=(len(bodies), 2, 3))  # half the size of each body and its middle [m]
+        self.around = Around(self, self.grid, self.start)
+        self.water = Around(particles, self.grid)
+        unit = particles.mass / particles.rest_density
+        self.volume = Volume(self, fluid.smoothing, unit)
+        self.local.from_numpy(np.concatenate([body.place for body in bodies]))
+        shares = np.concatenate([body.volume for body in bodies]) / unit
+        self.shares.from_numpy(shares.astype(self.arm.precision))
+        self.slips.from_numpy(np.array([not body.no_slip for body in bodies], dtype=np.int32)[self.owners])
+        self.owner.from_numpy(self.owners.astype(np.int32))
+        for k, body in enumerate(bodies):
+            self.place(k, body.origin)
+        self.sort()
+
+    def place(
+        self,
+        body: int,
+        position: np.ndarray,
+        rotation: np.ndarray = UPRIGHT,
+        velocity: Any = 0.0,
+        angular_velocity: Any = (0.0, 0.0, 0.0),
+        acceleration: Any = 0.0,
+        angular_acceleration: Any = (0.0, 0.0, 0.0),
+    ) -> None:
+        """Put a body's origin at `position` [m], turned by the (3, 3) matrix `rotation` from its axes to those of the
+        tank; it moves with `velocity` [m/s], `angular_velocity` [rad/s] and their rates. The next step takes it over:
+        say where it is when that step ends."""
+        row = self.told[body]
+        row[PLACE:TURN], row[TURN:VELOCITY] = position, np.ravel(rotation)
+        row[VELOCITY:SPIN], row[SPIN:RISE] = velocity, angular_velocity
+        row[RISE:SWING], row[SWING:] = acceleration, angular_acceleration
+        self.moved = True
+
+    def sort(self) -> None:
+        """Take over where the bodies are, if they have moved."""
+        if self.moved:
+            self.moved = False
+            self.take(self.told)
+
+    @ti.kernel
+    def take(self, told: ti.types.ndarray(dtype=ti.f64, ndim=2)):
+        """Move the samples with their bodies, and sort them by cell: stable, by counting."""
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            for c in range(self.grid.cell_count + 1):
+                self.start[c] = 0
+            for b, k in ti.ndrange(told.shape[0], 3):
+                self.box[b, 0, k], self.box[b, 1, k] = -tm.inf, tm.inf
+            for s in range(self.n):
+                self.turn(s, told)
+                c = self.grid.cell_at(self.grid.place(self.where(s, told)))
+                self.cell[s], self.start[c] = c, self.start[c] + 1
+            for c in range(self.grid.cell_count):
+                self.start[c + 1] = self.start[c + 1] + self.start[c]  # where a cell ends
+            for k in range(self.n):
+                s = self.n - 1 - k
+                to = self.start[self.cell[s]] - 1
+                self.start[self.cell[s]] = to  # and at last where it begins
+                self.put(s, to, told)
+            for b, k in ti.ndrange(told.shape[0], 3):
+                up, low = self.box[b, 0, k], self.box[b, 1, k]
+                self.box[b, 0, k] = 0.5 * (up - low) + self.grid.support
+                self.box[b, 1, k] = ti.cast(told[b, PLACE + k], float) + 0.5 * (up + low)
+
+    @ti.func
+    def turn(self, s, told: ti.template()):
+        """Turn the arm of sample s with its body."""
+        b, local = self.owner[s], vector(self.local, s)
+        for k, arm in ti.static(enumerate(self.arm)):
+            along = ti.cast(three(told, b, TURN + 3 * k).dot(local), float)
+            arm[s] = along
+            self.box[b, 0, k] = tm.max(self.box[b, 0, k], along)
+            self.box[b, 1, k] = tm.min(self.box[b, 1, k], along)
+
+    @ti.func
+    def where(self, s, told: ti.template()):
+        """Place of sample s [m], once its arm is turned."""
+        return self.grid.wrapped(ti.cast(three(told, self.owner[s], PLACE) + vector(self.arm, s), float))
+
+    @ti.func
+    def put(self, s, to, told: ti.template()):
+        """Put sample s into its place in the order of the cells."""
+        b, arm, x = self.owner[s], vector(self.arm, s), self.where(s, told)
+        spin = three(told, b, SPIN)
+        round_it = spin.cross(arm)
+        v = three(told, b, VELOCITY) + round_it
+        a = three(told, b, RISE) + three(told, b, SWING).cross(arm) + spin.cross(round_it)
+        store(self.position, to, x)
+        store(self.velocity, to, v)
+        store(self.acceleration, to, a)
+        self.share[to], self.free[to], self.name[to] = self.shares[s], self.slips[s], s
+
+    @ti.func
+    def near(self, x):
+        """Whether x lies within one support of a body."""
+        found = False
+        for b in range(ti.static(len(self.bodies))):
+            away = tm.vec3(0.0)
+            for k, period in ti.static(enumerate(self.grid.basin.periods)):
+                away[k] = x[k] - self.box[b, 1, k]
+                if ti.static(period > 0.0):
+                    away[k] -= period * ti.round(away[k] / period)
+                away[k] = ti.abs(away[k]) - self.box[b, 0, k]
+            found = found or away.max() < 0.0
+        return found
+
+    @ti.func
+    def head(self, x, s, d, mirror):
+        """Rise of p / rho [m2/s2] from a particle at x to sample s, seen at d [m] in a mirror."""
+        a = self.acceleration
+        pull, head = self.pull.at_rest(x), 0.0
+        for k, along in ti.static(enumerate((a.x, a.y, a.z))):
+            head += (pull[k] - mirror[SIGN, k] * along[s]) * d[k]
+        return head
+
+    @ti.func
+    def own_velocity(self, s, mirror):
+        """Of sample s [m/s], as a mirror shows it."""
+        return turned(mirror, tm.vec3(self.velocity.x[s], self.velocity.y[s], self.velocity.z[s]))
+
+    @ti.func
+    def opposed(self, v, s, mirror):
+        """Velocity [m/s] that keeps water of velocity v out of sample s: twice that of the sample less v."""
+        return 2.0 * self.own_velocity(s, mirror) - v
+
+    @ti.func
+    def rubbing(self, v, s, mirror):
+        """Velocity [m/s] with which sample s rubs on water of velocity v: the water's own where it slips."""
+        return ti.select(self.free[s] == 1, v, self.opposed(v, s, mirror))
+
+    @ti.func
+    def react(self, law: ti.template(), dt):
+        """Forces on the samples; call it at the top of a kernel."""
+        for b in range(self.blocks * TASK):
+            if b % TASK == 0:
+                for s in range(b // TASK * BLOCK, ti.min((b // TASK + 1) * BLOCK, self.n)):
+                    x = tm.vec3(self.position.x[s], self.position.y[s], self.position.z[s])
+                    force, name = self.water.total(x, law, s), self.name[s]
+                    self.force.x[name], self.force.y[name], self.force.z[name] = force.x, force.y, force.z
+                    for k in ti.static(range(3)):
+                        self.impulse[name, k] += ti.cast(dt * force[k], ti.f64)
+
+    @ti.func
+    def solid(self, x):
+        """Smoothed share of solid bodies around x; 1 inside, one half on a face."""
+        share = 0.0
+        if self.near(x):
+            share = self.around.total(x, self.volume, 0.0)[0]
+        return share
+
+    def met(self, law: Any) -> "Met":
+        return Met(self, law)
+
+    def reaction(self, law: Any) -> "Reaction":
+        return Reaction(self, law)
+
+    def forces(self) -> tuple[np.ndarray, np.ndarray]:
+        """Force (k, 3) [N] of the water on each body in the last step and its torque (k, 3) about its origin [N m], in
+        the axes of the tank; in a slice per metre."""
+        borne = np.zeros((2, len(self.bodies), 3))
+        self.sum_forces(borne)
+        return borne[0], borne[1]
+
+    @ti.kernel
+    def sum_forces(self, borne: ti.types.ndarray(dtype=ti.f64, ndim=3)):
+        ti.loop_config(serialize=True)
+        for s in range(self.n):
+            b = self.owner[s]
+            force = ti.cast(vector(self.force, s), ti.f64)
+            torque = ti.cast(vector(self.arm, s), ti.f64).cross(force)
+            for k in ti.static(range(3)):
+                borne[0, b, k] = borne[0, b, k] + force[k]
+                borne[1, b, k] = borne[1, b, k] + torque[k]
+
+    def impulses(self) -> np.ndarray:
+        """Impulse (k, 3) of the water on each body since the start [N s]."""
+        each = self.impulse.to_numpy()
+        return np.array([each[self.owners == k].sum(axis=0) for k in range(len(self.bodies))])
+
+
+@ti.data_oriented
+class Volume:
+    """Smoothed share of solid bodies."""
+
+    sums = 1
+
+    def __init__(self, boundary: Boundary, smoothing: Smoothing, unit: float) -> None:
+        """`unit`: volume of a particle [m3]."""
+        self.boundary, self.smoothing, self.unit = boundary, smoothing, unit
+
+    @ti.func
+    def term(self, own, s, d, mirror):
+        return ti.Vector([self.unit * self.boundary.share[s] * self.smoothing.W_poly6(d.dot(d))])
+
+
+@ti.data_oriented
+class Met:
+    """What a particle's pair law sums over the samples around it. The law has `sample(own, s, d, mirror)`: what it
+    reads of sample s, seen at d [m] in a mirror."""
+
+    def __init__(self, boundary: Boundary, law: Any) -> None:
+        self.boundary, self.law, self.sums = boundary, law, law.sums
+
+    @ti.func
+    def term(self, own, s, d, mirror):
+        return self.boundary.share[s] * self.law.pair(own, self.law.sample(own, s, d, mirror))
+
+    @ti.func
+    def total(self, x, own):
+        total = ti.Vector.zero(float, self.sums)
+        if self.boundary.near(x):
+            total = self.boundary.around.total(x, self, own)
+        return total
+
+
+@ti.data_oriented
+class Reaction:
+    """Force [N] on a sample, number `own`, by the pair law that pushes the water; the law has `acceleration(own,
+    total)`, that of a particle by what it has summed. Across a side, what an image does is the side's."""
+
+    sums = 3
+
+    def __init__(self, boundary: Boundary, law: Any) -> None:
+        self.boundary, self.law, self.mass = boundary, law, boundary.fluid.particles.mass
+
+    @ti.func
+    def term(self, own, j, d, mirror):
+        law = self.law
+        here = ti.Vector([field[j] for field in ti.static(law.reads)])
+        away = tm.vec3([-mirror[SIGN, k] * d[k] for k in ti.static(range(3))])
+        push = self.boundary.share[own] * law.pair(here, law.sample(here, own, away, mirror))
+        force = -self.mass * law.acceleration(here, push)
+        return ti.Vector([ti.select(mirror[SIGN, k] > 0.0, force[k], 0.0) for k in ti.static(range(3))])

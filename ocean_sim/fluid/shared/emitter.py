@@ -1,0 +1,125 @@
+"""An emitter: a mouth from which water flows at a given rate and velocity until there are as many particles as its cap.
+
+Particles leave in layers across the mouth, whose area is rate over speed: the first at time 0, then one in the time in
+which the rate fills it. What left between two steps is on its parabola at the end of the step, so neither how many
+there are nor, until they meet others, where they are depends on the time step.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+from pydantic import Field
+
+from ocean_sim.basin import Basin
+from ocean_sim.parts import PartConfig, quantity
+
+if TYPE_CHECKING:
+    from ocean_sim.fluid.shared.water import Lattice
+
+Vector = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
+MOST_PARTICLES = 2**26  # their neighbours are counted in 32 bits
+LATE = 1e-9  # [layers] rounding of the time
+
+
+class Emitter(PartConfig):
+    """A mouth from which water flows, in a basin that is empty but for `fill`."""
+
+    position: Vector = quantity("m")
+    """Middle of the mouth; in a slice [x, y]."""
+    velocity: Vector = quantity("m/s")
+    """With which the water leaves, across the mouth; in a slice [u, v]."""
+    rate: float = quantity("m3/s", gt=0.0)
+    """Volume of water that leaves per second; in a slice area, m2/s."""
+    cap: int = quantity("particles", ge=1, le=MOST_PARTICLES)
+    """The most particles that there will be in all, those of `fill` counted; then it stops."""
+
+    def problems(self, basin: Basin) -> Iterator[tuple[tuple[str, ...], str]]:
+        """What is wrong with these numbers in this basin, before a lattice can be made of them."""
+        for key in ("position", "velocity"):
+            numbers = getattr(self, key)
+            if len(numbers) != basin.dimension and (basin.dimension == 3 or numbers[2] != 0.0):
+                yield (key,), f"a point of this basin has {basin.dimension} numbers, got {len(numbers)}"
+        if not any(self.velocity):
+            yield ("velocity",), "must not be zero: the water leaves the emitter with it"
+
+
+@dataclass(frozen=True)
+class Jet:
+    """What leaves an emitter."""
+
+    config: Emitter
+    dimension: int
+    spacing: float  # [m]
+    volume: float  # of a particle [m3]; in a slice [m2]
+    first: int  # particles that are there beside it
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """(3,) [m/s]"""
+        return np.array((*self.config.velocity, 0.0)[:3])
+
+    @property
+    def area(self) -> float:
+        """Of the mouth [m2]; in a slice its width [m]."""
+        return self.config.rate / float(np.linalg.norm(self.velocity))
+
+    @cached_property
+    def sites(self) -> np.ndarray:
+        """(k, 3) places of a layer [m]: the nearest to the middle of a square lattice, around it."""
+        ahead = self.velocity / np.linalg.norm(self.velocity)
+        apart = self.spacing ** (self.dimension - 1)
+        k = max(1, round(self.area / apart))
+        middle = np.array((*self.config.position, 0.0)[:3])
+        if self.dimension == 2:
+            across = np.array([-ahead[1], ahead[0], 0.0])
+            return middle + self.area / k * (np.arange(k) - 0.5 * (k - 1))[:, None] * across
+        across = np.cross(ahead, np.eye(3)[np.argmin(np.abs(ahead))])
+        across /= np.linalg.norm(across)
+        reach = np.arange(-int(k**0.5) - 2, int(k**0.5) + 3, dtype=float)
+        layers = []
+        for shift in ((0.0, 0.0), (0.5, 0.5), (0.5, 0.0)):
+            a, b = (part.ravel() for part in np.meshgrid(reach + shift[0], reach + shift[1], indexing="ij"))
+            nearest = np.argsort((a * a + b * b).round(9), kind="stable")[:k]
+            flat = np.stack([a[nearest], b[nearest]], axis=1)
+            layers.append(flat - flat.mean(axis=0))
+        flat = min(layers, key=lambda layer: float((layer**2).sum().round(9))) * (self.area / k) ** 0.5
+        return middle + flat[:, :1] * across + flat[:, 1:] * np.cross(ahead, across)
+
+    @property
+    def interval(self) -> float:
+        """Time from layer to layer [s]."""
+        return len(self.sites) * self.volume / self.config.rate
+
+    def number(self, time: float) -> int:
+        """How many particles there are at a time [s]."""
+        layers = int(time / self.interval + LATE) + 1
+        return min(self.config.cap, self.first + layers * len(self.sites))
+
+    def left(self, first: int, last: int, time: float, pull: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(n, 3) places [m] and velocities [m/s] at a time [s] of the particles from number `first` to before `last`,
+        under an acceleration `pull` [m/s2] since they left."""
+        layer, site = np.divmod(np.arange(first, last) - self.first, len(self.sites))
+        age = np.maximum(time - layer * self.interval, 0.0)[:, None]
+        return self.sites[site] + age * self.velocity + 0.5 * age**2 * pull, self.velocity + age * pull
+
+
+def problems(lattice: "Lattice", jet: Jet) -> Iterator[tuple[tuple[str, ...], str]]:
+    """What is wrong with an emitter beside this water: (path below `fluid.emitter`, sentence)."""
+    basin, config = lattice.basin, jet.config
+    if config.cap <= jet.first:
+        yield ("cap",), f"{config.cap} particles in all, but `fill` makes {jet.first}: nothing would be left to emit"
+    if basin.closed and config.cap * jet.volume > basin.volume * (1.0 + 1e-9):
+        most = int(basin.volume / jet.volume + 1e-9)
+        yield ("cap",), f"{config.cap} particles are more water than this closed basin holds: at most {most}"
+    low, up = np.array(basin.lower), np.array(basin.upper)
+    out = (jet.sites < low) | (jet.sites > up)
+    out[:, 1] = (jet.sites[:, 1] < low[1]) | (basin.closed & (jet.sites[:, 1] > up[1]))
+    if out.any():
+        axes = " and ".join(np.array(["x", "y", "z"])[out.any(axis=0)])
+        yield (
+            ("position",),
+            f"the mouth, {jet.area:.3g} {'m2' if jet.dimension == 3 else 'm'}, reaches out of the basin along {axes}",
+        )

@@ -1,0 +1,322 @@
+"""The states that water may start from: still, waves in mid-flight, a Taylor-Green vortex, or a file of particles.
+
+Waves are those of linear theory. The lattice is carried to its place by the flow of the theory's displacement, which
+is free of divergence, so it keeps its density to all orders; its crests then are those of Stokes to second order. The
+velocity is the theory's at that place: free of divergence and rotation. A particle's pressure follows it: hydrostatic
+where it rests, and rho g (pressure head - rise) of linear theory there, which is zero on the surface.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from math import pi
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from ocean_sim import waves
+from ocean_sim.basin import Basin
+from ocean_sim.files import csv_file
+from ocean_sim.files.input_file import FileName, Unreadable, arrays, shown
+from ocean_sim.parts import PartConfig, quantity
+from ocean_sim.random_numbers import numpy_uniform3
+
+State = tuple[np.ndarray, np.ndarray, np.ndarray]  # positions (n, 3) [m], velocities (n, 3) [m/s], pressures (n,) [Pa]
+Problems = Iterator[tuple[tuple[str, ...], str]]  # path below `fluid.initial`, sentence
+
+DISORDER = 0x4_0000  # stream of random numbers
+LEAPS = 4  # Runge-Kutta steps along a displacement
+FITTING = 0.01  # part of its wavenumber by which a wave may be changed to fit a periodic basin
+FEWEST = 4.0  # spacings that a wave must be long to be there
+STEEPEST_STANDING = 0.218  # height over wavelength, over tanh(kh), of a standing wave that breaks (Wiegel 1964)
+
+
+class StandingWave(PartConfig):
+    """A standing wave along x; its crest or trough stands at both ends of the basin."""
+
+    kind: Literal["standing_wave"] = "standing_wave"
+    height: float | None = quantity("m", None, gt=0.0)
+    """From trough to crest."""
+    amplitude: float | None = quantity("m", None, gt=0.0)
+    """Half the height, in place of it."""
+    mode: int = quantity("1", 1, ge=1)
+    """Half wavelengths in the length of the basin."""
+    phase: Literal["crest", "flat"] = "crest"
+    """`crest`: highest and at rest, with a crest at x_min; `flat`: as flat as still water and in fastest motion."""
+
+    @model_validator(mode="after")
+    def _one_size(self) -> "StandingWave":
+        if (self.height is None) == (self.amplitude is None):
+            raise ValueError("give either height [m] or amplitude [m], half of it")
+        return self
+
+    def sea(self, basin: Basin) -> waves.Components:
+        """Two equal waves that run against each other: A cos k(x - x_min) cos omega t, or sin omega t."""
+        half = (self.amplitude or (self.height or 0.0) / 2.0) / 2.0
+        k = self.mode * pi / basin.config.length
+        shift, late = -k * basin.lower[0], 0.5 * pi if self.phase == "flat" else 0.0
+        wavevector = np.array([[k, 0.0], [-k, 0.0]])
+        return waves.Components(
+            np.array([half, half]), wavevector, np.array([shift + late, -shift + late]), basin.depth, waves.pull(basin)
+        )
+
+    def problems(self, basin: Basin) -> Problems:
+        for sentence in waves.unsuited(basin):
+            yield ("kind",), sentence
+            return
+        length = 2.0 * basin.config.length / self.mode
+        most = STEEPEST_STANDING * length * float(np.tanh(2.0 * pi * basin.depth / length))
+        if 4.0 * self.sea(basin).amplitude[0] > most:
+            key = "height" if self.amplitude is None else "amplitude"
+            yield (key,), f"a standing wave of {length:.3g} m would break: at most it is {most:.3g} m high"
+        if basin.periods[0] and self.mode % 2:
+            yield ("mode",), f"x is periodic: the mode must be even, got {self.mode}"
+
+    def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
+        return carried(self.sea(basin), positions, basin, density)
+
+
+class RegularWave(PartConfig):
+    """A regular wave that travels through periodic sides."""
+
+    kind: Literal["regular_wave"] = "regular_wave"
+    height: float = quantity("m", gt=0.0)
+    """From trough to crest."""
+    period: float = quantity("s", gt=0.0)
+    """Its wavelength must fit the basin."""
+    heading_deg: float | None = quantity("deg", None)
+    """Where it goes to: 0 along +z, 90 along +x; by default 0, in a slice 90."""
+
+    def sea(self, basin: Basin) -> waves.Components:
+        """The wave before it is fitted to the basin."""
+        towards = waves.direction(self.heading_deg, basin.dimension)
+        return waves.regular(self.height, self.period, towards, basin.depth, waves.pull(basin))
+
+    def problems(self, basin: Basin) -> Problems:
+        found = [(("height",), sentence) for sentence in waves.unsuited(basin, self.height, self.period)]
+        found += [(("heading_deg",), sentence) for sentence in waves.misdirected(self.heading_deg, basin)]
+        yield from found
+        if found:
+            return
+        sea = self.sea(basin)
+        yield from ((("heading_deg",), sentence) for sentence in walled(sea.wavevector[0], basin))
+        wanted = fitted(sea, basin)
+        off = float(np.linalg.norm(wanted.wavevector[0] - sea.wavevector[0]) / sea.wavenumber[0])
+        if off > FITTING:
+            (length, fits), period = 2.0 * pi / np.append(sea.wavenumber, wanted.wavenumber), 2.0 * pi / wanted.omega[0]
+            yield (
+                ("period",),
+                f"a wave of {self.period:g} s is {length:.4g} m long and does not repeat itself in the periodic basin; "
+                f"the nearest that does is {fits:.4g} m long: period {period:.5g}",
+            )
+
+    def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
+        return carried(fitted(self.sea(basin), basin), positions, basin, density)
+
+
+class RandomWaves(PartConfig):
+    """Random waves that travel through periodic sides; each of their components is made to fit the basin."""
+
+    kind: Literal["spectrum"] = "spectrum"
+    spectrum: waves.Spectrum
+    """Their spectrum."""
+
+    def sea(self, basin: Basin) -> waves.Components:
+        """The waves before they are fitted to the basin."""
+        towards = waves.direction(self.spectrum.heading_deg, basin.dimension)
+        return self.spectrum.components(towards, basin.depth, waves.pull(basin))
+
+    def problems(self, basin: Basin) -> Problems:
+        size = self.spectrum.significant_wave_height, self.spectrum.peak_period
+        found = [(("spectrum", "significant_wave_height"), sentence) for sentence in waves.unsuited(basin, *size)]
+        heading = ("spectrum", "heading_deg")
+        found += [(heading, sentence) for sentence in waves.misdirected(self.spectrum.heading_deg, basin)]
+        yield from found
+        if not found:
+            yield from ((heading, sentence) for sentence in walled(self.sea(basin).wavevector[0], basin))
+
+    def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
+        sea, height = self.sea(basin), self.spectrum.significant_wave_height
+        # Waves shorter than a few spacings cannot be there; those beyond k = 2 / Hs ride on the others and are no
+        # linear waves of their own (Stansberg et al. 2008, Marine Structures 21). The rest carry their variance.
+        there = sea.wavenumber < min(2.0 / height, 2.0 * pi / (FEWEST * apart(positions, basin)))
+        there[np.argmin(sea.wavenumber)] = True
+        share = np.linalg.norm(sea.amplitude) / np.linalg.norm(sea.amplitude[there])
+        kept = replace(
+            sea,
+            amplitude=share * sea.amplitude[there],
+            wavevector=sea.wavevector[there],
+            phase=sea.phase[there],
+        )
+        return carried(fitted(kept, basin), positions, basin, density)
+
+
+class TaylorGreen(PartConfig):
+    """The vortices of Taylor & Green (1937), one period in x and y, uniform along z."""
+
+    kind: Literal["taylor_green"] = "taylor_green"
+    speed: float = quantity("m/s", gt=0.0)
+    """Greatest speed along x."""
+    disorder: float = quantity("spacings", 0.0, ge=0.0, lt=0.5)
+    """How far, at most, each particle is put off its place on the lattice along x and y."""
+    seed: int = quantity("1", 0, ge=0, lt=2**31)
+    """Seed of the disorder."""
+
+    def problems(self, basin: Basin) -> Problems:
+        for axis in (0, 1):
+            if not basin.periods[axis]:
+                sentence = f"these vortices repeat themselves: {'xy'[axis]} must be periodic"
+                yield ("kind",), f"{sentence} (basin.walls: {{{'xy'[axis]}: periodic}})"
+
+    def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
+        a, b = 2.0 * pi / basin.config.length, 2.0 * pi / basin.depth
+        kick = numpy_uniform3(self.seed, DISORDER, np.arange(len(positions)), 0) * (1.0, 1.0, 0.0)
+        placed = wrapped(positions + self.disorder * apart(positions, basin) * kick, basin)
+        x, y = a * (placed[:, 0] - basin.lower[0]), b * (placed[:, 1] - basin.lower[1])
+        u, v = -np.cos(x) * np.sin(y), a / b * np.sin(x) * np.cos(y)
+        pressure = -0.25 * density * self.speed**2 * (np.cos(2.0 * x) + (a / b) ** 2 * np.cos(2.0 * y))
+        return placed, self.speed * np.stack([u, v, np.zeros_like(u)], axis=1), pressure
+
+
+class FromFile(PartConfig):
+    """Particles as a file has them, as many as there are; they replace the lattice."""
+
+    kind: Literal["file"] = "file"
+    path: FileName
+    """A CSV with a heading, or an npz: x, y, z [m], u, v, w [m/s], and p [Pa] where it is known. In a slice without z
+    and w."""
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """The columns of the file, each (n,), by their names without unit; raises Unreadable."""
+        found = arrays(self.path) if self.path.endswith(".npz") else csv_file.columns(self.path)
+        unnumbered = [name for name, column in found.items() if column.dtype.kind not in "iuf" or column.ndim > 1]
+        if unnumbered:
+            raise Unreadable(self.path, f"{unnumbered[0]} is not a column of numbers")
+        found = {name: np.atleast_1d(column).astype(float) for name, column in found.items()}
+        return {name.split("_")[0]: column for name, column in found.items()}
+
+    def problems(self, basin: Basin) -> Problems:
+        try:
+            columns = self.columns()
+        except Unreadable as error:
+            yield ("path",), f"{error}"
+            return
+        missing = [name for name in ("xyuv" if basin.dimension == 2 else "xyzuvw") if name not in columns]
+        sizes = {column.shape for column in columns.values()}
+        if missing:
+            yield ("path",), f"{shown(self.path)} has no column {' and no column '.join(missing)}"
+        elif len(sizes) != 1 or sizes == {(0,)}:
+            yield ("path",), f"the columns of {shown(self.path)} must be of one length, and not empty"
+        elif not all(np.isfinite(column).all() for column in columns.values()):
+            yield ("path",), f"{shown(self.path)} holds what is not a number"
+        else:
+            places = self.places(basin)
+            low, up = np.array(basin.lower), np.array(basin.upper)
+            outside = np.flatnonzero(((places < low - 1e-9) | (places > up + 1e-9)).any(axis=1))
+            if len(outside):
+                x, y, z = places[outside[0]]
+                yield ("path",), f"{len(outside)} particles are outside the basin, the first at ({x:g}, {y:g}, {z:g}) m"
+
+    def places(self, basin: Basin) -> np.ndarray:
+        """(n, 3) [m]; z is 0 in a slice."""
+        return vectors(self.columns(), "xyz", basin)
+
+    def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
+        columns = self.columns()
+        placed = vectors(columns, "xyz", basin)
+        return placed, vectors(columns, "uvw", basin), columns.get("p", still_pressure(placed, basin, density, 0.0))
+
+
+Initial = Annotated[StandingWave | RegularWave | RandomWaves | TaylorGreen | FromFile, Field(discriminator="kind")]
+
+
+def started(
+    initial: Initial | None,
+    positions: np.ndarray,
+    basin: Basin,
+    rest_density: float,
+    surface: float | np.ndarray = 0.0,
+) -> State:
+    """The state that water on a lattice (n, 3) [m] starts from. `surface`: height of still water [m], one number or one
+    a particle, where the water does not fill the basin."""
+    if initial is not None:
+        return initial.state(positions, basin, rest_density)
+    return positions, np.zeros_like(positions), still_pressure(positions, basin, rest_density, surface)
+
+
+def problems(initial: Initial | None, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
+    """What is wrong with an initial state in this basin: (path below `fluid.initial`, sentence)."""
+    return [] if initial is None else list(initial.problems(basin))
+
+
+def given_places(initial: Initial | None, basin: Basin) -> np.ndarray | None:
+    """(n, 3) places [m] that take the place of a lattice, or None."""
+    return initial.places(basin) if isinstance(initial, FromFile) else None
+
+
+def still_pressure(positions: np.ndarray, basin: Basin, density: float, surface: float | np.ndarray) -> np.ndarray:
+    """(n,) hydrostatic pressure [Pa] below a surface [m]; 0 where y repeats itself or nothing pulls down."""
+    pull = 0.0 if basin.periods[1] else max(0.0, -basin.gravity[1])
+    return density * pull * np.maximum(surface - positions[:, 1], 0.0)
+
+
+def carried(sea: waves.Components, positions: np.ndarray, basin: Basin, density: float) -> State:
+    """Water that rests at (n, 3), in these waves at time 0."""
+    placed, leap = positions.astype(float), 1.0 / LEAPS
+    for _ in range(LEAPS):
+        a = waves.displacement(sea, placed)
+        b = waves.displacement(sea, placed + 0.5 * leap * a)
+        c = waves.displacement(sea, placed + 0.5 * leap * b)
+        d = waves.displacement(sea, placed + leap * c)
+        placed = placed + leap / 6.0 * (a + 2.0 * b + 2.0 * c + d)
+    rise = waves.displacement(sea, positions)[:, 1]
+    head = waves.pressure_head(sea, positions) - rise - positions[:, 1]
+    return wrapped(placed, basin), waves.linear_velocity(sea, placed), density * sea.gravity * head
+
+
+def fitted(sea: waves.Components, basin: Basin) -> waves.Components:
+    """The sea with every wavevector moved to the nearest that repeats itself in a periodic basin; waves that fall on
+    the same one become one, with the variance of all and the phase of the greatest."""
+    wavevector = sea.wavevector.copy()
+    for axis, period in enumerate((basin.periods[0], basin.periods[2])):
+        if period:
+            unit = 2.0 * pi / period
+            number = np.round(wavevector[:, axis] / unit)
+            least = np.abs(sea.wavevector).argmax(axis=1) == axis  # along this axis a wave must have one crest
+            number = np.where((number == 0.0) & least, np.sign(sea.wavevector[:, axis]), number)
+            wavevector[:, axis] = number * unit
+    unique, which = np.unique(wavevector.round(9), axis=0, return_inverse=True)
+    members = [np.flatnonzero(which.ravel() == k) for k in range(len(unique))]
+    greatest = [own[np.argmax(sea.amplitude[own])] for own in members]
+    amplitude = np.array([np.linalg.norm(sea.amplitude[own]) for own in members])
+    return replace(sea, amplitude=amplitude, wavevector=wavevector[greatest], phase=sea.phase[greatest])
+
+
+def walled(wavevector: np.ndarray, basin: Basin) -> Iterator[str]:
+    """Why a wave cannot travel this way: its water would start inside a wall."""
+    for axis, k in zip((0, 2), wavevector):
+        walls = [basin.walls.at(f"{'xyz'[axis]}_{end}") for end in ("min", "max")]
+        if abs(k) > 1e-9 * np.linalg.norm(wavevector) and set(walls) - {"periodic", "none"}:
+            name = "xyz"[axis]
+            yield f"waves that travel along {name} need periodic sides there (basin.walls: {{{name}: periodic}})"
+
+
+def wrapped(positions: np.ndarray, basin: Basin) -> np.ndarray:
+    """Places brought back into the basin along its periodic axes."""
+    placed = positions.copy()
+    for axis, period in enumerate(basin.periods):
+        if period:
+            low = basin.lower[axis]
+            placed[:, axis] = low + np.mod(placed[:, axis] - low, period)
+    return placed
+
+
+def apart(positions: np.ndarray, basin: Basin) -> float:
+    """Distance of neighbours [m] where so many particles fill the basin."""
+    return (basin.volume / len(positions)) ** (1.0 / basin.dimension)
+
+
+def vectors(columns: dict[str, np.ndarray], names: str, basin: Basin) -> np.ndarray:
+    """(n, 3) of three columns; in a slice the third is 0."""
+    flat = np.zeros_like(columns[names[0]])
+    return np.stack([columns[names[0]], columns[names[1]], flat if basin.dimension == 2 else columns[names[2]]], axis=1)

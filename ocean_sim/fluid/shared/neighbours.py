@@ -1,0 +1,264 @@
+"""Who is near whom: the walk over neighbours, written once.
+
+The unit of work is a cell, as wide as the support: the particles within one support of the bounding box of its
+particles are its candidates, found once a step and kept; a pair law is then summed over them in one long loop without
+branches. Everything is gathered, nothing is scattered, so the result does not depend on the number of threads.
+"""
+
+from dataclasses import dataclass
+
+import taichi as ti
+import taichi.math as tm
+
+from ocean_sim.basin import OPEN
+from ocean_sim.fluid.shared.accounts import Ledger
+from ocean_sim.fluid.shared.grid import Grid, GridSize
+from ocean_sim.fluid.shared.images import mirrored
+from ocean_sim.fluid.shared.pairs import Pairs, flips
+from ocean_sim.fluid.shared.particles import Particles
+from ocean_sim.fluid.shared.smoothing import Smoothing, positive
+from ocean_sim.fluid.shared.water import MOST_PARTICLES
+
+
+@dataclass(frozen=True)
+class ListSize:
+    """How long the candidate lists are, known before anything is allocated."""
+
+    grid: GridSize
+    reads: int  # the most fields that a pair law of this fluid reads of a neighbour
+
+    @property
+    def at_rest(self) -> float:
+        """Candidates of a full cell in water at rest: a box of three supports (in a slice a square)."""
+        return (3.0 * self.grid.support / self.grid.lattice.spacing) ** self.grid.lattice.basin.dimension
+
+    @property
+    def capacity(self) -> int:
+        """Candidates that one cell may have: water compressed four times, and a good deal for splashes."""
+        return int(4.0 * self.at_rest) + 256
+
+    @property
+    def segment(self) -> int:
+        """Candidates that one group of cells may have: twice those of water at rest, whose cells are full."""
+        full = (self.grid.support / self.grid.lattice.spacing) ** self.grid.lattice.basin.dimension
+        return int(2.0 * self.grid.lattice.n / self.grid.groups * self.at_rest / full) + 4 * self.capacity
+
+    def bytes(self, word: int) -> int:
+        """Of lists and scratch, where `word` is the size of a `float` [bytes]."""
+        return (
+            4 * (self.grid.occupied + self.grid.groups * self.segment)
+            + word * self.grid.groups * self.capacity * self.reads
+        )
+
+
+@ti.data_oriented
+class Neighbours:
+    """The candidates of every occupied cell, in segments of one list, one a group of cells."""
+
+    def __init__(self, particles: Particles, grid: Grid, ledger: Ledger, size: ListSize) -> None:
+        self.position, self.grid, self.ledger = particles.position, grid, ledger
+        self.groups, self.capacity, self.segment = size.grid.groups, size.capacity, size.segment
+        self.images = grid.images
+        self.periods, self.periodic = tm.vec3(grid.basin.periods), any(grid.basin.periods)
+        self.candidates = ti.field(int, shape=size.grid.occupied)
+        self.candidate = ti.field(int, shape=self.groups * self.segment)
+        self.scratch = tuple(ti.field(float, shape=self.groups * self.capacity) for _ in range(size.reads))
+        self.keeps = False  # whether pairs are kept
+
+    def keep(self, pairs: Pairs, smoothing: Smoothing) -> None:
+        """From now on a walk that finds its candidates also keeps their pairs."""
+        self.keeps, self.pairs, self.smoothing = True, pairs, smoothing
+        self.name, self.close = (ti.field(int, shape=self.groups * self.capacity) for _ in range(2))
+
+    @ti.func
+    def bounds(self, c):
+        """Lowest and highest coordinates of the particles of cell c."""
+        x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
+        lo, up = tm.vec3(OPEN), tm.vec3(-OPEN)
+        for i in range(self.grid.start[c], self.grid.start[c + 1]):
+            lo, up = tm.min(lo, tm.vec3(x[i], y[i], z[i])), tm.max(up, tm.vec3(x[i], y[i], z[i]))
+        return lo, up
+
+    @ti.func
+    def near(self, x, lo, up):
+        """1 within one support of the box from lo to up, else 0."""
+        ex = positive(ti.max(lo.x - x.x, x.x - up.x))
+        ey = positive(ti.max(lo.y - x.y, x.y - up.y))
+        ez = positive(ti.max(lo.z - x.z, x.z - up.z))
+        return int(ex * ex + ey * ey + ez * ez < self.grid.support * self.grid.support)
+
+    @ti.func
+    def find(self, c, lo, up, first, room):
+        """Keep the particles near the box from `first` on; their number, or -1 where they do not find `room`."""
+        grid = self.grid
+        x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
+        m, full = 0, 0
+        for dz in range(-1, 2):
+            for dy in range(-1, 2):
+                row = c + (dz * grid.cells[1] + dy) * grid.cells[0]
+                begin, end = grid.start[row - 1], grid.start[row + 2]
+                if m + end - begin > room:
+                    full = 1
+                    end = begin
+                for j in range(begin, end):
+                    self.candidate[first + m] = j
+                    m += self.near(tm.vec3(x[j], y[j], z[j]), lo, up)
+        return ti.select(full == 1, -1, m)
+
+    @ti.func
+    def find_around(self, place, lo, up, first, room):
+        """The same where an axis is periodic: a candidate is a particle and a code of the period it is seen through."""
+        grid = self.grid
+        x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
+        m, full = 0, 0
+        for d in range(27):
+            there, code = place + tm.ivec3(d % 3, d // 3 % 3, d // 9) - 1, 13
+            for k, period in ti.static(enumerate(self.grid.basin.periods)):
+                if ti.static(period > 0.0):
+                    around = int(there[k] > grid.cells[k] - 2) - int(there[k] < 1)
+                    there[k] -= around * (grid.cells[k] - 2)
+                    code += around * 3**k
+            c, shift = grid.cell_at(there), self.shift(code)
+            begin, end = grid.start[c], grid.start[c + 1]
+            if m + end - begin > room:
+                full = 1
+                end = begin
+            for j in range(begin, end):
+                self.candidate[first + m] = j + code * MOST_PARTICLES
+                m += self.near(tm.vec3(x[j], y[j], z[j]) + shift, lo, up)
+        return ti.select(full == 1, -1, m)
+
+    @ti.func
+    def shift(self, code):
+        """Where the particles of a code are seen, relative to where they are [m]; 13 is here."""
+        return self.periods * (tm.ivec3(code % 3, code // 3 % 3, code // 9) - 1)
+
+    @ti.func
+    def find_images(self, mirror, lo, up, scratch, m, first):
+        """Keep those of the m candidates so far whose image is near the box, from `first` on; their number."""
+        x, y, z = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
+        run = 0
+        for a in range(m):
+            self.candidate[first + run] = a
+            run += self.near(mirrored(mirror, tm.vec3(x[scratch + a], y[scratch + a], z[scratch + a])), lo, up)
+        return run
+
+    @ti.func
+    def add_images(self, group, law: ti.template(), find: ti.template(), place, lo, up, n, entry):
+        """Put the images of the n candidates in the scratch after them; how many there are then, and where
+        the list goes on.
+
+        From `entry` on the list holds, for each side beside the cell, how many images there are and of which of them.
+        """
+        scratch, last, m = group * self.capacity, (group + 1) * self.segment, n
+        for side in range(self.images.sides):
+            if self.images.beside(side, place):
+                mirror = self.images.mirror(side)
+                if ti.static(find):
+                    self.candidate[entry] = 0
+                    if entry + 1 + m + self.images.sides <= last and 2 * m <= self.capacity:
+                        found = self.find_images(mirror, lo, up, scratch, m, entry + 1)
+                        self.candidate[entry] = found
+                    else:
+                        self.ledger.overflow[group] = self.ledger.overflow[group] + 1
+                run = self.candidate[entry]
+                for b in range(run):
+                    a = scratch + self.candidate[entry + 1 + b]
+                    if ti.static(find and self.keeps):
+                        self.name[scratch + m + b] = self.name[a] ^ flips(mirror)
+                    other = ti.Vector([self.scratch[t][a] for t in ti.static(range(len(law.reads)))])
+                    image = law.image(other, mirror)
+                    for t in ti.static(range(len(law.reads))):
+                        self.scratch[t][scratch + m + b] = image[t]
+                m, entry = m + run, entry + 1 + run
+        return tm.ivec2(m, entry)
+
+    @ti.func
+    def closest(self, x, begin, end, first, found):
+        """Note which of these candidates lie within a support of x, though not in its place; how many there are now."""
+        px, py, pz = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
+        for a in range(begin, end):
+            away = x - tm.vec3(px[a], py[a], pz[a])
+            r2 = away.dot(away)
+            self.close[first + found] = a
+            found += int(r2 < self.grid.support * self.grid.support) & int(r2 > 0.0)
+        return found
+
+    @ti.func
+    def keep_pairs(self, i, x, scratch, n, m, group):
+        """Keep the pairs of particle i with the m candidates in the scratch, the first n of them particles."""
+        px, py, pz = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
+        near = self.closest(x, scratch, scratch + n, scratch, 0)
+        seen = self.closest(x, scratch + n, scratch + m, scratch, near)
+        if seen > self.pairs.room:
+            near, seen = 0, 0
+            self.ledger.overflow[group] = self.ledger.overflow[group] + 1
+        self.pairs.near[i], self.pairs.seen[i] = near, seen
+        for b in range(seen):
+            a, to = self.close[scratch + b], i * self.pairs.room + b
+            away = x - tm.vec3(px[a], py[a], pz[a])
+            self.pairs.name[to] = self.name[a]
+            self.pairs.gradient[to] = self.smoothing.shape_grad_wendland(ti.sqrt(away.dot(away))) * away
+
+    @ti.func
+    def walk(self, group, law: ti.template(), find: ti.template()):
+        """For every particle i of the group's cells: sum law.pair over its candidates, then law.finish it. The first
+        three fields that a law reads are a place.
+
+        Images are summed with the particles, or, where the law wants them `apart`, by themselves.
+        """
+        grid = self.grid
+        scratch = group * self.capacity
+        kept, last = group * self.segment, (group + 1) * self.segment
+        if ti.static(find):
+            self.ledger.overflow[group] = 0
+        law.begin(group)
+        occupied = grid.occupied_count[None]
+        for k in range(group * occupied // self.groups, (group + 1) * occupied // self.groups):
+            c = self.grid.occupied[k]
+            place = grid.place_of(c)
+            room = ti.min(self.capacity, last - kept - self.images.sides)
+            lo, up = tm.vec3(0.0), tm.vec3(0.0)
+            if ti.static(find):
+                lo, up = self.bounds(c)
+                if ti.static(self.periodic):
+                    self.candidates[k] = self.find_around(place, lo, up, kept, room)
+                else:
+                    self.candidates[k] = self.find(c, lo, up, kept, room)
+                if self.candidates[k] < 0:
+                    self.candidates[k] = 0
+                    self.ledger.overflow[group] = self.ledger.overflow[group] + 1
+            n = self.candidates[k]
+            for a in range(n):
+                j = self.candidate[kept + a]
+                if ti.static(self.periodic):
+                    shift = self.shift(j // MOST_PARTICLES)
+                    j = j % MOST_PARTICLES
+                    if ti.static(find and self.keeps):
+                        self.name[scratch + a] = j
+                    for t, field in ti.static(enumerate(law.reads)):
+                        self.scratch[t][scratch + a] = field[j] + (shift[t] if ti.static(t < 3) else 0.0)
+                else:
+                    if ti.static(find and self.keeps):
+                        self.name[scratch + a] = j
+                    for t, field in ti.static(enumerate(law.reads)):
+                        self.scratch[t][scratch + a] = field[j]
+            seen = tm.ivec2(n, kept + n)
+            if ti.static(self.images.sides > 0):
+                if room > 0 and grid.at_rim(place, self.images.deepest):
+                    seen = self.add_images(group, law, find, place, lo, up, n, kept + n)
+            m = seen[0]
+            for i in range(grid.start[c], grid.start[c + 1]):
+                own = ti.Vector([field[i] for field in ti.static(law.reads)])
+                total, beyond = ti.Vector.zero(float, law.sums), ti.Vector.zero(float, law.sums)
+                for a in range(scratch, scratch + ti.select(law.apart, n, m)):
+                    other = ti.Vector([self.scratch[t][a] for t in ti.static(range(len(law.reads)))])
+                    total += law.pair(own, other)
+                if ti.static(law.apart):
+                    for a in range(scratch + n, scratch + m):
+                        other = ti.Vector([self.scratch[t][a] for t in ti.static(range(len(law.reads)))])
+                        beyond += law.pair(own, other)
+                if ti.static(find and self.keeps):
+                    self.keep_pairs(i, tm.vec3(own[0], own[1], own[2]), scratch, n, m, group)
+                law.finish(i, own, total, beyond, group)
+            kept = seen[1]

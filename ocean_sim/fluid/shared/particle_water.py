@@ -1,0 +1,155 @@
+"""What all water made of particles has, whatever moves them: a grid, walls, a surface, an emitter, and accounts."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import taichi as ti
+import taichi.math as tm
+
+from ocean_sim.basin import Basin
+from ocean_sim.fluid import Status
+from ocean_sim.fluid.shared.accounts import SUMMARY, Ledger
+from ocean_sim.fluid.shared.field import Field
+from ocean_sim.fluid.shared.free_surface import FreeSurface
+from ocean_sim.fluid.shared.grid import Grid, GridSize
+from ocean_sim.fluid.shared.particles import seeded
+from ocean_sim.fluid.shared.pull import Pull
+from ocean_sim.fluid.shared.smoothing import Smoothing
+from ocean_sim.fluid.shared.walls import Walls
+from ocean_sim.wind import Wind
+
+
+@ti.data_oriented
+class ParticleWater:
+    """Particles between steps; a kind adds how they move (`advance`) and how they are put in order (`begin`)."""
+
+    field: Field
+    status: Status
+
+    def __init__(self, config: Any, basin: Basin, size: GridSize, ledger: bool, wind: Wind) -> None:
+        self.config, self.wind = config, wind
+        lattice = size.lattice
+        self.particles = seeded(lattice)
+        self.smoothing = Smoothing(basin.dimension, size.support)
+        self.carried = tuple(ti.field(float, shape=self.particles.n) for _ in range(size.carried))
+        self.grid = Grid(self.particles, size, self.carried)
+        self.ledger = Ledger(size.groups, ledger)
+        self.surface = FreeSurface(self.particles, self.grid, self.smoothing)
+        self.around = self.surface.around
+        self.walls = Walls(lattice, self.grid.images)
+        self.pull = Pull(basin, config.body_force)
+        self.jet = lattice.jet
+        self.time = 0.0  # [s]
+        self.sunk = 0.0  # [m] how far below the level that was asked for its surface begins
+        self.emitted_impulse, self.emitted_work = np.zeros(3), 0.0  # [N s], [J]
+        self.contact: Any = None  # with a ship: `hull.push`, and by collisions `given` [N s] and `work` [J]
+        self.meeting_hull = False
+        self.summary = np.zeros(SUMMARY, dtype=self.particles.position.precision)
+
+    def meet(self, contact: Any) -> None:
+        """From the first step on feel the push of a hull."""
+        self.contact, self.meeting_hull = contact, True
+
+    @ti.func
+    def hull_push(self, x, ahead):
+        """Acceleration [m/s2] at a place, `ahead` [s] of the beginning of the step."""
+        a = tm.vec3(0.0)
+        if ti.static(self.meeting_hull):
+            a = self.contact.hull.push(x, ahead)
+        return a
+
+    def drive(self, dt: float) -> None:
+        """Put tank and wavemaker where they are in the middle of a step of dt [s]."""
+        self.pull.advance(self.time + 0.5 * dt)
+        self.grid.images.advance(self.time + 0.5 * dt)
+        self.time += dt
+
+    def emit(self) -> None:
+        """Add what has left the emitter by now, at the end of a step."""
+        if self.jet is None:
+            return
+        first, last = self.particles.count.now, self.jet.number(self.time)
+        if last == first:
+            return
+        x, v = self.jet.left(first, last, self.time, self.pull.at_mouth())
+        precision = self.particles.position.precision
+        self.join(first, x.astype(precision), v.astype(precision))
+        self.particles.count.set(last)
+        self.emitted_impulse += self.particles.mass * v.sum(axis=0)
+        energy = 0.5 * (v * v).sum() - (x @ self.pull.gravity).sum()
+        self.emitted_work += self.particles.mass * float(energy)
+        before, fastest = self.status, float(np.linalg.norm(v, axis=1).max())
+        self.begin()
+        self.status = replace(
+            self.status,
+            max_speed=max(before.max_speed, fastest),
+            max_acceleration=before.max_acceleration,
+        )
+
+    @ti.kernel
+    def join(self, first: int, x: ti.types.ndarray(ndim=2), v: ti.types.ndarray(ndim=2)):
+        """Put new particles after the first ones."""
+        ti.loop_config(serialize=True)
+        for k in range(x.shape[0]):
+            i, particles = first + k, self.particles
+            for c in ti.static(range(3)):
+                tuple_x, tuple_v = ti.static(tuple(particles.position), tuple(particles.velocity))
+                tuple_x[c][i], tuple_v[c][i] = x[k, c], v[k, c]
+            particles.id[i], particles.density[i], particles.pressure[i] = i, particles.rest_density, 0.0
+            for carried in ti.static(self.carried):
+                carried[i] = 0.0
+
+    @ti.kernel
+    def lift(self):
+        """Leave all particles where they are, for the sort."""
+        for i in range(self.particles.count.there()):
+            p, v = self.particles.position, self.particles.velocity
+            for left in ti.static(self.grid.left):
+                left[i] = 0.0
+            self.grid.leave(i, tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(v.x[i], v.y[i], v.z[i]))
+
+    @property
+    def impulse(self) -> dict[str, np.ndarray]:
+        """Impulse of each term since the start [N s], (3,) each; empty unless built with ledger=True."""
+        total = self.ledger.total()
+        if total and self.jet is not None:
+            total["emitter"] = self.emitted_impulse.copy()
+        if total and self.meeting_hull:
+            total["ship"] += self.contact.given
+        elif total:
+            del total["ship"]
+        return total
+
+    @property
+    def work(self) -> dict[str, float]:
+        """Work of each term since the start [J]; empty unless built with ledger=True. The emitter's is all energy that
+        its water brings, kinetic and potential."""
+        total = self.ledger.total_work()
+        if total and self.jet is not None:
+            total["emitter"] = self.emitted_work
+        if total and self.meeting_hull:
+            total["ship"] += self.contact.work
+        elif total:
+            del total["ship"]
+        return total
+
+    @ti.func
+    def elevation(self, x, z):
+        return self.surface.elevation(x, z)
+
+    def elevations(self, points: np.ndarray) -> np.ndarray:
+        return self.surface.elevations(points)
+
+    def positions(self) -> np.ndarray:
+        """(n, 3) where the particles are [m], in float64: with what is left of their ways, which `position` rounds."""
+        x = self.particles.position.to_numpy().astype(float)
+        for k, left in zip(self.grid.axes, self.grid.left):
+            x[:, k] += left.to_numpy()[: len(x)]
+        return x
+
+    def pressures(self, points: np.ndarray) -> np.ndarray:
+        return self.field.pressures(points)
+
+    def velocities(self, points: np.ndarray) -> np.ndarray:
+        return self.field.velocities(points)

@@ -1,0 +1,144 @@
+"""The particles: one field a component, in the order of their cells, which changes from step to step; `id` stays."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import taichi as ti
+from taichi.lang.field import ScalarField
+from taichi.lang.util import to_numpy_type
+
+from ocean_sim.fluid.shared.initial import started
+from ocean_sim.fluid.shared.water import Lattice
+
+
+@ti.data_oriented
+class Count:
+    """How many particles there are now; where an emitter adds to them, their arrays have room for the most there will
+    be."""
+
+    def __init__(self, now: int, most: int) -> None:
+        self.now, self.most, self.grows = now, most, most > now
+        if self.grows:
+            self.field = ti.field(int, shape=())
+            self.set(now)
+
+    def set(self, now: int) -> None:
+        self.now = now
+        self.field[None] = now
+
+    @ti.func
+    def there(self):
+        """How many there are, in a kernel."""
+        n = ti.cast(self.most, int)
+        if ti.static(self.grows):
+            n = self.field[None]
+        return n
+
+
+class Growing(ScalarField):
+    """A number per particle, with room for those to come; from Python only those are seen that are there."""
+
+    def __init__(self, field: ScalarField, count: Count) -> None:
+        super().__init__(field.vars[0])
+        self.count = count
+
+    def to_numpy(self, dtype: type | None = None) -> np.ndarray:
+        return super().to_numpy(dtype)[: self.count.now]
+
+    def from_numpy(self, arr: np.ndarray) -> None:
+        values = super().to_numpy()
+        values[: self.count.now] = arr
+        super().from_numpy(values)
+
+
+def numbers(dtype: type, count: Count) -> ti.Field:
+    """A number per particle."""
+    field = ti.field(dtype, shape=count.most)
+    return Growing(field, count) if count.grows else field
+
+
+@ti.data_oriented
+class Components:
+    """A vector per particle as three fields of one number each."""
+
+    def __init__(self, n: int, count: Count | None = None) -> None:
+        """`count`: how many of the n are there, where that changes."""
+        self.x, self.y, self.z = (ti.field(float, shape=n) for _ in range(3))
+        self.count = count
+
+    def __iter__(self):
+        return iter((self.x, self.y, self.z))
+
+    def to_numpy(self) -> np.ndarray:
+        """(n, 3), in storage order."""
+        rows = np.empty((*self.x.shape, 3), dtype=self.precision)
+        self.copy_to(rows)
+        return rows if self.count is None else rows[: self.count.now]
+
+    @ti.kernel
+    def copy_to(self, rows: ti.types.ndarray(ndim=2)):
+        for i in self.x:
+            rows[i, 0], rows[i, 1], rows[i, 2] = self.x[i], self.y[i], self.z[i]
+
+    def from_numpy(self, values: np.ndarray) -> None:
+        """Takes (n, 3)."""
+        self.copy_from(np.ascontiguousarray(values, dtype=self.precision))
+
+    @ti.kernel
+    def copy_from(self, rows: ti.types.ndarray(ndim=2)):
+        for i in range(rows.shape[0]):
+            self.x[i], self.y[i], self.z[i] = rows[i, 0], rows[i, 1], rows[i, 2]
+
+    @property
+    def precision(self) -> type:
+        """The NumPy type of `float` in this run: float32 or float64."""
+        return to_numpy_type(self.x.dtype)
+
+
+@ti.data_oriented
+@dataclass(frozen=True, eq=False)
+class Particles:
+    """What a step reads and a snapshot saves."""
+
+    n: int  # places; `count` says how many are taken
+    count: Count
+    mass: float  # [kg] of each; in a slice [kg/m]
+    rest_density: float  # [kg/m3]
+    spacing: float  # [m]
+    position: Components  # [m]
+    velocity: Components  # [m/s]
+    id: ti.Field  # number of the particle in the first lattice
+    density: ti.Field  # [kg/m3]
+    pressure: ti.Field  # [Pa]
+
+
+def seeded(lattice: Lattice) -> Particles:
+    """Particles in the state that their water starts from; an emitter has let out its first layer."""
+    n, jet = lattice.n, lattice.jet
+    count = Count(n if jet is None else jet.number(0.0), n)
+    particles = Particles(
+        n=n,
+        count=count,
+        mass=lattice.mass,
+        rest_density=lattice.config.rest_density,
+        spacing=lattice.spacing,
+        position=Components(n, count),
+        velocity=Components(n, count),
+        id=numbers(int, count),
+        density=numbers(float, count),
+        pressure=numbers(float, count),
+    )
+    config, basin = lattice.config, lattice.basin
+    position, velocity, pressure = started(
+        config.initial, lattice.positions(), basin, config.rest_density, lattice.ends()[1]
+    )
+    if jet is not None:
+        x, v = jet.left(jet.first, count.now, 0.0, np.zeros(3))
+        position, velocity = np.concatenate([position, x]), np.concatenate([velocity, v])
+        pressure = np.concatenate([pressure, np.zeros(len(x))])
+    particles.position.from_numpy(position)
+    particles.velocity.from_numpy(velocity)
+    particles.pressure.from_numpy(pressure.astype(to_numpy_type(particles.pressure.dtype)))
+    particles.id.from_numpy(np.arange(count.now, dtype=np.int32))
+    particles.density.fill(lattice.config.rest_density)
+    return particles

@@ -1,0 +1,225 @@
+"""Pressures that keep water from being compressed, sought by iterating over kept pairs.
+
+With x_ij times grad W of every pair, B takes velocities to the change of the densities in a step and pressures, by its
+transpose, to velocities; A = B B^T is symmetric. Sought are the pressures p with r = (density predicted with p) - (that
+wanted), r <= 0, and r = 0 where p > 0.
+"""
+
+from typing import TYPE_CHECKING
+
+import taichi as ti
+import taichi.math as tm
+
+from ocean_sim.fluid.shared.images import beside
+from ocean_sim.fluid.shared.particles import Components
+from ocean_sim.fluid.shared.water import MOST_PARTICLES
+
+if TYPE_CHECKING:
+    from ocean_sim.fluid.dfsph import Dfsph
+
+PILED = 4.0  # largest eigenvalue of A / A_ii for particles piled up in one place beside a wall
+REPORT = 3  # numbers that an iteration reports: sums over all particles
+TOO_DENSE, TOO_THIN, UPHILL = range(REPORT)
+SHARE = 0.5  # of the error that a step begins with: iterations go on until it is less, so that calm water comes to rest
+
+
+@ti.func
+def away_from(fluid: ti.template(), own, other):
+    """x_ij times the shape of grad W, of two particles whose places come first."""
+    x_ij = tm.vec3(own[0] - other[0], own[1] - other[1], own[2] - other[2])
+    return fluid.smoothing.shape_grad_wendland(ti.sqrt(x_ij.dot(x_ij))) * x_ij
+
+
+@ti.data_oriented
+class Compression:
+    """The residual r of each particle with the pressures so far, and the next pressures; Bender & Koschier 2015, eqs.
+    6, 7, 12, 13."""
+
+    sums = 1
+
+    def __init__(self, fluid: "Dfsph", solver: "Solver") -> None:
+        self.fluid, self.solver, self.pairs = fluid, solver, fluid.pairs
+        self.rate = -fluid.particles.mass * fluid.stencil.slope
+        self.relaxation = 1.0 / max(fluid.stencil.stiffest, PILED)
+        if fluid.bodies:
+            self.solid = fluid.boundary.met(self)
+
+    @ti.func
+    def begin(self, group):
+        self.fluid.begin_report(group)
+
+    @ti.func
+    def own(self, i):
+        return tm.vec3([component[i] for component in ti.static(tuple(self.solver.velocity))])
+
+    @ti.func
+    def near(self, own, j, gradient):
+        other = tm.vec3([component[j] for component in ti.static(tuple(self.solver.velocity))])
+        return ti.Vector([gradient.dot(own - other)])
+
+    @ti.func
+    def image(self, own, name, gradient):
+        return ti.Vector([gradient.dot(own - self.pairs.velocity(self.solver.velocity, name, gradient))])
+
+    @ti.func
+    def sample(self, own, s, d, mirror):
+        """A sample of a solid body."""
+        return beside(own, d, self.fluid.boundary.own_velocity(s, mirror))
+
+    @ti.func
+    def pair(self, own, other):
+        """What a sample adds."""
+        v_ij = tm.vec3(own[3] - other[3], own[4] - other[4], own[5] - other[5])
+        return ti.Vector([v_ij.dot(away_from(self.fluid, own, other))])
+
+    @ti.func
+    def finish(self, i, own, total, beyond, group):
+        fluid, solver, dt = self.fluid, self.solver, self.fluid.dt[None]
+        rate = total[0] + beyond[0]
+        if ti.static(fluid.bodies):
+            x = tm.vec3([component[i] for component in ti.static(tuple(fluid.particles.position))])
+            rate += self.solid.total(x, ti.Vector([x.x, x.y, x.z, own.x, own.y, own.z]))[0]
+        r = dt * self.rate * rate
+        if ti.static(solver.restores):
+            r += fluid.particles.density[i] - fluid.level[None]
+        elif ti.static(not fluid.closed):
+            r -= fluid.closing[i]
+        start = solver.started(i)
+        p, scale = start + solver.gain[i], dt * dt * fluid.diagonal[i]
+        best, last = fluid.held(p + self.relaxation * r / scale), solver.best[i]
+        ahead = fluid.held(best + fluid.momentum[None] * (best - last))
+        solver.next[i], solver.best[i] = ahead - start, best
+        thin = tm.max(-r, 0.0)
+        if ti.static(not fluid.closed):
+            thin = tm.min(thin, p * scale)  # what less pressure would undo
+        fluid.rows[group, TOO_DENSE] += tm.max(r, 0.0)
+        fluid.rows[group, TOO_THIN] += thin
+        fluid.rows[group, UPHILL] += (p - best) * scale * (best - last)
+
+
+@ti.data_oriented
+class Push:
+    """The velocity with what the pressures have gained; the adjoint of Compression. It is found anew from all of it, so
+    that rounding does not add up over iterations."""
+
+    sums = 3
+
+    def __init__(self, fluid: "Dfsph", solver: "Solver") -> None:
+        self.fluid, self.solver = fluid, solver
+        self.pressure = solver.next
+        if fluid.bodies:
+            self.solid = fluid.boundary.met(self)
+
+    @ti.func
+    def begin(self, group):
+        pass
+
+    @ti.func
+    def own(self, i):
+        return self.pressure[i]
+
+    @ti.func
+    def near(self, own, j, gradient):
+        return (own + self.pressure[j]) * gradient
+
+    @ti.func
+    def image(self, own, name, gradient):
+        """A neighbour as a side shows it: with its own pressure."""
+        return (own + self.pressure[name % MOST_PARTICLES]) * gradient
+
+    @ti.func
+    def sample(self, own, s, d, mirror):
+        """A sample of a solid body, which has no pressure of its own."""
+        return tm.vec4(own[0] + d[0], own[1] + d[1], own[2] + d[2], 0.0)
+
+    @ti.func
+    def pair(self, own, other):
+        """What a sample adds."""
+        return (own[3] + other[3]) * away_from(self.fluid, own, other)
+
+    @ti.func
+    def solids(self, i, own):
+        """What all samples add."""
+        total = tm.vec3(0.0)
+        if ti.static(self.fluid.bodies):
+            x = tm.vec3([component[i] for component in ti.static(tuple(self.fluid.particles.position))])
+            total = self.solid.total(x, tm.vec4(x, own))
+        return total
+
+    @ti.func
+    def finish(self, i, own, total, beyond, group):
+        fluid, solver = self.fluid, self.solver
+        scale = fluid.dt[None] * fluid.pressing
+        push = total + beyond + self.solids(i, own)
+        for k in ti.static(range(3)):
+            solver.velocity[k][i] = fluid.base[k][i] + scale * push[k]
+        solver.gain[i] = own
+
+
+@ti.data_oriented
+class Account(Push):
+    """The impulses of the pressures that a solver has gained."""
+
+    def __init__(self, fluid: "Dfsph", solver: "Solver") -> None:
+        super().__init__(fluid, solver)
+        self.pressure = solver.gain
+
+    @ti.func
+    def finish(self, i, own, total, beyond, group):
+        fluid = self.fluid
+        u = tm.vec3([component[i] for component in ti.static(fluid.base)])
+        fluid.pressed(group, u, fluid.dt[None], total, beyond + self.solids(i, own))
+
+
+@ti.data_oriented
+class Solver:
+    """One of the two: its pressures [Pa], the velocity [m/s] that they change, and how it fared."""
+
+    def __init__(
+        self,
+        fluid: "Dfsph",
+        velocity: Components,
+        tolerance: float,
+        most: int,
+        least: float,
+        start: ti.Field | None = None,
+        brief: float = 0.0,
+    ) -> None:
+        """`least`: the error [tolerances] below which nothing is left to be done; `start`: pressures to start from, of
+        a solver that undoes only what the velocity adds; one without them undoes compression that is there already.
+        In steps shorter than `brief` [s] the least error is less, by the square: so is what a force compresses in a
+        step, which would never be undone else."""
+        self.velocity, self.restores = tuple(velocity), start is None
+        self.start = start if start is not None else ti.field(float, shape=())
+        self.forces = not (self.restores and fluid.closed)  # whether its pressures are forces
+        self.tolerance, self.most, self.least, self.brief = tolerance, most, least * tolerance, brief
+        self.gain, self.next, self.best = (ti.field(float, shape=fluid.particles.n) for _ in range(3))
+        self.compression, self.push = Compression(fluid, self), Push(fluid, self)
+        self.account = Account(fluid, self)
+        self.last_iterations, self.last_error = 0, 0.0  # of the last step; the error is over the rest density
+        self.iterations, self.error, self.unsolved = 0, 0.0, 0  # since the start: all, the worst, and steps above
+
+    def enough(self, first: float, dt: float) -> float:
+        """The error to stop at, of a step of dt [s] that begins with the error `first`."""
+        least = self.least * (dt / self.brief) ** 2 if dt < self.brief else self.least
+        return min(self.tolerance, max(least, SHARE * first))
+
+    def ended(self, iterations: int, error: float) -> None:
+        """Put a step to its account."""
+        self.last_iterations, self.last_error = iterations, error
+        self.iterations, self.error = self.iterations + iterations, max(self.error, error)
+        self.unsolved += not error <= self.tolerance
+
+    @ti.func
+    def started(self, i):
+        """The pressure of particle i before the step [Pa]."""
+        p = 0.0
+        if ti.static(not self.restores):
+            p = self.start[i]
+        return p
+
+    @ti.func
+    def begin(self, i):
+        """Nothing gained yet."""
+        self.gain[i] = self.next[i] = 0.0
+        self.best[i] = self.started(i)

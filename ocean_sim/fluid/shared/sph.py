@@ -1,0 +1,191 @@
+"""What the schemes share whose particles press and rub on each other: keys, sizes, limits, and what they have."""
+
+from math import inf, pi, sqrt
+
+import numpy as np
+import taichi as ti
+import taichi.math as tm
+
+from ocean_sim.basin import Basin
+from ocean_sim.fluid import Limits
+from ocean_sim.fluid.shared.field import Field
+from ocean_sim.fluid.shared.grid import GridSize
+from ocean_sim.fluid.shared.neighbours import ListSize, Neighbours
+from ocean_sim.fluid.shared.particle_water import ParticleWater
+from ocean_sim.fluid.shared.water import WaterConfig, free_fall_speed
+from ocean_sim.parts import LedgerRow, quantity
+from ocean_sim.wind import Wind
+
+PARTICLE = 1.8e-7  # [s] of processor time that a particle takes in a step beside its neighbours
+SAMPLE = 2.0  # times what a particle takes with its neighbours: of a solid body's sample, with what it adds to theirs
+
+
+class SphConfig(WaterConfig):
+    """Keys of water by smoothed particle hydrodynamics."""
+
+    support_ratio: float = quantity("spacings", 2.0, ge=1.2, le=6.0)
+    """Support radius of the smoothing kernels over the spacing: 2h in papers that call half the support h."""
+    compression: float | None = quantity("1", None, gt=0.0, le=1.0)
+    """Wanted rise of the density at the bed, (reference_speed / sound speed)^2; 0.01 by default."""
+    reference_speed: float | None = quantity("m/s", None, gt=0.0)
+    """The speed that compression refers to; default sqrt(|g| depth)."""
+    kinematic_viscosity: float = quantity("m2/s", 0.0, ge=0.0)
+    """nu; mu of (2.18) is rest density times nu."""
+    minimum_pressure: float | None = quantity("Pa", None)
+    """Pressures below it are raised to it; null: none."""
+
+    def speed(self, basin: Basin) -> float:
+        """Reference speed [m/s]."""
+        return self.reference_speed or free_fall_speed(basin)
+
+    def sound_speed(self, basin: Basin) -> float:
+        """c [m/s]."""
+        return self.speed(basin) / sqrt(self.compression or 0.01)
+
+    def ratio(self, basin: Basin) -> float:
+        """Support over spacing."""
+        return self.support_ratio
+
+    def enclosed(self, basin: Basin) -> bool:
+        """Whether the water has no free surface."""
+        return basin.closed and self.fill is None
+
+    def problems(self, basin: Basin) -> list[tuple[tuple[str | int, ...], str]]:
+        found = super().problems(basin)
+        if self.sound_speed(basin) == 0.0:
+            found.append((("reference_speed",), "is required without gravity: compression needs a speed to refer to"))
+        lattice = self.lattice(basin)
+        support = self.ratio(basin) * lattice.spacing
+        for axis, period in zip("xyz", basin.periods, strict=True):
+            if 0.0 < period < 2.0 * support:
+                found.append(
+                    (
+                        ("spacing",),
+                        f"a period of {period:g} m along {axis} is shorter than two supports of {support:g} m",
+                    )
+                )
+        return found
+
+    def sized(self, basin: Basin, reads: int, carried: int = 0) -> ListSize:
+        """How large grid and lists are for laws that read so many fields."""
+        lattice = self.lattice(basin)
+        return ListSize(GridSize(lattice, self.ratio(basin) * lattice.spacing, carried), reads)
+
+    def still_limits(self, basin: Basin) -> Limits:
+        """Limits of the time step in still water, before anything is allocated."""
+        support = self.ratio(basin) * self.lattice(basin).spacing
+        return limits(support, self.sound_speed(basin), self.kinematic_viscosity, 0.0, 0.0)
+
+
+def rows(sizes: ListSize, word: int, numbers: int, what: str, pair: float) -> list[LedgerRow]:
+    """Ledger of a scheme that keeps so many numbers of each particle beside its integer name, and takes `pair` [s] for
+    each of its neighbours in a step."""
+    n, support, lattice = sizes.grid.lattice.n, sizes.grid.support, sizes.grid.lattice
+    ratio = support / lattice.spacing
+    neighbours = pi * ratio**2 if lattice.basin.dimension == 2 else 4.0 / 3.0 * pi * ratio**3
+    each = PARTICLE + pair * neighbours
+    return [
+        LedgerRow("fluid", f"{n} particles", (numbers * word + 4) * n, what, n * each),
+        LedgerRow("fluid", f"grid of {sizes.grid.cell_count} cells", sizes.grid.bytes(word), f"support {support:g} m"),
+        LedgerRow("fluid", "candidate lists", sizes.bytes(word), "neighbours of every occupied cell"),
+        *_of_bodies(sizes.grid, word, SAMPLE * each),
+    ]
+
+
+def _of_bodies(grid: GridSize, word: int, each: float) -> list[LedgerRow]:
+    """The ledger of the solid bodies in the water, whose samples take `each` [s] a step; the first row holds where
+    every cell's begin."""
+    lattice, rows = grid.lattice, []
+    basin = lattice.basin
+    if not (basin.obstacles or any(solid.felt for solid in basin.afloat)):
+        return []
+    from ocean_sim.fluid.shared.boundary import boxes, floating, memory
+
+    of_parts = {"basin": boxes(lattice, grid.support), "ship": floating(lattice, grid.support)}
+    for part, bodies in of_parts.items():
+        count, why = sum(len(body.place) for body in bodies), "basin.obstacles"
+        if part == "ship":
+            why = "ship.kind is pressure: the water feels the hull"
+        if bodies:
+            size = memory(count, len(bodies), 0 if rows else grid.cell_count, word)
+            rows.append(LedgerRow(part, f"{count} samples of solid bodies", size, why, count * each))
+    return rows
+
+
+def limits(support: float, sound_speed: float, viscosity: float, speed: float, acceleration: float) -> Limits:
+    """See Limits; h is half the support."""
+    h = support / 2.0
+    return Limits(
+        acoustic=h / (sound_speed + speed),
+        viscous=h * h / viscosity if viscosity > 0.0 else inf,
+        force=sqrt(h / acceleration) if acceleration > 0.0 else inf,
+    )
+
+
+@ti.data_oriented
+class Sph(ParticleWater):
+    """Particles with neighbours, and solid bodies among them; a scheme adds its laws and its step."""
+
+    def __init__(self, config: SphConfig, basin: Basin, sizes: ListSize, ledger: bool, wind: Wind) -> None:
+        super().__init__(config, basin, sizes.grid, ledger, wind)
+        self.neighbours = Neighbours(self.particles, self.grid, self.ledger, sizes)
+        self.reference_speed, self.sound_speed = config.speed(basin), config.sound_speed(basin)
+        self.kinematic_viscosity = config.kinematic_viscosity
+        self.dt = ti.field(float, shape=())  # [s]
+        self.bodies, self.boundary = bool(basin.obstacles or any(solid.felt for solid in basin.afloat)), None
+        if self.bodies:
+            from ocean_sim.fluid.shared.boundary import Boundary, boxes, floating
+
+            lattice, support = sizes.grid.lattice, sizes.grid.support
+            self.boundary = Boundary([*boxes(lattice, support), *floating(lattice, support)], self)
+        self.field = Field(
+            self.particles, self.grid, self.smoothing, self.pull.constant, self.pull, boundary=self.boundary
+        )
+        self.exposed = wind.needs_area
+        if self.exposed:
+            from ocean_sim.fluid.shared.exposure import Exposure
+
+            self.exposure = Exposure(self, sizes.grid.lattice.plan_area or 0.0)
+
+    @property
+    def places(self) -> tuple[ti.Field, ...]:
+        """Where the particles are [m], x, y and z as the lists of candidates know them."""
+        return tuple(self.particles.position)
+
+    def drive(self, dt: float) -> None:
+        if self.exposed:
+            self.exposure.renew(dt)
+        super().drive(dt)
+        if self.bodies:
+            self.boundary.sort()
+
+    def limits(self) -> Limits:
+        status, nu = self.status, self.kinematic_viscosity
+        return limits(self.smoothing.support, self.sound_speed, nu, status.max_speed, status.max_acceleration)
+
+    @property
+    def impulse(self) -> dict[str, np.ndarray]:
+        total = super().impulse
+        if total and self.bodies:
+            given, fixed = -self.boundary.impulses(), len(self.grid.basin.obstacles)
+            total["obstacles"] = given[:fixed].sum(axis=0)
+            total["ship"] = given[fixed:].sum(axis=0) + total.get("ship", 0.0)
+            total["walls"] = total["walls"] - given.sum(axis=0)  # the laws count all as walls
+        return total
+
+    @ti.func
+    def added(self, total):
+        """Pressure and viscosity together, which a law sums apart where impulses are counted."""
+        both = tm.vec3(total[0], total[1], total[2])
+        if ti.static(self.ledger.impulses):
+            both += tm.vec3(total[3], total[4], total[5])
+        return both
+
+    @ti.func
+    def area(self, i):
+        """Exposed area of particle i times its outward normal [m2]; zero inside the water. Seen from above the areas
+        sum to the plan area of the water."""
+        area = tm.vec3(0.0)
+        if ti.static(self.exposed):
+            area = self.exposure.of(i)
+        return area

@@ -1,0 +1,98 @@
+"""What Wendland's kernel makes of a lattice of particles, by which a scheme can be made exact on it."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+
+from ocean_sim.fluid.shared.smoothing import Smoothing
+
+
+@dataclass(frozen=True)
+class Stencil:
+    """What Wendland's kernel makes of a lattice of particles; its constant is such that their density is at rest."""
+
+    smoothing: Smoothing
+    spacing: float  # [m]
+
+    @cached_property
+    def offsets(self) -> np.ndarray:
+        """Places of the neighbours on the lattice, and of the particle itself [m]."""
+        last = int(self.smoothing.support / self.spacing) + 1
+        return self.spacing * np.array(list(product(range(-last, last + 1), repeat=self.smoothing.dimension)), float)
+
+    @cached_property
+    def q(self) -> np.ndarray:
+        """1 - r/h of each of them, where it is positive."""
+        return np.maximum(1.0 - np.linalg.norm(self.offsets, axis=1) / self.smoothing.support, 0.0)
+
+    @property
+    def shape(self) -> np.ndarray:
+        """The kernel over its constant."""
+        return self.q**4 * (5.0 - 4.0 * self.q)
+
+    @property
+    def volume(self) -> float:
+        """Of a particle [m3], in a slice [m2]."""
+        return self.spacing**self.smoothing.dimension
+
+    @property
+    def constant(self) -> float:
+        """[m^-3], in a slice [m^-2]."""
+        return 1.0 / (self.volume * float(self.shape.sum()))
+
+    @property
+    def slope(self) -> float:
+        """grad W = -slope (1 - r/h)^3 x [m^-5], in a slice [m^-4]."""
+        return 20.0 * self.constant / self.smoothing.support**2
+
+    @property
+    def gain(self) -> float:
+        """What the lattice makes of a gradient of one; forces are divided by it."""
+        return self.slope * self.volume * float(self.q**3 @ self.offsets[:, 0] ** 2)
+
+    @property
+    def lacking(self) -> float:
+        """What the top row of a lattice lacks of its density, over the gradient of the share of water there [m]."""
+        above = self.offsets[:, 1] > 0.5 * self.spacing
+        lack = self.constant * float(self.shape[above].sum())
+        return lack / (self.slope * float(self.q[above] ** 3 @ self.offsets[above, 1]))
+
+    @property
+    def neighbours(self) -> int:
+        """How many there are."""
+        return int((self.q > 0.0).sum()) - 1
+
+    @property
+    def squares(self) -> float:
+        """Sum of the squared gradients [m^-8], in a slice [m^-6]."""
+        return self.slope**2 * float(self.q**6 @ (self.offsets**2).sum(axis=1))
+
+    @property
+    def stiffest(self) -> float:
+        """Largest eigenvalue of A / A_ii, of plane waves along the axes of the lattice and its diagonals."""
+        largest = 0.0
+        for wave in product(np.linspace(0.0, np.pi, 13), repeat=self.smoothing.dimension):
+            gradients = (self.slope * self.q**3 * np.sin(self.offsets @ wave / self.spacing)) @ self.offsets
+            largest = max(largest, float(gradients @ gradients) / self.squares)
+        return largest
+
+    @property
+    def softest(self) -> float:
+        """Smallest eigenvalue of the lattice's elasticity under one pressure everywhere, over the typical largest.
+        Where it is negative, still water does not stay on its lattice: rounding errors grow until it is none.
+
+        Pairs then push each other along grad W, as atoms do that repel by a potential W, so these are the eigenvalues
+        of the dynamical matrix of such a crystal (Born & Huang 1954, Dynamical Theory of Crystal Lattices) over those
+        of a wave's 2 sum(1 - cos k), which leaves sound out.
+        """
+        there = (self.q > 0.0) & (self.q < 1.0)
+        x, q, d = self.offsets[there] / self.spacing, self.q[there], self.smoothing.dimension
+        along, across = q**2 * (3.0 - 4.0 * q), -(q**3)  # W'' and W' / r, in the kernel's own unit
+        stiffness = ((along - across) / (x**2).sum(axis=1))[:, None, None] * x[:, :, None] * x[:, None, :]
+        stiffness += across[:, None, None] * np.eye(d)
+        waves = np.array([wave for wave in product(np.linspace(0.0, np.pi, 13), repeat=d) if any(wave)])
+        matrices = np.einsum("kn,nij->kij", 1.0 - np.cos(waves @ x.T), stiffness)
+        scaled = np.linalg.eigvalsh(matrices) / (1.0 - np.cos(waves)).sum(axis=1)[:, None]
+        return float(scaled.min() / np.median(scaled[:, -1]))

@@ -1,0 +1,135 @@
+"""The sea in a picture: the basin's surface, the far sea around it, the sky above, shaded per pixel."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ocean_sim.pictures import far_sea, foam, water_glsl
+from ocean_sim.pictures import sky as sky_module
+from ocean_sim.pictures.frame_files import Frame
+from ocean_sim.pictures.mirror import SHARE, Mirror
+from ocean_sim.pictures.sea_state import SeaState
+from ocean_sim.pictures.sea_surface import SeaSurface
+from ocean_sim.pictures.spray import Spray
+from ocean_sim.pictures.wake import Wake
+from ocean_sim.pictures.water_shading import EXPOSURE, FOG, Terms, slope_variance
+
+if TYPE_CHECKING:
+    from ocean_sim.pictures.picture import Picture
+
+NODES = {"draft": 25_000, "final": 90_000}  # of the drawn surface within the basin
+SMOOTHED = 1.5  # pixels across which a final picture is smoothed
+RIPPLES = 0.02, 3.0  # [m] between which the longest ripple lies
+HULL_PIXELS, HULL_REACH = (96, 96), 3.0  # of the map of distances to a hull; [m] around it
+CONTACT, CONTACT_WIDTH = 0.75, 0.55  # share of foam at a hull, and [m] in which it falls to a third
+
+
+class Dome:
+    """The sky, wherever the eye is."""
+
+    def __init__(self, picture: "Picture", sky: sky_module.Sky, image: Any) -> None:
+        dome = picture.pyvista.Icosphere(radius=1.0, nsub=3)
+        self.directions = np.asarray(dome.points, dtype=np.float32)
+        self.shaded = water_glsl.Shaded(dome, water_glsl.SKY, "", {"sky": image}, attributes=False)
+        self.shaded.set(exposure=EXPOSURE, fogReach=FOG, useFog=1.0)
+        picture.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
+
+    def stand(self, eye: np.ndarray) -> None:
+        self.shaded.mesh.points = (eye + 2.0 * far_sea.OUT * self.directions).astype(np.float32)
+        self.shaded.set(eyeW=eye)
+
+
+class Sea:
+    """A surface that is the basin's inside it, blends into the far sea around it, and ends behind the fog."""
+
+    def __init__(self, picture: "Picture", grid: Any, state: SeaState) -> None:
+        order, self.picture, self.state = picture.order, picture, state
+        self.eye = picture.camera.eye
+        self.surface = SeaSurface(grid, state, NODES[order.quality])
+        self.points = np.insert(self.surface.places, 1, 0.0, axis=1).astype(np.float32)
+        mesh = picture.pyvista.PolyData.from_regular_faces(self.points, self.surface.triangles)
+        for name in ("nrm", "att"):
+            mesh.point_data[name] = np.zeros((len(self.points), 3), np.float32)
+        sky = sky_module.cloudy() if order.sky else sky_module.clear()
+        image = water_glsl.texture(sky.image, smaller=True, repeat=True)
+        self.gaps = water_glsl.texture(np.zeros((*HULL_PIXELS, 3), np.float32))
+        self.mirrored = water_glsl.texture(np.zeros((2, 2, 4), np.uint8), smaller=True)
+        textures = {"sky": image, "hull": self.gaps, "mirror": self.mirrored}
+        program = water_glsl.WATER, water_glsl.WATER_FUNCTIONS
+        self.shaded = water_glsl.Shaded(mesh, *program, textures, attributes=True)
+        self.dome = Dome(picture, sky, image)
+        picture.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
+        glint = None if order.glint == "none" else order.glint
+        terms = Terms(order.fresnel, order.reflection, order.body, glint, order.foam)
+        shown = water_glsl.plain() | water_glsl.lit_by(sky) | water_glsl.switched(terms)
+        shown["hullFoam"] = np.array([CONTACT, CONTACT_WIDTH, 0.0])
+        shown["windAngle"] = state.wind.angle
+        shown["rippleVariance"] = slope_variance(state.wind.speed) if order.ripples else 0.0
+        shown["rippleLongest"] = np.clip(2.0 * state.resolved, *RIPPLES)
+        self.shaded.set(**shown)
+        self.mirror: Mirror | None = None
+        self.spray = Spray(picture, float(grid["spacing"])) if order.foam and state.exact is None else None
+        if "ship_vertices" in grid:
+            self.hull, self.hull_triangles = grid["ship_vertices"].astype(float), grid["ship_triangles"].astype(int)
+            self.beam = float(np.ptp(self.hull[:, 0]))
+        vessel = picture.operator.vessel
+        self.wake: Wake | None = None
+        if vessel is not None and order.foam:
+            self.wake = Wake(vessel, self.beam, self.surface.x, self.surface.z)
+
+    def reflect(self, actors: list[Any]) -> None:
+        """Mirrors a ship's actors from now on."""
+        self.mirror = Mirror(self.picture, actors, self.mirrored)
+
+    def show(self, frame: Frame) -> None:
+        now, surface, mesh = self.surface.at(frame), self.surface, self.shaded.mesh
+        self.height = now.height
+        crest = (now.height - self.state.level) / max(0.5 * self.state.height, 1e-3)
+        white = surface.foam(now.convergence, self.picture.order.foam_cover)
+        if self.wake is not None:
+            white = np.maximum(white, self.wake.share(frame.time))
+        traits = np.stack([white, crest, now.variance], axis=-1)
+        self.points[:, 1] = now.height.ravel()
+        mesh.points = self.points
+        mesh.point_data["nrm"] = surface.normals(now.height).reshape(-1, 3).astype(np.float32)
+        mesh.point_data["att"] = traits.reshape(-1, 3).astype(np.float32)
+        order, angle = self.picture.order, np.radians(self.picture.plotter.camera.view_angle)
+        pixel = 2.0 * np.tan(angle / 2.0) / order.size[1]  # [rad]
+        fine = pixel / SMOOTHED if order.quality == "final" else pixel
+        self.shaded.set(eyeW=self.eye, time=frame.time, pixel=fine, mirrorPixel=SHARE * pixel)
+        self.dome.stand(self.eye)
+        if frame.ship is not None:
+            self.meet(*frame.ship)
+        if self.spray is not None and frame.position is not None:
+            self.spray.show(frame.position, self.heights_at(frame.position[:, [0, 2]]))
+
+    def heights_at(self, places: np.ndarray) -> np.ndarray:
+        """(n,) drawn heights [m] at places x, z (n, 2) [m]."""
+        from scipy.interpolate import RegularGridInterpolator
+
+        grid = self.surface.x, self.surface.z
+        return RegularGridInterpolator(grid, self.height, bounds_error=False, fill_value=None)(places)
+
+    def meet(self, position: np.ndarray, turn: np.ndarray) -> None:
+        """Where the ship meets the water: foam along its waterline, no water inside it, and its mirror image."""
+        hull = self.hull @ turn.T + position
+        above = hull[:, 1] - self.heights_at(hull[:, [0, 2]])
+        line = foam.waterline(hull, self.hull_triangles, above)
+        wet = len(line) > 2
+        self.shaded.set(useHull=float(wet))
+        if wet:
+            low, high = line.min(axis=(0, 1)) - HULL_REACH, line.max(axis=(0, 1)) + HULL_REACH
+            rows, columns = HULL_PIXELS
+            x = low[0] + (np.arange(columns) + 0.5) / columns * (high[0] - low[0])
+            z = low[1] + (np.arange(rows) + 0.5) / rows * (high[1] - low[1])
+            gap = foam.distance(np.stack(np.meshgrid(x, z), axis=-1).reshape(-1, 2), line)
+            water_glsl.fill(self.gaps.GetInput(), np.repeat(gap.astype(np.float32), 3).reshape(rows, columns, 3))
+            self.shaded.set(hullBox=np.append(low, 0.0), hullSize=np.append(high - low, 1.0))
+        if self.mirror is not None:
+            around = self.heights_at(line.reshape(-1, 2) if wet else position[None, [0, 2]])
+            seen = self.mirror.show(float(around.mean()))
+            self.shaded.set(useMirror=1.0, mirrorView=seen, mirrorAt=position, mirrorSize=0.5 * self.beam)
+
+    def close(self) -> None:
+        if self.mirror is not None:
+            self.mirror.close()

@@ -1,0 +1,74 @@
+"""The frames that a run kept, one file each, read when asked for."""
+
+from pathlib import Path
+
+import numpy as np
+
+from ocean_sim.pictures.camera import Track
+
+
+def frame_files(folder: Path) -> list[Path]:
+    return sorted((folder / "frames").glob("frame_*.npz"))
+
+
+class Frame:
+    """One file of frames/, read when asked for."""
+
+    def __init__(self, path: Path) -> None:
+        with np.load(path) as file:
+            self.time = float(file["time"])
+            self.elevation = file["elevation"].astype(np.float64)
+            self.position = file["position"] if "position" in file else None
+            self.velocity = file["velocity"] if "velocity" in file else None
+            self.ship = (file["ship_position"], file["ship_turn"]) if "ship_position" in file else None
+            self.mesh = [file[name] for name in ("vertices", "triangles", "normals")] if "vertices" in file else None
+
+    @property
+    def folds(self) -> bool:
+        """Whether the surface is more than a height above each point: some of its triangles do not face up."""
+        if self.mesh is None:
+            return False
+        a, b, c = (self.mesh[0][self.mesh[1][:, k]] for k in range(3))
+        return bool((np.cross(b - a, c - a)[:, 1] <= 0.0).any())
+
+
+class Log:
+    """What is known of all frames of a run without reading them whole: their times, and where the ship was."""
+
+    def __init__(self, files: list[Path]) -> None:
+        times, positions, turns = [], [], []
+        for path in files:
+            with np.load(path) as file:
+                times.append(float(file["time"]))
+                if "ship_position" in file:
+                    positions.append(file["ship_position"].astype(float))
+                    turns.append(file["ship_turn"].astype(float))
+        self.files, self.times = files, np.array(times)
+        whole = len(positions) == len(times)
+        self.track = Track(self.times, np.array(positions), np.array(turns)) if whole and times else None
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last time [s]."""
+        return float(self.times[0]), float(self.times[-1])
+
+    def nearest(self, time: float) -> Path:
+        """The frame nearest to a time [s]."""
+        return self.files[int(np.abs(self.times - time).argmin())]
+
+
+def schedule(times: np.ndarray, every: float) -> list[int]:
+    """Which frame is nearest to each multiple of `every`."""
+    moments = np.arange(times[0], times[-1] + 0.5 * every, every)
+    return [int(np.abs(times - moment).argmin()) for moment in moments]
+
+
+def survey(files: list[Path]) -> tuple[Frame, float]:
+    """The frame with the highest waves of the second half of a run, and the speed of its fast particles [m/s]."""
+    height, speed = [], [0.1]
+    for frame in map(Frame, files):  # one at a time: a frame of a large run is large
+        height.append(float(frame.elevation.std()))
+        if frame.velocity is not None:
+            speed.append(float(np.percentile(np.linalg.norm(frame.velocity, axis=1), 99)))
+    half = len(files) // 2
+    return Frame(files[half + int(np.argmax(height[half:]))]), max(speed)

@@ -1,0 +1,70 @@
+"""The ship as the water mirrors it: drawn from the eye's mirror image below the water into a picture of its own."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ocean_sim.pictures import water_glsl
+
+if TYPE_CHECKING:
+    from ocean_sim.pictures.picture import Picture
+
+SHARE = 2  # pixels of the picture along each side of a pixel of the mirror's
+NEAR = 0.1  # [m] before the mirrored eye
+
+
+class Mirror:
+    """A second plotter with the ship's actors, seen from a mirrored eye; what lies under water is cut off."""
+
+    def __init__(self, picture: "Picture", actors: list[Any], image: Any) -> None:
+        """`image`: the texture that the mirror's picture goes to."""
+        from vtkmodules.vtkCommonDataModel import vtkPlane
+        from vtkmodules.vtkRenderingCore import vtkActor
+
+        width, height = picture.order.size
+        self.picture, self.image = picture, image
+        self.size = width // SHARE, height // SHARE
+        self.plotter = picture.pyvista.Plotter(off_screen=True, window_size=self.size, lighting="none")
+        self.plotter.disable_anti_aliasing()
+        self.plotter.render_window.SetMultiSamples(0)
+        self.plotter.set_background("black")
+        self.water = vtkPlane()
+        self.water.SetNormal(0.0, 1.0, 0.0)
+        self.pairs = []
+        for actor in actors:
+            twin = vtkActor()
+            above = actor.GetMapper()
+            mapper = above.NewInstance()
+            mapper.ShallowCopy(above)
+            mapper.SetInputDataObject(above.GetInputDataObject(0, 0))
+            mapper.RemoveAllClippingPlanes()
+            mapper.AddClippingPlane(self.water)
+            twin.ShallowCopy(actor)
+            twin.SetMapper(mapper)
+            self.plotter.add_actor(twin, reset_camera=False, render=False)
+            self.pairs.append((actor, twin))
+
+    def show(self, level: float) -> np.ndarray:
+        """Draws the ship mirrored at a level [m]; returns the matrix (4, 4) from the world to the mirror's picture."""
+        eye, forward, up = self.picture.camera.eye, self.picture.camera.forward, self.picture.camera.up
+        flip = np.array([1.0, -1.0, 1.0])
+        camera, above = self.plotter.camera, self.picture.plotter.camera
+        below = eye * flip + [0.0, 2.0 * level, 0.0]
+        camera.position, camera.focal_point = tuple(below), tuple(below + forward * flip)
+        camera.up, camera.view_angle = tuple(-up * flip), above.view_angle
+        camera.clipping_range = (NEAR, above.clipping_range[1])
+        self.water.SetOrigin(0.0, level, 0.0)
+        for actor, twin in self.pairs:
+            twin.SetUserMatrix(actor.GetUserMatrix())
+            twin.SetPosition(actor.GetPosition())
+            twin.SetOrientation(actor.GetOrientation())
+        self.plotter.render()
+        seen = self.plotter.screenshot(None, return_img=True, transparent_background=True)
+        seen[:, :, :3] = seen[:, :, :3] * (seen[:, :, 3:] / 255.0)  # so that smaller copies keep the ship's colours
+        water_glsl.fill(self.image.GetInput(), seen[::-1])
+        aspect = self.size[0] / self.size[1]
+        matrix = camera.GetCompositeProjectionTransformMatrix(aspect, -1.0, 1.0)
+        return np.array([[matrix.GetElement(i, j) for j in range(4)] for i in range(4)])
+
+    def close(self) -> None:
+        self.plotter.close()

@@ -1,0 +1,41 @@
+"""What to draw of a run, and what says that it cannot be drawn."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from ocean_sim.pictures.camera import Name
+
+Quality = Literal["draft", "final"]
+
+
+class RenderFailed(Exception):
+    """No picture came out; the message says why."""
+
+
+@dataclass(frozen=True)
+class Order:
+    """What to draw and where to put it."""
+
+    folder: str
+    out: str
+    camera: Name
+    size: tuple[int, int]
+    particles: bool
+    quality: Quality
+    every: float
+    film: bool
+    eye: tuple[float, float, float] | None = None
+    target: tuple[float, float, float] | None = None
+    stills: tuple[float, ...] = ()
+    strip: int = 0
+    preview: bool = True
+    caption: bool = True
+    far_sea: bool = True
+    ripples: bool = True
+    foam: bool = True
+    sky: bool = True
+    fresnel: bool = True  # of the water: else a constant share of the sky is mirrored
+    glint: Literal["physical", "thesis", "none"] = "physical"  # of the sun in the water
+    reflection: bool = True  # of the sky in the water
+    body: bool = True  # light from within the water
+    foam_cover: float | None = None  # share of the sea that is white; None: what its crests call for

@@ -1,0 +1,146 @@
+"""One picture after another: sky, water, ship, words."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ocean_sim.pictures import far_sea, sea_state, sky, water_shading
+from ocean_sim.pictures.camera import Camera, Operator, Vessel
+from ocean_sim.pictures.drawn_boxes import Boxes
+from ocean_sim.pictures.drawn_particles import Particles
+from ocean_sim.pictures.drawn_sea import Sea
+from ocean_sim.pictures.drawn_ship import Ship, kept_model
+from ocean_sim.pictures.drawn_water import Shell, Water
+from ocean_sim.pictures.frame_files import Frame, Log
+from ocean_sim.pictures.order import Order, RenderFailed
+
+
+class Picture:
+    """One plotter, built once; each frame only moves its points and colours."""
+
+    def __init__(self, grid: Any, order: Order, first: Frame, fastest: float, log: Log) -> None:
+        import pyvista
+
+        self.pyvista, self.order = pyvista, order
+        self.plotter = pyvista.Plotter(off_screen=True, window_size=order.size, lighting="none")
+        self.plotter.disable_anti_aliasing()  # PyVista's default multiplies the time of a picture
+        self.plotter.render_window.SetMultiSamples(0)
+        self.lower, self.upper = grid["lower"].copy(), grid["upper"].copy()
+        self.upper[1] = max(0.12 * float(grid["depth"]), float(first.elevation.max()))
+        flat = bool(self.lower[2] == self.upper[2])
+        model = kept_model(grid) if "ship_vertices" in grid else None
+        vessel = None if model is None or log.track is None else Vessel(model.length, model.helm, log.track)
+        self.operator = Operator(
+            "side" if flat else order.camera,
+            self.lower,
+            self.upper,
+            order.size[0] / order.size[1],
+            log.span,
+            vessel=vessel,
+            eye=order.eye,
+            target=order.target,
+        )
+        self.camera = self.operator.at(first.time)
+        middle, size = 0.5 * (self.lower + self.upper), self.upper - self.lower
+        self.reach = float(max(np.linalg.norm(self.camera.eye - middle), np.linalg.norm(size)))  # [m]
+        bare = flat or order.particles or not bool(grid["has_surface"]) or first.folds
+        state = None if bare or not order.far_sea else sea_state.of_run(Path(order.folder), grid)
+        self.at_sea = state is not None and state.open and self.camera.parallel_height is None
+        if not self.at_sea:
+            self.backdrop()
+        if order.particles or not bool(grid["has_surface"]):
+            if first.position is None:
+                raise RenderFailed("these frames hold no particles to draw; run with frames.particles: true")
+            self.content: Sea | Water | Shell | Particles = Particles(self, first, float(grid["spacing"]), fastest)
+        elif self.at_sea and state is not None:
+            self.content = Sea(self, grid, state)
+        elif first.folds:
+            self.content = Shell(self, float(grid["depth"]))
+        else:
+            self.content = Water(self, grid)
+        if len(grid.get("obstacles", ())):
+            Boxes(self, grid["obstacles"], self.lower, self.upper)
+        before = set(self.plotter.actors)
+        self.ship = Ship(self, model) if model is not None else None
+        if isinstance(self.content, Sea) and order.quality == "final":
+            self.content.reflect([actor for name, actor in self.plotter.actors.items() if name not in before])
+        self.caption = self.plotter.add_text("t", position=(14, 10), font_size=9, color="#eef3f6", shadow=True)
+        self.aim()
+
+    def aim(self) -> None:
+        camera, plotter = self.camera, self.plotter
+        plotter.camera.position, plotter.camera.focal_point = tuple(camera.eye), tuple(camera.eye + camera.forward)
+        plotter.camera.up, plotter.camera.view_angle = tuple(camera.up), camera.angle
+        reach = self.reach
+        near, far = (0.005 * reach, 4.0 * far_sea.OUT) if self.at_sea else (0.01 * reach, 12.0 * reach)
+        plotter.camera.clipping_range = (camera.near or near, far)
+        if camera.parallel_height is not None:
+            plotter.enable_parallel_projection()
+            plotter.camera.parallel_scale = camera.parallel_height
+
+    def backdrop(self) -> None:
+        """The sky around the eye; in parallel projection there is no horizon, and a plain gradient stands for it."""
+        if self.camera.parallel_height is not None:
+            low, high = water_shading.display(sky.around(np.array([[0.0, 0.02, -1.0], [0.0, 0.2, -0.98]]))) / 255.0
+            self.plotter.set_background(low, top=high)
+            return
+        radius = 6.0 * self.reach
+        dome = self.pyvista.Sphere(radius=1.0, theta_resolution=90, phi_resolution=361, direction=(0.0, 1.0, 0.0))
+        directions = sky.unit(np.asarray(dome.points, dtype=float))
+        dome.points = (self.camera.eye + radius * directions).astype(np.float32)
+        dome["colour"] = water_shading.display(sky.around(directions))
+        self.dome = self.plotter.add_mesh(dome, scalars="colour", rgb=True, lighting=False, smooth_shading=False)
+        self.first_eye = self.camera.eye
+        if self.camera.forward[1] > -0.9:
+            self.shadow()
+
+    def shadow(self) -> None:
+        """A soft shadow on the ground, so that the block of water stands on something."""
+        size, middle = self.upper - self.lower, 0.5 * (self.lower + self.upper)
+        plane = self.pyvista.Plane(
+            center=(middle[0], self.lower[1] - 0.005 * size[1], middle[2]),  # below a dry bed
+            direction=(0.0, 1.0, 0.0),
+            i_size=2.4 * size[2],
+            j_size=2.4 * size[0],
+            i_resolution=80,
+            j_resolution=80,
+        )
+        away = np.asarray(plane.points, dtype=float) + 0.5 * size[1] * sky.SUN
+        outside = np.maximum(0.0, np.maximum(self.lower - away, away - self.upper))[:, [0, 2]]
+        reach = 0.10 * max(size[0], size[2])
+        darkness = 0.5 * np.exp(-np.square(outside / reach).sum(axis=1))
+        plane["colour"] = np.column_stack([np.full((plane.n_points, 3), (8, 20, 30)), 255 * darkness]).astype(np.uint8)
+        self.plotter.add_mesh(plane, scalars="colour", rgba=True, lighting=False)
+
+    def draw(self, frame: Frame) -> np.ndarray:
+        if self.ship is not None and frame.ship is not None:
+            self.ship.show(*frame.ship)
+        self.move(self.operator.at(frame.time))
+        self.content.show(frame)
+        self.caption.input = f"t = {frame.time:.2f} s" if self.order.caption else ""
+        self.plotter.render()
+        return self.plotter.screenshot(None, return_img=True)
+
+    def move(self, camera: Camera) -> None:
+        """Look from another place; the sky goes with the eye."""
+        if camera is self.camera:
+            return
+        self.camera = camera
+        if camera.parallel_height is None and not self.at_sea:
+            self.dome.position = tuple(camera.eye - self.first_eye)
+        if isinstance(self.content, Water | Shell):
+            self.content.eye = camera.eye
+        self.aim()
+
+    def smooth(self, on: bool) -> None:
+        """Whether edges are smoothed: slow, so only for final pictures and the preview."""
+        if on:
+            self.plotter.enable_anti_aliasing("ssaa")
+        else:
+            self.plotter.disable_anti_aliasing()
+
+    def close(self) -> None:
+        if isinstance(self.content, Sea):
+            self.content.close()
+        self.plotter.close()

@@ -1,0 +1,83 @@
+"""What a run says of the sea around its basin: its waves, its wind, and its level."""
+
+import json
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ocean_sim.pictures import far_sea
+from ocean_sim.pictures.frame_files import Frame, frame_files
+from ocean_sim.pictures.ripples import Wind
+from ocean_sim.waves import Components
+
+FRAMES = 24  # of a run, from which its spectrum is taken
+GENTLEST, STRONGEST = 2.0, 14.0  # [m/s] wind that ripples follow
+FITTINGS = ("motion", "wavemaker", "lid", "obstacles")  # of a basin that is a tank
+DRY = 0.5  # share of the depth below which the water of a sea never falls
+
+
+class SeaState(NamedTuple):
+    """Of one run."""
+
+    exact: Components | None  # the waves themselves, where water is a closed form
+    estimated: Components  # plane waves with the spectrum of the basin
+    wind: Wind
+    level: float  # [m] mean height of the water
+    height: float  # [m] four times the standard deviation of the elevation
+    resolved: float  # [m] between particles, or half the shortest wave
+    open: bool  # whether the basin is a piece of sea: covered by water in every frame, and no tank with fittings
+
+
+def of_run(folder: Path, grid: Any) -> SeaState:
+    """From the frames that a run kept, and its scene where a manifest lies beside them."""
+    files = frame_files(folder)
+    frames = [Frame(path).elevation for path in files[:: max(1, len(files) // FRAMES)]]
+    size = tuple(float(grid["upper"][k] - grid["lower"][k]) for k in (0, 2))
+    height = 4.0 * float(np.mean([np.std(e) for e in frames]))
+    scene = scene_of(folder)
+    exact = None
+    if "sea_amplitude" in grid:
+        exact = Components(grid["sea_amplitude"], grid["sea_wavevector"], grid["sea_phase"], float(grid["depth"]))
+        height = 4.0 * float(np.sqrt(0.5 * (exact.amplitude**2).sum()))
+    wind = wind_of(scene, exact, height)
+    towards = np.array([np.cos(wind.angle), np.sin(wind.angle)])
+    depth = float(grid["depth"])
+    return SeaState(
+        exact,
+        far_sea.of_frames(frames, (size[0], size[1]), depth, towards),
+        wind,
+        float(np.mean(frames)) if exact is None else 0.0,
+        height,
+        float(grid["spacing"]) if exact is None else np.pi / float(exact.wavenumber.max()),
+        all(e.min() > -DRY * depth for e in frames)
+        and not any((scene.get("basin") or {}).get(key) for key in FITTINGS),
+    )
+
+
+def scene_of(folder: Path) -> dict[str, Any]:
+    try:
+        return json.loads((folder / "manifest.json").read_text(encoding="utf-8"))["scene"]
+    except (OSError, ValueError, KeyError):
+        return {}
+
+
+def wind_of(scene: dict[str, Any], sea: Components | None, height: float) -> Wind:
+    """The scene's wind where it has one with a speed and a heading; else that which raises such a sea."""
+    said = scene.get("wind") or {}
+    speed = said.get("u10") or far_sea.wind_speed_of(height)
+    angle = heading(said)
+    if angle is None:
+        going = np.array([1.0, 0.6]) if sea is None else (sea.amplitude[:, None] ** 2 * sea.wavevector).sum(axis=0)
+        angle = float(np.arctan2(going[1], going[0]))
+    return Wind(float(np.clip(speed, GENTLEST, STRONGEST)), angle)
+
+
+def heading(wind: dict[str, Any]) -> float | None:
+    """Angle [rad] from +x to +z of the scene's wind: its heading, or the mean push of its volumes."""
+    if wind.get("heading_deg") is not None:
+        turn = np.radians(wind["heading_deg"])
+        return float(np.arctan2(np.cos(turn), np.sin(turn)))
+    pushes = [v["acceleration"] for v in wind.get("volumes") or [] if v.get("acceleration")]
+    push = np.sum(pushes, axis=0) if pushes else np.zeros(3)
+    return float(np.arctan2(push[2], push[0])) if np.hypot(push[0], push[2]) > 0.0 else None

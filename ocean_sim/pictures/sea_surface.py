@@ -1,0 +1,84 @@
+"""Heights of a basin and of the far sea around it as one surface: the basin's own inside it, a blend in a margin."""
+
+from typing import Any
+
+import numpy as np
+
+from ocean_sim.pictures import far_sea, foam
+from ocean_sim.pictures.frame_files import Frame
+from ocean_sim.pictures.ripples import noise
+from ocean_sim.pictures.sea_state import SeaState
+from ocean_sim.pictures.water_mesh import spline, triangles
+
+GRAIN = 7.0  # [m] apart at which white water gathers along a crest
+
+
+class SeaSurface:
+    """Nodes of a grid that is even within the basin and widens to the horizon; only heights change."""
+
+    def __init__(self, grid: Any, state: SeaState, nodes: int) -> None:
+        """`nodes`: about how many lie within the basin."""
+        self.state = state
+        self.lower, self.upper = grid["lower"][[0, 2]], grid["upper"][[0, 2]]
+        self.margin = far_sea.MARGIN * float((self.upper - self.lower).min())
+        cells = len(grid["x"]), len(grid["z"])
+        factor = int(np.clip(np.sqrt(nodes / (cells[0] * cells[1])), 1, 24))
+        if state.exact is None:
+            factor += factor % 2  # the points whose heights are known are nodes
+        inner = [np.linspace(self.lower[k], self.upper[k], n * factor + 1) for k, n in enumerate(cells)]
+        self.x, self.z = (far_sea.axis(nodes, self.margin) for nodes in inner)
+        if state.exact is None:
+            self.own = [self.stretched(spline(n, factor), k) for k, n in enumerate(cells)]
+            self.share = np.outer(self.belonging(0), self.belonging(1))
+            self.far = far_sea.FarSea(state.estimated, self.x, self.z, self.lower, self.lower)
+        else:
+            self.far = far_sea.FarSea(state.exact, self.x, self.z, self.lower, self.upper)
+        self.places = np.stack(np.meshgrid(self.x, self.z, indexing="ij"), axis=-1).reshape(-1, 2)
+        self.triangles = triangles(len(self.x), len(self.z))
+        self.near = np.ix_(self.belonging(0) > 0.0, self.belonging(1) > 0.0)
+        gathered = noise(self.places[:, 0] / GRAIN, self.places[:, 1] / GRAIN)[0]
+        self.grain = 0.5 + gathered.reshape(len(self.x), len(self.z))
+
+    def belonging(self, k: int) -> np.ndarray:
+        """Share of the basin's own waves at the nodes along one side."""
+        return far_sea.belonging((self.x, self.z)[k], self.lower[k], self.upper[k], self.margin)
+
+    def stretched(self, inner: np.ndarray, k: int) -> np.ndarray:
+        """(nodes, cells): from the heights of cells to all nodes along one side, mirrored in the walls and zero beyond
+        the margin."""
+        nodes, low, high = (self.x, self.z)[k], self.lower[k], self.upper[k]
+        place = (far_sea.mirrored(nodes, low, high) - low) / (high - low) * (len(inner) - 1)
+        left = np.clip(np.floor(place + 1e-9).astype(int), 0, len(inner) - 2)
+        share = np.clip(place - left, 0.0, 1.0)[:, None]
+        return ((1.0 - share) * inner[left] + share * inner[left + 1]) * (self.belonging(k) > 0.0)[:, None]
+
+    def at(self, frame: Frame) -> far_sea.Raised:
+        """Heights, convergence and lost slopes at all nodes (nx, nz)."""
+        far = self.far.at(frame.time)
+        if self.state.exact is not None:
+            return far
+        x, z = self.own
+        step = (self.upper - self.lower) / frame.elevation.shape
+        drawn_together = foam.convergence(frame.elevation, step[0], step[1])
+        # Seas that know nothing of each other: weights whose squares add up to one keep the height of the waves.
+        mine = self.share / np.hypot(self.share, 1.0 - self.share)
+        rest = (1.0 - self.share) / np.hypot(self.share, 1.0 - self.share)
+        level = self.state.level
+        return far_sea.Raised(
+            level + mine * (x @ (frame.elevation - level) @ z.T) + rest * far.height,
+            mine * (x @ drawn_together @ z.T) + rest * far.convergence,
+            rest**2 * far.variance,
+        )
+
+    def normals(self, height: np.ndarray) -> np.ndarray:
+        """(nx, nz, 3) unit normals."""
+        slope_x, slope_z = np.gradient(height, self.x, axis=0), np.gradient(height, self.z, axis=1)
+        normal = np.stack([-slope_x, np.ones_like(height), -slope_z], axis=-1)
+        return normal / np.linalg.norm(normal, axis=-1, keepdims=True)
+
+    def foam(self, drawn_together: np.ndarray, cover: float | None = None) -> np.ndarray:
+        """(nx, nz) share of white water: its mean over the basin and its margin is the cover; None: what crests call
+        for."""
+        gathered = drawn_together * self.grain
+        wanted = foam.cover(drawn_together[self.near]) if cover is None else cover
+        return foam.shares(gathered, wanted, gathered[self.near])

@@ -1,0 +1,239 @@
+"""The sky above the water: a quick clear gradient, and a scattered one with clouds and a sun, kept as an image.
+
+Directions are unit vectors, y up; colours are linear RGB.
+"""
+
+import json
+
+import numpy as np
+
+from ocean_sim.files.cache_file import kept
+
+
+def unit(vectors: np.ndarray) -> np.ndarray:
+    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+
+
+SUN = unit(np.array([-0.86, 0.32, -0.36]))  # direction to the sun
+SUNLIGHT = np.array([1.0, 0.86, 0.66])
+ZENITH = np.array([0.035, 0.14, 0.42])
+HORIZON = np.array([0.42, 0.66, 0.92])
+HAZE = np.array([0.72, 0.74, 0.74])  # at the horizon below the sun
+GROUND = np.array([0.13, 0.16, 0.19])  # what lies around the basin, straight down
+
+LOWEST = 0.004  # height of a direction at which the sky is read for any lower one
+GROUND_RADIUS, TOP_RADIUS = (
+    6360e3,
+    6420e3,
+)  # [m] of the Earth and of its air (Nishita et al. 1993, Bruneton & Neyret 2008)
+RAYLEIGH, RAYLEIGH_HEIGHT = np.array([5.8e-6, 13.5e-6, 33.1e-6]), 8000.0  # [1/m] at sea level, [m]
+MIE, MIE_HEIGHT, MIE_FORWARD = np.full(3, 5.0e-6), 1200.0, 0.76  # [1/m], [m], Henyey-Greenstein's g
+MULTIPLE = np.array([0.02, 0.09, -0.75])  # taken off at the horizon: light scattered often is whiter than once (ours)
+SOLAR = 22.0  # radiance of the sun before the air, in the units of these pictures
+DISK = np.cos(np.radians(0.6))  # of the drawn sun, wider than the true 0.27 degrees
+
+
+def colour(direction: np.ndarray) -> np.ndarray:
+    """Radiance of the clear gradient in unit directions (n, 3); the horizon's below it."""
+    up = np.clip(direction[:, 1], 0.0, 1.0)[:, None]
+    towards = np.clip(direction @ SUN, 0.0, 1.0)[:, None]
+    low = (1.0 - up) ** 20
+    clear = ZENITH + (HORIZON - ZENITH) * (0.3 * (1.0 - up) ** 3 + 0.7 * low)
+    return clear + (HAZE - HORIZON) * low * towards**3 + SUNLIGHT * (0.22 * towards**12 + 0.5 * towards**220)
+
+
+def around(direction: np.ndarray) -> np.ndarray:
+    """The clear gradient, and below the horizon a quiet ground that darkens downwards; for the background."""
+    down = np.clip(-direction[:, 1], 0.0, 1.0)[:, None]
+    flat = unit(np.column_stack([direction[:, 0], np.zeros(len(direction)), direction[:, 2]]))
+    ground = GROUND + (0.72 * colour(flat) - GROUND) * np.exp(-down / 0.22)
+    return np.where(direction[:, 1:2] >= 0.0, colour(direction), ground)
+
+
+class Sky:
+    """An equirectangular image of radiance (height, width, 3) with its smaller copies.
+
+    Row 0 is the zenith, the last row the nadir; column 0 looks along -x and the middle one along +x. Sides are powers
+    of two, as the texture's smaller copies need.
+    """
+
+    def __init__(self, image: np.ndarray, sun: np.ndarray = SUN, sunlight: np.ndarray = SUNLIGHT) -> None:
+        """`sun`: unit direction to it; `sunlight`: its colour at the ground."""
+        self.image, self.sun, self.sunlight = np.asarray(image, np.float32), sun, np.asarray(sunlight, float)
+        levels = [self.image.astype(float)]
+        while min(levels[-1].shape[:2]) > 1:
+            a = levels[-1]
+            levels.append(0.25 * (a[::2, ::2] + a[1::2, ::2] + a[::2, 1::2] + a[1::2, 1::2]))
+        self.levels = levels
+        above = self.image[: len(self.image) // 2].astype(float)
+        weight = np.sin((np.arange(len(above)) + 0.5) * np.pi / len(self.image))
+        self.ambient = np.minimum(above, 4.0).mean(axis=1).T @ weight / weight.sum()  # mean radiance from above
+
+    def sample(self, direction: np.ndarray, level: np.ndarray | float = 0.0) -> np.ndarray:
+        """Radiance (n, 3) in unit directions (n, 3), between the smaller copies `level` and its next; at or below the
+        horizon that just above it."""
+        up = np.maximum(direction[:, 1], LOWEST)
+        d = unit(np.stack([direction[:, 0], up, direction[:, 2]], axis=1))
+        levels = np.clip(np.broadcast_to(level, len(d)), 0.0, len(self.levels) - 1.0)
+        low = np.floor(levels).astype(int)
+        result = np.empty((len(d), 3))
+        for k in np.unique(low):
+            here = low == k
+            share = (levels[here] - k)[:, None]
+            result[here] = (1.0 - share) * bilinear(self.levels[k], d[here], k, len(self.levels[int(k)]))
+            if (share > 0.0).any():
+                coarser = self.levels[min(k + 1, len(self.levels) - 1)]
+                result[here] += share * bilinear(coarser, d[here], k, len(self.levels[int(k)]))
+        return result
+
+
+def bilinear(image: np.ndarray, d: np.ndarray, level: int, rows: int) -> np.ndarray:
+    """(n, 3) from an image in directions (n, 3); never from rows below the horizon of the finer copy."""
+    height, width = image.shape[:2]
+    u = np.arctan2(d[:, 2], d[:, 0]) / (2.0 * np.pi) + 0.5
+    v = np.minimum(np.arccos(np.clip(d[:, 1], -1.0, 1.0)) / np.pi, 0.5 - 0.75 / rows)
+    x, y = u * width - 0.5, np.clip(v * height - 0.5, 0.0, height - 1.0)
+    i, j = np.floor(x).astype(int), np.floor(y).astype(int)
+    a, b = (x - i)[:, None], (y - j)[:, None]
+    below, right = np.minimum(j + 1, height - 1), (i + 1) % width
+    i = i % width
+    upper = image[j, i] * (1.0 - a) + image[j, right] * a
+    lower = image[below, i] * (1.0 - a) + image[below, right] * a
+    return upper * (1.0 - b) + lower * b
+
+
+def directions(width: int, height: int) -> np.ndarray:
+    """(height, width, 3) of the middles of the pixels."""
+    down = (np.arange(height) + 0.5) / height * np.pi
+    turn = (np.arange(width) + 0.5) / width * 2.0 * np.pi - np.pi
+    down, turn = np.meshgrid(down, turn, indexing="ij")
+    return np.stack([np.sin(down) * np.cos(turn), np.cos(down), np.sin(down) * np.sin(turn)], axis=-1)
+
+
+def cloudy(sun: np.ndarray = SUN, width: int = 2048, cover: float = 0.5, seed: int = 3) -> Sky:
+    """The scattered sky with clouds over a share of it, from the cache where it was made before."""
+    content = json.dumps(["sky 10", [round(float(s), 9) for s in sun], width, cover, seed]).encode()
+    arrays = kept("sky", content, lambda: made(sun, width, cover, seed))
+    return Sky(arrays["image"], sun, arrays["sunlight"])
+
+
+def clear(width: int = 256) -> Sky:
+    """The clear gradient as an image, without clouds."""
+    return Sky(colour(directions(width, width // 2).reshape(-1, 3)).reshape(width // 2, width, 3))
+
+
+def made(sun: np.ndarray, width: int, cover: float, seed: int) -> dict[str, np.ndarray]:
+    """The image (width / 2, width, 3) of the sky, and the colour of the sun."""
+    from scipy.ndimage import zoom
+
+    height = width // 2
+    coarse = directions(128, 64)
+    coarse[..., 1] = np.maximum(coarse[..., 1], 0.003)
+    clear, _ = scattered(unit(coarse), sun)
+    wrapped = np.concatenate([clear[:, -4:], clear, clear[:, :4]], axis=1)
+    grown = zoom(wrapped, (height / 64, width / 128, 1), order=1, grid_mode=True, mode="nearest")
+    margin = 4 * width // 128
+    image = grown[:, margin:-margin]
+    sunlight = scattered(sun[None], sun)[1][0]
+    d = directions(width, height)
+    image = image * (1.0 - np.clip(1.0 - np.abs(d[..., 1:2]) / 0.25, 0.0, 1.0) * MULTIPLE)
+    towards = d @ sun
+    image, veil = clouds(d, towards, image, sunlight, sun, cover, seed)
+    glow = 7.0 * np.exp(-(1.0 - towards) / 0.0007) + 0.7 * np.exp(-(1.0 - towards) / 0.010)
+    glow += 45.0 * np.clip((towards - DISK) / (0.15 * (1.0 - DISK)) + 0.5, 0.0, 1.0)
+    image = image + glow[..., None] * sunlight * (1.0 - 0.6 * veil)
+    image[d[..., 1] < 0.0] = image[height // 2 - 1].mean(axis=0)
+    return {"image": image.astype(np.float32), "sunlight": sunlight / sunlight.max()}
+
+
+def scattered(d: np.ndarray, sun: np.ndarray, steps: int = 24, inner: int = 8) -> tuple[np.ndarray, np.ndarray]:
+    """Light scattered once towards an eye at sea level from directions (..., 3), and the share that comes straight
+    through (Nishita et al. 1993): Rayleigh and Mie, densities that fall exponentially with height."""
+    eye = np.array([0.0, GROUND_RADIUS + 2.0, 0.0])
+    segment = way_out(eye, d) / steps
+    mu = d @ sun
+    g = MIE_FORWARD
+    rayleigh_phase = 3.0 / (16.0 * np.pi) * (1.0 + mu**2)
+    mie_phase = 3.0 / (8.0 * np.pi) * (1 - g * g) * (1.0 + mu**2) / ((2 + g * g) * (1 + g * g - 2.0 * g * mu) ** 1.5)
+    thick_r, thick_m = np.zeros(mu.shape), np.zeros(mu.shape)
+    light_r, light_m = np.zeros(d.shape), np.zeros(d.shape)
+
+    def veil(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        return np.exp(-(RAYLEIGH * a[..., None] + 1.1 * MIE * b[..., None]))
+
+    for i in range(steps):
+        place = eye + d * (segment * (i + 0.5))[..., None]
+        high = np.linalg.norm(place, axis=-1) - GROUND_RADIUS
+        here_r, here_m = np.exp(-high / RAYLEIGH_HEIGHT) * segment, np.exp(-high / MIE_HEIGHT) * segment
+        thick_r += here_r
+        thick_m += here_m
+        step = way_out(place, sun) / inner
+        sun_r, sun_m = np.zeros(mu.shape), np.zeros(mu.shape)
+        for j in range(inner):
+            there = np.linalg.norm(place + sun * (step * (j + 0.5))[..., None], axis=-1) - GROUND_RADIUS
+            there = np.maximum(there, 0.0)
+            sun_r += np.exp(-there / RAYLEIGH_HEIGHT) * step
+            sun_m += np.exp(-there / MIE_HEIGHT) * step
+        through = veil(thick_r + sun_r, thick_m + sun_m)
+        light_r += through * here_r[..., None]
+        light_m += through * here_m[..., None]
+    seen = SOLAR * (light_r * RAYLEIGH * rayleigh_phase[..., None] + light_m * MIE * mie_phase[..., None])
+    return seen, veil(thick_r, thick_m)
+
+
+def way_out(place: np.ndarray, d: np.ndarray) -> np.ndarray:
+    """Distance [m] from places inside the air to its top."""
+    along, excess = (place * d).sum(axis=-1), (place * place).sum(axis=-1) - TOP_RADIUS**2
+    return -along + np.sqrt(np.maximum(along**2 - excess, 0.0))
+
+
+def clouds(
+    d: np.ndarray,
+    towards: np.ndarray,
+    clear: np.ndarray,
+    sunlight: np.ndarray,
+    sun: np.ndarray,
+    cover: float,
+    seed: int,
+) -> tuple[np.ndarray, np.ndarray]:
+    """The sky with a flat layer of clouds in front of it, and how much of it they hide (..., 1): fractal noise whose
+    domain is warped by itself, brighter at thin edges and towards the sun."""
+    up = np.maximum(d[..., 1], 1e-3)
+    layer = d[..., [0, 2]] / (up + 0.08)[..., None] * 1.15 + [3.1 * seed, 0.7]
+    warp = np.stack([fractal(1.3 * layer + 5.0, 4, seed + 20), fractal(1.3 * layer + 9.0, 4, seed + 30)], axis=-1) - 0.5
+    where = layer * [0.8, 1.0] + 1.2 * warp
+    raw = np.clip((fractal(where, 7, seed) - (0.62 - 0.22 * cover)) / 0.22, 0.0, 1.0)
+    hidden = raw * raw * (3.0 - 2.0 * raw) * np.clip((d[..., 1] - 0.015) / 0.12, 0.0, 1.0) * 0.92
+    sunward = fractal(where + 0.12 * sun[[0, 2]], 5, seed)
+    thick = np.clip((sunward - (0.60 - 0.22 * cover)) / 0.25, 0.0, 1.0)
+    near = np.clip(towards, 0.0, 1.0)
+    bright = np.exp(-2.2 * thick) * (0.35 + 1.6 * near**12 + 0.6 * near**3)
+    lit = sunlight * [1.0, 0.93, 0.85] * (2.2 * bright)[..., None] + 0.55 * clear + [0.015, 0.018, 0.024]
+    veil = hidden[..., None]
+    return clear * (1.0 - veil) + lit * veil, veil
+
+
+def fractal(p: np.ndarray, octaves: int, seed: int) -> np.ndarray:
+    """Value noise of places (..., 2), octave upon octave, in 0 to 1."""
+    total, weight, amplitude = np.zeros(p.shape[:-1]), 0.0, 1.0
+    for k in range(octaves):
+        total += amplitude * value_noise(p * 2.03**k + 17.3 * k, seed + k)
+        weight += amplitude
+        amplitude *= 0.5
+    return total / weight
+
+
+def value_noise(p: np.ndarray, seed: int) -> np.ndarray:
+    """Random values at whole places, smooth between them."""
+    i = np.floor(p).astype(np.int64)
+    f = p - i
+    f = f**3 * (f * (f * 6.0 - 15.0) + 10.0)
+
+    def at(di: int, dj: int) -> np.ndarray:
+        n = ((i[..., 0] + di) * 374761393 + (i[..., 1] + dj) * 668265263 + seed * 974711) & 0xFFFFFFFF
+        n = ((n ^ (n >> 13)) * 1274126177) & 0xFFFFFFFF
+        return ((n ^ (n >> 16)) & 0xFFFF) / 65535.0
+
+    low = at(0, 0) * (1.0 - f[..., 0]) + at(1, 0) * f[..., 0]
+    high = at(0, 1) * (1.0 - f[..., 0]) + at(1, 1) * f[..., 0]
+    return low * (1.0 - f[..., 1]) + high * f[..., 1]

@@ -1,0 +1,282 @@
+"""The formulas of `water_shading`, `ripples` and `foam` for a graphics processor, as replacements in VTK's shaders.
+
+Numbers come from those files, so that a law has one place; the tests compare the colours. Traps of VTK: it declares
+uniforms and samplers itself; a mistake in a shader only logs and draws nothing.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from ocean_sim.pictures import foam, ripples
+from ocean_sim.pictures import water_shading as w
+from ocean_sim.pictures.sky import LOWEST, Sky
+
+
+def number(value: float) -> str:
+    return f"{float(value):.9g}" if "." in f"{float(value):.9g}" or "e" in f"{float(value):.9g}" else f"{value:.1f}"
+
+
+def vector(values: np.ndarray) -> str:
+    return f"vec3({', '.join(number(v) for v in values)})"
+
+
+COMMON = f"""
+vec3 skyAt(vec3 d, float level) {{
+  d = normalize(vec3(d.x, max(d.y, {number(LOWEST)}), d.z));
+  float rows = float(textureSize(sky, int(level)).y);
+  vec2 uv = vec2(atan(d.z, d.x) / 6.283185307 + 0.5, acos(clamp(d.y, -1.0, 1.0)) / 3.141592654);
+  return textureLod(sky, vec2(uv.x, min(uv.y, 0.5 - 0.75 / rows)), level).rgb;
+}}
+vec3 filmic(vec3 c) {{
+  c = max(c, vec3(0.0)) * exposure;
+  c = c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14);
+  return pow(clamp(c, 0.0, 1.0), vec3(1.0 / 2.2));
+}}
+vec3 radiance(vec3 shown) {{
+  vec3 y = min(pow(shown, vec3(2.2)), vec3(0.98));
+  vec3 a = 2.51 - 2.43 * y, b = 0.03 - 0.59 * y;
+  return (sqrt(b * b + 0.56 * a * y) - b) / (2.0 * a * exposure);
+}}
+vec3 foggy(vec3 c, vec3 away, float dist) {{
+  float f = 1.0 - exp(-dist / fogReach);
+  f *= 0.5 + 0.5 * f * (3.0 - 2.0 * f);
+  f = mix(f, 1.0, smoothstep({number(w.END[0])}, {number(w.END[1])}, dist / fogReach));
+  vec3 air = min(skyAt(normalize(vec3(away.x, 0.012, away.z)), 3.0), vec3(3.0));
+  return mix(c, air, f * useFog);
+}}
+"""
+
+WATER_FUNCTIONS = f"""
+float refracted(float ci) {{ return sqrt(1.0 - (1.0 - ci * ci) / {number(w.REFRACTIVE_INDEX**2)}); }}
+float fresnel(float ci) {{
+  const float n = {number(w.REFRACTIVE_INDEX)};
+  float ct = refracted(ci), rs = (ci - n * ct) / (ci + n * ct), rp = (n * ci - ct) / (n * ci + ct);
+  return 0.5 * (rs * rs + rp * rp);
+}}
+float chance(ivec2 p) {{
+  uint n = uint(p.x) * 374761393u + uint(p.y) * 668265263u;
+  n = (n ^ (n >> 13u)) * 1274126177u;
+  return float((n ^ (n >> 16u)) & 65535u) / 65535.0;
+}}
+vec3 noise(vec2 p) {{
+  vec2 w = floor(p), f = p - w;
+  ivec2 i = ivec2(w);
+  vec2 u = f * f * f * (f * (f * 6.0 - 15.0) + 10.0), du = 30.0 * f * f * (f * (f - 2.0) + 1.0);
+  float a = chance(i), b = chance(i + ivec2(1, 0)), c = chance(i + ivec2(0, 1)), d = chance(i + ivec2(1, 1));
+  float k = a - b - c + d;
+  return vec3(a + (b - a) * u.x + (c - a) * u.y + k * u.x * u.y, du * (vec2(b - a, c - a) + k * u.yx));
+}}
+float patches(vec2 q) {{
+  q *= {number(foam.SCALE)};
+  float blobs = 0.5 * noise(q * 1.7 + 3.0).x + 0.3 * noise(q * 4.1).x + 0.2 * noise(q * 9.7).x;
+  float thick = 1.0 - abs(2.0 * noise(q * 2.6 + 9.0).x - 1.0), thin = 1.0 - abs(2.0 * noise(q * 6.3 + 2.0).x - 1.0);
+  return 0.55 * blobs + 0.30 * thick * thick + 0.25 * thin * thin;
+}}
+float white(float share, vec2 q, float footprint) {{
+  if (share <= 0.0) return 0.0;
+  float fine = clamp(1.0 - footprint / 0.3, 0.0, 1.0);
+  if (fine <= 0.0) return share;
+  float rank = 1.0 / (1.0 + exp(-1.702 * (patches(q) - {number(foam.MIDDLE)}) / {number(foam.SPREAD)}));
+  float edge = clamp((share - max(rank - {number(foam.SOFT)}, 0.0)) / {number(2 * foam.SOFT)}, 0.0, 1.0);
+  return mix(share, edge * edge * (3.0 - 2.0 * edge), fine);
+}}
+vec3 ripples(vec2 p, float footprint) {{
+  float c = cos(windAngle), s = sin(windAngle), wave = rippleLongest;
+  float lost = {number(ripples.UNRESOLVED)} * rippleVariance;
+  float each = {number((1 - ripples.UNRESOLVED) / ripples.OCTAVES)} * rippleVariance;
+  float steep = sqrt(each / {number(ripples.GRADIENT_VARIANCE)});
+  vec2 slope = vec2(0.0);
+  for (int o = 0; o < {ripples.OCTAVES}; o++) {{
+    float fade = clamp((wave / footprint - 2.0) / 4.0, 0.0, 1.0);
+    if (fade > 0.0) {{
+      vec2 q = vec2((p.x * c + p.y * s) / wave - time * {number(ripples.SPEED)} / sqrt(wave),
+                    {number(ripples.ACROSS)} * (p.y * c - p.x * s) / wave) + {number(ripples.STEP)} * float(o);
+      vec2 t = vec2({number(ripples.TURN[0])} * q.x - {number(ripples.TURN[1])} * q.y,
+                    {number(ripples.TURN[1])} * q.x + {number(ripples.TURN[0])} * q.y);
+      vec2 a = noise(q).yz, b = noise({number(ripples.STRETCH)} * t + {number(ripples.SHIFT)}).yz;
+      float down = a.x + 0.8 * ({number(ripples.TURN[0])} * b.x + {number(ripples.TURN[1])} * b.y);
+      float side = {number(ripples.ACROSS)} *
+                   (a.y + 0.8 * ({number(ripples.TURN[0])} * b.y - {number(ripples.TURN[1])} * b.x));
+      slope += fade * steep * vec2(down * c - side * s, down * s + side * c);
+    }}
+    lost += (1.0 - fade * fade) * each;
+    wave *= {number(ripples.LACUNARITY)};
+  }}
+  return vec3(slope, 0.5 * lost);
+}}
+vec3 fromWithin(float height, vec3 n, vec3 e, float ct) {{
+  float up = 2.2 * skyLight.y, thin = clamp(0.25 + 0.5 * height, 0.0, 1.0);
+  float behind = max(-dot(e, vec3(sunDir.x, 0.0, sunDir.z)), 0.0), tilt = 3.0 * clamp(1.0 - n.y * n.y, 0.0, 0.3);
+  float through = 0.25 * up + 1.9 * sunLight.y * (0.30 + 1.3 * behind * behind) * thin * (0.25 + tilt);
+  return 2.0 * up * {vector(w.BODY)} + {vector(w.THIN)} * through * (0.55 + 0.45 * ct);
+}}
+vec3 foamColour(vec3 n) {{
+  float sunny = max(0.7 * dot(n, sunDir) + 0.3 * sunDir.y + 0.06, 0.0);
+  return {vector(w.FOAM)} * (1.25 * skyLight + 1.75 * sunLight * sunny);
+}}
+vec3 sunGlint(vec3 n, vec3 e, float variance) {{
+  vec3 h = normalize(sunDir + e);
+  float c2 = max(dot(h, n), 0.001);
+  c2 *= c2;
+  float facets = exp(-(1.0 - c2) / (c2 * 2.0 * variance)) / (6.283185307 * variance * c2 * c2);
+  float share = fresnel(clamp(dot(h, e), 0.0, 1.0));
+  return {number(w.SUN_STRENGTH)} * sunLight * share * facets / (4.0 * max(dot(n, e), 0.12));
+}}
+"""
+
+WATER = f"""
+  vec3 away = posW - eyeW;
+  float dist = length(away);
+  away /= dist;
+  vec3 e = -away, n = normalize(nrmW);
+  float share = attW.x, variance = attW.z;
+  if (useHull > 0.5) {{
+    vec2 place = (posW.xz - hullBox.xy) / hullSize.xy;
+    if (all(greaterThan(place, vec2(0.0))) && all(lessThan(place, vec2(1.0)))) {{
+      float gap = textureLod(hull, place, 0.0).r;
+      if (gap < -0.12) discard;
+      share = max(share, hullFoam.x * exp(-max(gap, 0.0) / hullFoam.y));
+    }}
+  }}
+  float footprint = max(pixel * dist / sqrt(max(dot(e, n), 0.06)), 0.004);
+  if (rippleVariance > 0.0) {{
+    vec3 r = ripples(posW.xz, footprint);
+    float up = max(n.y, 0.1);
+    n = normalize(vec3(n.x / up - r.x, 1.0, n.z / up - r.y));
+    variance += r.z;
+  }}
+  variance = clamp(variance, {number(ripples.SMOOTHEST)}, {number(ripples.SHARPEST)});
+  float back = 0.03 - dot(n, e);
+  if (back > 0.01) n = normalize(n + e * back);
+  float ci = max(dot(n, e), 0.02), blur = sqrt(variance);
+  float reflectance = useFresnel > 0.5 ? fresnel(min(sqrt(ci * ci + 0.55 * variance), 1.0)) : constantShare;
+  vec3 ray = 2.0 * dot(n, e) * n - e;
+  if (ray.y < 0.0) ray.y = 0.01 - 0.6 * ray.y;
+  vec3 straight = normalize(ray);
+  ray.y += 0.35 * blur * (1.0 - ci);
+  vec3 mirrored = min(skyAt(normalize(ray), min(26.0 * blur, 5.0)), vec3({number(w.BRIGHTEST)}));
+  float hidden = 0.0;
+  if (useMirror > 0.5) {{
+    float reach = dot(mirrorAt.xz - posW.xz, normalize(straight.xz));
+    vec4 seen = mirrorView * vec4(posW + straight * max(reach, 1.0), 1.0);
+    vec2 place = 0.5 + 0.5 * seen.xy / seen.w;
+    if (reach > -mirrorSize && seen.w > 0.0 && all(greaterThan(place, vec2(0.0))) && all(lessThan(place, vec2(1.0)))) {{
+      vec4 ship = textureLod(mirror, place, clamp(log2(2.0 * blur * max(reach, 1.0) / (dist * mirrorPixel)), 0.0, 4.0));
+      hidden = ship.a * smoothstep(-mirrorSize, 0.0, reach);
+      if (hidden > 0.0) mirrored = mix(mirrored, radiance(min(ship.rgb / max(ship.a, 0.01), vec3(1.0))), hidden);
+    }}
+  }}
+  if (glintKind > 1.5) mirrored *= 1.0 + {number(w.HDR_FACTOR)} *
+    clamp(mirrored.r - {number(w.HDR_THRESHOLD)}, 0.0, {number(w.HDR_EXCESS)});
+  vec3 c = useReflection * reflectance * mirrored;
+  c += useBody * (1.0 - reflectance) * fromWithin(attW.y, n, e, refracted(ci));
+  if (glintKind > 0.5 && glintKind < 1.5) c += sunGlint(n, e, variance) * (1.0 - hidden);
+  c = mix(c, foamColour(n), useFoam * white(clamp(share, 0.0, 1.0), posW.xz, footprint));
+  fragOutput0 = vec4(filmic(foggy(c, away, dist)), 1.0);
+"""
+
+SKY = "  fragOutput0 = vec4(filmic(skyAt(normalize(posW - eyeW), 0.0)), 1.0);\n"
+
+
+def texture(image: np.ndarray, *, smaller: bool = False, repeat: bool = False) -> Any:
+    """A texture of floats, or of 8-bit numbers from 0 to 1; row 0 is at the coordinate 0."""
+    from vtkmodules.vtkCommonDataModel import vtkImageData
+    from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLTexture
+
+    made = vtkOpenGLTexture()
+    made.SetMipmap(smaller)
+    made.InterpolateOn()
+    made.SetMaximumAnisotropicFiltering(1)  # else levels asked for are not those read, where neighbours look elsewhere
+    made.SetRepeat(repeat)
+    if not repeat:
+        made.EdgeClampOn()
+    made.SetColorModeToDirectScalars()
+    data = vtkImageData()
+    fill(data, image)
+    made.SetInputDataObject(data)
+    return made
+
+
+def fill(data: Any, image: np.ndarray) -> None:
+    """Pixels (height, width, channels) into VTK's image."""
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+
+    height, width, channels = image.shape
+    data.SetDimensions(width, height, 1)
+    data.GetPointData().SetScalars(numpy_to_vtk(np.ascontiguousarray(image.reshape(-1, channels)), deep=True))
+    data.Modified()
+
+
+class Shaded:
+    """An actor of triangles that carries its own fragment program; its points are world coordinates [m]."""
+
+    def __init__(self, mesh: Any, body: str, functions: str, textures: dict[str, Any], *, attributes: bool) -> None:
+        from vtkmodules.vtkCommonDataModel import vtkDataObject
+        from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
+
+        mapper = vtkPolyDataMapper()
+        mapper.SetInputData(mesh)
+        mapper.ScalarVisibilityOff()
+        mapper.SetVBOShiftScaleMethod(0)  # positions reach the shader as they are
+        self.mesh, self.actor = mesh, vtkActor()
+        self.actor.SetMapper(mapper)
+        program = self.actor.GetShaderProperty()
+        arrays = {"nrm": "vec3", "att": "vec3"} if attributes else {}
+        for name in arrays:
+            mapper.MapDataArrayToVertexAttribute(f"{name}In", name, vtkDataObject.FIELD_ASSOCIATION_POINTS, -1)
+        taken = "".join(f"in {kind} {name}In; out {kind} {name}W;\n" for name, kind in arrays.items())
+        given = "".join(f"in {kind} {name}W;\n" for name, kind in arrays.items())
+        copied = "".join(f"  {name}W = {name}In;\n" for name in arrays)
+        keep = "//VTK::Normal::Dec\n"
+        program.AddVertexShaderReplacement("//VTK::Normal::Dec", True, f"{keep}{taken}out vec3 posW;\n", False)
+        body_of_vertex = f"//VTK::Normal::Impl\n{copied}  posW = vertexMC.xyz;\n"
+        program.AddVertexShaderReplacement("//VTK::Normal::Impl", True, body_of_vertex, False)
+        program.AddFragmentShaderReplacement("//VTK::Normal::Dec", True, f"{keep}{given}in vec3 posW;\n", False)
+        declared = f"//VTK::TMap::Dec\n{COMMON}{functions}"
+        program.AddFragmentShaderReplacement("//VTK::TMap::Dec", True, declared, False)
+        program.AddFragmentShaderReplacement("//VTK::Light::Impl", True, body, False)
+        self.uniforms = program.GetFragmentCustomUniforms()
+        for name, image in textures.items():
+            self.actor.GetProperty().SetTexture(name, image)
+
+    def set(self, **values: Any) -> None:
+        """Numbers, triples and 4 x 4 matrices for the fragment program."""
+        from vtkmodules.vtkCommonMath import vtkMatrix4x4
+
+        for name, value in values.items():
+            array = np.asarray(value, dtype=float)
+            if array.shape == (4, 4):
+                matrix = vtkMatrix4x4()
+                matrix.DeepCopy(array.T.ravel().tolist())
+                self.uniforms.SetUniformMatrix(name, matrix)
+            elif array.ndim:
+                self.uniforms.SetUniform3f(name, array.tolist())
+            else:
+                self.uniforms.SetUniformf(name, float(array))
+
+
+def lit_by(sky: Sky) -> dict[str, Any]:
+    """Uniforms that a sky sets."""
+    return {"sunDir": sky.sun, "sunLight": sky.sunlight, "skyLight": sky.ambient}
+
+
+def plain() -> dict[str, Any]:
+    """Uniforms of still, smooth water without a ship: every one that the program knows besides light and terms."""
+    nothing = dict.fromkeys(("useHull", "useMirror", "rippleVariance", "windAngle", "time"), 0.0)
+    ones = dict.fromkeys(("rippleLongest", "mirrorPixel", "mirrorSize"), 1.0)
+    vectors = {"hullBox": np.zeros(3), "hullSize": np.ones(3), "hullFoam": np.ones(3), "mirrorAt": np.zeros(3)}
+    return {"exposure": w.EXPOSURE, "fogReach": w.FOG, "mirrorView": np.eye(4)} | nothing | ones | vectors
+
+
+def switched(terms: w.Terms) -> dict[str, float]:
+    """Uniforms that choose the terms."""
+    return {
+        "useFresnel": float(terms.fresnel),
+        "constantShare": terms.constant,
+        "useReflection": float(terms.reflection),
+        "useBody": float(terms.body),
+        "glintKind": {None: 0.0, "physical": 1.0, "thesis": 2.0}[terms.glint],
+        "useFoam": float(terms.foam),
+        "useFog": float(terms.fog),
+    }

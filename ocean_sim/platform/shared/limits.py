@@ -1,0 +1,147 @@
+"""What keeps a hexapod inside its limits: poses are scaled back into the stroke, legs are held to what they can do."""
+
+import numpy as np
+
+from ocean_sim.platform import LEG_ACCELERATION, LEG_SPEED, SINGULAR, STROKE
+from ocean_sim.platform.shared.kinematics import FINE, Geometry, Hexapod
+
+KNEE = 0.75  # part of the stroke that is used as it is; the rest is approached ever more slowly
+SAME = 1e-9  # [m] of a leg
+TURNS = np.repeat([0.0, 1.0], 3)
+NORM = 32
+EXACT = 1e-10  # part of the stroke
+
+
+def softened(usage: np.ndarray, knee: np.ndarray | float = KNEE) -> np.ndarray:
+    """(n,) part of the stroke to use for (n,) that is wanted: itself up to the knee, then towards 1, without a bend."""
+    room = np.maximum(1.0 - knee, EXACT)
+    return np.where(usage > knee, knee + room * np.tanh((usage - knee) / room), usage)
+
+
+class Workspace:
+    """The poses that a hexapod may take: every leg within its stroke, no angle beyond what it could reach alone, and
+    none that is singular."""
+
+    def __init__(self, hexapod: Hexapod) -> None:
+        self.hexapod = hexapod
+        self.ends = hexapod.excursions()  # (6, 2) [m, rad]
+
+    def usage(self, pose: np.ndarray) -> np.ndarray:
+        """(n,) part of the stroke that is used, up to 6 % more than that of the leg nearest to its end: a norm, which
+        does not bend where another leg becomes the nearest."""
+        strokes = self.hexapod.strokes(pose)
+        most = strokes.max(axis=1)
+        return most * ((strokes / np.maximum(most, EXACT)[:, None]) ** NORM).sum(axis=1) ** (1.0 / NORM)
+
+    def scaled_back(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(n, 6) poses inside, near the poses wanted; and (n,) which limits that took.
+
+        Angles are scaled back as if there were no displacement, then the displacement by what they leave: a deck that
+        is tilted wrongly is felt at once, one that travels less is not.
+        """
+        far = pose / np.where(pose > 0.0, self.ends[:, 1], self.ends[:, 0])
+        angles = pose * TURNS * np.where(far > KNEE, softened(far) / np.maximum(far, KNEE), 1.0)
+        shift = pose * (1.0 - TURNS)
+        turned = self.factor(np.zeros_like(pose), angles, np.full(len(pose), KNEE))
+        angles = angles * turned[:, None]
+        moved = self.factor(angles, shift, np.maximum(KNEE, self.usage(angles)))
+        kept = angles + shift * moved[:, None]
+        limited = np.where((far[:, 3:] > KNEE).any(axis=1) | (turned < 1.0) | (moved < 1.0), STROKE, 0)
+        bad = self.hexapod.condition(kept) > self.hexapod.condition_limit
+        if bad.any():
+            kept[bad] *= self.held(kept[bad])[:, None]
+            limited[bad] |= SINGULAR
+        return kept, limited
+
+    def factor(self, fixed: np.ndarray, moving: np.ndarray, knee: np.ndarray) -> np.ndarray:
+        """(n,) by which `moving`, added to `fixed`, is multiplied to use the softened part of the stroke."""
+        usage, factor = self.usage(fixed + moving), np.ones(len(fixed))
+        far = usage > knee
+        if far.any():
+            goal = softened(usage[far], knee[far])
+            factor[far] = self.using(goal, fixed[far], moving[far], usage[far])
+        return factor
+
+    def using(self, goal: np.ndarray, fixed: np.ndarray, moving: np.ndarray, usage: np.ndarray) -> np.ndarray:
+        """(n,) factors with which so much of the stroke is used: false position, after Illinois."""
+        low, high = np.zeros(len(goal)), np.ones(len(goal))
+        below, above = np.minimum(self.usage(fixed) - goal, -EXACT), usage - goal + EXACT
+        guess = (low * above - high * below) / (above - below)
+        for _ in range(FINE):
+            miss = self.usage(fixed + guess[:, None] * moving) - goal
+            off = np.abs(miss) > EXACT
+            if not off.any():
+                break
+            over = miss > 0.0
+            high, low = np.where(over, guess, high), np.where(over, low, guess)
+            below, above = np.where(over, 0.5 * below, miss), np.where(over, miss, 0.5 * above)
+            guess = np.where(off, (low * above - high * below) / (above - below), guess)
+        return guess
+
+    def held(self, pose: np.ndarray) -> np.ndarray:
+        """(n,) by which poses are multiplied to be no worse conditioned than allowed: the first way out, halved."""
+        low, high = np.zeros(len(pose)), np.ones(len(pose))
+        out = np.zeros(len(pose), dtype=bool)
+        for part in np.linspace(0.0, 1.0, 17)[1:]:
+            fits = (self.hexapod.condition(part * pose) <= self.hexapod.condition_limit) & ~out
+            low[fits], high[~fits & ~out] = part, part
+            out |= ~fits
+        for _ in range(FINE):
+            middle = 0.5 * (low + high)
+            fits = self.hexapod.condition(middle[:, None] * pose) <= self.hexapod.condition_limit
+            low, high = np.where(fits, middle, low), np.where(fits, high, middle)
+        return low
+
+
+class Legs:
+    """Six legs that follow lengths as fast as they can: speed and acceleration never exceed their limits.
+
+    A leg that fell behind catches up at a speed from which it can still stop in time, then follows exactly again.
+    """
+
+    def __init__(
+        self, geometry: Geometry, every: float, length: np.ndarray, velocity: np.ndarray | None = None
+    ) -> None:
+        """`every`: time between rows [s]; (6,) length [m] and velocity [m/s] at first, by default at rest."""
+        self.speed, self.acceleration, self.every = geometry.leg_speed, geometry.leg_acceleration, every
+        self.target, self.length = length, length
+        self.velocity = np.zeros(6) if velocity is None else velocity
+
+    def follow(self, targets: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(n, 6) lengths and (n, 6) speeds for the (n, 6) lengths wanted, and (n,) which limits that took."""
+        n, dt = len(targets), self.every
+        wanted = np.diff(targets, axis=0, prepend=self.target[None]) / dt
+        turn = np.abs(np.diff(wanted, axis=0, prepend=wanted[:1])).max(axis=1, initial=0.0)
+        reach = (np.abs(wanted).max(axis=1) <= self.speed) & (turn <= self.acceleration * dt)
+        length, velocity, limited = targets.copy(), wanted.copy(), np.zeros(n, dtype=int)
+        stumbles, k = np.flatnonzero(~reach).tolist(), 0
+        while k < n:
+            if self.follows(wanted[k]):  # then exactly, until the next stumble
+                end = next((s for s in stumbles if s > k), n)
+                self.length, self.velocity = targets[end - 1], wanted[end - 1]
+                k = end
+            else:
+                limited[k] = self.chase(targets[k], wanted[k])
+                length[k], velocity[k] = self.length, self.velocity
+                k += 1
+            self.target = targets[k - 1]
+        return length, velocity, limited
+
+    def follows(self, wanted: np.ndarray) -> bool:
+        """Whether the legs are where they should be and can take this speed."""
+        there = float(np.abs(self.length - self.target).max()) < SAME
+        fast = float(np.abs(wanted).max()) > self.speed
+        hard = float(np.abs(wanted - self.velocity).max()) > self.acceleration * self.every * (1.0 + 1e-9)
+        return there and not fast and not hard
+
+    def chase(self, target: np.ndarray, wanted: np.ndarray) -> int:
+        """One row of a leg that cannot follow, and which limits held it."""
+        dt, a = self.every, self.acceleration
+        behind = self.target - self.length
+        brake = np.sqrt((0.5 * a * dt) ** 2 + 2.0 * a * np.abs(behind)) - 0.5 * a * dt  # stops in whole rows
+        aim = wanted + np.sign(behind) * np.minimum(np.abs(behind) / dt, brake)
+        speed = np.clip(aim, -self.speed, self.speed)
+        new = np.clip(speed, self.velocity - a * dt, self.velocity + a * dt)
+        held = (LEG_SPEED if (speed != aim).any() else 0) | (LEG_ACCELERATION if (new != speed).any() else 0)
+        self.length, self.velocity = self.length + new * dt, new
+        return held or LEG_ACCELERATION

@@ -1,0 +1,277 @@
+"""Motion logs: what a ship did, row by row, as `motion.csv` has it; read, checked, and told in other axes."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ocean_sim import conventions
+from ocean_sim.conventions import GRAVITY
+from ocean_sim.files import input_file
+from ocean_sim.files.csv_file import described, twice
+
+MOTIONS = ("sway_m", "heave_m", "surge_m", "pitch_rad", "yaw_rad", "roll_rad")
+RATES = ("roll_rate_rad_s", "pitch_rate_rad_s", "yaw_rate_rad_s")
+FORCES = ("specific_force_x_m_s2", "specific_force_y_m_s2", "specific_force_z_m_s2")
+REQUIRED = ("time_s", *MOTIONS, *RATES, *FORCES)
+UNITS = ("_rad_s", "_m_s2", "_rad", "_m", "_s")
+
+# Components along the axes of each frame, from those along FLU (x forward, y left, z up).
+AXES = {frame: conventions.FRAMES[frame] @ conventions.FRAMES["flu"].T for frame in ("flu", "ned", "ship")}
+FRAMES = {**AXES, "world": AXES["ship"]}
+AXES_IN_WORDS = {
+    "flu": "x forward, y left, z up (ISO 8855, ROS)",
+    "ned": "x forward, y to starboard, z down (SNAME, NED)",
+    "ship": "x to port, y up, z to the bow",
+}
+
+SLOWEST = 10.0  # rows a second that a platform can be driven by
+FASTEST = 50.0  # [m/s] that a ship may move from row to row
+FASTEST_TURN = 20.0  # [rad/s]
+MOST_FELT = 20.0  # [m/s2] in the half of all rows
+UNEVEN = 0.01  # part of the time between rows by which it may differ
+CHUNK = 2000  # rows at a time
+
+
+class Ride(NamedTuple):
+    """Rows of a motion log, along FLU body axes: x forward, y left, z up."""
+
+    time: np.ndarray  # (n,) [s]
+    seq: np.ndarray  # (n,) number of the row
+    specific_force: np.ndarray  # (n, 3) [m/s2], gravity included: +g upward at rest
+    rate: np.ndarray  # (n, 3) p, q, r [rad/s]
+    attitude: np.ndarray  # (n, 3) roll, pitch, yaw [rad]: Rz(yaw) Ry(pitch) Rx(roll) turns body to world
+
+    def chunks(self) -> Iterator["Ride"]:
+        """The rows in their order, some at a time."""
+        for k in range(0, len(self.time), CHUNK):
+            yield Ride(*(column[k : k + CHUNK] for column in self))
+
+
+class MotionLog(NamedTuple):
+    """A motion log that has been read: its head, its lines and what a platform needs of them."""
+
+    head: dict[str, str]
+    frame: str  # ship, ned or flu
+    names: list[str]
+    lines: list[str]
+    every: float  # time between rows [s]
+    ride: Ride
+
+
+def signs(frame: str) -> np.ndarray:
+    """(3,) by which roll, pitch and yaw about the frame's own axes, in their FLU sense, have to be taken."""
+    return np.array([1.0, -1.0, -1.0]) if frame == "ned" else np.ones(3)
+
+
+def ride_of(table: dict[str, np.ndarray], frame: str) -> Ride:
+    """What a platform needs of columns that are told in this frame."""
+    turn = signs(frame)
+    force = np.column_stack([table[name] for name in FORCES]) @ FRAMES[frame]
+    rate = np.column_stack([table[name] for name in RATES]) * turn
+    attitude = np.column_stack([table[name] for name in ("roll_rad", "pitch_rad", "yaw_rad")]) * turn
+    return Ride(table["time_s"], table.get("seq", np.arange(len(force))).astype(int), force, rate, attitude)
+
+
+def read(path: str | Path) -> MotionLog:
+    """A whole motion log. Raises ValueError with the reason where it cannot be read, or is none."""
+    path = Path(path)
+    every_line = input_file.text(path).splitlines()
+    comments = [line.removeprefix("#").partition(":") for line in every_line if line.startswith("#")]
+    head = {key.strip(): value.strip() for key, _, value in comments}
+    names, lines = heading(path, [line for line in every_line if line.strip() and not line.startswith("#")])
+    frame = head.get("frame", "ship")
+    if frame not in FRAMES:
+        raise ValueError(f"{path}: its head says frame {frame!r}; a frame is one of {', '.join(FRAMES)}")
+    table = numbers(path, names, lines, [name for name in (*REQUIRED, "seq") if name in names])
+    every = spacing(path, table)
+    ride = ride_of(table, frame)
+    believable(path, table, ride, frame)
+    return MotionLog(head, "ship" if frame == "world" else frame, names, lines, every, ride)
+
+
+def heading(path: Path, lines: list[str]) -> tuple[list[str], list[str]]:
+    """Names of the columns, and the rows below them."""
+    if len(lines) < 3:
+        raise ValueError(f"{path} has {max(0, len(lines) - 1)} rows; a platform needs at least two")
+    names = [name.strip() for name in lines[0].split(",")]
+    if (name := twice(names)) is not None:
+        raise ValueError(f"{path} has two columns {described(name)}")
+    missing = [name for name in REQUIRED if name not in names]
+    if missing:
+        unit = next(unit for unit in UNITS if missing[0].endswith(unit))
+        words = [name for name in names if name.isidentifier() and name not in REQUIRED]
+        other = [name for name in words if name.startswith(missing[0].removesuffix(unit) + "_")]
+        said = f", but {other[0]}: its unit is another" if other else ""
+        raise ValueError(f"{path} has no column {missing[0]}{said}")
+    uneven = next((k for k, line in enumerate(lines[1:], 1) if line.count(",") != len(names) - 1), None)
+    if uneven is not None:
+        raise ValueError(f"{path}: row {uneven} has {lines[uneven].count(',') + 1} cells under {len(names)} names")
+    return names, lines[1:]
+
+
+def numbers(path: Path, names: list[str], lines: list[str], wanted: Sequence[str]) -> dict[str, np.ndarray]:
+    """Some of the columns, by name."""
+    places = [names.index(name) for name in wanted]
+    try:
+        table = parsed(lines, places)
+    except ValueError:
+        row = unreadable(lines, places) or 0
+        cells = dict(zip(names, lines[row].split(",")))
+        name = next((name for name in wanted if unreadable([f"{cells[name]},"], [0]) == 0), wanted[0])
+        raise ValueError(f"{path}: {name} is {described(cells[name])} in row {row + 1}") from None
+    wrong = np.argwhere(~np.isfinite(table))
+    if len(wrong):
+        row, column = wrong[0]
+        raise ValueError(f"{path}: {wanted[column]} is {table[row, column]} in row {row + 1}")
+    return dict(zip(wanted, table.T))
+
+
+def parsed(lines: list[str], places: list[int]) -> np.ndarray:
+    """(n, columns) the numbers at some places of each line; raises ValueError."""
+    return np.loadtxt(lines, delimiter=",", usecols=places, comments=None, ndmin=2)
+
+
+def unreadable(lines: list[str], places: list[int]) -> int | None:
+    """Number of the first line that is no numbers at these places: the half that holds it, and again."""
+    try:
+        parsed(lines, places)
+    except ValueError:
+        if len(lines) == 1:
+            return 0
+        half = len(lines) // 2
+        first = unreadable(lines[:half], places)
+        return first if first is not None else half + (unreadable(lines[half:], places) or 0)
+    return None
+
+
+def spacing(path: Path, table: dict[str, np.ndarray]) -> float:
+    """Time between rows [s], which has to be the same everywhere."""
+    time, steps = table["time_s"], np.diff(table["time_s"])
+    every = float(np.median(steps))
+    if every <= 0.0 or (steps <= 0.0).any():
+        k = int(np.argmin(steps)) + 1
+        raise ValueError(f"{path}: its rows are not in the order of time: {time[k]:g} s after {time[k - 1]:g} s")
+    off = np.abs(steps - every) > UNEVEN * every + 2e-9 * np.abs(time[1:])
+    seq_steps = np.diff(table["seq"]) if "seq" in table else np.ones(len(steps))
+    if off.any() or (seq_steps != 1).any():
+        k = int(np.argmax(off | (seq_steps != 1)))
+        where = f"between {time[k]:g} s and {time[k + 1]:g} s"
+        raise ValueError(f"{path}: rows are missing or out of order {where}; they should be {every:g} s apart")
+    if every > 1.0 / SLOWEST:
+        raise ValueError(f"{path} has a row every {every:g} s; a platform needs at least {SLOWEST:g} a second")
+    return every
+
+
+def believable(path: Path, table: dict[str, np.ndarray], ride: Ride, frame: str) -> None:
+    """Refuse what no ship does: jumps, other units, gravity along another axis."""
+    time = ride.time
+    place = np.column_stack([table[name] for name in MOTIONS[:3]])
+    jump = np.linalg.norm(np.diff(place, axis=0), axis=1)
+    if (jump > FASTEST * np.diff(time)).any():
+        k = int(np.argmax(jump))
+        raise ValueError(f"{path}: the ship jumps by {jump[k]:.3g} m between {time[k]:g} s and {time[k + 1]:g} s")
+    if np.abs(ride.rate).max() > FASTEST_TURN or np.abs(ride.attitude).max() > 1000.0:
+        raise ValueError(f"{path}: it turns at {np.abs(ride.rate).max():.3g} rad/s; are its angles in degrees?")
+    turn = np.median(np.linalg.norm(turns(ride.attitude), axis=1) / np.diff(time))
+    rate = np.median(np.linalg.norm(euler_rates(ride), axis=1))
+    if min(turn, rate) > 1e-4 and not 0.05 < turn / rate < 20.0:
+        raise ValueError(f"{path}: its angles turn at {turn:.3g} rad/s, its rates are {rate:.3g}; is one in degrees?")
+    leap = leaps(ride.attitude)
+    if (leap > FASTEST_TURN * np.diff(time)).any():
+        k = int(np.argmax(leap))
+        raise ValueError(
+            f"{path}: the ship turns by {np.degrees(leap[k]):.3g} degrees between {time[k]:g} s and {time[k + 1]:g} s"
+        )
+    upward = turned(ride.attitude, ride.specific_force)[:, 2]
+    felt, up = float(np.median(np.linalg.norm(ride.specific_force, axis=1))), float(upward.mean())
+    if 0.5 < felt < 2.0:
+        raise ValueError(f"{path}: its specific force is about {felt:.2g} m/s2, at rest {GRAVITY} m/s2; is it in g?")
+    if felt > MOST_FELT:
+        raise ValueError(
+            f"{path}: its specific force is about {felt:.3g} m/s2, at rest {GRAVITY}; is its unit another?"
+        )
+    if felt > 5.0 and up < 0.5 * felt:
+        means = f"frame {frame}, {AXES_IN_WORDS['ship' if frame == 'world' else frame]}"
+        raise ValueError(f"{path}: gravity does not point down ({up:.3g} m/s2 upward); is it really in {means}?")
+
+
+def turns(attitude: np.ndarray) -> np.ndarray:
+    """(n - 1, 3) differences from row to row [rad], the short way around."""
+    return (np.diff(attitude, axis=0) + np.pi) % (2.0 * np.pi) - np.pi
+
+
+def leaps(attitude: np.ndarray) -> np.ndarray:
+    """(n - 1,) angle from row to row [rad], about whichever axis."""
+    from scipy.spatial.transform import Rotation
+
+    pose = Rotation.from_euler("ZYX", attitude[:, ::-1])
+    return (pose[:-1].inv() * pose[1:]).magnitude()
+
+
+def turned(attitude: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    """(n, 3) Ry(pitch) Rx(roll) of (n, 3): body axes to those that are level and head as the ship does."""
+    (sr, sp, _), (cr, cp, _) = np.sin(attitude).T, np.cos(attitude).T
+    x, y, z = vector.T
+    along = sr * y + cr * z
+    return np.column_stack([cp * x + sp * along, cr * y - sr * z, cp * along - sp * x])
+
+
+def euler_rates(ride: Ride) -> np.ndarray:
+    """(n, 3) rates of roll, pitch and yaw [rad/s] from body rates; near a pitch of 90 degrees they are held finite."""
+    (sr, sp, _), (cr, cp, _) = np.sin(ride.attitude).T, np.cos(ride.attitude).T
+    p, q, r = ride.rate.T
+    about_z = (sr * q + cr * r) / np.where(np.abs(cp) < 1e-3, 1e-3, cp)
+    return np.column_stack([p + sp * about_z, cr * q - sr * r, about_z])
+
+
+def converted(log: MotionLog, frame: str) -> Iterator[list[str]]:
+    """The rows of a log in the axes of another frame; columns that have no axes stay as they are written."""
+    found = origins(log.names, AXES[frame] @ AXES[log.frame].T)
+    for line in log.lines:
+        cells = line.split(",")
+        yield [negated(cells[k]) if turned else cells[k] for k, turned in found]
+
+
+def origins(names: list[str], turn: np.ndarray) -> list[tuple[int, bool]]:
+    """Of each column the one whose cells it gets, and whether they change their sign: an axis of any frame is plus or
+    minus one of another's."""
+    found = [(k, False) for k in range(len(names))]
+    for triple in vectors(names):
+        places = [names.index(name) for name in triple]
+        for place, row in zip(places, turn):
+            k = int(np.argmax(np.abs(row)))
+            found[place] = places[k], bool(row[k] < 0.0)
+    if (turn < 0.0).any():
+        for k in map(names.index, sideways(names)):
+            found[k] = k, True
+    return found
+
+
+def negated(cell: str) -> str:
+    """A number with the other sign, its digits as they are; 0 has none."""
+    cell = cell.strip().removeprefix("+")
+    if cell.startswith("-"):
+        return cell[1:]
+    return f"-{cell}" if float(cell) else cell
+
+
+def convertible(path: Path, log: MotionLog) -> None:
+    """Refuse a log that cannot be told in other axes: a vector lacks a component, or a cell is no number."""
+    wanted = [name for triple in vectors(log.names) for name in triple] + sideways(log.names)
+    missing = next((name for name in wanted if name not in log.names), None)
+    if missing is not None:
+        raise ValueError(f"{path} has no column {missing}; without it a vector cannot be told in other axes")
+    numbers(path, log.names, log.lines, wanted)
+
+
+def sideways(names: list[str]) -> list[str]:
+    """The columns that change their sign between NED and the other frames."""
+    return [name for name in names if name.split("_")[0] in ("sway", "heave", "pitch", "yaw")]
+
+
+def vectors(names: list[str]) -> list[list[str]]:
+    """The components along x, y and z of each vector; the quaternion's last three are one."""
+    found = [["qx", "qy", "qz"]] if "qx" in names else []
+    return found + [[name.replace("_x_", f"_{axis}_") for axis in "xyz"] for name in names if "_x_" in name]

@@ -1,0 +1,1 @@
+"""Washout filters: every module of this folder is a kind that a platform may name."""

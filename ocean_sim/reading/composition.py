@@ -1,0 +1,183 @@
+"""From what a user wrote to one tree: a part, under the scene, under the profile, under `--set`."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from ocean_sim.files.yaml_file import Node, Problem, SceneError, described, merged, problem, read
+from ocean_sim.parts import SLOTS, config_of, kinds, library, named
+from ocean_sim.reading.translation import choice_sentence, dotted
+
+DEFAULTS = {"wind": "still", "time_step": "courant"}  # any other absent slot is nothing at all
+
+
+@dataclass
+class Choice:
+    """What stands in a slot: a kind or a ready-made part, and what was written over it."""
+
+    base: Node  # a mapping with `kind`
+    own: Node  # a mapping without
+
+    @property
+    def kind(self) -> str:
+        return self.base.data["kind"].data
+
+    def whole(self) -> Node:
+        return merged(self.base, self.own) if self.own.data else self.base
+
+
+@dataclass
+class Composition:
+    """The tree of a scene while layers are laid over it, and what was noticed on the way."""
+
+    root: Node
+    slots: dict[str, Choice | None] = field(default_factory=dict)
+    failed: set[str] = field(default_factory=set)  # slots that already have a problem of their own
+    problems: list[Problem] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def slot(self, slot: str, node: Node, below: Choice | None) -> None:
+        """Lay `node` over what stands in a slot: null empties it, a name replaces it, a mapping changes it."""
+        try:
+            if node.data is None:
+                self.slots[slot] = None
+            elif below is None or not node.is_mapping:
+                self.slots[slot] = chosen(slot, node)
+            else:
+                rest = {key: value for key, value in node.data.items() if key != "kind"}
+                if "kind" in node.data:
+                    below = self.another_kind(slot, below, node.data["kind"])
+                self.slots[slot] = Choice(below.base, merged(below.own, node.with_data(rest)))
+        except SceneError as error:
+            self.problems += error.problems
+            self.slots[slot] = None
+            self.failed.add(slot)
+
+    def another_kind(self, slot: str, below: Choice, kind: Node) -> Choice:
+        """Another kind, or ready-made part, that keeps the keys it also has; the others are dropped with a note."""
+        base = chosen(slot, kind.with_data({"kind": kind})).base
+        written = below.own if isinstance(kind.data, str) and kind.data not in kinds(slot) else below.whole()
+        old = config_of(slot, below.kind).model_fields
+        new = config_of(slot, base.data["kind"].data).model_fields
+        kept = {key: value for key, value in written.data.items() if key != "kind" and (key in new or key not in old)}
+        dropped = [key for key in written.data if key != "kind" and key not in kept]
+        if dropped:
+            self.notes.append(f"{slot}: kind {kind.data} has no {', '.join(dropped)}; dropped")
+        return Choice(base, written.with_data(kept))
+
+    def set(self, key: str, value: Node) -> None:
+        """One `--set`: a slot, a key inside one, or any other key."""
+        path = tuple(key.split("."))
+        if "" in path:
+            meant = ".".join(filter(None, path)) or None
+            end = f"; did you mean {meant!r}?" if meant else ""
+            self.problems.append(problem(value.place, key, f"a dot stands where a key should{end}", meant))
+            return
+        slot = path[0] if path[0] in SLOTS else None
+        if slot is None:
+            self.root = self.put(self.root, path, (), value)
+            return
+        below = self.slots.get(slot)
+        if slot in self.failed and len(path) > 1:
+            return
+        if below is None and slot in DEFAULTS:
+            below = chosen(slot, value.with_data(DEFAULTS[slot]))
+        if len(path) == 1:
+            self.slot(slot, value, below if value.is_mapping and "kind" not in value.data else None)
+        elif path[1:] == ("kind",) or below is None:
+            self.slot(slot, self.put(value.with_data({}), path[1:], (slot,), value), below)
+        else:
+            whole = self.put(below.whole(), path[1:], (slot,), value)
+            own = {k: v for k, v in whole.data.items() if k != "kind"}
+            self.slots[slot] = Choice(below.base, whole.with_data(own))
+
+    def put(self, node: Node, path: tuple[str, ...], above: tuple[str, ...], value: Node) -> Node:
+        """`node` with the value at `path` replaced; mappings on the way are made where they are missing."""
+        if not path:
+            return value
+        step, data = path[0], node.data
+        if data is None:
+            node, data = value.with_data({}), {}
+        if isinstance(data, dict):
+            inner = data.get(step, value.with_data(None))
+            return node.with_data({**data, step: self.put(inner, path[1:], (*above, step), value)})
+        whole = dotted(above)
+        if isinstance(data, list) and step.isascii() and step.isdecimal() and int(step) < len(data):
+            k = int(step)
+            return node.with_data([*data[:k], self.put(data[k], path[1:], (*above, step), value), *data[k + 1 :]])
+        if isinstance(data, list):
+            there = f"0 to {len(data) - 1}" if data else "none"
+            message = f"{whole} is a list; its entries are numbered: {there}"
+        else:
+            message = f"{whole} is {described(data)}, which has no keys; set {whole} as a whole"
+        self.problems.append(problem(value.place, dotted((*above, *path)), message))
+        return node
+
+
+def composed(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> Composition:
+    """A scene, a profile and `--set`, one over the other; slots come out as mappings with `kind`."""
+    result = Composition(scene.with_data(dict(scene.data)))
+    for slot in SLOTS:
+        if slot in scene.data:
+            result.slot(slot, scene.data[slot], None)
+    for key, node in (profile.data if profile is not None else {}).items():
+        if key in SLOTS:
+            below = result.slots.get(key)
+            if below is None and key in DEFAULTS and node.is_mapping and "kind" not in node.data:
+                below = chosen(key, node.with_data(DEFAULTS[key]))
+            result.slot(key, node, below)
+        else:
+            below = result.root.data.get(key)
+            result.root.data[key] = node if below is None else merged(below, node)
+    for key, node in sorted(overrides.items(), key=lambda item: (item[0].count("."), not item[0].endswith(".kind"))):
+        result.set(key, node)
+    for slot, default in DEFAULTS.items():
+        if result.slots.get(slot) is None:
+            result.slots[slot] = chosen(slot, scene.with_data(default))
+    data = {key: node for key, node in result.root.data.items() if key not in SLOTS}
+    data |= {slot: choice.whole() for slot, choice in result.slots.items() if choice is not None}
+    result.root = result.root.with_data(data)
+    return result
+
+
+def chosen(slot: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
+    """What a name or a mapping with `kind` stands for; raises SceneError."""
+    if not kinds(slot):
+        raise SceneError([problem(node.key_place, slot, f"there is no kind of {slot} yet")])
+    if isinstance(node.data, str):
+        name = node
+        part_first = True
+        own = node.with_data({})
+    elif node.is_mapping and "kind" in node.data:
+        name = node.data["kind"]
+        part_first = False
+        own = node.with_data({key: value for key, value in node.data.items() if key != "kind"})
+    else:
+        wrong = (
+            "missing key"
+            if node.is_mapping
+            else f"expected a name or a mapping with `kind`, got {described(node.data)}"
+        )
+        end = f"; there are {', '.join(known(slot))}"
+        raise SceneError([problem(node.place, f"{slot}.kind" if node.is_mapping else slot, wrong + end)])
+    if not isinstance(name.data, str):
+        raise SceneError([problem(name.place, f"{slot}.kind", f"expected a name, got {described(name.data)}")])
+    if name.data in named(slot) and name.data not in within and (part_first or name.data not in kinds(slot)):
+        part = read(library("configs") / slot / f"{name.data}.yaml")
+        return Choice(chosen(slot, part, (*within, name.data)).whole(), own)
+    if name.data in kinds(slot):
+        return Choice(node.with_data({"kind": name}), own)
+    raise SceneError([unknown_name(slot, name, f"{slot}.kind" if node.is_mapping else slot)])
+
+
+def known(slot: str) -> list[str]:
+    """Every name that a slot understands: ready-made parts and kinds."""
+    return sorted({*named(slot), *kinds(slot)})
+
+
+def unknown_name(what: str, name: Node, key: str, choices: Any = None) -> Problem:
+    """A name that is neither a part nor a kind: the likeliest one, and all there are."""
+    choices = choices or known(what)
+    end, suggestion = choice_sentence(name.data, choices)
+    if suggestion is not None:
+        end += f" there are {', '.join(choices)}"
+    return problem(name.place, key, f"no {what} {name.data!r}{end}", suggestion)

@@ -1,0 +1,272 @@
+"""What pydantic finds wrong, in the words of someone who writes scenes: at the place, with the bound and the unit."""
+
+from collections.abc import Iterator
+from difflib import get_close_matches
+from math import inf
+from pathlib import Path as Folder
+from types import UnionType
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+
+from ocean_sim.files.input_file import FOLDER
+from ocean_sim.files.yaml_file import Node, Problem, described, problem
+
+LEAST, MOST = 1e-60, 1e15  # size of a number in SI units that a scene may hold
+FEW = 24  # choices that still fit in a sentence
+BOUNDS = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
+SHAPES = {
+    "float_type": "a number",
+    "float_parsing": "a number",
+    "int_type": "a whole number",
+    "int_from_float": "a whole number",
+    "bool_type": "true or false",
+    "string_type": "text",
+    "model_type": "a mapping",
+    "model_attributes_type": "a mapping",
+    "dict_type": "a mapping",
+    "list_type": "a list",
+    "tuple_type": "a list",
+    "none_required": "null",
+}
+
+Model = TypeVar("Model", bound=BaseModel)
+Path = tuple[str | int, ...]
+
+
+def validated(
+    model: type[Model], node: Node, path: Path, problems: list[Problem], folder: Folder | None = None
+) -> Model | None:
+    """The model of what a node says; where it cannot be, None, and `problems` grows. `folder`: where the names of files
+    begin, by default where the user is."""
+    beyond = list(absurd(node, path))
+    problems.extend(beyond)
+    try:
+        found = model.model_validate(node.plain(), context={FOLDER: folder})
+        return None if beyond else found
+    except ValidationError as error:
+        problems.extend(translated(error, model, node, path))
+        return None
+
+
+def absurd(node: Node, path: Path) -> Iterator[Problem]:
+    """Numbers so large or small that no product of a few of them could be computed."""
+    if isinstance(node.data, dict | list):
+        for key, inner in node.data.items() if isinstance(node.data, dict) else enumerate(node.data):
+            yield from absurd(inner, (*path, key))
+    elif isinstance(node.data, int | float) and node.data:
+        if not LEAST <= abs(node.data) <= MOST and abs(node.data) < inf:
+            said = f"{described(node.data)} is no size of anything here: 0, or between {LEAST:g} and {MOST:g}"
+            yield problem(node.place, dotted(path), said)
+
+
+def dotted(path: Path) -> str:
+    """A path as users write it: `wind.volumes.0.noise`."""
+    return ".".join(map(str, path))
+
+
+def likeliest(word: str, choices: Any) -> str | None:
+    """The choice that a mistyped word most likely meant."""
+    by_lower = {str(choice).lower(): str(choice) for choice in choices}
+    close = get_close_matches(word.lower(), by_lower, n=1)
+    return by_lower[close[0]] if close else None
+
+
+def choice_sentence(word: str, choices: Any) -> tuple[str, str | None]:
+    """'; did you mean ...' or '; there are ...', and the suggestion alone."""
+    choices = [str(choice) for choice in choices]
+    suggestion = likeliest(word, choices)
+    if suggestion is not None:
+        return f"; did you mean {suggestion!r}?", suggestion
+    return (f"; there are {', '.join(choices)}" if 0 < len(choices) <= FEW else ""), None
+
+
+def translated(error: ValidationError, model: type[BaseModel], root: Node, prefix: Path) -> list[Problem]:
+    """Every problem in a validation error, of each union only what its likeliest member has to say."""
+    found = [_located(e, model, root) for e in error.errors(include_url=False)]
+    problems = [_sentence(f, prefix) for f in found if f.union is None and not _is_extra_item(f, found)]
+    for union in dict.fromkeys(f.union for f in found if f.union is not None):
+        problems += _of_union([f for f in found if f.union == union], prefix)
+    return problems
+
+
+class _Found(NamedTuple):
+    """One pydantic error: where in the data it is, and what the models say about that place."""
+
+    kind: str
+    message: str
+    context: dict[str, Any]
+    path: Path  # keys and indices that exist in the data, then the missing key if one is missing
+    node: Node  # the deepest node on that path
+    field: FieldInfo | None  # the last field passed on the way
+    keys: tuple[str, ...]  # what could be written at an unknown key's place
+    union: Path | None  # the path of the first union on the way, and
+    member: str  # which of its members complains
+    shape: bool  # the value is of another shape than the member wants
+
+
+def _located(error: Any, model: type[BaseModel], root: Node) -> _Found:
+    node, types = root, [model]
+    path: Path = ()
+    union: Path | None = None
+    field: FieldInfo | None = None
+    member, keys = "", tuple[str, ...]()
+    location = error["loc"]
+    for k, step in enumerate(location):
+        inner = node.child(step)
+        last = k == len(location) - 1
+        if inner is None and not (last and error["type"] in ("missing", "extra_forbidden")):
+            if union is None:
+                union, member = path, str(step)
+            types = _narrowed(types, str(step))
+            continue
+        keys = tuple(dict.fromkeys(name for t in types if _is_model(t) for name in t.model_fields))
+        path = (*path, step)
+        types, field = _inside(types, step, field)
+        node = inner if inner is not None else node
+    shape = error["type"] in SHAPES or (error["type"] == "literal_error" and isinstance(node.data, dict | list))
+    shape = shape and union == path
+    context = error.get("ctx", {})
+    return _Found(error["type"], error["msg"], context, path, node, field, keys, union, member, shape)
+
+
+def _members(annotation: Any) -> list[Any]:
+    """An annotation without `Annotated`, a union as its members."""
+    origin = get_origin(annotation)
+    if origin is Annotated:
+        return _members(get_args(annotation)[0])
+    if origin in (Union, UnionType):
+        return [member for argument in get_args(annotation) for member in _members(argument)]
+    return [annotation]
+
+
+def _is_model(annotation: Any) -> bool:
+    return isinstance(annotation, type) and issubclass(annotation, BaseModel)
+
+
+def _narrowed(types: list[Any], tag: str) -> list[Any]:
+    """The members of a union that pydantic means by a tag: a class by name, or by the word of its discriminator."""
+
+    def meant(model: Any) -> bool:
+        words = [
+            w
+            for f in model.model_fields.values()
+            if get_origin(f.annotation) is Literal
+            for w in get_args(f.annotation)
+        ]
+        return model.__name__ == tag or tag in words
+
+    return [t for t in types if _is_model(t) and meant(t)] or types
+
+
+def _inside(types: list[Any], step: str | int, field: FieldInfo | None) -> tuple[list[Any], FieldInfo | None]:
+    """The annotations one step further in, and the last model field passed."""
+    inner: list[Any] = []
+    for t in types:
+        arguments = get_args(t)
+        if _is_model(t) and step in t.model_fields:
+            field = t.model_fields[step]
+            inner += _members(field.annotation)
+        elif get_origin(t) is dict and arguments:
+            inner += _members(arguments[1])
+        elif get_origin(t) in (list, tuple) and isinstance(step, int) and arguments:
+            inner += _members(arguments[min(step, len(arguments) - 1)] if arguments[-1] is not ... else arguments[0])
+    return inner, field
+
+
+def _is_extra_item(found: _Found, all_found: list[_Found]) -> bool:
+    """A list that is too short is told once, not once for each entry that it lacks; nor for entries that are wrong."""
+    if found.kind == "too_short" and len(found.node.data) >= found.context["min_length"]:
+        return True
+    return _is_short(found) and any(_is_short(f) and f.node is found.node and f.path > found.path for f in all_found)
+
+
+def _is_short(found: _Found) -> bool:
+    return found.kind == "missing" and isinstance(found.node.data, list)
+
+
+def _of_union(found: list[_Found], prefix: Path) -> list[Problem]:
+    members: dict[str, list[_Found]] = {}
+    for f in found:
+        members.setdefault(f.member, []).append(f)
+    fitting = [errors for errors in members.values() if not any(f.shape for f in errors)]
+    if fitting:
+        best = min(fitting, key=len)
+        return [_sentence(f, prefix) for f in best if not _is_extra_item(f, best)]
+    wanted = list(dict.fromkeys(_wanted(errors[0]) for errors in members.values()))
+    first = found[0]
+    message = f"expected {' or '.join(wanted)}, got {described(first.node.plain())}"
+    return [problem(first.node.place, dotted(prefix + first.path), message)]
+
+
+def _wanted(found: _Found) -> str:
+    return SHAPES.get(found.kind) or f"one of {found.context.get('expected', '')}"
+
+
+def _sentence(found: _Found, prefix: Path) -> Problem:
+    """One error as a problem."""
+    key, place = dotted(prefix + found.path), found.node.place
+    value, context, suggestion = described(found.node.plain()), found.context, None
+    bound = next((name for name in BOUNDS if name in context), None)
+    if found.member == "[key]":
+        place = found.node.key_place
+        message = f"{found.path[-1]!r} is not a name: {found.message.replace('String should', 'it should')}"
+    elif found.kind == "extra_forbidden":
+        message, suggestion = choice_sentence(str(found.path[-1]), found.keys)
+        message, place = f"unknown key{message}", found.node.key_place
+    elif _is_short(found):
+        key = dotted(prefix + found.path[:-1])
+        message = f"expected {_entries(int(found.path[-1]) + 1)}, got {len(found.node.data)}"
+    elif found.kind == "missing":
+        message = "missing key"
+    elif found.kind in ("too_long", "too_short") and isinstance(found.node.data, list | dict):
+        wanted = context["max_length"] if found.kind == "too_long" else context["min_length"]
+        word = "most" if found.kind == "too_long" else "least"
+        message = f"expected at {word} {_entries(wanted)}, got {len(found.node.data)}"
+    elif bound is not None:
+        message = f"{value} is not {BOUNDS[bound]} {_number(context[bound])}{_unit(found.field)}"
+    elif found.kind == "finite_number":
+        message = f"{value} is not a finite number"
+    elif found.kind == "literal_error":
+        choices = [word.strip("'") for word in context["expected"].replace(" or ", ", ").split(", ")]
+        end, suggestion = choice_sentence(str(found.node.data), choices)
+        message = (
+            f"{value} is not one of {context['expected']}" if suggestion is None else f"{value} is not a choice{end}"
+        )
+    elif found.kind in ("union_tag_invalid", "union_tag_not_found"):
+        name = context["discriminator"].strip("'")
+        choices = [word.strip("'") for word in context.get("expected_tags", "").split(", ") if word]
+        key = f"{key}.{name}" if key else name
+        place = found.node.data[name].place if found.kind == "union_tag_invalid" else place
+        end, suggestion = choice_sentence(str(context.get("tag", "")), choices)
+        message = "missing key" if found.kind == "union_tag_not_found" else f"{context['tag']!r} is not a choice{end}"
+    elif found.kind in SHAPES:
+        message = f"expected {SHAPES[found.kind]}, got {value}{_hint(found)}"
+    elif found.kind in ("value_error", "assertion_error"):
+        message = str(context.get("error", found.message))
+    else:
+        message = found.message.replace("Input should be", "this should be")
+    return problem(place, key, message, suggestion)
+
+
+def _hint(found: _Found) -> str:
+    """YAML 1.2 reads `1e-3` as a number and `1e` or `3,5` as text; a comma is the usual slip."""
+    text = found.node.data
+    if found.kind == "float_type" and isinstance(text, str) and text.replace(",", "", 1).replace("-", "", 1).isdigit():
+        return f"; did you mean {text.replace(',', '.')}?"
+    return ""
+
+
+def _entries(count: int) -> str:
+    return "1 entry" if count == 1 else f"{count} entries"
+
+
+def _number(bound: Any) -> str:
+    return f"{bound:g}" if isinstance(bound, float) else str(bound)
+
+
+def _unit(field: FieldInfo | None) -> str:
+    extra = field.json_schema_extra if field is not None else None
+    unit = extra.get("unit") if isinstance(extra, dict) else None
+    return f" [{unit}]" if unit and unit != "1" else ""

@@ -1,0 +1,225 @@
+"""A hull of cubes in the water of a scene: keys of the kinds that float by their own volume, and what they share."""
+
+from functools import cached_property
+from math import isinf, radians
+from typing import Any, ClassVar
+
+import numpy as np
+from pydantic import ValidationInfo, field_validator
+
+from ocean_sim.basin import Basin
+from ocean_sim.conventions import WATER_DENSITY
+from ocean_sim.files.input_file import beside_scene
+from ocean_sim.fluid import Limits
+from ocean_sim.parts import LedgerRow, Vector3, named, quantity
+from ocean_sim.ship.shared.cubes import Cubes, Wetted
+from ocean_sim.ship.shared.distance import MANY, memory
+from ocean_sim.ship.shared.hull import Hull, Inertia, explained, hull_of
+from ocean_sim.ship.shared.hydrostatics import Hydrostatics
+from ocean_sim.ship.shared.placed import Machine, Placed
+from ocean_sim.ship.shared.propulsion import Propeller, Rudder
+from ocean_sim.ship.shared.rigid_body import RigidBody, matrix, oriented
+from ocean_sim.ship.shared.solid import Solid
+from ocean_sim.ship.shared.wall_contact import Sides
+from ocean_sim.ship.shared.water import Water
+from ocean_sim.ship.shared.wave_contact import FINE, RIM, Contact, WaveContact
+
+STEPS_A_PERIOD = 60  # of the fastest natural motion
+FORCE_NUMBER = 0.25  # the share of a limit that `courant` takes
+BODY, CUBE = 3.0e-4, 1.2e-7  # [s] of processor time a step
+FEW = 4.0  # spacings in a draught
+
+
+class FloatingConfig(Placed):
+    """Keys of a ship that floats by its volume."""
+
+    needs_surface: ClassVar[bool] = True  # over particles
+
+    hull: str | Hull
+    """A name in configs/hull/, a mesh file (STL, OBJ, PLY), or a mapping with `shape`."""
+    mass: float | None = quantity("kg", None, gt=0.0)
+    """Of the whole ship; null: what the hull says."""
+    centre_of_mass: Vector3 | None = quantity("m", None)
+    """From the hull's origin amidships at the keel; null: what the hull says."""
+    inertia: Inertia | None = quantity("kg m2", None)
+    """About the centre of mass: of pitch, yaw and roll; null: what the hull says."""
+    cells_per_draught: float = quantity("1", 8.0, ge=1.0, le=64.0)
+    """Cubes over the draught: 8 for motions, 16 for stability curves."""
+    contact: Contact | None = Contact()
+    """How particles and the hull push each other; null: they pass through each other, and the hull feels the surface
+    alone."""
+    propeller: Propeller | None = None
+    rudder: Rudder | None = None
+
+    @field_validator("hull")
+    @classmethod
+    def _known(cls, hull: str | Hull, info: ValidationInfo) -> str | Hull:
+        if not isinstance(hull, str) or hull in named("hull"):
+            return hull
+        hull_of(hull)
+        return beside_scene(hull, info)
+
+    @cached_property
+    def whole_hull(self) -> Hull:
+        """The hull, with what the ship says over it."""
+        hull = hull_of(self.hull) if isinstance(self.hull, str) else self.hull
+        own = {"mass": self.mass, "centre_of_mass": self.centre_of_mass, "inertia": self.inertia}
+        return hull.model_copy(update={key: value for key, value in own.items() if value is not None})
+
+    def afloat(self, gravity: float, density: float) -> Hydrostatics:
+        """The hull in still water; raises ValueError."""
+        return self.whole_hull.afloat(self.cells_per_draught, density, gravity)
+
+    def floating(self, basin: Basin, fluid: Any) -> tuple[Solid, ...]:
+        """What the water is built around."""
+        if self.contact is None or not hasattr(fluid, "lattice"):
+            return ()
+        still = self.afloat(-basin.gravity[1], fluid.rest_density)
+        body = self.body(still.matter, *afloat_pose(still))
+        support = getattr(fluid, "support_ratio", None) or RIM
+        reach = max(RIM, support) * fluid.lattice(basin).spacing
+        return (Solid(self.whole_hull.shape, still.matter.centre, body, False, felt=False, reach=reach),)
+
+    def problems_beside(self, fluid: Any, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
+        """What is wrong with the ship in this water."""
+        found: list[tuple[tuple[str, ...], str]] = []
+        for solid in self.floating(basin, fluid):
+            spacing = fluid.lattice(basin).spacing
+            if memory(solid.shape, spacing / FINE, max(solid.reach, RIM * spacing), 8)[0] > MANY:
+                size = " x ".join(f"{x:.3g}" for x in np.ptp(solid.shape.bounds(), axis=0))
+                said = f"a hull of {size} m is too small beside particles {spacing:g} m apart"
+                found.append((("hull",), f"{said}; take a smaller fluid.spacing"))
+                continue
+            for axis, _, depth in Sides(solid.shape, solid.centre, basin).beyond(solid.body):
+                if depth.max() > 1e-6:
+                    side = "the bed" if axis == 1 else f"a wall across {'xyz'[axis]}"
+                    found.append((("position",), f"the hull reaches {depth.max():.3g} m through {side}"))
+        return found
+
+    def problems(self, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
+        """What is wrong with the ship in this basin: (path below `ship`, sentence)."""
+        found = self.misplaced(basin)
+        if found:
+            return found
+        try:
+            hull = self.afloat(-basin.gravity[1], WATER_DENSITY)
+        except ValueError as error:
+            return [*found, (("hull",), explained(error))]
+        if not isinf(hull.draught) and hull.draught > basin.depth:
+            said = f"the ship draws {hull.draught:.3g} m, the water is {basin.depth:g} m deep"
+            found.append((("hull",), said))
+        return found
+
+    def warnings(self, scene: Any) -> list[str]:
+        """What a reader of the results should know."""
+        basin = scene.basin.build()
+        hull = self.afloat(-basin.gravity[1], scene.fluid.rest_density)
+        if isinf(hull.draught):
+            return [f"the ship weighs {hull.matter.mass:.4g} kg, more than its hull can carry: it sinks"]
+        found = []
+        cells = hull.draught / float(hull.voxels.size[1])
+        if cells < 0.9 * self.cells_per_draught:
+            found.append(f"the hull has {cells:.2g} cubes over its draught, as it draws little of its height")
+        if hull.metacentric_height() <= 0.0:
+            found.append(f"the ship is unstable upright: GM = {hull.metacentric_height():.3g} m; it will heel")
+        spacing = getattr(scene.fluid, "spacing", None)
+        if spacing and hull.draught < FEW * spacing:
+            said = f"the draught of {hull.draught:.3g} m is {hull.draught / spacing:.2g} spacings; below {FEW:g}"
+            found.append(f"{said} the water does not resolve the ship")
+        return found
+
+    def ledger(self, basin: Basin, word: int = 8) -> list[LedgerRow]:
+        """What it allocates."""
+        n = len(self.afloat(-basin.gravity[1], WATER_DENSITY).voxels.share)
+        size = Cubes.bytes(n, word) + Water.bytes(True, word)
+        why = f"{self.cells_per_draught:g} cells_per_draught"
+        rows = [LedgerRow("ship", f"{n} cubes of the hull", size, why, BODY + CUBE * n)]
+        for solid in basin.afloat:
+            count, size = memory(solid.shape, solid.reach / RIM / FINE, solid.reach, word)
+            rows.append(LedgerRow("ship", f"{count} distances from the hull", size, "ship.contact with particles"))
+        return rows
+
+
+class Afloat:
+    """The hull in a scene: cubes, the water around them, and how far they are under water."""
+
+    def __init__(self, config: FloatingConfig, basin: Basin, fluid: Any, below: bool) -> None:
+        """`below`: whether the ship asks the water under its surface, which a closed form answers."""
+        density = fluid.config.rest_density if fluid.particles is None else fluid.particles.rest_density
+        self.still = config.afloat(-basin.gravity[1], float(density))
+        self.closed = below and fluid.particles is None
+        self.cubes = Cubes(self.still)
+        lower, upper = config.whole_hull.shape.bounds()
+        self.lower, self.upper = np.array(lower), np.array(upper)
+        width, height, length = upper - lower
+        draught = height if isinf(self.still.draught) else self.still.draught
+        matter = self.still.matter
+        self.contact = self.sides = None
+        if config.contact is not None and fluid.particles is not None:
+            shape, pull = config.whole_hull.shape, self.still.gravity
+            self.contact = WaveContact(config.contact, shape, matter.centre, basin, fluid, pull)
+            self.sides = Sides(shape, matter.centre, basin, fluid.walls.gap + self.contact.margin)
+        self.water = Water(length, width, height, draught, self.still.gravity, self.closed, self.contact)
+        height, trim = afloat_pose(self.still)
+        sunk = 0.0 if fluid.particles is None else fluid.sunk
+        self.body = config.body(matter, height - sunk, trim)  # at the beginning
+        if self.contact is not None:
+            self.contact.hull.water = self.water
+            self.contact.hull.place(self.body)
+            fluid.meet(self.contact)
+        self.machine = Machine(config, config.propeller, config.rudder, matter.centre)
+        volume = self.still.voxels.volume
+        self.displaced = min(self.still.wanted, volume)
+        self.weight = np.array([[0.0, -matter.mass * self.still.gravity, 0.0], [0.0, 0.0, 0.0]])
+
+    def wetted(self, body: RigidBody, wind: Any, water: Any) -> Wetted:
+        """What the cubes say of the water and the wind around the body."""
+        return self.cubes.wetted(body, self.water, water, wind)
+
+    def share(self, wet: Wetted) -> float:
+        """Of added mass, damping and thrust that is left: all of it until half the usual volume is out of the water."""
+        return min(1.0, 2.0 * wet.volume / self.displaced)
+
+    def motion(self, body: RigidBody, wet: Wetted) -> np.ndarray:
+        """(6,) velocity in body axes [m/s], [rad/s], relative to the water where that is asked for its own."""
+        return np.concatenate([body.matrix.T @ body.velocity, body.rates]) - wet.velocity
+
+    def limits(self, added: dict[str, float] | None = None) -> Limits:
+        """STEPS_A_PERIOD steps in the fastest natural motion."""
+        periods = [period for period in self.still.periods(added).values() if period] if self.floats else []
+        return Limits(force=min(periods) / STEPS_A_PERIOD / FORCE_NUMBER) if periods else Limits()
+
+    @property
+    def floats(self) -> bool:
+        """Whether the hull can carry its mass."""
+        return not isinf(self.still.draught)
+
+
+def afloat_pose(still: Hydrostatics) -> tuple[float, np.ndarray]:
+    """Height of the centre of mass over the still water [m], and the quaternion of trim and heel, at rest; a ship that
+    cannot float begins with its deck awash."""
+    from scipy.optimize import root
+
+    if isinf(still.draught):
+        return float(still.matter.centre[1] - still.voxels.centre[:, 1].max()), oriented(0.0, 0.0, 0.0)
+    limit = radians(30.0)
+
+    def levers(angle: np.ndarray) -> np.ndarray:
+        turn = matrix_of(angle)
+        apart = still.centre_of_buoyancy(turn) - turn @ still.matter.centre
+        return apart[[2, 0]]
+
+    upright = np.zeros(2)
+    size = float(np.ptp(still.voxels.centre[:, 2]))
+    if np.abs(levers(upright)).max() > 1e-6 * size:
+        found = root(levers, upright, tol=1e-10, options={"eps": 1e-4})
+        if np.abs(levers(found.x)).max() < 1e-3 * size and np.abs(found.x).max() < limit:
+            upright = found.x
+    turn = matrix_of(upright)
+    level = still.level(turn[1])
+    return float((turn @ still.matter.centre)[1] - level), oriented(upright[0], 0.0, upright[1])
+
+
+def matrix_of(angle: np.ndarray) -> np.ndarray:
+    """(3, 3) of pitch and roll."""
+    return matrix(oriented(angle[0], 0.0, angle[1]))

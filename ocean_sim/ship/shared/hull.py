@@ -1,0 +1,90 @@
+"""What a user says of a hull: shape, mass, centre of mass, inertia; and the cubes that it becomes."""
+
+from math import isinf
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+from pydantic import AfterValidator, ValidationError
+
+from ocean_sim.files import yaml_file
+from ocean_sim.parts import PartConfig, Vector3, library, named, quantity
+from ocean_sim.ship.shared.hydrostatics import Hydrostatics, Matter
+from ocean_sim.ship.shared.shapes import MeshFile, Shape
+from ocean_sim.ship.shared.voxels import FLAT, Voxels, voxels
+
+OF_MOTIONS = 8.0  # cubes over a draught, up to which they may be flat; more are for curves of stability
+COARSE = 16  # cubes over the height of a hull whose draught is not known yet
+ENOUGH = 4e5  # cubes of a hull: one that draws little of its height has fewer over its draught than asked for
+MESHES = (".stl", ".obj", ".ply")
+
+
+def of_a_body(inertia: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Principal moments that some distribution of mass has."""
+    if not min(inertia) > 0.0:
+        raise ValueError(f"each moment of inertia must be above 0, got {list(inertia)}")
+    if 2.0 * max(inertia) > (1.0 + 1e-9) * sum(inertia):
+        raise ValueError(f"no body has {list(inertia)}: each moment of inertia is at most the sum of the other two")
+    return inertia
+
+
+Inertia = Annotated[Vector3, AfterValidator(of_a_body)]
+
+
+class Hull(PartConfig):
+    """A hull; places are from its origin amidships at the keel: x to port, y up, z to the bow."""
+
+    shape: Shape
+    mass: float | None = quantity("kg", None, gt=0.0)
+    """Of the whole ship."""
+    centre_of_mass: Vector3 | None = quantity("m", None)
+    """Null: the centroid of the hull, as if it were filled with one matter."""
+    inertia: Inertia | None = quantity("kg m2", None)
+    """About the centre of mass: of pitch, yaw and roll (about x, y, z); null: of one matter."""
+
+    def matter(self, cubes: Voxels) -> Matter:
+        """Mass, centre and inertia, given or of one matter; raises ValueError where there is no mass."""
+        if self.mass is None:
+            raise ValueError("says no mass; give mass [kg]")
+        centre = cubes.centroid if self.centre_of_mass is None else np.array(self.centre_of_mass)
+        own = cubes.inertia(self.mass, centre) if self.inertia is None else np.diag(self.inertia)
+        return Matter(self.mass, centre, own)
+
+    def afloat(self, cells: float, density: float, gravity: float) -> Hydrostatics:
+        """The hull in still water, with so many cubes over its draught; raises ValueError."""
+        lower, upper = self.shape.bounds()
+        height = float(upper[1] - lower[1])
+        flat = FLAT if cells <= OF_MOTIONS else 1.0
+        rough = self.floating(height / COARSE, density, gravity)
+        draught = rough.draught
+        if isinf(draught):
+            draught = height
+        least = float((upper - lower).prod() / ENOUGH) ** (1.0 / 3.0)
+        fine = self.floating(max(draught / cells, least), density, gravity, flat)
+        if isinf(fine.draught) or abs(fine.draught / draught - 1.0) < 0.02:
+            return fine
+        return self.floating(max(fine.draught / cells, least), density, gravity, flat)
+
+    def floating(self, side: float, density: float, gravity: float, flat: float = FLAT) -> Hydrostatics:
+        """The hull in cubes of a given height [m], up to `flat` times as long."""
+        cubes = voxels(self.shape, side, flat)
+        return Hydrostatics(cubes, self.matter(cubes), density, gravity)
+
+
+def hull_of(name: str) -> Hull:
+    """The hull of a name in configs/hull/, or in a mesh file; raises ValueError."""
+    if name in named("hull"):
+        data = yaml_file.read(library("configs") / "hull" / f"{name}.yaml").plain()
+        return Hull.model_validate(data)
+    if Path(name).suffix.lower() in MESHES:
+        return Hull(shape=MeshFile(kind="mesh", file=name))
+    raise ValueError(
+        f"there is no hull {name!r}, and it is no {', '.join(MESHES)} file; there are {', '.join(named('hull'))}"
+    )
+
+
+def explained(error: ValidationError | ValueError) -> str:
+    """An error as one sentence."""
+    if isinstance(error, ValidationError):
+        return "; ".join(f"{'.'.join(map(str, e['loc']))}: {e['msg']}" for e in error.errors(include_url=False))
+    return str(error)

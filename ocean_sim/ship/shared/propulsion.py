@@ -1,0 +1,182 @@
+"""Propeller and rudder, and who moves them: rows, a file, an autopilot or a person (6.1, F_ship of (4.27))."""
+
+from itertools import pairwise
+from math import cos, hypot, pi, radians, remainder, sin
+from typing import Any
+
+import numpy as np
+from pydantic import field_validator, model_validator
+
+from ocean_sim.files import csv_file
+from ocean_sim.files.input_file import FileName, shown
+from ocean_sim.parts import PartConfig, Vector3, quantity
+from ocean_sim.ship.shared.rigid_body import RigidBody
+
+COLUMNS = ("time_s", "throttle", "rudder_rad")
+
+
+class Propeller(PartConfig):
+    """T = K (n |n| - |n| (1 - w) u / u0), n the throttle: alpha_0 n|n| + alpha_1 n V_a / D of Blanke (1981) in terms of
+    bollard pull and of the speed at which full throttle gives no thrust."""
+
+    thrust: float = quantity("N", gt=0.0)
+    """At rest, full throttle ahead, thrust deduction taken off."""
+    astern: float = quantity("1", 0.5, gt=0.0, le=1.0)
+    """Share of it that it gives astern."""
+    zero_thrust_speed: float | None = quantity("m/s", None, gt=0.0)
+    """Speed of the water through it at which full throttle gives no thrust; null: thrust does not fall with speed."""
+    wake: float = quantity("1", 0.0, ge=0.0, lt=1.0)
+    """Share of the ship's speed by which the water behind the hull follows it."""
+    position: Vector3 | None = quantity("m", None)
+    """From the hull's origin; null: under the centre of mass at the height that does not trim the ship."""
+    rate: float | None = quantity("1/s", None, gt=0.0)
+    """How fast the throttle can change; null: at once."""
+
+    def force(self, throttle: float, speed: float) -> float:
+        """Thrust [N] at a speed of the ship ahead [m/s]."""
+        slip = (1.0 - self.wake) * speed / self.zero_thrust_speed if self.zero_thrust_speed else 0.0
+        bare = self.thrust * (throttle * abs(throttle) - abs(throttle) * slip)
+        return bare if throttle >= 0.0 else self.astern * bare
+
+
+class Rudder(PartConfig):
+    """N = 1/2 rho A U^2 6.13 L / (L + 2.25) sin(angle to the flow) (Fujii & Tuda 1961; Kose 1982), -N cos(rudder)
+    across and -N sin(rudder) along."""
+
+    area: float = quantity("m2", gt=0.0)
+    aspect_ratio: float = quantity("1", 1.5, gt=0.0)
+    """Height over mean chord."""
+    position: Vector3 = quantity("m")
+    """From the hull's origin."""
+    limit: float = quantity("rad", radians(35.0), gt=0.0, le=pi / 2)
+    """Largest angle."""
+    rate: float | None = quantity("rad/s", radians(5.0), gt=0.0)
+    """How fast it turns; null: at once."""
+
+    def load(self, angle: float, flow: np.ndarray, density: float) -> np.ndarray:
+        """(3,) force [N], body axes, in water that it moves through at `flow` [m/s], body axes."""
+        ahead, across = float(flow[2]), float(flow[0])
+        speed = hypot(ahead, across)
+        incidence = angle + np.arctan2(across, abs(ahead)) if speed > 0.0 else 0.0
+        slope = 6.13 * self.aspect_ratio / (self.aspect_ratio + 2.25)
+        normal = 0.5 * density * self.area * speed**2 * slope * sin(incidence)
+        normal *= 1.0 if ahead >= 0.0 else -1.0
+        return np.array([-normal * cos(angle), 0.0, -normal * sin(angle)])
+
+
+class Row(PartConfig):
+    """Orders at a time; straight lines between rows."""
+
+    time: float = quantity("s", ge=0.0)
+    throttle: float = quantity("1", 0.0, ge=-1.0, le=1.0)
+    """1 is full ahead."""
+    rudder: float = quantity("rad", 0.0, ge=-pi / 2, le=pi / 2)
+    """Positive turns to port."""
+
+
+class Track(PartConfig):
+    """Orders from a file."""
+
+    file: FileName
+    """A CSV file with columns time_s, throttle, rudder_rad."""
+
+    @field_validator("file")
+    @classmethod
+    def _readable(cls, file: str) -> str:
+        found = csv_file.columns(file)
+        missing = [name for name in COLUMNS if name not in found]
+        if missing:
+            raise ValueError(f"{shown(file)} has no column {', '.join(missing)}")
+        table = np.array([found[name] for name in COLUMNS])
+        if not np.isfinite(table).all():
+            raise ValueError(f"{shown(file)} holds what is not a number")
+        if not (np.diff(table[0]) > 0.0).all():
+            raise ValueError(f"{shown(file)}: its rows must be in the order of time, each time once")
+        if np.abs(table[1]).max() > 1.0 or np.abs(table[2]).max() > pi / 2:
+            raise ValueError(f"{shown(file)}: throttle lies between -1 and 1, rudder_rad between -pi/2 and pi/2")
+        return file
+
+
+class Course(PartConfig):
+    """A heading to hold, by proportional and differential steering."""
+
+    heading_deg: float = quantity("deg")
+    """0 heads along +z, 90 along +x."""
+    throttle: float = quantity("1", 0.6, ge=-1.0, le=1.0)
+    gain: float = quantity("1", 1.0, gt=0.0)
+    """Rudder angle over the error of the heading."""
+    rate_time: float = quantity("s", 2.0, ge=0.0)
+    """Rudder angle over gain and the yaw rate."""
+
+
+class Autopilot(PartConfig):
+    """Someone who holds a course."""
+
+    autopilot: Course
+
+
+Controls = list[Row] | Track | Autopilot
+
+
+class Helm(PartConfig):
+    """Keys that every steered ship has."""
+
+    controls: Controls = []
+    """Rows of time, throttle and rudder, `{file: ...}` or `{autopilot: {heading_deg: ...}}`."""
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Any:
+        if isinstance(self.controls, list):
+            times = [row.time for row in self.controls]
+            if any(later <= earlier for earlier, later in pairwise(times)):
+                raise ValueError("controls: the times of the rows must grow")
+        return self
+
+    def crew(self) -> "Crew":
+        return Crew(self.controls)
+
+
+class Crew:
+    """Who gives orders: throttle and rudder [rad] at a time."""
+
+    def __init__(self, controls: Controls) -> None:
+        self.course = controls.autopilot if isinstance(controls, Autopilot) else None
+        self.time, self.throttle, self.rudder = np.zeros(1), np.zeros(1), np.zeros(1)
+        if isinstance(controls, Track):
+            table = csv_file.columns(controls.file)
+            self.time, self.throttle, self.rudder = (table[name] for name in COLUMNS)
+        elif isinstance(controls, list) and controls:
+            rows = np.array([[row.time, row.throttle, row.rudder] for row in controls])
+            self.time, self.throttle, self.rudder = rows.T
+
+    def order(self, time: float, body: RigidBody) -> tuple[float, float]:
+        """Throttle and rudder [rad] that are asked for."""
+        if self.course is None:
+            throttle, rudder = (float(np.interp(time, self.time, y)) for y in (self.throttle, self.rudder))
+            return throttle, rudder
+        error = remainder(radians(self.course.heading_deg) - body.angles[1], 2.0 * pi)
+        rudder = self.course.gain * (error - self.course.rate_time * float(body.angular_velocity[1]))
+        return self.course.throttle, rudder
+
+
+class Person:
+    """Someone at the helm: what was ordered last stands."""
+
+    def __init__(self, throttle: float, rudder: float, limit: float) -> None:
+        """`limit` [rad]: of the rudder."""
+        self.throttle, self.rudder, self.limit = throttle, rudder, limit
+
+    def give(self, throttle: float, rudder: float) -> None:
+        """Order a throttle, -1 to 1, and a rudder [rad]; what lies beyond is held back."""
+        self.throttle = min(max(throttle, -1.0), 1.0)
+        self.rudder = min(max(rudder, -self.limit), self.limit)
+
+    def order(self, time: float, body: RigidBody) -> tuple[float, float]:
+        """What stands."""
+        return self.throttle, self.rudder
+
+
+def towards(now: float, wanted: float, rate: float | None, dt: float, limit: float) -> float:
+    """What a machine that turns at most `rate` a second, within a limit, makes of an order."""
+    wanted = min(max(wanted, -limit), limit)
+    return wanted if rate is None else now + min(max(wanted - now, -rate * dt), rate * dt)

@@ -1,0 +1,122 @@
+"""The waves that a hull makes and goes on feeling: its radiation force, from added mass and damping over frequency.
+
+A motion's force is -A(infinity) times its acceleration, less the integral of K(t - tau) times its velocity (Cummins
+1962, Schiffstechnik 9), with Ogilvie's relations (1964, 5th Symposium on Naval Hydrodynamics)
+K(t) = 2/pi int B(omega) cos(omega t) d omega and A(infinity) = A(omega) + 1/omega int K(t) sin(omega t) dt.
+Motions do not act on each other.
+"""
+
+from functools import cached_property
+from math import pi
+from typing import NamedTuple
+
+import numpy as np
+
+from ocean_sim.conventions import Motions
+from ocean_sim.files import csv_file
+from ocean_sim.files.input_file import shown
+
+FREQUENCY = "omega_rad_s"
+ADDED = dict(zip(Motions._fields, ("kg", "kg", "kg", "kg_m2", "kg_m2", "kg_m2"), strict=True))
+LEFT = 0.25  # of the largest damping: what may be left at the highest frequency
+FEWEST, MOST = 4, 300  # frequencies
+FINE = 20  # points of K in a period of the highest frequency, and of B between two frequencies
+TAIL = 3.0  # [highest frequencies] to which damping is carried on
+LOST = 0.003  # of the largest K: what is forgotten
+
+
+class Response(NamedTuple):
+    """What some motions leave behind in the water."""
+
+    times: np.ndarray  # (n,) since a push [s]
+    kernels: np.ndarray  # (m, n) K [kg/s2], [kg m2/s2]
+    added: np.ndarray  # (m,) A(infinity) [kg], [kg m2]
+
+
+class Radiation:
+    """What a CSV file tells of some motions: `omega_rad_s`, and `heave_added_kg`, `heave_damping_kg_s`,
+    `pitch_added_kg_m2`, `pitch_damping_kg_m2_s` and the like, of any of the six.
+
+    Raises ValueError where it tells too little.
+    """
+
+    def __init__(self, file: str) -> None:
+        table = csv_file.columns(file)
+        self.numbers = [k for k, motion in enumerate(Motions._fields) if f"{motion}_added_{ADDED[motion]}" in table]
+        names = [Motions._fields[k] for k in self.numbers]
+        columns = [FREQUENCY, *(f"{name}_{what}" for name in names for what in self.of(name))]
+        missing = [name for name in columns if name not in table]
+        if not names:
+            raise ValueError(f"{shown(file)} has no column of added mass, such as heave_added_kg or pitch_added_kg_m2")
+        if missing:
+            raise ValueError(f"{shown(file)} has no column {', '.join(missing)}")
+        if not np.isfinite([table[name] for name in columns]).all():
+            raise ValueError(f"{shown(file)} holds what is not a number")
+        omega = table[FREQUENCY]
+        if not FEWEST <= len(omega) <= MOST or not (omega[0] > 0.0 and (np.diff(omega) > 0.0).all()):
+            raise ValueError(f"{shown(file)}: {FEWEST} to {MOST} frequencies above 0 in rising order are needed")
+        self.omega = omega
+        self.mass, self.damping = (np.array([table[f"{name}_{self.of(name)[k]}"] for name in names]) for k in range(2))
+        for name, most, last in zip(names, self.damping.max(axis=1), self.damping[:, -1]):
+            if not most > 0.0:
+                raise ValueError(f"{shown(file)}: {name} has no damping, so no waves to remember")
+            if not last <= LEFT * most:
+                still = f"the damping of {name} still is {last / most:.0%} of its most"
+                raise ValueError(f"{shown(file)}: at {omega[-1]:g} rad/s {still}; go on")
+
+    @staticmethod
+    def of(motion: str) -> tuple[str, str]:
+        """What the columns of a motion are called."""
+        return f"added_{ADDED[motion]}", f"damping_{ADDED[motion]}_s"
+
+    @cached_property
+    def response(self) -> "Response":
+        """To a push, until next to nothing is left of it."""
+        omega, apart = self.omega, np.diff(self.omega, prepend=0.0).max()
+        times = np.arange(0.0, 2.0 * pi / apart, 2.0 * pi / omega[-1] / FINE)
+        kernels = np.array([self.kernel(times, damping) for damping in self.damping])
+        sines = np.trapezoid(kernels[:, None] * np.sin(omega[:, None] * times), times, axis=2)
+        felt = np.abs(kernels / np.abs(kernels).max(axis=1, keepdims=True)).max(axis=0) > LOST
+        last = int(np.flatnonzero(felt)[-1]) + 1
+        return Response(times[:last], kernels[:, :last], (self.mass + sines / omega).mean(axis=1))
+
+    def kernel(self, times: np.ndarray, damping: np.ndarray) -> np.ndarray:
+        """K at some times [s]; beyond the table damping falls on as it did at its end, by a power of the frequency."""
+        from scipy.interpolate import PchipInterpolator
+
+        omega = self.omega
+        count = FINE * len(omega)
+        within = np.linspace(0.0, omega[-1], count)
+        beyond = np.linspace(omega[-1], TAIL * omega[-1], int((TAIL - 1.0) * count))[1:]
+        ends = np.maximum(damping[-2:], 1e-12 * damping.max())
+        power = max(2.0, -float(np.diff(np.log(ends))[0] / np.diff(np.log(omega[-2:]))[0]))
+        known = PchipInterpolator(np.append(0.0, omega), np.append(0.0, damping))(within)
+        every, falling = np.append(within, beyond), ends[-1] * (omega[-1] / beyond) ** power
+        whole = np.append(known, falling)
+        return np.array([2.0 / pi * np.trapezoid(whole * np.cos(every * t), every) for t in times])
+
+
+class Memory:
+    """The radiation force on one hull: what it remembers of its motions."""
+
+    def __init__(self, radiation: Radiation) -> None:
+        self.response, self.numbers = radiation.response, np.array(radiation.numbers)
+        self.often = float(self.response.times[1])  # [s] at least between what is kept
+        self.when, self.moved = np.zeros(0), np.zeros((0, len(radiation.numbers)))  # [s], [m/s] or [rad/s]
+
+    def load(self, time: float, motion: np.ndarray) -> np.ndarray:
+        """(2, 3) force [N] and torque [N m] in body axes, at a velocity relative to the water (6,), body axes."""
+        times = np.append(self.when, time)
+        moved = np.concatenate([self.moved, motion[None, self.numbers]])
+        known, found = self.response, np.zeros(6)
+        for k, number in enumerate(self.numbers):
+            felt = np.interp(time - times, known.times, known.kernels[k], right=0.0)
+            found[number] = -np.trapezoid(felt * moved[:, k], times)
+        return found.reshape(2, 3)
+
+    def keep(self, time: float, motion: np.ndarray) -> None:
+        """Remember this velocity (6,), if the last one was long enough ago."""
+        if len(self.when) == 0 or time - self.when[-1] >= self.often * (1.0 - 1e-9):
+            near = self.when >= time - self.response.times[-1] - self.often
+            self.when = np.append(self.when[near], time)
+            self.moved = np.concatenate([self.moved[near], motion[None, self.numbers]])

@@ -1,0 +1,123 @@
+"""A hull as cubes with the share of each that lies inside it, made once and kept by content.
+
+They are as tall as asked for, and up to FLAT times as long and broad where a hull has plenty of them that way: what is
+clipped at the water is their height. Whole ones fill the box around the hull.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import sqrt
+from typing import Any
+
+import numpy as np
+
+from ocean_sim.files.cache_file import kept
+
+SAMPLES = 4  # along each edge of a cube
+MOST = 4_000_000  # cubes
+FLAT = 3.0  # the most that a cube is longer and broader than tall
+ENOUGH = np.array([14, 1e9, 24])  # cubes across and along a hull, which leave no error that the height does not
+OFFSET = 1.0e-4  # of a cube: columns do not run through the edges of a mesh that was drawn on a lattice
+
+
+@dataclass(frozen=True, eq=False)
+class Voxels:
+    """Cubes of a hull, in its axes."""
+
+    size: np.ndarray  # (3,) of each [m]
+    centre: np.ndarray  # (n, 3) of the part of each that lies inside [m]
+    share: np.ndarray  # (n,) inside the hull
+    area: np.ndarray  # (n, 3) outward area of the hull in each [m2]
+
+    @cached_property
+    def volume(self) -> float:
+        """[m3]."""
+        return float(self.share.sum() * self.size.prod())
+
+    def heights(self, up: np.ndarray) -> np.ndarray:
+        """(n,) of their centres along a unit vector [m]; summed by hand, as the same bytes come of any threads."""
+        return up[0] * self.centre[:, 0] + up[1] * self.centre[:, 1] + up[2] * self.centre[:, 2]
+
+    def spread(self, up: np.ndarray) -> float:
+        """How far each reaches along a unit vector [m]: the straight ramp with the variance of a box."""
+        return float(np.linalg.norm(self.size * up))
+
+    def aside(self, turn: np.ndarray, cut: float) -> tuple[float, float]:
+        """By how much what is wet of the cubes of a turned hull that the water's surface cuts, of volume `cut` [m3],
+        lies to the lower side of their centres, along x and z of the world, times its volume [m4]."""
+        x, square_of_spread, z = (turn @ (self.square * turn[1])).tolist()
+        share = -cut / (12.0 * sqrt(square_of_spread))
+        return share * x, share * z
+
+    @cached_property
+    def square(self) -> np.ndarray:
+        """(3,) of the size [m2]."""
+        return self.size**2
+
+    @cached_property
+    def centroid(self) -> np.ndarray:
+        """(3,) [m]."""
+        return (self.share[:, None] * self.centre).sum(axis=0) / self.share.sum()
+
+    def inertia(self, mass: float, about: np.ndarray) -> np.ndarray:
+        """(4.18): (3, 3) of a homogeneous body about a point, by parallel axes from its centroid [kg m2]."""
+        m = mass * self.share / self.share.sum()
+        r = self.centre - about
+        moments = (
+            np.stack([(m * r[:, a])[:, None] * r for a in range(3)]).sum(axis=1) + mass * np.diag(self.size**2) / 12.0
+        )  # and each cube's own spread
+        return np.trace(moments) * np.eye(3) - moments
+
+
+def voxels(shape: Any, side: float, flat: float = FLAT) -> Voxels:
+    """The cubes of a shape, up to `flat` times as long as tall; raises ValueError where they are too many."""
+    lower, upper = shape.bounds()
+    sides = np.clip((upper - lower) / ENOUGH, side, flat * side)
+    counts = np.maximum(1, np.ceil((upper - lower) / sides - 1e-6).astype(int))
+    if counts.prod() > MOST:
+        raise ValueError(
+            f"a hull of {' x '.join(f'{x:.3g}' for x in upper - lower)} m in cubes of {side:.3g} m needs "
+            f"{counts.prod():.3g} of them (at most {MOST:g}); take fewer cells_per_draught"
+        )
+    content = shape.content() + f"{counts.tolist()} {SAMPLES}".encode()
+    arrays = kept("hulls", content, lambda: sampled(shape, counts, lower, upper))
+    return Voxels((upper - lower) / counts, arrays["centre"], arrays["share"], arrays["area"])
+
+
+def sampled(shape: Any, counts: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> dict[str, np.ndarray]:
+    """Share, centre and outward area of the cubes that hold something."""
+    size = (upper - lower) / counts
+    axes = [lower[a] + size[a] * (np.arange(counts[a] * SAMPLES) + 0.5) / SAMPLES for a in range(3)]
+    share, centre = np.zeros(counts), np.zeros((*counts, 3))
+    mesh = shape.closed() if hasattr(shape, "closed") else None
+    for k in range(counts[2]):
+        z = axes[2][k * SAMPLES : (k + 1) * SAMPLES]
+        if mesh is None:
+            points = np.stack(np.meshgrid(axes[0], axes[1], z, indexing="ij"), axis=-1)
+            inside = shape.inside(points).astype(float)
+        else:
+            from ocean_sim.ship.shared.mesh import column_shares
+
+            edges = lower[1] + size[1] * np.arange(counts[1] * SAMPLES + 1) / SAMPLES
+            inside = column_shares(mesh, axes[0] + OFFSET * size[0], z + 0.7 * OFFSET * size[2], edges)
+        blocks = inside.reshape(counts[0], SAMPLES, counts[1], SAMPLES, 1, SAMPLES)
+        share[:, :, k] = blocks.mean(axis=(1, 3, 4, 5))
+        for a, along in enumerate((axes[0], axes[1], z)):
+            place = along.reshape([-1 if a == 0 else 1, -1 if a == 1 else 1, -1 if a == 2 else 1])
+            moment = (inside * place).reshape(blocks.shape).mean(axis=(1, 3, 4, 5))
+            centre[:, :, k, a] = moment
+    full = share > 1e-9
+    bare = [[np.maximum(share - beside(share, a, way), 0.0) for way in (1, -1)] for a in range(3)]
+    area = size.prod() / size * np.stack([ahead - behind for ahead, behind in bare], axis=-1)
+    return {"share": share[full], "centre": centre[full] / share[full][:, None], "area": area[full]}
+
+
+def beside(share: np.ndarray, axis: int, way: int) -> np.ndarray:
+    """The shares of the neighbours along an axis, 0 outside."""
+    padded = np.pad(share, [(1, 1) if a == axis else (0, 0) for a in range(3)])
+    return np.take(padded, np.arange(share.shape[axis]) + 1 + way, axis=axis)
+
+
+def cells(cubes: Voxels, lower: np.ndarray) -> np.ndarray:
+    """(n, 3) which cube along each axis each is."""
+    return np.floor((cubes.centre - lower) / cubes.size).astype(int)

@@ -1,0 +1,100 @@
+"""Checkpoint files: HDF5 behind a head of 512 bytes that holds the hash of all the rest.
+
+The hash is compared before the file is read, so a torn or changed file is known before any library parses it. Inside,
+`tree`, `scene` and `made` are JSON in bytes (HDF5 keeps strings in a heap, and reads a spoilt one for ever), and
+`arrays` holds one data set a field or array, by its place in the simulation.
+"""
+
+import hashlib
+import json
+import os
+from collections.abc import Iterator
+from io import BytesIO
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ocean_sim.files.whole_file import whole
+
+HEAD = 512  # bytes, the least that HDF5 leaves to others
+MAGIC = "ocean-sim checkpoint 1"
+LARGE = 4096  # numbers that are worth packing
+PATTERN = "checkpoint_*.h5"
+
+
+class Unreadable(Exception):
+    """A file is not a whole checkpoint; the message says so."""
+
+
+class Checkpoint(NamedTuple):
+    """What a run needs to go on."""
+
+    time: float  # [s]
+    steps: int
+    scene: dict[str, Any]  # as in manifest.json
+    made: dict[str, str | None]  # versions and backend that made it
+    tree: Any  # the state, see walk.py
+    arrays: dict[str, np.ndarray]
+
+
+def name(time: float) -> str:
+    """Of the checkpoint at a time [s]."""
+    return f"checkpoint_{time:013.6f}.h5"
+
+
+def written(checkpoint: Checkpoint, folder: Path) -> Path:
+    """The file of a checkpoint: it appears whole or not at all; raises OSError where there is no room for it."""
+    import h5py
+
+    content = BytesIO()
+    with h5py.File(content, "w", userblock_size=HEAD) as file:
+        file.attrs["time_s"], file.attrs["steps"] = checkpoint.time, checkpoint.steps
+        for key in ("scene", "made", "tree"):
+            file[key] = np.frombuffer(json.dumps(getattr(checkpoint, key)).encode(), np.uint8)
+        group = file.create_group("arrays")
+        for place, array in checkpoint.arrays.items():
+            packed = {"compression": "lzf", "shuffle": True} if array.size >= LARGE else {}
+            group.create_dataset(place.lstrip("."), data=array, **packed)
+    data = content.getvalue()[HEAD:]
+    path = folder / name(checkpoint.time)
+    with whole(path) as beside, beside.open("wb") as file:
+        file.write(head(data) + data)
+        file.flush()
+        os.fsync(file.fileno())
+    return path
+
+
+def head(data: bytes) -> bytes:
+    """What stands before the data of a file."""
+    return f"{MAGIC}\nsha256 {hashlib.sha256(data).hexdigest()}\n".encode().ljust(HEAD, b"\0")
+
+
+def read(path: Path) -> Checkpoint:
+    """The checkpoint in a file; raises Unreadable."""
+    import h5py
+
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise Unreadable(f"{path.name} cannot be read: {error.strerror}") from None
+    if data[:HEAD] != head(data[HEAD:]):
+        raise Unreadable(f"{path.name} is damaged or no checkpoint: its content does not match its hash")
+    try:
+        with h5py.File(BytesIO(data), "r") as file:
+            told = {key: json.loads(bytes(file[key][()])) for key in ("scene", "made", "tree")}
+            arrays = {f".{place}": np.asarray(array[()]) for place, array in file["arrays"].items()}
+            return Checkpoint(float(file.attrs["time_s"]), int(file.attrs["steps"]), **told, arrays=arrays)
+    except Exception:  # HDF5 has errors of its own
+        raise Unreadable(f"{path.name} is whole, but holds no state of a run") from None
+
+
+def kept(folder: Path) -> Iterator[Path]:
+    """The checkpoints of a run folder, newest first."""
+    times = {}
+    for path in folder.glob(PATTERN):
+        try:
+            times[path] = float(path.stem.removeprefix("checkpoint_"))
+        except ValueError:
+            continue
+    return iter(sorted(times, key=lambda path: times[path], reverse=True))

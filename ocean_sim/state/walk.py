@@ -1,0 +1,301 @@
+"""The state of a run: everything that its parts are made of, as plain data and arrays, and put back where it was.
+
+It is found by walking: every attribute of every object of this package that can be reached is taken, so a new part
+cannot forget anything. Taichi fields and NumPy arrays are taken by content; what is reached twice is taken once.
+Configs, functions and types are left alone: the same scene builds them again. A name in a class's `left_out` is left
+alone, too: what a clock says, and what belongs to the process. Anything else of an unknown kind is refused with its
+name: what is neither known nor left out would be lost in silence.
+
+To put a state back, the same scene is built anew; objects that hold fields keep their identity, which compiled kernels
+know them by, and data is made afresh. No code of a file is run: data classes and tuples of this package alone are made,
+by name, without their initialisers.
+"""
+
+import dataclasses
+import os
+import sys
+from collections.abc import Iterable
+from io import TextIOWrapper
+from pathlib import Path
+from types import BuiltinFunctionType, FunctionType, MethodType, ModuleType
+from typing import Any
+
+import numpy as np
+import taichi as ti
+from pydantic import BaseModel
+from taichi.lang.util import to_numpy_type
+
+from ocean_sim.state.fields import Contents, shape
+
+OURS = "ocean_sim"
+PLAIN = (bool, int, float, str)
+REBUILT = (BaseModel, type, FunctionType, MethodType, BuiltinFunctionType, ModuleType, np.dtype, np.ufunc)
+MISSING = object()
+FIELD, ARRAY, NUMBER, SAME, REST, VECTOR = "field", "array", "number", "same", "left", "vector"
+LIST, TUPLE, DICT, RANGE, FILE, PLACE, OBJECT = "list", "tuple", "dict", "range", "file", "path", "of"
+
+
+class Differs(Exception):
+    """A state does not fit what it is to be put into; the message says where."""
+
+
+def attributes(value: Any) -> dict[str, Any]:
+    """The attributes of an object but those that its class leaves out."""
+    out = getattr(type(value), "left_out", ())
+    return {name: inner for name, inner in vars(value).items() if name not in out}
+
+
+def step(key: Any, number: int) -> str:
+    """Of a path into a mapping: the key where it is a word."""
+    return key if isinstance(key, str) and key.isidentifier() else str(number)
+
+
+def is_named(value: Any) -> bool:
+    return isinstance(value, tuple) and hasattr(value, "_fields")
+
+
+class Taken:
+    """The state of what can be reached from `root`: a `tree` that is plain data, and the `arrays` it speaks of.
+
+    Raises TypeError where something is met that is neither known nor left out.
+    """
+
+    def __init__(self, root: Any, folder: Path, contents: Contents | None = None) -> None:
+        """`folder`: where its files lie; their names are kept relative to it. `contents`: what has read these fields
+        before."""
+        self.folder = folder
+        self.arrays: dict[str, np.ndarray] = {}
+        self.fields: dict[str, ti.Field] = {}
+        self.seen: dict[int, tuple[str, Any]] = {}
+        self.stays: set[str] = set()  # paths of what must stay itself when it is put back
+        self.tree = self.node(root, "")
+        self.arrays |= (contents or Contents()).read(self.fields)
+
+    def node(self, value: Any, path: str) -> Any:
+        """What is written of a value; a mapping with one telling key, or the value itself."""
+        if value is None or type(value) in PLAIN:
+            return value
+        if isinstance(value, np.generic):
+            return {NUMBER: [value.dtype.str, value.item()]}
+        if isinstance(value, REBUILT):
+            return {REST: type(value).__name__}
+        if isinstance(value, Path):
+            inside = value.is_relative_to(self.folder)
+            return {PLACE: value.relative_to(self.folder).as_posix()} if inside else {REST: "Path"}
+        if id(value) in self.seen:
+            return {SAME: self.seen[id(value)][0]}
+        self.seen[id(value)] = (path, value)  # and kept alive, so that no other takes its id
+        self.stays.add(path)  # until it is known
+        node = self.structure(value, path)
+        if self.is_data(node):
+            self.stays.discard(path)
+        return node
+
+    def is_data(self, node: Any) -> bool:
+        """Whether it can be made afresh."""
+        if isinstance(node, list):
+            return all(self.is_data(inner) for inner in node)
+        if not isinstance(node, dict):
+            return True
+        if OBJECT in node and "at" in node:
+            return node["data"]
+        if SAME in node:
+            return node[SAME] not in self.stays
+        return not {FIELD, REST, FILE, VECTOR} & set(node) and all(self.is_data(inner) for inner in node.values())
+
+    def structure(self, value: Any, path: str) -> Any:
+        """What is written of something that may be reached twice."""
+        if isinstance(value, ti.Field):
+            self.fields[path] = value
+            return {FIELD: path}
+        if isinstance(value, np.ndarray) and value.dtype.kind in "biuf":
+            self.arrays[path] = value.copy()
+            return {ARRAY: path}
+        if isinstance(value, ti.Matrix):
+            return {VECTOR: value.to_numpy().tolist()}
+        if isinstance(value, TextIOWrapper):
+            value.flush()
+            place = Path(value.name).relative_to(self.folder).as_posix()
+            return {FILE: [place, os.fstat(value.fileno()).st_size]}
+        if isinstance(value, range):
+            return {RANGE: [value.start, value.stop, value.step]}
+        if type(value) is list or isinstance(value, tuple):
+            of = {OBJECT: name_of(value)} if is_named(value) else {}
+            kind = LIST if type(value) is list else TUPLE
+            return {kind: [self.node(inner, f"{path}.{k}") for k, inner in enumerate(value)], **of}
+        if type(value) is dict:
+            steps = [f"{path}.{step(key, k)}" for k, key in enumerate(value)]
+            return {DICT: [[self.node(key, f"{at}.key"), self.node(value[key], at)] for key, at in zip(value, steps)]}
+        if type(value).__module__.split(".")[0] == OURS and hasattr(value, "__dict__"):
+            inner = {name: self.node(each, f"{path}.{name}") for name, each in attributes(value).items()}
+            data = dataclasses.is_dataclass(value) and all(self.is_data(each) for each in inner.values())
+            return {OBJECT: name_of(value), "at": inner, "data": data}
+        raise TypeError(f"a checkpoint cannot keep {path.lstrip('.')}, a {type(value).__module__}.{name_of(value)}")
+
+
+class Restoring:
+    """Puts a state back into `root`, which the same scene was built into.
+
+    Raises Differs where they do not fit. Files are opened where they lie in `folder` and cut to their length then when
+    `cut` is called, so that a state that does not fit changes nothing on disk.
+    """
+
+    def __init__(self, root: Any, tree: Any, arrays: dict[str, np.ndarray], folder: Path) -> None:
+        self.arrays, self.folder = arrays, folder
+        self.made: dict[str, Any] = {}
+        self.files: list[tuple[TextIOWrapper, int]] = []
+        self.used: dict[int, str] = {}
+        self.fields: dict[str, ti.Field] = {}
+        try:
+            self.root = self.value(tree, root, "")
+            Contents().write(self.fields, self.arrays)
+        except Differs:
+            raise
+        except Exception as error:  # a tree that no run has written can be wrong in any way
+            raise Differs(f"what it holds is no state of a run ({type(error).__name__})") from error
+
+    def cut(self) -> None:
+        """Take away what was written to files after the state was taken."""
+        for file, size in self.files:
+            file.seek(size)
+            file.truncate()
+
+    def value(self, node: Any, fresh: Any, path: str) -> Any:
+        """The value that a node stands for, in which what must stay itself of the `fresh` one does."""
+        found = self.stands_for(node, fresh, path) if isinstance(node, dict) else node
+        if mistaken(found, fresh):
+            raise Differs(f"its {path.lstrip('.')} is {found!r:.60}")
+        return found
+
+    def stands_for(self, node: Any, fresh: Any, path: str) -> Any:
+        """The same of a node that is not the value itself."""
+        kind = next(iter(node))
+        if kind == SAME:
+            return self.made[node[SAME]]
+        if kind == REST:
+            if fresh is MISSING:
+                raise Differs(f"it has {path.lstrip('.')}, which this program does not make")
+            return fresh
+        if kind == OBJECT:
+            return self.thing(node, fresh, path)
+        self.made[path] = value = getattr(self, f"from_{kind}")(node, fresh, path)
+        return value
+
+    def from_number(self, node: Any, fresh: Any, path: str) -> Any:
+        dtype, value = node[NUMBER]
+        return np.dtype(dtype).type(value)
+
+    def from_path(self, node: Any, fresh: Any, path: str) -> Path:
+        return self.folder / inside(node[PLACE])
+
+    def from_field(self, node: Any, fresh: Any, path: str) -> Any:
+        values = self.arrays[node[FIELD]]
+        if (
+            not isinstance(fresh, ti.Field)
+            or shape(fresh) != values.shape
+            or to_numpy_type(fresh.dtype) != values.dtype
+        ):
+            raise Differs(f"its {path.lstrip('.')} has {values.shape} numbers of type {values.dtype}")
+        self.fields[node[FIELD]] = fresh
+        return fresh
+
+    def from_array(self, node: Any, fresh: Any, path: str) -> np.ndarray:
+        return self.arrays[node[ARRAY]]
+
+    def from_vector(self, node: Any, fresh: Any, path: str) -> Any:
+        """Kernels hold it as a constant."""
+        if not isinstance(fresh, ti.Matrix) or fresh.to_numpy().tolist() != node[VECTOR]:
+            raise Differs(f"its {path.lstrip('.')} is {node[VECTOR]}")
+        return fresh
+
+    def from_file(self, node: Any, fresh: Any, path: str) -> TextIOWrapper:
+        name, size = node[FILE]
+        if type(size) is not int or size < 0:
+            raise Differs(f"{name} cannot have {size!r:.60} bytes")
+        place = self.folder / inside(name)
+        if not place.is_file() or place.stat().st_size < size:
+            raise Differs(f"{name} is shorter than it was when the checkpoint was made")
+        if isinstance(fresh, TextIOWrapper):
+            fresh.close()
+        file = place.open("r+", encoding="utf-8", newline="\n")
+        self.files.append((file, size))
+        return file
+
+    def from_range(self, node: Any, fresh: Any, path: str) -> range:
+        return range(*node[RANGE])
+
+    def from_list(self, node: Any, fresh: Any, path: str) -> list:
+        new = self.each(node[LIST], fresh if isinstance(fresh, list) else [], path)
+        return fresh if isinstance(fresh, list) and alike(new, fresh) else new
+
+    def from_tuple(self, node: Any, fresh: Any, path: str) -> tuple:
+        new = self.each(node[TUPLE], fresh if isinstance(fresh, tuple) else (), path)
+        if isinstance(fresh, tuple) and alike(new, fresh):
+            return fresh
+        return class_of(node[OBJECT])._make(new) if OBJECT in node else tuple(new)  # type: ignore[attr-defined]
+
+    def each(self, nodes: list, fresh: Any, path: str) -> list:
+        beside = [*fresh, *([MISSING] * (len(nodes) - len(fresh)))]
+        return [self.value(node, beside[k], f"{path}.{k}") for k, node in enumerate(nodes)]
+
+    def from_dict(self, node: Any, fresh: Any, path: str) -> dict:
+        new, there = {}, fresh if isinstance(fresh, dict) else {}
+        for k, (key, inner) in enumerate(node[DICT]):
+            name = self.value(key, MISSING, f"{path}.{step(key, k)}.key")
+            new[name] = self.value(inner, there.get(name, MISSING), f"{path}.{step(name, k)}")
+        return there if list(new) == list(there) and alike(new.values(), there.values()) else new
+
+    def thing(self, node: Any, fresh: Any, path: str) -> Any:
+        """An object: data is made afresh, what holds fields stays itself."""
+        made = class_of(node[OBJECT])
+        stays = type(fresh) is made and not node["data"]
+        value = fresh if stays else object.__new__(made)
+        if self.used.setdefault(id(value), path) != path:
+            raise Differs(
+                f"its {path.lstrip('.')} and {self.used[id(value)].lstrip('.')} are one thing in this program"
+            )
+        self.made[path] = value
+        for name, inner in node["at"].items():
+            before = vars(fresh).get(name, MISSING) if type(fresh) is made else MISSING
+            object.__setattr__(value, name, self.value(inner, before, f"{path}.{name}"))
+        return value
+
+
+def mistaken(found: Any, fresh: Any) -> bool:
+    """Whether words or a list stand where a number belongs, or anything else where words, a path or a file do, or a
+    number or words where one of our things is."""
+    if type(fresh).__module__.split(".")[0] == OURS and hasattr(fresh, "__dict__"):
+        return isinstance(found, str | int | float)
+    for kind in (Path, TextIOWrapper, str):
+        if isinstance(fresh, kind):
+            return not isinstance(found, kind) and not (found is None and kind is str)
+    return isinstance(fresh, int | float) and isinstance(found, str | list | tuple | dict)
+
+
+def alike(new: Iterable[Any], fresh: Iterable[Any]) -> bool:
+    """Whether two rows hold the very same things."""
+    a, b = list(new), list(fresh)
+    return len(a) == len(b) and all(one is other for one, other in zip(a, b))
+
+
+def name_of(value: Any) -> str:
+    return f"{type(value).__module__}:{type(value).__qualname__}"
+
+
+def class_of(name: str) -> type:
+    """The class of a name, of those of this package that the scene has imported."""
+    module, _, qualified = name.partition(":")
+    found: Any = sys.modules.get(module) if module.split(".")[0] == OURS else None
+    for step in qualified.split("."):
+        found = vars(found).get(step) if found is not None else None
+    if not isinstance(found, type):
+        raise Differs(f"it has a {name}, which this program does not make")
+    return found
+
+
+def inside(name: str) -> Path:
+    """A name that does not lead out of its folder."""
+    path = Path(name)
+    if path.is_absolute() or ".." in path.parts:
+        raise Differs(f"it names a file outside its folder: {name}")
+    return path

@@ -1,0 +1,91 @@
+"""The run of a validation case as a task of a study: how far it misses, in the case's own units, and what it costs."""
+
+from pathlib import Path
+from statistics import median
+from time import perf_counter, process_time
+from typing import Any
+
+import numpy as np
+
+from ocean_sim.conventions import Diverged
+from ocean_sim.studies.shared.clocked import BLOCK, PARTS, WARM_UP, Clocked
+from ocean_sim.studies.shared.scene_run import plain
+from ocean_sim.validation import problems
+from ocean_sim.validation.shared.case import Problem
+
+REPEATS = 3  # runs at most; the median time of their parts counts
+FRAMES = WARM_UP + 3 * BLOCK * PARTS  # by which a surface is timed
+# By slot, what is laid over a set-up: a run of particles that leaves the physical world is a failure.
+WATCHED: dict[str, dict[str, Any]] = {"fluid": {"health": {}}}
+
+
+def ordered(case: str, set_up: str, coarse: bool, scheme: str, settings: dict[str, Any], patience: float) -> dict:
+    """The order of a set-up's run; it is timed `REPEATS` times, but not again once `patience` [s] of processor
+    time have passed."""
+    order = {"task": __name__, "case": case, "set_up": set_up, "coarse": coarse, "scheme": scheme}
+    return order | {"set": settings, "machine": {"patience": patience}}
+
+
+def problem_of(case: str, set_up: str, coarse: bool, scheme: str) -> Problem:
+    """A set-up by its name, and by the scheme where it is for some alone."""
+    found = [problem for problem in problems(case, slow=True, coarse=coarse) if problem.name == set_up]
+    return next(problem for problem in found if problem.under([scheme]))
+
+
+def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """Runs the set-up and measures it, on one thread; the errors are those of the first run, for all are the same."""
+    problem = problem_of(order["case"], order["set_up"], order["coarse"], order["scheme"])
+    scene = problem.load(order["scheme"], {"runtime.threads": 1} | WATCHED.get(problem.slot, {}) | dict(order["set"]))
+    began = perf_counter()
+    told = measured(problem, order, scene)
+    costs, repeats = told.pop("costs"), 1
+    while told["outcome"] == "done" and repeats < REPEATS and process_time() < order["machine"]["patience"]:
+        costs, repeats = costs + measured(problem, order, scene)["costs"], repeats + 1
+    spent, cpu = ([cost[key] for cost in costs] for key in ("wall_per_s", "cpu_per_s"))
+    clock = {"wall_per_s": median(spent), "wall_per_s_min": min(spent), "wall_per_s_max": max(spent)} if spent else {}
+    clock |= {"cpu_per_s": median(cpu)} if cpu else {}
+    clock |= {"repeats": repeats, "timings": len(costs)}
+    return told | clock | {"wall_s": perf_counter() - began, "processor_s": process_time()}
+
+
+def measured(problem: Problem, order: dict[str, Any], scene: Any) -> dict[str, Any]:
+    """One run: errors by quantity, what it was made of, and its cost."""
+    with Clocked(scene) as simulation:
+        try:
+            found, reason = problem.measure(simulation).numbers, ""
+        except Diverged as failure:
+            found, reason = {}, str(failure)
+        for _ in range(FRAMES if problem.slot == "surface" else 0):
+            simulation.frame()
+        fluid = simulation.fluid
+        return {
+            "outcome": "stopped" if reason else "done",
+            "reason": reason,
+            "particles": 0 if fluid.particles is None else int(fluid.particles.count.now),
+            "spacing_m": None if fluid.particles is None else float(fluid.particles.spacing),
+            "neighbours": neighbours(fluid),
+            "time_step_s": simulation.cost()["time_step_s"],
+            "threads": simulation.backend.threads,
+            "errors": [row(problem, order, promise, found.get(promise.quantity)) for promise in problem.promises],
+            "costs": simulation.costs(),
+        }
+
+
+def row(problem: Problem, order: dict[str, Any], promise: Any, numbers: Any) -> dict[str, Any]:
+    """What became of a promise."""
+    told = promise.row(order["case"], order["scheme"], *(numbers or (None, None, None)))
+    kept = ("quantity", "value", "reference", "error", "unit", "tolerance", "ok")
+    return {key: told[key] for key in kept} | plain({key: told[key] for key in ("value", "reference", "error")})
+
+
+def neighbours(fluid: Any) -> float | None:
+    """Mean number of others within a support at the end; None of water without particles, or lost."""
+    if fluid.particles is None or not hasattr(fluid, "smoothing"):
+        return None
+    from scipy.spatial import cKDTree
+
+    x = fluid.positions()
+    if not np.isfinite(x).all():
+        return None
+    tree = cKDTree(x)
+    return float(tree.count_neighbors(tree, fluid.smoothing.support)) / len(x) - 1.0

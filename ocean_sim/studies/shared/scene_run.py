@@ -1,0 +1,86 @@
+"""The run of one scene as a task of a study: its whole run folder, and what a table says of it."""
+
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from ocean_sim.conventions import Diverged, Motions
+from ocean_sim.reading.scene import SceneConfig, load
+from ocean_sim.result import Result
+from ocean_sim.studies.shared.clocked import Clocked
+from ocean_sim.waves.record import Unmeasurable, measured
+
+ENERGIES = ("kinetic_energy_J", "potential_energy_J", "internal_energy_J", "energy_residual_J")
+PICTURES = ("render", "frames", "report")  # a study makes none unless it is asked to
+
+
+def ordered(config: SceneConfig, threads: int | None = None) -> dict[str, Any]:
+    """The order of a scene's run; `threads` where the scene does not say how many."""
+    return {"task": __name__, "scene": config.resolved(), "machine": {"threads": threads}}
+
+
+def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """Runs the scene; a run that left the physical world is `stopped`, and says why."""
+    began, reason = perf_counter(), ""
+    asked = order["machine"]["threads"]
+    more = {"runtime.threads": asked} if asked and not order["scene"]["runtime"]["threads"] else {}
+    config = load(order["scene"], more)
+    with Clocked(config, folder) as simulation:
+        try:
+            simulation.run(config.duration)
+        except Diverged as failure:
+            reason = str(failure)
+        particles = simulation.fluid.particles
+        told = {
+            "outcome": simulation.outcome,
+            "reason": reason,
+            "simulated_s": simulation.time,
+            "steps": simulation.steps,
+            "particles": 0 if particles is None else int(particles.count.now),
+            "threads": simulation.backend.threads,
+            "precision": simulation.backend.precision,
+        } | simulation.cost()
+    return told | {"wall_s": perf_counter() - began} | plain(seen(Result(folder)))
+
+
+def seen(result: Result) -> dict[str, float | None]:
+    """What the files of a run say: waves at each elevation gauge, energies at the end, motions, leg lengths."""
+    found: dict[str, float | None] = {}
+    gauges = of(result, "gauges")
+    for name, height in gauges.items():
+        if name != "time_s" and name.endswith("_m"):
+            found |= waves(name.removesuffix("_m"), gauges["time_s"], height)
+    accuracy = of(result, "accuracy")
+    if len(accuracy.get("compression_max", ())):
+        found["compression_max"] = float(accuracy["compression_max"].max())
+    found |= {name: float(accuracy[name][-1]) for name in ENERGIES if len(accuracy.get(name, ()))}
+    motion, platform = of(result, "motion"), of(result, "platform")
+    for name in Motions._fields:
+        column = next((key for key in (f"{name}_m", f"{name}_rad") if len(motion.get(key, ()))), None)
+        if column is not None:
+            found[f"{column[: len(name)]}_rms{column[len(name) :]}"] = float(motion[column].std())
+    legs = [platform[f"leg{k}_m"] for k in range(1, 7) if len(platform.get(f"leg{k}_m", ()))]
+    if legs:
+        found |= {"leg_min_m": float(np.min(legs)), "leg_max_m": float(np.max(legs))}
+    return found
+
+
+def of(result: Result, name: str) -> dict[str, np.ndarray]:
+    """A table of a run; empty where the run wrote none."""
+    return result.table(name) if (result.folder / f"{name}.csv").is_file() else {}
+
+
+def waves(gauge: str, time: np.ndarray, height: np.ndarray) -> dict[str, float | None]:
+    """Heights and period at a gauge; None where the record holds no wave."""
+    try:
+        sea = measured(time, height)
+    except Unmeasurable:
+        return {f"{gauge}_{name}": None for name in ("hs_m", "hm0_m", "tz_s")}
+    return {f"{gauge}_hs_m": sea.hs_m, f"{gauge}_hm0_m": sea.hm0_m, f"{gauge}_tz_s": sea.tz_s}
+
+
+def plain(facts: dict[str, float | None]) -> dict[str, float | None]:
+    """Numbers that JSON can hold."""
+    return {key: value if value is not None and np.isfinite(value) else None for key, value in facts.items()}

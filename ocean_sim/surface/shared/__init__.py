@@ -1,0 +1,1 @@
+"""What the modules of `surface` share; none of it is a kind that a scene may name."""

@@ -1,0 +1,250 @@
+"""Triangles around the nodes where a field is positive: marching cubes (thesis 3.1, Algorithm 4; Lorensen & Cline
+1987, SIGGRAPH '87).
+
+Vertices are shared: each lies on an edge between two nodes and belongs to the lower of them. Slabs of rows of nodes are
+counted apart and their vertices and triangles numbered in the order of slabs, so the mesh does not depend on threads.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import taichi as ti
+import taichi.math as tm
+from taichi.lang.util import to_numpy_type
+
+from ocean_sim.surface.shared.cube_cases import MOST, table
+from ocean_sim.surface.shared.mesh import Mesh
+from ocean_sim.surface.shared.nodes import MOST_NODES, Nodes
+from ocean_sim.surface.shared.rows import Rows
+
+TASK = 512  # Taichi never cuts a parallel loop finer than this: a task every TASK iterations
+SLABS = 32  # of rows of nodes, each a task of its own; set here, never by the number of threads
+LEAST = 1.0e-6  # a dry value that is not zero
+VERTICES, TRIANGLES, CUT, AMBIGUOUS = range(4)  # what is counted
+
+
+class Counts(NamedTuple):
+    """How much surface a field has."""
+
+    vertices: int
+    triangles: int
+    cut: int  # cubes that the surface passes through
+    ambiguous: int  # of them, cubes with a face whose wet corners lie across a diagonal
+
+    @property
+    def ambiguous_share(self) -> float:
+        """Share of the cut cubes that are ambiguous."""
+        return self.ambiguous / max(self.cut, 1)
+
+
+@ti.data_oriented
+class Isosurface:
+    """A field on the nodes that are kept, and the surface on which it is zero."""
+
+    def __init__(
+        self,
+        nodes: Nodes,
+        periodic: tuple[bool, bool, bool] = (False, False, False),
+        most_nodes: int = MOST_NODES,
+        dry: float = -1.0,
+    ) -> None:
+        """`periodic`: the axes along which the field repeats; `dry`: the field at nodes that are not kept."""
+        self.nodes, self.shape, self.periodic, self.rows = nodes, nodes.shape, periodic, Rows(nodes, most_nodes)
+        self.lower, self.upper, self.width = tm.vec3(nodes.lower), tm.vec3(nodes.upper), tm.vec3(nodes.width)
+        kept = (self.rows.most + 1) * self.rows.length
+        self.value = ti.field(float, shape=kept)  # positive in the water
+        self.value.fill(dry)
+        self.owned = ti.field(int, shape=kept)  # 8 * first vertex of a node + a bit for each of its edges cut
+        self.counted = ti.field(int, shape=(SLABS, 4))
+        self.triangles_of, self.ambiguous = ti.field(int, shape=256), ti.field(int, shape=256)
+        self.edges_of = ti.field(int, shape=(256, 3 * MOST))
+        for field, numbers in zip((self.triangles_of, self.edges_of, self.ambiguous), table()):
+            field.from_numpy(numbers)
+        self.precision = to_numpy_type(self.value.dtype)
+
+    @staticmethod
+    def bytes(nodes: Nodes, most_nodes: int, word: int) -> int:
+        """Of the fields, where `word` is the size of a `float` [bytes]."""
+        kept = (Rows.fitting(nodes, most_nodes) + 1) * nodes.shape[0]
+        return (word + 4) * kept + Rows.bytes(nodes, most_nodes) + 4 * (4 * SLABS + 256 * (2 + 3 * MOST))
+
+    @ti.kernel
+    def pad(self, goes_on: int):
+        """The field beyond the sides of the box: the surface goes on through a side whose bit is set (2 * axis, + 1 for
+        the upper one), level or into the next period, and closes at the others, where the field turns its sign."""
+        for n in range(self.rows.count[None] * self.rows.length):
+            place = self.place(n)
+            inner = tm.clamp(place, 1, tm.ivec3(self.shape) - 2)
+            if (place != inner).any():
+                closed, other = False, inner
+                for axis in ti.static(range(3)):
+                    if place[axis] != inner[axis]:
+                        closed |= (goes_on >> (2 * axis + int(place[axis] > 0)) & 1) == 0
+                        if ti.static(self.periodic[axis]):
+                            other[axis] = self.shape[axis] - 1 - inner[axis]
+                ahead = self.at(inner.x, inner.y, inner.z), self.at(other.x, inner.y, inner.z)
+                behind = self.at(inner.x, inner.y, other.z), self.at(other.x, inner.y, other.z)
+                mean = 0.25 * (
+                    self.value[ahead[0]] + self.value[ahead[1]] + self.value[behind[0]] + self.value[behind[1]]
+                )
+                self.value[n] = -tm.max(ti.abs(mean), LEAST) if closed else mean
+
+    def count(self) -> Counts:
+        """Number all vertices and triangles of the field as it is now."""
+        totals = np.zeros(4, dtype=np.int32)
+        self.number(totals)
+        return Counts(*totals.tolist())
+
+    def mesh(self, counts: Counts) -> Mesh:
+        """The triangles that have just been counted."""
+        vertices, normals = (np.empty((counts.vertices, 3), dtype=self.precision) for _ in range(2))
+        triangles = np.empty((counts.triangles, 3), dtype=np.int32)
+        if counts.triangles:
+            self.write(vertices, normals, triangles)
+        return Mesh(vertices, triangles, normals)
+
+    @ti.func
+    def at(self, i, j, k):
+        """Number of a node; all that are not kept share theirs."""
+        return i + self.rows.first[j + self.shape[1] * k]
+
+    @ti.func
+    def place(self, n):
+        """The inverse of `at` for nodes that are kept."""
+        j, k = self.rows.place(n // self.rows.length)
+        return tm.ivec3(n % self.rows.length, j, k)
+
+    @ti.func
+    def edge_rows(self, j, k):
+        """The first nodes of the four rows along x between which cubes lie; beyond the last row there is that row."""
+        up, on = tm.min(j + 1, self.shape[1] - 1), tm.min(k + 1, self.shape[2] - 1)
+        return tm.ivec4(self.at(0, j, k), self.at(0, up, k), self.at(0, j, on), self.at(0, up, on))
+
+    @ti.func
+    def across(self, rows, i):
+        """Which nodes of the four rows are in the water: the bits of a case for its corners at x = 0."""
+        wet = 0
+        for corner in ti.static(range(4)):
+            wet |= int(self.value[rows[corner] + i] >= 0.0) << 2 * corner
+        return wet
+
+    @ti.func
+    def first(self, slab):
+        """The first row of a slab, of those kept."""
+        return slab * self.rows.count[None] // SLABS
+
+    @ti.kernel
+    def number(self, totals: ti.types.ndarray(ndim=1)):
+        for s in range(SLABS * TASK):
+            if s % TASK == 0:
+                self.count_slab(s // TASK)
+        ti.loop_config(serialize=True)
+        for what in range(4):
+            total = 0
+            for slab in range(SLABS):
+                here = self.counted[slab, what]
+                self.counted[slab, what] = total
+                total += here
+            totals[what] = total
+
+    @ti.func
+    def count_slab(self, slab):
+        nx, ny, nz = ti.static(self.shape)
+        vertices, triangles, cut, ambiguous = 0, 0, 0, 0
+        for n in range(self.first(slab), self.first(slab + 1)):
+            j, k = self.rows.place(n)
+            rows = self.edge_rows(j, k)
+            front = self.across(rows, 0)
+            for i in range(nx):
+                back = self.across(rows, tm.min(i + 1, nx - 1))
+                case = front | back << 1
+                front = back
+                mask = (case ^ case >> 1) & 1 | ((case ^ case >> 2) & 1) << 1 | ((case ^ case >> 4) & 1) << 2
+                self.owned[rows[0] + i] = vertices << 3 | mask
+                vertices += (mask & 1) + (mask >> 1 & 1) + (mask >> 2)
+                if i < nx - 1 and j < ny - 1 and k < nz - 1 and case > 0 and case < 255:
+                    triangles += self.triangles_of[case]
+                    cut += 1
+                    ambiguous += self.ambiguous[case]
+        for what, n in ti.static(enumerate((vertices, triangles, cut, ambiguous))):
+            self.counted[slab, what] = n
+
+    @ti.kernel
+    def write(
+        self,
+        vertices: ti.types.ndarray(ndim=2),
+        normals: ti.types.ndarray(ndim=2),
+        triangles: ti.types.ndarray(ndim=2),
+    ):
+        for s in range(SLABS * TASK):
+            if s % TASK == 0:
+                slab = s // TASK
+                length = ti.static(self.rows.length)
+                for n in range(length * self.first(slab), length * self.first(slab + 1)):
+                    self.owned[n] = self.owned[n] + (self.counted[slab, VERTICES] << 3)
+                    if self.owned[n] & 7:
+                        self.write_vertices(n, vertices, normals)
+        for s in range(SLABS * TASK):
+            if s % TASK == 0:
+                self.write_triangles(s // TASK, triangles)
+
+    @ti.func
+    def write_vertices(self, n, vertices: ti.template(), normals: ti.template()):
+        """Where the field is zero on the edges of a node, between its two ends in proportion, and the normal there."""
+        place = self.place(n)
+        vertex, mask = self.owned[n] >> 3, self.owned[n] & 7
+        own, slope = self.value[n], self.gradient(place)
+        for axis in ti.static(range(3)):
+            if mask >> axis & 1:
+                step = tm.ivec3([int(axis == k) for k in range(3)])
+                there = self.value[self.at(place.x + step.x, place.y + step.y, place.z + step.z)]
+                along = own / (own - there)
+                x = self.lower + self.width * (ti.cast(place, float) - 0.5 + along * ti.cast(step, float))
+                x = tm.clamp(x, self.lower, self.upper)
+                normal = -tm.mix(slope, self.gradient(place + step), along)
+                if place[axis] == 0 or place[axis] == self.shape[axis] - 2:  # it closes here, on a side of the box
+                    normal = ti.cast(step, float) * ti.select(place[axis] == 0, -1.0, 1.0)
+                normal /= tm.max(normal.norm(), 1.0e-30)
+                for k in ti.static(range(3)):
+                    vertices[vertex, k], normals[vertex, k] = x[k], normal[k]
+                vertex += 1
+
+    @ti.func
+    def gradient(self, place):
+        """(3.2) to (3.4) by central differences, with the factor 1/2 that they leave out; one-sided at the rim."""
+        gradient = tm.vec3(0.0)
+        for axis in ti.static(range(3)):
+            step = tm.ivec3([int(axis == k) for k in range(3)])
+            up = tm.min(place + step, tm.ivec3(self.shape) - 1)
+            down = tm.max(place - step, 0)
+            rise = self.value[self.at(up.x, up.y, up.z)] - self.value[self.at(down.x, down.y, down.z)]
+            gradient[axis] = rise / (self.width[axis] * (up[axis] - down[axis]))
+        return gradient
+
+    @ti.func
+    def write_triangles(self, slab, triangles: ti.template()):
+        nx, ny, nz = ti.static(self.shape)
+        written = self.counted[slab, TRIANGLES]
+        for n in range(self.first(slab), self.first(slab + 1)):
+            j, k = self.rows.place(n)
+            if j < ny - 1 and k < nz - 1:
+                rows = self.edge_rows(j, k)
+                front = self.across(rows, 0)
+                for i in range(nx - 1):
+                    back = self.across(rows, i + 1)
+                    case = front | back << 1
+                    front = back
+                    for corner in range(3 * self.triangles_of[case]):
+                        edge = self.edges_of[case, corner]
+                        triangles[written + corner // 3, corner % 3] = self.vertex(i, j, k, edge)
+                    written += self.triangles_of[case]
+
+    @ti.func
+    def vertex(self, i, j, k, edge):
+        """Number of the vertex on an edge of the cube at a node: edge 4 * axis + e starts at the e-th corner whose bit
+        of that axis is 0, and its node also owns the edges of the axes before."""
+        axis, e = edge // 4, edge % 4
+        corner = (e >> axis) << (axis + 1) | e & ((1 << axis) - 1)
+        owned = self.owned[self.at(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2))]
+        before = owned & ((1 << axis) - 1)
+        return (owned >> 3) + (before & 1) + (before >> 1)

@@ -1,0 +1,43 @@
+"""One picture a case: what was measured over what was expected, a panel for each of its set-ups."""
+
+from pathlib import Path
+
+from ocean_sim.validation.shared.case import Curve, Finding, Problem
+
+LINES, MARKERS = ("-", "--", ":", "-."), (".", "^", "s", "x", "+")
+
+
+def draw(path: Path, case: str, runs: list[tuple[Problem, str, Finding]]) -> None:
+    """Runs of one case, (set-up, scheme, what it showed); a run that diverged leaves its panel to the others."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    panels = list(dict.fromkeys(problem.name for problem, _, _ in runs))
+    schemes = list(dict.fromkeys(scheme for _, scheme, _ in runs))
+    figure = Figure(figsize=(6.4 * len(panels), 4.8), layout="constrained")
+    FigureCanvasAgg(figure)
+    for k, name in enumerate(panels):
+        axes = figure.add_subplot(1, len(panels), k + 1)
+        here = [(scheme, found) for problem, scheme, found in runs if problem.name == name]
+        for scheme, found in here:
+            for n, curve in enumerate(found.measured):
+                plotted(axes, curve, f"{scheme}: {curve.label}", f"C{schemes.index(scheme)}", n)
+        shown = next((found for _, found in here if found.measured), None)
+        if shown is None:
+            axes.text(0.5, 0.5, "diverged", ha="center", transform=axes.transAxes)
+        else:
+            for n, curve in enumerate(shown.expected):
+                plotted(axes, curve, curve.label, "black", n)
+            axes.set_xlabel(shown.axes[0])
+            axes.set_ylabel(shown.axes[1])
+            axes.legend(fontsize="x-small")
+        axes.set_title(f"{case}: {name}" if name else case)
+        axes.grid(alpha=0.3)
+    figure.savefig(path, dpi=100)
+
+
+def plotted(axes, curve: Curve, label: str, colour: str, n: int) -> None:
+    """A line, or points; the n-th of its colour."""
+    dots = {"linestyle": "none", "marker": MARKERS[n % len(MARKERS)], "markersize": 3}
+    line = {"linestyle": LINES[n % len(LINES)], "linewidth": 1.2}
+    axes.plot(curve.x, curve.y, label=label, color=colour, **(dots if curve.points else line))

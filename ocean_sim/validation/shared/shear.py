@@ -1,0 +1,86 @@
+"""Flow between two plates a gap L apart, begun from rest: shared by `poiseuille` and `couette`.
+
+Numbers are those of Morris, Fox & Zhu (1997, J. Comput. Phys. 136, 214-226), Re = 0.0125, made dimensionless by L and
+L^2 / nu, so that f32 holds them: L = 1 m, nu = 1 m2/s.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ocean_sim.simulation import Simulation
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
+from ocean_sim.validation.shared.state import watched
+from ocean_sim.validation.shared.tables import table
+
+FASTEST = 0.0125  # [m/s] of the water, in the end
+TIMES = (0.0225, 0.045, 0.1125, 0.225, 1.0)  # [L^2 / nu]; the last is steady to 1e-4
+TERMS = np.arange(1, 200)
+SOURCE = "series solution; Morris, Fox & Zhu 1997"
+TOLERANCE = {"delta_sph": 1.0, "dfsph": 2.0}
+
+Exact = Callable[[np.ndarray, float], np.ndarray]
+
+
+def poiseuille(y: np.ndarray, time: float) -> np.ndarray:
+    """Speed over that in the middle in the end, at heights y [L] and a time [L^2 / nu], driven by a body force."""
+    odd = 2.0 * TERMS - 1.0
+    waves = np.sin(np.pi * np.outer(y, odd)) * np.exp(-((odd * np.pi) ** 2) * time) / odd**3
+    return 4.0 * y * (1.0 - y) - 32.0 / np.pi**3 * waves.sum(axis=1)
+
+
+def couette(y: np.ndarray, time: float) -> np.ndarray:
+    """Speed over that of the upper plate."""
+    waves = np.sin(np.pi * np.outer(y, TERMS)) * np.exp(-((TERMS * np.pi) ** 2) * time) * (-1.0) ** TERMS / TERMS
+    return y + 2.0 / np.pi * waves.sum(axis=1)
+
+
+def problem(exact: Exact, column: str, lid: list[float], force: float, coarse: bool) -> Problem:
+    """A periodic stretch of the gap; `column` of the published table is shown beside it.
+
+    Compression follows the largest of V^2, nu V / L and F L, as Morris, Fox & Zhu (1997) advise.
+    """
+    spacing = 0.1 if coarse else 0.05
+    duration = TIMES[2] if coarse else TIMES[-1]
+    scene = {
+        "duration": duration,
+        "basin": {
+            "length": 1.0,
+            "depth": 1.0,
+            "gravity": [0.0, 0.0, 0.0],
+            "walls": {"x": "periodic"},
+            "floor": "no_slip",
+            "lid": {"slip": "no_slip", "velocity": lid},
+        },
+        "fluid": {
+            "spacing": spacing,
+            "kinematic_viscosity": 1.0,
+            "reference_speed": max(FASTEST, FASTEST**0.5, force**0.5),
+            "body_force": [force, 0.0, 0.0],
+        },
+    }
+    times = [time for time in TIMES if time <= duration]
+    promises = tuple(
+        Promise(f"speed at t nu / L^2 = {time:g}, worst [u_max]", "%", SOURCE, TOLERANCE) for time in times
+    )
+    return Problem(scene, promises, lambda simulation: measure(simulation, exact, column, promises, times))
+
+
+def measure(
+    simulation: Simulation, exact: Exact, column: str, promises: tuple[Promise, ...], times: list[float]
+) -> Finding:
+    """Profiles at the published times."""
+    numbers, measured, expected = {}, [], []
+    data = table("analytic_poiseuille_couette")
+    for promise, time in zip(promises, times, strict=True):
+        *_, water = watched(simulation, time, time)
+        y, speed = water.position[:, 1] + 1.0, water.velocity[:, 0] / FASTEST
+        wanted = exact(y, water.time)
+        worst = int(np.argmax(np.abs(speed - wanted)))
+        numbers[promise.quantity] = (speed[worst], wanted[worst], 100.0 * float(speed[worst] - wanted[worst]))
+        order = np.argsort(y)
+        measured.append(Curve(f"t = {time:g}", speed[order], y[order], points=True))
+        at = data["t"] == time
+        if at.any():
+            expected.append(Curve(f"series, t = {time:g}", data[column][at] / data[column].max(), 1e3 * data["y"][at]))
+    return Finding(numbers, measured, expected, ("u / u_max", "y / L"))

@@ -1,0 +1,99 @@
+"""`ocean-sim render` and `export`: what can still be made of a finished run."""
+
+from pathlib import Path
+from typing import Any
+
+from ocean_sim.files.yaml_file import Node, Place, Problem, SceneError, node_of
+from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.progress import Drawing
+
+PARTICLES, SURFACES = ("vtkhdf",), ("ply", "vtp", "vtkhdf")
+
+
+def render(folder: Path, asked: dict[str, Any], fps: float | None, out: Path | None, as_json: bool) -> None:
+    """Pictures and a film from the frames of a run; `asked` by key of `render:`."""
+    from ocean_sim.observers.render import Config, impossible, render_run
+    from ocean_sim.reading.translation import validated
+
+    if fps is not None and not 0.1 <= fps <= 240.0:
+        raise console.Refused(f"--fps {fps:g}: choose 0.1 to 240 pictures a second")
+    given = {key: value for key, value in asked.items() if value is not None}
+    nodes = {key: node_of(value, Place(f"--{key} {shown(value)}")) for key, value in given.items()}
+    problems: list[Problem] = []
+    config = validated(Config, Node(nodes, Place("--camera"), Place("--camera")), (), problems)
+    if config is None:
+        raise SceneError(problems)
+    finished(folder)
+    sentence = impossible(folder, config.camera, config.stills)
+    if sentence is not None:
+        raise console.Refused(sentence)
+    options = config.model_dump() | ({} if fps is None else {"every": 1.0 / fps})
+    drawing = Drawing(quiet=as_json)
+    try:
+        files = render_run(folder, **options, out=out, progress=drawing)
+    finally:
+        drawing.close()
+    if out is None and (folder / "report.html").exists():
+        from ocean_sim.observers import report
+
+        files = [*files, report.write(folder)]  # with the new pictures
+    made(files, as_json)
+
+
+def numbers(option: str, text: str | None, apart: str = ",") -> list[float] | None:
+    """What an option says in numbers, as `1,2.5`; raises Refused."""
+    if text is None:
+        return None
+    try:
+        return [float(word) for word in text.split(apart)]
+    except ValueError:
+        raise console.Refused(f"{option} {text}: these are not numbers with '{apart}' between them") from None
+
+
+def pixels(text: str | None) -> list[int] | None:
+    """A size as `1280x720`; raises Refused."""
+    if text is None:
+        return None
+    words = text.lower().split("x")
+    if len(words) != 2 or not all(word.isdigit() for word in words):
+        raise console.Refused(f"--size {text}: a size is width x height in pixels, as 1280x720")
+    return [int(word) for word in words]
+
+
+def shown(value: Any) -> str:
+    """A value as it was given on the command line."""
+    return ",".join(f"{item:g}" for item in value) if isinstance(value, list) else str(value)
+
+
+def export(
+    folder: Path, particles: str | None, surface: str | None, every: int, out: Path | None, as_json: bool
+) -> None:
+    """Files for ParaView and Blender from the frames of a run."""
+    if particles is None and surface is None:
+        raise console.Refused("say what to export: --particles vtkhdf, --surface ply or --surface vtp")
+    if particles is not None and particles not in PARTICLES:
+        raise console.Refused(f"--particles {particles}: choose vtkhdf")
+    if surface is not None and surface not in SURFACES:
+        raise console.Refused(f"--surface {surface}: choose ply, vtp or vtkhdf")
+    finished(folder)
+    from ocean_sim.pictures.export import export_run
+
+    asked: dict[str, Any] = {"particles": particles, "surface": surface, "every": every}
+    made(export_run(folder, out=out or folder / "export", **asked), as_json)
+
+
+def finished(folder: Path) -> None:
+    """Refuses what is no run folder, or one that kept no frames."""
+    if not (folder / "manifest.json").is_file():
+        raise console.Refused(f"{folder}: this is not a run folder (there is no manifest.json)")
+    if not any((folder / "frames").glob("*")):
+        raise console.Refused(f"{folder}: this run kept no frames, so there is nothing to show (frames: null)")
+
+
+def made(files: list[Path], as_json: bool) -> None:
+    """Names what was written."""
+    if as_json:
+        console.answer({"files": files})
+    else:
+        for file in files:
+            console.say(str(file))

@@ -1,0 +1,101 @@
+"""How the command line speaks: sentences, tables, JSON."""
+
+import json
+import math
+import sys
+from pathlib import Path
+from typing import Any
+
+from ocean_sim.files.yaml_file import Node, Problem, SceneError, setting
+
+
+class Refused(Exception):
+    """What was asked makes no sense; the sentence says why."""
+
+
+class Failed(Exception):
+    """Something that was tried did not work; the sentence says what."""
+
+
+class Stopped(Exception):
+    """A person stopped a run; the sentence says where."""
+
+
+class Lacking(Exception):
+    """The machine lacks what was asked for; the sentence says what to install."""
+
+
+def say(text: str = "") -> None:
+    """A line for people."""
+    print(text, flush=True)
+
+
+def complain(text: str) -> None:
+    """A line about what went wrong."""
+    print(text, file=sys.stderr, flush=True)
+
+
+def answer(data: Any) -> None:
+    """The answer for programs: JSON, in which a number that is none is null."""
+    print(json.dumps(_plain(data), indent=2, ensure_ascii=False, allow_nan=False), flush=True)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(key): _plain(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(inner) for inner in value]
+    if isinstance(value, Path):
+        return str(value)
+    if hasattr(value, "item"):
+        value = value.item()
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
+    """A table for people; numbers stand to the right."""
+    from rich.console import Console
+    from rich.table import Table
+
+    shown = Table(title=title or None, title_justify="left", box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    for k, column in enumerate(columns):
+        numbers = bool(rows) and all(row[k][:1].isdigit() or row[k] == "" for row in rows)
+        shown.add_column(column, justify="right" if numbers else "left", overflow="fold")
+    for row in rows:
+        shown.add_row(*row)
+    width = None if sys.stdout.isatty() else 140
+    Console(width=width, markup=False, highlight=False).print(shown)
+
+
+def counted(problems: list[Any]) -> str:
+    """How many problems a scene has."""
+    return "the scene has a problem" if len(problems) == 1 else f"the scene has {len(problems)} problems"
+
+
+def settings(sets: list[str]) -> dict[str, Node]:
+    """What `--set` says, by dotted key; raises SceneError with every mistake."""
+    values: dict[str, Node] = {}
+    problems: list[Problem] = []
+    for text in sets:
+        try:
+            key, node = setting(text)
+            values[key] = node
+        except SceneError as error:
+            problems += error.problems
+    if problems:
+        raise SceneError(problems)
+    return values
+
+
+def megabytes(count: float) -> float:
+    """Bytes in MB."""
+    return count / 1e6
+
+
+def duration(seconds: float) -> str:
+    """A time span for people."""
+    if seconds < 60.0:
+        return f"{seconds:.1f} s"
+    if seconds < 3600.0:
+        return f"{int(seconds // 60)} min {int(seconds % 60)} s"
+    return f"{int(seconds // 3600)} h {int(seconds % 3600 // 60)} min"

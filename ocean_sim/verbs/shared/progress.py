@@ -1,0 +1,135 @@
+"""Progress of a run and of its pictures: a bar on a terminal, plain lines elsewhere."""
+
+import sys
+from collections import Counter
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from ocean_sim.pictures.counted import count
+from ocean_sim.verbs.shared import console
+
+if TYPE_CHECKING:
+    from ocean_sim.simulation import Simulation
+
+BAR_EVERY = 0.1  # wall time between two pictures of the bar [s]
+LINE_EVERY = 0.05  # share of the whole between two plain lines
+LINES_APART = 2.0  # and at least this much wall time between them [s]
+
+
+class Bar:
+    """How far something is, from 0 to `total`."""
+
+    def __init__(self, total: float, quiet: bool) -> None:
+        self.total, self.quiet = total, quiet
+        self.shown = perf_counter()
+        self.next_line = LINE_EVERY
+        self.rich: Any = None
+
+    def due(self, now: float) -> bool:
+        """Whether the bar would be drawn anew; asked after every step, so it must cost nothing."""
+        return not self.quiet and now - self.shown >= BAR_EVERY
+
+    def show(self, done: float, text: str) -> None:
+        """Draw the bar, or say a line when enough has happened since the last."""
+        now, share = perf_counter(), min(1.0, done / self.total)
+        if sys.stdout.isatty():
+            self.shown = now
+            self.rich = self.rich or self.begun()
+            self.rich.update(self.rich.task_ids[0], completed=done, text=text)
+        elif share >= self.next_line and now - self.shown >= LINES_APART:
+            self.shown, self.next_line = now, share + LINE_EVERY
+            console.say(f"{share:4.0%}  {text}")
+
+    def begun(self) -> Any:
+        from rich.progress import BarColumn, TextColumn
+        from rich.progress import Progress as RichProgress
+
+        bar = RichProgress(BarColumn(), TextColumn("{task.percentage:3.0f} %  {task.fields[text]}"))
+        bar.add_task("", total=self.total, text="")
+        bar.start()
+        return bar
+
+    def close(self) -> None:
+        if self.rich is not None:
+            self.rich.stop()
+            self.rich = None
+
+
+class Drawing:
+    """Told by `render` how many pictures are drawn, of how many."""
+
+    def __init__(self, quiet: bool) -> None:
+        self.bar = Bar(1.0, quiet)
+
+    def __call__(self, done: int, total: int) -> None:
+        if not self.bar.quiet and (done == total or self.bar.due(perf_counter())):
+            self.bar.show(done / max(1, total), f"drawing picture {done} of {total}")
+
+    def close(self) -> None:
+        self.bar.close()
+
+
+class Progress:
+    """A watcher that shows simulated time, real-time factor and time left, and remembers what limited the steps."""
+
+    every = 0.0
+
+    def __init__(self, duration: float, quiet: bool) -> None:
+        self.bar, self.drawing = Bar(duration, quiet), Drawing(quiet)
+        self.duration, self.attending = duration, False
+        self.began = perf_counter()
+        self.first: tuple[float, float] | None = None  # wall and simulated time after the first step [s]
+        self.time, self.steps, self.particles, self.wall = 0.0, 0, 0, 0.0
+        self.limits: Counter[str] = Counter()
+
+    def observe(self, simulation: "Simulation") -> None:
+        now = perf_counter()
+        self.time, self.steps = simulation.time, simulation.steps
+        self.wall = now - self.began
+        if not self.attending:
+            self.attending = True
+            self.particles = count(simulation.fluid)
+            self.attend(simulation)
+        if self.steps == 0:
+            return
+        self.limits[simulation.time_step.limited_by] += 1
+        if self.first is None:
+            self.first = (now, self.time)
+        if self.bar.due(now):
+            left = console.duration((self.duration - self.time) / self.factor) if self.factor > 0.0 else "?"
+            where = f"t = {self.time:.2f} of {self.duration:g} s"
+            self.bar.show(self.time, f"{where}, {self.factor:.2g} x real time, {left} left")
+
+    def attend(self, simulation: "Simulation") -> None:
+        """`render` draws after the last step, while it is closed: it tells how far it is."""
+        for observer in simulation.observers:
+            if hasattr(observer, "progress"):
+                observer.progress = self.draw
+
+    def draw(self, done: int, total: int) -> None:
+        self.bar.close()
+        self.drawing(done, total)
+
+    @property
+    def factor(self) -> float:
+        """Simulated over wall time since the first step."""
+        if self.first is None:
+            return 0.0
+        wall = self.began + self.wall - self.first[0]
+        return (self.time - self.first[1]) / wall if wall > 0.0 else 0.0
+
+    def summary(self) -> dict[str, Any]:
+        """What the run was, in numbers."""
+        shares = {name: count / self.limits.total() for name, count in self.limits.most_common()}
+        return {
+            "particles": self.particles,
+            "steps": self.steps,
+            "simulated_s": self.time,
+            "wall_s": self.wall,
+            "real_time_factor": self.factor,
+            "limited_by": shares,
+        }
+
+    def close(self) -> None:
+        self.bar.close()
+        self.drawing.close()

@@ -1,0 +1,125 @@
+"""When a wind blows, how strongly and where to: start, stop, ramp, and rows over time in the scene or in a CSV file."""
+
+from collections.abc import Iterator
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from ocean_sim.files import csv_file
+from ocean_sim.files.input_file import FileName, shown
+from ocean_sim.parts import PartConfig, quantity
+
+Problems = Iterator[tuple[tuple[str | int, ...], str]]  # path below the config, sentence
+
+
+class Timed(PartConfig):
+    """Keys of whatever begins and ends."""
+
+    start: float = quantity("s", 0.0, ge=0.0)
+    """When it begins to blow."""
+    stop: float | None = quantity("s", None, ge=0.0)
+    """When it has ceased; null: never."""
+    duration: float | None = quantity("s", None, gt=0.0)
+    """How long it blows, in place of `stop`."""
+    ramp: float = quantity("s", 0.0, ge=0.0)
+    """Time in which it rises after `start`, and in which it falls before `stop`."""
+
+    @model_validator(mode="after")
+    def _one_end(self) -> Any:
+        if self.stop is not None and self.duration is not None:
+            raise ValueError("give either stop [s] or duration [s], not both")
+        if self.stop is not None and self.stop <= self.start:
+            raise ValueError(f"stop must be later than start ({self.start:g} s), got {self.stop:g}")
+        return self
+
+    @property
+    def end(self) -> float | None:
+        """When it has ceased [s], or None."""
+        return self.stop if self.duration is None else self.start + self.duration
+
+    @cached_property
+    def always(self) -> bool:
+        """Whether it blows from the beginning and for ever, at once."""
+        return self.start == 0.0 and self.end is None and self.ramp == 0.0
+
+    def blowing(self, time: float, dt: float = 0.0) -> float:
+        """Part of its strength in a step of dt [s] from a time [s] on, 0 to 1; it rises and falls as 3 s^2 - 2 s^3.
+        What blows for a part of the step only is weaker by that part, so the impulse is that of the time it blows."""
+        begin, end = max(time, self.start), min(time + dt, np.inf if self.end is None else self.end)
+        if end < begin or (end == begin and dt > 0.0) or time == self.end:
+            return 0.0
+        middle = 0.5 * (begin + end)
+        left = np.inf if self.end is None else self.end - middle
+        part = min(1.0, min(middle - self.start, left) / self.ramp) if self.ramp else 1.0
+        share = (end - begin) / dt if end - begin < (1.0 - 1e-9) * dt else 1.0
+        return float(part * part * (3.0 - 2.0 * part) * share)
+
+
+class Row(PartConfig):
+    """Speed and direction at one time."""
+
+    time: float = quantity("s", ge=0.0)
+    """When."""
+    speed: float = quantity("m/s", ge=0.0)
+    """Speed of the wind."""
+    heading_deg: float = quantity("deg")
+    """Where it goes to: 0 along +z, 90 along +x."""
+
+
+class File(PartConfig):
+    """The rows in a file."""
+
+    file: FileName
+    """CSV with columns `time_s`, `speed_m_s` and `heading_deg`."""
+
+
+class Schedule:
+    """Speed [m/s] and heading [deg] over time: straight lines between rows, held before the first and after the last.
+
+    Headings turn the shorter way.
+    """
+
+    def __init__(self, time: np.ndarray, speed: np.ndarray, heading: np.ndarray) -> None:
+        """(n,) each; raises ValueError where they are no schedule."""
+        if not np.isfinite([time, speed, heading]).all():
+            raise ValueError("holds what is not a number")
+        if not (np.diff(time) > 0.0).all():
+            raise ValueError("rows must be in the order of time, each time once")
+        if (speed < 0.0).any():
+            raise ValueError("a speed is not negative; turn the heading")
+        self.time, self.speed, self.heading = time, speed, np.unwrap(heading, period=360.0)
+
+    def at(self, time: float) -> tuple[float, float]:
+        """Speed [m/s] and heading [deg] at a time [s]."""
+        return float(np.interp(time, self.time, self.speed)), float(np.interp(time, self.time, self.heading))
+
+
+class Scheduled(Timed):
+    """Keys of a wind whose speed and direction may change."""
+
+    schedule: list[Row] | File | None = Field(None, union_mode="left_to_right")
+    """Rows of time, speed and heading_deg, or {file: ...csv}; in place of a constant speed and heading."""
+
+    @cached_property
+    def course(self) -> Schedule | None:
+        """The schedule, read; raises ValueError."""
+        if self.schedule is None:
+            return None
+        if isinstance(self.schedule, File):
+            found, names = csv_file.columns(self.schedule.file), ("time_s", "speed_m_s", "heading_deg")
+            missing = [name for name in names if name not in found]
+            if missing:
+                raise ValueError(f"{shown(self.schedule.file)} has no column {' and no column '.join(missing)}")
+            return Schedule(*(found[name] for name in names))
+        if not self.schedule:
+            raise ValueError("needs at least one row")
+        return Schedule(*(np.array([[r.time, r.speed, r.heading_deg] for r in self.schedule], dtype=float).T))
+
+    def unscheduled(self) -> Problems:
+        """Why the schedule cannot be followed."""
+        try:
+            self.course  # noqa: B018
+        except ValueError as error:
+            yield ("schedule",), str(error)

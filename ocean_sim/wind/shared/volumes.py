@@ -1,0 +1,148 @@
+"""Volumes of air: boxes, spheres and capsules, each a core box and all that lies within a radius of it."""
+
+from dataclasses import dataclass
+from math import cos, radians, sin
+from typing import Annotated, Literal
+
+import numpy as np
+import taichi as ti
+import taichi.math as tm
+from pydantic import Field
+
+from ocean_sim.parts import PartConfig, Vector3, quantity
+from ocean_sim.wind.shared.air import turned_all
+
+Length = Annotated[float, Field(gt=0.0)]
+HalfSize = Annotated[tuple[Length, Length, Length], Field(strict=False)]
+
+
+@dataclass(frozen=True)
+class Core:
+    """A shape as all that lies within `radius` of a box."""
+
+    centre: np.ndarray  # [m]
+    half: Vector3  # half size of the box [m]: zero in a sphere, one axis long in a capsule
+    radius: float  # [m], zero in a box
+    yaw: float  # turn about the vertical [rad]
+
+    def own(self, direction: np.ndarray) -> np.ndarray:
+        """A direction in the axes of the shape."""
+        return turned(direction, -self.yaw)
+
+    def edges(self) -> np.ndarray:
+        """(n, 2, 3) ends of lines that show it [m]: the edges of a box, else an outline in each of its planes."""
+        if self.radius == 0.0:
+            corners = np.array(list(np.ndindex(2, 2, 2))) * 2.0 - 1.0
+            near = np.abs(corners[:, None] - corners[None]).sum(axis=2) == 2.0
+            lines = corners[np.argwhere(np.triu(near))] * self.half
+        else:
+            angle = np.linspace(0.0, 2.0 * np.pi, 33)
+            rings = []
+            for k in range(3):
+                ring = np.zeros((len(angle), 3))
+                for axis, wave in zip(({0, 1, 2} - {k}), (np.cos(angle), np.sin(angle))):
+                    ring[:, axis] = np.sign(np.round(wave, 9)) * self.half[axis] + self.radius * wave
+                rings.append(np.stack([ring[:-1], ring[1:]], axis=1))
+            lines = np.concatenate(rings)
+        return turned_all(lines, self.yaw) + self.centre
+
+    def spread(self) -> np.ndarray:
+        """(n, 3) points at the height of its centre, spread over it [m]."""
+        size = np.array(self.half)[[0, 2]] + self.radius
+        x, z = (np.linspace(-0.7, 0.7, n) * s if n > 1 else np.zeros(1) for n, s in zip(counts(*size), size))
+        x, z = (a.ravel() for a in np.meshgrid(x, z))
+        return turned_all(np.stack([x, np.zeros_like(x), z], axis=-1), self.yaw) + self.centre
+
+    def reach(self, direction: np.ndarray) -> float:
+        """From the centre to the farthest end along a unit vector [m]."""
+        return float(np.abs(self.own(direction)) @ self.half + self.radius)
+
+    def chord(self, direction: np.ndarray) -> float:
+        """Length inside of the line through the centre along a unit vector [m]."""
+        along = np.abs(self.own(direction))
+        inside, outside = 0.0, 2.0 * (float(np.linalg.norm(self.half)) + self.radius)
+        for _ in range(50):
+            middle = 0.5 * (inside + outside)
+            if np.linalg.norm(np.maximum(along * middle - self.half, 0.0)) <= self.radius:
+                inside = middle
+            else:
+                outside = middle
+        return 2.0 * inside
+
+
+def counts(x: float, z: float) -> tuple[int, int]:
+    """How many points to spread along two half sizes [m]."""
+    return (3, 3) if max(x, z) < 2.0 * min(x, z) else (5, 1) if x > z else (1, 5)
+
+
+class Box(PartConfig):
+    """A box, turned about the vertical."""
+
+    kind: Literal["box"] = "box"
+    centre: Vector3 = quantity("m", (0.0, 0.0, 0.0))
+    """Centre."""
+    half_size: HalfSize = quantity("m")
+    """Half its size along its own x, y and z."""
+    yaw_deg: float = quantity("deg", 0.0)
+    """Turn about the vertical by the right hand."""
+
+    @property
+    def core(self) -> Core:
+        return Core(np.array(self.centre), self.half_size, 0.0, radians(self.yaw_deg))
+
+
+class Sphere(PartConfig):
+    """A sphere."""
+
+    kind: Literal["sphere"] = "sphere"
+    centre: Vector3 = quantity("m", (0.0, 0.0, 0.0))
+    """Centre."""
+    radius: float = quantity("m", gt=0.0)
+    """Radius."""
+
+    @property
+    def core(self) -> Core:
+        return Core(np.array(self.centre), (0.0, 0.0, 0.0), self.radius, 0.0)
+
+
+class Capsule(PartConfig):
+    """A cylinder with round ends."""
+
+    kind: Literal["capsule"] = "capsule"
+    centre: Vector3 = quantity("m", (0.0, 0.0, 0.0))
+    """Centre."""
+    radius: float = quantity("m", gt=0.0)
+    """Radius of the cylinder and its ends."""
+    half_length: float = quantity("m", gt=0.0)
+    """Half the distance between the centres of its ends."""
+    axis: Literal["x", "y", "z"] = "y"
+    """Axis of the cylinder, before it is turned."""
+    yaw_deg: float = quantity("deg", 0.0)
+    """Turn about the vertical by the right hand."""
+
+    @property
+    def core(self) -> Core:
+        half = tuple(self.half_length if self.axis == k else 0.0 for k in "xyz")
+        return Core(np.array(self.centre), half, self.radius, radians(self.yaw_deg))
+
+
+Shape = Annotated[Box | Sphere | Capsule, Field(discriminator="kind")]
+
+
+def turned(v: np.ndarray, angle: float) -> np.ndarray:
+    """The vector turned by `angle` [rad] about the vertical, by the right hand."""
+    c, s = cos(angle), sin(angle)
+    return np.array([c * v[0] + s * v[2], v[1], c * v[2] - s * v[0]])
+
+
+@ti.func
+def turned_back(v, cosine, sine):
+    """The vector turned back by an angle of this cosine and sine."""
+    return tm.vec3(cosine * v.x - sine * v.z, v.y, cosine * v.z + sine * v.x)
+
+
+@ti.func
+def within(x, half, radius):
+    """Whether x, seen from the centre of a core and in its axes [m], lies in the shape."""
+    beyond = ti.max(ti.abs(x) - half, 0.0)
+    return beyond.dot(beyond) <= radius * radius

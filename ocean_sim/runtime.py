@@ -6,7 +6,7 @@ from contextlib import redirect_stdout, suppress
 from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import taichi as ti
 from taichi.lang import impl
@@ -18,6 +18,17 @@ BACKENDS = {"cpu": ti.cpu, "cuda": ti.cuda, "vulkan": ti.vulkan, "metal": ti.met
 BASE_MEMORY, COPIES = 160_000_000, 100  # [bytes], [bytes a particle]
 TREES, ROOM = 512, 128  # sets of fields that Taichi 1.7 holds, beyond which it crashes, and the most of a simulation
 GRAPHICS = {ti.cuda: "cuda", ti.vulkan: "vulkan", ti.metal: "metal", ti.opengl: "opengl", ti.gles: "gles"}
+
+
+if TYPE_CHECKING:  # what a kernel is handed, as callers see it
+    import numpy as np
+
+    Array = Array2 = Doubles2 = Doubles3 = np.ndarray
+    Template = Any
+else:  # and as Taichi reads it
+    Array, Array2 = ti.types.ndarray(ndim=1), ti.types.ndarray(ndim=2)
+    Doubles2, Doubles3 = ti.types.ndarray(dtype=ti.f64, ndim=2), ti.types.ndarray(dtype=ti.f64, ndim=3)
+    Template = ti.template()
 
 
 class BackendMissing(Exception):

@@ -1,63 +1,48 @@
-"""A part is one file: "kind: gusts" under "wind:" is `ocean_sim/wind/gusts.py`, imported only when a scene names it."""
+"""A part is one file: "kind: gusts" under "wind:" is `ocean_sim/wind/gusts.py`, imported only when a scene names it.
 
-from functools import cache
+Here stands the whole contract of its `Config`: what a scene asks of a part between reading and building it. What is
+built of it has a protocol in the `__init__.py` of its slot.
+"""
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
 from importlib import import_module
 from importlib.resources import files
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, Self, cast
 
-from pydantic import BaseModel, ConfigDict, Field
+from ocean_sim import basin as basin_module
+from ocean_sim.basin import Basin, Solid
+from ocean_sim.model import Model
+
+if TYPE_CHECKING:
+    from ocean_sim.fluid import Fluid, Lattice, Limits
+    from ocean_sim.platform import Platform
+    from ocean_sim.runtime import RuntimeConfig
+    from ocean_sim.ship import Ship
+    from ocean_sim.surface import Surface
+    from ocean_sim.time_step import TimeStep
+    from ocean_sim.wind import Wind
 
 SLOTS = ("wind", "fluid", "surface", "ship", "platform", "time_step")
 PACKAGE = Path(str(files("ocean_sim")))
 
+Key = tuple[str | int, ...]
+Problems = list[tuple[Key, str]]  # where below the part's own key, and a sentence
+
 
 @cache
 def library(folder: str) -> Path:
-    """Where `scenes`, `configs` or `figures` lie: in the package when installed, beside it in a checkout."""
+    """Where `scenes`, `configs` or `figures` lie: in the package when installed, next to it in a checkout."""
     inside = PACKAGE / folder
     return inside if inside.is_dir() else PACKAGE.parent / folder
 
 
-class PartConfig(BaseModel):
-    """What a user may write for one part: frozen, strict about types, no unknown keys, no NaN and no infinity."""
-
-    model_config = ConfigDict(
-        frozen=True, extra="forbid", strict=True, allow_inf_nan=False, use_attribute_docstrings=True
-    )
-
-
-class ObserverConfig(PartConfig):
-    """What a user may write for one observer."""
-
-    needs: ClassVar[tuple[str, ...]] = ()  # slots and other observers without which there is nothing to watch
-    writes: ClassVar[bool] = True  # whether it needs a run folder; one that does not also watches a bare Simulation
-    reads_surface: ClassVar[bool] = False
-    leaves: ClassVar[str] = ""  # files, and what for, as the ledger tells it
-    takes: ClassVar[tuple[float, float]] = (0.0, 0.0)  # [s] of processor time each `every`, and more for each particle
-
-    def watching(self, name: str, particles: int, rate: float) -> "LedgerRow":
-        """Its row of the ledger; it has no fields, for what it reads is the water's. `rate`: time between the rows of
-        `motion`, which those watch that have no `every` of their own [s]. What it takes where there are no particles,
-        nobody has measured."""
-        base, each = self.takes
-        every = getattr(self, "every", rate) if base else 0.0
-        often = f"every {every:g} s" if every else ""
-        return LedgerRow(name, self.leaves, 0, often, base + each * particles if particles else 0.0, every)
-
-
-def quantity(unit: str, default: Any = ..., **bounds: Any) -> Any:
-    """A field that has a unit, which messages and the schema show; bounds as in pydantic (`gt`, `ge`, `lt`, `le`)."""
-    return Field(default, json_schema_extra={"unit": unit}, **bounds)
-
-
-Vector2 = Annotated[tuple[float, float], Field(strict=False)]
-Vector3 = Annotated[tuple[float, float, float], Field(strict=False)]
-
-
 @cache
 def kinds(slot: str) -> tuple[str, ...]:
-    """The kinds a scene may name in this slot: its modules without a leading underscore."""
+    """The kinds a scene may name in this slot: the modules of its folder."""
     return tuple(sorted(p.stem for p in (PACKAGE / slot).glob("[!_]*.py")))
 
 
@@ -65,11 +50,6 @@ def kinds(slot: str) -> tuple[str, ...]:
 def named(slot: str) -> tuple[str, ...]:
     """The ready-made parts of this slot: the files of configs/<slot>/."""
     return tuple(sorted(p.stem for p in (library("configs") / slot).glob("*.yaml")))
-
-
-def config_of(slot: str, kind: str) -> type[PartConfig]:
-    """The Config class of a kind; importing its module is what makes the kind exist."""
-    return import_module(f"ocean_sim.{slot}.{kind}").Config
 
 
 class LedgerRow(NamedTuple):
@@ -87,3 +67,286 @@ class LedgerRow(NamedTuple):
     def a_step(self, dt: float) -> float:
         """Processor time [s] of a step of dt [s], on the average."""
         return self.seconds * (min(1.0, dt / self.every) if self.every else 1.0)
+
+
+class PartConfig(Model):
+    """What a user may write for one part, and what a scene asks of it before it is built.
+
+    Every question comes with the one `Preflight` of the scene. `ledger` and, in each slot's own base class below,
+    `build` have no default: a kind that forgets them cannot be made.
+    """
+
+    def problems(self, preflight: "Preflight") -> Problems:
+        """What is wrong with these keys in this basin, whatever the other parts are: they may be wrong themselves."""
+        return []
+
+    def mismatches(self, preflight: "Preflight") -> Problems:
+        """What is wrong with these keys next to the other parts; asked where no part has a problem of its own."""
+        return []
+
+    def warnings(self, preflight: "Preflight") -> list[str]:
+        """What a reader of the results should know."""
+        return []
+
+    @abstractmethod
+    def ledger(self, preflight: "Preflight") -> list[LedgerRow]:
+        """What it will allocate or compile, and take of a step."""
+
+
+class KindConfig(PartConfig):
+    """Keys of a part that is one of several kinds."""
+
+    example: ClassVar[dict[str, Any]] = {}
+    """Keys without which the kind cannot be, with values that do in any basin of some metres."""
+
+    kind: str
+
+
+class WindConfig(KindConfig):
+    """Keys of any wind."""
+
+    @property
+    @abstractmethod
+    def stylised(self) -> bool:
+        """Whether it is a stylised force field, not a physical stress."""
+
+    @property
+    def still(self) -> bool:
+        """Whether it is no wind at all."""
+        return False
+
+    @abstractmethod
+    def build(self, basin: Basin, seed: int) -> "Wind": ...
+
+
+class FluidConfig(KindConfig):
+    """Keys of any water."""
+
+    rest_density: float
+
+    made_of_particles: ClassVar[bool] = False
+    """Whether it is made of particles, which start on a `lattice`; else it is a closed form."""
+    compared: ClassVar[bool] = False
+    """Whether `validate`, `tradeoff` and `stability` compare it with other schemes."""
+    conserves_momentum: ClassVar[bool] = False
+    """Whether what its particles exchange keeps momentum and angular momentum to rounding."""
+    carries_bodies: ClassVar[bool] = False
+    """Whether it answers to a body within a step, so that a ship of kind `pressure` may float on it."""
+    fineness: ClassVar[int] = 0
+    """Its rank where kinds of water are ordered from the coarsest to the finest."""
+    added_viscosity: ClassVar[tuple[tuple[float, float], ...]] = ()
+    """Viscosity that the scheme adds to a wave so many spacings long, over h c (half its support, its sound speed);
+    empty where it has not been measured. Measured by the decay of small waves in a slice, in the validation cases
+    wind_growth (still air; 32 and 64 spacings) and standing_wave (50 and 100). Steeper seas lose more (imposed_sea)."""
+    unheeded: ClassVar[tuple[str, ...]] = ()
+    """Keys that change no number of a run."""
+
+    def lattice(self, basin: Basin) -> "Lattice | None":
+        """The lattice that its particles start on; None of water in closed form, which has no particles."""
+        return None
+
+    def ratio(self, basin: Basin) -> float:
+        """Support radius over spacing; 0 where there are no particles."""
+        return 0.0
+
+    @property
+    def support_asked(self) -> float | None:
+        """Support radius over spacing that its user has asked for, or what the scheme has everywhere."""
+        return None
+
+    def sound_speed(self, basin: Basin) -> float:
+        """c [m/s]; 0 where nothing is compressed."""
+        return 0.0
+
+    @property
+    def viscosity_asked(self) -> float:
+        """Kinematic viscosity that its user has asked for [m2/s]."""
+        return 0.0
+
+    @property
+    def steady_force(self) -> tuple[float, float, float]:
+        """A constant acceleration besides gravity [m/s2]."""
+        return (0.0, 0.0, 0.0)
+
+    @property
+    def driven(self) -> bool:
+        """Whether new water or a force of its own may give it energy."""
+        return False
+
+    def viscosity_added(self, preflight: "Preflight", length: float) -> float:
+        """Viscosity [m2/s] that the scheme adds to waves of a length [m], as it was measured; 0 where it was not."""
+        return 0.0
+
+    def statements(self, preflight: "Preflight") -> list[str]:
+        """What the water does that a reader of its results should know."""
+        return []
+
+    @abstractmethod
+    def still_limits(self, preflight: "Preflight") -> "Limits":
+        """Limits of the time step in still water, before anything is allocated."""
+
+    @abstractmethod
+    def build(self, basin: Basin, seed: int, *, ledger: bool, wind: "Wind") -> "Fluid":
+        """`ledger`: whether it sums the impulse and work of each term; `wind`: as the water feels it."""
+
+
+class SurfaceConfig(KindConfig):
+    """Keys of any surface. It follows particles."""
+
+    when_read: ClassVar[bool] = False
+    """Whether it is made where something reads it, not in each step."""
+
+    def completed(self, preflight: "Preflight") -> Self:
+        """With what its user has left to the water."""
+        return self
+
+    @abstractmethod
+    def build(self, basin: Basin, fluid: "Fluid") -> "Surface":
+        """Of a completed config."""
+
+
+class ShipConfig(KindConfig):
+    """Keys of any ship."""
+
+    needs_surface: ClassVar[bool] = True
+    """Whether, over particles, it asks a surface how high the water stands."""
+    carried_as_body: ClassVar[bool] = False
+    """Whether only water that `carries_bodies` carries it."""
+
+    points: dict[str, tuple[float, float, float]] = {}
+
+    def solids(self, preflight: "Preflight") -> tuple[Solid, ...]:
+        """What the water is built around."""
+        return ()
+
+    @abstractmethod
+    def build(self, basin: Basin, fluid: "Fluid") -> "Ship": ...
+
+
+class PlatformConfig(KindConfig):
+    """Keys of any motion platform."""
+
+    @abstractmethod
+    def build(self, every: float) -> "Platform":
+        """`every`: time between the rows of motion that it will follow [s]."""
+
+
+class TimeStepConfig(KindConfig):
+    """Keys of any rule for the time step."""
+
+    def ledger(self, preflight: "Preflight") -> list[LedgerRow]:
+        return []
+
+    @abstractmethod
+    def build(self) -> "TimeStep": ...
+
+
+@dataclass(frozen=True)
+class Preflight:
+    """What is known of a scene before anything is built, derived once and handed to every part that is asked.
+
+    A part that could not be read is not in it; who asks for it nevertheless gets a KeyError.
+    """
+
+    parts: Mapping[str, PartConfig]  # by slot, or name of an observer
+    tank: Basin  # with nothing afloat in it
+    word: int  # bytes of a number
+    duration: float  # [s]
+
+    @cached_property
+    def fluid(self) -> FluidConfig:
+        return cast(FluidConfig, self.parts["fluid"])
+
+    @cached_property
+    def wind(self) -> WindConfig:
+        return cast(WindConfig, self.parts["wind"])
+
+    @cached_property
+    def surface(self) -> SurfaceConfig | None:
+        """The surface, completed."""
+        surface = cast(SurfaceConfig | None, self.parts.get("surface"))
+        return surface.completed(self) if surface is not None else None
+
+    @cached_property
+    def ship(self) -> ShipConfig | None:
+        return cast(ShipConfig | None, self.parts.get("ship"))
+
+    @cached_property
+    def time_step(self) -> TimeStepConfig:
+        return cast(TimeStepConfig, self.parts["time_step"])
+
+    @cached_property
+    def untouched(self) -> "Lattice | None":
+        """The lattice of the water before anything afloat makes room for itself; None without particles."""
+        return self.fluid.lattice(self.tank)
+
+    @cached_property
+    def lattice(self) -> "Lattice | None":
+        """The lattice that the particles start on; None without particles."""
+        return self.fluid.lattice(self.basin) if self.solids else self.untouched
+
+    @cached_property
+    def particles(self) -> int:
+        """How many particles there are at most."""
+        return self.lattice.n if self.lattice is not None else 0
+
+    @cached_property
+    def spacing(self) -> float | None:
+        """Distance between particles at rest [m]; None without particles."""
+        return self.untouched.spacing if self.untouched is not None else None
+
+    @cached_property
+    def support(self) -> float:
+        """How far around a point particles count [m]; 0 without particles."""
+        return float(self.fluid.ratio(self.tank) * self.spacing) if self.spacing is not None else 0.0
+
+    @cached_property
+    def solids(self) -> tuple[Solid, ...]:
+        """What floats in the water and makes room for itself."""
+        return self.ship.solids(self) if self.ship is not None else ()
+
+    @cached_property
+    def basin(self) -> Basin:
+        """The basin with what floats in it, around which the water is built."""
+        return replace(self.tank, afloat=self.solids) if self.solids else self.tank
+
+
+class Scene(Protocol):
+    """A checked scene, as what is built of it and who observes that know it."""
+
+    @property
+    def title(self) -> str: ...
+    @property
+    def seed(self) -> int: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def basin(self) -> basin_module.Config: ...
+    @property
+    def fluid(self) -> FluidConfig: ...
+    @property
+    def wind(self) -> WindConfig: ...
+    @property
+    def surface(self) -> SurfaceConfig | None: ...
+    @property
+    def ship(self) -> ShipConfig | None: ...
+    @property
+    def platform(self) -> PlatformConfig | None: ...
+    @property
+    def time_step(self) -> TimeStepConfig: ...
+    @property
+    def runtime(self) -> "RuntimeConfig": ...
+    @property
+    def observers(self) -> Mapping[str, PartConfig]: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def preflight(self) -> Preflight: ...
+    def warnings(self) -> list[str]: ...
+    def ledger(self) -> list[LedgerRow]: ...
+    def resolved(self) -> dict[str, Any]: ...
+
+
+def config_of(slot: str, kind: str) -> type[PartConfig]:
+    """The Config class of a kind; importing its module is what makes the kind exist."""
+    return import_module(f"ocean_sim.{slot}.{kind}").Config

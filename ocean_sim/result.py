@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.observers import Observer
 from ocean_sim.reading.scene import SceneConfig, load
+from ocean_sim.simulation import Observer, Simulation
 
 
 class Result:
@@ -60,8 +60,6 @@ def run(
     scene: SceneConfig | str | Path | dict[str, Any], out: str | Path, watchers: tuple[Observer, ...] = ()
 ) -> Result:
     """Simulate a scene and write its run folder; `watchers` are observers beyond those that the scene names."""
-    from ocean_sim.simulation import Simulation
-
     config = scene if isinstance(scene, SceneConfig) else load(scene)
     folder = Path(out)
     folder.mkdir(parents=True, exist_ok=True)

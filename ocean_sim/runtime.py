@@ -12,7 +12,7 @@ import taichi as ti
 from taichi.lang import impl
 
 from ocean_sim.machine import cores
-from ocean_sim.parts import PartConfig, quantity
+from ocean_sim.model import Model, quantity
 
 BACKENDS = {"cpu": ti.cpu, "cuda": ti.cuda, "vulkan": ti.vulkan, "metal": ti.metal, "gpu": ti.gpu, "auto": ti.gpu}
 BASE_MEMORY, COPIES = 160_000_000, 100  # [bytes], [bytes a particle]
@@ -35,7 +35,7 @@ class BackendMissing(Exception):
     """The machine lacks the backend that was asked for."""
 
 
-class RuntimeConfig(PartConfig):
+class RuntimeConfig(Model):
     """The machine's side of a run."""
 
     arch: Literal["cpu", "cuda", "vulkan", "metal", "gpu", "auto"] = "cpu"

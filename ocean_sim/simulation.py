@@ -1,18 +1,77 @@
 """The simulation: one step of Algorithm 8, and the loop around it that lets observers watch."""
 
+from abc import abstractmethod
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from math import floor
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import ClassVar, Protocol
 
 from ocean_sim import runtime
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Limits
-from ocean_sim.observers import Observer
+from ocean_sim.parts import LedgerRow, PartConfig, Preflight, Scene
 
-if TYPE_CHECKING:
-    from ocean_sim.reading.scene import SceneConfig
+NOWHERE = Path()  # the folder that observers are given that write nothing
+
+
+class Observer(Protocol):
+    """Someone watching: reads the simulation, writes files of its own, never changes the physics."""
+
+    every: float  # simulated time between calls [s]; 0 is after every step
+
+    def observe(self, simulation: "Simulation") -> None:
+        """Called at time 0 and after the steps that its schedule asks for."""
+        ...
+
+    def close(self) -> None:
+        """Called once, also after a run that failed."""
+        ...
+
+
+class ObserverConfig(PartConfig):
+    """Keys of any observer; one with a schedule of its own derives from `PeriodicConfig`."""
+
+    needs: ClassVar[tuple[str, ...]] = ()
+    """Slots and other observers without which there is nothing to watch."""
+    turn: ClassVar[int] = 0
+    """Observers take turns in this order, those with the same number by name."""
+    writes: ClassVar[bool] = True
+    """Whether it needs a run folder; one that does not also watches a bare Simulation."""
+    reads_surface: ClassVar[bool] = False
+    leaves: ClassVar[str] = ""
+    """The files it leaves, as the ledger states them."""
+    takes: ClassVar[tuple[float, float]] = (0.0, 0.0)
+    """Processor time of one observation [s], and more for each particle; nobody has measured closed forms."""
+
+    @classmethod
+    def name(cls) -> str:
+        """Its key in a scene: the name of its module."""
+        return cls.__module__.rpartition(".")[2]
+
+    def interval(self, preflight: Preflight) -> float:
+        """Simulated time between observations [s]; 0: each step, or the rows of the motion log, has one."""
+        motion = preflight.parts.get("motion")
+        return motion.every if isinstance(motion, PeriodicConfig) else 0.0
+
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        base, each = self.takes
+        every = self.interval(preflight) if base else 0.0
+        seconds = base + each * preflight.particles if preflight.particles else 0.0
+        return [LedgerRow(self.name(), self.leaves, 0, f"every {every:g} s" if every else "", seconds, every)]
+
+    @abstractmethod
+    def build(self, folder: Path, simulation: "Simulation") -> Observer:
+        """`folder`: that of the run, which one that writes nothing does not touch."""
+
+
+class PeriodicConfig(ObserverConfig):
+    """Keys of an observer with a schedule of its own."""
+
+    every: float
+
+    def interval(self, preflight: Preflight) -> float:
+        return self.every
 
 
 class Simulation:
@@ -24,15 +83,16 @@ class Simulation:
 
     left_out = ("observers", "stage", "backend")  # what a checkpoint of it does not hold
 
-    def __init__(self, scene: "SceneConfig", folder: Path | None = None) -> None:
+    def __init__(self, scene: Scene, folder: Path | None = None) -> None:
         """`folder`: where observers write; without it only those watch that write nothing."""
         self.scene = scene
         self.backend = runtime.start(scene.runtime)
-        self.basin = scene.place()
+        self.basin = scene.preflight.basin
         self.wind = scene.wind.build(self.basin, scene.seed)
         accounts = "accuracy" in scene.observers  # whether the fluid sums the impulse of each term
         self.fluid = scene.fluid.build(self.basin, scene.seed, ledger=accounts, wind=self.wind.on("fluid"))
-        self.surface = scene.surface.build(self.basin, self.fluid) if scene.surface is not None else None
+        surface = scene.preflight.surface
+        self.surface = surface.build(self.basin, self.fluid) if surface is not None else None
         self.ship = scene.ship.build(self.basin, self.fluid) if scene.ship is not None else None
         self.wind_on_ship = self.wind.on("ship")
         self.time_step = scene.time_step.build()
@@ -42,7 +102,9 @@ class Simulation:
         self.next_dt = self.time_step.next(self)  # [s] the coming step is known before it is taken
         self.outcome, self.reason = "running", ""
         self.observers: list[Observer] = [
-            config.build(folder, self) for config in scene.observers.values() if folder is not None or not config.writes
+            config.build(folder or NOWHERE, self)
+            for config in scene.observers.values()
+            if isinstance(config, ObserverConfig) and (folder is not None or not config.writes)
         ]
 
     def limits(self) -> Limits:

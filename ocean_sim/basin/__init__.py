@@ -2,13 +2,14 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal, Protocol
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from ocean_sim.basin.tank_motion import Motion, Piston, Wavemaker
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.parts import PartConfig, Vector3, quantity
+from ocean_sim.model import Model, Vector3, quantity
 
 OPEN = 1.0e30  # [m] where a side that is open would stand
 SIDES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
@@ -19,7 +20,7 @@ Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_lengt
 ROUNDING = 1e-9  # [m] by which a box may reach over a side or into another one
 
 
-class Walls(PartConfig):
+class Walls(Model):
     """One kind of wall a side; `x` stands for both `x_min` and `x_max`, `z` likewise."""
 
     x: Wall = "reflecting"
@@ -36,7 +37,7 @@ class Walls(PartConfig):
         return getattr(self, side) or getattr(self, side[0])
 
 
-class Lid(PartConfig):
+class Lid(Model):
     """A flat lid at the height of the still water."""
 
     slip: Slip = "no_slip"
@@ -44,7 +45,7 @@ class Lid(PartConfig):
     """It slides in its own plane."""
 
 
-class Box(PartConfig):
+class Box(Model):
     """A box of water, or one that it flows around; in a slice the points are [x, y]."""
 
     min: Point = quantity("m")
@@ -67,7 +68,7 @@ class Obstacle(Box):
     """`no_slip`: water that touches it rests."""
 
 
-class Config(PartConfig):
+class Config(Model):
     """Size and sides of the basin; the origin is the centre of the still surface, y points up."""
 
     length: float = quantity("m", gt=0.0)
@@ -142,6 +143,34 @@ def blocked(obstacles: tuple[Obstacle, ...], basin: "Basin") -> list[tuple[tuple
     return found
 
 
+class Solid(Protocol):
+    """A body that floats in the basin when a run begins, as the water is built around it."""
+
+    @property
+    def felt(self) -> bool:
+        """Whether the water's laws meet samples of it."""
+        ...
+
+    @property
+    def origin(self) -> np.ndarray:
+        """(3,) of its centre of mass [m]."""
+        ...
+
+    def inside(self, points: np.ndarray, spacing: float) -> np.ndarray:
+        """(n,) which of (n, 3) positions [m] it keeps free of particles `spacing` [m] apart."""
+        ...
+
+    def carved(
+        self, places: np.ndarray, spacing: float, boxes: list[tuple[np.ndarray, np.ndarray]]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """(n,) which of (n, 3) lattice positions that fill boxes [m] make room, and (n, 3) where the others go."""
+        ...
+
+    def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray]:
+        """(n, 3) positions from the centre of mass, body axes [m], and (n,) volumes [m3], in a slice areas [m2]."""
+        ...
+
+
 @dataclass(frozen=True)
 class Side:
     """A flat side that mirrors the water."""
@@ -160,9 +189,7 @@ class Basin:
     """The box of water, in plain numbers."""
 
     config: Config
-    afloat: tuple[
-        Any, ...
-    ] = ()  # what floats in it: `inside` of places, `felt`, `origin`, `samples` (ship.shared.solid)
+    afloat: tuple[Solid, ...] = ()  # what floats in it
 
     @property
     def dimension(self) -> int:

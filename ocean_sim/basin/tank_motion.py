@@ -16,7 +16,7 @@ from pydantic import Field
 from ocean_sim import waves
 from ocean_sim.files import csv_file
 from ocean_sim.files.input_file import FileName, Unreadable
-from ocean_sim.parts import PartConfig, quantity
+from ocean_sim.model import Model, quantity
 
 if TYPE_CHECKING:
     from ocean_sim.basin import Basin
@@ -81,7 +81,7 @@ def ramped(law: Law, ramp: float) -> Law:
     return grown
 
 
-class Tank(PartConfig):
+class Tank(Model):
     """What every motion of the tank says."""
 
     about: Point | None = quantity("m", None)

@@ -37,6 +37,29 @@ class Status:
     finite: bool  # no particle has a velocity or density that is not a number
 
 
+class Lattice(Protocol):
+    """Where the particles of a water are at first, counted but not yet made."""
+
+    @property
+    def n(self) -> int:
+        """Number of particles; where there is an emitter, the most there will be."""
+        ...
+
+    @property
+    def spacing(self) -> float:
+        """Distance between particles [m]."""
+        ...
+
+    @property
+    def height(self) -> float:
+        """Height of the tallest box of water [m]."""
+        ...
+
+    def positions(self) -> np.ndarray:
+        """(n, 3) positions of the particles [m]."""
+        ...
+
+
 class Fluid(Protocol):
     """Water. `elevation` is callable from a Taichi kernel; between steps everything is current and in cell order."""
 

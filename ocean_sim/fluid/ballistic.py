@@ -13,7 +13,7 @@ from ocean_sim.fluid.shared.field import Field
 from ocean_sim.fluid.shared.grid import TASK, GridSize
 from ocean_sim.fluid.shared.particle_water import ParticleWater
 from ocean_sim.fluid.shared.water import WaterConfig, free_fall_speed
-from ocean_sim.parts import LedgerRow
+from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.wind import Wind
 
 PARTICLE = 4.7e-8  # [s] of processor time a step
@@ -33,17 +33,17 @@ class Config(WaterConfig):
         """Support over spacing."""
         return SUPPORT_RATIO
 
-    def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
-        size = self.size(basin)
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        size, word = self.size(preflight.basin), preflight.word
         n, what = size.lattice.n, "position, velocity, density, pressure, number"
         return [
             LedgerRow("fluid", f"{n} particles", (8 * word + 4) * n, what, PARTICLE * n),
             LedgerRow("fluid", f"grid of {size.cell_count} cells", size.bytes(word), "the surface that gauges read"),
         ]
 
-    def still_limits(self, basin: Basin) -> Limits:
-        """Limits of the time step at rest."""
-        return force_limit(self.size(basin).support, float(np.linalg.norm(np.add(basin.gravity, self.body_force))))
+    def still_limits(self, preflight: Preflight) -> Limits:
+        basin = preflight.tank
+        return force_limit(preflight.support, float(np.linalg.norm(np.add(basin.gravity, self.body_force))))
 
     def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "Ballistic":
         return Ballistic(self, basin, ledger, wind)

@@ -29,7 +29,8 @@ from ocean_sim.fluid.shared.images import beside, climbed, reflected, slid
 from ocean_sim.fluid.shared.particles import Components
 from ocean_sim.fluid.shared.smoothing import Smoothing, positive
 from ocean_sim.fluid.shared.sph import Sph, SphConfig, limits, rows
-from ocean_sim.parts import LedgerRow, quantity
+from ocean_sim.model import quantity
+from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.wind import Wind
 
 PAIR = 9.2e-9  # [s] of processor time a neighbour
@@ -70,13 +71,14 @@ class Config(SphConfig):
         nu = 2.0 * (self.kinematic_viscosity + artificial)
         return limits(smoothing.support, sound_speed, nu, speed, acceleration)
 
-    def still_limits(self, basin: Basin) -> Limits:
-        smoothing = Smoothing(basin.dimension, self.ratio(basin) * self.lattice(basin).spacing)
-        return self.limited(smoothing, self.sound_speed(basin), 0.0, 0.0)
+    def still_limits(self, preflight: Preflight) -> Limits:
+        smoothing = Smoothing(preflight.tank.dimension, preflight.support)
+        return self.limited(smoothing, self.sound_speed(preflight.tank), 0.0, 0.0)
 
-    def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        sizes, word = self.sized(self.began(preflight), READS, CARRIED), preflight.word
         what = "position, velocity, density, pressure, its deviation and rate, number"
-        return rows(self.sized(basin, READS, CARRIED), word, 12 + 3 * self.enclosed(basin), what, PAIR)
+        return rows(sizes, word, 12 + 3 * self.enclosed(preflight.tank), what, PAIR)
 
     def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "DeltaSph":
         return DeltaSph(self, basin, ledger, wind)
@@ -288,7 +290,7 @@ class DeltaSph(Sph):
     """
 
     def __init__(self, config: Config, basin: Basin, ledger: bool, wind: Wind) -> None:
-        sizes = config.sized(basin, READS, CARRIED)
+        sizes = config.sized(config.lattice(basin), READS, CARRIED)
         super().__init__(config, basin, sizes, ledger, wind)
         particles, self.closed = self.particles, basin.closed
         self.deviation, self.pressing = self.carried  # in mid-step: [kg/m3], and (p + bulk rate) / rho^2

@@ -42,7 +42,8 @@ from ocean_sim.fluid.shared.pressure_solver import REPORT, TOO_DENSE, UPHILL, So
 from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.sph import Sph, SphConfig, limits, rows
 from ocean_sim.fluid.shared.stencil import Stencil
-from ocean_sim.parts import LedgerRow, quantity
+from ocean_sim.model import quantity
+from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.wind import Wind
 
 PAIR = 7.4e-8  # [s] of processor time a neighbour, with the iterations that calm water needs
@@ -91,12 +92,14 @@ class Config(SphConfig):
         speed = max(speed, SLOW * self.speed(basin))
         return limits(support, 0.0, 2.0 * self.viscosity(basin), speed, acceleration)
 
-    def still_limits(self, basin: Basin) -> Limits:
+    def still_limits(self, preflight: Preflight) -> Limits:
+        basin = preflight.tank
         return self.limited(basin, 0.0, float(np.linalg.norm(np.add(basin.gravity, self.body_force))))
 
-    def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        basin, word = preflight.tank, preflight.word
         what = "position, velocity, density, pressure, number; predicted velocity, way and two solvers' fields"
-        sizes = self.sized(basin, READS, 1)
+        sizes = self.sized(self.began(preflight), READS, 1)
         n, neighbours = sizes.grid.lattice.n, Stencil(Smoothing(basin.dimension, self.ratio(basin)), 1.0).neighbours
         pairs = LedgerRow(
             "fluid", "pairs", size_of_pairs(n, neighbours, word), f"{neighbours} neighbours on the lattice"
@@ -271,7 +274,7 @@ class Dfsph(Sph):
     """
 
     def __init__(self, config: Config, basin: Basin, ledger: bool, wind: Wind) -> None:
-        super().__init__(config, basin, config.sized(basin, READS, 1), ledger, wind)
+        super().__init__(config, basin, config.sized(config.lattice(basin), READS, 1), ledger, wind)
         particles, n = self.particles, self.particles.n
         self.basin, self.closed = basin, config.enclosed(basin)
         side = (particles.mass / particles.rest_density) ** (1.0 / basin.dimension)

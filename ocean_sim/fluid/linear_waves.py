@@ -1,6 +1,6 @@
 """A sea in closed form, without particles: the linear waves of `ocean_sim.waves`, for ships and platforms alone."""
 
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 import taichi as ti
@@ -11,7 +11,8 @@ from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.fluid import Limits, Status
-from ocean_sim.parts import LedgerRow, quantity
+from ocean_sim.model import quantity
+from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems
 from ocean_sim.wind import Wind
 
 ADVANCE = 7.0e-4  # [s] of processor time a step
@@ -19,9 +20,10 @@ POINTS_PER_WAVE = 16  # at which a wave is drawn
 SMOOTH = 0.04  # [periods] times a quarter (the force number of `courant`): a hundred steps a wave
 
 
-class Config(waves.WaveTrain):
+class Config(waves.WaveTrain, FluidConfig):
     """Regular waves (`height`, `period`, `heading_deg`) or a `spectrum`; sides of the basin do not reflect them."""
 
+    example: ClassVar[dict[str, Any]] = {"height": 0.5, "period": 4.0}
     kind: Literal["linear_waves"] = "linear_waves"
     height: float | None = quantity("m", None, ge=0.0)
     """From trough to crest; 0 is calm water."""
@@ -45,29 +47,32 @@ class Config(waves.WaveTrain):
         """The waves of this basin."""
         return self.train(waves.direction(self.heading, basin.dimension), basin.depth, waves.pull(basin))
 
-    def problems(self, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
-        """What is wrong with these waves in this basin: (path below `fluid`, sentence)."""
+    def problems(self, preflight: Preflight) -> Problems:
+        basin = preflight.tank
         random = self.spectrum is not None
         key: tuple[str, ...] = ("spectrum", "significant_wave_height") if random else ("height",)
         path: tuple[str, ...] = ("spectrum", "heading_deg") if random else ("heading_deg",)
-        found = [(("kind",), sentence) for sentence in waves.unsuited(basin)]
+        found: Problems = [(("kind",), sentence) for sentence in waves.unsuited(basin)]
         found = found or [(key, sentence) for sentence in waves.unsuited(basin, *self.scale)]
         if basin.obstacles:
             found.append((("kind",), "a sea in closed form goes through obstacles; leave basin.obstacles out"))
         return found + [(path, sentence) for sentence in waves.misdirected(self.heading, basin)]
 
-    def warnings(self, scene: Any) -> list[str]:
-        """What a reader of the results should know."""
+    def warnings(self, preflight: Preflight) -> list[str]:
         deaf = "closed-form waves do not feel the wind; it reaches the ship alone"
-        return [deaf] if scene.wind.kind != "still" else []
+        return [] if preflight.wind.still else [deaf]
 
-    def still_limits(self, basin: Basin) -> Limits:
+    def still_limits(self, preflight: Preflight) -> Limits:
+        return self.smooth
+
+    @property
+    def smooth(self) -> Limits:
         """A closed form is right at any step; this one keeps the straight lines between steps, by which files are
         sampled, within 0.05 % of the waves."""
         return Limits(force=SMOOTH * self.scale[1])
 
-    def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
-        n = len(self.sea(basin).amplitude)
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        n, word = len(self.sea(preflight.tank).amplitude), preflight.word
         return [
             LedgerRow("fluid", f"{n} plane waves", 6 * word * n, "fluid.kind is linear_waves: no particles", ADVANCE)
         ]
@@ -87,7 +92,7 @@ class LinearWaves:
         self.config, self.sea = config, config.sea(basin)
         k = float(waves.wavenumber(2.0 * np.pi / config.scale[1], basin.depth, self.sea.gravity))
         self.spacing = 2.0 * np.pi / k / POINTS_PER_WAVE  # [m] between points that show the waves
-        self.still = config.still_limits(basin)
+        self.still = config.smooth
         self.reference_speed = (self.sea.gravity * basin.depth) ** 0.5
         speed = self.sea.amplitude * self.sea.gravity * self.sea.wavenumber / self.sea.omega  # [m/s] at the surface
         density = config.rest_density

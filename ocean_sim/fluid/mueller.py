@@ -18,7 +18,8 @@ from ocean_sim.fluid.shared.grid import TASK
 from ocean_sim.fluid.shared.images import OfPlaces, beside, climbed, reflected
 from ocean_sim.fluid.shared.smoothing import positive
 from ocean_sim.fluid.shared.sph import Sph, SphConfig, rows
-from ocean_sim.parts import LedgerRow, quantity
+from ocean_sim.model import quantity
+from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.wind import Wind
 
 TINY = 1.0e-12  # [m2] keeps two particles in one place finite
@@ -46,8 +47,9 @@ class Config(SphConfig):
         """c [m/s]: the square root of k of (2.15)."""
         return sqrt(self.stiffness) if self.stiffness else super().sound_speed(basin)
 
-    def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
-        return rows(self.sized(basin, READS), word, 9, "position, velocity, density, pressure, volume, number", PAIR)
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        sizes, word = self.sized(self.began(preflight), READS), preflight.word
+        return rows(sizes, word, 9, "position, velocity, density, pressure, volume, number", PAIR)
 
     def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "Mueller":
         return Mueller(self, basin, ledger, wind)
@@ -182,7 +184,7 @@ class Mueller(Sph):
     """Particles that press and rub on each other; between steps they are sorted, with density and pressure current."""
 
     def __init__(self, config: Config, basin: Basin, ledger: bool, wind: Wind) -> None:
-        super().__init__(config, basin, config.sized(basin, READS), ledger, wind)
+        super().__init__(config, basin, config.sized(config.lattice(basin), READS), ledger, wind)
         self.viscous = config.kinematic_viscosity > 0.0
         self.factors = ti.field(float, shape=3)  # of pressure and viscosity: a field, so that a change compiles nothing
         self.specific_volume = ti.field(float, shape=self.particles.n)  # 1 / density [m3/kg]

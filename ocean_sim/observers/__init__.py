@@ -1,17 +1,1 @@
-"""Watchers with a schedule: a module without a leading underscore may be named at a scene's top level."""
-
-from typing import Protocol
-
-
-class Observer(Protocol):
-    """Someone watching: reads the simulation, writes files of its own, never changes the physics."""
-
-    every: float  # simulated time between calls [s]; 0 is after every step
-
-    def observe(self, simulation) -> None:
-        """Called at time 0 and after the steps that its schedule asks for."""
-        ...
-
-    def close(self) -> None:
-        """Called once, also after a run that failed."""
-        ...
+"""Observers: every module of this folder may be named at a scene's top level. Their contract is in simulation.py."""

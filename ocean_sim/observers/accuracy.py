@@ -5,12 +5,13 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.energy import falls_around
 from ocean_sim.observers.shared.escaped import beyond
 from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.observers.shared.surface_fit import SurfaceFit
-from ocean_sim.parts import ObserverConfig, quantity
+from ocean_sim.simulation import PeriodicConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -35,7 +36,8 @@ COLUMNS = (
 )
 
 
-class Config(ObserverConfig):
+class Config(PeriodicConfig):
+    turn: ClassVar[int] = -2
     leaves: ClassVar[str] = "accuracy.csv; sums over all particles"
     reads_surface: ClassVar[bool] = True
     takes: ClassVar[tuple[float, float]] = (3.7e-3, 5.6e-7)

@@ -9,8 +9,9 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from ocean_sim.machine import installed
+from ocean_sim.model import quantity
 from ocean_sim.observers.shared.sampled import Multiples
-from ocean_sim.parts import ObserverConfig, quantity
+from ocean_sim.simulation import PeriodicConfig
 from ocean_sim.state import file
 from ocean_sim.state.fields import Contents
 from ocean_sim.state.walk import Restoring, Taken
@@ -22,7 +23,8 @@ KEPT = 2  # files: the newest, and the one before in case the newest is damaged
 STOPS = (signal.SIGINT, signal.SIGTERM)
 
 
-class Config(ObserverConfig):
+class Config(PeriodicConfig):
+    turn: ClassVar[int] = 5
     leaves: ClassVar[str] = "checkpoint_*.h5; a copy of all fields"
     takes: ClassVar[tuple[float, float]] = (3.6e-2, 2.3e-6)
     every: float = quantity("s", 1.0, gt=0.0)

@@ -8,12 +8,13 @@ import numpy as np
 
 from ocean_sim.basin.points import grid, pairs
 from ocean_sim.files.whole_file import whole
+from ocean_sim.model import quantity
 from ocean_sim.observers.shared.sampled import Multiples
-from ocean_sim.parts import ObserverConfig, quantity
+from ocean_sim.parts import Preflight
 from ocean_sim.pictures.counted import spacing
+from ocean_sim.simulation import PeriodicConfig
 
 if TYPE_CHECKING:
-    from ocean_sim.reading.scene import SceneConfig
     from ocean_sim.simulation import Simulation
 
 
@@ -21,7 +22,8 @@ BYTES_PER_PARTICLE = 28  # position, velocity and id
 LARGE = 2.0e9  # bytes that are worth a warning
 
 
-class Config(ObserverConfig):
+class Config(PeriodicConfig):
+    turn: ClassVar[int] = 1
     leaves: ClassVar[str] = "frames/*.npz"
     reads_surface: ClassVar[bool] = True
     takes: ClassVar[tuple[float, float]] = (1.3e-3, 3.8e-8)
@@ -33,15 +35,12 @@ class Config(ObserverConfig):
     particles: bool = True
     """Keep the positions and velocities of the particles, which `export` and pictures of particles need."""
 
-    def warnings(self, scene: "SceneConfig") -> list[str]:
+    def warnings(self, preflight: Preflight) -> list[str]:
         """Says when the frames of a long or large run would fill a disk."""
-        basin = scene.basin.build()
-        lattice = scene.fluid.lattice(basin) if hasattr(scene.fluid, "lattice") else None
-        apart = self.spacing or (lattice.spacing if lattice is not None else basin.depth)
-        x, z = grid(basin, apart)
-        kept = lattice.n if lattice is not None and self.particles else 0
+        x, z = grid(preflight.tank, self.spacing or preflight.spacing or preflight.tank.depth)
+        kept = preflight.particles if self.particles else 0
         frame = 4 * len(x) * len(z) + BYTES_PER_PARTICLE * kept
-        size = frame * (scene.duration / self.every + 1.0)
+        size = frame * (preflight.duration / self.every + 1.0)
         if size < LARGE:
             return []
         cure = "; frames.particles: false keeps only the surface" if kept else ""

@@ -7,9 +7,11 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ocean_sim.basin import Basin
+from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.sampled import Sampled
-from ocean_sim.parts import ObserverConfig, quantity
+from ocean_sim.parts import Key, Preflight, Problems
+from ocean_sim.simulation import PeriodicConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -19,7 +21,8 @@ Place = Annotated[tuple[float, ...], Field(strict=False, min_length=1, max_lengt
 Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 
 
-class Config(ObserverConfig):
+class Config(PeriodicConfig):
+    turn: ClassVar[int] = -1
     leaves: ClassVar[str] = "gauges.csv"
     takes: ClassVar[tuple[float, float]] = (3.4e-4, 4.3e-9)
     elevation: dict[Name, Place] = {}
@@ -35,19 +38,23 @@ class Config(ObserverConfig):
             raise ValueError("give at least one gauge, under elevation or pressure")
         return self
 
-    def problems(self, basin: Basin) -> list[tuple[str, str]]:
-        """What is wrong with the points in this basin: (key, sentence)."""
-        points = {f"elevation.{name}": (point, "xz") for name, point in self.elevation.items()}
-        points |= {f"pressure.{name}": (point, "xyz") for name, point in self.pressure.items()}
+    def problems(self, preflight: Preflight) -> Problems:
+        return self.misplaced(preflight.tank)
+
+    def misplaced(self, basin: Basin) -> Problems:
+        """What is wrong with the points in this basin."""
+        points: dict[Key, tuple[tuple[float, ...], str]]
+        points = {("elevation", name): (point, "xz") for name, point in self.elevation.items()}
+        points |= {("pressure", name): (point, "xyz") for name, point in self.pressure.items()}
         found = [(key, misplaced(point, axes, basin)) for key, (point, axes) in points.items()]
         if self.elevation and basin.periods[1] > 0.0:
-            found.append(("elevation", "a basin that is periodic along y has no surface"))
+            found.append((("elevation",), "a basin that is periodic along y has no surface"))
         return [(key, sentence) for key, sentence in found if sentence is not None]
 
     def build(self, folder: Path, simulation: "Simulation") -> "Gauges":
-        problems = self.problems(simulation.basin)
+        problems = self.misplaced(simulation.basin)
         if problems:
-            raise ValueError("; ".join(f"gauges.{key}: {sentence}" for key, sentence in problems))
+            raise ValueError("; ".join(f"gauges.{'.'.join(map(str, key))}: {text}" for key, text in problems))
         return Gauges(self, folder, simulation)
 
 

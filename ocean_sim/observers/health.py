@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from ocean_sim.conventions import Diverged
+from ocean_sim.model import quantity
 from ocean_sim.observers.shared.energy import driven, total
 from ocean_sim.observers.shared.escaped import beyond
-from ocean_sim.parts import ObserverConfig, quantity
+from ocean_sim.simulation import PeriodicConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -22,7 +23,8 @@ GAIN_TOLD = 0.01  # of the same scale as `max_energy_gain`: less is not worth a 
 QUIET = 0.5  # [s] at least between two events of one kind
 
 
-class Config(ObserverConfig):
+class Config(PeriodicConfig):
+    turn: ClassVar[int] = -3
     leaves: ClassVar[str] = "events.jsonl; looks at every particle"
     takes: ClassVar[tuple[float, float]] = (2.0e-5, 2.3e-9)
     writes: ClassVar[bool] = False

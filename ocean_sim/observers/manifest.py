@@ -10,8 +10,8 @@ import numpy as np
 
 from ocean_sim.files.whole_file import whole
 from ocean_sim.machine import installed
-from ocean_sim.parts import ObserverConfig
 from ocean_sim.pictures.counted import count, spacing
+from ocean_sim.simulation import ObserverConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -22,6 +22,7 @@ PACKAGES = ("ocean-sim", "taichi", "numpy", "scipy", "pydantic", "ruamel.yaml", 
 class Config(ObserverConfig):
     """Nothing to choose: the manifest is written at the start and at the end."""
 
+    turn: ClassVar[int] = 2
     leaves: ClassVar[str] = "manifest.json"
 
     def build(self, folder: Path, simulation: "Simulation") -> "Manifest":

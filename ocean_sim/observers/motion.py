@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ocean_sim.conventions import Frame, Motions, to_frame
+from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.sampled import Sampled
-from ocean_sim.parts import ObserverConfig, quantity
+from ocean_sim.parts import Preflight, Problems
 from ocean_sim.ship import PARTS
+from ocean_sim.simulation import PeriodicConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -42,7 +44,7 @@ COLUMNS = (
 ANGLES, QUATERNION = slice(3, 6), slice(6, 10)  # in a row without time and number
 
 
-class Config(ObserverConfig):
+class Config(PeriodicConfig):
     leaves: ClassVar[str] = "motion.csv"
     takes: ClassVar[tuple[float, float]] = (5.0e-4, 0.0)
     every: float = quantity("s", 0.01, gt=0.0)
@@ -52,11 +54,10 @@ class Config(ObserverConfig):
     frame: Frame = "ship"
     """Axes that are written: ours, `ned` (SNAME) or `flu` (ISO 8855)."""
 
-    def mismatched(self, parts: dict[str, Any]) -> list[tuple[tuple[str, ...], str]]:
-        """What contradicts the other parts of the scene: (path below `motion`, sentence)."""
-        ship = parts.get("ship")
+    def mismatches(self, preflight: Preflight) -> Problems:
+        ship = preflight.ship
         if ship is None:
-            return [((), "there is no ship whose motion could be told")]
+            return [((), "there is no ship whose motion could be logged")]
         if self.point is not None and self.point not in ship.points:
             there = f"there are {', '.join(ship.points)}" if ship.points else "it names none"
             return [(("point",), f"the ship has no point {self.point!r}; {there}")]

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, ClassVar
 
 from ocean_sim.files.csv_file import Growing
 from ocean_sim.observers.shared.csv_rows import CsvFile
-from ocean_sim.parts import ObserverConfig
 from ocean_sim.platform import COLUMNS, LIMITS
 from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, ride_of
+from ocean_sim.simulation import ObserverConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation

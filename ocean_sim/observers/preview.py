@@ -14,8 +14,8 @@ import taichi as ti
 from pydantic import Field, field_validator
 
 from ocean_sim.files.whole_file import whole
+from ocean_sim.model import quantity
 from ocean_sim.observers.shared.sampled import Multiples
-from ocean_sim.parts import ObserverConfig, quantity
 from ocean_sim.pictures.buffers import Buffer, Mesh
 from ocean_sim.pictures.controls import controls
 from ocean_sim.pictures.curves import KEPT, NAMES, Curves
@@ -23,6 +23,7 @@ from ocean_sim.pictures.panel import HELM, Panel, after, sliders_of
 from ocean_sim.pictures.preview_eye import Eye, seen
 from ocean_sim.pictures.preview_scene import SPEEDS, Balls, Sight, backdrop
 from ocean_sim.pictures.vulkan import ScreenMissing, VulkanMissing, require
+from ocean_sim.simulation import PeriodicConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -36,7 +37,7 @@ WARMING = 3  # pictures that are thrown away
 SHADE = (0.07, 0.09, 0.11)
 
 
-class Config(ObserverConfig):
+class Config(PeriodicConfig):
     leaves: ClassVar[str] = "preview/*.png; pictures while it runs"
     reads_surface: ClassVar[bool] = True
     every: float = quantity("s", 1.0 / 30.0, gt=0.0)

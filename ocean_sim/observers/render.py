@@ -17,12 +17,13 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from ocean_sim.files.whole_file import whole
-from ocean_sim.parts import ObserverConfig, Vector3, quantity
+from ocean_sim.model import Vector3, quantity
 from ocean_sim.pictures import opengl
 from ocean_sim.pictures.camera import ABOARD, Name
 from ocean_sim.pictures.frame_files import Frame, Log, frame_files, schedule, survey
 from ocean_sim.pictures.order import Order, Quality, RenderFailed
 from ocean_sim.pictures.picture import Picture
+from ocean_sim.simulation import PeriodicConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -34,7 +35,8 @@ OpenGLMissing = opengl.OpenGLMissing
 probe = opengl.probe
 
 
-class Config(ObserverConfig):
+class Config(PeriodicConfig):
+    turn: ClassVar[int] = 3
     leaves: ClassVar[str] = "film and pictures, when the run is over"
     every: float = quantity("s", 0.033, gt=0.0)
     """Simulated time between pictures of the film, which runs in real time."""

@@ -12,7 +12,7 @@ from ocean_sim.files.whole_file import whole
 from ocean_sim.observers.shared.csv_rows import columns
 from ocean_sim.observers.shared.page import page, picture, plot, table, text
 from ocean_sim.observers.shared.svg_plot import curves
-from ocean_sim.parts import ObserverConfig
+from ocean_sim.simulation import ObserverConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -29,6 +29,7 @@ Table = dict[str, np.ndarray]
 class Config(ObserverConfig):
     """Nothing to choose: the page is written when the run is over."""
 
+    turn: ClassVar[int] = 4
     leaves: ClassVar[str] = "report.html, when the run is over"
 
     def build(self, folder: Path, simulation: "Simulation") -> "Report":

@@ -8,9 +8,9 @@ import numpy as np
 from pydantic import field_validator
 
 from ocean_sim.files.csv_file import Growing
-from ocean_sim.parts import ObserverConfig
 from ocean_sim.platform import Platform
 from ocean_sim.platform.shared.datagrams import POSE, Sender, address, packets
+from ocean_sim.simulation import ObserverConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation

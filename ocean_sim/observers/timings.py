@@ -7,15 +7,17 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
+from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.sampled import Multiples
-from ocean_sim.parts import ObserverConfig, quantity
+from ocean_sim.simulation import PeriodicConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
 
-class Config(ObserverConfig):
+class Config(PeriodicConfig):
+    turn: ClassVar[int] = -4
     leaves: ClassVar[str] = "timings.csv"
     takes: ClassVar[tuple[float, float]] = (3.0e-5, 0.0)
     writes: ClassVar[bool] = False

@@ -1,14 +1,16 @@
 """Tagged particles: where they are and how fast they go, at a fixed rate; `ocean-sim waves` finds their orbits."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from pydantic import Field, model_validator
 
+from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.sampled import Sampled
-from ocean_sim.parts import ObserverConfig, PartConfig, Vector3, quantity
+from ocean_sim.parts import Preflight, Problems
+from ocean_sim.simulation import PeriodicConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -18,7 +20,7 @@ Number = Annotated[int, Field(ge=0)]
 UNITS = {"x": "m", "y": "m", "z": "m", "u": "m_s", "v": "m_s", "w": "m_s"}
 
 
-class Box(PartConfig):
+class Box(Model):
     """All particles that begin in a box."""
 
     min: Vector3 = quantity("m")
@@ -33,7 +35,7 @@ class Box(PartConfig):
         return self
 
 
-class Config(ObserverConfig):
+class Config(PeriodicConfig):
     leaves: ClassVar[str] = "tracers.csv"
     takes: ClassVar[tuple[float, float]] = (7.3e-4, 3.2e-8)
     ids: list[Number] = []
@@ -49,15 +51,11 @@ class Config(ObserverConfig):
             raise ValueError("give at least one of ids and boxes")
         return self
 
-    def mismatched(self, parts: dict[str, Any]) -> list[tuple[tuple[str | int, ...], str]]:
-        """What contradicts the other parts of the scene: (path below `tracers`, sentence)."""
-        basin, fluid = parts.get("basin"), parts.get("fluid")
-        if basin is None or fluid is None:
-            return []
-        if not hasattr(fluid, "lattice"):
-            return [((), f"fluid.kind {fluid.kind} has no particles to follow")]
-        lattice = fluid.lattice(basin.build())
-        found: list[tuple[tuple[str | int, ...], str]] = []
+    def mismatches(self, preflight: Preflight) -> Problems:
+        lattice = preflight.untouched
+        if lattice is None:
+            return [((), f"fluid.kind {preflight.fluid.kind} has no particles to follow")]
+        found: Problems = []
         for k, name in enumerate(self.ids):
             if name >= lattice.n:
                 found.append((("ids", k), f"there is no particle {name}; there are {lattice.n}"))

@@ -11,14 +11,15 @@ from pydantic import Field, field_validator
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files import yaml_file
-from ocean_sim.parts import LedgerRow, PartConfig, library, named, quantity
+from ocean_sim.model import quantity
+from ocean_sim.parts import LedgerRow, PlatformConfig, Preflight, library, named
 from ocean_sim.platform import SINGULAR, Commands, Cue, Washout
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, rates_to_turn, rotation
 from ocean_sim.platform.shared.limits import SAME, Legs, Workspace
 from ocean_sim.platform.shared.motion_log import Ride
 
 if TYPE_CHECKING:
-    from ocean_sim.reading.scene import SceneConfig
+    pass
 
 # A washout is one file, `_washout_<kind>.py`: a Config with its `kind`, that builds what follows a ride.
 WASHOUTS = sorted(path.stem for path in (Path(__file__).parent / "washout").glob("[!_]*.py"))
@@ -26,7 +27,7 @@ GLIDE = 0.15  # [s] in which a platform that is told to stop loses its speed
 AnyWashout: Any = reduce(or_, [import_module(f"ocean_sim.platform.washout.{name}").Config for name in WASHOUTS])
 
 
-class Config(PartConfig):
+class Config(PlatformConfig):
     kind: Literal["hexapod"] = "hexapod"
     geometry: str | Geometry = Field("hexapod_a", validate_default=True)
     """A name in configs/geometry/, or the joints and legs themselves."""
@@ -41,11 +42,10 @@ class Config(PartConfig):
         """What a name stands for."""
         return ready_made(info.field_name, value) if isinstance(value, str) else value
 
-    def warnings(self, scene: "SceneConfig") -> list[str]:
-        """What this platform has to say against the scene."""
-        return ["platform: there is no ship whose motion it could follow"] if scene.ship is None else []
+    def warnings(self, preflight: Preflight) -> list[str]:
+        return ["platform: there is no ship whose motion it could follow"] if preflight.ship is None else []
 
-    def ledger(self, basin: Any, word: int = 8) -> list[LedgerRow]:
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         """It has no fields; `platform_log` says what its rows take."""
         washout: Any = self.washout
         return [LedgerRow("platform", f"{washout.kind} washout and six legs", 0, "platform_log asks for its rows")]

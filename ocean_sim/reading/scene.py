@@ -1,27 +1,44 @@
 """A scene: what a user wrote, composed, checked and frozen."""
 
-from dataclasses import replace
+from collections.abc import Mapping
 from importlib import import_module
 from math import inf
 from pathlib import Path
 from typing import Any
 
+from pydantic import PrivateAttr
+
 from ocean_sim import basin
 from ocean_sim.files.yaml_file import Node, Place, Problem, SceneError, node_of, problem, read, shown
-from ocean_sim.parts import SLOTS, LedgerRow, ObserverConfig, PartConfig, config_of, kinds, library, named, quantity
+from ocean_sim.model import Model, quantity
+from ocean_sim.parts import (
+    SLOTS,
+    FluidConfig,
+    LedgerRow,
+    PartConfig,
+    PlatformConfig,
+    Preflight,
+    Problems,
+    ShipConfig,
+    SurfaceConfig,
+    TimeStepConfig,
+    WindConfig,
+    config_of,
+    kinds,
+    library,
+    named,
+)
 from ocean_sim.reading.composition import Composition, composed, unknown_name
 from ocean_sim.reading.translation import choice_sentence, dotted, likeliest, validated
 from ocean_sim.runtime import RuntimeConfig
+from ocean_sim.simulation import ObserverConfig
 
 ALWAYS_ON = ("manifest", "timings", "health", "accuracy", "frames", "report", "render")  # unless null
-FIRST = ("timings", "health", "accuracy", "gauges")
-LAST = ("frames", "manifest", "render", "report", "checkpoint")  # what others have written by then, they read
 OVERRIDE = "--set"
+WORD = {"f32": 4, "f64": 8}  # bytes of a number
 
-Part = Any  # the Config of a kind, or None: scenes know kinds by name only
 
-
-class Heading(PartConfig):
+class Heading(Model):
     """What a scene says of itself."""
 
     title: str = ""
@@ -35,56 +52,61 @@ class Heading(PartConfig):
 
 
 class SceneConfig(Heading):
-    """A whole scene, checked: every part's Config, and the observers in the order in which they watch."""
+    """A whole scene, checked: every part's Config as its user wrote it, and the observers in their order."""
 
     basin: basin.Config
-    fluid: Part
-    wind: Part
-    surface: Part = None
-    ship: Part = None
-    platform: Part = None
-    time_step: Part
+    fluid: FluidConfig
+    wind: WindConfig
+    surface: SurfaceConfig | None = None
+    ship: ShipConfig | None = None
+    platform: PlatformConfig | None = None
+    time_step: TimeStepConfig
     runtime: RuntimeConfig
-    observers: dict[str, Part] = {}
+    observers: dict[str, ObserverConfig] = {}
     notes: list[str] = []
     """What composing the scene dropped or changed: sentences for `run` and `check`."""
 
-    def parts(self) -> dict[str, Part]:
-        """Every part that the scene has, by slot or name, observers last."""
-        slots = {slot: getattr(self, slot) for slot in ("basin", *SLOTS)}
+    _preflight: Preflight | None = PrivateAttr(None)
+
+    def parts(self) -> dict[str, PartConfig]:
+        """The part in every slot that has one, then the observers, by name."""
+        slots = {slot: getattr(self, slot) for slot in SLOTS}
         return {name: part for name, part in slots.items() if part is not None} | self.observers
 
-    def place(self) -> Any:
-        """The basin with what floats in it, around which the water is built."""
-        place = self.basin.build()
-        return replace(place, afloat=self.ship.floating(place, self.fluid)) if hasattr(self.ship, "floating") else place
+    @property
+    def preflight(self) -> Preflight:
+        """What is known of the scene before anything is built; made once, and anew for a copy with other parts."""
+        made = preflight_of(self.parts(), self.basin.build(), self.runtime, self.duration)
+        if self._preflight != made:
+            self._preflight = made
+        assert self._preflight is not None
+        return self._preflight
 
     def ledger(self) -> list[LedgerRow]:
         """What the scene will allocate and compile, and why; nothing is allocated to find out."""
-        place, word = self.place(), 8 if self.runtime.precision == "f64" else 4
-        rows = [row for part in self.parts().values() if hasattr(part, "ledger") for row in part.ledger(place, word)]
-        if getattr(self.surface, "when_read", False):
+        preflight, rows = self.preflight, []
+        for name, part in self.parts().items():
+            completed = preflight.surface if name == "surface" else part
+            rows += completed.ledger(preflight) if completed is not None else []
+        if self.surface is not None and self.surface.when_read:
             rows = [row._replace(every=self.reading()) if row.part == "surface" else row for row in rows]
-        rate = self.observers["motion"].every if "motion" in self.observers else 0.0
-        particles = self.particles(place)
-        return rows + [part.watching(name, particles, rate) for name, part in self.observers.items()]
+        return rows
 
     def reading(self) -> float:
         """Simulated time between readings of the surface [s]; 0: each step is one."""
         if self.ship is not None and self.ship.needs_surface:
             return 0.0
-        return min((getattr(part, "every", 0.0) for part in self.observers.values() if part.reads_surface), default=inf)
-
-    def particles(self, place: Any) -> int:
-        """How many the water has at most in this basin."""
-        return self.fluid.lattice(place).n if hasattr(self.fluid, "lattice") else 0
+        readers = [part for part in self.observers.values() if part.reads_surface]
+        return min((part.interval(self.preflight) for part in readers), default=inf)
 
     def warnings(self) -> list[str]:
         """What every part has to say against the scene."""
-        return [said for part in self.parts().values() if hasattr(part, "warnings") for said in part.warnings(self)]
+        preflight = self.preflight
+        return [sentence for part in self.parts().values() for sentence in part.warnings(preflight)]
 
     def resolved(self) -> dict[str, Any]:
-        """The scene as plain data that loads to this scene again; its spacings contain the resolution."""
+        """The scene as plain data that loads to this scene again. What it left open is null; its spacings contain the
+        resolution."""
         data: dict[str, Any] = {"title": self.title, "seed": self.seed, "duration": self.duration, "resolution": 1.0}
         for slot in ("basin", *SLOTS, "runtime"):
             part = getattr(self, slot)
@@ -93,10 +115,15 @@ class SceneConfig(Heading):
         return data | off | {name: config.model_dump(mode="json") for name, config in self.observers.items()}
 
 
+def preflight_of(
+    parts: Mapping[str, PartConfig], tank: basin.Basin, runtime: RuntimeConfig, duration: float
+) -> Preflight:
+    return Preflight(parts, tank, WORD[runtime.precision], duration)
+
+
 def observer_names() -> tuple[str, ...]:
-    """Every observer there is, in the order in which they watch."""
-    between = [name for name in kinds("observers") if name not in FIRST + LAST]
-    return tuple(name for name in (*FIRST, *between, *LAST) if name in kinds("observers"))
+    """Every observer there is."""
+    return kinds("observers")
 
 
 def always_on() -> tuple[str, ...]:
@@ -178,96 +205,111 @@ def _short(value: Any) -> str:
 
 def _checked(composition: Composition, problems: list[Problem], folder: Path | None) -> SceneConfig | None:
     """The models of a composed scene, or None; `problems` grows by everything that is wrong."""
-    data, root = composition.root.data, composition.root
-    headings, observers = tuple(Heading.model_fields), observer_names()
-    known = (*headings, "basin", *SLOTS, "runtime", *observers)
-    for key, node in data.items():
+    root, data = composition.root, composition.root.data
+    headings = tuple(Heading.model_fields)
+    problems += _unknown(root, headings)
+    heading = validated(Heading, root.with_data({k: v for k, v in data.items() if k in headings}), (), problems)
+    tank_config = _model("basin", basin.Config, composition, problems, folder)
+    tank = tank_config.build() if tank_config is not None else None
+    runtime = _model("runtime", RuntimeConfig, composition, problems, folder)
+    notes = [*composition.notes]
+    if heading is not None and tank is not None:
+        composition.root = _scaled(composition.root, heading.resolution, tank.dimension, notes)
+    parts = {slot: _model(slot, None, composition, problems, folder) for slot in SLOTS}
+    there = {slot: part for slot, part in parts.items() if isinstance(part, PartConfig)}
+    named_in = {slot for slot in SLOTS if slot in data and data[slot].data is not None}
+    wrong = composition.failed | named_in - set(there)
+    watching = _observers(data, root, problems)
+    problems += _lacking(watching, there, wrong, data, root)
+    problems += _unsuited(there, data)
+    if tank_config is not None and tank is not None and runtime is not None and heading is not None:
+        preflight = preflight_of(there | watching, tank, runtime, heading.duration)
+        problems += _misplaced("basin", tank_config.problems(tank), data["basin"])
+        for name, part in (there | watching).items():
+            problems += _misplaced(name, part.problems(preflight), data.get(name, root))
+        if not problems and not wrong:
+            for name, part in (there | watching).items():
+                problems += _misplaced(name, part.mismatches(preflight), data.get(name, root))
+        if not problems and not wrong:
+            values = {key: getattr(heading, key) for key in headings}
+            config = SceneConfig(**values, **parts, basin=tank_config, runtime=runtime, observers=watching, notes=notes)
+            config._preflight = preflight
+            return config
+    return None
+
+
+def _unknown(root: Node, headings: tuple[str, ...]) -> list[Problem]:
+    """Keys at the top level that are none of a scene's."""
+    known, problems = (*headings, "basin", *SLOTS, "runtime", *observer_names()), []
+    for key, node in root.data.items():
         if key not in known:
             end, suggestion = choice_sentence(key, known)
             problems.append(problem(node.key_place, key, f"unknown key{end}", suggestion))
-    heading = validated(Heading, root.with_data({k: v for k, v in data.items() if k in headings}), (), problems)
-    parts = _parts(composition, problems, folder)
-    watching = _observers(data, root, problems)
-    failed = composition.failed | {name for name, part in parts.items() if part is None}
+    return problems
+
+
+def _model(
+    name: str, model: type[Model] | None, composition: Composition, problems: list[Problem], folder: Path | None
+) -> Any:
+    """What stands under a key as its model; by default, of a slot, that of its kind. None where there is nothing, or
+    where something is wrong."""
+    node = composition.root.data.get(name)
+    if node is not None and node.data is not None:
+        return validated(model or config_of(name, node.data["kind"].data), node, (name,), problems, folder)
+    if name in ("basin", "fluid") and name not in composition.failed:
+        problems.append(problem(composition.root.place, name, "missing key"))
+    return RuntimeConfig() if name == "runtime" else None
+
+
+def _unsuited(parts: Mapping[str, PartConfig], data: dict[str, Node]) -> list[Problem]:
+    """Parts whose kinds do not go together, whatever their keys."""
+    fluid, surface, ship = parts.get("fluid"), parts.get("surface"), parts.get("ship")
+    if not isinstance(fluid, FluidConfig):
+        return []
+    problems, water = [], fluid.kind
+    if surface is not None and not fluid.made_of_particles:
+        sentence = f"a surface follows particles, and fluid.kind {water} has none; leave it out"
+        problems.append(problem(data["surface"].place, "surface", sentence))
+    if isinstance(ship, ShipConfig):
+        kind = ship.kind
+        if "surface" not in parts and fluid.made_of_particles and ship.needs_surface:
+            sentence = f"a {kind} ship over particles asks a surface how high the water stands; give a `surface`"
+            problems.append(problem(data["ship"].place, "ship", sentence))
+        if ship.carried_as_body and not fluid.carries_bodies:
+            carrying = " or ".join(sorted(name for name in kinds("fluid") if carries(name)))
+            sentence = f"water of kind {water} does not carry a ship of kind {kind}; take {carrying}"
+            problems.append(problem(data["ship"].place, "ship", sentence))
+    return problems
+
+
+def carries(scheme: str) -> bool:
+    """Whether this kind of water carries bodies by its pressure."""
+    config = config_of("fluid", scheme)
+    return issubclass(config, FluidConfig) and config.carries_bodies
+
+
+def _lacking(
+    watching: Mapping[str, ObserverConfig],
+    parts: Mapping[str, PartConfig],
+    wrong: set[str],
+    data: dict[str, Node],
+    root: Node,
+) -> list[Problem]:
+    """Observers without what they watch; a part that is wrong is there."""
+    problems, there = [], {*watching, *parts, *wrong}
     for name, config in watching.items():
-        there = {*watching, *failed}  # a part that is wrong is there
-        absent = [need for need in config.needs if parts.get(need) is None and need not in there]
+        absent = [need for need in config.needs if need not in there]
         if absent:
-            place = data.get(name, root).place
-            problems.append(problem(place, name, f"needs {', '.join(absent)}, which this scene does not have"))
-    notes = [*composition.notes]
-    if parts.get("basin") is not None and heading is not None:
-        place = parts["basin"].build()
-        for name in ("fluid", "surface", "ship"):
-            if parts.get(name) is not None and heading.resolution != 1.0:
-                scaled = _scaled(parts[name].model_dump(), heading.resolution, place, name, notes)
-                parts[name] = validated(type(parts[name]), node_of(scaled, data[name].place), (name,), problems)
-        for name, part in (parts | watching).items():
-            if hasattr(part, "problems"):
-                problems += _misplaced(name, part.problems(place), data.get(name, root))
-        wrong = failed | {found.key.partition(".")[0] for found in problems}
-        for name, part in watching.items():
-            if hasattr(part, "mismatched") and not wrong & {"basin", *SLOTS}:
-                problems += _misplaced(name, part.mismatched(parts), data.get(name, root))
-        _surface_on_fluid(parts, place, data, problems)
-    _ship_on_water(parts, data, problems)
-    if problems or heading is None:
-        return None
-    values = {key: getattr(heading, key) for key in headings}
-    return SceneConfig(**values, **parts, observers=watching, notes=notes)
-
-
-def _parts(composition: Composition, problems: list[Problem], folder: Path | None) -> dict[str, Any]:
-    """The models of basin, slots and runtime, each where there is one and it is in order."""
-    parts: dict[str, Any] = {}
-    models: dict[str, Any] = {"basin": basin.Config, "runtime": RuntimeConfig}
-    for name in ("basin", *SLOTS, "runtime"):
-        node = composition.root.data.get(name)
-        if node is not None and node.data is not None:
-            model = models.get(name) or config_of(name, node.data["kind"].data)
-            parts[name] = validated(model, node, (name,), problems, folder)
-        elif name in ("basin", "fluid") and name not in composition.failed:
-            problems.append(problem(composition.root.place, name, "missing key"))
-        elif name == "runtime":
-            parts[name] = RuntimeConfig()
-    return parts
-
-
-def _surface_on_fluid(
-    parts: dict[str, Any], place: basin.Basin, data: dict[str, Node], problems: list[Problem]
-) -> None:
-    """A surface takes what it leaves open from its particles; without any there is nothing for it to follow."""
-    fluid, surface = parts.get("fluid"), parts.get("surface")
-    if surface is None or fluid is None:
-        return
-    if not hasattr(fluid, "lattice"):
-        said = f"a surface follows particles, and fluid.kind {fluid.kind} has none; leave it out"
-        problems.append(problem(data["surface"].place, "surface", said))
-    elif hasattr(surface, "beside") and not problems:
-        parts["surface"] = surface.beside(fluid, place)
-        problems += _misplaced("surface", surface.problems_beside(fluid, place), data["surface"])
-
-
-def _ship_on_water(parts: dict[str, Any], data: dict[str, Node], problems: list[Problem]) -> None:
-    """Whether this kind of ship floats on this kind of water, and where it is put."""
-    ship, fluid = parts.get("ship"), parts.get("fluid")
-    if ship is None or fluid is None:
-        return
-    if parts.get("surface") is None and hasattr(fluid, "lattice") and ship.needs_surface:
-        said = f"a {ship.kind} ship over particles asks a surface how high the water stands; give a `surface`"
-        problems.append(problem(data["ship"].place, "ship", said))
-    if fluid.kind not in getattr(ship, "waters", (fluid.kind,)):
-        said = f"water of kind {fluid.kind} does not carry a ship of kind {ship.kind}; take {' or '.join(ship.waters)}"
-        problems.append(problem(data["ship"].place, "ship", said))
-    if hasattr(ship, "problems_beside") and not problems:
-        problems += _misplaced("ship", ship.problems_beside(fluid, parts["basin"].build()), data["ship"])
+            sentence = f"needs {', '.join(absent)}, which this scene does not have"
+            problems.append(problem(data.get(name, root).place, name, sentence))
+    return problems
 
 
 def _observers(data: dict[str, Node], root: Node, problems: list[Problem]) -> dict[str, ObserverConfig]:
-    """The observers that a scene names or does not switch off, in the order in which they watch."""
+    """The observers that a scene names or does not switch off, in the order in which they take turns."""
     watching: dict[str, ObserverConfig] = {}
-    afloat = data.get("ship") is not None and data["ship"].data is not None
-    unless_null = (*always_on(), *(("motion",) if afloat else ()))
+    aboard = data.get("ship") is not None and data["ship"].data is not None
+    unless_null = (*always_on(), *(("motion",) if aboard else ()))
     for name in observer_names():
         on = name in unless_null or (name == "platform_log" and "platform" in data and "motion" in watching)
         node = data.get(name, root.with_data({} if on else None))
@@ -278,31 +320,39 @@ def _observers(data: dict[str, Node], root: Node, problems: list[Problem]) -> di
         config = validated(import_module(f"ocean_sim.observers.{name}").Config, node, (name,), problems)
         if config is not None:
             watching[name] = config
-    return watching
+    return dict(sorted(watching.items(), key=lambda item: (item[1].turn, item[0])))
 
 
-def _scaled(data: dict[str, Any], factor: float, place: basin.Basin, path: str, notes: list[str]) -> dict[str, Any]:
-    """The data of a part with every spacing times `factor`; a budget of particles shrinks by what that leaves out."""
-    scaled = dict(data)
-    for key, value in data.items():
-        if isinstance(value, dict):
-            scaled[key] = _scaled(value, factor, place, f"{path}.{key}", notes)
-        elif key in ("particles", "cap") and isinstance(value, int):
-            scaled[key] = max(1, round(value / factor**place.dimension))
-        elif key == "spacing" and isinstance(value, float | int):
-            scaled[key] = value * factor
-        if scaled[key] != value and not isinstance(value, dict):
-            notes.append(f"resolution {factor:g}: {path}.{key} {value:g} -> {scaled[key]:g}")
-    return scaled
+def _scaled(root: Node, factor: float, dimension: int, notes: list[str]) -> Node:
+    """The tree of a scene with every spacing of water, surface and ship times `factor`; a budget of particles shrinks
+    by what that leaves out."""
+
+    def scaled(node: Node, path: tuple[str, ...]) -> Node:
+        if isinstance(node.data, dict):
+            return node.with_data({key: scaled(inner, (*path, key)) for key, inner in node.data.items()})
+        value, number = node.data, node.data
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return node
+        if path[-1] in ("particles", "cap") and isinstance(value, int):
+            number = max(1, round(value / factor**dimension))
+        elif path[-1] == "spacing":
+            number = value * factor
+        if number != value:
+            notes.append(f"resolution {factor:g}: {dotted(path)} {value:g} -> {number:g}")
+        return node.with_data(number)
+
+    if factor == 1.0:
+        return root
+    slots = {slot: root.data[slot] for slot in ("fluid", "surface", "ship") if slot in root.data}
+    return root.with_data(root.data | {slot: scaled(node, (slot,)) for slot, node in slots.items()})
 
 
-def _misplaced(name: str, found: list[tuple[str | tuple[str | int, ...], str]], node: Node) -> list[Problem]:
-    """What only shows against the basin: a Config's `problems(basin)` gives (key inside it, sentence)."""
+def _misplaced(name: str, found: Problems, node: Node) -> list[Problem]:
+    """What a part finds wrong with itself, at its place in the file."""
     problems = []
-    for key, sentence in found:
-        path = tuple(key.split(".")) if isinstance(key, str) else key
+    for path, sentence in found:
         inner = node
         for step in path:
             inner = inner.child(step) or inner
-        problems.append(problem(inner.place, dotted((name, *filter(lambda step: step != "", path))), sentence))
+        problems.append(problem(inner.place, dotted((name, *path)), sentence))
     return problems

@@ -8,12 +8,10 @@ from pydantic import BaseModel
 from pydantic.json_schema import GenerateJsonSchema
 
 from ocean_sim import basin
-from ocean_sim.parts import PACKAGE, SLOTS, config_of, kinds, named
+from ocean_sim.parts import SLOTS, config_of, kinds, named
 from ocean_sim.reading.composition import known
 from ocean_sim.reading.scene import Heading, observer_names
 from ocean_sim.runtime import RuntimeConfig
-
-FILE = PACKAGE / "scene.schema.json"
 
 
 def schema() -> dict[str, Any]:
@@ -40,7 +38,7 @@ def schema() -> dict[str, Any]:
 
 
 def text() -> str:
-    """The schema as the committed file has it."""
+    """The schema as a file that editors read."""
     return json.dumps(schema(), indent=1, ensure_ascii=False) + "\n"
 
 

@@ -14,6 +14,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.conventions import Motions
 from ocean_sim.files.input_file import FileName
 from ocean_sim.fluid import Limits
+from ocean_sim.parts import Preflight
 from ocean_sim.ship import Load, loaded
 from ocean_sim.ship.shared.added_mass import AddedMass, reaction
 from ocean_sim.ship.shared.afloat import Afloat, FloatingConfig
@@ -44,9 +45,9 @@ class Config(FloatingConfig):
     def build(self, basin: Basin, fluid: Any) -> "Dynamic":
         return Dynamic(self, basin, fluid)
 
-    def warnings(self, scene: Any) -> list[str]:
+    def warnings(self, preflight: Preflight) -> list[str]:
         deep = "the surface alone says nothing of the water below it: short waves hold the hull too hard"
-        return super().warnings(scene) + ([deep] if scene.surface is not None else [])
+        return super().warnings(preflight) + ([deep] if preflight.surface is not None else [])
 
 
 class Dynamic(Voyage):

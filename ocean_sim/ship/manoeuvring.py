@@ -13,7 +13,7 @@ import numpy as np
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import from_frame, to_frame
 from ocean_sim.fluid import Limits
-from ocean_sim.parts import LedgerRow
+from ocean_sim.parts import LedgerRow, Preflight, Problems
 from ocean_sim.ship import Load, loaded
 from ocean_sim.ship.shared.hydrostatics import Matter
 from ocean_sim.ship.shared.placed import Machine, Placed, Voyage
@@ -42,13 +42,13 @@ class Config(Placed):
     needs_surface: ClassVar[bool] = False
     kind: Literal["manoeuvring"] = "manoeuvring"
 
-    def problems(self, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
-        return self.misplaced(basin)
+    def problems(self, preflight: Preflight) -> Problems:
+        return self.misplaced(preflight.tank)
 
-    def warnings(self, scene: Any) -> list[str]:
+    def warnings(self, preflight: Preflight) -> list[str]:
         return ["the Otter's model knows still water alone: neither waves nor wind reach it"]
 
-    def ledger(self, basin: Basin, word: int = 8) -> list[LedgerRow]:
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         """It has no fields."""
         return [LedgerRow("ship", "the matrices of the Otter's model", 0, "ship.kind is manoeuvring", STEP)]
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
-from ocean_sim.parts import LedgerRow
+from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.ship import Load, loaded
 from ocean_sim.ship.shared.afloat import FloatingConfig, afloat_pose
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics, Matter
@@ -30,14 +30,14 @@ class Config(FloatingConfig):
 
     needs_surface: ClassVar[bool] = False
     slices: ClassVar[bool] = True
-    waters: ClassVar[tuple[str, ...]] = ("delta_sph", "mueller")  # which answer to a body within a step
+    carried_as_body: ClassVar[bool] = True
     kind: Literal["pressure"] = "pressure"
     contact: None = None
     """The water's own laws meet this hull."""
 
-    def floating(self, basin: Basin, fluid: Any) -> tuple[Solid, ...]:
-        still = self.afloat(-basin.gravity[1], fluid.rest_density)
-        flat = basin.dimension == 2
+    def solids(self, preflight: Preflight) -> tuple[Solid, ...]:
+        still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
+        flat = preflight.tank.dimension == 2
         return (Solid(self.whole_hull.shape, still.matter.centre, self.start(still, flat), flat),)
 
     def start(self, still: Hydrostatics, flat: bool) -> RigidBody:
@@ -48,17 +48,16 @@ class Config(FloatingConfig):
             matter = Matter(share * matter.mass, matter.centre, share * matter.inertia)
         return self.body(matter, *afloat_pose(still))
 
-    def warnings(self, scene: Any) -> list[str]:
-        found = super().warnings(scene)
-        if scene.wind is not None and scene.wind.kind != "still":
+    def warnings(self, preflight: Preflight) -> list[str]:
+        found, spacing = super().warnings(preflight), preflight.spacing
+        if not preflight.wind.still:
             found.append("a ship of kind pressure feels the water alone; wind does not reach it")
         lower, upper = self.whole_hull.shape.bounds()
-        spacing = scene.fluid.lattice(scene.basin.build()).spacing
-        if (upper - lower).min() < FEWEST * spacing:
+        if spacing is not None and (upper - lower).min() < FEWEST * spacing:
             found.append(f"the hull is {(upper - lower).min() / spacing:.2g} spacings thin: water feels through it")
         return found
 
-    def ledger(self, basin: Basin, word: int = 8) -> list[LedgerRow]:
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         """Nothing of its own: the water keeps the samples."""
         return []
 

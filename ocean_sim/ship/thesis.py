@@ -14,7 +14,7 @@ import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
-from ocean_sim.parts import quantity
+from ocean_sim.model import quantity
 from ocean_sim.ship import Load, loaded
 from ocean_sim.ship.shared.afloat import Afloat, FloatingConfig
 from ocean_sim.ship.shared.placed import Voyage

@@ -125,7 +125,7 @@ def spots(quick: bool, scene: str | None = None) -> list[Spot]:
 
 def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
     afloat, theirs = axis.of == "ship", None if scene is None else load(scene).fluid
-    if scene is not None and (afloat or not hasattr(theirs, "lattice")):
+    if scene is not None and (afloat or not theirs.made_of_particles):
         return  # a hull has its own mass, and water without particles nothing that breaks
     schemes = ("delta_sph",) if afloat else SCHEMES if theirs is None else (theirs.kind,)
     for scheme in (scheme for scheme in schemes if heeds(scheme, axis.key)):
@@ -138,7 +138,7 @@ def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
                 if scene is None:
                     raise
                 continue  # this water has no such setting
-            limits = calm.fluid.still_limits(calm.basin.build())
+            limits = calm.fluid.still_limits(calm.preflight)
             step, _ = calm.time_step.shortest(limits)
             finite = {name: limit for name, limit in asdict(limits).items() if np.isfinite(limit)}
             for factor in axis.quick_steps if quick else STEPS:

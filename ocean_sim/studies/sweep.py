@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from ocean_sim.files.yaml_file import Node, Place, Problem, SceneError, node_of, problem, read
-from ocean_sim.parts import PartConfig
+from ocean_sim.model import Model
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.reading.translation import validated
 from ocean_sim.studies.shared.runs import address
@@ -30,7 +30,7 @@ Groups = list[dict[str, Any]]
 Values = list[Any]
 
 
-class PlanConfig(PartConfig):
+class PlanConfig(Model):
     """What a user may write in a plan."""
 
     scene: str

@@ -6,7 +6,7 @@ Springs are an implicit step with the diagonal of their Hessian, gathered node b
 time step are stable, and the threads change nothing.
 """
 
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 import taichi as ti
@@ -14,7 +14,8 @@ import taichi.math as tm
 from taichi.lang.util import to_numpy_type
 
 from ocean_sim.basin import Basin
-from ocean_sim.parts import LedgerRow, PartConfig, quantity
+from ocean_sim.model import quantity
+from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
 from ocean_sim.surface.shared.contact import Contact
 from ocean_sim.surface.shared.mesh import AREA_AND_VOLUME, Mesh, sheet
 from ocean_sim.surface.shared.springs import BEND, SHEAR, STRETCH
@@ -26,7 +27,7 @@ MOST_NODES = 2**24
 FURTHEST = 0.5  # [thicknesses] that its speed carries a node in one update
 
 
-class Config(PartConfig):
+class Config(SurfaceConfig):
     """A sheet over the whole basin; in a slice a rope. Where it is dry it lies on the bed."""
 
     kind: Literal["cloth"] = "cloth"
@@ -49,23 +50,22 @@ class Config(PartConfig):
     every: float = quantity("s", 1.0 / 60.0, gt=0.0)
     """Simulated time between updates, to the nearest step."""
 
-    def beside(self, fluid: Any, basin: Basin) -> "Config":
-        """This config with what it leaves to the water."""
-        lattice = fluid.lattice(basin)
-        widest = min(2.0 * lattice.spacing, reach(fluid, basin))
+    def completed(self, preflight: Preflight) -> Self:
+        assert preflight.spacing is not None
+        widest = min(2.0 * preflight.spacing, preflight.support)
         return self.model_copy(
-            update={"spacing": self.spacing or lattice.spacing, "thickness": self.thickness or widest}
+            update={"spacing": self.spacing or preflight.spacing, "thickness": self.thickness or widest}
         )
 
-    def problems(self, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
-        if basin.closed:
+    def problems(self, preflight: Preflight) -> Problems:
+        if preflight.tank.closed:
             return [(("kind",), "a basin without a free surface has nothing for a cloth to lie on; leave it out")]
         return []
 
-    def problems_beside(self, fluid: Any, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
-        """What is wrong with these keys over this water: (path below `surface`, sentence)."""
-        least, most = fluid.lattice(basin).spacing, reach(fluid, basin)
-        nx, nz = self.beside(fluid, basin).nodes(basin)
+    def mismatches(self, preflight: Preflight) -> Problems:
+        least, most = preflight.spacing, preflight.support
+        assert least is not None
+        nx, nz = self.completed(preflight).nodes(preflight.tank)
         if nx * nz > MOST_NODES:
             return [(("spacing",), f"would make {nx} x {nz} nodes, more than {MOST_NODES}")]
         if self.thickness is None or 0.999 * least < self.thickness < 1.001 * most:
@@ -81,23 +81,18 @@ class Config(PartConfig):
 
     def nodes(self, basin: Basin) -> tuple[int, int]:
         """Along x and z; 1 along z in a slice."""
-        assert self.spacing is not None, "beside() tells how far apart nodes are"
+        assert self.spacing is not None, "completed() says how far apart nodes are"
         extents = np.subtract(basin.upper, basin.lower)
         cells = [max(1, round(float(extents[axis]) / self.spacing)) for axis in (0, 2)]
         return cells[0] + 1, cells[1] + 1 if basin.dimension == 3 else 1
 
-    def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
-        nx, nz = self.nodes(basin)
-        size, why = 3 * word * nx * nz, "surface.kind is cloth"
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        nx, nz = self.nodes(preflight.tank)
+        size, why = 3 * preflight.word * nx * nz, "surface.kind is cloth"
         return [LedgerRow("surface", f"{nx} x {nz} nodes", size, why, NODE * nx * nz, self.every)]
 
     def build(self, basin: Basin, fluid: Any) -> "Cloth":
         return Cloth(self, basin, fluid)
-
-
-def reach(fluid: Any, basin: Basin) -> float:
-    """How far around a point the grid of a fluid finds water [m]: a support."""
-    return float(fluid.ratio(basin) * fluid.lattice(basin).spacing)
 
 
 @ti.data_oriented

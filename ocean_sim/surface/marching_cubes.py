@@ -4,16 +4,16 @@ Follows the water wherever it goes: crests that break, drops, the bed where it f
 reads it: the field when a mesh or a height is asked for, the heights from the first kernel on that calls `elevation`.
 """
 
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 import taichi as ti
 import taichi.math as tm
-from pydantic import PrivateAttr
 
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import Diverged
-from ocean_sim.parts import LedgerRow, PartConfig, quantity
+from ocean_sim.model import quantity
+from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
 from ocean_sim.surface.shared.density_map import DensityMap, flat_share
 from ocean_sim.surface.shared.isosurface import Counts, Isosurface
 from ocean_sim.surface.shared.mesh import AREA_AND_VOLUME, Mesh
@@ -28,7 +28,7 @@ MEASURED = AREA_AND_VOLUME | {
 WIDEST = 6.0  # [spacings] radius at most: a node then counts 900 particles
 
 
-class Config(PartConfig):
+class Config(SurfaceConfig):
     """Triangles around the water, from the rows near it of a grid over the whole basin."""
 
     when_read: ClassVar[bool] = True  # it is made where something reads it, not in each step
@@ -47,45 +47,40 @@ class Config(PartConfig):
     most_triangles: int = quantity("triangles", 4_000_000, ge=1)
     """A mesh of more stops the run."""
 
-    _particles: int = PrivateAttr(0)
-    _wet: float = PrivateAttr(0.0)  # [m3] of water
-
-    def beside(self, fluid: Any, basin: Basin) -> "Config":
-        """This config with what it leaves to the water."""
-        lattice = fluid.lattice(basin)
+    def completed(self, preflight: Preflight) -> Self:
+        assert preflight.spacing is not None
         found = {
-            "spacing": self.spacing or FINE * lattice.spacing,
-            "radius": self.radius or SMOOTH * lattice.spacing,
-            "height": self.height or basin.depth,
+            "spacing": self.spacing or FINE * preflight.spacing,
+            "radius": self.radius or SMOOTH * preflight.spacing,
+            "height": self.height or preflight.tank.depth,
         }
-        config = self.model_copy(update=found)
-        config._particles, config._wet = lattice.n, lattice.n * lattice.spacing**3
-        return config
+        return self.model_copy(update=found)
 
-    def problems(self, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
+    def problems(self, preflight: Preflight) -> Problems:
+        basin = preflight.tank
         if basin.dimension == 2:
             return [(("kind",), "marching cubes need a basin with a width; over a slice say surface: cloth")]
         if basin.closed:
             return [(("kind",), "a basin without a free surface has none to draw; leave it out")]
         return []
 
-    def problems_beside(self, fluid: Any, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
-        """What is wrong with these keys over this water: (path below `surface`, sentence)."""
-        found, apart = [], fluid.lattice(basin).spacing
+    def mismatches(self, preflight: Preflight) -> Problems:
+        found, apart = Problems(), preflight.spacing
+        assert apart is not None
         if self.radius is not None and not 1.2 * apart <= self.radius <= WIDEST * apart:
             said = f"{self.radius:g} m must be 1.2 to {WIDEST:g} spacings of the particles, {apart:.4g} m: less shows "
             found.append((("radius",), said + "them one by one, more smooths the waves away"))
-        if (count := self.beside(fluid, basin).count(basin)) > MOST_NODES:
+        if (count := self.completed(preflight).count(preflight.tank)) > MOST_NODES:
             found.append((("spacing",), f"makes {count:.3g} nodes, more than the {MOST_NODES} there can be"))
         fine = self.spacing or FINE * apart
-        if (wet := fluid.lattice(basin).n * (apart / fine) ** 3) > self.most_nodes:
+        if (wet := preflight.particles * (apart / fine) ** 3) > self.most_nodes:
             said = f"{self.most_nodes} is less than the about {wet:.3g} that the water at rest fills"
             found.append((("most_nodes",), said))
         return found
 
     def nodes(self, basin: Basin) -> Nodes:
         """The grid: the whole basin, up to `height`."""
-        assert self.spacing is not None and self.height is not None, "beside() tells how fine and how high it is"
+        assert self.spacing is not None and self.height is not None, "completed() says how fine and how high it is"
         low, up = [*basin.lower], [*basin.upper]
         for side in basin.sides:
             if side.piston is not None:
@@ -100,16 +95,17 @@ class Config(PartConfig):
         extents = np.subtract(basin.upper, basin.lower) + [0.0, self.height - basin.upper[1], 0.0]
         return float(np.prod(extents / self.spacing + 2.0))
 
-    def ledger(self, basin: Basin, word: int) -> list[LedgerRow]:
-        nodes = self.nodes(basin)
-        assert self.radius is not None
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        nodes, word, particles = self.nodes(preflight.tank), preflight.word, preflight.particles
+        assert self.radius is not None and preflight.spacing is not None
+        wet = particles * preflight.spacing**3  # [m3]
         grid = Isosurface.bytes(nodes, self.most_nodes, word) + word * nodes.inner[0] * nodes.inner[2]
-        bins = DensityMap.bytes(self._particles, nodes, self.radius, word)
+        bins = DensityMap.bytes(particles, nodes, self.radius, word)
         why, most = f"surface.spacing {nodes.cell:g} m", min(nodes.count, self.most_nodes)
-        seconds = NODE * nodes.count + WET * self._wet / nodes.cell**3
+        seconds = NODE * nodes.count + WET * wet / nodes.cell**3
         return [
             LedgerRow("surface", f"at most {most} of {nodes.count} nodes", grid, why, seconds),
-            LedgerRow("surface", f"{self._particles} particles in bins", bins, f"surface.radius {self.radius:g} m"),
+            LedgerRow("surface", f"{particles} particles in bins", bins, f"surface.radius {self.radius:g} m"),
         ]
 
     def build(self, basin: Basin, fluid: Any) -> "MarchingCubes":

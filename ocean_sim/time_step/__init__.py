@@ -2,7 +2,15 @@
 
 from typing import Protocol
 
-from ocean_sim.fluid import Fluid
+from ocean_sim.fluid import Limits
+
+
+class Limited(Protocol):
+    """What a time step must suit: the water, or all that is simulated."""
+
+    def limits(self) -> Limits:
+        """What the time step must stay a fraction of."""
+        ...
 
 
 class TimeStep(Protocol):
@@ -10,6 +18,6 @@ class TimeStep(Protocol):
 
     limited_by: str  # name of the limit that ruled the last answer: "acoustic", "viscous", "force" or "fixed"
 
-    def next(self, fluid: Fluid) -> float:
+    def next(self, of: Limited) -> float:
         """The next time step [s]."""
         ...

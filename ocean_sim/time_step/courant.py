@@ -4,11 +4,13 @@ from dataclasses import asdict
 from math import isfinite
 from typing import Literal
 
-from ocean_sim.fluid import Fluid, Limits
-from ocean_sim.parts import PartConfig, quantity
+from ocean_sim.fluid import Limits
+from ocean_sim.model import quantity
+from ocean_sim.parts import TimeStepConfig
+from ocean_sim.time_step import Limited
 
 
-class Config(PartConfig):
+class Config(TimeStepConfig):
     """Fractions of the limits that a step may take; with h half the support of the smoothing kernels."""
 
     kind: Literal["courant"] = "courant"
@@ -39,6 +41,6 @@ class Courant:
         self.config = config
         self.limited_by = "acoustic"
 
-    def next(self, fluid: Fluid) -> float:
-        dt, self.limited_by = self.config.shortest(fluid.limits())
+    def next(self, of: Limited) -> float:
+        dt, self.limited_by = self.config.shortest(of.limits())
         return dt

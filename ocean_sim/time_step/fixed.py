@@ -1,14 +1,16 @@
 """The same time step always, whatever the water does."""
 
-from typing import Literal
+from typing import Any, ClassVar, Literal
 
-from ocean_sim.fluid import Fluid
-from ocean_sim.parts import PartConfig, quantity
+from ocean_sim.model import quantity
+from ocean_sim.parts import TimeStepConfig
+from ocean_sim.time_step import Limited
 
 
-class Config(PartConfig):
+class Config(TimeStepConfig):
     """A constant time step."""
 
+    example: ClassVar[dict[str, Any]] = {"dt": 0.001}
     kind: Literal["fixed"] = "fixed"
     dt: float = quantity("s", gt=0.0)
     """The time step."""
@@ -25,5 +27,5 @@ class Fixed:
     def __init__(self, config: Config) -> None:
         self.config = config
 
-    def next(self, fluid: Fluid) -> float:
+    def next(self, of: Limited) -> float:
         return self.config.dt

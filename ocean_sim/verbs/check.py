@@ -44,12 +44,11 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
     """What `check` answers."""
     from ocean_sim.runtime import base_memory
 
-    basin = config.place()
-    rows, warnings = config.ledger(), config.warnings()
-    particles = config.particles(basin)
+    known, rows, warnings = config.preflight, config.ledger(), config.warnings()
+    particles = known.particles
     memory = base_memory(particles) + sum(row.bytes for row in rows)
     time_step = config.time_step.build()
-    still = config.fluid.still_limits(basin)
+    still = config.fluid.still_limits(known)
     dt = time_step.next(SimpleNamespace(limits=lambda: still))
     courant: Any = config_of("time_step", "courant")()
     stable, limit = courant.shortest(still)
@@ -65,7 +64,7 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         "problems": [],
         "warnings": warnings,
         "notes": config.notes,
-        "statements": statements(config),
+        "statements": config.fluid.statements(known),
         "particles": particles,
         "memory_mb": console.megabytes(memory),
         "time_step": dt,
@@ -93,27 +92,6 @@ def ledger(found: dict[str, Any], config: SceneConfig) -> list[dict[str, Any]]:
         told.add(row.part)
         rows.append(cells)
     return rows
-
-
-def statements(config: SceneConfig) -> list[str]:
-    """What the water does that a reader of its results should know."""
-    fluid, basin = config.fluid, config.basin.build()
-    said = []
-    if hasattr(fluid, "sound_speed"):
-        c, speed = fluid.sound_speed(basin), fluid.speed(basin)
-        said.append(
-            f"sound speed {c:.4g} m/s, stiffness {c * c:.4g} m2/s2: compression (reference speed {speed:.4g} m/s / "
-            f"sound speed)^2 = {(speed / c) ** 2:.2%}"
-        )
-    if getattr(fluid, "minimum_pressure", None) is not None:
-        said.append(
-            f"pressures below {fluid.minimum_pressure:g} Pa are set to {fluid.minimum_pressure:g} (minimum_pressure)"
-        )
-    if getattr(fluid, "motion_limit", None) is not None:
-        said.append(
-            f"no particle moves further than {fluid.motion_limit:g} spacings in a step; what is held back is counted"
-        )
-    return said
 
 
 def wall_time(found: dict[str, Any], config: SceneConfig) -> str:

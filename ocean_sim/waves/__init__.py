@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import model_validator
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.parts import PartConfig, quantity
+from ocean_sim.model import Model, quantity
 from ocean_sim.random_numbers import numpy_uniform
 
 if TYPE_CHECKING:
@@ -194,7 +194,7 @@ def regular(height: float, period: float, towards: np.ndarray, depth: float, gra
     return Components(np.array([height / 2.0]), k * towards[None, :], np.zeros(1), depth, gravity)
 
 
-class Spectrum(PartConfig):
+class Spectrum(Model):
     """Long-crested random waves, by their spectrum."""
 
     kind: Literal["jonswap", "pierson_moskowitz"] = "jonswap"
@@ -246,7 +246,7 @@ class Spectrum(PartConfig):
         return Components(np.sqrt(2.0 * variance), k[:, None] * towards, phase, depth, gravity)
 
 
-class WaveTrain(PartConfig):
+class WaveTrain(Model):
     """Regular waves by `height` and `period`, or random ones by `spectrum`."""
 
     height: float | None = quantity("m", None, gt=0.0)

@@ -6,7 +6,7 @@ the lift (2.23) on exposed surface. Volumes add up.
 """
 
 from math import atan2, cos, degrees, hypot, inf, radians, sin
-from typing import Any, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 import taichi as ti
@@ -14,7 +14,8 @@ import taichi.math as tm
 from pydantic import Field
 
 from ocean_sim.basin import Basin
-from ocean_sim.parts import LedgerRow, PartConfig, Vector2, Vector3, quantity
+from ocean_sim.model import Vector2, Vector3, quantity
+from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
 from ocean_sim.random_numbers import numpy_uniform3
 from ocean_sim.wind.shared.air import Air, joined, turned_all
 from ocean_sim.wind.shared.air_load import drag, lift
@@ -126,9 +127,12 @@ class Volume(Scheduled):
         return Passages(first.centre, self.velocity, rear, basin, lambda passage: self.redrawn(seed, number, passage))
 
 
-class Config(PartConfig):
+class Config(WindConfig):
     """Volumes of moving air, drifting across the basin."""
 
+    example: ClassVar[dict[str, Any]] = {
+        "volumes": [{"include": [{"kind": "sphere", "centre": [0.0, 0.0, 0.0], "radius": 1.0}]}]
+    }
     kind: Literal["gusts"] = "gusts"
     volumes: list[Volume] = Field(min_length=1)
     """The volumes; their effects add up."""
@@ -148,23 +152,28 @@ class Config(PartConfig):
         """Numbers of the volumes that act on a target."""
         return [g for g, v in enumerate(self.volumes) if target in (self.targets if v.targets is None else v.targets)]
 
-    def problems(self, basin: Basin) -> list[tuple[tuple[str | int, ...], str]]:
-        """What is wrong: (path below `wind`, sentence)."""
+    def problems(self, preflight: Preflight) -> Problems:
         return [(("volumes", g, *path), said) for g, v in enumerate(self.volumes) for path, said in v.unscheduled()]
 
     def build(self, basin: Basin, seed: int) -> "Gusts":
         return Gusts(self, basin, seed)
 
-    def ledger(self, basin: Basin, word: int = 8) -> list[LedgerRow]:
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         n, row = len(self.volumes), SHAPES + WIDTH * most_shapes(self.volumes)
-        return [LedgerRow("wind", "moving volumes of air", word * (n * row + OWN), f"{n} in wind.volumes", ADVANCE)]
+        return [
+            LedgerRow(
+                "wind", "moving volumes of air", preflight.word * (n * row + OWN), f"{n} in wind.volumes", ADVANCE
+            )
+        ]
 
-    def warnings(self, scene: Any) -> list[str]:
+    def warnings(self, preflight: Preflight) -> list[str]:
         sentences = []
         for g, volume in enumerate(self.volumes):
             name, size = f"wind.volumes[{g}]", hypot(*volume.acceleration, *volume.noise)
-            sentences += [stylised(name, size, scene)] if size > 0.0 else []
-            sentences += kick(name, volume.acceleration, volume.passing_time, scene) if any(volume.acceleration) else []
+            sentences += [stylised(name, size, preflight)] if size > 0.0 else []
+            sentences += (
+                kick(name, volume.acceleration, volume.passing_time, preflight) if any(volume.acceleration) else []
+            )
         return sentences
 
 

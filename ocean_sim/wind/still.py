@@ -6,14 +6,25 @@ import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.basin import Basin
-from ocean_sim.parts import PartConfig
+from ocean_sim.parts import LedgerRow, Preflight, WindConfig
 from ocean_sim.wind.shared.air import NONE, Air
 
 
-class Config(PartConfig):
+class Config(WindConfig):
     """Air at rest that does nothing."""
 
     kind: Literal["still"] = "still"
+
+    @property
+    def stylised(self) -> bool:
+        return False
+
+    @property
+    def still(self) -> bool:
+        return True
+
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        return []
 
     def build(self, basin: Basin, seed: int) -> "Still":
         return Still()

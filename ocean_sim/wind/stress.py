@@ -7,7 +7,7 @@ frequency w grows at the rate P w / (rho c^2), P = s rho_air (U10 - c)^2.
 """
 
 from math import cos, hypot, radians, sin
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 import taichi as ti
@@ -15,7 +15,8 @@ import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import AIR_DENSITY
-from ocean_sim.parts import LedgerRow, quantity
+from ocean_sim.model import quantity
+from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
 from ocean_sim.wind.shared.air import Air
 from ocean_sim.wind.shared.air_load import DragLaw, drag, stress
 from ocean_sim.wind.shared.clock import Now
@@ -27,7 +28,7 @@ ALONG_X, ALONG_Z, PRESSURE, AHEAD_X, AHEAD_Z, SPEED = range(6)
 STEEPEST = 1.0  # slope beyond which the pressure does not rise: the air has long parted from the surface
 
 
-class Config(Scheduled):
+class Config(Scheduled, WindConfig):
     """The stress of a real wind on the surface, times `gain`."""
 
     kind: Literal["stress"] = "stress"
@@ -71,9 +72,8 @@ class Config(Scheduled):
         relative = u10 - self.wave_speed
         return self.gain * self.sheltering * AIR_DENSITY * relative * abs(relative)
 
-    def problems(self, basin: Basin) -> list[tuple[tuple[str | int, ...], str]]:
-        """What is wrong in this basin: (path below `wind`, sentence)."""
-        found = list(self.unscheduled())
+    def problems(self, preflight: Preflight) -> Problems:
+        basin, found = preflight.tank, list(self.unscheduled())
         if basin.closed:
             found.append((("kind",), "a stress acts on a free surface; this basin has none"))
         if self.schedule is None and basin.dimension == 2 and self.heading_deg is not None:
@@ -85,15 +85,15 @@ class Config(Scheduled):
     def build(self, basin: Basin, seed: int) -> "Stress":
         return Stress(self, basin)
 
-    def ledger(self, basin: Basin, word: int = 8) -> list[LedgerRow]:
-        return [LedgerRow("wind", "stress, pressure and direction", 6 * word, "wind.kind is stress")]
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        return [LedgerRow("wind", "stress, pressure and direction", 6 * preflight.word, "wind.kind is stress")]
 
-    def warnings(self, scene: Any) -> list[str]:
+    def warnings(self, preflight: Preflight) -> list[str]:
         u10 = self.strongest
         sheltered = f", pressure on waves {self.sheltered(u10):.3g} Pa times their slope" if self.sheltering else ""
         gain = "a real wind (gain 1)" if self.gain == 1.0 else f"{self.gain:g} times a real wind (gain)"
         said = f"wind: a physical stress of {self.tau(u10):.3g} Pa at U10 = {u10:g} m/s by {self.drag_law}{sheltered}"
-        return [f"{said}: {gain}", *out_of_range(u10, self.drag_law), *unresolved(u10, scene)]
+        return [f"{said}: {gain}", *out_of_range(u10, self.drag_law), *unresolved(self, u10, preflight)]
 
 
 @ti.data_oriented

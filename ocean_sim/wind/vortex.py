@@ -5,14 +5,15 @@ vortex, growing like r in the core and falling like 1/r outside, and fades from 
 """
 
 from math import hypot, inf, pi
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.basin import Basin
-from ocean_sim.parts import LedgerRow, Vector2, quantity
+from ocean_sim.model import Vector2, quantity
+from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
 from ocean_sim.wind.shared.air import Air
 from ocean_sim.wind.shared.clock import RUN, Now
 from ocean_sim.wind.shared.noise import EVERY, OWN, Noise, NoiseSize
@@ -25,7 +26,7 @@ NOISE = 0x3_0000  # stream of random numbers
 AXIS_X, AXIS_Z, PART, SINCE = range(OWN, OWN + 4)  # columns: [m] when the clock began, part of its strength, [s]
 
 
-class Config(Timed):
+class Config(Timed, WindConfig):
     """A column of air that turns about the vertical."""
 
     kind: Literal["vortex"] = "vortex"
@@ -63,19 +64,25 @@ class Config(Timed):
     def build(self, basin: Basin, seed: int) -> "Vortex":
         return Vortex(self, basin, seed)
 
-    def problems(self, basin: Basin) -> list[tuple[tuple[str | int, ...], str]]:
-        """What is wrong in this basin: (path below `wind`, sentence)."""
+    def problems(self, preflight: Preflight) -> Problems:
         sentence = "a vortex turns about the vertical: give the basin a width"
-        return [(("kind",), sentence)] if basin.dimension == 2 else []
+        return [(("kind",), sentence)] if preflight.tank.dimension == 2 else []
 
-    def ledger(self, basin: Basin, word: int = 8) -> list[LedgerRow]:
-        return [LedgerRow("wind", "axis, strength and noise of the vortex", (SINCE + 1) * word, "wind.kind is vortex")]
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        return [
+            LedgerRow(
+                "wind", "axis, strength and noise of the vortex", (SINCE + 1) * preflight.word, "wind.kind is vortex"
+            )
+        ]
 
-    def warnings(self, scene: Any) -> list[str]:
+    def warnings(self, preflight: Preflight) -> list[str]:
         speed = hypot(*self.drift)
         acceleration = (self.acceleration, self.upward, self.inward)
         passing = 2.0 * self.core_radius / speed if speed else inf
-        return [stylised("wind", hypot(*acceleration, *self.noise), scene), *kick("wind", acceleration, passing, scene)]
+        return [
+            stylised("wind", hypot(*acceleration, *self.noise), preflight),
+            *kick("wind", acceleration, passing, preflight),
+        ]
 
 
 @ti.data_oriented

@@ -27,13 +27,13 @@ def test_rows_do_not_depend_on_the_time_steps(tmp_path, watched, steps_of):
 def test_a_gauge_outside_the_basin_is_refused_with_a_sentence(tmp_path, watched):
     simulation = watched()
     config = gauges.Config(elevation={"far": [9.0, 0.0], "short": [0.0], "good": [0.0, 0.0]})
-    problems = dict(config.problems(simulation.basin))
-    assert problems["elevation.far"] == "x = 9 m is outside the basin, which reaches from -3 to 3 m"
-    assert "[x, z]" in problems["elevation.short"] and len(problems) == 2
+    problems = dict(config.misplaced(simulation.basin))
+    assert problems["elevation", "far"] == "x = 9 m is outside the basin, which reaches from -3 to 3 m"
+    assert "[x, z]" in problems["elevation", "short"] and len(problems) == 2
     with pytest.raises(ValueError, match=r"gauges\.elevation\.far: x = 9 m is outside"):
         config.build(tmp_path, simulation)
-    assert gauges.Config(elevation={"middle": [0.0]}).problems(watched(width=None).basin) == []
-    assert "slice" in gauges.Config(elevation={"deep": [0.0, 0.0]}).problems(watched(width=None).basin)[0][1]
+    assert gauges.Config(elevation={"middle": [0.0]}).misplaced(watched(width=None).basin) == []
+    assert "slice" in gauges.Config(elevation={"deep": [0.0, 0.0]}).misplaced(watched(width=None).basin)[0][1]
 
 
 @pytest.mark.parametrize(
@@ -71,19 +71,19 @@ def test_pressure_stands_beside_elevation_or_alone(tmp_path, watched):
 
 def test_a_pressure_gauge_may_be_on_a_wall_and_above_the_water_but_not_outside(watched):
     wet = gauges.Config(pressure={"corner": [3.0, -2.0, 2.0], "side": [-3.0, -1.0, 0.0], "high": [0.0, 9.0, 0.0]})
-    assert wet.problems(watched().basin) == []
+    assert wet.misplaced(watched().basin) == []
     problems = dict(
-        gauges.Config(pressure={"deep": [0.0, -2.1, 0.0], "far": [0.0, 0.0, 2.1], "flat": [0.0, -1.0]}).problems(
+        gauges.Config(pressure={"deep": [0.0, -2.1, 0.0], "far": [0.0, 0.0, 2.1], "flat": [0.0, -1.0]}).misplaced(
             watched().basin
         )
     )
     assert problems["pressure.deep"] == "y = -2.1 m is outside the basin, whose bed is at -2 m"
     assert "z = 2.1 m is outside" in problems["pressure.far"] and "[x, y, z]" in problems["pressure.flat"]
-    assert "slice" in gauges.Config(pressure={"a": [0.0, 0.0, 0.0]}).problems(watched(width=None).basin)[0][1]
-    assert "outside" in gauges.Config(pressure={"a": [0.0, 0.1, 0.0]}).problems(watched(lid={}).basin)[0][1]
+    assert "slice" in gauges.Config(pressure={"a": [0.0, 0.0, 0.0]}).misplaced(watched(width=None).basin)[0][1]
+    assert "outside" in gauges.Config(pressure={"a": [0.0, 0.1, 0.0]}).misplaced(watched(lid={}).basin)[0][1]
 
 
 def test_a_basin_without_a_surface_has_no_elevation(watched):
     place = watched(walls={"y": "periodic"}, floor="none").basin
-    assert "no surface" in dict(gauges.Config(elevation={"a": [0.0, 0.0]}).problems(place))["elevation"]
-    assert gauges.Config(pressure={"a": [0.0, -1.0, 0.0]}).problems(place) == []
+    assert "no surface" in dict(gauges.Config(elevation={"a": [0.0, 0.0]}).misplaced(place))[("elevation",)]
+    assert gauges.Config(pressure={"a": [0.0, -1.0, 0.0]}).misplaced(place) == []

@@ -195,7 +195,7 @@ def test_as_much_water_makes_room_as_the_hull_displaces(afloat):
     gone = 16 * 16 * 6 - water.n
     assert gone * 0.1**3 == pytest.approx(body.mass / 1000.0, abs=0.5 * 0.1**3)
     assert from_a_box(start[0][: water.n, [0, 1, 2]] - body.position + CENTRE, 0.3).min() > 0.04
-    assert scene.fluid.lattice(scene.place()).n == water.n < scene.fluid.lattice(scene.basin.build()).n
+    assert scene.preflight.lattice.n == water.n < scene.preflight.untouched.n
     row = next(row for row in scene.ledger() if "distances" in row.what)
     assert row.bytes == 2 * 4 * np.prod(hull.nodes.shape)
 
@@ -325,8 +325,7 @@ def test_contact_can_be_switched_off_and_a_hull_across_a_wall_is_refused():
     scene = floating()
     on = load(scene, QUIET)
     off = load(scene, QUIET | {"ship.contact": None})
-    basin = on.basin.build()
-    assert len(on.ship.floating(basin, on.fluid)) == 1 and off.ship.floating(basin, off.fluid) == ()
+    assert len(on.preflight.solids) == 1 and off.preflight.solids == ()
     with pytest.raises(SceneError, match=r"reaches 0\.1 m through a wall across x"):
         load(scene, QUIET | {"ship.position": [0.6, 0.0]})
     load(scene, QUIET | {"ship.position": [0.6, 0.0], "ship.contact": None})

@@ -15,6 +15,7 @@ from ocean_sim.basin import Config as BasinConfig
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid.shared.particles import Components, Count
+from ocean_sim.parts import Preflight
 from ocean_sim.pictures.smoothed_mesh import smoothed
 from ocean_sim.surface.marching_cubes import Config, MarchingCubes
 from ocean_sim.surface.shared.density_map import flat_share
@@ -35,16 +36,17 @@ def water(places: np.ndarray, spacing: float = SPACING) -> Any:
     position = Components(len(places))
     position.from_numpy(places)
     volume = {"mass": 1000.0 * spacing**3, "rest_density": 1000.0, "spacing": spacing}
-    lattice = SimpleNamespace(spacing=spacing, n=len(places))
     n = len(places)
+    lattice = SimpleNamespace(spacing=spacing, n=n)
     particles = SimpleNamespace(n=n, count=Count(n, n), position=position, **volume)
-    return SimpleNamespace(particles=particles, lattice=lambda _: lattice)
+    return SimpleNamespace(particles=particles, lattice=lambda _: lattice, ratio=lambda _: 2.0)
 
 
 def built(places: np.ndarray, place: Basin, apart: float = SPACING, **keys: Any) -> MarchingCubes:
     fluid = water(np.asarray(places, dtype=float), apart)
-    config = Config(**keys).beside(fluid, place)
-    assert not config.problems(place) + config.problems_beside(fluid, place)
+    preflight = Preflight({"fluid": fluid}, place, 8, 1.0)
+    config = Config(**keys).completed(preflight)
+    assert not config.problems(preflight) + config.mismatches(preflight)
     return config.build(place, fluid)
 
 
@@ -304,7 +306,7 @@ def test_the_ledger_tells_what_is_allocated(taichi_cpu):
     surface = built(STILL, basin(2.0, 1.2, 0.6))
     put(surface, STILL).mesh()
     allocated = runtime.allocated_bytes() - before - 3 * 8 * len(STILL)  # the particles are the water's
-    told = surface.config.ledger(surface.basin, 8)
+    told = surface.config.ledger(Preflight({"fluid": water(STILL)}, surface.basin, 8, 1.0))
     assert {row.part for row in told} == {"surface"}
     assert allocated == pytest.approx(sum(row.bytes for row in told), rel=0.01)
 

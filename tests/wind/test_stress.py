@@ -11,7 +11,7 @@ from ocean_sim.parts import config_of
 from ocean_sim.reading.scene import observer_names
 from ocean_sim.validation.shared.state import state
 from ocean_sim.wind.shared.air_load import DRAG_LAWS, stress
-from ocean_sim.wind.shared.warnings import added_viscosity, eaten, fed, fetch_limited, plant
+from ocean_sim.wind.shared.warnings import eaten, fed, fetch_limited, plant
 
 UP = (0.0, 1.0, 0.0)
 # 1000 C_d at 10 m wind speed by Wu (1982), Garratt (1977) and Zijlema, van Vledder & Holthuijsen (2012).
@@ -258,15 +258,16 @@ def test_growth_that_the_measured_viscosity_eats_is_said_with_the_gain_that_woul
     k, nu = 2.0 * np.pi, 0.0
     for spacings, lost in ((32, 0.192), (64, 0.0606)):
         water = {"kind": "delta_sph", "spacing": 1.0 / spacings}
-        nu = added_viscosity(scene(basin=basin, fluid=water).fluid, scene(basin=basin, fluid=water).basin.build(), 1.0)
+        preflight = scene(basin=basin, fluid=water).preflight
+        nu = preflight.fluid.viscosity_added(preflight, 1.0)
         assert 4.0 * nu * k**2 == pytest.approx(lost, rel=0.02)
     growing = {"kind": "stress", "u10": 10.0, "sheltering": 0.27, "wave_speed": 1.25, "gain": 1.23}
     told = scene(basin=basin, fluid=water, wind=growing)
     beta = fed(told.wind, 10.0, k, 0.5, 9.81)
     assert beta == pytest.approx(0.156, rel=0.02)
-    assert not eaten(10.0, k, told)
+    assert not eaten(told.wind, 10.0, k, told.preflight)
     weak = scene(basin=basin, fluid=water, wind=growing | {"gain": 0.123})
-    (said,) = eaten(10.0, k, weak)
+    (said,) = eaten(weak.wind, 10.0, k, weak.preflight)
     assert "growth is eaten" in said and "0.00038 that delta_sph adds" in said
     assert f"a gain of {0.123 * 4.0 * nu * k**2 / (0.1 * beta):.2g}" in said
     assert fed(scene(wind={"kind": "stress", "gain": 9.0}).wind, 10.0, k, 50.0, 9.81) == 9.0 * plant(10.0, k, 9.81)
@@ -278,7 +279,7 @@ def test_what_dfsph_adds_is_what_its_standing_wave_loses():
     basin = {"length": 2.0, "depth": 1.0, "gravity": [0.0, -1.0, 0.0]}
     for spacing, measured in ((0.04, 1.747e-3), (0.02, 7.67e-4)):
         told = scene(basin=basin, fluid={"kind": "dfsph", "spacing": spacing})
-        assert added_viscosity(told.fluid, told.basin.build(), 2.0) == pytest.approx(measured, rel=0.01)
+        assert told.fluid.viscosity_added(told.preflight, 2.0) == pytest.approx(measured, rel=0.01)
 
 
 def test_warnings_of_a_real_wind():

@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import Field
 
 from ocean_sim.basin import Basin
-from ocean_sim.parts import PartConfig, quantity
+from ocean_sim.model import Model, quantity
 
 if TYPE_CHECKING:
     from ocean_sim.fluid.shared.water import Lattice
@@ -24,7 +24,7 @@ MOST_PARTICLES = 2**26  # their neighbours are counted in 32 bits
 LATE = 1e-9  # [layers] rounding of the time
 
 
-class Emitter(PartConfig):
+class Emitter(Model):
     """A mouth from which water flows, in a basin that is empty but for `fill`."""
 
     position: Vector = quantity("m")

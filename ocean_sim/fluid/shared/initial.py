@@ -18,7 +18,7 @@ from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.files import csv_file
 from ocean_sim.files.input_file import FileName, Unreadable, arrays, shown
-from ocean_sim.parts import PartConfig, quantity
+from ocean_sim.model import Model, quantity
 from ocean_sim.random_numbers import numpy_uniform3
 
 State = tuple[np.ndarray, np.ndarray, np.ndarray]  # positions (n, 3) [m], velocities (n, 3) [m/s], pressures (n,) [Pa]
@@ -31,7 +31,7 @@ FEWEST = 4.0  # spacings that a wave must be long to be there
 STEEPEST_STANDING = 0.218  # height over wavelength, over tanh(kh), of a standing wave that breaks (Wiegel 1964)
 
 
-class StandingWave(PartConfig):
+class StandingWave(Model):
     """A standing wave along x; its crest or trough stands at both ends of the basin."""
 
     kind: Literal["standing_wave"] = "standing_wave"
@@ -76,7 +76,7 @@ class StandingWave(PartConfig):
         return carried(self.sea(basin), positions, basin, density)
 
 
-class RegularWave(PartConfig):
+class RegularWave(Model):
     """A regular wave that travels through periodic sides."""
 
     kind: Literal["regular_wave"] = "regular_wave"
@@ -114,7 +114,7 @@ class RegularWave(PartConfig):
         return carried(fitted(self.sea(basin), basin), positions, basin, density)
 
 
-class RandomWaves(PartConfig):
+class RandomWaves(Model):
     """Random waves that travel through periodic sides; each of their components is made to fit the basin."""
 
     kind: Literal["spectrum"] = "spectrum"
@@ -151,7 +151,7 @@ class RandomWaves(PartConfig):
         return carried(fitted(kept, basin), positions, basin, density)
 
 
-class TaylorGreen(PartConfig):
+class TaylorGreen(Model):
     """The vortices of Taylor & Green (1937), one period in x and y, uniform along z."""
 
     kind: Literal["taylor_green"] = "taylor_green"
@@ -178,7 +178,7 @@ class TaylorGreen(PartConfig):
         return placed, self.speed * np.stack([u, v, np.zeros_like(u)], axis=1), pressure
 
 
-class FromFile(PartConfig):
+class FromFile(Model):
     """Particles as a file has them, as many as there are; they replace the lattice."""
 
     kind: Literal["file"] = "file"

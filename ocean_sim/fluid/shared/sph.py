@@ -12,8 +12,9 @@ from ocean_sim.fluid.shared.field import Field
 from ocean_sim.fluid.shared.grid import GridSize
 from ocean_sim.fluid.shared.neighbours import ListSize, Neighbours
 from ocean_sim.fluid.shared.particle_water import ParticleWater
-from ocean_sim.fluid.shared.water import WaterConfig, free_fall_speed
-from ocean_sim.parts import LedgerRow, quantity
+from ocean_sim.fluid.shared.water import Lattice, WaterConfig, free_fall_speed
+from ocean_sim.model import quantity
+from ocean_sim.parts import LedgerRow, Preflight, Problems
 from ocean_sim.wind import Wind
 
 PARTICLE = 1.8e-7  # [s] of processor time that a particle takes in a step beside its neighbours
@@ -50,12 +51,19 @@ class SphConfig(WaterConfig):
         """Whether the water has no free surface."""
         return basin.closed and self.fill is None
 
-    def problems(self, basin: Basin) -> list[tuple[tuple[str | int, ...], str]]:
-        found = super().problems(basin)
+    @property
+    def support_asked(self) -> float | None:
+        return self.support_ratio
+
+    @property
+    def viscosity_asked(self) -> float:
+        return self.kinematic_viscosity
+
+    def problems(self, preflight: Preflight) -> Problems:
+        found, basin = super().problems(preflight), preflight.tank
         if self.sound_speed(basin) == 0.0:
             found.append((("reference_speed",), "is required without gravity: compression needs a speed to refer to"))
-        lattice = self.lattice(basin)
-        support = self.ratio(basin) * lattice.spacing
+        support = preflight.support
         for axis, period in zip("xyz", basin.periods, strict=True):
             if 0.0 < period < 2.0 * support:
                 found.append(
@@ -66,15 +74,30 @@ class SphConfig(WaterConfig):
                 )
         return found
 
-    def sized(self, basin: Basin, reads: int, carried: int = 0) -> ListSize:
+    def sized(self, lattice: Lattice, reads: int, carried: int = 0) -> ListSize:
         """How large grid and lists are for laws that read so many fields."""
-        lattice = self.lattice(basin)
-        return ListSize(GridSize(lattice, self.ratio(basin) * lattice.spacing, carried), reads)
+        return ListSize(GridSize(lattice, self.ratio(lattice.basin) * lattice.spacing, carried), reads)
 
-    def still_limits(self, basin: Basin) -> Limits:
-        """Limits of the time step in still water, before anything is allocated."""
-        support = self.ratio(basin) * self.lattice(basin).spacing
-        return limits(support, self.sound_speed(basin), self.kinematic_viscosity, 0.0, 0.0)
+    def still_limits(self, preflight: Preflight) -> Limits:
+        return limits(preflight.support, self.sound_speed(preflight.tank), self.kinematic_viscosity, 0.0, 0.0)
+
+    def viscosity_added(self, preflight: Preflight, length: float) -> float:
+        if not self.added_viscosity:
+            return 0.0
+        spacings, shares = zip(*self.added_viscosity)
+        share = np.exp(np.interp(np.log(length / preflight.spacing), np.log(spacings), np.log(shares)))
+        return float(share * 0.5 * self.ratio(preflight.tank) * preflight.spacing * self.sound_speed(preflight.tank))
+
+    def statements(self, preflight: Preflight) -> list[str]:
+        c, speed = self.sound_speed(preflight.tank), self.speed(preflight.tank)
+        found = [
+            f"sound speed {c:.4g} m/s, stiffness {c * c:.4g} m2/s2: compression (reference speed {speed:.4g} m/s / "
+            f"sound speed)^2 = {(speed / c) ** 2:.2%}"
+        ]
+        if self.minimum_pressure is not None:
+            least = f"{self.minimum_pressure:g}"
+            found.append(f"pressures below {least} Pa are set to {least} (minimum_pressure)")
+        return found + super().statements(preflight)
 
 
 def rows(sizes: ListSize, word: int, numbers: int, what: str, pair: float) -> list[LedgerRow]:

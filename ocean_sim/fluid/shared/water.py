@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from functools import cached_property
 from math import sqrt
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field, field_validator, model_validator
@@ -14,11 +14,15 @@ from ocean_sim.fluid.shared import initial as initial_module
 from ocean_sim.fluid.shared.emitter import MOST_PARTICLES, Emitter, Jet
 from ocean_sim.fluid.shared.emitter import problems as mouth_problems
 from ocean_sim.fluid.shared.initial import Initial
-from ocean_sim.parts import PartConfig, Vector3, quantity
+from ocean_sim.model import Vector3, quantity
+from ocean_sim.parts import FluidConfig, Preflight, Problems
 
 
-class WaterConfig(PartConfig):
+class WaterConfig(FluidConfig):
     """Keys that every kind of particle water shares."""
+
+    made_of_particles: ClassVar[bool] = True
+    example: ClassVar[dict[str, Any]] = {"spacing": 2.5}
 
     spacing: float | None = quantity("m", None, gt=0.0)
     """Distance between particles at rest."""
@@ -54,13 +58,34 @@ class WaterConfig(PartConfig):
             raise ValueError("give either spacing [m] or particles, a budget")
         return self
 
+    def statements(self, preflight: Preflight) -> list[str]:
+        if self.motion_limit is None:
+            return []
+        return [
+            f"no particle moves further than {self.motion_limit:g} spacings in a step; what is held back is counted"
+        ]
+
+    @property
+    def steady_force(self) -> Vector3:
+        return self.body_force
+
+    @property
+    def driven(self) -> bool:
+        return self.emitter is not None
+
+    def began(self, preflight: Preflight) -> "Lattice":
+        """The lattice that this water starts on in a scene."""
+        lattice = preflight.lattice
+        assert isinstance(lattice, Lattice)
+        return lattice
+
     def lattice(self, basin: Basin) -> "Lattice":
         """Where the particles are at first, counted but not yet made."""
         return Lattice(self, basin)
 
-    def problems(self, basin: Basin) -> list[tuple[tuple[str | int, ...], str]]:
-        """What is wrong with these keys in this basin: (path below `fluid`, sentence)."""
-        found: list[tuple[tuple[str | int, ...], str]] = []
+    def problems(self, preflight: Preflight) -> Problems:
+        basin = preflight.tank
+        found: Problems = []
         if basin.dimension == 2 and self.body_force[2] != 0.0:
             found.append((("body_force",), "a slice in x-y has no force along z"))
         for k, box in enumerate(self.fill or ()):
@@ -75,7 +100,8 @@ class WaterConfig(PartConfig):
             if found:
                 return found
         found += [(("initial", *path), sentence) for path, sentence in initial_module.problems(self.initial, basin)]
-        lattice = self.lattice(basin)
+        lattice = preflight.untouched
+        assert isinstance(lattice, Lattice)
         if self.spacing is not None and lattice.volume > MOST_PARTICLES * self.spacing**basin.dimension:
             found.append((("spacing",), f"would make more than {MOST_PARTICLES} particles, the most that there can be"))
         boxes = lattice.boxes if self.fill is not None else []

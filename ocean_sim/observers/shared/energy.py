@@ -24,12 +24,11 @@ def falls_around(simulation: "Simulation") -> bool:
     gravity along an axis that is periodic."""
     basin = simulation.basin
     around = any(period > 0.0 and g != 0.0 for period, g in zip(basin.periods, basin.gravity, strict=True))
-    return around or any(simulation.scene.fluid.body_force) or basin.config.motion is not None
+    return around or any(simulation.scene.fluid.steady_force) or basin.config.motion is not None
 
 
 def driven(simulation: "Simulation") -> bool:
     """Whether wind, walls that move, a ship, new water or a body force may give energy to the water."""
     scene, basin = simulation.scene, simulation.basin.config
-    wind = scene.wind is not None and scene.wind.kind != "still"
     walls = basin.wavemaker or (basin.lid is not None and any(basin.lid.velocity))
-    return bool(wind or walls or simulation.ship or getattr(scene.fluid, "emitter", None) or falls_around(simulation))
+    return bool(not scene.wind.still or walls or simulation.ship or scene.fluid.driven or falls_around(simulation))

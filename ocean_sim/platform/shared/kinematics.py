@@ -6,7 +6,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field, model_validator
 
-from ocean_sim.parts import PartConfig, Vector3, quantity
+from ocean_sim.model import Model, Vector3, quantity
 
 Joints = Annotated[tuple[Vector3, Vector3, Vector3, Vector3, Vector3, Vector3], Field(strict=False)]
 
@@ -15,7 +15,7 @@ CLOSE = 1e-13  # [m] of a leg
 FINE = 60  # halvings of an interval
 
 
-class Geometry(PartConfig):
+class Geometry(Model):
     """Where the joints are, and what the legs can do."""
 
     base: Joints = quantity("m")

@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import Field
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.parts import PartConfig, Vector3, quantity
+from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.platform import INPUT, TILT_RATE, Cue
 from ocean_sim.platform.shared.motion_log import Ride, euler_rates, turned
 
@@ -25,7 +25,7 @@ NotNegative3 = Annotated[tuple[NotNegative, NotNegative, NotNegative], Field(str
 Frequencies = Annotated[tuple[Positive | None, Positive | None, Positive], Field(strict=False)]
 
 
-class Config(PartConfig):
+class Config(Model):
     kind: Literal["classical"] = "classical"
     force_scale: Vector3 = quantity("1")
     """Scale of acceleration along x, y and z."""

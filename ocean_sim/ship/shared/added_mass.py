@@ -10,12 +10,12 @@ from math import pi, sqrt
 
 import numpy as np
 
-from ocean_sim.parts import PartConfig, quantity
+from ocean_sim.model import Model, quantity
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.rigid_body import RigidBody, cross, solved
 
 
-class AddedMass(PartConfig):
+class AddedMass(Model):
     """Added mass about the centre of mass, body axes; what is null comes by rule from the hull."""
 
     sway: float | None = quantity("kg", None, ge=0.0)

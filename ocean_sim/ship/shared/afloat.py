@@ -2,7 +2,7 @@
 
 from functools import cached_property
 from math import isinf, radians
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from pydantic import ValidationInfo, field_validator
@@ -11,7 +11,8 @@ from ocean_sim.basin import Basin
 from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.files.input_file import beside_scene
 from ocean_sim.fluid import Limits
-from ocean_sim.parts import LedgerRow, Vector3, named, quantity
+from ocean_sim.model import Vector3, quantity
+from ocean_sim.parts import LedgerRow, Preflight, Problems, named
 from ocean_sim.ship.shared.cubes import Cubes, Wetted
 from ocean_sim.ship.shared.distance import MANY, memory
 from ocean_sim.ship.shared.hull import Hull, Inertia, explained, hull_of
@@ -33,7 +34,7 @@ FEW = 4.0  # spacings in a draught
 class FloatingConfig(Placed):
     """Keys of a ship that floats by its volume."""
 
-    needs_surface: ClassVar[bool] = True  # over particles
+    example: ClassVar[dict[str, Any]] = {"hull": "wigley"}
 
     hull: str | Hull
     """A name in configs/hull/, a mesh file (STL, OBJ, PLY), or a mapping with `shape`."""
@@ -70,21 +71,17 @@ class FloatingConfig(Placed):
         """The hull in still water; raises ValueError."""
         return self.whole_hull.afloat(self.cells_per_draught, density, gravity)
 
-    def floating(self, basin: Basin, fluid: Any) -> tuple[Solid, ...]:
-        """What the water is built around."""
-        if self.contact is None or not hasattr(fluid, "lattice"):
+    def solids(self, preflight: Preflight) -> tuple[Solid, ...]:
+        if self.contact is None or preflight.spacing is None:
             return ()
-        still = self.afloat(-basin.gravity[1], fluid.rest_density)
+        still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
         body = self.body(still.matter, *afloat_pose(still))
-        support = getattr(fluid, "support_ratio", None) or RIM
-        reach = max(RIM, support) * fluid.lattice(basin).spacing
+        reach = max(RIM, preflight.fluid.support_asked or RIM) * preflight.spacing
         return (Solid(self.whole_hull.shape, still.matter.centre, body, False, felt=False, reach=reach),)
 
-    def problems_beside(self, fluid: Any, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
-        """What is wrong with the ship in this water."""
-        found: list[tuple[tuple[str, ...], str]] = []
-        for solid in self.floating(basin, fluid):
-            spacing = fluid.lattice(basin).spacing
+    def mismatches(self, preflight: Preflight) -> Problems:
+        found, basin, spacing = Problems(), preflight.tank, preflight.spacing or 0.0
+        for solid in own(preflight):
             if memory(solid.shape, spacing / FINE, max(solid.reach, RIM * spacing), 8)[0] > MANY:
                 size = " x ".join(f"{x:.3g}" for x in np.ptp(solid.shape.bounds(), axis=0))
                 said = f"a hull of {size} m is too small beside particles {spacing:g} m apart"
@@ -96,8 +93,8 @@ class FloatingConfig(Placed):
                     found.append((("position",), f"the hull reaches {depth.max():.3g} m through {side}"))
         return found
 
-    def problems(self, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
-        """What is wrong with the ship in this basin: (path below `ship`, sentence)."""
+    def problems(self, preflight: Preflight) -> Problems:
+        basin = preflight.tank
         found = self.misplaced(basin)
         if found:
             return found
@@ -110,10 +107,8 @@ class FloatingConfig(Placed):
             found.append((("hull",), said))
         return found
 
-    def warnings(self, scene: Any) -> list[str]:
-        """What a reader of the results should know."""
-        basin = scene.basin.build()
-        hull = self.afloat(-basin.gravity[1], scene.fluid.rest_density)
+    def warnings(self, preflight: Preflight) -> list[str]:
+        hull = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
         if isinf(hull.draught):
             return [f"the ship weighs {hull.matter.mass:.4g} kg, more than its hull can carry: it sinks"]
         found = []
@@ -122,22 +117,27 @@ class FloatingConfig(Placed):
             found.append(f"the hull has {cells:.2g} cubes over its draught, as it draws little of its height")
         if hull.metacentric_height() <= 0.0:
             found.append(f"the ship is unstable upright: GM = {hull.metacentric_height():.3g} m; it will heel")
-        spacing = getattr(scene.fluid, "spacing", None)
+        spacing = preflight.spacing
         if spacing and hull.draught < FEW * spacing:
             said = f"the draught of {hull.draught:.3g} m is {hull.draught / spacing:.2g} spacings; below {FEW:g}"
             found.append(f"{said} the water does not resolve the ship")
         return found
 
-    def ledger(self, basin: Basin, word: int = 8) -> list[LedgerRow]:
-        """What it allocates."""
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        basin, word = preflight.tank, preflight.word
         n = len(self.afloat(-basin.gravity[1], WATER_DENSITY).voxels.share)
         size = Cubes.bytes(n, word) + Water.bytes(True, word)
         why = f"{self.cells_per_draught:g} cells_per_draught"
         rows = [LedgerRow("ship", f"{n} cubes of the hull", size, why, BODY + CUBE * n)]
-        for solid in basin.afloat:
+        for solid in own(preflight):
             count, size = memory(solid.shape, solid.reach / RIM / FINE, solid.reach, word)
             rows.append(LedgerRow("ship", f"{count} distances from the hull", size, "ship.contact with particles"))
         return rows
+
+
+def own(preflight: Preflight) -> list[Solid]:
+    """The hull among what floats in a scene."""
+    return [solid for solid in preflight.solids if isinstance(solid, Solid)]
 
 
 class Afloat:

@@ -5,11 +5,11 @@ from math import pi, sqrt
 import numpy as np
 
 from ocean_sim.conventions import Motions
-from ocean_sim.parts import PartConfig, quantity
+from ocean_sim.model import Model, quantity
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 
 
-class Damping(PartConfig):
+class Damping(Model):
     """Shares of critical damping, and coefficients of drag; the defaults are ours, of a bare hull of common form."""
 
     heave: float = quantity("1", 0.12, ge=0.0)

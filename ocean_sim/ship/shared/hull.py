@@ -8,7 +8,8 @@ import numpy as np
 from pydantic import AfterValidator, ValidationError
 
 from ocean_sim.files import yaml_file
-from ocean_sim.parts import PartConfig, Vector3, library, named, quantity
+from ocean_sim.model import Model, Vector3, quantity
+from ocean_sim.parts import library, named
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics, Matter
 from ocean_sim.ship.shared.shapes import MeshFile, Shape
 from ocean_sim.ship.shared.voxels import FLAT, Voxels, voxels
@@ -31,7 +32,7 @@ def of_a_body(inertia: tuple[float, float, float]) -> tuple[float, float, float]
 Inertia = Annotated[Vector3, AfterValidator(of_a_body)]
 
 
-class Hull(PartConfig):
+class Hull(Model):
     """A hull; places are from its origin amidships at the keel: x to port, y up, z to the bow."""
 
     shape: Shape

@@ -8,7 +8,8 @@ from pydantic import Field
 
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import Diverged, Motions
-from ocean_sim.parts import Vector3, quantity
+from ocean_sim.model import Vector3, quantity
+from ocean_sim.parts import Problems, ShipConfig
 from ocean_sim.ship import Load, loaded
 from ocean_sim.ship.shared.hydrostatics import Matter
 from ocean_sim.ship.shared.propulsion import Crew, Helm, Person, Propeller, Rudder, towards
@@ -20,7 +21,7 @@ Motion = Annotated[str, Field(pattern=f"^({'|'.join(Motions._fields)})$")]
 Place = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 
 
-class Placed(Helm):
+class Placed(Helm, ShipConfig):
     """Keys of every kind of ship."""
 
     slices: ClassVar[bool] = False  # whether it also floats in a slice
@@ -40,9 +41,9 @@ class Placed(Helm):
     points: dict[Name, Vector3] = {}
     """Named places, from the hull's origin [m]: x to port, y up from the keel, z to the bow from amidships."""
 
-    def misplaced(self, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
+    def misplaced(self, basin: Basin) -> Problems:
         """What contradicts the basin: (path below `ship`, sentence)."""
-        found: list[tuple[tuple[str, ...], str]] = []
+        found: Problems = []
         if basin.dimension == 2 and not self.slices:
             found.append((("kind",), "a ship needs a basin with a width"))
         if basin.gravity[0] or basin.gravity[2] or not basin.gravity[1] < 0.0:

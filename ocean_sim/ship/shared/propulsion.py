@@ -9,13 +9,13 @@ from pydantic import field_validator, model_validator
 
 from ocean_sim.files import csv_file
 from ocean_sim.files.input_file import FileName, shown
-from ocean_sim.parts import PartConfig, Vector3, quantity
+from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.ship.shared.rigid_body import RigidBody
 
 COLUMNS = ("time_s", "throttle", "rudder_rad")
 
 
-class Propeller(PartConfig):
+class Propeller(Model):
     """T = K (n |n| - |n| (1 - w) u / u0), n the throttle: alpha_0 n|n| + alpha_1 n V_a / D of Blanke (1981) in terms of
     bollard pull and of the speed at which full throttle gives no thrust."""
 
@@ -39,7 +39,7 @@ class Propeller(PartConfig):
         return bare if throttle >= 0.0 else self.astern * bare
 
 
-class Rudder(PartConfig):
+class Rudder(Model):
     """N = 1/2 rho A U^2 6.13 L / (L + 2.25) sin(angle to the flow) (Fujii & Tuda 1961; Kose 1982), -N cos(rudder)
     across and -N sin(rudder) along."""
 
@@ -64,7 +64,7 @@ class Rudder(PartConfig):
         return np.array([-normal * cos(angle), 0.0, -normal * sin(angle)])
 
 
-class Row(PartConfig):
+class Row(Model):
     """Orders at a time; straight lines between rows."""
 
     time: float = quantity("s", ge=0.0)
@@ -74,7 +74,7 @@ class Row(PartConfig):
     """Positive turns to port."""
 
 
-class Track(PartConfig):
+class Track(Model):
     """Orders from a file."""
 
     file: FileName
@@ -97,7 +97,7 @@ class Track(PartConfig):
         return file
 
 
-class Course(PartConfig):
+class Course(Model):
     """A heading to hold, by proportional and differential steering."""
 
     heading_deg: float = quantity("deg")
@@ -109,7 +109,7 @@ class Course(PartConfig):
     """Rudder angle over gain and the yaw rate."""
 
 
-class Autopilot(PartConfig):
+class Autopilot(Model):
     """Someone who holds a course."""
 
     autopilot: Course
@@ -118,7 +118,7 @@ class Autopilot(PartConfig):
 Controls = list[Row] | Track | Autopilot
 
 
-class Helm(PartConfig):
+class Helm(Model):
     """Keys that every steered ship has."""
 
     controls: Controls = []

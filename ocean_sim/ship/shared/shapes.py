@@ -6,12 +6,12 @@ import numpy as np
 from pydantic import Field
 
 from ocean_sim.files.input_file import FileName, content
-from ocean_sim.parts import PartConfig, Vector3, quantity
+from ocean_sim.model import Model, Vector3, quantity
 
 Box3 = tuple[np.ndarray, np.ndarray]
 
 
-class Solid(PartConfig):
+class Solid(Model):
     """What every shape can say of itself."""
 
     def content(self) -> bytes:

@@ -22,7 +22,7 @@ import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.basin import Basin
-from ocean_sim.parts import PartConfig, quantity
+from ocean_sim.model import Model, quantity
 from ocean_sim.ship import PARTS, Load
 from ocean_sim.ship.shared.distance import Distance
 from ocean_sim.ship.shared.moving_hull import HALF, MIDDLE, PLACE, MovingHull
@@ -44,7 +44,7 @@ WORK = 6  # after the impulse and its moment
 BEFORE, SLIP, TOLD = 18, 24, 25  # after the pose: velocities before, and the share of a slip that friction may take
 
 
-class Contact(PartConfig):
+class Contact(Model):
     """How particles bounce from the hull."""
 
     restitution: float = quantity("1", 0.0, ge=0.0, le=1.0)

@@ -1,6 +1,7 @@
 """What the cases of wind share: a stress of so many Pa, and the same water under still air."""
 
 from ocean_sim.parts import config_of
+from ocean_sim.reading.scene import SceneConfig
 from ocean_sim.simulation import Simulation
 
 U10 = 10.0  # [m/s]
@@ -14,4 +15,5 @@ def blowing(stress: float, **keys: float) -> dict:
 
 def stilled(simulation: Simulation) -> Simulation:
     """The same scene without wind, from the start."""
+    assert isinstance(simulation.scene, SceneConfig)
     return Simulation(simulation.scene.model_copy(update={"wind": config_of("wind", "still")()}))

@@ -9,12 +9,12 @@ from pydantic import Field, model_validator
 
 from ocean_sim.files import csv_file
 from ocean_sim.files.input_file import FileName, shown
-from ocean_sim.parts import PartConfig, quantity
+from ocean_sim.model import Model, quantity
 
 Problems = Iterator[tuple[tuple[str | int, ...], str]]  # path below the config, sentence
 
 
-class Timed(PartConfig):
+class Timed(Model):
     """Keys of whatever begins and ends."""
 
     start: float = quantity("s", 0.0, ge=0.0)
@@ -57,7 +57,7 @@ class Timed(PartConfig):
         return float(part * part * (3.0 - 2.0 * part) * share)
 
 
-class Row(PartConfig):
+class Row(Model):
     """Speed and direction at one time."""
 
     time: float = quantity("s", ge=0.0)
@@ -68,7 +68,7 @@ class Row(PartConfig):
     """Where it goes to: 0 along +z, 90 along +x."""
 
 
-class File(PartConfig):
+class File(Model):
     """The rows in a file."""
 
     file: FileName

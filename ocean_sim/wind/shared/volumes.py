@@ -9,7 +9,7 @@ import taichi as ti
 import taichi.math as tm
 from pydantic import Field
 
-from ocean_sim.parts import PartConfig, Vector3, quantity
+from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.wind.shared.air import turned_all
 
 Length = Annotated[float, Field(gt=0.0)]
@@ -75,7 +75,7 @@ def counts(x: float, z: float) -> tuple[int, int]:
     return (3, 3) if max(x, z) < 2.0 * min(x, z) else (5, 1) if x > z else (1, 5)
 
 
-class Box(PartConfig):
+class Box(Model):
     """A box, turned about the vertical."""
 
     kind: Literal["box"] = "box"
@@ -91,7 +91,7 @@ class Box(PartConfig):
         return Core(np.array(self.centre), self.half_size, 0.0, radians(self.yaw_deg))
 
 
-class Sphere(PartConfig):
+class Sphere(Model):
     """A sphere."""
 
     kind: Literal["sphere"] = "sphere"
@@ -105,7 +105,7 @@ class Sphere(PartConfig):
         return Core(np.array(self.centre), (0.0, 0.0, 0.0), self.radius, 0.0)
 
 
-class Capsule(PartConfig):
+class Capsule(Model):
     """A cylinder with round ends."""
 
     kind: Literal["capsule"] = "capsule"

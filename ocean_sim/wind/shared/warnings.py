@@ -1,52 +1,50 @@
 """What `check` says of a wind: how much stronger than a real one it is, and what it will do to the water."""
 
 from math import hypot, isinf, pi
-from typing import Any
-
-from numpy import exp, interp, log
+from typing import Protocol
 
 from ocean_sim import waves
 from ocean_sim.conventions import AIR_DENSITY, GRAVITY, WATER_DENSITY
-from ocean_sim.parts import Vector3
+from ocean_sim.model import Vector3
+from ocean_sim.parts import Preflight
 from ocean_sim.wind.shared.air_load import DRAG_LAWS, RANGES, DragLaw, stress
 
 U10 = 10.0  # [m/s] the real wind that force fields are compared with
 FEWEST = 10.0  # spacings that a wave must be long to travel well
 
-# Viscosity that a scheme adds to a wave so many spacings long, over h c (half its support, its sound speed): measured
-# by the decay of small waves in a slice, in the cases wind_growth (still air; 32 and 64) and standing_wave (50 and 100;
-# mueller's at Re 250, less its own, for without any it grows; dfsph's with its artificial viscosity of 0.01, which is
-# 1.0e-3 of it). Steeper seas lose more: imposed_sea, at 160 to 200 spacings to the peak's wave, some 0.002 under
-# delta_sph.
-ADDED = {
-    "delta_sph": ((32.0, 8.8e-4), (64.0, 5.5e-4), (100.0, 2.2e-4)),
-    "mueller": ((50.0, 3.3e-3),),
-    "dfsph": ((50.0, 2.43e-3), (100.0, 2.13e-3)),
-}
+
+class Blowing(Protocol):
+    """A physical wind, as what it does to waves asks for it."""
+
+    gain: float
+    sheltering: float
+
+    def sheltered(self, u10: float) -> float:
+        """Pressure on the waves over their slope along the wind [Pa], the gain included."""
+        ...
 
 
-def layer(scene: Any) -> float:
+def layer(preflight: Preflight) -> float:
     """Thickness of one layer of particles [m]; 1 where the water has none."""
-    lattice = getattr(scene.fluid, "lattice", None)
-    return lattice(scene.basin.build()).spacing if lattice else 1.0
+    return preflight.spacing or 1.0
 
 
-def stylised(name: str, acceleration: float, scene: Any) -> str:
+def stylised(name: str, acceleration: float, preflight: Preflight) -> str:
     """How a force field of this size [m/s2] compares with the stress of a wind on one layer of particles."""
-    thick = layer(scene)
-    real = stress(U10) / (getattr(scene.fluid, "rest_density", WATER_DENSITY) * thick)
+    thick = layer(preflight)
+    real = stress(U10) / (preflight.fluid.rest_density * thick)
     return (
         f"{name}: a stylised force field, not a physical stress: {acceleration:.3g} m/s2 is {acceleration / real:.1e} "
         f"times what a wind of {U10:g} m/s does to a layer of {thick:g} m"
     )
 
 
-def kick(name: str, acceleration: Vector3, passing_time: float, scene: Any) -> list[str]:
+def kick(name: str, acceleration: Vector3, passing_time: float, preflight: Preflight) -> list[str]:
     """What one passage does to a particle, and whether that throws the water out of the basin."""
     if isinf(passing_time):
         return [f"{name}: does not drift: it goes on accelerating what it holds by {hypot(*acceleration):.3g} m/s2"]
     along, up = hypot(acceleration[0], acceleration[2]) * passing_time, acceleration[1] * passing_time
-    speed, g, depth = hypot(along, up), hypot(*scene.basin.gravity), scene.basin.depth
+    speed, g, depth = hypot(along, up), hypot(*preflight.tank.gravity), preflight.tank.depth
     sentences = [f"{name}: the kick of one passage is {speed:.2g} m/s ({along:.2g} along, {up:.2g} up)"]
     if speed**2 > 2.0 * g * depth:
         height = f"{speed**2 / (2.0 * g):.1f} m high, above the depth of {depth:g} m" if g else "away, without gravity"
@@ -81,19 +79,7 @@ def plant(u10: float, k: float, gravity: float = GRAVITY) -> float:
     return 0.04 * stress(u10) / AIR_DENSITY * (k / omega) ** 2 * omega
 
 
-def added_viscosity(fluid: Any, basin: Any, length: float) -> float:
-    """Viscosity [m2/s] that the scheme of this water adds to waves of a length [m], as ADDED tells; 0 where it was not
-    measured."""
-    table = ADDED.get(fluid.kind)
-    if table is None:
-        return 0.0
-    spacing = fluid.lattice(basin).spacing
-    spacings, shares = zip(*table)
-    share = exp(interp(log(length / spacing), log(spacings), log(shares)))
-    return float(share * 0.5 * fluid.ratio(basin) * spacing * fluid.sound_speed(basin))
-
-
-def fed(wind: Any, u10: float, k: float, depth: float, pull: float) -> float:
+def fed(wind: Blowing, u10: float, k: float, depth: float, pull: float) -> float:
     """Rate [1/s] at which the wind of a scene feeds energy into waves of wavenumber k [1/m]: by its pressure on them
     where it has one, or else what Plant found, times its gain."""
     if wind.sheltering:
@@ -101,28 +87,28 @@ def fed(wind: Any, u10: float, k: float, depth: float, pull: float) -> float:
     return wind.gain * plant(u10, k, pull)
 
 
-def eaten(u10: float, k: float, scene: Any) -> list[str]:
+def eaten(wind: Blowing, u10: float, k: float, preflight: Preflight) -> list[str]:
     """Whether the water rubs away more of waves of wavenumber k [1/m] than the wind of the scene feeds them."""
-    pull, length = hypot(*scene.basin.gravity), 2.0 * pi / k
-    beta = fed(scene.wind, u10, k, scene.basin.depth, pull)
-    own, added = scene.fluid.kinematic_viscosity, added_viscosity(scene.fluid, scene.basin.build(), length)
+    fluid, pull, length = preflight.fluid, hypot(*preflight.tank.gravity), 2.0 * pi / k
+    beta = fed(wind, u10, k, preflight.tank.depth, pull)
+    own, added = fluid.viscosity_asked, fluid.viscosity_added(preflight, length)
     lost = 4.0 * (own + added) * k**2
     if lost <= beta:
         return []
-    needed = f"; a gain of {scene.wind.gain * lost / beta:.2g} would feed as much" if beta > 0.0 else ""
+    needed = f"; a gain of {wind.gain * lost / beta:.2g} would feed as much" if beta > 0.0 else ""
     return [
         f"wind: growth is eaten: it feeds waves of {length:.3g} m at {beta:.2g} /s, and 4 nu k^2 takes {lost:.2g} /s, "
-        f"of a viscosity of {own:g} m2/s and {added:.2g} that {scene.fluid.kind} adds, as measured{needed}"
+        f"of a viscosity of {own:g} m2/s and {added:.2g} that {fluid.kind} adds, as measured{needed}"
     ]
 
 
-def unresolved(u10: float, scene: Any) -> list[str]:
+def unresolved(wind: Blowing, u10: float, preflight: Preflight) -> list[str]:
     """What keeps this water from showing the waves of a real wind: particles too coarse, water too viscous, a basin too
     short."""
-    basin, pull = scene.basin, hypot(*scene.basin.gravity)
-    if u10 <= 0.0 or pull <= 0.0 or not hasattr(scene.fluid, "lattice"):
+    basin, pull, spacing = preflight.tank, hypot(*preflight.tank.gravity), preflight.spacing
+    if u10 <= 0.0 or pull <= 0.0 or spacing is None:
         return []
-    spacing, fetch = layer(scene), max(basin.length, basin.width or 0.0)
+    fetch = max(basin.config.length, basin.config.width or 0.0)
     height, period = fetch_limited(u10, fetch, pull)
     k = float(waves.wavenumber(2.0 * pi / period, basin.depth, pull))
     length, said = 2.0 * pi / k, []
@@ -134,13 +120,11 @@ def unresolved(u10: float, scene: Any) -> list[str]:
     if fetch < 2.0 * length:
         said.append(f"wind: {real}: the basin is shorter than two of them")
     seen = 2.0 * pi / max(length, FEWEST * spacing)
-    most, nu = plant(u10, seen, pull) / (4.0 * seen**2), getattr(scene.fluid, "kinematic_viscosity", 0.0)
+    most, nu = plant(u10, seen, pull) / (4.0 * seen**2), preflight.fluid.viscosity_asked
     if nu > most:
         said.append(
             f"wind: the viscosity of {nu:g} m2/s is more than the {most:.2g} m2/s under which a real wind of {u10:g} "
             f"m/s makes waves of {2.0 * pi / seen:.3g} m grow (Plant 1982); what the scheme adds comes on top "
             "(ocean-sim validate wind_growth)"
         )
-    if hasattr(scene.fluid, "kinematic_viscosity"):
-        said += eaten(u10, seen, scene)
-    return said
+    return said + eaten(wind, u10, seen, preflight)

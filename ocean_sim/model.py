@@ -1,0 +1,22 @@
+"""What a user may write, as frozen and strict models of data: numbers with units, no unknown keys."""
+
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class Model(BaseModel):
+    """A mapping that a user may write: frozen, strict about types, no unknown keys, no NaN and no infinity."""
+
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", strict=True, allow_inf_nan=False, use_attribute_docstrings=True
+    )
+
+
+def quantity(unit: str, default: Any = ..., **bounds: Any) -> Any:
+    """A field that has a unit, which messages and the schema show; bounds as in pydantic (`gt`, `ge`, `lt`, `le`)."""
+    return Field(default, json_schema_extra={"unit": unit}, **bounds)
+
+
+Vector2 = Annotated[tuple[float, float], Field(strict=False)]
+Vector3 = Annotated[tuple[float, float, float], Field(strict=False)]

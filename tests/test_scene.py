@@ -325,7 +325,7 @@ def test_a_config_is_frozen():
 
 def test_the_schema_knows_every_kind_and_every_observer():
     definitions = json.loads(schema.text())["$defs"]
-    assert {f"{slot}.{kind}" for slot in SLOTS for kind in kinds(slot)} <= set(definitions)
+    assert {f"{slot}.{kind}" for slot in parts.SLOTS for kind in parts.kinds(slot)} <= set(definitions)
     assert {f"observers.{name}" for name in observer_names()} <= set(definitions)
 
 

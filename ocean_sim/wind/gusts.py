@@ -6,7 +6,7 @@ the lift (2.23) on exposed surface. Volumes add up.
 """
 
 from math import atan2, cos, degrees, hypot, inf, radians, sin
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 import taichi as ti

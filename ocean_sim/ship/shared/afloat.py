@@ -2,7 +2,7 @@
 
 from functools import cached_property
 from math import isinf, radians
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from pydantic import ValidationInfo, field_validator

@@ -11,6 +11,7 @@ from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.fluid import Limits, Status
+from ocean_sim.fluid.shared.config import FluidConfig
 from ocean_sim.parts import LedgerRow, quantity
 from ocean_sim.wind import Wind
 
@@ -19,7 +20,7 @@ POINTS_PER_WAVE = 16  # at which a wave is drawn
 SMOOTH = 0.04  # [periods] times a quarter (the force number of `courant`): a hundred steps a wave
 
 
-class Config(waves.WaveTrain):
+class Config(waves.WaveTrain, FluidConfig):
     """Regular waves (`height`, `period`, `heading_deg`) or a `spectrum`; sides of the basin do not reflect them."""
 
     kind: Literal["linear_waves"] = "linear_waves"

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from functools import cached_property
 from math import sqrt
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field, field_validator, model_validator
@@ -11,14 +11,17 @@ from pydantic import Field, field_validator, model_validator
 from ocean_sim.basin import Basin, Box
 from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.fluid.shared import initial as initial_module
+from ocean_sim.fluid.shared.config import FluidConfig
 from ocean_sim.fluid.shared.emitter import MOST_PARTICLES, Emitter, Jet
 from ocean_sim.fluid.shared.emitter import problems as mouth_problems
 from ocean_sim.fluid.shared.initial import Initial
-from ocean_sim.parts import PartConfig, Vector3, quantity
+from ocean_sim.parts import Vector3, quantity
 
 
-class WaterConfig(PartConfig):
+class WaterConfig(FluidConfig):
     """Keys that every kind of particle water shares."""
+
+    made_of_particles: ClassVar[bool] = True
 
     spacing: float | None = quantity("m", None, gt=0.0)
     """Distance between particles at rest."""

@@ -14,7 +14,7 @@ from 3.95 to 4.03 spacings of support (and near 2.77, where the elliptical drop 
 from 2.78 to 2.92. At 2.6 it stirs at up to 0.17 m/s, and still at 0.1 from a start packed by damped relaxation.
 """
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 import taichi as ti
@@ -47,6 +47,9 @@ FLAT, SOLID = 4.0, 2.82  # [spacings] support in a slice (50 neighbours) and in 
 class Config(SphConfig):
     """Weakly compressible water with density diffusion."""
 
+    carries_bodies: ClassVar[bool] = True
+    fineness: ClassVar[int] = 3
+    added_viscosity: ClassVar = ((32.0, 8.8e-4), (64.0, 5.5e-4), (100.0, 2.2e-4))
     kind: Literal["delta_sph"] = "delta_sph"
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
     """Support radius of the smoothing kernel over the spacing; by default 4.0 in a slice and 2.82 in space.

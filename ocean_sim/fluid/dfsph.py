@@ -59,7 +59,9 @@ GAP = 0.1  # of what is missing in a gap that may close in a step; wider gaps cl
 class Config(SphConfig):
     """Incompressible water, for large time steps."""
 
-    unheeded: ClassVar[tuple[str, ...]] = ("compression",)  # keys that change no number of a run
+    fineness: ClassVar[int] = 2
+    added_viscosity: ClassVar = ((50.0, 2.43e-3), (100.0, 2.13e-3))  # 1.0e-3 of it by an artificial viscosity of 0.01
+    unheeded: ClassVar[tuple[str, ...]] = ("compression",)
     kind: Literal["dfsph"] = "dfsph"
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
     """Support radius of the smoothing kernel over the spacing; by default 3.6 in a slice and 2.0 in space."""

@@ -5,7 +5,7 @@ reads too thin; the clamp `minimum_pressure` keeps that from pulling the surface
 """
 
 from math import sqrt
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 import taichi as ti
@@ -31,6 +31,9 @@ SLOPE, OFFSET, VISCOUS = range(3)  # what may change while the water moves
 class Config(SphConfig):
     """Water by the scheme of the thesis."""
 
+    carries_bodies: ClassVar[bool] = True
+    fineness: ClassVar[int] = 1
+    added_viscosity: ClassVar = ((50.0, 3.3e-3),)  # at Re 250, less its own: without any it grows
     kind: Literal["mueller"] = "mueller"
     stiffness: float | None = quantity("m2/s2", None, gt=0.0)
     """k of (2.15) outright, the square of the sound speed, in place of `compression`."""

@@ -1,6 +1,7 @@
 """What the schemes share whose particles press and rub on each other: keys, sizes, limits, and what they have."""
 
 from math import inf, pi, sqrt
+from typing import ClassVar
 
 import numpy as np
 import taichi as ti
@@ -23,6 +24,9 @@ SAMPLE = 2.0  # times what a particle takes with its neighbours: of a solid body
 
 class SphConfig(WaterConfig):
     """Keys of water by smoothed particle hydrodynamics."""
+
+    compared: ClassVar[bool] = True
+    conserves_momentum: ClassVar[bool] = True
 
     support_ratio: float = quantity("spacings", 2.0, ge=1.2, le=6.0)
     """Support radius of the smoothing kernels over the spacing: 2h in papers that call half the support h."""

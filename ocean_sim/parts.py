@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from importlib import import_module
 from importlib.resources import files
+from math import hypot
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, Self, cast
 
@@ -98,6 +99,12 @@ class KindConfig(PartConfig):
 
     example: ClassVar[dict[str, Any]] = {}
     """Keys without which the kind cannot be, with values that do in any basin of some metres."""
+    compared: ClassVar[bool] = False
+    """Whether studies compare it with others of its slot."""
+    fineness: ClassVar[int] = 0
+    """Its rank where the kinds of its slot are ordered from the coarsest to the finest."""
+    unheeded: ClassVar[tuple[str, ...]] = ()
+    """Keys that change no number of a run."""
 
     kind: str
 
@@ -126,20 +133,14 @@ class FluidConfig(KindConfig):
 
     made_of_particles: ClassVar[bool] = False
     """Whether it is made of particles, which start on a `lattice`; else it is a closed form."""
-    compared: ClassVar[bool] = False
-    """Whether `validate`, `tradeoff` and `stability` compare it with other schemes."""
     conserves_momentum: ClassVar[bool] = False
     """Whether what its particles exchange keeps momentum and angular momentum to rounding."""
     carries_bodies: ClassVar[bool] = False
     """Whether it answers to a body within a step, so that a ship of kind `pressure` may float on it."""
-    fineness: ClassVar[int] = 0
-    """Its rank where kinds of water are ordered from the coarsest to the finest."""
     added_viscosity: ClassVar[tuple[tuple[float, float], ...]] = ()
     """Viscosity that the scheme adds to a wave so many spacings long, over h c (half its support, its sound speed);
     empty where it has not been measured. Measured by the decay of small waves in a slice, in the validation cases
     wind_growth (still air; 32 and 64 spacings) and standing_wave (50 and 100). Steeper seas lose more (imposed_sea)."""
-    unheeded: ClassVar[tuple[str, ...]] = ()
-    """Keys that change no number of a run."""
 
     def lattice(self, basin: Basin) -> "Lattice | None":
         """The lattice that its particles start on; None of water in closed form, which has no particles."""
@@ -162,6 +163,15 @@ class FluidConfig(KindConfig):
     def viscosity_asked(self) -> float:
         """Kinematic viscosity that its user has asked for [m2/s]."""
         return 0.0
+
+    @property
+    def compression_asked(self) -> float:
+        """Rise of the density that its user has asked for or allows; 0 where none is named."""
+        return 0.0
+
+    def speed(self, basin: Basin) -> float:
+        """Reference speed [m/s]: of water in free fall over the depth, where no other is asked for."""
+        return (hypot(*basin.gravity) * basin.depth) ** 0.5
 
     @property
     def steady_force(self) -> tuple[float, float, float]:
@@ -347,6 +357,23 @@ class Scene(Protocol):
     def resolved(self) -> dict[str, Any]: ...
 
 
-def config_of(slot: str, kind: str) -> type[PartConfig]:
+def config_of(slot: str, kind: str) -> type[KindConfig]:
     """The Config class of a kind; importing its module is what makes the kind exist."""
     return import_module(f"ocean_sim.{slot}.{kind}").Config
+
+
+@cache
+def from_coarse(slot: str) -> tuple[str, ...]:
+    """The kinds of a slot from the coarsest to the finest; it imports them all."""
+    return tuple(sorted(kinds(slot), key=lambda kind: config_of(slot, kind).fineness))
+
+
+@cache
+def compared(slot: str) -> tuple[str, ...]:
+    """The kinds of a slot that studies compare, from the coarsest to the finest; it imports all kinds."""
+    return tuple(kind for kind in from_coarse(slot) if config_of(slot, kind).compared)
+
+
+def water_schemes() -> tuple[tuple[str, type[FluidConfig]], ...]:
+    """Every kind of water and its Config."""
+    return tuple((kind, cast(type[FluidConfig], config_of("fluid", kind))) for kind in kinds("fluid"))

@@ -27,6 +27,7 @@ from ocean_sim.parts import (
     kinds,
     library,
     named,
+    water_schemes,
 )
 from ocean_sim.reading.composition import Composition, composed, unknown_name
 from ocean_sim.reading.translation import choice_sentence, dotted, likeliest, validated
@@ -276,16 +277,10 @@ def _unsuited(parts: Mapping[str, PartConfig], data: dict[str, Node]) -> list[Pr
             sentence = f"a {kind} ship over particles asks a surface how high the water stands; give a `surface`"
             problems.append(problem(data["ship"].place, "ship", sentence))
         if ship.carried_as_body and not fluid.carries_bodies:
-            carrying = " or ".join(sorted(name for name in kinds("fluid") if carries(name)))
+            carrying = " or ".join(name for name, config in water_schemes() if config.carries_bodies)
             sentence = f"water of kind {water} does not carry a ship of kind {kind}; take {carrying}"
             problems.append(problem(data["ship"].place, "ship", sentence))
     return problems
-
-
-def carries(scheme: str) -> bool:
-    """Whether this kind of water carries bodies by its pressure."""
-    config = config_of("fluid", scheme)
-    return issubclass(config, FluidConfig) and config.carries_bodies
 
 
 def _lacking(

@@ -5,7 +5,7 @@ In a sea in closed form every cube feels the pressure at its own depth, so short
 waves.
 """
 
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import field_validator
@@ -27,6 +27,8 @@ from ocean_sim.ship.shared.rigid_body import advanced
 class Config(FloatingConfig):
     """Buoyancy and weight, added mass, wind, propeller, rudder and damping."""
 
+    compared: ClassVar[bool] = True
+    fineness: ClassVar[int] = 2
     kind: Literal["dynamic"] = "dynamic"
     added_mass: AddedMass = AddedMass()
     damping: Damping = Damping()

@@ -4,7 +4,7 @@ The push along the surface's normal, not straight up, keeps long waves from turn
 Without water that moves along, heave and pitch are a third too quick for a broad hull: `dynamic` has it.
 """
 
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -20,6 +20,8 @@ from ocean_sim.ship.shared.rigid_body import advanced
 class Config(FloatingConfig):
     """Buoyancy and weight, wind, propeller, rudder and damping."""
 
+    compared: ClassVar[bool] = True
+    fineness: ClassVar[int] = 1
     kind: Literal["hydrostatic"] = "hydrostatic"
     damping: Damping = Damping(heave=0.05, pitch=0.05, roll=0.05)
 

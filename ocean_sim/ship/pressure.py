@@ -31,6 +31,7 @@ class Config(FloatingConfig):
     needs_surface: ClassVar[bool] = False
     slices: ClassVar[bool] = True
     carried_as_body: ClassVar[bool] = True
+    fineness: ClassVar[int] = 3
     kind: Literal["pressure"] = "pressure"
     contact: None = None
     """The water's own laws meet this hull."""

@@ -19,6 +19,7 @@ import numpy as np
 
 from ocean_sim.conventions import Motions
 from ocean_sim.files.yaml_file import Node, Place, SceneError, node_of, parsed, problem
+from ocean_sim.parts import SLOTS, from_coarse
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result
 from ocean_sim.studies.shared.runs import address
@@ -37,9 +38,6 @@ MORE_IS_FINER = (
 FROM_COARSE = {  # what can be named, from the coarsest to the finest
     "profile": PROFILES,
     "runtime.precision": ("f32", "f64"),
-    "fluid.kind": ("ballistic", "mueller", "dfsph", "delta_sph"),
-    "surface.kind": ("cloth", "marching_cubes"),
-    "ship.kind": ("thesis", "hydrostatic", "dynamic", "pressure"),
 }
 Varied = dict[str, list[Node]]
 
@@ -111,8 +109,9 @@ def varied(texts: list[str]) -> Varied:
 
 def finest(key: str, values: list[Any]) -> Any:
     """The value that costs most and misses least: by its name, or the smallest, or for some keys the greatest."""
-    if key in FROM_COARSE:
-        order = FROM_COARSE[key]
+    slot, _, name = key.partition(".")
+    if key in FROM_COARSE or (slot in SLOTS and name == "kind"):
+        order = FROM_COARSE.get(key) or from_coarse(slot)
         return max(values, key=lambda value: order.index(value) if value in order else -1)
     if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
         return max(values) if key.split(".")[-1] in MORE_IS_FINER else min(values)

@@ -8,18 +8,18 @@ neither. A run whose process gave no answer has no verdict, which is a bug.
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from math import sqrt
 from typing import Any
 
 import numpy as np
 
 from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.parts import compared
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result
 from ocean_sim.studies import heeds
 from ocean_sim.studies.shared.scene_run import PICTURES, of, ordered
+from ocean_sim.time_step import Known
 
-SCHEMES = ("mueller", "delta_sph", "dfsph")
 COLUMN: dict[str, Any] = {
     "title": "A collapsing column",
     "duration": 0.5,
@@ -125,9 +125,9 @@ def spots(quick: bool, scene: str | None = None) -> list[Spot]:
 
 def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
     afloat, theirs = axis.of == "ship", None if scene is None else load(scene).fluid
-    if scene is not None and (afloat or not theirs.made_of_particles):
+    if theirs is not None and (afloat or not theirs.made_of_particles):
         return  # a hull has its own mass, and water without particles nothing that breaks
-    schemes = ("delta_sph",) if afloat else SCHEMES if theirs is None else (theirs.kind,)
+    schemes = ("delta_sph",) if afloat else compared("fluid") if theirs is None else (theirs.kind,)
     for scheme in (scheme for scheme in schemes if heeds(scheme, axis.key)):
         base: Any = scene or (AFLOAT if afloat else COLUMN | {"fluid": COLUMN["fluid"] | {"kind": scheme}})
         own: dict[str, Any] = dict.fromkeys(PICTURES) | {"time_step": {"kind": "courant"}}
@@ -139,7 +139,7 @@ def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
                     raise
                 continue  # this water has no such setting
             limits = calm.fluid.still_limits(calm.preflight)
-            step, _ = calm.time_step.shortest(limits)
+            step = calm.time_step.build().next(Known(limits))
             finite = {name: limit for name, limit in asdict(limits).items() if np.isfinite(limit)}
             for factor in axis.quick_steps if quick else STEPS:
                 dt = factor * step
@@ -166,7 +166,7 @@ def verdict(
         return "none", answer["reason"], numbers
     if answer["outcome"] == "stopped":
         return "stopped", answer["reason"], numbers
-    allowed = max(DENSITY, OVER * (getattr(scene.fluid, "compression", None) or 0.0))
+    allowed = max(DENSITY, OVER * scene.fluid.compression_asked)
     if not gain <= GAIN:
         return "degraded", f"energy from nowhere: {100.0 * gain:.3g} % of m v^2 (bound {100.0 * GAIN:g} %)", numbers
     if not dense <= allowed:
@@ -182,12 +182,10 @@ def gained(accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool) ->
     names = ("kinetic_energy_J", "potential_energy_J", "internal_energy_J")
     total = np.sum([accuracy[name] for name in names], axis=0)
     excess = total - total[0] - (accuracy["work_wind_J"] if driven else 0.0)
-    place, fluid = scene.basin.build(), scene.fluid
-    pull = float(np.linalg.norm(place.gravity))
-    speed = getattr(fluid, "reference_speed", None) or sqrt(pull * place.depth)
-    lattice = fluid.lattice(place)
-    mass = fluid.rest_density * lattice.n * lattice.spacing**place.dimension
-    return float(excess.max()) / (mass * speed**2)
+    tank, fluid, spacing = scene.preflight.tank, scene.fluid, scene.preflight.spacing
+    assert spacing is not None
+    mass = fluid.rest_density * scene.preflight.particles * spacing**tank.dimension
+    return float(excess.max()) / (mass * fluid.speed(tank) ** 2)
 
 
 def told(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:

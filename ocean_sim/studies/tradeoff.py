@@ -13,11 +13,10 @@ from importlib.resources import files
 from typing import Any, NamedTuple
 
 from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.parts import compared
 from ocean_sim.studies import heeds
 from ocean_sim.studies.shared.case_run import ordered, problem_of
 
-FLUIDS, SHIPS = ("mueller", "delta_sph", "dfsph"), ("hydrostatic", "dynamic")
-SURFACES = ("cloth", "marching_cubes")
 AXES: dict[str, dict[str, tuple]] = {  # by what a scheme is a kind of; the default of a scheme is run in any case
     "fluid": {
         "fluid.support_ratio": (2.0, 2.5, 3.0, 4.0),
@@ -51,12 +50,19 @@ class Trial:
     case: str
     quantity: str
     set_up: str = ""
-    schemes: tuple[str, ...] = FLUIDS
+    slot: str = "fluid"
+    only: tuple[str, ...] = ()
+    """Kinds of the slot that the case fits; by default all that are compared."""
     scatter: float | None = None
     """How far experiments are apart: a smaller error earns no credit."""
     quick: bool = True
     work: str = ""
     """What is timed where it is not the steps."""
+
+    @property
+    def schemes(self) -> tuple[str, ...]:
+        """The kinds that are run."""
+        return self.only or compared(self.slot)
 
     @property
     def peers(self) -> list["Peer"]:
@@ -97,11 +103,11 @@ TRIALS = (
     Trial("square_patch", "largest void [spacings]"),
     Trial("sloshing", "period of the first mode [s]", quick=False),
     Trial("wall_impact", "impulse p* t* to t* = 5.5, Buchner 2002", quick=False),
-    Trial("ship_rao", "barge20, head sea, 0.8 rad/s: heave [m/m]", "barge20, head sea", SHIPS),
-    Trial("surface_slab", "height of the wave [m]", "", SURFACES, work="60 frames of the surface"),
-    Trial("ship_periods", "by rule: heave period [s]", "by rule", ("dynamic",), quick=False),
-    Trial("ship_drop", "constant: rms of heave [m]", "constant", ("dynamic",), scatter=0.033, quick=False),
-    Trial("ship_drop", "memory: rms of heave [m]", "memory", ("dynamic",), scatter=0.033, quick=False),
+    Trial("ship_rao", "barge20, head sea, 0.8 rad/s: heave [m/m]", "barge20, head sea", "ship"),
+    Trial("surface_slab", "height of the wave [m]", "", "surface", work="60 frames of the surface"),
+    Trial("ship_periods", "by rule: heave period [s]", "by rule", "ship", ("dynamic",), quick=False),
+    Trial("ship_drop", "constant: rms of heave [m]", "constant", "ship", ("dynamic",), scatter=0.033, quick=False),
+    Trial("ship_drop", "memory: rms of heave [m]", "memory", "ship", ("dynamic",), scatter=0.033, quick=False),
 )
 
 

@@ -6,7 +6,7 @@ Springs are an implicit step with the diagonal of their Hessian, gathered node b
 time step are stable, and the threads change nothing.
 """
 
-from typing import Any, Literal, Self
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 import taichi as ti
@@ -30,6 +30,7 @@ FURTHEST = 0.5  # [thicknesses] that its speed carries a node in one update
 class Config(SurfaceConfig):
     """A sheet over the whole basin; in a slice a rope. Where it is dry it lies on the bed."""
 
+    compared: ClassVar[bool] = True
     kind: Literal["cloth"] = "cloth"
     spacing: float | None = quantity("m", None, gt=0.0)
     """Distance between nodes, changed a little to fit the basin; null: the spacing of the particles."""

@@ -32,6 +32,8 @@ class Config(SurfaceConfig):
     """Triangles around the water, from the rows near it of a grid over the whole basin."""
 
     when_read: ClassVar[bool] = True  # it is made where something reads it, not in each step
+    compared: ClassVar[bool] = True
+    fineness: ClassVar[int] = 1
     kind: Literal["marching_cubes"] = "marching_cubes"
     spacing: float | None = quantity("m", None, gt=0.0)
     """Distance between nodes, made a little smaller to fit the basin (the listing's stride); null: half the spacing of

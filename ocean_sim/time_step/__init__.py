@@ -1,5 +1,6 @@
 """How long the next step is: every module of this folder without a leading underscore is a kind a scene may name."""
 
+from dataclasses import dataclass
 from typing import Protocol
 
 from ocean_sim.fluid import Limits
@@ -11,6 +12,16 @@ class Limited(Protocol):
     def limits(self) -> Limits:
         """What the time step must stay a fraction of."""
         ...
+
+
+@dataclass(frozen=True)
+class Known:
+    """Something whose limits are known: water that is not built yet."""
+
+    known: Limits
+
+    def limits(self) -> Limits:
+        return self.known
 
 
 class TimeStep(Protocol):

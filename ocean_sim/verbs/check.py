@@ -1,12 +1,12 @@
 """`ocean-sim check`: what a scene would take, before anything is allocated."""
 
-from types import SimpleNamespace
 from typing import Any
 
 from ocean_sim import machine
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.parts import config_of
 from ocean_sim.reading.scene import SceneConfig, load
+from ocean_sim.time_step import Known
 from ocean_sim.verbs.shared import console
 
 NOTHING = dict.fromkeys(("particles", "memory_mb", "time_step", "limited_by", "estimated_wall_s"))
@@ -49,7 +49,7 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
     memory = base_memory(particles) + sum(row.bytes for row in rows)
     time_step = config.time_step.build()
     still = config.fluid.still_limits(known)
-    dt = time_step.next(SimpleNamespace(limits=lambda: still))
+    dt = time_step.next(Known(still))
     courant: Any = config_of("time_step", "courant")()
     stable, limit = courant.shortest(still)
     if dt > 1.05 * stable:

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from ocean_sim.__main__ import answered
+from ocean_sim.parts import compared
 from ocean_sim.reading.scene import load
 from ocean_sim.studies.shared import runs
 from ocean_sim.studies.shared import table as table_module
-from ocean_sim.studies.stability import AXES, COLUMN, SCHEMES, spots, told, verdict
+from ocean_sim.studies.stability import AXES, COLUMN, spots, told, verdict
 
 TANK = """basin: {length: 1.0, depth: 0.5}
 fluid: {kind: delta_sph, spacing: 0.1}
@@ -73,7 +74,7 @@ def test_a_map_goes_beyond_the_limits_that_theory_sets():
 def test_no_map_goes_over_a_setting_that_changes_no_number():
     maps = {(spot.axis.name, spot.scheme) for spot in spots(True)}
     assert {scheme for name, scheme in maps if name == "compression"} == {"mueller", "delta_sph"}
-    assert {scheme for name, scheme in maps if name == "viscosity"} == set(SCHEMES)
+    assert {scheme for name, scheme in maps if name == "viscosity"} == set(compared("fluid"))
 
 
 def test_the_longest_stable_step_is_the_one_before_the_first_that_is_not():

@@ -48,7 +48,7 @@ def test_the_front_is_what_nobody_betters():
 
 def test_the_study_has_three_schemes_on_six_cases_and_every_setting_is_another():
     plan = points(quick=True)
-    of_water = [point for point in plan if point.trial.schemes == tradeoff.FLUIDS]
+    of_water = [point for point in plan if point.trial.slot == "fluid"]
     assert len({point.trial.case for point in of_water}) == 6
     assert {point.scheme for point in of_water} == {"mueller", "delta_sph", "dfsph"}
     addresses = [runs.address(point.order()) for point in points(quick=False)]

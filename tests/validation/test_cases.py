@@ -8,11 +8,11 @@ import pytest
 
 from ocean_sim.__main__ import answered
 from ocean_sim.conventions import Diverged
-from ocean_sim.parts import kinds
+from ocean_sim.parts import compared, kinds
 from ocean_sim.validation import names, problems
 from ocean_sim.validation.shared.case import KEYS, Finding, Problem, Promise
 
-SCHEMES = [scheme for scheme in ("mueller", "delta_sph", "dfsph") if scheme in kinds("fluid")]
+SCHEMES = list(compared("fluid"))
 OF_A_CASE = {"spacing", "fill", "initial", "rest_density", "kinematic_viscosity", "reference_speed", "body_force"}
 QUICK = {"runtime.threads": 1}
 

@@ -56,6 +56,10 @@ class SphConfig(WaterConfig):
         return basin.closed and self.fill is None
 
     @property
+    def compression_asked(self) -> float:
+        return self.compression or 0.0
+
+    @property
     def support_asked(self) -> float | None:
         return self.support_ratio
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from math import cos, pi, radians, sin, sqrt
-from typing import TYPE_CHECKING, Literal
+from typing import Literal, Protocol
 
 import numpy as np
 from pydantic import model_validator
@@ -18,9 +18,6 @@ from pydantic import model_validator
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.parts import PartConfig, quantity
 from ocean_sim.random_numbers import numpy_uniform
-
-if TYPE_CHECKING:
-    from ocean_sim.basin import Basin
 
 COMPONENTS = 200  # plane waves that stand for a spectrum
 LOWEST = 0.5  # [peak frequencies] where they begin; up to 4 they cover all but 0.5 % of the variance
@@ -278,12 +275,32 @@ class WaveTrain(PartConfig):
         return regular(*self.scale, towards, depth, gravity)
 
 
-def pull(basin: "Basin") -> float:
+class Tank(Protocol):
+    """What linear theory asks of the basin that holds the water."""
+
+    @property
+    def dimension(self) -> int:
+        """3, or 2 in a vertical slice."""
+
+    @property
+    def depth(self) -> float:
+        """Of the still water [m]."""
+
+    @property
+    def gravity(self) -> tuple[float, float, float]:
+        """[m/s2]."""
+
+    @property
+    def closed(self) -> bool:
+        """Whether there is no room for a free surface."""
+
+
+def pull(basin: Tank) -> float:
     """Gravity [m/s2] of a basin in which it points straight down."""
     return -basin.gravity[1]
 
 
-def unsuited(basin: "Basin", height: float = 0.0, period: float | None = None) -> Iterator[str]:
+def unsuited(basin: Tank, height: float = 0.0, period: float | None = None) -> Iterator[str]:
     """Why this basin cannot have waves, or not waves of this height [m] and period [s]."""
     if basin.gravity[0] or basin.gravity[2] or not basin.gravity[1] < 0.0:
         yield f"waves need gravity straight down, here it is {list(basin.gravity)} m/s2"
@@ -296,7 +313,7 @@ def unsuited(basin: "Basin", height: float = 0.0, period: float | None = None) -
         )
 
 
-def misdirected(heading_deg: float | None, basin: "Basin") -> Iterator[str]:
+def misdirected(heading_deg: float | None, basin: Tank) -> Iterator[str]:
     """Why waves cannot go to this heading in this basin."""
     if basin.dimension == 2 and heading_deg is not None and abs(cos(radians(heading_deg))) > 1e-9:
         yield f"in a slice waves go along +x (heading 90 degrees) or -x (270), got {heading_deg:g}"

@@ -40,7 +40,7 @@ def six_cosines(interval: float) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("interval", [0.02, 0.1, 0.25])
 def test_the_known_record_of_six_cosines(interval):
-    found = measured(*six_cosines(interval)).told()
+    found = measured(*six_cosines(interval)).numbers()
     for key, value in KNOWN.items():
         assert found[key] == pytest.approx(value, rel=1e-4 if interval < 0.2 else 3e-4), key
     assert found["tp_s"] == pytest.approx(8.0, rel=1e-3)  # the greatest of the six
@@ -107,7 +107,7 @@ def test_uneven_samples_are_put_on_even_times():
 
 def test_still_water_has_no_waves():
     found = measured(np.arange(100) * 0.1, np.full(100, 0.2))
-    assert found.told() == {
+    assert found.numbers() == {
         "hs_m": 0.0,
         "hm0_m": 0.0,
         "tz_s": None,
@@ -121,7 +121,7 @@ def test_still_water_has_no_waves():
 
 def test_a_record_shorter_than_a_wave_has_a_deviation_alone():
     time = np.arange(100) * 0.1
-    found = measured(time, np.sin(2.0 * np.pi * time / 15.0)).told()
+    found = measured(time, np.sin(2.0 * np.pi * time / 15.0)).numbers()
     assert found.pop("hm0_m") > 1.0 and found.pop("waves") == 0 and set(found.values()) == {None}
 
 

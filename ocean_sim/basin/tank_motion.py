@@ -1,7 +1,7 @@
 """Prescribed motion of the tank and of a piston wavemaker: displacement, velocity and acceleration in time.
 
 The tank is simulated in its own axes. Its motion then is an acceleration of the water, `apparent_acceleration`, and
-results are told in the axes of the tank.
+results are given in the axes of the tank.
 """
 
 from collections.abc import Callable
@@ -54,7 +54,7 @@ def turned(vector: np.ndarray, angle: np.ndarray) -> np.ndarray:
 
 
 def apparent_acceleration(frame: Frame, gravity: np.ndarray, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
-    """(m, 3) acceleration [m/s2] of free water at (m, 3) places and velocities in the axes of the tank:
+    """(m, 3) acceleration [m/s2] of free water at (m, 3) positions and velocities in the axes of the tank:
     g' - a - alpha x r - omega x (omega x r) - 2 omega x v, with r from the pivot."""
     r, omega = position - frame.pivot, frame.rate
     euler = np.cross(frame.angular_acceleration, r)
@@ -243,8 +243,8 @@ class Wavemaker(waves.WaveTrain):
 
 @dataclass(frozen=True)
 class Piston:
-    """The wall at work. Far away its waves are a cos(k s - omega t + phase), s being the distance from its place of
-    rest: for that it moves by S/2 sin(omega t - phase) into the basin, S the stroke (Biesel & Suquet 1951)."""
+    """The wall at work. Far away its waves are a cos(k s - omega t + phase), s being the distance from its position
+    of rest: for that it moves by S/2 sin(omega t - phase) into the basin, S the stroke (Biesel & Suquet 1951)."""
 
     sea: waves.Components
     inward: float  # direction of the basin along the wall's axis: 1 or -1

@@ -198,14 +198,10 @@ def shortcomings(sea: Sea) -> list[str]:
     found = []
     if sea.waves < STEADY:
         count = "1 wave" if sea.waves == 1 else f"{sea.waves} waves"
-        found.append(
-            f"the record holds {count}; of irregular waves at least {STEADY} are needed, and the numbers of "
-            "a few say little of the sea"
-        )
+        found.append(f"the record holds {count}; statistics of irregular waves need at least {STEADY}")
     if sea.tp_s is None:
-        found.append(
-            f"the record is shorter than {RESOLVED:g} periods of its peak, so Tp, Tm01 and Tm02 are not resolved"
-        )
+        why = f"the record is shorter than {RESOLVED:g} periods of its spectral peak"
+        found.append(f"{why}, so Tp, Tm01 and Tm02 cannot be resolved")
     return found
 
 

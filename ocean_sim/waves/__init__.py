@@ -1,9 +1,9 @@
 """Linear (Airy) waves on water of finite depth: dispersion, spectra, and the sea that a sum of plane waves makes.
 
-Formulae as in Dean & Dalrymple (1991), Water Wave Mechanics for Engineers and Scientists, chapters 3, 4 and 6. Between
-the still surface and the wave the theory says nothing; here the column is stretched (Wheeler 1970, J. Petroleum Tech.
-22): what linear theory has at y' = h (y - eta) / (h + eta) holds at y. So pressure is zero on the surface itself, and
-nothing grows without bound under a crest; the velocity is then free of divergence to second order in the steepness.
+Formulae as in Dean & Dalrymple (1991), Water Wave Mechanics for Engineers and Scientists, chapters 3, 4 and 6. Linear
+theory ends at the still surface; above it the column is stretched (Wheeler 1970, J. Petroleum Tech. 22): what linear
+theory has at y' = h (y - eta) / (h + eta) holds at y. So pressure is zero on the surface itself, and nothing grows
+without bound under a crest; the velocity is then free of divergence to second order in the steepness.
 """
 
 from collections.abc import Iterator
@@ -23,10 +23,11 @@ COMPONENTS = 200  # plane waves that stand for a spectrum
 LOWEST = 0.5  # [peak frequencies] where they begin; up to 4 they cover all but 0.5 % of the variance
 RESOLVED = 4000  # points at which a spectrum is integrated over the band
 FREQUENCY, PHASE = 0x3_0000, 0x3_0001  # streams of random numbers
+Values = float | np.ndarray  # one value, or an array of any shape
 STEEPEST = 0.142  # height over wavelength, over tanh(kh), at which a wave breaks (Miche 1944)
 
 
-def wavenumber(omega, depth: float, gravity: float = GRAVITY) -> np.ndarray:
+def wavenumber(omega: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray:
     """k [rad/m] of the dispersion relation omega^2 = g k tanh(k h), for omega [rad/s] greater than zero.
 
     Newton's method from the closed form of Guo (2002, Coastal Engineering 45), which is right to 0.75 %.
@@ -39,18 +40,18 @@ def wavenumber(omega, depth: float, gravity: float = GRAVITY) -> np.ndarray:
     return kh / depth
 
 
-def angular_frequency(k, depth: float, gravity: float = GRAVITY) -> np.ndarray:
+def angular_frequency(k: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray:
     """omega [rad/s] of a wavenumber k [rad/m]."""
     k = np.asarray(k, dtype=float)
     return np.sqrt(gravity * k * np.tanh(k * depth))
 
 
-def phase_speed(k, depth: float, gravity: float = GRAVITY) -> np.ndarray:
+def phase_speed(k: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray:
     """Speed of the crests [m/s]."""
     return angular_frequency(k, depth, gravity) / k
 
 
-def group_speed(k, depth: float, gravity: float = GRAVITY) -> np.ndarray:
+def group_speed(k: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray:
     """Speed of the energy [m/s]: c/2 (1 + 2kh / sinh 2kh)."""
     q = 2.0 * np.minimum(np.asarray(k, dtype=float) * depth, 300.0)
     return 0.5 * phase_speed(k, depth, gravity) * (1.0 + q / np.sinh(q))
@@ -62,20 +63,22 @@ def breaking_height(period: float, depth: float, gravity: float = GRAVITY) -> fl
     return STEEPEST * 2.0 * pi / k * float(np.tanh(k * depth))
 
 
-def piston_transfer(kh) -> np.ndarray:
+def piston_transfer(kh: Values) -> np.ndarray:
     """Wave height over full stroke of a piston wavemaker, far away (Biesel & Suquet 1951; Dean & Dalrymple 6.25)."""
     q = 2.0 * np.minimum(np.asarray(kh, dtype=float), 300.0)
     return 2.0 * (np.cosh(q) - 1.0) / (np.sinh(q) + q)
 
 
-def pierson_moskowitz(frequency, peak_frequency: float, alpha: float, gravity: float = GRAVITY) -> np.ndarray:
+def pierson_moskowitz(frequency: Values, peak_frequency: float, alpha: float, gravity: float = GRAVITY) -> np.ndarray:
     """S(f) [m2 s] of Pierson & Moskowitz (1964); its variance is alpha g^2 / (5 (2 pi)^4 fp^4)."""
     f = np.asarray(frequency, dtype=float)
     scale = alpha * gravity**2 / (2.0 * pi) ** 4
     return scale * f**-5.0 * np.exp(-1.25 * (peak_frequency / f) ** 4)
 
 
-def jonswap(frequency, peak_frequency: float, alpha: float, gamma: float = 3.3, gravity: float = GRAVITY) -> np.ndarray:
+def jonswap(
+    frequency: Values, peak_frequency: float, alpha: float, gamma: float = 3.3, gravity: float = GRAVITY
+) -> np.ndarray:
     """S(f) [m2 s] of Hasselmann et al. (1973): the former with its peak raised by gamma, over a width of 0.07 below
     the peak and 0.09 above it."""
     ratio = np.asarray(frequency, dtype=float) / peak_frequency
@@ -112,7 +115,7 @@ class Components:
             yield i, kx * x + kz * z + (self.phase[i] - self.omega[i] * time)
 
 
-def profiles(k: float, y, depth: float) -> tuple[np.ndarray, np.ndarray]:
+def profiles(k: float, y: Values, depth: float) -> tuple[np.ndarray, np.ndarray]:
     """cosh k(y+h) / cosh kh and sinh k(y+h) / cosh kh, written so that nothing overflows in deep water."""
     rise, mirrored, bed = np.exp(k * y), np.exp(-2.0 * k * (y + depth)), np.exp(-2.0 * k * depth)
     return rise * (1.0 + mirrored) / (1.0 + bed), rise * (1.0 - mirrored) / (1.0 + bed)
@@ -220,7 +223,7 @@ class Spectrum(PartConfig):
         """How far the peak is raised [1]."""
         return 1.0 if self.kind == "pierson_moskowitz" else 3.3 if self.gamma is None else self.gamma
 
-    def density(self, frequency) -> np.ndarray:
+    def density(self, frequency: Values) -> np.ndarray:
         """S(f) [m2 s] at f [Hz]; its variance over the band that the components cover is Hs^2 / 16."""
         peak = 1.0 / self.peak_period
         band = np.linspace(LOWEST, self.cut_off, RESOLVED) * peak

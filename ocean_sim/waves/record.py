@@ -1,4 +1,4 @@
-"""What a record of the water's height at one point says of the waves: their heights and periods, and their spectrum.
+"""Waves in a record of the water's height at one point: their heights and periods, and their spectrum.
 
 Waves are counted between zero up-crossings of the record less its mean, as in IAHR (1989), List of Sea-State
 Parameters; crests and troughs between samples are those of the parabola through the three nearest. Spectral moments
@@ -22,12 +22,12 @@ CUT_OFF = 5.0  # [peak frequencies] up to which moments are taken
 SEGMENTS = 8  # of the record at most, in Welch's estimate
 ENOUGH = 6.0  # periods of the peak in each of several segments, at least
 RESOLVED = 3.0  # periods of the peak in the record, at least: those of a Hann window and of its image stand apart
-STEADY = 20  # waves in a record from which on the numbers of irregular waves are of some worth
+STEADY = 20  # waves in a record that statistics of irregular waves need at least
 STILL = 1e-9  # [m] a range within which a record counts as constant
 
 
 class Unmeasurable(ValueError):
-    """Why a record says nothing of waves."""
+    """Why a record cannot be measured."""
 
 
 @dataclass(frozen=True)
@@ -60,12 +60,12 @@ def evenly(time: np.ndarray, height: np.ndarray) -> tuple[float, np.ndarray]:
     """Interval [s] and heights [m] at equal intervals over a record, on straight lines where it has others; raises
     Unmeasurable."""
     if not np.isfinite([time, height]).all():
-        raise Unmeasurable("holds what is not a number")
+        raise Unmeasurable("has values that are not numbers")
     if len(time) < FEWEST:
         raise Unmeasurable(f"is too short: {len(time)} samples, at least {FEWEST} are needed")
     steps = np.diff(time)
     if not (steps > 0.0).all():
-        raise Unmeasurable("is not in the order of time")
+        raise Unmeasurable("has times that do not increase")
     interval = float(np.median(steps))
     if np.abs(steps - interval).max() > 1e-3 * interval:
         even = time[0] + interval * np.arange(int((time[-1] - time[0]) / interval + 1e-6) + 1)

@@ -1,6 +1,5 @@
 """`ocean-sim waves`: the records of a run's gauges, as waves."""
 
-import csv
 import json
 from pathlib import Path
 from typing import Any
@@ -8,35 +7,34 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from ocean_sim.files import csv_file
 from ocean_sim.pictures.frame_files import Frame, frame_files
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.wave_files import (
+    COLUMNS,
+    ORBIT,
+    cell,
+    draw,
+    orbit_rows,
+    write_columns,
+    write_orbits,
+    write_table,
+)
 from ocean_sim.waves.orbits import BREAKING, tracer_motion
-from ocean_sim.waves.record import CUT_OFF, RESOLVED, STEADY, Sea, Unmeasurable, measured, spectra
+from ocean_sim.waves.record import CUT_OFF, RESOLVED, STEADY, Sea, Unmeasurable, elevations, measured, spectra
 from ocean_sim.waves.surface_record import Grid, SurfaceRecord, surface_record
-
-SUFFIX = "_m"  # of an elevation gauge
-COLUMNS = {
-    "H1/3": "hs_m",
-    "4 sqrt m0": "hm0_m",
-    "Hmax": "hmax_m",
-    "Tz": "tz_s",
-    "Tp": "tp_s",
-    "Tm01": "tm01_s",
-    "Tm02": "tm02_s",
-    "waves": "waves",
-}
 
 
 def waves(run: Path, begin: float, out: Path | None, as_json: bool) -> None:
     """Measures every elevation gauge; leaves waves.csv, spectra.csv, waves.png, of frames surface.csv, and of tracers
     orbits.csv."""
     path = record(run)
-    time, heights = gauges(path, begin)
     try:
+        time, heights = elevations(path, begin)
         found = {name: measured_as(name, time, height) for name, height in heights.items()}
     except Unmeasurable as why:
         raise console.Refused(f"{path}: {why}") from None
+    except ValueError as error:
+        raise console.Refused(str(error)) from None
     folder = path.parent if out is None else out
     folder.mkdir(parents=True, exist_ok=True)
     files = [folder / "waves.csv", folder / "spectra.csv", folder / "waves.png"]
@@ -93,23 +91,17 @@ def orbits(path: Path, folder: Path, begin: float, period: float | None) -> list
     """The orbits of tagged particles under waves of a period [s], shown, and left in orbits.csv; a sentence, and no
     file, where there is no period or there are no orbits."""
     if period is None:
-        console.say(f"{path}: no orbits, for no gauge has a peak period")
+        console.say(f"{path}: no orbits, for the record of no gauge resolves a peak period")
         return []
     try:
         names, found = tracer_motion(path, begin, period)
     except (OSError, ValueError, IndexError) as error:
         console.say(f"{path}: no orbits: {error}")
         return []
-    heads = ["particle", "level_m", "along_m", "up_m", "ratio", "drift_m_s"]
-    rows = [
-        [f"{name}", *(f"{value:.6g}" for value in (level, o.along_m, o.up_m, o.ratio, o.drift_m_s))]
-        for name, level, o in sorted(zip(names, found.level_m, found.orbits), key=lambda row: -row[1])
-    ]
-    with (folder / "orbits.csv").open("w", encoding="utf-8", newline="") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerows([heads, *rows])
+    rows = orbit_rows(names, found)
+    write_orbits(folder / "orbits.csv", rows)
     some = rows[:: max(1, len(rows) // 10)]
-    console.table(f"{path}: orbits under waves of {period:.4g} s (half length and height, and drift)", heads, some)
+    console.table(f"{path}: orbits under waves of {period:.4g} s (half length and height, and drift)", ORBIT, some)
     if found.decay_per_m is not None:
         console.say(f"orbits shrink with depth as exp({found.decay_per_m:.4g} y)")
     return [folder / "orbits.csv"]
@@ -124,23 +116,6 @@ def record(run: Path) -> Path:
         remedy = "name gauges in its scene, as in gauges: {elevation: {centre: [0.0, 0.0]}}"
         raise console.Refused(f"{run}: this run has no gauges.csv; {remedy}")
     return path
-
-
-def gauges(path: Path, begin: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Times (n,) [s] from `begin` on, and the heights (n,) [m] of each elevation gauge."""
-    try:
-        table = csv_file.columns(path)
-    except ValueError as error:
-        raise console.Refused(str(error)) from None
-    if "time_s" not in table:
-        raise console.Refused(f"{path}: has no column time_s")
-    heights = {name.removesuffix(SUFFIX): column for name, column in table.items() if name.endswith(SUFFIX)}
-    if not heights:
-        raise console.Refused(f"{path}: has no elevation gauge (a column <name>_m); pressures are not waves")
-    kept = table["time_s"] >= begin
-    if not kept.any():
-        raise console.Refused(f"{path}: ends at {table['time_s'][-1]:g} s, before --begin {begin:g}")
-    return table["time_s"][kept], {name: column[kept] for name, column in heights.items()}
 
 
 def measured_as(name: str, time: np.ndarray, height: np.ndarray) -> Sea:
@@ -203,53 +178,3 @@ def shortcomings(sea: Sea) -> list[str]:
         why = f"the record is shorter than {RESOLVED:g} periods of its spectral peak"
         found.append(f"{why}, so Tp, Tm01 and Tm02 cannot be resolved")
     return found
-
-
-def cell(value: float | None) -> str:
-    """A number of the table; one that could not be measured is a dash."""
-    return "-" if value is None else f"{value:d}" if isinstance(value, int) else f"{value:.4g}"
-
-
-def write_table(path: Path, found: dict[str, Sea]) -> None:
-    """A row a gauge."""
-    with path.open("w", encoding="utf-8", newline="") as file:
-        rows = csv.writer(file, lineterminator="\n")
-        rows.writerow(["gauge", *COLUMNS.values()])
-        for name, sea in found.items():
-            values = [sea.numbers()[key] for key in COLUMNS.values()]
-            rows.writerow([name, *("" if value is None else f"{value:.9g}" for value in values)])
-
-
-def write_columns(path: Path, columns: dict[str, np.ndarray]) -> None:
-    """Arrays (n,) under their names."""
-    with path.open("w", encoding="utf-8", newline="") as file:
-        rows = csv.writer(file, lineterminator="\n")
-        rows.writerow(columns)
-        rows.writerows([f"{value:.9g}" for value in row] for row in zip(*columns.values()))
-
-
-def draw(
-    path: Path,
-    time: np.ndarray,
-    heights: dict[str, np.ndarray],
-    frequency: np.ndarray,
-    densities: dict[str, np.ndarray],
-) -> None:
-    """Records above, spectra below."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(9.0, 7.0), layout="constrained")
-    FigureCanvasAgg(figure)
-    above, below = figure.subplots(2, 1)
-    for name, height in heights.items():
-        above.plot(time, height, linewidth=0.9, label=name)
-        below.plot(frequency, densities[name], linewidth=1.1, label=name)
-    above.set_xlabel("time [s]")
-    above.set_ylabel("elevation [m]")
-    below.set_xlabel("frequency [Hz]")
-    below.set_ylabel("spectral density [m2 s]")
-    for axes in (above, below):
-        axes.grid(alpha=0.3)
-        axes.legend(fontsize="x-small")
-    figure.savefig(path, dpi=100)

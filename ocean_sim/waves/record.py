@@ -14,9 +14,13 @@ density and its neighbours (Gasior & Gonzalez 2004, AIP Conf. Proc. 732): a Hann
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 
+from ocean_sim.files import csv_file
+
+SUFFIX = "_m"  # of an elevation gauge's column
 FEWEST = 16  # samples of a record
 CUT_OFF = 5.0  # [peak frequencies] up to which moments are taken
 SEGMENTS = 8  # of the record at most, in Welch's estimate
@@ -54,6 +58,21 @@ class Sea:
     def numbers(self) -> dict[str, float | None]:
         """All of them by name."""
         return asdict(self)
+
+
+def elevations(path: Path, begin: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Times (n,) [s] of a gauges.csv from `begin` on, and the heights (n,) [m] of each elevation gauge; raises
+    ValueError."""
+    table = csv_file.columns(path)
+    if "time_s" not in table:
+        raise ValueError(f"{path}: has no column time_s")
+    heights = {name.removesuffix(SUFFIX): column for name, column in table.items() if name.endswith(SUFFIX)}
+    if not heights:
+        raise ValueError(f"{path}: has no elevation gauge (a column <name>{SUFFIX}); pressures are not waves")
+    kept = table["time_s"] >= begin
+    if not kept.any():
+        raise ValueError(f"{path}: ends at {table['time_s'][-1]:g} s, before --begin {begin:g}")
+    return table["time_s"][kept], {name: column[kept] for name, column in heights.items()}
 
 
 def evenly(time: np.ndarray, height: np.ndarray) -> tuple[float, np.ndarray]:

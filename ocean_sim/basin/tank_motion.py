@@ -1,14 +1,14 @@
 """Prescribed motion of the tank and of a piston wavemaker: displacement, velocity and acceleration in time.
 
 The tank is simulated in its own axes. Its motion then is an acceleration of the water, `apparent_acceleration`, and
-results are told in the axes of the tank.
+results are given in the axes of the tank.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import cos, pi, sin
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal, Protocol
 
 import numpy as np
 from pydantic import Field
@@ -17,9 +17,6 @@ from ocean_sim import waves
 from ocean_sim.files import csv_file
 from ocean_sim.files.input_file import FileName, Unreadable
 from ocean_sim.model import Model, quantity
-
-if TYPE_CHECKING:
-    from ocean_sim.basin import Basin
 
 Axis = Literal["x", "y", "z", "roll_x", "roll_y", "roll_z"]
 Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
@@ -57,7 +54,7 @@ def turned(vector: np.ndarray, angle: np.ndarray) -> np.ndarray:
 
 
 def apparent_acceleration(frame: Frame, gravity: np.ndarray, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
-    """(m, 3) acceleration [m/s2] of free water at (m, 3) places and velocities in the axes of the tank:
+    """(m, 3) acceleration [m/s2] of free water at (m, 3) positions and velocities in the axes of the tank:
     g' - a - alpha x r - omega x (omega x r) - 2 omega x v, with r from the pivot."""
     r, omega = position - frame.pivot, frame.rate
     euler = np.cross(frame.angular_acceleration, r)
@@ -81,20 +78,35 @@ def ramped(law: Law, ramp: float) -> Law:
     return grown
 
 
+class Sides(Protocol):
+    """The walls of a basin."""
+
+    def at(self, side: str) -> str:
+        """The kind of wall at `x_min`, `x_max`, `z_min` or `z_max`."""
+
+
+class WalledTank(waves.Tank, Protocol):
+    """What a wavemaker asks of the basin that it is a wall of."""
+
+    @property
+    def walls(self) -> Sides:
+        """The kind of every wall."""
+
+
 class Tank(Model):
     """What every motion of the tank says."""
 
     about: Point | None = quantity("m", None)
     """The point about which it rolls; in a slice [x, y]; by default the centre of the still surface."""
 
-    def problems(self, basin: "Basin") -> Problems:
+    def problems(self, basin: waves.Tank) -> Problems:
         """What is wrong with this motion in this basin."""
         if self.about is not None and len(self.about) != basin.dimension:
             return [(("about",), f"a point of this basin has {basin.dimension} numbers, got {len(self.about)}")]
         return []
 
 
-def unmoved(axis: str, basin: "Basin") -> Problems:
+def unmoved(axis: str, basin: waves.Tank) -> Problems:
     """Why the tank cannot move so."""
     if basin.dimension == 2 and axis not in SLICE_AXES:
         return [(("axis",), f"a slice in x-y moves along x or y or about z ({', '.join(SLICE_AXES)}), not {axis!r}")]
@@ -115,7 +127,7 @@ class Harmonic(Tank):
     """Time over which the motion grows to its amplitude; by default one period. With 0 the tank has its full speed at
     once, and the water with it."""
 
-    def problems(self, basin: "Basin") -> Problems:
+    def problems(self, basin: waves.Tank) -> Problems:
         return super().problems(basin) + unmoved(self.axis, basin)
 
     def build(self) -> "TankMotion":
@@ -154,7 +166,7 @@ class Recorded(Tank):
             raise Unreadable(self.file, "needs at least four rows of numbers, in the order of time")
         return axes[0], times, moved
 
-    def problems(self, basin: "Basin") -> Problems:
+    def problems(self, basin: waves.Tank) -> Problems:
         try:
             axis = self.rows()[0]
         except Unreadable as error:
@@ -208,7 +220,7 @@ class Wavemaker(waves.WaveTrain):
     ramp: float | None = quantity("s", None, ge=0.0)
     """Time over which the motion grows; by default one period (of a spectrum its peak period)."""
 
-    def problems(self, basin: "Basin") -> Problems:
+    def problems(self, basin: WalledTank) -> Problems:
         """What is wrong with this wavemaker in this basin."""
         key: tuple[str, ...] = ("height",) if self.spectrum is None else ("spectrum", "significant_wave_height")
         found = [(key, sentence) for sentence in waves.unsuited(basin, *self.scale)]
@@ -231,8 +243,8 @@ class Wavemaker(waves.WaveTrain):
 
 @dataclass(frozen=True)
 class Piston:
-    """The wall at work. Far away its waves are a cos(k s - omega t + phase), s being the distance from its place of
-    rest: for that it moves by S/2 sin(omega t - phase) into the basin, S the stroke (Biesel & Suquet 1951)."""
+    """The wall at work. Far away its waves are a cos(k s - omega t + phase), s being the distance from its position
+    of rest: for that it moves by S/2 sin(omega t - phase) into the basin, S the stroke (Biesel & Suquet 1951)."""
 
     sea: waves.Components
     inward: float  # direction of the basin along the wall's axis: 1 or -1

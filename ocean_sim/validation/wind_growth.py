@@ -48,17 +48,22 @@ def problems(coarse: bool) -> list[Problem]:
     return [Problem(scene, PROMISES, measure)]
 
 
-def amplitude(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
-    """Times [s] and the amplitude [m] of the wave of this wavenumber, from the velocities."""
-    times, sizes = [], []
-    for water in watched(simulation, PERIODS * PERIOD, PERIOD / 20):
-        y = np.minimum(water.position[:, 1], 0.0)
-        c, s = waves.profiles(K, y, DEPTH)
-        turn = np.exp(-1j * K * water.position[:, 0])
-        mode = np.sum((water.velocity[:, 0] * c + 1j * water.velocity[:, 1] * s) * turn) / np.sum(c * c + s * s)
-        times.append(water.time)
-        sizes.append(abs(mode) * OMEGA / (GRAVITY * K))
-    return np.array(times), np.array(sizes)
+def amplitude(position: np.ndarray, velocity: np.ndarray) -> float:
+    """Amplitude [m] of the wave of this wavenumber along +x, from velocities (n, 3) [m/s] at positions (n, 3) [m]."""
+    c, s = waves.profiles(K, np.minimum(position[:, 1], 0.0), DEPTH)
+    turn = np.exp(-1j * K * position[:, 0])
+    half = np.sum((velocity[:, 0] * c + 1j * velocity[:, 1] * s) * turn) / np.sum(c * c + s * s)  # a cosine has two
+    return 2.0 * float(abs(half)) * OMEGA / (GRAVITY * K)
+
+
+def amplitudes(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
+    """Times [s] and the amplitude [m] of the wave at each."""
+    seen = [
+        (water.time, amplitude(water.position, water.velocity))
+        for water in watched(simulation, PERIODS * PERIOD, PERIOD / 20)
+    ]
+    times, sizes = np.array(seen).T
+    return times, sizes
 
 
 def rate(times: np.ndarray, sizes: np.ndarray) -> float:
@@ -69,9 +74,9 @@ def rate(times: np.ndarray, sizes: np.ndarray) -> float:
 
 def measure(simulation: Simulation) -> Finding:
     """The wave under the wind, and under still air."""
-    times, under_wind = amplitude(simulation)
+    times, under_wind = amplitudes(simulation)
     with stilled(simulation) as without:
-        _, under_still = amplitude(without)
+        _, under_still = amplitudes(without)
     grown, calm = rate(times, under_wind), rate(times, under_still)
     viscosity = -calm / (4.0 * K**2)
     numbers = (

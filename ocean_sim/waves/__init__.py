@@ -1,16 +1,16 @@
 """Linear (Airy) waves on water of finite depth: dispersion, spectra, and the sea that a sum of plane waves makes.
 
-Formulae as in Dean & Dalrymple (1991), Water Wave Mechanics for Engineers and Scientists, chapters 3, 4 and 6. Between
-the still surface and the wave the theory says nothing; here the column is stretched (Wheeler 1970, J. Petroleum Tech.
-22): what linear theory has at y' = h (y - eta) / (h + eta) holds at y. So pressure is zero on the surface itself, and
-nothing grows without bound under a crest; the velocity is then free of divergence to second order in the steepness.
+Formulae as in Dean & Dalrymple (1991), Water Wave Mechanics for Engineers and Scientists, chapters 3, 4 and 6. Linear
+theory ends at the still surface; above it the column is stretched (Wheeler 1970, J. Petroleum Tech. 22): what linear
+theory has at y' = h (y - eta) / (h + eta) holds at y. So pressure is zero on the surface itself, and nothing grows
+without bound under a crest; the velocity is then free of divergence to second order in the steepness.
 """
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from math import cos, pi, radians, sin, sqrt
-from typing import TYPE_CHECKING, Literal
+from typing import Literal, Protocol
 
 import numpy as np
 from pydantic import model_validator
@@ -19,17 +19,15 @@ from ocean_sim.conventions import GRAVITY
 from ocean_sim.model import Model, quantity
 from ocean_sim.random_numbers import numpy_uniform
 
-if TYPE_CHECKING:
-    from ocean_sim.basin import Basin
-
 COMPONENTS = 200  # plane waves that stand for a spectrum
 LOWEST = 0.5  # [peak frequencies] where they begin; up to 4 they cover all but 0.5 % of the variance
 RESOLVED = 4000  # points at which a spectrum is integrated over the band
 FREQUENCY, PHASE = 0x3_0000, 0x3_0001  # streams of random numbers
+Values = float | np.ndarray  # one value, or an array of any shape
 STEEPEST = 0.142  # height over wavelength, over tanh(kh), at which a wave breaks (Miche 1944)
 
 
-def wavenumber(omega, depth: float, gravity: float = GRAVITY) -> np.ndarray:
+def wavenumber(omega: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray:
     """k [rad/m] of the dispersion relation omega^2 = g k tanh(k h), for omega [rad/s] greater than zero.
 
     Newton's method from the closed form of Guo (2002, Coastal Engineering 45), which is right to 0.75 %.
@@ -42,18 +40,18 @@ def wavenumber(omega, depth: float, gravity: float = GRAVITY) -> np.ndarray:
     return kh / depth
 
 
-def angular_frequency(k, depth: float, gravity: float = GRAVITY) -> np.ndarray:
+def angular_frequency(k: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray:
     """omega [rad/s] of a wavenumber k [rad/m]."""
     k = np.asarray(k, dtype=float)
     return np.sqrt(gravity * k * np.tanh(k * depth))
 
 
-def phase_speed(k, depth: float, gravity: float = GRAVITY) -> np.ndarray:
+def phase_speed(k: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray:
     """Speed of the crests [m/s]."""
     return angular_frequency(k, depth, gravity) / k
 
 
-def group_speed(k, depth: float, gravity: float = GRAVITY) -> np.ndarray:
+def group_speed(k: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray:
     """Speed of the energy [m/s]: c/2 (1 + 2kh / sinh 2kh)."""
     q = 2.0 * np.minimum(np.asarray(k, dtype=float) * depth, 300.0)
     return 0.5 * phase_speed(k, depth, gravity) * (1.0 + q / np.sinh(q))
@@ -65,20 +63,22 @@ def breaking_height(period: float, depth: float, gravity: float = GRAVITY) -> fl
     return STEEPEST * 2.0 * pi / k * float(np.tanh(k * depth))
 
 
-def piston_transfer(kh) -> np.ndarray:
+def piston_transfer(kh: Values) -> np.ndarray:
     """Wave height over full stroke of a piston wavemaker, far away (Biesel & Suquet 1951; Dean & Dalrymple 6.25)."""
     q = 2.0 * np.minimum(np.asarray(kh, dtype=float), 300.0)
     return 2.0 * (np.cosh(q) - 1.0) / (np.sinh(q) + q)
 
 
-def pierson_moskowitz(frequency, peak_frequency: float, alpha: float, gravity: float = GRAVITY) -> np.ndarray:
+def pierson_moskowitz(frequency: Values, peak_frequency: float, alpha: float, gravity: float = GRAVITY) -> np.ndarray:
     """S(f) [m2 s] of Pierson & Moskowitz (1964); its variance is alpha g^2 / (5 (2 pi)^4 fp^4)."""
     f = np.asarray(frequency, dtype=float)
     scale = alpha * gravity**2 / (2.0 * pi) ** 4
     return scale * f**-5.0 * np.exp(-1.25 * (peak_frequency / f) ** 4)
 
 
-def jonswap(frequency, peak_frequency: float, alpha: float, gamma: float = 3.3, gravity: float = GRAVITY) -> np.ndarray:
+def jonswap(
+    frequency: Values, peak_frequency: float, alpha: float, gamma: float = 3.3, gravity: float = GRAVITY
+) -> np.ndarray:
     """S(f) [m2 s] of Hasselmann et al. (1973): the former with its peak raised by gamma, over a width of 0.07 below
     the peak and 0.09 above it."""
     ratio = np.asarray(frequency, dtype=float) / peak_frequency
@@ -115,7 +115,7 @@ class Components:
             yield i, kx * x + kz * z + (self.phase[i] - self.omega[i] * time)
 
 
-def profiles(k: float, y, depth: float) -> tuple[np.ndarray, np.ndarray]:
+def profiles(k: float, y: Values, depth: float) -> tuple[np.ndarray, np.ndarray]:
     """cosh k(y+h) / cosh kh and sinh k(y+h) / cosh kh, written so that nothing overflows in deep water."""
     rise, mirrored, bed = np.exp(k * y), np.exp(-2.0 * k * (y + depth)), np.exp(-2.0 * k * depth)
     return rise * (1.0 + mirrored) / (1.0 + bed), rise * (1.0 - mirrored) / (1.0 + bed)
@@ -223,7 +223,7 @@ class Spectrum(Model):
         """How far the peak is raised [1]."""
         return 1.0 if self.kind == "pierson_moskowitz" else 3.3 if self.gamma is None else self.gamma
 
-    def density(self, frequency) -> np.ndarray:
+    def density(self, frequency: Values) -> np.ndarray:
         """S(f) [m2 s] at f [Hz]; its variance over the band that the components cover is Hs^2 / 16."""
         peak = 1.0 / self.peak_period
         band = np.linspace(LOWEST, self.cut_off, RESOLVED) * peak
@@ -278,12 +278,32 @@ class WaveTrain(Model):
         return regular(*self.scale, towards, depth, gravity)
 
 
-def pull(basin: "Basin") -> float:
+class Tank(Protocol):
+    """What linear theory asks of the basin that holds the water."""
+
+    @property
+    def dimension(self) -> int:
+        """3, or 2 in a vertical slice."""
+
+    @property
+    def depth(self) -> float:
+        """Of the still water [m]."""
+
+    @property
+    def gravity(self) -> tuple[float, float, float]:
+        """[m/s2]."""
+
+    @property
+    def closed(self) -> bool:
+        """Whether there is no room for a free surface."""
+
+
+def pull(basin: Tank) -> float:
     """Gravity [m/s2] of a basin in which it points straight down."""
     return -basin.gravity[1]
 
 
-def unsuited(basin: "Basin", height: float = 0.0, period: float | None = None) -> Iterator[str]:
+def unsuited(basin: Tank, height: float = 0.0, period: float | None = None) -> Iterator[str]:
     """Why this basin cannot have waves, or not waves of this height [m] and period [s]."""
     if basin.gravity[0] or basin.gravity[2] or not basin.gravity[1] < 0.0:
         yield f"waves need gravity straight down, here it is {list(basin.gravity)} m/s2"
@@ -296,7 +316,7 @@ def unsuited(basin: "Basin", height: float = 0.0, period: float | None = None) -
         )
 
 
-def misdirected(heading_deg: float | None, basin: "Basin") -> Iterator[str]:
+def misdirected(heading_deg: float | None, basin: Tank) -> Iterator[str]:
     """Why waves cannot go to this heading in this basin."""
     if basin.dimension == 2 and heading_deg is not None and abs(cos(radians(heading_deg))) > 1e-9:
         yield f"in a slice waves go along +x (heading 90 degrees) or -x (270), got {heading_deg:g}"

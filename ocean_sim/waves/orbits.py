@@ -11,7 +11,7 @@ import numpy as np
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files import csv_file
-from ocean_sim.waves import angular_frequency
+from ocean_sim.waves import Values, angular_frequency
 
 BREAKING = 0.4  # of gravity: downward acceleration from which crests break (Snyder & Kennedy 1983, J. Phys. Oceanogr.)
 
@@ -35,7 +35,7 @@ class Orbit:
 
 def orbit(time: np.ndarray, path: np.ndarray, period: float, towards: tuple[float, float] = (1.0, 0.0)) -> Orbit:
     """The orbit of a path (n, 3) [m] at times (n,) [s], under waves of a period [s] that go along a unit vector in x
-    and z: the first harmonic beside a mean and a drift. Raises ValueError where it is shorter than two periods."""
+    and z: the first harmonic next to a mean and a drift. Raises ValueError where it is shorter than two periods."""
     if time[-1] - time[0] < 2.0 * period:
         raise ValueError(f"a path of {time[-1] - time[0]:g} s is shorter than two periods of {period:g} s")
     angle = 2.0 * np.pi * (time - time[0]) / period
@@ -46,18 +46,18 @@ def orbit(time: np.ndarray, path: np.ndarray, period: float, towards: tuple[floa
     return Orbit(float(sizes[0]), float(sizes[1]), float(found[1, 0]))
 
 
-def orbit_ratio(k: float, y, depth: float) -> np.ndarray:
+def orbit_ratio(k: float, y: Values, depth: float) -> np.ndarray:
     """Height over length of the orbits at a level y [m] below the still surface, on water of this depth [m]."""
     return np.tanh(k * (np.asarray(y) + depth))
 
 
-def orbit_sizes(amplitude: float, k: float, y, depth: float) -> tuple[np.ndarray, np.ndarray]:
+def orbit_sizes(amplitude: float, k: float, y: Values, depth: float) -> tuple[np.ndarray, np.ndarray]:
     """Half length and half height [m] of the orbits under a wave of this amplitude [m]: they fall with depth."""
     above = k * (np.asarray(y) + depth)
     return amplitude * np.cosh(above) / np.sinh(k * depth), amplitude * np.sinh(above) / np.sinh(k * depth)
 
 
-def stokes_drift(amplitude: float, k: float, y, depth: float, gravity: float = GRAVITY) -> np.ndarray:
+def stokes_drift(amplitude: float, k: float, y: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray:
     """Mean velocity [m/s] of the particles along the waves (Stokes 1847): a^2 w k cosh 2k(y+h) / (2 sinh^2 kh)."""
     above, omega = k * (np.asarray(y) + depth), angular_frequency(k, depth, gravity)
     return amplitude**2 * omega * k * np.cosh(2.0 * above) / (2.0 * np.sinh(k * depth) ** 2)
@@ -113,7 +113,7 @@ def white_caps_of(u10: float) -> float:
 
 @dataclass(frozen=True)
 class Motion:
-    """What tagged particles say of the waves above them."""
+    """The orbits of tagged particles."""
 
     level_m: np.ndarray
     """(n,) mean height of each path over the still surface."""
@@ -136,23 +136,32 @@ def motion(time: np.ndarray, paths: np.ndarray, period: float, towards: tuple[fl
 
 
 def read_tracers(path: Path) -> tuple[list[int], np.ndarray, np.ndarray, np.ndarray]:
-    """Numbers of the n particles of a tracers.csv, times (m,) [s], places (n, m, 3) [m] and velocities (n, m, 3) [m/s];
-    raises OSError or ValueError."""
+    """Numbers of the n particles of a tracers.csv, times (m,) [s], and their positions [m] and velocities [m/s], each
+    (n, m, 3); raises OSError or ValueError."""
     table = csv_file.columns(path)
     names = [int(column[1 : -len("_x_m")]) for column in table if column.endswith("_x_m")]
     if "time_s" not in table or not names:
         raise ValueError("has no column time_s, or no particle")
-    places = [np.stack([table[f"p{name}_{axis}_m"] for axis in "xyz"], axis=1) for name in names]
-    speeds = [np.stack([table[f"p{name}_{axis}_m_s"] for axis in "uvw"], axis=1) for name in names]
-    return names, table["time_s"], np.array(places), np.array(speeds)
+    positions = [np.stack([table[f"p{name}_{axis}_m"] for axis in "xyz"], axis=1) for name in names]
+    velocities = [np.stack([table[f"p{name}_{axis}_m_s"] for axis in "uvw"], axis=1) for name in names]
+    return names, table["time_s"], np.array(positions), np.array(velocities)
 
 
-def towards(places: np.ndarray, speeds: np.ndarray) -> tuple[float, float]:
+def towards(positions: np.ndarray, velocities: np.ndarray) -> tuple[float, float]:
     """Unit vector in x and z of where waves go to, by the water in them, (n, m, 3) each: the axis along which it moves
     most, to the side to which it goes when it is high."""
-    level = speeds[..., [0, 2]] - speeds[..., [0, 2]].mean(axis=1, keepdims=True)
+    level = velocities[..., [0, 2]] - velocities[..., [0, 2]].mean(axis=1, keepdims=True)
     flat = level.reshape(-1, 2)
     axis = np.linalg.eigh(flat.T @ flat)[1][:, -1]
-    high = places[..., 1] - places[..., 1].mean(axis=1, keepdims=True)
+    high = positions[..., 1] - positions[..., 1].mean(axis=1, keepdims=True)
     side = float(np.sum((level @ axis) * high))
     return (float(axis[0]), float(axis[1])) if side >= 0.0 else (-float(axis[0]), -float(axis[1]))
+
+
+def tracer_motion(path: Path, begin: float, period: float) -> tuple[list[int], Motion]:
+    """Numbers and orbits of the particles of a tracers.csv from a time [s] on, under waves of a period [s]; raises
+    OSError, ValueError or IndexError."""
+    names, time, positions, velocities = read_tracers(path)
+    kept = time >= begin
+    along = towards(positions[:, kept], velocities[:, kept])
+    return names, motion(time[kept], positions[:, kept], period, along)

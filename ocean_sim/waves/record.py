@@ -1,25 +1,37 @@
-"""What a record of the water's height at one point says of the waves: their heights and periods, and their spectrum.
+"""Waves in a record of the water's height at one point: their heights and periods, and their spectrum.
 
 Waves are counted between zero up-crossings of the record less its mean, as in IAHR (1989), List of Sea-State
 Parameters; crests and troughs between samples are those of the parabola through the three nearest. Spectral moments
 are those of the whole record under a Hann window, scaled to the record's own variance, up to five peak frequencies:
-the second moment of a sea grows with where it is cut off. The peak is found in Welch's estimate (1967).
+the second moment of a sea grows with where it is cut off.
+
+The peak is found in Welch's estimate (1967), by Hann segments which overlap by half: as many, up to eight, as leave
+each of them several periods of the peak. A record too short to be divided is one segment, and one too short even for
+that has no peak period. Between frequencies the peak is that of the parabola through the logarithms of the greatest
+density and its neighbours (Gasior & Gonzalez 2004, AIP Conf. Proc. 732): a Hann lobe is nearly a Gaussian one.
 """
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from itertools import pairwise
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 
+from ocean_sim.files import csv_file
+
+SUFFIX = "_m"  # of an elevation gauge's column
 FEWEST = 16  # samples of a record
 CUT_OFF = 5.0  # [peak frequencies] up to which moments are taken
-SEGMENTS = 8  # of the record, in Welch's estimate, each overlapping the next by half
+SEGMENTS = 8  # of the record at most, in Welch's estimate
+ENOUGH = 6.0  # periods of the peak in each of several segments, at least
+RESOLVED = 3.0  # periods of the peak in the record, at least: those of a Hann window and of its image stand apart
+STEADY = 20  # waves in a record that statistics of irregular waves need at least
 STILL = 1e-9  # [m] a range within which a record counts as constant
 
 
 class Unmeasurable(ValueError):
-    """Why a record says nothing of waves."""
+    """Why a record cannot be measured."""
 
 
 @dataclass(frozen=True)
@@ -33,31 +45,46 @@ class Sea:
     tz_s: float | None
     """Mean time between zero up-crossings."""
     tp_s: float | None
-    """Period at the peak of the spectrum."""
+    """Period at the peak of the spectrum; None where the record is shorter than three of them."""
     tm01_s: float | None
-    """m0 / m1."""
+    """m0 / m1; None where there is no peak period."""
     tm02_s: float | None
-    """sqrt(m0 / m2)."""
+    """sqrt(m0 / m2); None where there is no peak period."""
     waves: int
     """Waves from one zero up-crossing to the next."""
     hmax_m: float | None
     """The highest."""
 
-    def told(self) -> dict[str, Any]:
-        """By name."""
+    def numbers(self) -> dict[str, float | None]:
+        """All of them by name."""
         return asdict(self)
+
+
+def elevations(path: Path, begin: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Times (n,) [s] of a gauges.csv from `begin` on, and the heights (n,) [m] of each elevation gauge; raises
+    ValueError."""
+    table = csv_file.columns(path)
+    if "time_s" not in table:
+        raise ValueError(f"{path}: has no column time_s")
+    heights = {name.removesuffix(SUFFIX): column for name, column in table.items() if name.endswith(SUFFIX)}
+    if not heights:
+        raise ValueError(f"{path}: has no elevation gauge (a column <name>{SUFFIX}); pressures are not waves")
+    kept = table["time_s"] >= begin
+    if not kept.any():
+        raise ValueError(f"{path}: ends at {table['time_s'][-1]:g} s, before --begin {begin:g}")
+    return table["time_s"][kept], {name: column[kept] for name, column in heights.items()}
 
 
 def evenly(time: np.ndarray, height: np.ndarray) -> tuple[float, np.ndarray]:
     """Interval [s] and heights [m] at equal intervals over a record, on straight lines where it has others; raises
     Unmeasurable."""
     if not np.isfinite([time, height]).all():
-        raise Unmeasurable("holds what is not a number")
+        raise Unmeasurable("has values that are not numbers")
     if len(time) < FEWEST:
         raise Unmeasurable(f"is too short: {len(time)} samples, at least {FEWEST} are needed")
     steps = np.diff(time)
     if not (steps > 0.0).all():
-        raise Unmeasurable("is not in the order of time")
+        raise Unmeasurable("has times that do not increase")
     interval = float(np.median(steps))
     if np.abs(steps - interval).max() > 1e-3 * interval:
         even = time[0] + interval * np.arange(int((time[-1] - time[0]) / interval + 1e-6) + 1)
@@ -92,7 +119,7 @@ def zero_crossing_waves(interval: float, deviation: np.ndarray) -> tuple[np.ndar
 
 
 def welch(interval: float, deviation: np.ndarray, segments: int = SEGMENTS) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies [Hz] and spectral density [m2 s]."""
+    """Frequencies [Hz] and spectral density [m2 s]; the first frequency above zero is one over a segment's length."""
     from scipy.signal import welch as estimate
 
     length = max(FEWEST // 2, 2 * len(deviation) // (segments + 1))
@@ -108,6 +135,34 @@ def peak(frequency: np.ndarray, density: np.ndarray) -> float:
     bend = left - 2.0 * top + right
     shift = 0.5 * (left - right) / bend if bend < 0.0 and k > 1 else 0.0
     return float(frequency[k] + shift * (frequency[1] - frequency[0]))
+
+
+def segments(interval: float, deviation: np.ndarray) -> int:
+    """The most segments, up to SEGMENTS, each of which holds ENOUGH periods of the peak in their estimate; else 1."""
+    for count in range(SEGMENTS, 1, -1):
+        frequency, density = welch(interval, deviation, count)
+        if peak(frequency, density) >= ENOUGH * frequency[1]:
+            return count
+    return 1
+
+
+def peak_frequency(interval: float, deviation: np.ndarray) -> float | None:
+    """[Hz]; None where the record holds fewer than RESOLVED of its periods."""
+    frequency, density = welch(interval, deviation, segments(interval, deviation))
+    found = peak(frequency, density)
+    return found if found >= RESOLVED * frequency[1] else None
+
+
+def spectra(time: np.ndarray, heights: Mapping[str, np.ndarray]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Frequencies [Hz], and the spectral density [m2 s] of each of several records at the same times: all by the
+    segments of that record which needs the longest."""
+    even = {name: evenly(time, height) for name, height in heights.items()}
+    records = {name: (interval, values - values.mean()) for name, (interval, values) in even.items()}
+    moving = [record for record in records.values() if np.ptp(record[1]) > STILL]
+    count = min((segments(*record) for record in moving), default=SEGMENTS)
+    estimates = {name: welch(*record, count) for name, record in records.items()}
+    frequency = next(iter(estimates.values()))[0]
+    return frequency, {name: density for name, (_, density) in estimates.items()}
 
 
 def moments(interval: float, deviation: np.ndarray, up_to: float) -> tuple[float, float, float]:
@@ -136,15 +191,15 @@ def measured(time: np.ndarray, height: np.ndarray) -> Sea:
     heights, periods = zero_crossing_waves(interval, deviation)
     if not len(heights):
         return Sea(None, 4.0 * float(deviation.std()), None, None, None, None, 0, None)
-    f_peak = peak(*welch(interval, deviation))
-    m0, m1, m2 = moments(interval, deviation, CUT_OFF * f_peak)
+    f_peak = peak_frequency(interval, deviation)
+    m0, m1, m2 = (0.0, 0.0, 0.0) if f_peak is None else moments(interval, deviation, CUT_OFF * f_peak)
     waves = len(heights)
     highest_third = np.sort(heights)[::-1][: max(1, round(waves / 3.0))]
     return Sea(
         hs_m=float(highest_third.mean()),
         hm0_m=4.0 * float(deviation.std()),
         tz_s=float(periods.mean()),
-        tp_s=1.0 / f_peak,
+        tp_s=None if f_peak is None else 1.0 / f_peak,
         tm01_s=m0 / m1 if m1 > 0.0 else None,
         tm02_s=(m0 / m2) ** 0.5 if m2 > 0.0 else None,
         waves=waves,

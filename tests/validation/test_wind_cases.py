@@ -51,6 +51,16 @@ def test_the_work_of_the_pressure_is_the_growth_rate():
     assert power / (0.5 * 1000.0 * 9.81 * a**2) == pytest.approx(wind_growth.BETA, rel=1e-3)
 
 
+@pytest.mark.parametrize("phase", [0.0, 0.7, 2.5])
+def test_the_amplitude_of_the_growing_wave_is_that_of_linear_theory(phase):
+    spacing = wind_growth.WAVELENGTH / 40
+    x, y = np.meshgrid(np.arange(40) * spacing, -(np.arange(20) + 0.5) * spacing, indexing="ij")
+    position = np.stack([x.ravel(), y.ravel(), 0.0 * x.ravel()], axis=1)
+    wave = waves.Components(np.array([0.01]), np.array([[wind_growth.K, 0.0]]), np.array([phase]), wind_growth.DEPTH)
+    velocity = waves.linear_velocity(wave, position)
+    assert wind_growth.amplitude(position, velocity) == pytest.approx(0.01, rel=1e-9)
+
+
 def test_a_growth_rate_is_read_from_amplitudes():
     times = np.linspace(0.0, 6.0, 100)
     assert wind_growth.rate(times, 0.02 * np.exp(0.04 * times)) == pytest.approx(0.08)

@@ -8,7 +8,7 @@ import pytest
 from ocean_sim import waves
 from ocean_sim.__main__ import answered
 from ocean_sim.waves.orbits import breaking_cover, falling
-from ocean_sim.waves.record import Unmeasurable, measured, welch, zero_crossing_waves
+from ocean_sim.waves.record import Unmeasurable, measured, segments, spectra, welch, zero_crossing_waves
 
 # A known-answer record: a [m], f [Hz], phase [rad] of six cosines over 2000 s. Its moments are closed forms; the
 # numbers of its zero up-crossings come from a script of its own, at 200 Hz.
@@ -40,7 +40,7 @@ def six_cosines(interval: float) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("interval", [0.02, 0.1, 0.25])
 def test_the_known_record_of_six_cosines(interval):
-    found = measured(*six_cosines(interval)).told()
+    found = measured(*six_cosines(interval)).numbers()
     for key, value in KNOWN.items():
         assert found[key] == pytest.approx(value, rel=1e-4 if interval < 0.2 else 3e-4), key
     assert found["tp_s"] == pytest.approx(8.0, rel=1e-3)  # the greatest of the six
@@ -77,6 +77,76 @@ def test_a_jonswap_sea_has_the_moments_of_its_components():
         assert 0.94 < found.hs_m / found.hm0_m < 1.0
 
 
+def worst_error(periods: float, sample: float) -> float:
+    """Worst relative error of T_p over phases of a sine of 1 s about a mean, in a record of so many of its periods."""
+    time = np.arange(0.0, periods, sample)
+    found = [
+        measured(time, 3.0 + 0.2 * np.sin(2.0 * np.pi * time + phase)).tp_s for phase in np.arange(0.0, 6.28, 1.05)
+    ]
+    return max(np.inf if period is None else abs(period - 1.0) for period in found)
+
+
+@pytest.mark.parametrize("sample", [0.4, 0.13, 0.05, 0.011])
+def test_the_peak_period_of_a_sine_of_any_number_of_periods(sample):
+    for periods in (*np.arange(5.0, 12.0, 0.5), *np.arange(12.3, 41.0, 3.1), 25.0, 27.0, 40.0):
+        if periods >= 16 * sample:
+            assert worst_error(periods + 1e-9, sample) < (0.02 if periods < 25.0 else 0.005), periods
+
+
+@pytest.mark.parametrize("periods", [1.7, 2.0, 2.4, 2.8, 3.2, 3.7, 4.0, 4.6])
+def test_the_peak_period_of_a_few_waves_is_right_or_none(periods):
+    time = np.linspace(0.0, periods, 200)
+    for phase in np.arange(0.0, 6.28, 0.7):
+        found = measured(time, 0.5 + np.sin(2.0 * np.pi * time + phase))
+        assert found.tp_s is None if periods < 2.9 else found.tp_s == pytest.approx(1.0, rel=0.02)
+        assert (found.tm01_s is None) == (found.tm02_s is None) == (found.tp_s is None)
+
+
+def test_sines_of_a_short_record_have_each_their_own_period():
+    time = np.arange(0.0, 20.0, 0.05)
+    for period in (3.0, 3.5, 4.0, 5.0, 6.0):
+        assert measured(time, np.sin(2.0 * np.pi * time / period + 1.0)).tp_s == pytest.approx(period, rel=0.01)
+    assert measured(time, np.sin(2.0 * np.pi * time / 9.0)).tp_s is None
+
+
+def test_noise_and_a_slow_rise_of_the_level_leave_the_peak_period():
+    noise = 0.1 * np.random.default_rng(3).normal(size=4000)
+    for periods in (5, 8, 15, 30, 100):
+        time = np.linspace(0.0, periods, 4000)
+        record = np.sin(2.0 * np.pi * time + 0.3) + noise
+        assert measured(time, record).tp_s == pytest.approx(1.0, rel=0.02)
+        assert measured(time, record + 0.2 * time / periods).tp_s == pytest.approx(1.0, rel=0.02)
+
+
+@pytest.mark.parametrize("gamma, bias, scatter", [(3.3, 0.03, 0.05), (1.0, 0.07, 0.10)])
+def test_the_peak_period_of_a_sea_scatters_no_more_than_averaged_spectra_do(gamma, bias, scatter):
+    """Over records of 30 peak periods; a single periodogram scatters by half as much again."""
+    time, found = np.arange(0.0, 240.0, 0.5), []
+    for seed in range(60):
+        spectrum = waves.Spectrum(significant_wave_height=2.0, peak_period=8.0, gamma=gamma, seed=seed)
+        its = spectrum.components(np.array([1.0, 0.0]), 100.0)
+        found.append(measured(time, its.amplitude @ np.cos(its.phase[:, None] - its.omega[:, None] * time)).tp_s)
+    ratio = np.array(found) / 8.0
+    assert abs(ratio.mean() - 1.0) < bias and ratio.std() < scatter
+
+
+def test_a_long_record_is_averaged_over_eight_segments():
+    assert segments(0.25, six_cosines(0.25)[1]) == 8
+    for periods, count in ((4, 1), (8, 1), (10, 2), (20, 5), (28, 8)):
+        sine = np.sin(2.0 * np.pi * np.linspace(0.0, periods, 2001))
+        assert segments(periods / 2000, sine) == count
+
+
+def test_spectra_of_several_gauges_have_common_frequencies():
+    time = np.arange(0.0, 60.0, 0.05)
+    heights = {"still": 0.0 * time, "short": np.sin(6.0 * time), "long": np.sin(0.7 * time)}
+    frequency, densities = spectra(time, heights)
+    assert frequency[1] == pytest.approx(1.0 / 60.0)  # what the longest waves need
+    assert not densities["still"].any()
+    assert np.trapezoid(densities["short"], frequency) == pytest.approx(0.5, rel=0.03)
+    assert len(spectra(time, {"still": 0.0 * time})[0]) < len(frequency)
+
+
 def test_gaussian_waves_of_a_narrow_band():
     """H1/3 = 4.004 sigma, mean 2.507 sigma, root mean square 2.828 sigma (Longuet-Higgins 1952)."""
     n, interval, random = 2**20, 0.125, np.random.default_rng(5)
@@ -107,7 +177,7 @@ def test_uneven_samples_are_put_on_even_times():
 
 def test_still_water_has_no_waves():
     found = measured(np.arange(100) * 0.1, np.full(100, 0.2))
-    assert found.told() == {
+    assert found.numbers() == {
         "hs_m": 0.0,
         "hm0_m": 0.0,
         "tz_s": None,
@@ -121,7 +191,7 @@ def test_still_water_has_no_waves():
 
 def test_a_record_shorter_than_a_wave_has_a_deviation_alone():
     time = np.arange(100) * 0.1
-    found = measured(time, np.sin(2.0 * np.pi * time / 15.0)).told()
+    found = measured(time, np.sin(2.0 * np.pi * time / 15.0)).numbers()
     assert found.pop("hm0_m") > 1.0 and found.pop("waves") == 0 and set(found.values()) == {None}
 
 
@@ -129,8 +199,8 @@ def test_a_record_shorter_than_a_wave_has_a_deviation_alone():
     "time, height, why",
     [
         (np.arange(10) * 0.1, np.arange(10.0), "too short: 10 samples"),
-        (np.arange(50) * 0.1, np.full(50, np.nan), "not a number"),
-        (np.zeros(50), np.arange(50.0), "order of time"),
+        (np.arange(50) * 0.1, np.full(50, np.nan), "not numbers"),
+        (np.zeros(50), np.arange(50.0), "do not increase"),
     ],
 )
 def test_what_is_no_record_says_why(time, height, why):
@@ -146,7 +216,7 @@ def gauges_file(folder, columns: dict[str, np.ndarray]):
     return folder
 
 
-def test_the_command_tells_every_gauge_and_leaves_table_spectra_and_plot(tmp_path, capsys):
+def test_the_command_measures_every_gauge_and_leaves_table_spectra_and_plot(tmp_path, capsys):
     time, record = six_cosines(0.1)
     run = gauges_file(tmp_path / "run", {"time_s": time, "mid_m": record, "end_m": 0 * time, "bed_Pa": time})
     assert answered(["waves", str(run), "--json", "--out", str(tmp_path / "out")]) == 0
@@ -159,6 +229,28 @@ def test_the_command_tells_every_gauge_and_leaves_table_spectra_and_plot(tmp_pat
     assert answered(["waves", str(run / "gauges.csv"), "--begin", "1000"]) == 0
     said = capsys.readouterr().out
     assert "end: the record is constant" in said and "from 1000 to 2000 s" in said
+
+
+def test_the_command_says_what_a_short_record_cannot_say(tmp_path, capsys):
+    time = np.arange(0.0, 20.0, 0.05)
+    waves_of = {"swell_m": np.sin(2.0 * np.pi * time / 8.0 + 1.0), "chop_m": 0.1 * np.sin(2.0 * np.pi * time / 0.8)}
+    run = gauges_file(tmp_path / "run", {"time_s": time, **waves_of})
+    assert answered(["waves", str(run), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["swell"]["tp_s"] is None and found["swell"]["tm01_s"] is None and found["swell"]["tm02_s"] is None
+    assert found["swell"]["tz_s"] == pytest.approx(8.0, rel=0.02)
+    assert found["chop"]["tp_s"] == pytest.approx(0.8, rel=0.005)
+    assert answered(["waves", str(run)]) == 0
+    shown = capsys.readouterr().out
+    assert "swell: the record holds 1 wave; statistics of irregular waves need at least 20" in shown
+    assert "swell: the record is shorter than 3 periods of its spectral peak" in shown
+    assert "chop: " not in shown
+    row = (run / "waves.csv").read_text().splitlines()[1].split(",")
+    assert row[0] == "swell" and row[5:8] == ["", "", ""]
+    run = gauges_file(tmp_path / "followed", {"time_s": time, "swell_m": waves_of["swell_m"]})
+    (run / "tracers.csv").write_text("time_s\n0\n")
+    assert answered(["waves", str(run)]) == 0
+    assert "no orbits, for the record of no gauge resolves a peak period" in capsys.readouterr().out
 
 
 def test_the_command_says_what_is_missing(tmp_path, capsys):
@@ -194,7 +286,7 @@ def frames_of(folder, turning: float, height: float):
         np.savez(folder / "frames" / f"frame_{n:05d}.npz", **content)
 
 
-def test_the_command_tells_circulation_white_caps_and_the_gain(tmp_path, capsys):
+def test_the_command_reports_circulation_white_caps_and_the_gain(tmp_path, capsys):
     time, record = six_cosines(0.1)
     run = gauges_file(tmp_path / "run", {"time_s": time, "mid_m": record})
     wind = {"kind": "stress", "u10": 10.0, "drag_law": "wu", "gain": 300.0, "schedule": None}

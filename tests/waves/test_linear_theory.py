@@ -1,6 +1,7 @@
 """Linear waves against closed forms and published tables; the identities of the spectra."""
 
 from math import pi
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from pydantic import ValidationError
 
 from ocean_sim import waves
 from ocean_sim.basin import Config as BasinConfig
+from ocean_sim.basin import tank_motion
 from ocean_sim.conventions import GRAVITY
 
 # depth [m], kh, period [s], wavelength, c, cg, H/S of a piston: linear wavemaker theory, Biesel & Suquet (1951) and
@@ -169,3 +171,9 @@ def test_a_spectrum_that_is_cut_off_keeps_its_height():
     assert sea.omega.max() <= 2.0 * 2.0 * pi / 8.0 * (1.0 + 1e-9)
     with pytest.raises(ValidationError, match="cut_off"):
         waves.Spectrum(significant_wave_height=2.0, peak_period=8.0, cut_off=1.0)
+
+
+def test_the_waves_do_not_name_the_basin_that_holds_them():
+    """Not even for type checkers: the tank's motion knows the waves, and the basin both."""
+    for module in (*(Path(waves.__file__).parent).glob("*.py"), Path(tank_motion.__file__)):
+        assert "import Basin" not in module.read_text(encoding="utf-8"), module

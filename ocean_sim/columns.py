@@ -1,4 +1,4 @@
-"""Names for the columns of a row of numbers: what a pair law reads of a neighbour, or a row of a table on the device."""
+"""Names for the columns of a row of numbers: what a pair law reads of a neighbour, or a row of a device table."""
 
 import taichi as ti
 import taichi.math as tm

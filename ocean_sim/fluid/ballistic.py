@@ -118,7 +118,7 @@ class Ballistic(ParticleWater):
 
     @ti.kernel
     def step(self, dt: float, since: float, summary: ti.types.ndarray(ndim=1)):
-        self.wind.hear(since, dt)
+        self.wind.set_clock(since, dt)
         for t in range(self.ledger.groups * TASK):
             if t % TASK == 0:
                 group = t // TASK

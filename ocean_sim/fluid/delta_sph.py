@@ -386,7 +386,7 @@ class DeltaSph(Sph):
     def step(self, dt: float, speed: float, since: float, summary: ti.types.ndarray(ndim=1)):
         """Drift half a step, sort, kick, drift to the end, find the rate of the density there."""
         self.dt[None] = dt
-        self.wind.hear(since, dt)
+        self.wind.set_clock(since, dt)
         h = 0.5 * self.smoothing.support
         bulk = tm.min(DAMPER * self.sound_speed * h, LAG * h * h / dt)  # [m2/s]
         for i in range(self.particles.count.there()):

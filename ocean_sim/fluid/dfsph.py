@@ -352,7 +352,7 @@ class Dfsph(Sph):
     def predict(self, dt: float, since: float, report: ti.types.ndarray(ndim=1)):
         """Velocities under all forces and the last pressures, and how far they compress the water."""
         self.dt[None], self.momentum[None] = dt, 0.0
-        self.wind.hear(since, dt)
+        self.wind.set_clock(since, dt)
         for g in range(self.ledger.groups * TASK):
             if g % TASK == 0:
                 self.neighbours.walk(g // TASK, self.forces, False)

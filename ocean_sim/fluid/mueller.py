@@ -231,7 +231,7 @@ class Mueller(Sph):
     def move(self, dt: float, since: float):
         """Move by the forces of here and now."""
         self.dt[None] = dt
-        self.wind.hear(since, dt)
+        self.wind.set_clock(since, dt)
         if ti.static(self.bodies):
             self.boundary.react(self.momentum.reaction, dt)
         for g in range(self.ledger.groups * TASK):

@@ -154,9 +154,9 @@ class Sight:
         corners = np.array([[(self.lower, top)[b][a] for a, b in enumerate(k)] for k in np.ndindex(2, 2, 2)])
         pairs_of = [(i, i ^ bit) for i in range(8) for bit in (1, 2, 4) if i < i ^ bit]
         parts = [(corners[np.array(pairs_of)], BASIN)]
-        air = self.simulation.wind.shown()
-        parts.append((self.clipped(air.edges), AIR))
-        parts.append((self.arrows(air.feet, air.pushes), ARROW))
+        wind = self.simulation.wind.drawing()
+        parts.append((self.clipped(wind.lines), AIR))
+        parts.append((self.arrows(wind.tails, wind.arrows), ARROW))
         if self.flat and self.has_surface:
             line = np.stack([self.x, self.heights(), 0.0 * self.x], axis=1)
             parts.append((np.stack([line[:-1], line[1:]], axis=1), DECK))

@@ -1,38 +1,43 @@
-"""Moving air: every module of this folder without a leading underscore is a kind a scene may name."""
+"""Moving air: every module of this folder is a kind that a scene may name; what they share lies in `shared`."""
 
 from typing import Literal, Protocol
 
-from ocean_sim.wind.shared.air import Air
+from ocean_sim.wind.shared.drawing import Drawing
 
 
 class Wind(Protocol):
-    """Moving air. `hear` and `force` are callable from a Taichi kernel."""
+    """Moving air. `set_clock` and `force` are callable from a Taichi kernel.
+
+    A kernel calls `set_clock(since, step)` before its loop over particles or voxels, with `since` and `step` as they
+    are handed to it from Python; a wind that needs no clock leaves both 0 and does nothing (see `shared/clock.py`).
+    """
 
     needs_area: bool  # whether `force` reads `area`: the fluid then finds the exposed area of its particles
-    since: float  # [s] since its clock began, at the end of this step
-    step: float  # [s]
-
-    blows: bool  # whether `force` is ever anything
+    blows: bool  # whether `force` is ever anything but zero; where not, kernels leave it out
+    since: float  # [s] from the last restart of its clock to the end of this step
+    step: float  # [s] length of this step
 
     def on(self, target: Literal["fluid", "ship"]) -> "Wind":
         """The wind that a target feels: this one, or still air where it is no target."""
         ...
 
-    def advance(self, dt: float) -> None: ...
+    def advance(self, dt: float) -> None:
+        """Move on to the step of dt [s] that comes next."""
+        ...
 
     def strengthen(self, factor: float) -> None:
         """Blow so many times as strongly as the scene says; nothing is compiled for it."""
         ...
 
-    def shown(self) -> Air:
+    def drawing(self) -> Drawing:
         """Lines and arrows that show it as it is now."""
         ...
 
-    def hear(self, since, step):
-        """ti.func that a kernel calls before all particles, with these two as they are now [s]."""
+    def set_clock(self, since, step):  # type: ignore[no-untyped-def]
+        """ti.func: find what blows in this step, from the two numbers above [s]."""
         ...
 
-    def force(self, key, position, velocity, area, mass):
+    def force(self, key, position, velocity, area, mass):  # type: ignore[no-untyped-def]
         """ti.func -> vec3 [N]. `key`: particle or voxel number; `area`: exposed area times outward normal [m2],
         zero inside the water; `mass` [kg]."""
         ...

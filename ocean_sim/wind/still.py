@@ -7,7 +7,7 @@ import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.parts import LedgerRow, Preflight, WindConfig
-from ocean_sim.wind.shared.air import NONE, Air
+from ocean_sim.wind.shared.drawing import NOTHING, Drawing
 
 
 class Config(WindConfig):
@@ -49,12 +49,12 @@ class Still:
     def strengthen(self, factor: float) -> None:
         pass
 
-    def shown(self) -> Air:
+    def drawing(self) -> Drawing:
         """Nothing."""
-        return NONE
+        return NOTHING
 
     @ti.func
-    def hear(self, since, step):
+    def set_clock(self, since, step):
         pass
 
     @ti.func

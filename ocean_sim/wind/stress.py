@@ -14,17 +14,25 @@ import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.basin import Basin
+from ocean_sim.columns import Columns
 from ocean_sim.conventions import AIR_DENSITY
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
-from ocean_sim.wind.shared.air import Air
 from ocean_sim.wind.shared.air_load import DragLaw, drag, stress
-from ocean_sim.wind.shared.clock import Now
+from ocean_sim.wind.shared.clock import DeviceRow
+from ocean_sim.wind.shared.drawing import Drawing
 from ocean_sim.wind.shared.schedule import Scheduled
 from ocean_sim.wind.shared.warnings import out_of_range, unresolved
 from ocean_sim.wind.still import Still
 
-ALONG_X, ALONG_Z, PRESSURE, AHEAD_X, AHEAD_Z, SPEED = range(6)
+ROW = Columns(
+    stress_x=1,  # [Pa]
+    stress_z=1,  # [Pa]
+    pressure=1,  # [Pa] on the waves over their slope along the wind
+    ahead_x=1,  # unit vector where the wind goes to
+    ahead_z=1,
+    speed=1,  # [m/s] U10
+)
 STEEPEST = 1.0  # slope beyond which the pressure does not rise: the air has long parted from the surface
 
 
@@ -110,10 +118,10 @@ class Stress:
         self.config, self.dimension, self.afloat = config, basin.dimension, afloat
         self.basin, self.time, self.gain = basin, 0.0, 1.0
         self.sheltering = config.sheltering > 0.0
-        self.now = Now(SPEED + 1)
-        self.steady = config.always and config.schedule is None  # told once
+        self.row = DeviceRow(ROW.size)
+        self.steady = config.always and config.schedule is None
         self.ship = None if afloat or "ship" not in config.targets else Stress(config, basin, afloat=True)
-        self._tell(0.0)
+        self._set_strength(0.0)
 
     def on(self, target: Literal["fluid", "ship"]) -> "Stress | Still":
         """The wind that a target feels: stress, drag on a hull, or still air where it is none of `targets`."""
@@ -124,7 +132,7 @@ class Stress:
     def advance(self, dt: float) -> None:
         """What blows in the middle of a step of dt [s]."""
         if not self.steady:
-            self._tell(dt)
+            self._set_strength(dt)
         self.time += dt
         if self.ship is not None:
             self.ship.advance(dt)
@@ -132,12 +140,12 @@ class Stress:
     def strengthen(self, factor: float) -> None:
         """Blow with so many times the U10 of the scene."""
         self.gain = factor
-        self._tell(0.0)
+        self._set_strength(0.0)
         if self.ship is not None:
             self.ship.strengthen(factor)
 
-    def _tell(self, dt: float) -> None:
-        """Tell the kernels what blows in a step of dt [s] from now on."""
+    def _set_strength(self, dt: float) -> None:
+        """Write what blows in a step of dt [s] from now on."""
         u10, heading = self.config.blows(self.time + 0.5 * dt, self.dimension)
         u10 *= self.gain
         part = self.config.blowing(self.time, dt)
@@ -145,38 +153,38 @@ class Stress:
         along = part * self.config.tau(u10)
         numbers = along * ahead[0], along * ahead[1], part * self.config.sheltered(u10), *ahead, part * u10
         for column, number in enumerate(numbers):
-            self.now.tell(column, number)
+            self.row.set(column, number)
 
-    def shown(self) -> Air:
+    def drawing(self) -> Drawing:
         """Arrows all over the water; length 1 is the greatest U10 that the scene has."""
         x, z = (np.linspace(0.7 * self.basin.lower[k], 0.7 * self.basin.upper[k], 4) for k in (0, 2))
         x, z = (a.ravel() for a in np.meshgrid(x, z))
         u10, heading = self.config.blows(self.time, self.dimension)
         push = np.array([sin(radians(heading)), 0.0, cos(radians(heading))])
         push *= self.gain * self.config.blowing(self.time) * u10 / (self.config.strongest or 1.0)
-        return Air(np.zeros((0, 2, 3)), np.stack([x, 0.0 * x, z], axis=1), np.tile(push, (len(x), 1)))
+        return Drawing(np.zeros((0, 2, 3)), np.stack([x, 0.0 * x, z], axis=1), np.tile(push, (len(x), 1)))
 
     @property
     def stress(self) -> float:
         """On the water now [Pa]."""
-        return hypot(self.now.told[ALONG_X], self.now.told[ALONG_Z])
+        return hypot(self.row.values[ROW.stress_x], self.row.values[ROW.stress_z])
 
     @ti.func
-    def hear(self, since, step):
+    def set_clock(self, since, step):
         pass
 
     @ti.func
     def force(self, key, position, velocity, area, mass):
         """Stress on the plan area, and pressure on the slope [N]; on a hull the drag (2.22)."""
-        now = ti.static(self.now.field)
+        row = ti.static(self.row.field)
         total = tm.vec3(0.0)
         if ti.static(self.afloat):
-            wind = now[SPEED] * tm.vec3(now[AHEAD_X], 0.0, now[AHEAD_Z])
+            wind = row[ROW.speed] * tm.vec3(row[ROW.ahead_x], 0.0, row[ROW.ahead_z])
             total = drag(wind - velocity, area.norm())
         else:
-            total = area.y * tm.vec3(now[ALONG_X], 0.0, now[ALONG_Z])
+            total = area.y * tm.vec3(row[ROW.stress_x], 0.0, row[ROW.stress_z])
             if ti.static(self.sheltering):
                 if area.y > 0.0:
-                    slope = -(area.x * now[AHEAD_X] + area.z * now[AHEAD_Z]) / area.y
-                    total -= now[PRESSURE] * tm.clamp(slope, -STEEPEST, STEEPEST) * area
+                    slope = -(area.x * row[ROW.ahead_x] + area.z * row[ROW.ahead_z]) / area.y
+                    total -= row[ROW.pressure] * tm.clamp(slope, -STEEPEST, STEEPEST) * area
         return total

@@ -12,18 +12,25 @@ import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.basin import Basin
+from ocean_sim.columns import Columns
 from ocean_sim.model import Vector2, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
-from ocean_sim.wind.shared.air import Air
-from ocean_sim.wind.shared.clock import RUN, Now
-from ocean_sim.wind.shared.noise import EVERY, OWN, Noise, NoiseSize
+from ocean_sim.wind.shared.clock import RESTART, DeviceRow
+from ocean_sim.wind.shared.drawing import Drawing
+from ocean_sim.wind.shared.noise import DRAWS, EVERY, Noise, NoiseSize
 from ocean_sim.wind.shared.passages import Passages
 from ocean_sim.wind.shared.schedule import Timed
 from ocean_sim.wind.shared.warnings import kick, stylised
 from ocean_sim.wind.still import Still
 
 NOISE = 0x3_0000  # stream of random numbers
-AXIS_X, AXIS_Z, PART, SINCE = range(OWN, OWN + 4)  # columns: [m] when the clock began, part of its strength, [s]
+ROW = Columns(
+    draws=DRAWS.size,
+    axis_x=1,  # [m] when the clock was restarted
+    axis_z=1,  # [m]
+    part=1,  # of its strength
+    since=1,  # [s]
+)
 
 
 class Config(Timed, WindConfig):
@@ -69,11 +76,8 @@ class Config(Timed, WindConfig):
         return [(("kind",), sentence)] if preflight.tank.dimension == 2 else []
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        return [
-            LedgerRow(
-                "wind", "axis, strength and noise of the vortex", (SINCE + 1) * preflight.word, "wind.kind is vortex"
-            )
-        ]
+        size = ROW.size * preflight.word
+        return [LedgerRow("wind", "axis, strength and noise of the vortex", size, "wind.kind is vortex")]
 
     def warnings(self, preflight: Preflight) -> list[str]:
         speed = hypot(*self.drift)
@@ -96,12 +100,12 @@ class Vortex:
         self.config, self.targets = config, tuple(config.targets)
         x, z = config.centre
         self.passage = Passages((x, 0.0, z), (config.drift[0], 0.0, config.drift[1]), config.core_radius, basin)
-        self.now = Now(SINCE + 1)
+        self.row = DeviceRow(ROW.size)
         self.noisy = any(config.noise)
-        self.noise = Noise(seed, config.noise_every, self.now) if self.noisy else None
+        self.noise = Noise(seed, config.noise_every, self.row)
         self.time, self.part, self.gain = 0.0, config.blowing(0.0), 1.0
         self.since, self.step = 0.0, 0.0
-        self._tell()
+        self._restart()
 
     def on(self, target: Literal["fluid", "ship"]) -> "Vortex | Still":
         """The wind that a target feels: this, or still air where it is none of `targets`."""
@@ -114,17 +118,17 @@ class Vortex:
         self.time, self.since, self.step = begun + dt, self.since + dt, dt
         if not self.config.always:
             self.part = self.config.blowing(begun, dt)
-        if self.passage.number != before or self.part != part or self.since > RUN:
-            self._tell()
-        if self.noise is not None:
+        if self.passage.number != before or self.part != part or self.since > RESTART:
+            self._restart()
+        if self.noisy:
             self.noise.advance()
 
     def strengthen(self, factor: float) -> None:
         """Blow so many times as strongly as the scene says."""
         self.gain = factor
-        self._tell()
+        self._restart()
 
-    def shown(self) -> Air:
+    def drawing(self) -> Drawing:
         """The core, as deep as the water feels it, and arrows around it where the push is greatest."""
         config, angle = self.config, np.linspace(0.0, 2.0 * pi, 33)
         around = np.stack([np.cos(angle), np.zeros(33), np.sin(angle)], axis=1)
@@ -134,35 +138,35 @@ class Vortex:
         out = around[:-1:4]
         pushes = config.acceleration * np.cross([0.0, 1.0, 0.0], out) - config.inward * out + [0.0, config.upward, 0.0]
         greatest = hypot(config.acceleration, config.inward, config.upward) or 1.0
-        return Air(np.concatenate([*rings, upright]), top[:-1:4], self.gain * self.part / greatest * pushes)
+        return Drawing(np.concatenate([*rings, upright]), top[:-1:4], self.gain * self.part / greatest * pushes)
 
-    def _tell(self) -> None:
-        """Begin the clock anew, with the axis where it is now."""
+    def _restart(self) -> None:
+        """Restart the clock, with the axis where it is now."""
         x, _, z = self.passage.centre.tolist()
-        for column, number in ((AXIS_X, x), (AXIS_Z, z), (PART, self.gain * self.part)):
-            self.now.tell(column, number)
-        if self.noise is not None:
-            self.noise.begin(self.time)
+        for column, number in ((ROW.axis_x, x), (ROW.axis_z, z), (ROW.part, self.gain * self.part)):
+            self.row.set(column, number)
+        if self.noisy:
+            self.noise.restart(self.time)
         self.since = 0.0
 
     @ti.func
-    def hear(self, since, step):
+    def set_clock(self, since, step):
         """Note the clock, and the draws of the step."""
-        self.now.field[SINCE] = since
+        self.row.field[ROW.since] = since
         if ti.static(self.noisy):
-            self.noise.hear(since, step)
+            self.noise.set_clock(since, step)
 
     @ti.func
     def force(self, key, position, velocity, area, mass):
         """Mass times acceleration around, towards and along the axis, and noise [N]."""
-        now = ti.static(self.now.field)
+        row = ti.static(self.row.field)
         drift = ti.static(self.config.drift)
-        x, z = now[AXIS_X] + now[SINCE] * drift[0], now[AXIS_Z] + now[SINCE] * drift[1]
+        x, z = row[ROW.axis_x] + row[ROW.since] * drift[0], row[ROW.axis_z] + row[ROW.since] * drift[1]
         arm = tm.vec3(position.x - x, 0.0, position.z - z)
         r2, core = arm.dot(arm), ti.static(self.config.core_radius)
         around, towards = tm.vec3(arm.z, 0.0, -arm.x), -arm
         profile = core / ti.max(r2, core * core)  # times r: r / core inside, core / r outside
-        depth = now[PART] * tm.clamp(1.0 + position.y / self.config.layer, 0.0, 1.0)
+        depth = row[ROW.part] * tm.clamp(1.0 + position.y / self.config.layer, 0.0, 1.0)
         level = self.config.acceleration * around + self.config.inward * towards
         total = level + tm.vec3(0.0, self.config.upward * ti.sqrt(r2), 0.0)
         if ti.static(self.noisy):

@@ -16,7 +16,18 @@ SOURCES = {
     )
     for path in sorted(PACKAGE.rglob("*.py"))
 }
-FOUNDATION = ("conventions", "parts", "runtime", "machine", "random_numbers", "palette", "files", "waves", "basin")
+FOUNDATION = (
+    "conventions",
+    "parts",
+    "columns",
+    "runtime",
+    "machine",
+    "random_numbers",
+    "palette",
+    "files",
+    "waves",
+    "basin",
+)
 OPEN = ("motion_log", "datagrams")  # of platform.shared: what those who write and read motion logs use, too
 
 

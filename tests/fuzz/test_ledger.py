@@ -191,7 +191,7 @@ def whole_and_without(tmp_path_factory) -> dict[str, dict]:
     return {name: runs(scene, folder / name) for name, scene in scenes.items()}
 
 
-STILL = {"ocean_sim.wind.still", "ocean_sim.wind.shared.air"}  # an absent wind is one that blows nowhere
+STILL = {"ocean_sim.wind.still", "ocean_sim.wind.shared.drawing"}  # an absent wind is one that blows nowhere
 
 
 def test_a_slot_that_is_left_out_is_not_imported_or_compiled(whole_and_without):

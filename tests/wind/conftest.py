@@ -20,7 +20,7 @@ def push(
     since: float,
     step: float,
 ):
-    wind.hear(since, step)
+    wind.set_clock(since, step)
     for i in range(position.shape[0]):
         f = wind.force(i, tm.vec3(position[i, 0], position[i, 1], position[i, 2]), velocity, area, mass)
         for k in ti.static(range(3)):
@@ -47,7 +47,7 @@ def thesis_basin():
 
 @pytest.fixture(scope="module")
 def build(taichi_cpu, thesis_basin):
-    """A wind of this kind and these keys, in the thesis's basin unless told otherwise."""
+    """A wind of this kind and these keys, in the thesis's basin unless given another."""
 
     def built(kind, seed=7, place=thesis_basin, **keys):
         return config_of("wind", kind).model_validate({"kind": kind, **keys}).build(place, seed)

@@ -7,7 +7,7 @@ from ocean_sim import basin
 from ocean_sim.random_numbers import numpy_uniform3
 from ocean_sim.wind.gusts import NOISE
 from ocean_sim.wind.shared.air_load import stress
-from ocean_sim.wind.shared.volumes import turned
+from ocean_sim.wind.shared.shapes import turned
 
 POINTS = np.random.default_rng(3).uniform(-5.0, 5.0, size=(4000, 3))
 UP = (0.0, 1.0, 0.0)
@@ -137,7 +137,7 @@ def test_headings_say_where_the_wind_goes_to(build, force, heading, direction):
     np.testing.assert_allclose(force(wind, [0.0, 0.0, 0.0], area=UP)[0], stress(5.0) * np.array(direction), atol=1e-15)
 
 
-def test_it_heads_where_the_acceleration_points_unless_told(build):
+def test_it_heads_where_the_acceleration_points_by_default(build):
     assert build("gusts", volumes=[gust(acceleration=[-12.125, 20.0, 7.0], drift=14.0)]).passages[
         0
     ].velocity == pytest.approx([-12.125, 0.0, 7.0], rel=1e-3)

@@ -262,10 +262,10 @@ def test_growth_that_the_measured_viscosity_eats_is_said_with_the_gain_that_woul
         nu = preflight.fluid.viscosity_added(preflight, 1.0)
         assert 4.0 * nu * k**2 == pytest.approx(lost, rel=0.02)
     growing = {"kind": "stress", "u10": 10.0, "sheltering": 0.27, "wave_speed": 1.25, "gain": 1.23}
-    told = scene(basin=basin, fluid=water, wind=growing)
-    beta = fed(told.wind, 10.0, k, 0.5, 9.81)
+    built = scene(basin=basin, fluid=water, wind=growing)
+    beta = fed(built.wind, 10.0, k, 0.5, 9.81)
     assert beta == pytest.approx(0.156, rel=0.02)
-    assert not eaten(told.wind, 10.0, k, told.preflight)
+    assert not eaten(built.wind, 10.0, k, built.preflight)
     weak = scene(basin=basin, fluid=water, wind=growing | {"gain": 0.123})
     (said,) = eaten(weak.wind, 10.0, k, weak.preflight)
     assert "growth is eaten" in said and "0.00038 that delta_sph adds" in said
@@ -278,8 +278,8 @@ def test_what_dfsph_adds_is_what_its_standing_wave_loses():
     the wave."""
     basin = {"length": 2.0, "depth": 1.0, "gravity": [0.0, -1.0, 0.0]}
     for spacing, measured in ((0.04, 1.747e-3), (0.02, 7.67e-4)):
-        told = scene(basin=basin, fluid={"kind": "dfsph", "spacing": spacing})
-        assert told.fluid.viscosity_added(told.preflight, 2.0) == pytest.approx(measured, rel=0.01)
+        built = scene(basin=basin, fluid={"kind": "dfsph", "spacing": spacing})
+        assert built.fluid.viscosity_added(built.preflight, 2.0) == pytest.approx(measured, rel=0.01)
 
 
 def test_warnings_of_a_real_wind():

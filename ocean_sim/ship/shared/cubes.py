@@ -113,7 +113,7 @@ class Cubes:
         table: ti.types.ndarray(ndim=2),
     ):
         around.look(water, vector(table, 0), turned(table))
-        wind.hear(ti.cast(table[0, CLOCK], float), ti.cast(table[0, CLOCK + 1], float))
+        wind.set_clock(ti.cast(table[0, CLOCK], float), ti.cast(table[0, CLOCK + 1], float))
         for block in range(self.blocks):
             position, velocity, omega = vector(table, 0), vector(table, 12), vector(table, 15)
             turn = turned(table)

@@ -1,18 +1,23 @@
-"""What a wind is now: numbers that Python tells kernels, and a clock that the kernels are handed."""
+"""The clock of a wind that moves, and the numbers that its kernels read.
+
+Kernels find where a moving wind is from two numbers that they are handed: the time since its clock was last restarted,
+and the length of the step. So nothing is written to the device in a step unless what blows has changed. The clock is
+restarted after RESTART because kernels may run in single precision, in which a time is the coarser the longer it is;
+with each restart the wind writes where it is then, worked out in double precision.
+"""
 
 import taichi as ti
 
-RUN = 1.0  # [s] how long the clock runs before it begins anew: in single precision it is then right to 0.1 us
+RESTART = 1.0  # [s] how long the clock runs: up to here single precision is right to 0.1 us
 
 
-class Now:
-    """Numbers in one field, 0 at first; only what has changed is told."""
+class DeviceRow:
+    """A row of numbers that kernels read, 0 at first; a column is written only where its number changes."""
 
     def __init__(self, size: int) -> None:
-        self.field, self.told = ti.field(float, shape=size), [0.0] * size
+        self.field, self.values = ti.field(float, shape=size), [0.0] * size
 
-    def tell(self, column: int, number: float) -> None:
-        """Put a number into its column."""
-        if number != self.told[column]:
-            self.told[column] = number
+    def set(self, column: int, number: float) -> None:
+        if number != self.values[column]:
+            self.values[column] = number
             self.field[column] = float(number)

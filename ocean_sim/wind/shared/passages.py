@@ -4,9 +4,10 @@ from collections.abc import Callable
 from math import inf
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ocean_sim.basin import Basin
-from ocean_sim.wind.shared.volumes import turned
+from ocean_sim.wind.shared.shapes import turned
 
 
 def never(passage: int) -> tuple[float, float]:
@@ -23,8 +24,8 @@ class Passages:
 
     def __init__(
         self,
-        start: np.ndarray,
-        drift: np.ndarray,
+        start: ArrayLike,
+        drift: ArrayLike,
         reach: float,
         basin: Basin,
         redraw: Callable[[int], tuple[float, float]] = never,
@@ -33,7 +34,7 @@ class Passages:
         self.lower, self.upper = np.array(basin.lower), np.array(basin.upper)
         if basin.dimension == 2:  # a slice of a sea without sides
             self.lower[2], self.upper[2] = -inf, inf
-        self.speed = float(np.linalg.norm(drift))  # [m/s]
+        self.speed = float(np.linalg.norm(self.drift))  # [m/s]
         self.number, self.turn, self.strength = 0, 0.0, 1.0
         self.origin = np.array(start, dtype=float)
         self.velocity = self.drift

@@ -1,4 +1,4 @@
-"""Volumes of air: boxes, spheres and capsules, each a core box and all that lies within a radius of it."""
+"""Shapes of volumes of air: boxes, spheres and capsules, each a core box and all that lies within a radius of it."""
 
 from dataclasses import dataclass
 from math import cos, radians, sin
@@ -7,10 +7,10 @@ from typing import Annotated, Literal
 import numpy as np
 import taichi as ti
 import taichi.math as tm
+from numpy.typing import ArrayLike
 from pydantic import Field
 
 from ocean_sim.model import Model, Vector3, quantity
-from ocean_sim.wind.shared.air import turned_all
 
 Length = Annotated[float, Field(gt=0.0)]
 HalfSize = Annotated[tuple[Length, Length, Length], Field(strict=False)]
@@ -21,11 +21,11 @@ class Core:
     """A shape as all that lies within `radius` of a box."""
 
     centre: np.ndarray  # [m]
-    half: Vector3  # half size of the box [m]: zero in a sphere, one axis long in a capsule
+    half: tuple[float, float, float]  # half size of the box [m]: zero in a sphere, one axis long in a capsule
     radius: float  # [m], zero in a box
     yaw: float  # turn about the vertical [rad]
 
-    def own(self, direction: np.ndarray) -> np.ndarray:
+    def in_own_axes(self, direction: np.ndarray) -> np.ndarray:
         """A direction in the axes of the shape."""
         return turned(direction, -self.yaw)
 
@@ -44,22 +44,22 @@ class Core:
                     ring[:, axis] = np.sign(np.round(wave, 9)) * self.half[axis] + self.radius * wave
                 rings.append(np.stack([ring[:-1], ring[1:]], axis=1))
             lines = np.concatenate(rings)
-        return turned_all(lines, self.yaw) + self.centre
+        return turned(lines, self.yaw) + self.centre
 
     def spread(self) -> np.ndarray:
         """(n, 3) points at the height of its centre, spread over it [m]."""
         size = np.array(self.half)[[0, 2]] + self.radius
         x, z = (np.linspace(-0.7, 0.7, n) * s if n > 1 else np.zeros(1) for n, s in zip(counts(*size), size))
         x, z = (a.ravel() for a in np.meshgrid(x, z))
-        return turned_all(np.stack([x, np.zeros_like(x), z], axis=-1), self.yaw) + self.centre
+        return turned(np.stack([x, np.zeros_like(x), z], axis=-1), self.yaw) + self.centre
 
     def reach(self, direction: np.ndarray) -> float:
         """From the centre to the farthest end along a unit vector [m]."""
-        return float(np.abs(self.own(direction)) @ self.half + self.radius)
+        return float(np.abs(self.in_own_axes(direction)) @ self.half + self.radius)
 
     def chord(self, direction: np.ndarray) -> float:
         """Length inside of the line through the centre along a unit vector [m]."""
-        along = np.abs(self.own(direction))
+        along = np.abs(self.in_own_axes(direction))
         inside, outside = 0.0, 2.0 * (float(np.linalg.norm(self.half)) + self.radius)
         for _ in range(50):
             middle = 0.5 * (inside + outside)
@@ -122,17 +122,18 @@ class Capsule(Model):
 
     @property
     def core(self) -> Core:
-        half = tuple(self.half_length if self.axis == k else 0.0 for k in "xyz")
-        return Core(np.array(self.centre), half, self.radius, radians(self.yaw_deg))
+        x, y, z = (self.half_length if self.axis == k else 0.0 for k in "xyz")
+        return Core(np.array(self.centre), (x, y, z), self.radius, radians(self.yaw_deg))
 
 
 Shape = Annotated[Box | Sphere | Capsule, Field(discriminator="kind")]
 
 
-def turned(v: np.ndarray, angle: float) -> np.ndarray:
-    """The vector turned by `angle` [rad] about the vertical, by the right hand."""
+def turned(vectors: ArrayLike, angle: float) -> np.ndarray:
+    """(..., 3) vectors turned by `angle` [rad] about the vertical, by the right hand."""
+    x, y, z = np.moveaxis(np.asarray(vectors, dtype=float), -1, 0)
     c, s = cos(angle), sin(angle)
-    return np.array([c * v[0] + s * v[2], v[1], c * v[2] - s * v[0]])
+    return np.stack([c * x + s * z, y, c * z - s * x], axis=-1)
 
 
 @ti.func

@@ -1,4 +1,4 @@
-"""What a person moves and sees of a wind: its strength without a compiler, its lines and arrows where it blows."""
+"""The strength of a wind that a person moves, without compiling anything, and its lines and arrows where it blows."""
 
 import numpy as np
 import pytest
@@ -34,17 +34,17 @@ def test_strength_changes_what_is_felt_next_and_compiles_nothing(build, force, k
     assert np.abs(before).max() > 0.0
 
 
-def test_a_box_is_shown_by_its_twelve_edges_where_it_is_now(build):
+def test_a_box_is_drawn_by_its_twelve_edges_where_it_is_now(build):
     wind = build("gusts", **WINDS["gusts"])
     for _ in range(100):
         wind.advance(0.01)
-    air = wind.shown()
-    assert air.edges.shape == (12, 2, 3)
-    lengths = np.sort(np.linalg.norm(air.edges[:, 1] - air.edges[:, 0], axis=1))
+    drawing = wind.drawing()
+    assert drawing.lines.shape == (12, 2, 3)
+    lengths = np.sort(np.linalg.norm(drawing.lines[:, 1] - drawing.lines[:, 0], axis=1))
     np.testing.assert_allclose(lengths, np.repeat([4.0, 6.0, 10.0], 4))
     centre = np.array([1.0, 0.0, 0.5]) + 2.0 * np.array([1.0, 0.0, 0.5]) / np.hypot(1.0, 0.5)
-    np.testing.assert_allclose(air.edges.mean(axis=(0, 1)), centre)
-    np.testing.assert_allclose(air.feet.mean(axis=0), centre)
+    np.testing.assert_allclose(drawing.lines.mean(axis=(0, 1)), centre)
+    np.testing.assert_allclose(drawing.tails.mean(axis=0), centre)
 
 
 def test_the_lines_of_a_volume_lie_on_its_border(build, force):
@@ -52,7 +52,7 @@ def test_the_lines_of_a_volume_lie_on_its_border(build, force):
     for shape in (SPHERE, BOX):
         wind = build("gusts", volumes=[{"include": [shape], "acceleration": [1.0, 0.0, 0.0]}])
         centre = np.array(shape["centre"])
-        ends = wind.shown().edges.reshape(-1, 3) - centre
+        ends = wind.drawing().lines.reshape(-1, 3) - centre
         assert (force(wind, centre + 0.999 * ends)[:, 0] == 1.0).all()
         assert (force(wind, centre + 1.001 * ends)[:, 0] == 0.0).all()
 
@@ -60,18 +60,18 @@ def test_the_lines_of_a_volume_lie_on_its_border(build, force):
 def test_arrows_point_where_the_wind_pushes(build, force):
     for kind in ("gusts", "vortex"):
         wind = build(kind, **WINDS[kind])
-        air = wind.shown()
-        felt = force(wind, air.feet)
+        drawing = wind.drawing()
+        felt = force(wind, drawing.tails)
         if kind == "gusts":
-            felt = np.tile([1.0, 2.0, 0.5], (len(air.feet), 1))  # without its noise
-        along = (felt * air.pushes).sum(axis=1)
-        np.testing.assert_allclose(along, np.linalg.norm(felt, axis=1) * np.linalg.norm(air.pushes, axis=1), rtol=1e-9)
-        np.testing.assert_allclose(np.linalg.norm(air.pushes, axis=1), 1.0)
+            felt = np.tile([1.0, 2.0, 0.5], (len(drawing.tails), 1))  # without its noise
+        along, length = (felt * drawing.arrows).sum(axis=1), np.linalg.norm(drawing.arrows, axis=1)
+        np.testing.assert_allclose(along, np.linalg.norm(felt, axis=1) * length, rtol=1e-9)
+        np.testing.assert_allclose(length, 1.0)
         wind.strengthen(0.5)
-        np.testing.assert_allclose(wind.shown().pushes, 0.5 * air.pushes)
+        np.testing.assert_allclose(wind.drawing().arrows, 0.5 * drawing.arrows)
 
 
 def test_still_air_shows_nothing(build):
     wind = build("still")
     wind.strengthen(3.0)
-    assert not len(wind.shown().edges) and not len(wind.shown().feet)
+    assert not len(wind.drawing().lines) and not len(wind.drawing().tails)

@@ -32,7 +32,7 @@ class Config(FloatingConfig):
     radiation: FileName | None = None
     """A CSV file of added mass and damping over frequency: `omega_rad_s`, `heave_added_kg`, `heave_damping_kg_s`,
     `pitch_added_kg_m2`, `pitch_damping_kg_m2_s`, or of any other motion. These motions remember the waves that they
-    made; `damping` then says only what else damps them. Null: added mass and damping are constant."""
+    made; `damping` is then only what else damps them, by default nothing. Null: added mass and damping are constant."""
 
     @field_validator("radiation")
     @classmethod
@@ -56,13 +56,13 @@ class Dynamic(Voyage):
         self.afloat = Afloat(config, basin, fluid, below=True)
         super().__init__(config, self.afloat.body, self.afloat.machine, basin.lower[1])
         self.contact, self.sides = self.afloat.contact, self.afloat.sides
-        self.added, damping = config.added_mass.diagonal(self.afloat.still), config.damping
+        self.added, radiated = config.added_mass.diagonal(self.afloat.still), []
         self.memory: Memory | None = None
         if config.radiation is not None:
             radiation = Radiation(config.radiation)
             self.memory, self.added[radiation.numbers] = Memory(radiation), radiation.response.added
-            damping = damping.beside([Motions._fields[k] for k in radiation.numbers])
-        self.resistance = Resistance(damping, self.afloat.still, self.added)
+            radiated = [Motions._fields[k] for k in radiation.numbers]
+        self.resistance = Resistance(config.damping, self.afloat.still, self.added, radiated)
         self.relative = np.zeros(6)  # velocity relative to the water, of the last load
         self.longest = self.afloat.limits(Motions(*self.added)._asdict())
 

@@ -12,7 +12,7 @@ from ocean_sim.reading.scene import SceneError
 from ocean_sim.ship.shared.damping import BY_RULE, Damping, Resistance
 from ocean_sim.ship.shared.hull import hull_of
 from ocean_sim.ship.shared.radiation import Memory, Radiation
-from ocean_sim.validation.shared.ship import at_sea, posed, voyage
+from ocean_sim.validation.shared.ship import at_sea, pose, voyage
 from ocean_sim.validation.shared.tables import place
 
 SPHERE, BARGE = place("sphere_radiation"), place("barge20_radiation")
@@ -63,7 +63,7 @@ def test_a_sphere_let_go_a_little_swings_as_linear_theory_says():
     ship = {"kind": "dynamic", "hull": "sphere", "free": ["heave"], "radiation": str(SPHERE)}
     with Simulation(load(at_sea(ship, 10.0, 0.02))) as simulation:
         rest = simulation.ship.body.position.copy()
-        posed(simulation, position=rest + [0.0, 0.05, 0.0])
+        pose(simulation, position=rest + [0.0, 0.05, 0.0])
         path = [(t, (b.position[1] - rest[1]) / 0.05) for t, b in voyage(simulation, 7.0)]
     t, y = np.array(path).T
     for time, height in ((2.21, -0.8670), (4.42, 0.6349), (6.60, -0.4648)):
@@ -84,7 +84,7 @@ def test_a_scene_that_is_written_out_and_read_again_has_the_same_damping(changes
         with Simulation(scene) as simulation:
             linear, surge = simulation.ship.resistance.linear, simulation.ship.resistance.surge
             rest = simulation.ship.body.position.copy()
-            posed(simulation, position=rest + [0.0, 0.5, 0.0])
+            pose(simulation, position=rest + [0.0, 0.5, 0.0])
             path = np.array([b.position for _, b in voyage(simulation, 1.0)])
         assert linear[1] == 0.0 and linear[3] > 0.0 and surge > 0.0
         paths.append((linear, surge, path))

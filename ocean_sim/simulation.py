@@ -10,7 +10,8 @@ from typing import ClassVar, Protocol
 from ocean_sim import runtime
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Limits
-from ocean_sim.parts import LedgerRow, PartConfig, Preflight, Scene
+from ocean_sim.model import Model
+from ocean_sim.parts import LedgerRow, Preflight, Scene
 
 NOWHERE = Path()  # the folder that observers are given that write nothing
 
@@ -29,7 +30,7 @@ class Observer(Protocol):
         ...
 
 
-class ObserverConfig(PartConfig):
+class ObserverConfig(Model):
     """Keys of any observer; one with a schedule of its own derives from `PeriodicConfig`."""
 
     needs: ClassVar[tuple[str, ...]] = ()

@@ -10,7 +10,6 @@ from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.parts import Preflight, Problems
-from ocean_sim.ship import PARTS
 from ocean_sim.simulation import PeriodicConfig
 
 if TYPE_CHECKING:
@@ -22,26 +21,30 @@ AXES = {
     "ned": "SNAME: x to the bow, y to starboard, z down; world x along our z, y along our -x, z down",
     "flu": "ISO 8855: x to the bow, y to port, z up; world x along our z, y along our x, z up",
 }
-COLUMNS = (
-    "time_s",
-    "seq",
-    *(f"{name}_m" for name in LINES),
-    *(f"{name}_rad" for name in TURNS),
-    *("qw", "qx", "qy", "qz"),
-    *(f"{name}_velocity_m_s" for name in LINES),
-    *(f"{name}_rate_rad_s" for name in TURNS),
-    *(f"{name}_acceleration_m_s2" for name in LINES),
-    *(f"specific_force_{axis}_m_s2" for axis in "xyz"),
-    *(
-        f"{what}_{part}_{axis}_{unit}"
-        for part in (*PARTS, "total")
-        for what, unit in (("force", "N"), ("torque", "Nm"))
-        for axis in "xyz"
-    ),
-    "throttle",
-    "rudder_rad",
-)
 ANGLES, QUATERNION = slice(3, 6), slice(6, 10)  # in a row without time and number
+
+
+def columns(parts: tuple[str, ...]) -> tuple[str, ...]:
+    """Of motion.csv, for a ship whose load has these parts."""
+    return (
+        "time_s",
+        "seq",
+        *(f"{name}_m" for name in LINES),
+        *(f"{name}_rad" for name in TURNS),
+        *("qw", "qx", "qy", "qz"),
+        *(f"{name}_velocity_m_s" for name in LINES),
+        *(f"{name}_rate_rad_s" for name in TURNS),
+        *(f"{name}_acceleration_m_s2" for name in LINES),
+        *(f"specific_force_{axis}_m_s2" for axis in "xyz"),
+        *(
+            f"{what}_{part}_{axis}_{unit}"
+            for part in (*parts, "total")
+            for what, unit in (("force", "N"), ("torque", "Nm"))
+            for axis in "xyz"
+        ),
+        "throttle",
+        "rudder_rad",
+    )
 
 
 class Config(PeriodicConfig):
@@ -86,7 +89,7 @@ class Motion:
             damping="what the water that moves along does back is part of damping",
         )
         told |= {"frame": config.frame, "axes": AXES[config.frame]}
-        self.csv = CsvFile(folder / "motion.csv", told, COLUMNS)
+        self.csv = CsvFile(folder / "motion.csv", told, columns(ship.parts))
 
     def observe(self, simulation: "Simulation") -> None:
         for time, values, _ in self.sampled.rows(simulation.time, self.continuous(self.row(simulation.ship))):

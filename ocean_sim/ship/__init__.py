@@ -1,18 +1,36 @@
 """Ships: every module of this folder without a leading underscore is a kind a scene may name."""
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from ocean_sim.fluid import Fluid, Limits
+    from ocean_sim.ship.shared.propulsion import Person
+    from ocean_sim.ship.shared.rigid_body import RigidBody
+    from ocean_sim.surface import Surface
+    from ocean_sim.wind import Wind
 
 PARTS = ("gravity", "buoyancy", "wind_drag", "wind_lift", "wave", "damping", "propeller", "rudder")
 
 
 @dataclass(frozen=True)
 class Load:
-    """(4.27): force [N] and torque about the centre of mass [N m] of every part, (8, 2, 3) in the order of PARTS."""
+    """(4.27): force [N] and torque about the centre of mass [N m] of every part, (n, 2, 3), world axes."""
 
-    parts: np.ndarray
+    parts: np.ndarray  # in the order of the ship's `parts`
+
+    @classmethod
+    def of(cls, forces: dict[str, np.ndarray], names: tuple[str, ...] = PARTS) -> "Load":
+        """Of forces and torques by name, (2, 3) each; the other parts are zero. Raises ValueError for a name that is
+        not one of the ship's parts."""
+        parts = np.zeros((len(names), 2, 3))
+        for name, force in forces.items():
+            if name not in names:
+                raise ValueError(f"a ship with a force {name!r} must name it in `parts`, which are {', '.join(names)}")
+            parts[names.index(name)] = force
+        return cls(parts)
 
     @property
     def force(self) -> np.ndarray:
@@ -25,37 +43,38 @@ class Load:
         return self.parts[:, 1].sum(axis=0)
 
 
-def loaded(**parts: np.ndarray) -> Load:
-    """The load of parts by name, (2, 3) each; the others are nothing."""
-    every = np.zeros((len(PARTS), 2, 3))
-    for name, part in parts.items():
-        every[PARTS.index(name)] = part
-    return Load(every)
-
-
 class Ship(Protocol):
-    """A floating body."""
+    """A floating body; `shared.vessel.Vessel` is the base class that has all of this."""
 
-    body: Any  # RigidBody
-    points: dict[str, np.ndarray]  # named places, body axes from the centre of mass [m]
+    parts: tuple[str, ...]  # of its load: PARTS first, then what a kind adds; columns of motion.csv
+    body: "RigidBody"
+    points: dict[str, np.ndarray]  # named points, body axes from the centre of mass [m]
     last: Load  # what acted in the last step
+    acceleration: np.ndarray  # (3,) of the centre of mass in the last step, world axes [m/s2]
+    turning: np.ndarray  # (3,) angular acceleration in the last step, world axes [rad/s2]
+    added: np.ndarray  # (6,) mass [kg] and inertia [kg m2] of the water that moves along, in the order of `Motions`
 
-    def load(self, wind: Any, fluid: Any, surface: Any) -> Load:
+    @property
+    def orders(self) -> tuple[float, float]:
+        """Throttle and rudder [rad] as they are now."""
+        ...
+
+    def load(self, wind: "Wind", fluid: "Fluid", surface: "Surface | Fluid") -> Load:
         """(4.27), now."""
         ...
 
     def advance(self, load: Load, dt: float) -> None:
-        """(4.22) to (4.25)."""
+        """(4.22) to (4.25); raises Diverged."""
         ...
 
-    def hand_over(self) -> Any:
+    def hand_over(self) -> "Person":
         """A person takes the helm: what `give(throttle, rudder)` orders replaces the controls of the scene."""
         ...
 
     def drawn(self) -> tuple[np.ndarray, np.ndarray] | None:
-        """Vertices from the centre of mass, body axes (n, 3) [m], and triangles (m, 3), where it has a shape."""
+        """Vertices from the centre of mass, body axes (n, 3) [m], and triangles (m, 3); None where it has no shape."""
         ...
 
-    def limits(self) -> Any:
+    def limits(self) -> "Limits":
         """What the time step must stay a fraction of."""
         ...

@@ -6,21 +6,24 @@ and holds for small heel and trim.
 """
 
 from math import pi, sqrt
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import from_frame, to_frame
-from ocean_sim.fluid import Limits
+from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.parts import LedgerRow, Preflight, Problems
-from ocean_sim.ship import Load, loaded
+from ocean_sim.ship import Load
 from ocean_sim.ship.shared.hydrostatics import Matter
-from ocean_sim.ship.shared.placed import Machine, Placed, Voyage
-from ocean_sim.ship.shared.rigid_body import advanced, oriented
+from ocean_sim.ship.shared.rigid_body import oriented
+from ocean_sim.ship.shared.ship_water import ShipWater
+from ocean_sim.ship.shared.vessel import Actuators, Vessel, VesselConfig
+from ocean_sim.surface import Surface
+from ocean_sim.wind import Wind
 
 G, DENSITY, CROSSED_DENSITY = 9.81, 1025.0, 1026.0  # [m/s2], [kg/m3]; the second is that of its cross-flow drag
-LENGTH, BREADTH, PONTOON, ASIDE = 2.0, 1.08, 0.25, 0.395  # [m]; a hull's breadth, and its place from the middle
+LENGTH, BREADTH, PONTOON, ASIDE = 2.0, 1.08, 0.25, 0.395  # [m]; a hull's breadth, and its distance from the middle
 HULL, PAYLOAD = 55.0, 25.0  # [kg]
 AHEAD, ASTERN = 0.02216 / 2.0, 0.01289 / 2.0  # thrust of a propeller over revolutions squared [N s2]
 FASTEST = sqrt(0.5 * 24.4 * G / AHEAD)  # [rad/s]
@@ -36,7 +39,7 @@ HOERNER = (
 )  # breadth over twice the draught, coefficient of drag
 
 
-class Config(Placed):
+class Config(VesselConfig):
     """Where it begins and who steers; its numbers are those of the model."""
 
     needs_surface: ClassVar[bool] = False
@@ -52,7 +55,7 @@ class Config(Placed):
         """It has no fields."""
         return [LedgerRow("ship", "the matrices of the Otter's model", 0, "ship.kind is manoeuvring", STEP)]
 
-    def build(self, basin: Basin, fluid: Any) -> "Manoeuvring":
+    def build(self, basin: Basin, fluid: ShipWater) -> "Manoeuvring":
         return Manoeuvring(self, basin)
 
 
@@ -122,7 +125,7 @@ class Otter:
         return (self.shift.T @ own @ self.shift + water) @ nu
 
 
-class Manoeuvring(Voyage):
+class Manoeuvring(Vessel):
     """The Otter under way; its body is hull and payload, about their centre of mass."""
 
     def __init__(self, config: Config, basin: Basin) -> None:
@@ -132,11 +135,11 @@ class Manoeuvring(Voyage):
         inertia = from_frame("ned", from_frame("ned", model.inertia).T)
         matter = Matter(model.mass, keel, inertia)
         body = config.body(matter, float(centre[1]), oriented(0.0, 0.0, 0.0))
-        super().__init__(config, body, Machine(config, None, None, keel), basin.lower[1])
+        super().__init__(config, body, Actuators(config, None, None, keel), basin.lower[1])
         self.arm = centre  # of the centre of mass from the model's origin, our axes [m]
         self.revolutions = np.zeros(2)  # port and starboard [rad/s]
 
-    def load(self, wind: Any, fluid: Any, surface: Any) -> Load:
+    def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
         """The model's own sum, and the force and torque about the centre of mass that it amounts to."""
         model, body, r = self.model, self.body, self.body.matrix
         omega = body.rates
@@ -158,9 +161,9 @@ class Manoeuvring(Voyage):
         line += np.cross(twist, self.arm) + np.cross(spin, np.cross(spin, self.arm))
         turn = body.inertia_body @ twist + np.cross(spin, body.inertia_body @ spin)
         whole = np.stack([body.mass * line, turn])
-        told = {name: self.about_centre(load) for name, load in parts.items()}
-        told["damping"] = whole - told["gravity"] - told["buoyancy"] - told["propeller"]  # with the added mass's answer
-        return loaded(**{name: load @ r.T for name, load in told.items()})
+        shared = {name: self.about_centre(load) for name, load in parts.items()}
+        shared["damping"] = whole - shared["gravity"] - shared["buoyancy"] - shared["propeller"]  # and the added mass
+        return Load.of({name: load @ r.T for name, load in shared.items()}, self.parts)
 
     def about_centre(self, load: np.ndarray) -> np.ndarray:
         """(2, 3) about the centre of mass, our body axes, of (6,) about the model's origin."""
@@ -178,7 +181,7 @@ class Manoeuvring(Voyage):
         share = np.clip(throttle + np.array([-1.0, 1.0]) * rudder / FULL, -1.0, 1.0)
         asked = np.where(share > 0.0, FASTEST, SLOWEST) * share
         self.revolutions = self.revolutions + (asked - self.revolutions) * min(1.0, dt / DELAY)
-        self.moved(advanced, load, dt)
+        super().advance(load, dt)
 
     def limits(self) -> Limits:
         return Limits(force=0.08)

@@ -6,20 +6,22 @@ step before, an explicit step would overshoot. So the water is told an accelerat
 body has of both masses, which is where the two meet (under-relaxation as in Kuttler & Wall 2008, Comput. Mech. 43).
 """
 
-from dataclasses import replace
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from ocean_sim.basin import Basin
-from ocean_sim.fluid import Limits
+from ocean_sim.fluid import Fluid
 from ocean_sim.parts import LedgerRow, Preflight
-from ocean_sim.ship import Load, loaded
-from ocean_sim.ship.shared.afloat import FloatingConfig, afloat_pose
+from ocean_sim.ship import Load
+from ocean_sim.ship.shared.floating import FloatingConfig, afloat_pose
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics, Matter
-from ocean_sim.ship.shared.placed import Machine, Voyage
-from ocean_sim.ship.shared.rigid_body import RigidBody, advanced, held
+from ocean_sim.ship.shared.rigid_body import RigidBody, held
+from ocean_sim.ship.shared.ship_water import ShipWater
 from ocean_sim.ship.shared.solid import Solid
+from ocean_sim.ship.shared.vessel import Actuators, Vessel
+from ocean_sim.surface import Surface
+from ocean_sim.wind import Wind
 
 IN_A_SLICE = np.array([True, True, False, False, False, True])  # sway, heave and roll
 FEWEST = 2.0  # spacings across a hull
@@ -62,50 +64,47 @@ class Config(FloatingConfig):
         """Nothing of its own: the water keeps the samples."""
         return []
 
-    def build(self, basin: Basin, fluid: Any) -> "Pressure":
+    def build(self, basin: Basin, fluid: ShipWater) -> "Pressure":
         return Pressure(self, basin, fluid)
 
 
-class Pressure(Voyage):
+class Pressure(Vessel):
     """A hull among the solid bodies of the water."""
 
-    def __init__(self, config: Config, basin: Basin, fluid: Any) -> None:
+    def __init__(self, config: Config, basin: Basin, fluid: ShipWater) -> None:
         solid: Solid = basin.afloat[0]
         self.boundary, self.number = fluid.boundary, len(basin.obstacles)
-        body = solid.body
-        if config.afloat_at_first:  # on water that gave way under its own weight since it made room
-            body = replace(body, position=body.position - [0.0, fluid.sunk, 0.0])
-        super().__init__(config, body, Machine(config, config.propeller, config.rudder, solid.centre), basin.lower[1])
+        actuators = Actuators(config, config.propeller, config.rudder, solid.centre)
+        super().__init__(config, config.lowered(solid.body, fluid), actuators, basin.lower[1])
+        self.shape = solid.shape
         if solid.flat:
             self.free &= IN_A_SLICE
         self.density = float(fluid.particles.rest_density)
         self.weight = np.array([[0.0, self.body.mass * basin.gravity[1], 0.0], [0.0, 0.0, 0.0]])
-        beside = self.density * float(self.boundary.bodies[self.number].volume.sum())  # [kg] of water near it, at most
-        self.share = self.body.mass / (self.body.mass + beside)
-        self.told = np.zeros((2, 3))  # acceleration and turning that the water knows [m/s2], [rad/s2]
+        near = self.density * float(self.boundary.bodies[self.number].volume.sum())  # [kg] of water near it, at most
+        self.share = self.body.mass / (self.body.mass + near)
+        self.known = np.zeros((2, 3))  # acceleration and turning that the water knows [m/s2], [rad/s2]
         self.place()
 
-    def load(self, wind: Any, fluid: Any, surface: Any) -> Load:
+    def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
         """(4.27); all that the water does is under `buoyancy`."""
         forces, torques = self.boundary.forces()
         r, body = self.body.matrix, self.body
         motion = np.concatenate([r.T @ body.velocity, body.rates])
-        driven = self.machine.load(motion, self.density, 1.0)
+        driven = self.actuators.load(motion, self.density, 1.0)
         pressed = np.stack([forces[self.number], torques[self.number]])
-        return loaded(gravity=self.weight, buoyancy=pressed, **{part: load @ r.T for part, load in driven.items()})
+        forces_of = {"gravity": self.weight, "buoyancy": pressed}
+        return Load.of(forces_of | {part: force @ r.T for part, force in driven.items()}, self.parts)
 
     def advance(self, load: Load, dt: float) -> None:
-        self.moved(advanced, load, dt)
-        self.told += self.share * (np.stack([self.acceleration, self.turning]) - self.told)
+        super().advance(load, dt)
+        self.known += self.share * (np.stack([self.acceleration, self.turning]) - self.known)
         self.place()
 
     def place(self) -> None:
-        """Say to the water where the hull is and how it moves."""
+        """Put the hull in the water where it is now, with its motion."""
         body = held(self.body, self.free)
-        linear, turning = self.told
+        linear, turning = self.known
         self.boundary.place(
             self.number, body.position, body.matrix, body.velocity, body.angular_velocity, linear, turning
         )
-
-    def limits(self) -> Limits:
-        return Limits()

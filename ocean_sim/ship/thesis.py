@@ -6,19 +6,24 @@ the surface, deeper than the deck if need be; its push acts on the vertical thro
 linear and angular damping; it hides what forward Euler adds.
 """
 
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.basin import Basin
-from ocean_sim.fluid import Limits
+from ocean_sim.fluid import Fluid
 from ocean_sim.model import quantity
-from ocean_sim.ship import Load, loaded
-from ocean_sim.ship.shared.afloat import Afloat, FloatingConfig
-from ocean_sim.ship.shared.placed import Voyage
+from ocean_sim.runtime import Template
+from ocean_sim.ship import Load
+from ocean_sim.ship.shared.floating import FloatingConfig
+from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
+from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.rigid_body import RigidBody, thesis_advanced
+from ocean_sim.ship.shared.ship_water import ShipWater
+from ocean_sim.ship.shared.water import Water
+from ocean_sim.surface import Surface
 
 NODES = 32  # along the basin, as `getWaveHeight` counts them
 
@@ -32,49 +37,35 @@ class Config(FloatingConfig):
     angular_damping: float = quantity("1/s", 0.4, ge=0.0)
     """Share of the angular velocity that is lost a second."""
 
-    def build(self, basin: Basin, fluid: Any) -> "Thesis":
+    def build(self, basin: Basin, fluid: ShipWater) -> "Thesis":
         return Thesis(self, basin, fluid)
 
 
-class Thesis(Voyage):
+class Thesis(FloatingShip):
     """The hull as columns."""
 
-    def __init__(self, config: Config, basin: Basin, fluid: Any) -> None:
-        self.afloat = Afloat(config, basin, fluid, below=False)
-        super().__init__(config, self.afloat.body, self.afloat.machine, basin.lower[1])
-        self.contact, self.sides = self.afloat.contact, self.afloat.sides
-        self.damping = np.array([config.linear_damping, config.angular_damping])
-        self.columns = Columns(self.afloat, basin)
+    def __init__(self, config: Config, basin: Basin, fluid: ShipWater) -> None:
+        super().__init__(config, basin, fluid)
+        self.lost = np.array([config.linear_damping, config.angular_damping])  # [1/s]
+        self.columns = Columns(self.hull.still, basin)
 
-    def load(self, wind: Any, fluid: Any, surface: Any) -> Load:
-        """(4.27)."""
-        afloat, body, r = self.afloat, self.body, self.body.matrix
-        wet = afloat.wetted(body, wind, surface)
-        motion = afloat.motion(body, wet)
-        driven = self.machine.load(motion, afloat.still.density, afloat.share(wet))
-        slowed = np.stack([body.mass * body.velocity, body.angular_momentum])
-        return loaded(
-            gravity=afloat.weight,
-            buoyancy=self.columns.push(surface if self.contact is None else afloat.water, body),
-            wind_drag=wet.wind_drag,
-            wind_lift=wet.wind_lift,
-            damping=-self.damping[:, None] * slowed,
-            **{part: load @ r.T for part, load in driven.items()},
-        )
+    def forces(self, now: Immersion) -> dict[str, np.ndarray]:
+        surface = now.surface if self.contact is None else self.hull.water
+        return super().forces(now) | {"buoyancy": self.columns.push(surface, self.body), "wave": np.zeros((2, 3))}
 
-    def advance(self, load: Load, dt: float) -> None:
-        self.moved(thesis_advanced, load, dt)
+    def damping(self, now: Immersion) -> np.ndarray:
+        body = self.body
+        return -self.lost[:, None] * np.stack([body.mass * body.velocity, body.angular_momentum])
 
-    def limits(self) -> Limits:
-        return self.afloat.limits()
+    def stepped(self, body: RigidBody, load: Load, dt: float) -> RigidBody:
+        return thesis_advanced(body, load.force, load.torque, dt)
 
 
 @ti.data_oriented
 class Columns:
     """The bottom of a hull in squares."""
 
-    def __init__(self, afloat: Afloat, basin: Basin) -> None:
-        still = afloat.still
+    def __init__(self, still: Hydrostatics, basin: Basin) -> None:
         cubes, size = still.voxels, still.voxels.size
         down = np.round(cubes.centre[:, [0, 2]] / size[[0, 2]] * 2.0).astype(int)
         _, column = np.unique(down, axis=0, return_inverse=True)
@@ -96,13 +87,13 @@ class Columns:
         self.bottom.from_numpy(arms.astype(real))
         self.area.from_numpy((volume / self.height).astype(real))  # _segVolume / _shipSize.y
 
-    def push(self, surface: Any, body: RigidBody) -> np.ndarray:
+    def push(self, surface: Surface | Fluid | Water, body: RigidBody) -> np.ndarray:
         """(2, 3) force [N] and torque [N m]."""
         self.lift(surface, body.position, body.matrix)
         return self.out.to_numpy().sum(axis=0).reshape(2, 3)
 
     @ti.kernel
-    def lift(self, surface: ti.template(), position: tm.vec3, turn: tm.mat3):
+    def lift(self, surface: Template, position: tm.vec3, turn: tm.mat3) -> None:
         for k in range(self.n):
             arm = turn @ self.bottom[k]
             x = position + arm

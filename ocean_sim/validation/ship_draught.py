@@ -8,7 +8,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.ship import DENSITY, OF_WATER, at_sea, sunk
+from ocean_sim.validation.shared.ship import DENSITY, OF_WATER, at_sea, floating, ship_of, sunk
 
 HEIGHT = 1.0  # [m] of every shape
 SHAPES: dict[str, dict[str, Any]] = {
@@ -57,15 +57,15 @@ def problem(shape: str, density: float) -> Problem:
     name = f"{shape} {density:g}"
     hull = {"shape": SHAPES[shape], "mass": density * volume(shape, HEIGHT) * DENSITY}
     promise = Promise(f"{name}: draught [m]", "%", SOURCE, dict.fromkeys(OF_WATER, 1.0))
-    measure = partial(floating, promise=promise, exact=draught(shape, density))
+    measure = partial(measured, promise=promise, exact=draught(shape, density))
     return Problem(at_sea({"hull": hull}, 5.0, 0.01), (promise,), measure, name, slot="ship", schemes=("hydrostatic",))
 
 
-def floating(simulation: Simulation, promise: Promise, exact: float) -> Finding:
+def measured(simulation: Simulation, promise: Promise, exact: float) -> Finding:
     """Where weight and buoyancy balance, upright."""
-    ship: Any = simulation.ship
+    ship = floating(simulation)
     sunk(simulation, np.array([1.0, 0.0, 0.0, 0.0]))
-    found = float(ship.afloat.still.matter.centre[1] - ship.body.position[1])
+    found = float(ship.hull.still.matter.centre[1] - ship.body.position[1])
     return Finding(
         {promise.quantity: relative(found, exact)}, [Curve("draught", np.array([exact]), np.array([found]), True)]
     )
@@ -76,7 +76,7 @@ def trimmed() -> Problem:
     promise = Promise("trim of a barge by shifted load [deg]", "%", "w x / (W GM_L)", dict.fromkeys(OF_WATER, 1.0))
 
     def measure(simulation: Simulation) -> Finding:
-        ship: Any = simulation.ship
+        ship = ship_of(simulation)
         return Finding({promise.quantity: relative(-degrees(ship.body.angles[0]), degrees(SHIFT))})
 
     ship = {"hull": "barge20", "centre_of_mass": [0.0, 2.5, -10.0 * 5.0 / 320.0]}

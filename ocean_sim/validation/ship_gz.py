@@ -5,13 +5,11 @@ cylinder half under water, of which GZ = (R - KG) sin(heel) at every heel. The t
 through the hull's bottom, so its own lever is another: of its metacentric height only BM - KG is left.
 """
 
-from typing import Any
-
 import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
-from ocean_sim.validation.shared.ship import OF_WATER, at_sea, sunk, turned
+from ocean_sim.validation.shared.ship import OF_WATER, at_sea, ship_of, sunk, turned
 
 LEVERS = {  # heel [deg]: GZ [m]
     "barge20": {10: 0.20979, 20: 0.45944, 30: 0.76036, 40: 0.77401, 60: 0.37254, 90: -0.5},
@@ -76,6 +74,6 @@ def printed() -> Problem:
 
 def levers(simulation: Simulation, heels: np.ndarray) -> np.ndarray:
     """Righting levers [m] at heels [deg], the ship free to sink."""
-    ship: Any = simulation.ship
+    ship = ship_of(simulation)
     weight = ship.body.mass * 9.81
     return np.array([-sunk(simulation, turned(2, float(heel))).torque[2] / weight for heel in heels])

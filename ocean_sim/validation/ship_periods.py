@@ -11,7 +11,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.ship import at_sea, period_of, posed, turned, voyage
+from ocean_sim.validation.shared.ship import at_sea, period_of, pose, turned, voyage
 
 STIFFNESS = {"heave": 1569.6e3, "roll": 3662.4e3, "pitch": 47611e3}  # [N/m], [N m/rad]
 INERTIA = {"heave": 320e3, "roll": 2508.8e3, "pitch": 8000e3}  # [kg], [kg m2]
@@ -51,7 +51,7 @@ def released(simulation: Simulation, motion: str, seconds: float) -> tuple[np.nd
     """Times from a release by 2 cm or half a degree, and how far from rest the ship is."""
     rest = np.array([0.0, 0.5, 0.0])
     turn = {"roll": turned(2, 0.5), "pitch": turned(0, 0.5), "heave": turned(0, 0.0)}[motion]
-    posed(simulation, position=rest + [0.0, 0.02 if motion == "heave" else 0.0, 0.0], orientation=turn)
+    pose(simulation, position=rest + [0.0, 0.02 if motion == "heave" else 0.0, 0.0], orientation=turn)
     begin, times, values = simulation.time, [], []
     number = {"roll": 2, "pitch": 0, "heave": 1}[motion]
     for time, body in voyage(simulation, begin + seconds):

@@ -13,7 +13,7 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.ship import G, at_sea, posed, voyage
+from ocean_sim.validation.shared.ship import G, at_sea, floating, pose, voyage
 from ocean_sim.validation.shared.tables import place, table
 
 LENGTH = {"barge20": 20.0, "wigley": 3.0}
@@ -102,9 +102,9 @@ def allowed(hull: str, omega: float, motion: str) -> float | None:
 
 def answers(simulation: Simulation, omega: float, length: float, heading: float) -> tuple[float, float, float]:
     """Heave [m/m], pitch and roll [deg/m] in a regular wave, by the part of the motion at its frequency."""
-    fluid, ship, period = simulation.fluid, simulation.ship, 2.0 * np.pi / omega
-    rest = np.array([0.0, ship.afloat.body.position[1], 0.0])  # type: ignore[union-attr]
-    posed(simulation, position=rest, orientation=np.array([1.0, 0.0, 0.0, 0.0]))
+    fluid, ship, period = simulation.fluid, floating(simulation), 2.0 * np.pi / omega
+    rest = np.array([0.0, ship.hull.body.position[1], 0.0])
+    pose(simulation, position=rest, orientation=np.array([1.0, 0.0, 0.0, 0.0]))
     depth = simulation.basin.depth
     amplitude = STEEPNESS * length
     fluid.begin(waves.regular(2.0 * amplitude, period, waves.direction(heading, 3), depth, G))

@@ -1,12 +1,10 @@
 """A yacht of 30 t left alone for a minute in calm water: it neither drifts nor rolls by itself."""
 
-from typing import Any
-
 import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
-from ocean_sim.validation.shared.ship import OF_WATER, at_sea, voyage
+from ocean_sim.validation.shared.ship import OF_WATER, at_sea, ship_of, voyage
 
 SECONDS = 60.0
 
@@ -25,7 +23,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 def measure(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
     """How far it gets, and how far it heels."""
-    ship: Any = simulation.ship
+    ship = ship_of(simulation)
     start = ship.body.position
     rows = [(t, *(b.position - start), b.angles[2]) for t, b in voyage(simulation, SECONDS)]
     t, x, _, z, roll = np.array(rows).T

@@ -5,13 +5,12 @@ of surge; coasting from u0, x = m' / X ln(u0 / u).
 """
 
 from math import cosh, log, sqrt, tanh
-from typing import Any
 
 import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.ship import OF_WATER, at_sea, voyage
+from ocean_sim.validation.shared.ship import OF_WATER, at_sea, ship_of, voyage
 
 THRUST, DRAG, MASS, AHEAD, COAST = 14400.0, 400.0, 30000.0, 30.0, 20.0  # [N], [N s2/m2], [kg], [s], [s]
 
@@ -34,8 +33,8 @@ def problems(coarse: bool) -> list[Problem]:
 
 def measure(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
     """Speed and way."""
-    ship: Any = simulation.ship
-    whole = MASS + (ship.added[2] if hasattr(ship, "added") else 0.0)
+    ship = ship_of(simulation)
+    whole = MASS + float(ship.added[2])
     top = sqrt(THRUST / DRAG)
     tau = whole * top / THRUST
     start = ship.body.position[2]

@@ -14,7 +14,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
-from ocean_sim.validation.shared.ship import OF_WATER, at_sea
+from ocean_sim.validation.shared.ship import OF_WATER, at_sea, ship_of
 
 AHEAD, TURN, ZIGZAG, STEP = 30.0, 150.0, 100.0, 0.05  # [s]
 RUDDER = 35.0  # [deg]
@@ -62,7 +62,7 @@ def zigzags(angle: float) -> list[str]:
 def sailed(simulation: Simulation, orders: Any, lasts: float) -> Iterator[tuple[float, ...]]:
     """Time, x, z, yaw [rad], heel [rad], velocity along x and z after every step, from the moment when the ship has
     gathered way; `orders` says the rudder [rad] of a time and a yaw."""
-    ship: Any = simulation.ship
+    ship = ship_of(simulation)
     helm = ship.hand_over()
     helm.give(1.0, 0.0)
     while simulation.time < AHEAD:

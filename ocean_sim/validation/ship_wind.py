@@ -7,14 +7,13 @@ face two ways, count in it, is reported.
 """
 
 from math import sqrt
-from typing import Any
 
 import numpy as np
 
 from ocean_sim.conventions import AIR_DENSITY
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.ship import OF_WATER, acting, at_sea, voyage
+from ocean_sim.validation.shared.ship import OF_WATER, acting, at_sea, ship_of, voyage
 
 LENGTH, BREADTH, HEIGHT, DRAUGHT = 2.0, 1.0, 0.10, 0.02  # [m]
 COEFFICIENT = 1.2875e-3  # of drag, below 7.5 m/s
@@ -41,8 +40,8 @@ def problems(coarse: bool) -> list[Problem]:
 
 def measure(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
     """Speed and way."""
-    ship: Any = simulation.ship
-    whole = MASS + (ship.added[2] if hasattr(ship, "added") else 0.0)
+    ship = ship_of(simulation)
+    whole = MASS + float(ship.added[2])
     first = float(acting(simulation).parts[2, 0, 2])
     k, faces = first / WIND**2, LENGTH * BREADTH + 2.0 * (LENGTH + BREADTH) * (HEIGHT - DRAUGHT)
     start = ship.body.position[2]

@@ -4,13 +4,11 @@ Spin (1, 0, 1) rad/s: the reference pose is a solution by DOP853 at a tolerance 
 elliptic functions to 8e-14. Energy and angular momentum stay.
 """
 
-from typing import Any
-
 import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
-from ocean_sim.validation.shared.ship import OF_WATER, at_sea, posed, voyage
+from ocean_sim.validation.shared.ship import OF_WATER, at_sea, pose, ship_of, voyage
 
 SECONDS, DT, HIGH = 60.0, 1.0 / 60.0, 1.0e5  # [s], [s], [m]
 POSE = np.array([-0.84949542, 0.21516101, -0.09205273, -0.47285259])
@@ -34,8 +32,8 @@ def problems(coarse: bool) -> list[Problem]:
 
 def measure(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
     """Pose, energy and momentum at the end."""
-    ship: Any = simulation.ship
-    posed(simulation, position=np.array([0.0, HIGH, 0.0]), angular_momentum=ship.body.angular_momentum)
+    ship = ship_of(simulation)
+    pose(simulation, position=np.array([0.0, HIGH, 0.0]), angular_momentum=ship.body.angular_momentum)
     energy = lambda b: 0.5 * float(b.angular_velocity @ b.angular_momentum)
     first, momentum = energy(ship.body), ship.body.angular_momentum
     rows = [(t, *b.rates) for t, b in voyage(simulation, SECONDS - 0.5 * DT)]

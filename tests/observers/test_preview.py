@@ -261,7 +261,7 @@ def test_a_moved_stiffness_is_that_of_the_equation_of_state(coarse):
 
 
 def test_a_person_steers_through_the_same_rate_limits_as_any_crew(coarse):
-    ship, machine = coarse.ship, coarse.ship.machine
+    ship, machine = coarse.ship, coarse.ship.actuators
     crew, before = machine.crew, ship.orders
     person = ship.hand_over()
     assert person.order(0.0, ship.body) == before  # nothing jumps when the helm changes hands

@@ -5,7 +5,8 @@ import pytest
 
 from ocean_sim import conventions
 from ocean_sim.files import csv_file
-from ocean_sim.observers.motion import COLUMNS, Motion
+from ocean_sim.observers.motion import Motion
+from ocean_sim.observers.motion import columns as logged
 from ocean_sim.platform.shared.motion_log import FORCES, FRAMES, converted, convertible, negated, read, ride_of
 from ocean_sim.ship import PARTS
 from tests.platform.conftest import G, columns, write
@@ -167,7 +168,7 @@ def test_a_worked_specific_force_as_the_log_tells_it(frame, felt):
     )
     observer = Motion.__new__(Motion)
     observer.frame, observer.arm, observer.gravity = frame, arm, np.array([0.0, -G, 0.0])
-    row = dict(zip(COLUMNS[2:], observer.row(ship)))
+    row = dict(zip(logged(PARTS)[2:], observer.row(ship)))
     np.testing.assert_allclose([row[name] for name in FORCES], felt, rtol=0.0, atol=1e-6)
 
 

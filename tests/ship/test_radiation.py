@@ -9,9 +9,10 @@ import pytest
 from ocean_sim import Simulation, load
 from ocean_sim.files.csv_file import columns
 from ocean_sim.reading.scene import SceneError
-from ocean_sim.ship.shared.damping import Damping
+from ocean_sim.ship.shared.damping import BY_RULE, Damping, Resistance
+from ocean_sim.ship.shared.hull import hull_of
 from ocean_sim.ship.shared.radiation import Memory, Radiation
-from ocean_sim.validation.shared.ship import at_sea, posed, voyage
+from ocean_sim.validation.shared.ship import at_sea, pose, voyage
 from ocean_sim.validation.shared.tables import place
 
 SPHERE, BARGE = place("sphere_radiation"), place("barge20_radiation")
@@ -62,7 +63,7 @@ def test_a_sphere_let_go_a_little_swings_as_linear_theory_says():
     ship = {"kind": "dynamic", "hull": "sphere", "free": ["heave"], "radiation": str(SPHERE)}
     with Simulation(load(at_sea(ship, 10.0, 0.02))) as simulation:
         rest = simulation.ship.body.position.copy()
-        posed(simulation, position=rest + [0.0, 0.05, 0.0])
+        pose(simulation, position=rest + [0.0, 0.05, 0.0])
         path = [(t, (b.position[1] - rest[1]) / 0.05) for t, b in voyage(simulation, 7.0)]
     t, y = np.array(path).T
     for time, height in ((2.21, -0.8670), (4.42, 0.6349), (6.60, -0.4648)):
@@ -72,9 +73,33 @@ def test_a_sphere_let_go_a_little_swings_as_linear_theory_says():
         assert t[near][k] == pytest.approx(time, abs=0.06)
 
 
-def test_damping_beside_a_table_is_what_is_given_and_no_default():
-    beside = Damping(roll=0.07).beside(["heave", "roll"])
-    assert (beside.heave, beside.roll, beside.pitch) == (0.0, 0.07, Damping().pitch)
+@pytest.mark.parametrize("changes", [{}, {"resolution": 1.001}])
+def test_a_scene_that_is_written_out_and_read_again_has_the_same_damping(changes):
+    """By rule, nothing is added to the motions of the table, however often a scene is read; what is given is."""
+    ship = {"kind": "dynamic", "hull": "sphere", "radiation": str(SPHERE), "damping": {"roll": 0.07}}
+    ship["cells_per_draught"] = 4
+    first, paths = load(at_sea(ship, 10.0, 0.02)), []
+    again = load(first.resolved(), changes)
+    for scene in (first, again):
+        with Simulation(scene) as simulation:
+            linear, surge = simulation.ship.resistance.linear, simulation.ship.resistance.surge
+            rest = simulation.ship.body.position.copy()
+            pose(simulation, position=rest + [0.0, 0.5, 0.0])
+            path = np.array([b.position for _, b in voyage(simulation, 1.0)])
+        assert linear[1] == 0.0 and linear[3] > 0.0 and surge > 0.0
+        paths.append((linear, surge, path))
+    for one, other in zip(*paths):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_damping_by_rule_of_a_motion_in_the_table_is_none_but_what_is_given_counts():
+    hull = hull_of("sphere").afloat(4.0, 1000.0, 9.81)
+    still, none = np.zeros(6), {"heave", "pitch", "roll", "surge"}
+    ruled = Resistance(Damping(), hull, still)
+    bare = Resistance(Damping(), hull, still, none)
+    given = Resistance(Damping(heave=BY_RULE["heave"], surge=3.0), hull, still, none)
+    assert (bare.linear == 0.0).all() and bare.surge == 0.0
+    assert given.linear[1] == ruled.linear[1] > 0.0 and given.linear[3] == 0.0 and given.surge == 3.0
 
 
 def changed(rows: list[str], what: str) -> list[str]:

@@ -8,8 +8,8 @@ import pytest
 from ocean_sim.conventions import Diverged
 from ocean_sim.files import csv_file
 from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.observers import motion as motion_observer
 from ocean_sim.observers.manifest import state_sha256
-from ocean_sim.observers.motion import COLUMNS
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.result import Result, run
 from ocean_sim.ship import PARTS
@@ -169,7 +169,7 @@ def told(tmp_path_factory):
 
 def test_motion_has_its_columns_at_its_rate(told):
     motion = told["ship"]
-    assert tuple(motion) == COLUMNS
+    assert tuple(motion) == motion_observer.columns(PARTS)
     np.testing.assert_allclose(motion["time_s"], 0.05 * np.arange(121), atol=1e-9)
     np.testing.assert_array_equal(motion["seq"], np.arange(121))
 

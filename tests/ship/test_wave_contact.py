@@ -172,7 +172,7 @@ def afloat():
     with Simulation(load(floating(), QUIET | {"health": {}, "accuracy": {}})) as simulation:
         particles, ship = simulation.fluid.particles, simulation.ship
         start = [field.to_numpy().copy() for field in (particles.position, particles.velocity, particles.pressure)]
-        yield simulation, start, ship.body, ship.afloat.weight.copy()
+        yield simulation, start, ship.body, ship.hull.weight.copy()
 
 
 def begun(afloat, weight: float = 1.0, **changes) -> Simulation:
@@ -184,7 +184,7 @@ def begun(afloat, weight: float = 1.0, **changes) -> Simulation:
     simulation.fluid.begin()
     simulation.surface.lay(particles)
     ship.body = replace(body, mass=weight * body.mass, inertia_body=weight * body.inertia_body, **changes)
-    ship.afloat.weight = weight * own
+    ship.hull.weight = weight * own
     return simulation
 
 
@@ -219,7 +219,7 @@ def test_it_floats_as_deep_as_without_contact_and_nothing_is_inside(afloat):
     assert draught.mean() == pytest.approx(0.3, rel=0.02)
     assert buoyancy.mean() == pytest.approx(weight, rel=0.02)
     assert abs(collisions.mean()) < 0.02 * weight
-    under = ship.afloat.water
+    under = ship.hull.water
     middle = under.level.to_numpy()[12, 6]
     assert simulation.surface.elevations(np.zeros((1, 2)))[0] < -0.15  # the sheet lies under the hull,
     assert abs(middle - level) < 0.05  # the ship fills it
@@ -283,7 +283,7 @@ def test_extremes_end_physically_or_with_a_sentence(afloat, extreme):
     if "spin" in changes:
         ship.body = spinning(ship.body, changes["spin"])
     if "thrust" in changes:  # of a tenth of its weight
-        ship.afloat.weight[0, 0] = 0.1 * changes["thrust"] * 9.81 * ship.body.mass
+        ship.hull.weight[0, 0] = 0.1 * changes["thrust"] * 9.81 * ship.body.mass
     longer, next_step = changes.get("steps", 1.0), simulation.time_step.next
     simulation.time_step.next = lambda of: longer * next_step(of)
     try:
@@ -347,12 +347,12 @@ def struck(restitution: float, friction: float, **changes) -> tuple[Sides, Rigid
 
 
 def bounced(sides: Sides, body: RigidBody, dt: float = 1e-3) -> RigidBody:
-    from ocean_sim.ship import loaded
+    from ocean_sim.ship import Load
 
     def after(load):
         return advanced(body, load.force, load.torque, dt)
 
-    return sides.off(after(sides.met(loaded(), after, dt)))
+    return sides.off(after(sides.stopped(Load.of({}), after, dt)))
 
 
 def test_a_box_bounces_from_the_bed_and_from_a_corner():

@@ -1,5 +1,6 @@
 """What slows a hull down: linear in heave, pitch and roll, quadratic in surge and across, and lift at the stern."""
 
+from collections.abc import Collection
 from math import pi, sqrt
 
 import numpy as np
@@ -8,44 +9,47 @@ from ocean_sim.conventions import Motions
 from ocean_sim.model import Model, quantity
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 
+BY_RULE = {"heave": 0.12, "pitch": 0.06, "roll": 0.05}  # of critical: ours, of a bare hull of common form
+
 
 class Damping(Model):
-    """Shares of critical damping, and coefficients of drag; the defaults are ours, of a bare hull of common form."""
+    """Shares of critical damping, and coefficients of drag; what is null comes by rule."""
 
-    heave: float = quantity("1", 0.12, ge=0.0)
-    """Of critical: mostly the waves that it makes."""
-    pitch: float = quantity("1", 0.06, ge=0.0)
-    """Of critical."""
-    roll: float = quantity("1", 0.05, ge=0.0)
-    """Of critical: mostly eddies, so a bare guess for any hull."""
+    heave: float | None = quantity("1", None, ge=0.0)
+    """Of critical: mostly the waves that it makes; null: 0.12, and 0 where `radiation` has heave."""
+    pitch: float | None = quantity("1", None, ge=0.0)
+    """Of critical; null: 0.06, and 0 where `radiation` has pitch."""
+    roll: float | None = quantity("1", None, ge=0.0)
+    """Of critical: mostly eddies; null: 0.05, a bare guess for any hull, and 0 where `radiation` has roll."""
     surge: float | None = quantity("N s2/m2", None, ge=0.0)
-    """Resistance over the square of the speed; null: a coefficient of 0.1 on the largest section."""
+    """Resistance over the square of the speed; null: a coefficient of 0.1 on the largest section, and 0 where
+    `radiation` has surge."""
     cross_flow: float = quantity("1", 0.8, ge=0.0)
     """Coefficient of drag of the sections as water crosses them (Hoerner 1965, Fluid-Dynamic Drag)."""
     roll_quadratic: float = quantity("N m s2", 0.0, ge=0.0)
     """Moment over the square of the roll rate."""
 
-    def beside(self, motions: list[str]) -> "Damping":
-        """The same where the waves of some motions are told otherwise: of these what was given, and no default."""
-        return self.model_copy(update={name: 0.0 for name in motions if name not in self.model_fields_set})
-
 
 class Resistance:
     """The damping of one hull."""
 
-    def __init__(self, config: Damping, hull: Hydrostatics, added: np.ndarray) -> None:
-        """`added`: (6,) added mass, part of what oscillates."""
+    def __init__(self, config: Damping, hull: Hydrostatics, added: np.ndarray, radiated: Collection[str] = ()) -> None:
+        """`added`: (6,) added mass, part of what oscillates; `radiated`: motions whose waves a table has: no rule adds
+        to it."""
         whole, stiffness = hull.inertia, hull.stiffness
         extra = Motions(*added)
         self.linear = np.zeros(6)
         for number, motion in ((1, "heave"), (3, "pitch"), (5, "roll")):
             inertia = whole[motion] + getattr(extra, motion)
-            self.linear[number] = 2.0 * getattr(config, motion) * sqrt(inertia * abs(stiffness[motion]))
+            given, rule = getattr(config, motion), 0.0 if motion in radiated else BY_RULE[motion]
+            share = rule if given is None else given
+            self.linear[number] = 2.0 * share * sqrt(inertia * abs(stiffness[motion]))
         z, breadth, draught = hull.stations
         self.z = z - hull.matter.centre[2]
         self.crossing = 0.5 * hull.density * config.cross_flow * draught * float(hull.voxels.size[2])
         section = float((breadth * draught).max())
-        self.surge = 0.05 * hull.density * section if config.surge is None else config.surge
+        rule = 0.0 if "surge" in radiated else 0.05 * hull.density * section
+        self.surge = rule if config.surge is None else config.surge
         self.roll = config.roll_quadratic
         self.low = hull.keel + float(draught.max()) / 2.0 - hull.matter.centre[1]  # where water crosses [m]
         self.stern = float(self.z[draught > 0.0].min())

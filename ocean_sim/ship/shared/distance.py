@@ -1,14 +1,13 @@
 """How far a place is from a hull, and how a smoothed hull thins out there, on a lattice around it: made once from its
 cubes, and kept with them."""
 
-from typing import Any
-
 import numpy as np
 import taichi as ti
 import taichi.math as tm
 from taichi.lang.util import to_numpy_type
 
 from ocean_sim.files.cache_file import kept
+from ocean_sim.ship.shared.shapes import HullShape
 from ocean_sim.ship.shared.voxels import cells, voxels
 
 MOST = 3e5  # cubes of a lattice; a long hull in fine water has coarser ones
@@ -16,13 +15,13 @@ MANY = 1e7  # cubes of a lattice, at most: one around a hull far smaller than a 
 SMOOTH = 0.5  # [cubes] over which steps of cubes are smoothed
 
 
-def coarsest(shape: Any, side: float, reach: float) -> float:
+def coarsest(shape: HullShape, side: float, reach: float) -> float:
     """The side asked for [m], or that of MOST cubes."""
     lower, upper = shape.bounds()
     return max(side, float((upper - lower + 2.0 * reach).prod() / MOST) ** (1.0 / 3.0))
 
 
-def nodes(shape: Any, side: float, reach: float) -> tuple[np.ndarray, np.ndarray]:
+def nodes(shape: HullShape, side: float, reach: float) -> tuple[np.ndarray, np.ndarray]:
     """(3,) sides of a cube [m], and (3,) cubes that are added on each side of a hull."""
     lower, upper = shape.bounds()
     side = coarsest(shape, side, reach)
@@ -30,7 +29,7 @@ def nodes(shape: Any, side: float, reach: float) -> tuple[np.ndarray, np.ndarray
     return size, np.ceil(reach / size).astype(int) + 1
 
 
-def memory(shape: Any, side: float, reach: float, word: int) -> tuple[int, int]:
+def memory(shape: HullShape, side: float, reach: float, word: int) -> tuple[int, int]:
     """Nodes of a lattice, and the bytes that they take."""
     size, margin = nodes(shape, side, reach)
     lower, upper = shape.bounds()
@@ -39,7 +38,7 @@ def memory(shape: Any, side: float, reach: float, word: int) -> tuple[int, int]:
 
 
 def around(
-    shape: Any, side: float, support: float, reach: float
+    shape: HullShape, side: float, support: float, reach: float
 ) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
     """At (i, j, k): `distance` [m], negative inside, and `share` of the hull in Wendland's kernel (C2) of a support;
     the place of the first in the axes of the hull, and the steps (3,) [m]. `side` of a cube, `reach` of the lattice
@@ -77,7 +76,7 @@ def around(
 class Distance:
     """Signed distance from a hull, and the outward normal, in body axes from the centre of mass."""
 
-    def __init__(self, shape: Any, centre: np.ndarray, side: float, support: float, reach: float) -> None:
+    def __init__(self, shape: HullShape, centre: np.ndarray, side: float, support: float, reach: float) -> None:
         """`side` of the cubes, `support` of the water, `reach` over the hull [m]."""
         values, first, step = around(shape, side, support, reach)
         size = values["share"].shape

@@ -1,21 +1,22 @@
 """A hull as triangles, to be drawn."""
 
-from typing import Any
-
 import numpy as np
+
+from ocean_sim.ship.shared.shapes import HullShape
 
 STATIONS, WATERLINES, HALVINGS = 41, 25, 24
 
 
-def drawn(shape: Any) -> tuple[np.ndarray, np.ndarray]:
+def drawn(shape: HullShape) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) vertices [m] in the hull's axes and (m, 3) triangles that face outwards: of a mesh its own, of another
     shape the convex hull of its sections."""
     from scipy.spatial import ConvexHull
 
-    if hasattr(shape, "closed"):
-        mesh = shape.closed()
+    mesh = shape.closed()
+    if mesh is not None:
         return np.array(mesh.vertices), np.array(mesh.faces)
-    points = shape.vertices() if hasattr(shape, "vertices") else sections(shape)
+    vertices = shape.vertices()
+    points = sections(shape) if vertices is None else vertices
     hull = ConvexHull(points)
     a, b, c = (points[hull.simplices[:, k]] for k in range(3))
     inwards = (np.cross(b - a, c - a) * hull.equations[:, :3]).sum(axis=1) < 0.0
@@ -23,7 +24,7 @@ def drawn(shape: Any) -> tuple[np.ndarray, np.ndarray]:
     return points, triangles
 
 
-def sections(shape: Any) -> np.ndarray:
+def sections(shape: HullShape) -> np.ndarray:
     """(n, 3) points of the sides [m], where halving finds them."""
     lower, upper = shape.bounds()
     tiny = 1e-6 * (upper - lower)

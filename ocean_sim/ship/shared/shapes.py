@@ -1,6 +1,6 @@
 """Shapes of hulls. Axes of a hull: x to port, y up from the keel, z to the bow, origin amidships at the keel."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
@@ -11,12 +11,30 @@ from ocean_sim.model import Model, Vector3, quantity
 Box3 = tuple[np.ndarray, np.ndarray]
 
 
-class Solid(Model):
-    """What every shape can say of itself."""
+class HullShape(Model):
+    """What every shape has."""
+
+    is_mesh: ClassVar[bool] = False  # whether it is `closed`, and knows no `inside`
 
     def content(self) -> bytes:
         """What its voxels depend on."""
         return self.model_dump_json().encode()
+
+    def bounds(self) -> Box3:
+        """Corners of the box around it [m]."""
+        raise NotImplementedError
+
+    def inside(self, x: np.ndarray) -> np.ndarray:
+        """Whether points (..., 3) [m] lie inside."""
+        raise NotImplementedError
+
+    def vertices(self) -> np.ndarray | None:
+        """(n, 3) points [m] whose convex hull it is; None where sections of it must be found."""
+        return None
+
+    def closed(self) -> Any:
+        """The mesh in the hull's axes (trimesh); raises BadMesh. None where it is none."""
+        return None
 
 
 def upright(breadth: float, height: float, length: float) -> Box3:
@@ -25,7 +43,7 @@ def upright(breadth: float, height: float, length: float) -> Box3:
     return -half, half + [0.0, height, 0.0]
 
 
-class Box(Solid):
+class Box(HullShape):
     """A barge: a box."""
 
     kind: Literal["box"]
@@ -40,12 +58,11 @@ class Box(Solid):
         return upright(self.breadth, self.height, self.length)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
-        """Whether points (..., 3) [m] lie inside."""
         lower, upper = self.bounds()
         return np.all((x >= lower) & (x <= upper), axis=-1)
 
 
-class Wigley(Solid):
+class Wigley(HullShape):
     """Wigley's parabolic hull y = B/2 (1 - (2z/L)^2) (1 - (y/T)^2), wall-sided above its draught."""
 
     kind: Literal["wigley"]
@@ -65,7 +82,7 @@ class Wigley(Solid):
         return (np.abs(x[..., 0]) <= half) & (x[..., 1] >= 0.0) & (x[..., 1] <= self.height)
 
 
-class Cylinder(Solid):
+class Cylinder(HullShape):
     """A circular cylinder that lies along z."""
 
     kind: Literal["cylinder"]
@@ -80,7 +97,7 @@ class Cylinder(Solid):
         return (np.hypot(x[..., 0], x[..., 1] - self.radius) <= self.radius) & (np.abs(x[..., 2]) <= self.length / 2)
 
 
-class Sphere(Solid):
+class Sphere(HullShape):
     """A ball; its lowest point is its keel."""
 
     kind: Literal["sphere"]
@@ -94,7 +111,7 @@ class Sphere(Solid):
         return np.linalg.norm(x - [0.0, self.radius, 0.0], axis=-1) <= self.radius
 
 
-class Outline(Solid):
+class Outline(HullShape):
     """The convex hull of points, as the thesis makes its yacht (5.3)."""
 
     kind: Literal["outline"]
@@ -120,9 +137,10 @@ class Outline(Solid):
         return within
 
 
-class MeshFile(Solid):
+class MeshFile(HullShape):
     """A closed mesh in an STL, OBJ or PLY file, turned so that its longest axis is the ship's."""
 
+    is_mesh: ClassVar[bool] = True
     kind: Literal["mesh"]
     file: FileName
     """Path of the file."""
@@ -137,7 +155,6 @@ class MeshFile(Solid):
         return super().content() + content(self.file)
 
     def closed(self) -> Any:
-        """The mesh in the hull's axes (trimesh); raises BadMesh."""
         from ocean_sim.ship.shared.mesh import closed_mesh
 
         return closed_mesh(self)

@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from ocean_sim.ship.shared.distance import around
 from ocean_sim.ship.shared.rigid_body import RigidBody
+from ocean_sim.ship.shared.shapes import HullShape
 from ocean_sim.ship.shared.voxels import cells, voxels
 
 FINE = 3.0  # cubes to a spacing of the particles, where a mesh says what it keeps free
@@ -20,7 +20,7 @@ GOLDEN = 0.6180339887498949  # spreads what is taken from a row evenly along it
 class Solid:
     """A hull where it begins; in a slice the section amidships."""
 
-    shape: Any
+    shape: HullShape
     centre: np.ndarray  # (3,) centre of mass from the hull's origin [m]
     body: RigidBody
     flat: bool
@@ -40,7 +40,7 @@ class Solid:
     def inside(self, points: np.ndarray, spacing: float) -> np.ndarray:
         """(n,) which of (n, 3) places [m] the hull keeps free at the beginning."""
         own = (points - self.origin) @ self.turn + self.centre
-        if not hasattr(self.shape, "closed"):
+        if not self.shape.is_mesh:
             return self.shape.inside(own)
         cubes = voxels(self.shape, spacing / FINE, 1.0)
         lower, upper = self.shape.bounds()

@@ -7,11 +7,11 @@ clipped at the water is their height. Whole ones fill the box around the hull.
 from dataclasses import dataclass
 from functools import cached_property
 from math import sqrt
-from typing import Any
 
 import numpy as np
 
 from ocean_sim.files.cache_file import kept
+from ocean_sim.ship.shared.shapes import HullShape
 
 SAMPLES = 4  # along each edge of a cube
 MOST = 4_000_000  # cubes
@@ -69,7 +69,7 @@ class Voxels:
         return np.trace(moments) * np.eye(3) - moments
 
 
-def voxels(shape: Any, side: float, flat: float = FLAT) -> Voxels:
+def voxels(shape: HullShape, side: float, flat: float = FLAT) -> Voxels:
     """The cubes of a shape, up to `flat` times as long as tall; raises ValueError where they are too many."""
     lower, upper = shape.bounds()
     sides = np.clip((upper - lower) / ENOUGH, side, flat * side)
@@ -84,12 +84,12 @@ def voxels(shape: Any, side: float, flat: float = FLAT) -> Voxels:
     return Voxels((upper - lower) / counts, arrays["centre"], arrays["share"], arrays["area"])
 
 
-def sampled(shape: Any, counts: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> dict[str, np.ndarray]:
+def sampled(shape: HullShape, counts: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> dict[str, np.ndarray]:
     """Share, centre and outward area of the cubes that hold something."""
     size = (upper - lower) / counts
     axes = [lower[a] + size[a] * (np.arange(counts[a] * SAMPLES) + 0.5) / SAMPLES for a in range(3)]
     share, centre = np.zeros(counts), np.zeros((*counts, 3))
-    mesh = shape.closed() if hasattr(shape, "closed") else None
+    mesh = shape.closed()
     for k in range(counts[2]):
         z = axes[2][k * SAMPLES : (k + 1) * SAMPLES]
         if mesh is None:

@@ -6,7 +6,6 @@ It stops where there is room for one layer of particles, which it could not pres
 from collections.abc import Callable
 from dataclasses import replace
 from math import sqrt
-from typing import Any
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from ocean_sim.basin import OPEN, Basin
 from ocean_sim.ship import Load
 from ocean_sim.ship.shared.drawn import drawn
 from ocean_sim.ship.shared.rigid_body import RigidBody, cross
+from ocean_sim.ship.shared.shapes import HullShape
 from ocean_sim.ship.shared.wave_contact import with_wave
 
 SWEEPS = 8  # over the points that touch
@@ -23,7 +23,7 @@ TOUCHING = 8  # points of a side that are looked at: the deepest
 class Sides:
     """Walls and bed around a hull."""
 
-    def __init__(self, shape: Any, centre: np.ndarray, basin: Basin, room: float = 0.0) -> None:
+    def __init__(self, shape: HullShape, centre: np.ndarray, basin: Basin, room: float = 0.0) -> None:
         """`centre` of mass from the hull's origin, `room` before each side [m]."""
         self.points = outermost(shape) - centre  # body axes [m]
         self.middle = 0.5 * (self.points.max(axis=0) + self.points.min(axis=0))
@@ -54,7 +54,7 @@ class Sides:
             move[axis] += way * max(0.0, float(depth.max()))
         return replace(body, position=body.position + move) if move.any() else body
 
-    def met(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> Load:
+    def stopped(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> Load:
         """The load with what walls and bed do in a step of dt [s] under `wave`; `after` says how the body would move
         freely."""
         body = after(load)
@@ -104,7 +104,7 @@ def share(mass: float, heavy: np.ndarray, arm: np.ndarray, along: np.ndarray) ->
     return float(1.0 / (1.0 / mass + lever @ heavy @ lever))
 
 
-def outermost(shape: Any) -> np.ndarray:
+def outermost(shape: HullShape) -> np.ndarray:
     """(n, 3) corners of a hull's convex outline [m], in its axes."""
     from scipy.spatial import ConvexHull
 

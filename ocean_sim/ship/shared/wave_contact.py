@@ -56,7 +56,7 @@ class Contact(Model):
 
 
 class WaveContact:
-    """The hull among the particles: `met` in every step."""
+    """The hull among the particles: `collided` in every step."""
 
     def __init__(
         self, config: Contact, shape: Any, centre: np.ndarray, basin: Basin, fluid: Any, gravity: float
@@ -73,7 +73,7 @@ class WaveContact:
         self.lost = np.zeros((2, 3))  # what the water gave beyond that
         self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s], [J]
 
-    def met(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> tuple[Load, RigidBody]:
+    def collided(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> tuple[Load, RigidBody]:
         """The load with the collisions of a step of dt [s] under `wave`, and the body after it; `after` says how a load
         would leave it. The particles move off the hull."""
         trial, table = after(load), self.table

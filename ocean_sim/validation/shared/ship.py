@@ -2,11 +2,16 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from ocean_sim.simulation import Simulation
+
+if TYPE_CHECKING:
+    from ocean_sim.ship import Load, Ship
+    from ocean_sim.ship.shared.floating_ship import FloatingShip
+    from ocean_sim.ship.shared.rigid_body import RigidBody
 
 G, DENSITY = 9.81, 1000.0
 OF_WATER = ("hydrostatic", "dynamic")
@@ -24,27 +29,37 @@ def at_sea(ship: dict[str, Any], size: float, dt: float, duration: float = 1.0, 
     }
 
 
-def posed(simulation: Simulation, **changes: Any) -> None:
-    """The ship with other parts of its state, and without momentum unless that is given."""
-    ship: Any = simulation.ship
+def ship_of(simulation: Simulation) -> "Ship":
+    """The ship of a scene that has one."""
+    return cast("Ship", simulation.ship)
+
+
+def floating(simulation: Simulation) -> "FloatingShip":
+    """The ship of a scene that has one of a kind that floats by its volume."""
+    return cast("FloatingShip", simulation.ship)
+
+
+def pose(simulation: Simulation, **changes: Any) -> None:
+    """Give the ship other parts of its state, and no momentum unless that is given."""
+    ship = ship_of(simulation)
     still = {"velocity": np.zeros(3), "angular_momentum": np.zeros(3)}
     ship.body = replace(ship.body, **(still | changes))
 
 
-def acting(simulation: Simulation) -> Any:
+def acting(simulation: Simulation) -> "Load":
     """The load on the ship where it is."""
-    ship: Any = simulation.ship
-    return ship.load(simulation.wind_on_ship, simulation.fluid, simulation.surface or simulation.fluid)
+    surface = simulation.surface or simulation.fluid
+    return ship_of(simulation).load(simulation.wind_on_ship, simulation.fluid, surface)
 
 
-def sunk(simulation: Simulation, orientation: np.ndarray) -> Any:
+def sunk(simulation: Simulation, orientation: np.ndarray) -> "Load":
     """The load at an orientation, where weight and buoyancy balance, and the ship there."""
-    ship: Any = simulation.ship
-    span = float(np.linalg.norm(ship.afloat.upper - ship.afloat.lower))
+    hull = floating(simulation).hull
+    span = float(np.linalg.norm(hull.upper - hull.lower))
     low, high = -span, span
     for _ in range(40):
         middle = 0.5 * (low + high)
-        posed(simulation, position=np.array([0.0, middle, 0.0]), orientation=orientation)
+        pose(simulation, position=np.array([0.0, middle, 0.0]), orientation=orientation)
         load = acting(simulation)
         low, high = (middle, high) if load.force[1] > 0.0 else (low, middle)
     return load
@@ -56,11 +71,11 @@ def turned(axis: int, degrees: float) -> np.ndarray:
     return np.concatenate([[np.cos(half)], np.sin(half) * np.eye(3)[axis]])
 
 
-def voyage(simulation: Simulation, until: float) -> Iterator[tuple[float, Any]]:
+def voyage(simulation: Simulation, until: float) -> Iterator[tuple[float, "RigidBody"]]:
     """Time and body after every step."""
     while simulation.time < until:
         simulation.step()
-        yield simulation.time, simulation.ship.body  # type: ignore[union-attr]
+        yield simulation.time, ship_of(simulation).body
 
 
 def period_of(times: np.ndarray, values: np.ndarray) -> float:

@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field
 
 from ocean_sim.basin import Basin
-from ocean_sim.parts import Vector2, Vector3, quantity
+from ocean_sim.model import Vector2, Vector3, quantity
 from ocean_sim.random_numbers import numpy_uniform3
 from ocean_sim.wind.shared.noise import NoiseSize
 from ocean_sim.wind.shared.passages import Passages

@@ -1,4 +1,4 @@
-"""A hull of cubes in the water of a scene: keys of the kinds that float by their own volume, and what they share."""
+"""Keys of the kinds that float by their own volume, and their hull of cubes in the water of a scene."""
 
 from functools import cached_property
 from math import isinf, radians
@@ -10,20 +10,23 @@ from pydantic import ValidationInfo, field_validator
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.files.input_file import beside_scene
-from ocean_sim.fluid import Limits
+from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, named
 from ocean_sim.ship.shared.cubes import Cubes, Wetted
 from ocean_sim.ship.shared.distance import MANY, memory
 from ocean_sim.ship.shared.hull import Hull, Inertia, explained, hull_of
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
-from ocean_sim.ship.shared.placed import Machine, Placed
 from ocean_sim.ship.shared.propulsion import Propeller, Rudder
 from ocean_sim.ship.shared.rigid_body import RigidBody, matrix, oriented
+from ocean_sim.ship.shared.ship_water import ShipWater
 from ocean_sim.ship.shared.solid import Solid
+from ocean_sim.ship.shared.vessel import Actuators, VesselConfig
 from ocean_sim.ship.shared.wall_contact import Sides
 from ocean_sim.ship.shared.water import Water
 from ocean_sim.ship.shared.wave_contact import FINE, RIM, Contact, WaveContact
+from ocean_sim.surface import Surface
+from ocean_sim.wind import Wind
 
 STEPS_A_PERIOD = 60  # of the fastest natural motion
 FORCE_NUMBER = 0.25  # the share of a limit that `courant` takes
@@ -31,7 +34,7 @@ BODY, CUBE = 3.0e-4, 1.2e-7  # [s] of processor time a step
 FEW = 4.0  # spacings in a draught
 
 
-class FloatingConfig(Placed):
+class FloatingConfig(VesselConfig):
     """Keys of a ship that floats by its volume."""
 
     example: ClassVar[dict[str, Any]] = {"hull": "wigley"}
@@ -140,10 +143,10 @@ def own(preflight: Preflight) -> list[Solid]:
     return [solid for solid in preflight.solids if isinstance(solid, Solid)]
 
 
-class Afloat:
-    """The hull in a scene: cubes, the water around them, and how far they are under water."""
+class FloatingHull:
+    """The hull in a scene: its cubes, the water around them, and how far they are under water."""
 
-    def __init__(self, config: FloatingConfig, basin: Basin, fluid: Any, below: bool) -> None:
+    def __init__(self, config: FloatingConfig, basin: Basin, fluid: ShipWater, below: bool) -> None:
         """`below`: whether the ship asks the water under its surface, which a closed form answers."""
         density = fluid.config.rest_density if fluid.particles is None else fluid.particles.rest_density
         self.still = config.afloat(-basin.gravity[1], float(density))
@@ -154,26 +157,25 @@ class Afloat:
         width, height, length = upper - lower
         draught = height if isinf(self.still.draught) else self.still.draught
         matter = self.still.matter
-        self.contact = self.sides = None
+        self.contact: WaveContact | None = None
+        self.sides: Sides | None = None
         if config.contact is not None and fluid.particles is not None:
             shape, pull = config.whole_hull.shape, self.still.gravity
             self.contact = WaveContact(config.contact, shape, matter.centre, basin, fluid, pull)
             self.sides = Sides(shape, matter.centre, basin, fluid.walls.gap + self.contact.margin)
         self.water = Water(length, width, height, draught, self.still.gravity, self.closed, self.contact)
-        height, trim = afloat_pose(self.still)
-        sunk = 0.0 if fluid.particles is None else fluid.sunk
-        self.body = config.body(matter, height - sunk, trim)  # at the beginning
+        self.body = config.lowered(config.body(matter, *afloat_pose(self.still)), fluid)  # at the beginning
         if self.contact is not None:
             self.contact.hull.water = self.water
             self.contact.hull.place(self.body)
             fluid.meet(self.contact)
-        self.machine = Machine(config, config.propeller, config.rudder, matter.centre)
+        self.actuators = Actuators(config, config.propeller, config.rudder, matter.centre)
         volume = self.still.voxels.volume
         self.displaced = min(self.still.wanted, volume)
         self.weight = np.array([[0.0, -matter.mass * self.still.gravity, 0.0], [0.0, 0.0, 0.0]])
 
-    def wetted(self, body: RigidBody, wind: Any, water: Any) -> Wetted:
-        """What the cubes say of the water and the wind around the body."""
+    def wetted(self, body: RigidBody, wind: Wind, water: Surface | Fluid) -> Wetted:
+        """What water and wind do to the cubes where the body is."""
         return self.cubes.wetted(body, self.water, water, wind)
 
     def share(self, wet: Wetted) -> float:

@@ -1,19 +1,28 @@
-"""Where a ship begins, what may move, who steers: keys of every kind of ship, and the state that they become."""
+"""What every kind of ship has: its keys, propeller and rudder with who orders them, and its motion step by step."""
 
+from dataclasses import replace
 from math import radians, sqrt
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 from pydantic import Field
 
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import Diverged, Motions
+from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import Problems, ShipConfig
-from ocean_sim.ship import Load, loaded
+from ocean_sim.ship import PARTS, Load
+from ocean_sim.ship.shared.drawn import drawn
 from ocean_sim.ship.shared.hydrostatics import Matter
 from ocean_sim.ship.shared.propulsion import Crew, Helm, Person, Propeller, Rudder, towards
-from ocean_sim.ship.shared.rigid_body import RigidBody, cross, guided, oriented, product, rotated, spinning
+from ocean_sim.ship.shared.rigid_body import RigidBody, advanced, cross, guided, oriented, product, rotated, spinning
+from ocean_sim.ship.shared.shapes import HullShape
+from ocean_sim.ship.shared.ship_water import ShipWater, hydrostatic_offset
+from ocean_sim.ship.shared.wall_contact import Sides
+from ocean_sim.ship.shared.wave_contact import WaveContact
+from ocean_sim.surface import Surface
+from ocean_sim.wind import Wind
 
 FASTEST = 1.0e3  # [m/s] no ship moves like this
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
@@ -21,7 +30,7 @@ Motion = Annotated[str, Field(pattern=f"^({'|'.join(Motions._fields)})$")]
 Place = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 
 
-class Placed(Helm, ShipConfig):
+class VesselConfig(Helm, ShipConfig):
     """Keys of every kind of ship."""
 
     slices: ClassVar[bool] = False  # whether it also floats in a slice
@@ -39,7 +48,7 @@ class Placed(Helm, ShipConfig):
     free: list[Motion] = list(Motions._fields)
     """Motions that are not held; surge and sway along and across the heading."""
     points: dict[Name, Vector3] = {}
-    """Named places, from the hull's origin [m]: x to port, y up from the keel, z to the bow from amidships."""
+    """Named points, from the hull's origin [m]: x to port, y up from the keel, z to the bow from amidships."""
 
     def misplaced(self, basin: Basin) -> Problems:
         """What contradicts the basin: (path below `ship`, sentence)."""
@@ -71,16 +80,21 @@ class Placed(Helm, ShipConfig):
         body = RigidBody(matter.mass, matter.inertia, np.array([x, y, z]), turn, np.array(self.velocity), np.zeros(3))
         return spinning(body, rotated(turn, np.array(self.rates)))
 
+    def lowered(self, body: RigidBody, fluid: ShipWater) -> RigidBody:
+        """The body by the hydrostatic offset lower, where it begins at the height at which it floats."""
+        offset = hydrostatic_offset(fluid) if self.afloat_at_first else 0.0
+        return replace(body, position=body.position - [0.0, offset, 0.0])
 
-class Machine:
-    """Propeller and rudder of one ship, and what they do."""
+
+class Actuators:
+    """Propeller and rudder of one ship, and who orders them."""
 
     def __init__(self, config: Helm, propeller: Propeller | None, rudder: Rudder | None, centre: np.ndarray) -> None:
         """`centre`: the centre of mass from the hull's origin [m]."""
         self.crew: Crew | Person = config.crew()
         self.propeller, self.rudder_blade, self.centre = propeller, rudder, centre
         self.pushing = np.zeros(3) if propeller is None or propeller.position is None else propeller.position - centre
-        self.steering = np.zeros(3) if rudder is None else rudder.position - centre  # places from there [m]
+        self.steering = np.zeros(3) if rudder is None else rudder.position - centre  # from there [m]
         self.time, self.throttle, self.rudder = 0.0, 0.0, 0.0
 
     @property
@@ -89,7 +103,7 @@ class Machine:
         return self.rudder_blade.limit if self.rudder_blade else radians(90.0)
 
     def steer(self, body: RigidBody, dt: float) -> None:
-        """What the crew orders, as fast as the machines follow; dt 0 is the first time."""
+        """Follow the orders of the crew, as fast as they can; dt 0 is the first time."""
         throttle, rudder = self.crew.order(self.time, body)
         blade, screw = self.rudder_blade, self.propeller
         self.throttle = towards(self.throttle, throttle, screw.rate if screw and dt else None, dt, 1.0)
@@ -109,60 +123,71 @@ class Machine:
         return found
 
 
-class Voyage:
-    """A body on its way: its pose, its machine, what acted last, and what is named on it."""
+class Vessel:
+    """A ship on its way: body, actuators, what acted last, and the points that are named on it. A kind gives `load`."""
 
-    def __init__(self, config: Placed, body: RigidBody, machine: Machine, bed: float) -> None:
+    parts: tuple[str, ...] = PARTS
+
+    def __init__(self, config: VesselConfig, body: RigidBody, actuators: Actuators, bed: float) -> None:
         """`bed`: its height [m]; what lies on it is not modelled."""
-        self.bed, self.body, self.machine, self.last = bed, body, machine, loaded()
-        self.hull = getattr(config, "whole_hull", None)  # what it looks like
+        self.bed, self.body, self.actuators, self.last = bed, body, actuators, Load.of({}, self.parts)
+        self.shape: HullShape | None = None  # what it looks like
         self.free = np.array([motion in config.free for motion in Motions._fields])
-        self.points = {name: np.array(place) - machine.centre for name, place in config.points.items()}
-        self.sides: Any = None  # walls and bed that stop it
-        self.contact: Any = None  # where the hull and particles push each other
+        self.points = {name: np.array(point) - actuators.centre for name, point in config.points.items()}
+        self.sides: Sides | None = None  # walls and bed that stop it
+        self.contact: WaveContact | None = None  # where the hull and particles push each other
         self.acceleration, self.turning = np.zeros(3), np.zeros(3)  # of the last step, world axes [m/s2], [rad/s2]
-        machine.steer(body, 0.0)
+        self.added = np.zeros(6)  # mass [kg] and inertia [kg m2] of water that moves along
+        actuators.steer(body, 0.0)
 
     @property
     def orders(self) -> tuple[float, float]:
-        """Throttle and rudder [rad] as they stand."""
-        return self.machine.throttle, self.machine.rudder
+        """Throttle and rudder [rad] as they are now."""
+        return self.actuators.throttle, self.actuators.rudder
 
     def hand_over(self) -> Person:
-        """From now on a person gives the orders, beginning with those that stand; the machines follow as fast as they
-        do for any crew."""
-        person = Person(*self.orders, self.machine.limit)
-        self.machine.crew = person
+        """From now on a person gives the orders, beginning with those of now; the actuators follow as fast as they do
+        for any crew."""
+        person = Person(*self.orders, self.actuators.limit)
+        self.actuators.crew = person
         return person
 
     def drawn(self) -> tuple[np.ndarray, np.ndarray] | None:
         """Vertices from the centre of mass, body axes (n, 3) [m], and triangles (m, 3); None where only a law of motion
         is known."""
-        if self.hull is None:
+        if self.shape is None:
             return None
-        from ocean_sim.ship.shared.drawn import drawn
+        vertices, triangles = drawn(self.shape)
+        return vertices - self.actuators.centre, triangles
 
-        vertices, triangles = drawn(self.hull.shape)
-        return vertices - self.machine.centre, triangles
+    def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
+        """(4.27), now."""
+        raise NotImplementedError
 
-    def moved(self, step: Any, load: Load, dt: float) -> None:
-        """Take a step of a law of motion; raises Diverged where the ship has left the physical world."""
-        before = self.body
+    def limits(self) -> Limits:
+        """What the time step must stay a fraction of."""
+        return Limits()
 
-        beside = self.sides is not None and self.sides.near(before, dt)
+    def stepped(self, body: RigidBody, load: Load, dt: float) -> RigidBody:
+        """The body a step of dt [s] later where nothing holds it: the kind's law of motion."""
+        return advanced(body, load.force, load.torque, dt)
 
-        def free(load: Load) -> RigidBody:
-            return guided(before, step(before, load.force, load.torque, dt), self.free, dt)
+    def advance(self, load: Load, dt: float) -> None:
+        """Take a step of dt [s]; raises Diverged where the ship has left the physical world."""
+        before, sides = self.body, self.sides if self.sides is not None and self.sides.near(self.body, dt) else None
 
-        def under(load: Load) -> RigidBody:
-            return self.sides.off(free(load)) if beside else free(load)
+        def guided_step(load: Load) -> RigidBody:
+            return guided(before, self.stepped(before, load, dt), self.free, dt)
 
-        if beside:
-            load = self.sides.met(load, free, dt)
+        def walled_step(load: Load) -> RigidBody:
+            return guided_step(load) if sides is None else sides.off(guided_step(load))
+
+        if sides is not None:
+            load = sides.stopped(load, guided_step, dt)
         if self.contact is None:
-            after = under(load)
+            after = walled_step(load)
         else:
-            load, after = self.contact.met(load, under, dt)
+            load, after = self.contact.collided(load, walled_step, dt)
         speed = sqrt(float(after.velocity @ after.velocity))
         if not speed <= FASTEST:
             x, y, z = before.position
@@ -176,4 +201,4 @@ class Voyage:
         self.acceleration = (after.velocity - before.velocity) / dt
         self.turning = (after.angular_velocity - before.angular_velocity) / dt
         self.body, self.last = after, load
-        self.machine.steer(after, dt)
+        self.actuators.steer(after, dt)

@@ -1,0 +1,73 @@
+"""A ship that floats by its volume: the sum of its forces (4.27), with a method for each that a kind may replace.
+
+A kind adds a force by naming it in `parts` and extending `forces`.
+"""
+
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from ocean_sim.basin import Basin
+from ocean_sim.fluid import Fluid, Limits
+from ocean_sim.ship import Load
+from ocean_sim.ship.shared.cubes import Wetted
+from ocean_sim.ship.shared.floating import FloatingConfig, FloatingHull
+from ocean_sim.ship.shared.ship_water import ShipWater
+from ocean_sim.ship.shared.vessel import Vessel
+from ocean_sim.surface import Surface
+from ocean_sim.wind import Wind
+
+
+class Immersion(NamedTuple):
+    """How the hull lies in the water now."""
+
+    wet: Wetted
+    share: float  # of added mass, damping and thrust that is left, 0 to 1
+    motion: np.ndarray  # (6,) velocity relative to the water, body axes [m/s], [rad/s]
+    surface: Surface | Fluid
+
+
+class FloatingShip(Vessel):
+    """A hull of cubes; without a kind's own methods nothing damps it."""
+
+    below: ClassVar[bool] = False  # whether it asks the water under its surface, which a closed form answers
+
+    def __init__(self, config: FloatingConfig, basin: Basin, fluid: ShipWater) -> None:
+        self.hull = hull = FloatingHull(config, basin, fluid, self.below)
+        super().__init__(config, hull.body, hull.actuators, basin.lower[1])
+        self.shape, self.contact, self.sides = config.whole_hull.shape, hull.contact, hull.sides
+        self.longest = hull.limits()
+        self.relative = np.zeros(6)  # velocity relative to the water, of the last load
+
+    def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
+        hull, body = self.hull, self.body
+        wet = hull.wetted(body, wind, surface)
+        now = Immersion(wet, hull.share(wet), hull.motion(body, wet), surface)
+        self.relative = now.motion
+        return Load.of(self.answered(now, self.forces(now)), self.parts)
+
+    def forces(self, now: Immersion) -> dict[str, np.ndarray]:
+        """(2, 3) force [N] and torque about the centre of mass [N m] of each part, world axes, without what the water
+        does back."""
+        wet, density, turn = now.wet, self.hull.still.density, self.body.matrix
+        driven = self.actuators.load(now.motion, density, now.share)
+        return {
+            "gravity": self.hull.weight,
+            "buoyancy": wet.buoyancy,
+            "wave": wet.wave,
+            "wind_drag": wet.wind_drag,
+            "wind_lift": wet.wind_lift,
+            "damping": self.damping(now),
+            **{part: force @ turn.T for part, force in driven.items()},
+        }
+
+    def damping(self, now: Immersion) -> np.ndarray:
+        """(2, 3) what slows it down, world axes [N], [N m]."""
+        return np.zeros((2, 3))
+
+    def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """The forces with what the water that is moved along does back, which depends on all of them."""
+        return forces
+
+    def limits(self) -> Limits:
+        return self.longest

@@ -1,0 +1,81 @@
+"""The law of a ship with added mass, its Coriolis term, and damping by waves; a kind may add forces of its own.
+
+In a sea in closed form every cube feels the pressure at its own depth, so short waves lose their grip on a deep hull
+(Smith's factor), and added mass feels the water's acceleration. With a surface over particles both are those of long
+waves.
+"""
+
+from typing import ClassVar
+
+import numpy as np
+from pydantic import field_validator
+
+from ocean_sim.basin import Basin
+from ocean_sim.conventions import Motions
+from ocean_sim.files.input_file import FileName
+from ocean_sim.parts import Preflight
+from ocean_sim.ship import Load
+from ocean_sim.ship.shared.added_mass import AddedMass, reaction
+from ocean_sim.ship.shared.damping import Damping, Resistance
+from ocean_sim.ship.shared.floating import FloatingConfig
+from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
+from ocean_sim.ship.shared.radiation import Memory, Radiation
+from ocean_sim.ship.shared.ship_water import ShipWater
+
+
+class SeakeepingConfig(FloatingConfig):
+    """Keys of a ship with added mass."""
+
+    added_mass: AddedMass = AddedMass()
+    damping: Damping = Damping()
+    radiation: FileName | None = None
+    """A CSV file of added mass and damping over frequency: `omega_rad_s`, `heave_added_kg`, `heave_damping_kg_s`,
+    `pitch_added_kg_m2`, `pitch_damping_kg_m2_s`, or of any other motion. These motions remember the waves that they
+    made; `damping` is then only what else damps them, by default nothing. Null: added mass and damping are constant."""
+
+    @field_validator("radiation")
+    @classmethod
+    def _complete(cls, file: str | None) -> str | None:
+        if file is not None:
+            Radiation(file)
+        return file
+
+    def warnings(self, preflight: Preflight) -> list[str]:
+        deep = "the surface alone says nothing of the water below it: short waves hold the hull too hard"
+        return super().warnings(preflight) + ([deep] if preflight.surface is not None else [])
+
+
+class SeakeepingShip(FloatingShip):
+    """A hull of cubes, and the water that it moves."""
+
+    below: ClassVar[bool] = True
+
+    def __init__(self, config: SeakeepingConfig, basin: Basin, fluid: ShipWater) -> None:
+        super().__init__(config, basin, fluid)
+        self.added, radiated = config.added_mass.diagonal(self.hull.still), list[str]()
+        self.memory: Memory | None = None
+        if config.radiation is not None:
+            radiation = Radiation(config.radiation)
+            self.memory, self.added[radiation.numbers] = Memory(radiation), radiation.response.added
+            radiated = [Motions._fields[k] for k in radiation.numbers]
+        self.resistance = Resistance(config.damping, self.hull.still, self.added, radiated)
+        self.longest = self.hull.limits(Motions(*self.added)._asdict())
+
+    def damping(self, now: Immersion) -> np.ndarray:
+        resisted = self.resistance.load(now.motion)
+        if self.memory is not None:
+            resisted = resisted + self.memory.load(self.actuators.time, now.motion)
+        return now.share * resisted @ self.body.matrix.T
+
+    def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """The water's answer to the hull's own acceleration is part of `damping`, what its own acceleration does, of
+        `wave`."""
+        force, torque = sum(forces.values(), np.zeros((2, 3)))
+        wet = now.wet
+        moved, carried = reaction(self.body, now.share * self.added, force, torque, wet.velocity, wet.acceleration)
+        return forces | {"wave": forces["wave"] + carried, "damping": forces["damping"] + moved}
+
+    def advance(self, load: Load, dt: float) -> None:
+        if self.memory is not None:
+            self.memory.keep(self.actuators.time, self.relative)
+        super().advance(load, dt)

@@ -22,12 +22,17 @@ class Simulation:
     `runtime`, or about a hundred of them, takes the fields of this one away.
     """
 
-    left_out = ("observers", "stage", "backend")  # what a checkpoint of it does not hold
+    left_out = ("observers", "stage", "backend", "fields")  # what a checkpoint of it does not hold
 
     def __init__(self, scene: "SceneConfig", folder: Path | None = None) -> None:
         """`folder`: where observers write; without it only those watch that write nothing."""
         self.scene = scene
         self.backend = runtime.start(scene.runtime)
+        with runtime.Fields() as self.fields:
+            self.build(scene, folder)
+
+    def build(self, scene: "SceneConfig", folder: Path | None) -> None:
+        """Make the parts, in the order in which they read each other, and then the observers."""
         self.basin = scene.place()
         self.wind = scene.wind.build(self.basin, scene.seed)
         accounts = "accuracy" in scene.observers  # whether the fluid sums the impulse of each term
@@ -53,6 +58,8 @@ class Simulation:
     def step(self) -> None:
         """Algorithm 8 of the thesis; rendering and logging watch it from outside."""
         runtime.must_run(self.backend)
+        if self.fields.freed:
+            raise RuntimeError("this simulation is closed, and its memory is freed; step it inside its `with` block")
         dt = self.next_dt
         with self.stage("wind"):
             self.wind.advance(dt)  # Algorithm 1
@@ -99,14 +106,16 @@ class Simulation:
                 observer.observe(self)
 
     def close(self) -> None:
-        """Close all observers; each gets its turn whatever another raises, and the first failure is raised at last."""
-        failures = []
+        """Close all observers, and free the memory of all fields. Each observer gets its turn whatever another raises,
+        also an interrupt, and the first failure is raised at last."""
+        failures: list[BaseException] = []
         for observer in self.observers:
             try:
                 observer.close()
-            except Exception as failure:
+            except BaseException as failure:
                 failures.append(failure)
         self.observers = []
+        self.fields.free()
         if failures:
             raise failures[0]
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from ocean_sim.basin.points import grid, pairs
 from ocean_sim.files.whole_file import whole
+from ocean_sim.observers import Observer
 from ocean_sim.observers.shared.sampled import Multiples
 from ocean_sim.parts import ObserverConfig, quantity
 from ocean_sim.pictures.counted import spacing
@@ -51,7 +52,7 @@ class Config(ObserverConfig):
         return Frames(self, folder, simulation)
 
 
-class Frames:
+class Frames(Observer):
     """frames/grid.npz once, then frames/frame_00000.npz and so on, each there whole or not at all."""
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
@@ -102,17 +103,14 @@ class Frames:
         self.count += 1
 
     def resumed(self) -> None:
-        """Takes away frames that were made after the state from which the run goes on."""
+        """Deletes frames that were made after the state from which the run goes on."""
         for path in self.folder.glob("frame_*.npz"):
             if int(path.stem.removeprefix("frame_")) >= self.count:
                 path.unlink()
 
     def write(self, name: str, **arrays: object) -> None:
-        with whole(self.folder / f"{name}.npz") as beside, beside.open("wb") as file:
+        with whole(self.folder / f"{name}.npz") as draft, draft.open("wb") as file:
             np.savez(file, **arrays)  # type: ignore[arg-type]
-
-    def close(self) -> None:
-        pass
 
 
 def looks(simulation: "Simulation") -> dict[str, object]:

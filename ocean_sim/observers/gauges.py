@@ -7,6 +7,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ocean_sim.basin import Basin
+from ocean_sim.observers import Observer
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.parts import ObserverConfig, quantity
@@ -67,7 +68,7 @@ def misplaced(point: tuple[float, ...], axes: str, basin: Basin) -> str | None:
     return None
 
 
-class Gauges:
+class Gauges(Observer):
     """gauges.csv: one column a gauge."""
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ocean_sim.conventions import Frame, Motions, to_frame
+from ocean_sim.observers import Observer
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.parts import ObserverConfig, quantity
@@ -66,8 +67,10 @@ class Config(ObserverConfig):
         return Motion(self, folder, simulation)
 
 
-class Motion:
+class Motion(Observer):
     """motion.csv."""
+
+    before: np.ndarray | None
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
         ship: Any = simulation.ship
@@ -75,7 +78,7 @@ class Motion:
         self.arm = ship.points[config.point] if config.point else np.zeros(3)
         self.sampled, self.gravity = Sampled(config.every), np.array(simulation.basin.gravity)
         self.number = 0
-        self.before: np.ndarray | None = None
+        self.before = None
         told = heading(
             simulation,
             f"every {config.every:g} s, linear between steps",

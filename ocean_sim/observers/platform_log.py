@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 from ocean_sim.files.csv_file import Growing
+from ocean_sim.observers import Observer
 from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.parts import ObserverConfig
 from ocean_sim.platform import COLUMNS, LIMITS
@@ -39,7 +40,7 @@ def heading(every: float, frame: str = FRAME) -> dict[str, object]:
     }
 
 
-class PlatformLog:
+class PlatformLog(Observer):
     """platform.csv. It reads the rows of motion.csv as they are written, so it is what the command would say later."""
 
     def __init__(self, folder: Path, simulation: "Simulation") -> None:

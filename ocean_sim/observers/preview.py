@@ -14,6 +14,7 @@ import taichi as ti
 from pydantic import Field, field_validator
 
 from ocean_sim.files.whole_file import whole
+from ocean_sim.observers import Observer
 from ocean_sim.observers.shared.sampled import Multiples
 from ocean_sim.parts import ObserverConfig, quantity
 from ocean_sim.pictures.buffers import Buffer, Mesh
@@ -59,7 +60,7 @@ class Config(ObserverConfig):
         return Preview(self, folder, simulation)
 
 
-class Preview:
+class Preview(Observer):
     """Numbered pictures in the folder preview/ of a run, from the same drawing as the window's."""
 
     left_out = ("screen",)  # what a checkpoint of it does not hold

@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import field_validator
 
 from ocean_sim.files.csv_file import Growing
+from ocean_sim.observers import Observer
 from ocean_sim.parts import ObserverConfig
 from ocean_sim.platform import Platform
 from ocean_sim.platform.shared.datagrams import POSE, Sender, address, packets
@@ -39,7 +40,7 @@ class Config(ObserverConfig):
         return Stream(self, folder, every, scene.platform.build(every))
 
 
-class Stream:
+class Stream(Observer):
     """Rows of platform.csv as they are written. A run faster than time is held back to it; a slower one stalls, and
     the receiver holds its pose. At the end the platform goes back to neutral."""
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
+from ocean_sim.observers import Observer
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.sampled import Multiples
 from ocean_sim.parts import ObserverConfig, quantity
@@ -35,7 +36,7 @@ class Mark(NamedTuple):
     stages: dict[str, float]
 
 
-class Timings:
+class Timings(Observer):
     """Times the stages of every step; timings.csv tells their means since the row before.
 
     The first step compiles kernels: it is told apart, as `first_step_s`, and no mean contains it.

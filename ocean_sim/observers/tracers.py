@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import numpy as np
 from pydantic import Field, model_validator
 
+from ocean_sim.observers import Observer
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.parts import ObserverConfig, PartConfig, Vector3, quantity
@@ -71,8 +72,10 @@ class Config(ObserverConfig):
         return Tracers(self, folder, simulation)
 
 
-class Tracers:
+class Tracers(Observer):
     """tracers.csv: position and velocity of each tagged particle; across a periodic side its path goes on."""
+
+    last: np.ndarray | None
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
         if simulation.fluid.particles is None:
@@ -80,7 +83,7 @@ class Tracers:
         self.every, self.sampled = config.every, Sampled(config.every)
         self.names = chosen(config, simulation)
         self.periods = np.array(simulation.basin.periods)
-        self.last: np.ndarray | None = None
+        self.last = None
         self.around = np.zeros((len(self.names), 3))  # [m] by which paths have gone on beyond periodic sides
         columns = [f"p{name}_{what}_{unit}" for name in self.names for what, unit in UNITS.items()]
         rate = f"every {config.every:g} s, linear between steps"

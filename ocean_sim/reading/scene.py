@@ -15,7 +15,7 @@ from ocean_sim.runtime import RuntimeConfig
 
 ALWAYS_ON = ("manifest", "timings", "health", "accuracy", "frames", "report", "render")  # unless null
 FIRST = ("timings", "health", "accuracy", "gauges")
-LAST = ("frames", "manifest", "render", "report", "checkpoint")  # what others have written by then, they read
+LAST = ("frames", "manifest", "report", "render", "checkpoint")  # what others have written by then, they read
 OVERRIDE = "--set"
 
 Part = Any  # the Config of a kind, or None: scenes know kinds by name only

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ocean_sim.conventions import Diverged
+from ocean_sim.conventions import Failed
 from ocean_sim.verbs.shared import console
 
 app = typer.Typer(
@@ -20,8 +20,8 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
-# exceptions that say what the machine lacks
-LACKING = ("BackendMissing", "OpenGLMissing", "VulkanMissing", "ScreenMissing", "ClusterMissing")
+# what typer raises where the command line is wrong; some of its versions take it from click, some bring their own
+WrongUsage: Any = typer.BadParameter.__mro__[2]
 
 Scene = Annotated[str, typer.Argument(help="A scene file, or the name of a packaged scene (ocean-sim list scenes).")]
 Profile = Annotated[str | None, typer.Option(help="What the machine can afford: a name in configs/run/.")]
@@ -349,7 +349,7 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def answered(arguments: list[str]) -> int:
-    """The exit code of a command line; every error has been told in a sentence."""
+    """The exit code of a command line; an error has been reported in one sentence."""
     debug, as_json = "--debug" in arguments, "--json" in arguments
     try:
         code: Any = app([word for word in arguments if word != "--debug"], "ocean-sim", standalone_mode=False)
@@ -361,16 +361,16 @@ def answered(arguments: list[str]) -> int:
             import traceback
 
             traceback.print_exc()
-        return told(error, as_json)
+        return reported(error, as_json)
 
 
-def told(error: BaseException, as_json: bool) -> int:
-    """Tells an error in the form that was asked for; gives the exit code."""
+def reported(error: BaseException, as_json: bool) -> int:
+    """Print an error in the form that was asked for; gives the exit code."""
     code, sentence, problems = meaning(error)
     if as_json:
         sentence = console.counted(problems) if problems else sentence
         console.answer({"error": sentence, "problems": [problem._asdict() for problem in problems]})
-    elif hasattr(error, "show"):  # typer's own: how to use the command line
+    elif isinstance(error, WrongUsage):
         error.show()
     else:
         console.complain(sentence)
@@ -378,25 +378,14 @@ def told(error: BaseException, as_json: bool) -> int:
 
 
 def meaning(error: BaseException) -> tuple[int, str, list[Any]]:
-    """Exit code, sentence, and the places in a scene that an error speaks of."""
-    from ocean_sim.files.input_file import Unreadable
-    from ocean_sim.files.yaml_file import SceneError
-
-    if isinstance(error, SceneError):
-        return 2, str(error), error.problems
-    if isinstance(error, console.Refused | Unreadable):
-        return 2, str(error), []
-    if isinstance(error, console.Lacking) or type(error).__name__ in LACKING:
-        return 3, str(error), []
+    """Exit code, sentence, and the places in a scene that an error is about."""
+    if isinstance(error, Failed):
+        return error.exit_code, error.sentence, [*error.problems]
     if isinstance(error, ImportError | OSError) and "libX11" in str(error):
         return 3, "Taichi needs the system library libX11: as root, apt-get install libx11-6", []
-    if isinstance(error, console.Failed) or type(error).__name__ in ("RenderFailed", "NothingToExport"):
-        return 1, str(error), []
-    if isinstance(error, Diverged):
-        return 1, f"diverged: {error}", []
-    if hasattr(error, "exit_code"):  # typer's own
-        return error.exit_code, getattr(error, "message", "") or "stopped", []
-    if isinstance(error, console.Stopped | KeyboardInterrupt) or type(error).__name__ == "Abort":
+    if isinstance(error, WrongUsage):
+        return error.exit_code, error.message, []
+    if isinstance(error, KeyboardInterrupt | typer.Abort):
         return 1, str(error) or "stopped", []
     if isinstance(error, OSError):
         return 1, f"{error.strerror or error}{f': {error.filename}' if error.filename else ''}", []

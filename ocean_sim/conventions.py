@@ -6,7 +6,8 @@ hand: pitch about X lowers the bow, yaw about Y turns it to port, roll about Z l
 Headings of waves and wind say where they go to: 0 along +Z, 90 degrees along +X.
 """
 
-from typing import Literal, NamedTuple
+from collections.abc import Sequence
+from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
@@ -46,5 +47,33 @@ def from_frame(frame: Frame, vectors: np.ndarray) -> np.ndarray:
     return np.asarray(vectors) @ FRAMES[frame]
 
 
-class Diverged(Exception):
+class Failed(Exception):
+    """What was tried did not work. Every exception that is meant for people derives from this one or the two below; its
+    message is one sentence."""
+
+    exit_code: ClassVar[int] = 1  # of the command line
+    problems: Sequence[Any] = ()  # places in a scene that it is about, with a message each
+
+    @property
+    def sentence(self) -> str:
+        return str(self)
+
+
+class Refused(Failed):
+    """The input is wrong."""
+
+    exit_code = 2
+
+
+class Lacking(Failed):
+    """The machine lacks what was asked for; the sentence says what to install."""
+
+    exit_code = 3
+
+
+class Diverged(Failed):
     """A run left the physical world; the message says what, where, when and what to try."""
+
+    @property
+    def sentence(self) -> str:
+        return f"diverged: {self}"

@@ -6,11 +6,14 @@ from contextlib import redirect_stdout, suppress
 from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import taichi as ti
+from taichi._snode.fields_builder import FieldsBuilder
+from taichi._snode.snode_tree import SNodeTree
 from taichi.lang import impl
 
+from ocean_sim.conventions import Lacking
 from ocean_sim.machine import cores
 from ocean_sim.model import Model, quantity
 
@@ -31,7 +34,7 @@ else:  # and as Taichi reads it
     Template = ti.template()
 
 
-class BackendMissing(Exception):
+class BackendMissing(Lacking):
     """The machine lacks the backend that was asked for."""
 
 
@@ -58,6 +61,76 @@ class Backend:
 
 
 _started: tuple[RuntimeConfig, Backend] | None = None
+_placed: list["Placed"] = []  # the sets of fields that take memory now, in the order they were made
+
+
+class Placed(NamedTuple):
+    """A set of fields that Taichi has given memory."""
+
+    tree: SNodeTree
+    variables: list[Any]  # the expressions that its fields are known by
+
+
+def _noted(finalize: Any) -> Any:
+    """Taichi's own method, which gives memory to fields declared since the last time, and forgets the handle by which
+    they could be freed."""
+
+    def noted(builder: FieldsBuilder, raise_warning: bool = True) -> SNodeTree:
+        variables = [*impl.get_runtime().global_vars]
+        tree = finalize(builder, raise_warning)
+        _placed.append(Placed(tree, variables))
+        return tree
+
+    return noted
+
+
+FieldsBuilder.finalize = _noted(FieldsBuilder.finalize)
+
+
+class Freed:
+    """What is left of a field in place of its memory."""
+
+    def __getattr__(self, name: str) -> Any:
+        raise RuntimeError(
+            "this field belongs to a simulation that is closed, and its memory is freed; read it before the simulation "
+            "is closed, inside its `with` block"
+        )
+
+
+class Fields:
+    """The Taichi fields declared inside its `with` block; an error there frees them."""
+
+    def __init__(self) -> None:
+        self.placed: list[Placed] = []
+        self.freed = False
+
+    def __enter__(self) -> "Fields":
+        self.place()
+        self.first = len(_placed)
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *rest: object) -> None:
+        self.place()
+        self.placed = _placed[self.first :]
+        if kind is not None:
+            self.free()
+
+    def place(self) -> None:
+        """Give memory to what is declared so far."""
+        if not ti.root.empty:
+            impl.get_runtime().materialize()
+
+    def free(self) -> None:
+        """Give the memory back. `SNodeTree.destroy` would forget the compiled kernels of all other simulations, too;
+        those of these fields are found by the objects that own them, and never by others."""
+        self.freed = True
+        for placed in self.placed:
+            if placed in _placed:  # else Taichi was started afresh since
+                _placed.remove(placed)
+                placed.tree.ptr.destroy_snode_tree(impl.get_runtime().prog)
+            for variable in placed.variables:
+                variable.ptr = Freed()
+        self.placed = []
 
 
 def cache_directory() -> Path:
@@ -76,6 +149,7 @@ def start(config: RuntimeConfig) -> Backend:
         return _started[1]
     threads = config.threads or cores()
     before = _thread_ids()
+    _placed.clear()
     with redirect_stdout(StringIO()):  # Taichi announces itself
         ti.init(
             arch=BACKENDS[config.arch],
@@ -148,7 +222,7 @@ def kernels_in(module: str) -> list[str]:
 def allocated_bytes() -> int:
     """Bytes of all Taichi fields that are allocated now."""
     program = impl.get_runtime().prog
-    return sum(program.get_snode_root(tree).cell_size_bytes for tree in range(program.get_snode_tree_size()))
+    return sum(program.get_snode_root(placed.tree.id).cell_size_bytes for placed in _placed)
 
 
 def _kernel_cache() -> Path:

@@ -5,32 +5,39 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from math import floor
 from pathlib import Path
-from typing import ClassVar, Protocol
+from typing import ClassVar
 
 from ocean_sim import runtime
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Limits
-from ocean_sim.model import Model
-from ocean_sim.parts import LedgerRow, Preflight, Scene
+from ocean_sim.parts import LedgerRow, PartConfig, Preflight, Scene
 
 NOWHERE = Path()  # the folder that observers are given that write nothing
+Progress = Callable[[int, int], None]  # how many pieces of a long task are done, of how many
 
 
-class Observer(Protocol):
+class Observer:
     """Someone watching: reads the simulation, writes files of its own, never changes the physics."""
 
-    every: float  # simulated time between calls [s]; 0 is after every step
+    every: float = 0.0
+    """Simulated time between calls [s]; 0 is after every step."""
+    left_out: ClassVar[tuple[str, ...]] = ()
+    """Attributes that a checkpoint of it does not hold."""
 
     def observe(self, simulation: "Simulation") -> None:
         """Called at time 0 and after the steps that its schedule asks for."""
-        ...
+
+    def resumed(self) -> None:
+        """Called once a checkpoint has been restored, before the run goes on."""
+
+    def show_progress(self, progress: Progress) -> None:
+        """Whom to call while a long task goes on."""
 
     def close(self) -> None:
         """Called once, also after a run that failed."""
-        ...
 
 
-class ObserverConfig(Model):
+class ObserverConfig(PartConfig):
     """Keys of any observer; one with a schedule of its own derives from `PeriodicConfig`."""
 
     needs: ClassVar[tuple[str, ...]] = ()
@@ -82,12 +89,17 @@ class Simulation:
     `runtime`, or about a hundred of them, takes the fields of this one away.
     """
 
-    left_out = ("observers", "stage", "backend")  # what a checkpoint of it does not hold
+    left_out = ("observers", "stage", "backend", "fields")  # what a checkpoint of it does not hold
 
     def __init__(self, scene: Scene, folder: Path | None = None) -> None:
         """`folder`: where observers write; without it only those watch that write nothing."""
         self.scene = scene
         self.backend = runtime.start(scene.runtime)
+        with runtime.Fields() as self.fields:
+            self.build(scene, folder)
+
+    def build(self, scene: Scene, folder: Path | None) -> None:
+        """Make the parts, in the order in which they read each other, and then the observers."""
         self.basin = scene.preflight.basin
         self.wind = scene.wind.build(self.basin, scene.seed)
         accounts = "accuracy" in scene.observers  # whether the fluid sums the impulse of each term
@@ -116,6 +128,8 @@ class Simulation:
     def step(self) -> None:
         """Algorithm 8 of the thesis; rendering and logging watch it from outside."""
         runtime.must_run(self.backend)
+        if self.fields.freed:
+            raise RuntimeError("this simulation is closed, and its memory is freed; step it inside its `with` block")
         dt = self.next_dt
         with self.stage("wind"):
             self.wind.advance(dt)  # Algorithm 1
@@ -162,14 +176,16 @@ class Simulation:
                 observer.observe(self)
 
     def close(self) -> None:
-        """Close all observers; each gets its turn whatever another raises, and the first failure is raised at last."""
-        failures = []
+        """Close all observers, and free the memory of all fields. Each observer gets its turn whatever another raises,
+        also an interrupt, and the first failure is raised at last."""
+        failures: list[BaseException] = []
         for observer in self.observers:
             try:
                 observer.close()
-            except Exception as failure:
+            except BaseException as failure:
                 failures.append(failure)
         self.observers = []
+        self.fields.free()
         if failures:
             raise failures[0]
 

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from ocean_sim import Simulation, load, runtime
@@ -12,6 +13,13 @@ SEA = {
     "fluid": {"kind": "linear_waves", "height": 0.5, "period": 3.0},
     "duration": 1.0,
     "runtime": {"threads": 1},
+}
+WATER = {
+    "basin": {"length": 2.0, "width": 2.0, "depth": 0.5},
+    "fluid": {"kind": "mueller", "spacing": 0.1},
+    "duration": 1.0,
+    "runtime": {"threads": 1},
+    **dict.fromkeys(("render", "report", "frames", "timings")),
 }
 MANY = """
 import taichi as ti
@@ -38,6 +46,40 @@ def test_a_simulation_whose_fields_are_gone_says_so(monkeypatch):
             with pytest.raises(RuntimeError, match="the fields of this simulation are gone"):
                 first.step()
             third.step()
+
+
+def test_closing_a_simulation_frees_the_memory_of_its_fields_alone():
+    with Simulation(load(WATER)) as outer:
+        outer.step()
+        before, kernels = runtime.allocated_bytes(), runtime.impl.get_runtime().get_num_compiled_functions()
+        with Simulation(load(WATER)) as inner:
+            inner.step()
+            particles, first = inner.fluid.particles, inner.fluid.particles.position.x
+            read = particles.position.to_numpy()
+            assert runtime.allocated_bytes() > before + read.nbytes
+        assert runtime.allocated_bytes() == before
+        assert runtime.impl.get_runtime().get_num_compiled_functions() >= kernels
+        for use in (particles.position.to_numpy, first.to_numpy, lambda: first[0], particles.velocity.to_numpy):
+            with pytest.raises(RuntimeError, match="belongs to a simulation that is closed"):
+                use()
+        with pytest.raises(RuntimeError, match="this simulation is closed"):
+            inner.step()
+        outer.step()
+        again = Simulation(load(WATER))
+        again.step()
+        np.testing.assert_array_equal(again.fluid.particles.position.to_numpy(), read)
+        again.close()
+        again.close()  # a second time changes nothing
+        outer.step()
+    assert runtime.allocated_bytes() < before
+
+
+def test_a_simulation_that_cannot_be_built_keeps_no_memory(monkeypatch, tmp_path):
+    before = runtime.allocated_bytes()
+    (tmp_path / "frames").write_text("a file where a folder is to be")
+    with pytest.raises(OSError):
+        Simulation(load(WATER | {"frames": {}}), tmp_path)
+    assert runtime.allocated_bytes() == before
 
 
 @pytest.mark.slow

@@ -14,10 +14,12 @@ from typing import Annotated
 import numpy as np
 from pydantic import AfterValidator, ValidationInfo
 
+from ocean_sim.conventions import Refused
+
 FOLDER = "folder"  # the key of the scene's folder in pydantic's context
 
 
-class Unreadable(ValueError):
+class Unreadable(Refused, ValueError):
     """A file that cannot be read, named, and why in a sentence."""
 
     def __init__(self, path: str | Path, reason: str) -> None:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from ocean_sim.conventions import Refused
 from ocean_sim.files.input_file import Unreadable, shown, text
 
 TEXTS = ("str", "timestamp", "merge", "value")  # the last three are words of YAML 1.1
@@ -34,7 +35,7 @@ class Problem(NamedTuple):
         return ": ".join([":".join(str(p) for p in self[:3] if p is not None), *filter(None, [self.key]), self.message])
 
 
-class SceneError(Exception):
+class SceneError(Refused):
     """Everything that is wrong with a scene, in the order of its lines."""
 
     def __init__(self, problems: list[Problem]) -> None:

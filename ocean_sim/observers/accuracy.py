@@ -11,7 +11,7 @@ from ocean_sim.observers.shared.energy import falls_around
 from ocean_sim.observers.shared.escaped import beyond
 from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.observers.shared.surface_fit import SurfaceFit
-from ocean_sim.simulation import PeriodicConfig
+from ocean_sim.simulation import Observer, PeriodicConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -48,9 +48,11 @@ class Config(PeriodicConfig):
         return Accuracy(self, folder, simulation)
 
 
-class Accuracy:
+class Accuracy(Observer):
     """accuracy.csv: errors and balances of the whole water, summed in float64; of water without particles there is
     only the time step to tell."""
+
+    energy_at_start: float | None
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
         self.every = config.every
@@ -68,7 +70,7 @@ class Accuracy:
             self.working = [term for term in TERMS if term in fluid.work]
             self.driven = falls_around(simulation)
             self.at_start = self.potential_energy(simulation)
-            self.energy_at_start: float | None = None
+            self.energy_at_start = None
             self.solvers = tuple(getattr(fluid, "solvers", {}))
             between = BETWEEN_ENERGIES[: 1 if self.solvers else 2]  # what is not compressed stores nothing
             self.outer = [term for term in self.working if term not in between]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from ocean_sim.machine import installed
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.sampled import Multiples
-from ocean_sim.simulation import PeriodicConfig
+from ocean_sim.simulation import Observer, PeriodicConfig
 from ocean_sim.state import file
 from ocean_sim.state.fields import Contents
 from ocean_sim.state.walk import Restoring, Taken
@@ -30,17 +30,16 @@ class Config(PeriodicConfig):
     every: float = quantity("s", 1.0, gt=0.0)
     """Simulated time between checkpoints."""
     wall_every: float | None = quantity("s", None, gt=0.0)
-    """Wall-clock time after which one is due besides; null: none."""
+    """Wall-clock time after which one is due, too; null: none."""
 
     def build(self, folder: Path, simulation: "Simulation") -> "Checkpoint":
         return Checkpoint(self, folder, simulation)
 
 
-class Checkpoint:
+class Checkpoint(Observer):
     """checkpoint_<time>.h5, the newest two. Ctrl-C and SIGTERM let the step end, keep its state, then stop the run; a
-    second one stops it at once. It watches last: what others do in a step is then done."""
+    second one stops it at once. It comes last: what others do in a step is then done."""
 
-    every = 0.0
     left_out = ("contents", "written", "asked", "before")
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
@@ -49,8 +48,8 @@ class Checkpoint:
         self.names: list[str] = []  # of the files that are kept
         self.contents = Contents()
         self.written = perf_counter()  # when the last one was [s]
-        self.asked = False  # whether the run has been told to stop
-        self.before: dict[int, Any] | None = None  # who was told of signals before
+        self.asked = False  # whether the run has been asked to stop
+        self.before: dict[int, Any] | None = None  # the handlers of signals before
 
     def observe(self, simulation: "Simulation") -> None:
         if self.before is None:
@@ -63,7 +62,7 @@ class Checkpoint:
             raise KeyboardInterrupt
 
     def keep(self) -> None:
-        """Write the state that the simulation is in, and take away all files but the newest."""
+        """Write the state that the simulation is in, and delete all files but the newest."""
         simulation = self.simulation
         name = file.name(simulation.time)
         self.names = [*(kept for kept in self.names if kept != name), name][-KEPT:]
@@ -78,7 +77,7 @@ class Checkpoint:
         self.written = perf_counter()
 
     def listen(self) -> None:
-        """From now on, be told when the run is to stop."""
+        """From now on, take the signals that stop a run."""
         self.before = {}
         if threading.current_thread() is threading.main_thread():
             self.before = {number: signal.signal(number, self.stop) for number in STOPS}
@@ -90,23 +89,23 @@ class Checkpoint:
         self.asked = True
 
     def close(self) -> None:
-        for number, told in (self.before or {}).items():
-            signal.signal(number, told)
+        for number, handler in (self.before or {}).items():
+            signal.signal(number, handler)
 
 
 def roots(simulation: "Simulation") -> dict[str, Any]:
-    """Where the walk over a run begins: watchers that the scene does not name are no part of it."""
+    """Where the walk over a run begins: observers that the scene does not name are no part of it."""
     named = simulation.scene.observers
     return {"simulation": simulation, "observers": dict(zip(named, simulation.observers[: len(named)]))}
 
 
 def maker(simulation: "Simulation") -> dict[str, str | None]:
-    """What the bytes of a run depend on beside its scene."""
+    """What the bytes of a run depend on apart from its scene."""
     return versions() | {"backend": simulation.backend.arch}
 
 
 def versions() -> dict[str, str | None]:
-    """Of what computes."""
+    """Of the packages that compute."""
     return {name: installed(name) for name in ("ocean-sim", "taichi", "numpy", "scipy")}
 
 
@@ -123,5 +122,4 @@ def restore(simulation: "Simulation", kept: file.Checkpoint, folder: Path) -> No
         raise
     state.cut()
     for observer in named.values():
-        if hasattr(observer, "resumed"):
-            observer.resumed()
+        observer.resumed()

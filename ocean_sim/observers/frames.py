@@ -12,7 +12,7 @@ from ocean_sim.model import quantity
 from ocean_sim.observers.shared.sampled import Multiples
 from ocean_sim.parts import Preflight
 from ocean_sim.pictures.counted import spacing
-from ocean_sim.simulation import PeriodicConfig
+from ocean_sim.simulation import Observer, PeriodicConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -50,7 +50,7 @@ class Config(PeriodicConfig):
         return Frames(self, folder, simulation)
 
 
-class Frames:
+class Frames(Observer):
     """frames/grid.npz once, then frames/frame_00000.npz and so on, each there whole or not at all."""
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
@@ -101,17 +101,14 @@ class Frames:
         self.count += 1
 
     def resumed(self) -> None:
-        """Takes away frames that were made after the state from which the run goes on."""
+        """Deletes frames that were made after the state from which the run goes on."""
         for path in self.folder.glob("frame_*.npz"):
             if int(path.stem.removeprefix("frame_")) >= self.count:
                 path.unlink()
 
     def write(self, name: str, **arrays: object) -> None:
-        with whole(self.folder / f"{name}.npz") as beside, beside.open("wb") as file:
+        with whole(self.folder / f"{name}.npz") as draft, draft.open("wb") as file:
             np.savez(file, **arrays)  # type: ignore[arg-type]
-
-    def close(self) -> None:
-        pass
 
 
 def looks(simulation: "Simulation") -> dict[str, object]:

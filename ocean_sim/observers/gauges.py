@@ -11,7 +11,7 @@ from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.parts import Key, Preflight, Problems
-from ocean_sim.simulation import PeriodicConfig
+from ocean_sim.simulation import Observer, PeriodicConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -74,7 +74,7 @@ def misplaced(point: tuple[float, ...], axes: str, basin: Basin) -> str | None:
     return None
 
 
-class Gauges:
+class Gauges(Observer):
     """gauges.csv: one column a gauge."""
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:

@@ -12,7 +12,7 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.energy import driven, total
 from ocean_sim.observers.shared.escaped import beyond
-from ocean_sim.simulation import PeriodicConfig
+from ocean_sim.simulation import Observer, PeriodicConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -45,8 +45,10 @@ class Config(PeriodicConfig):
         return Health(self, folder, simulation)
 
 
-class Health:
+class Health(Observer):
     """Looks at the fluid after every step; events.jsonl tells start, rules of the time step, clipping and the end."""
+
+    first_energy: float | None
 
     def __init__(self, config: Config, folder: Path | None, simulation: "Simulation") -> None:
         self.config, self.every, self.folder, self.simulation = config, config.every, folder, simulation
@@ -56,7 +58,7 @@ class Health:
         self.max_speed = config.max_speed or 10.0 * fluid.reference_speed
         self.max_distance = config.max_distance or float(np.linalg.norm(self.upper - self.lower))
         self.judged = self.n > 0 and fluid.sound_speed > 0.0 and not driven(simulation)
-        self.first_energy: float | None = None  # [J]
+        self.first_energy = None  # [J]
         self.energy_every = ENERGY_EVERY * basin.depth / fluid.reference_speed if self.judged else 0.0  # [s]
         self.energy_seen, self.gain_told = 0.0, False
         self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")

@@ -11,7 +11,7 @@ import numpy as np
 from ocean_sim.files.whole_file import whole
 from ocean_sim.machine import installed
 from ocean_sim.pictures.counted import count, spacing
-from ocean_sim.simulation import ObserverConfig
+from ocean_sim.simulation import Observer, ObserverConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -29,10 +29,9 @@ class Config(ObserverConfig):
         return Manifest(folder, simulation)
 
 
-class Manifest:
+class Manifest(Observer):
     """manifest.json: it holds no clock value, so equal runs leave equal files."""
 
-    every = 0.0
     left_out = ("facts",)  # of the program that goes on
 
     def __init__(self, folder: Path, simulation: "Simulation") -> None:
@@ -56,11 +55,8 @@ class Manifest:
         }
         self.write()
 
-    def observe(self, simulation: "Simulation") -> None:
-        pass
-
     def resumed(self) -> None:
-        """Says so, beside what it said of earlier times."""
+        """Adds the time to the earlier ones at which the run was resumed."""
         before = json.loads(self.path.read_text(encoding="utf-8")).get("resumed_s", [])
         self.facts["resumed_s"] = [*before, round(self.simulation.time, 9)]
         self.write()
@@ -77,8 +73,8 @@ class Manifest:
         self.write()
 
     def write(self) -> None:
-        with whole(self.path) as beside:
-            beside.write_text(json.dumps(self.facts, indent=2) + "\n", encoding="utf-8")
+        with whole(self.path) as draft:
+            draft.write_text(json.dumps(self.facts, indent=2) + "\n", encoding="utf-8")
 
 
 def sha256(data: bytes) -> str:
@@ -90,8 +86,8 @@ def state_sha256(simulation: "Simulation") -> str:
     water without particles, of its final heights along a diagonal of the basin), and of the ship."""
     particles, ship = simulation.fluid.particles, simulation.ship
     if particles is None:
-        places = np.linspace(simulation.basin.lower, simulation.basin.upper, 101)[:, [0, 2]]
-        state = [simulation.fluid.elevations(places)]
+        points = np.linspace(simulation.basin.lower, simulation.basin.upper, 101)[:, [0, 2]]
+        state = [simulation.fluid.elevations(points)]
     else:
         order = np.argsort(particles.id.to_numpy(), kind="stable")
         state = [particles.position.to_numpy()[order], particles.velocity.to_numpy()[order]]

@@ -12,7 +12,7 @@ from ocean_sim.observers.shared.handed_on import TakesMotion, takers
 from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.parts import Preflight, Problems
 from ocean_sim.platform.shared.motion_log import ride_of
-from ocean_sim.simulation import PeriodicConfig
+from ocean_sim.simulation import Observer, PeriodicConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -72,8 +72,10 @@ class Config(PeriodicConfig):
         return Motion(self, folder, simulation)
 
 
-class Motion:
+class Motion(Observer):
     """motion.csv."""
+
+    before: np.ndarray | None
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
         ship: Any = simulation.ship
@@ -81,7 +83,7 @@ class Motion:
         self.arm = ship.points[config.point] if config.point else np.zeros(3)
         self.sampled, self.gravity = Sampled(config.every), np.array(simulation.basin.gravity)
         self.number = 0
-        self.before: np.ndarray | None = None
+        self.before = None
         told = heading(
             simulation,
             f"every {config.every:g} s, linear between steps",

@@ -7,7 +7,7 @@ from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.observers.shared.handed_on import TakesCommands, TakesMotion, takers
 from ocean_sim.platform import COLUMNS, LIMITS, Platform
 from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, Ride, joined
-from ocean_sim.simulation import ObserverConfig
+from ocean_sim.simulation import Observer, ObserverConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -39,7 +39,7 @@ def heading(every: float, frame: str = FRAME) -> dict[str, object]:
     }
 
 
-class PlatformLog(TakesMotion):
+class PlatformLog(Observer, TakesMotion):
     """platform.csv, from the rows of the motion log: what `ocean-sim platform` would make of motion.csv later."""
 
     def __init__(self, folder: Path, simulation: "Simulation") -> None:

@@ -23,7 +23,7 @@ from ocean_sim.pictures.panel import HELM, Panel, after, sliders_of
 from ocean_sim.pictures.preview_eye import Eye, seen
 from ocean_sim.pictures.preview_scene import SPEEDS, Balls, Sight, backdrop
 from ocean_sim.pictures.vulkan import ScreenMissing, VulkanMissing, require
-from ocean_sim.simulation import PeriodicConfig
+from ocean_sim.simulation import Observer, PeriodicConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -60,7 +60,7 @@ class Config(PeriodicConfig):
         return Preview(self, folder, simulation)
 
 
-class Preview:
+class Preview(Observer):
     """Numbered pictures in the folder preview/ of a run, from the same drawing as the window's."""
 
     left_out = ("screen",)  # what a checkpoint of it does not hold

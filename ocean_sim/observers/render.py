@@ -8,7 +8,7 @@ import json
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
@@ -18,25 +18,25 @@ from pydantic import Field, field_validator, model_validator
 
 from ocean_sim.files.whole_file import whole
 from ocean_sim.model import Vector3, quantity
+from ocean_sim.observers.shared import run_report
 from ocean_sim.pictures import opengl
 from ocean_sim.pictures.camera import ABOARD, Name
 from ocean_sim.pictures.frame_files import Frame, Log, frame_files, schedule, survey
 from ocean_sim.pictures.order import Order, Quality, RenderFailed
 from ocean_sim.pictures.picture import Picture
-from ocean_sim.simulation import PeriodicConfig
+from ocean_sim.simulation import Observer, PeriodicConfig, Progress
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
 GAP = 6  # pixels between the pictures of a strip
 Moment = Annotated[float, Field(ge=0.0, strict=False)]
-Progress = Callable[[int, int], None]  # pictures drawn, pictures in all
 OpenGLMissing = opengl.OpenGLMissing
 probe = opengl.probe
 
 
 class Config(PeriodicConfig):
-    turn: ClassVar[int] = 3
+    turn: ClassVar[int] = 4
     leaves: ClassVar[str] = "film and pictures, when the run is over"
     every: float = quantity("s", 0.033, gt=0.0)
     """Simulated time between pictures of the film, which runs in real time."""
@@ -86,35 +86,46 @@ class Config(PeriodicConfig):
         if self.camera != "fixed" and not (self.eye is None and self.target is None):
             raise ValueError(f"eye and target are of the camera fixed, not of {self.camera}")
         if self.camera == "fixed" and self.eye == self.target:
-            raise ValueError("a fixed camera cannot look at its own place; let eye and target differ")
+            raise ValueError("a fixed camera cannot look at its own position; let eye and target differ")
         return self
 
     def build(self, folder: Path, simulation: "Simulation") -> "Render":
         return Render(self, folder, simulation)
 
 
-class Render:
-    """Draws preview.png and film.mp4 when the run is over, from what `frames` kept."""
-
-    every = 0.0
+class Render(Observer):
+    """Draws preview.png and film.mp4 when the run is over, from what `frames` kept; then the report is written anew,
+    with the pictures."""
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
         self.config, self.folder, self.simulation = config, folder, simulation
         self.progress: Progress | None = None
 
-    def observe(self, simulation: "Simulation") -> None:
-        pass
+    def show_progress(self, progress: Progress) -> None:
+        self.progress = progress
 
     def close(self) -> None:
-        if not frame_files(self.folder):
+        files = frame_files(self.folder)
+        if not files:
             return
+        later = f"`ocean-sim render {self.folder}` draws them"
         if self.simulation.reason == "interrupted":  # who stops a run does not want to wait for its film
-            print(f"no pictures; `ocean-sim render {self.folder}` draws them", file=sys.stderr)
+            print(f"no pictures; {later}", file=sys.stderr)
             return
+        missing = without_frame(files, self.config.stills)
+        if missing:
+            print(f"{no_picture(files, missing)}; the other pictures are drawn", file=sys.stderr)
+        kept = tuple(time for time in self.config.stills if time not in missing)
         try:
-            render_run(self.folder, **self.config.model_dump(), progress=self.progress)
+            render_run(self.folder, **(self.config.model_dump() | {"stills": kept}), progress=self.progress)
         except (OpenGLMissing, RenderFailed) as problem:
             print(f"no pictures: {problem}", file=sys.stderr)
+        except KeyboardInterrupt:
+            print(f"the run is over, but its pictures are not all drawn; {later}", file=sys.stderr)
+            raise
+        else:
+            if (self.folder / "report.html").exists():
+                run_report.write(self.folder)
 
 
 def render_run(
@@ -146,7 +157,7 @@ def render_run(
 
 
 def draw_apart(orders: Sequence[Order], progress: Progress | None = None) -> None:
-    """Draw what is ordered in a child process; raises OpenGLMissing or RenderFailed."""
+    """Draw in a child process what is ordered; raises OpenGLMissing or RenderFailed."""
     window = opengl.window()
     if window is None:
         raise OpenGLMissing
@@ -161,12 +172,12 @@ def draw_apart(orders: Sequence[Order], progress: Progress | None = None) -> Non
             child.kill()
             child.wait()
         complaints.seek(0)
-        said = complaints.read().strip()
+        errors = complaints.read().strip()
     if child.returncode < 0:
         opengl.forget()
         raise RenderFailed(f"the drawing process died (signal {-child.returncode}); {OpenGLMissing()}")
     if child.returncode > 0:
-        raise RenderFailed(said.splitlines()[-1] if said else "the drawing process ended without a word")
+        raise RenderFailed(errors.splitlines()[-1] if errors else "the drawing process ended without a word")
 
 
 def impossible(folder: Path, camera: Name, stills: Sequence[float]) -> str | None:
@@ -179,11 +190,21 @@ def impossible(folder: Path, camera: Name, stills: Sequence[float]) -> str | Non
             return (
                 f"camera {camera} needs a ship, and this run has none; choose third_person, orbit, fixed, top or side"
             )
+    missing = without_frame(files, stills)
+    return no_picture(files, missing) if missing else None
+
+
+def without_frame(files: Sequence[Path], stills: Sequence[float]) -> list[float]:
+    """The times [s] that are farther than the mean interval between frames from any frame."""
     start, end = Log([files[0], files[-1]]).span
-    late = [time for time in stills if not start - 1e-6 <= time <= end + 1e-6]
-    if late:
-        return f"there is no picture at {late[0]:g} s; the frames of this run reach from {start:g} to {end:g} s"
-    return None
+    interval = (end - start) / max(1, len(files) - 1) + 1e-6
+    return [time for time in stills if not start - interval <= time <= end + interval]
+
+
+def no_picture(files: Sequence[Path], missing: Sequence[float]) -> str:
+    """Why there is none at the first of these times [s]."""
+    start, end = Log([files[0], files[-1]]).span
+    return f"there is no picture at {missing[0]:g} s; the frames of this run reach from {start:g} to {end:g} s"
 
 
 def images(folder: Path, times: Sequence[float], **options: Any) -> np.ndarray:
@@ -203,10 +224,10 @@ def variants(folder: Path, time: float, switched: Sequence[dict[str, Any]], **op
     given: dict[str, Any] = {"camera": "third_person", "size": (960, 540), "particles": False, "quality": "draft"}
     given |= {"every": 0.033, "film": False, "preview": False, "stills": (time,)} | options
     with tempfile.TemporaryDirectory() as made:
-        places = [Path(made, str(k)) for k in range(len(switched))]
-        for place in places:
-            place.mkdir()
-        orders = [Order(**{"folder": str(folder), "out": str(out)} | given | m) for out, m in zip(places, switched)]
+        folders = [Path(made, str(k)) for k in range(len(switched))]
+        for out in folders:
+            out.mkdir()
+        orders = [Order(**{"folder": str(folder), "out": str(out)} | given | m) for out, m in zip(folders, switched)]
         sentences = [impossible(Path(order.folder), order.camera, order.stills) for order in orders]
         if any(sentences):
             raise RenderFailed(next(filter(None, sentences)))
@@ -273,9 +294,9 @@ def film(path: Path, picture: Picture, files: list[Path], rate: float) -> Iterat
     """H.264 that any player shows, in real time."""
     import imageio.v2 as imageio
 
-    with whole(path) as beside:
+    with whole(path) as draft:
         writer = imageio.get_writer(
-            beside,
+            draft,
             fps=rate,
             codec="libx264",
             quality=8,
@@ -295,8 +316,8 @@ def film(path: Path, picture: Picture, files: list[Path], rate: float) -> Iterat
 def save_png(path: Path, image: np.ndarray) -> None:
     import imageio.v2 as imageio
 
-    with whole(path) as beside:
-        imageio.imwrite(beside, image, format="png", compress_level=6)
+    with whole(path) as draft:
+        imageio.imwrite(draft, image, format="png", compress_level=6)
 
 
 def main() -> None:

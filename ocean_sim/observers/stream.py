@@ -10,7 +10,7 @@ from pydantic import field_validator
 from ocean_sim.observers.shared.handed_on import TakesCommands
 from ocean_sim.platform import Commands, Platform
 from ocean_sim.platform.shared.datagrams import Sender, address, packets
-from ocean_sim.simulation import ObserverConfig
+from ocean_sim.simulation import Observer, ObserverConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -39,7 +39,7 @@ class Config(ObserverConfig):
         return Stream(self, every, scene.platform.build(every))
 
 
-class Stream(TakesCommands):
+class Stream(Observer, TakesCommands):
     """Sends the rows of platform.csv. A run faster than time is held back to it; a slower one stalls, and the receiver
     holds its pose. At the end the platform goes back to neutral."""
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.sampled import Multiples
-from ocean_sim.simulation import PeriodicConfig
+from ocean_sim.simulation import Observer, PeriodicConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -37,7 +37,7 @@ class Mark(NamedTuple):
     stages: dict[str, float]
 
 
-class Timings:
+class Timings(Observer):
     """Times the stages of every step; timings.csv tells their means since the row before.
 
     The first step compiles kernels: it is told apart, as `first_step_s`, and no mean contains it.

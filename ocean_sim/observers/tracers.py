@@ -10,7 +10,7 @@ from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.parts import Preflight, Problems
-from ocean_sim.simulation import PeriodicConfig
+from ocean_sim.simulation import Observer, PeriodicConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -69,8 +69,10 @@ class Config(PeriodicConfig):
         return Tracers(self, folder, simulation)
 
 
-class Tracers:
+class Tracers(Observer):
     """tracers.csv: position and velocity of each tagged particle; across a periodic side its path goes on."""
+
+    last: np.ndarray | None
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
         if simulation.fluid.particles is None:
@@ -78,7 +80,7 @@ class Tracers:
         self.every, self.sampled = config.every, Sampled(config.every)
         self.names = chosen(config, simulation)
         self.periods = np.array(simulation.basin.periods)
-        self.last: np.ndarray | None = None
+        self.last = None
         self.around = np.zeros((len(self.names), 3))  # [m] by which paths have gone on beyond periodic sides
         columns = [f"p{name}_{what}_{unit}" for name in self.names for what, unit in UNITS.items()]
         rate = f"every {config.every:g} s, linear between steps"

@@ -5,13 +5,14 @@ from pathlib import Path
 
 import numpy as np
 
+from ocean_sim.conventions import Failed
 from ocean_sim.files.input_file import arrays
 from ocean_sim.files.vtkhdf import Series
 from ocean_sim.files.whole_file import whole
 from ocean_sim.pictures.water_mesh import triangles
 
 
-class NothingToExport(Exception):
+class NothingToExport(Failed):
     """The run did not keep what was asked for; the message says what to switch on."""
 
 

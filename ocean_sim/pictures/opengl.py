@@ -9,6 +9,8 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
+from ocean_sim.conventions import Lacking
+
 WINDOWS = ("vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow")  # EGL draws faster here, OSMesa is the other way
 REMEDY = "apt-get install --no-install-recommends libegl1 libgl1-mesa-dri"
 PROBE = """
@@ -21,7 +23,7 @@ plotter.close()
 """
 
 
-class OpenGLMissing(Exception):
+class OpenGLMissing(Lacking):
     """This machine cannot draw off screen; the message says what to install."""
 
     def __init__(self) -> None:

@@ -3,12 +3,13 @@
 from dataclasses import dataclass
 from typing import Literal
 
+from ocean_sim.conventions import Failed
 from ocean_sim.pictures.camera import Name
 
 Quality = Literal["draft", "final"]
 
 
-class RenderFailed(Exception):
+class RenderFailed(Failed):
     """No picture came out; the message says why."""
 
 

@@ -5,6 +5,8 @@ import subprocess
 import sys
 import tempfile
 
+from ocean_sim.conventions import Lacking
+
 REMEDY = "apt-get install --no-install-recommends libx11-6 mesa-vulkan-drivers"
 PROBE = """
 import taichi as ti
@@ -22,14 +24,14 @@ PATIENCE = 90.0  # [s]
 SCREENS = ("DISPLAY", "WAYLAND_DISPLAY")
 
 
-class VulkanMissing(Exception):
+class VulkanMissing(Lacking):
     """GGUI finds no Vulkan here; the message says what to install."""
 
     def __init__(self) -> None:
         super().__init__(f"this machine has no Vulkan to draw a preview with; install it with `{REMEDY}`")
 
 
-class ScreenMissing(Exception):
+class ScreenMissing(Lacking):
     """There is no screen to open a window on; the message says what goes without one."""
 
     def __init__(self) -> None:

@@ -1,8 +1,8 @@
 """Checkpoint files: HDF5 behind a head of 512 bytes that holds the hash of all the rest.
 
-The hash is compared before the file is read, so a torn or changed file is known before any library parses it. Inside,
-`tree`, `scene` and `made` are JSON in bytes (HDF5 keeps strings in a heap, and reads a spoilt one for ever), and
-`arrays` holds one data set a field or array, by its place in the simulation.
+The hash is compared before the file is read, so a torn or changed file is recognised before any library parses it.
+Inside, `tree`, `scene` and `made` are JSON in bytes (HDF5 keeps strings in a heap, and reads a damaged one for ever),
+and `arrays` holds one data set a field or array, by its path in the simulation.
 """
 
 import hashlib
@@ -10,6 +10,7 @@ import json
 import os
 from collections.abc import Iterator
 from io import BytesIO
+from math import isfinite
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -24,7 +25,7 @@ PATTERN = "checkpoint_*.h5"
 
 
 class Unreadable(Exception):
-    """A file is not a whole checkpoint; the message says so."""
+    """A file is not a whole checkpoint; the message says why."""
 
 
 class Checkpoint(NamedTuple):
@@ -53,12 +54,12 @@ def written(checkpoint: Checkpoint, folder: Path) -> Path:
         for key in ("scene", "made", "tree"):
             file[key] = np.frombuffer(json.dumps(getattr(checkpoint, key)).encode(), np.uint8)
         group = file.create_group("arrays")
-        for place, array in checkpoint.arrays.items():
+        for key, array in checkpoint.arrays.items():
             packed = {"compression": "lzf", "shuffle": True} if array.size >= LARGE else {}
-            group.create_dataset(place.lstrip("."), data=array, **packed)
+            group.create_dataset(key.lstrip("."), data=array, **packed)
     data = content.getvalue()[HEAD:]
     path = folder / name(checkpoint.time)
-    with whole(path) as beside, beside.open("wb") as file:
+    with whole(path) as draft, draft.open("wb") as file:
         file.write(head(data) + data)
         file.flush()
         os.fsync(file.fileno())
@@ -82,11 +83,21 @@ def read(path: Path) -> Checkpoint:
         raise Unreadable(f"{path.name} is damaged or no checkpoint: its content does not match its hash")
     try:
         with h5py.File(BytesIO(data), "r") as file:
-            told = {key: json.loads(bytes(file[key][()])) for key in ("scene", "made", "tree")}
-            arrays = {f".{place}": np.asarray(array[()]) for place, array in file["arrays"].items()}
-            return Checkpoint(float(file.attrs["time_s"]), int(file.attrs["steps"]), **told, arrays=arrays)
+            parts = {key: mapping(json.loads(bytes(file[key][()]))) for key in ("scene", "made", "tree")}
+            arrays = {f".{path}": np.asarray(array[()]) for path, array in file["arrays"].items()}
+            time, steps = float(file.attrs["time_s"]), int(file.attrs["steps"])
+            if not (isfinite(time) and time >= 0.0 and steps >= 0):
+                raise ValueError
+            return Checkpoint(time, steps, **parts, arrays=arrays)
     except Exception:  # HDF5 has errors of its own
         raise Unreadable(f"{path.name} is whole, but holds no state of a run") from None
+
+
+def mapping(value: Any) -> dict[str, Any]:
+    """What must have keys; raises TypeError."""
+    if not isinstance(value, dict):
+        raise TypeError
+    return value
 
 
 def kept(folder: Path) -> Iterator[Path]:

@@ -15,10 +15,11 @@ import dataclasses
 import os
 import sys
 from collections.abc import Iterable
+from inspect import get_annotations
 from io import TextIOWrapper
 from pathlib import Path
-from types import BuiltinFunctionType, FunctionType, MethodType, ModuleType
-from typing import Any
+from types import BuiltinFunctionType, FunctionType, MethodType, ModuleType, UnionType
+from typing import Any, ClassVar, Protocol, get_args, get_origin, runtime_checkable
 
 import numpy as np
 import taichi as ti
@@ -31,8 +32,17 @@ OURS = "ocean_sim"
 PLAIN = (bool, int, float, str)
 REBUILT = (BaseModel, type, FunctionType, MethodType, BuiltinFunctionType, ModuleType, np.dtype, np.ufunc)
 MISSING = object()
+NUMBERS = (int, float, np.number, np.bool_)
+KINDS: tuple[Any, ...] = (Path, TextIOWrapper, str, NUMBERS, list, tuple, dict, range, np.ndarray)
 FIELD, ARRAY, NUMBER, SAME, REST, VECTOR = "field", "array", "number", "same", "left", "vector"
 LIST, TUPLE, DICT, RANGE, FILE, PLACE, OBJECT = "list", "tuple", "dict", "range", "file", "path", "of"
+
+
+@runtime_checkable
+class Partial(Protocol):
+    """A class that a checkpoint does not hold every attribute of."""
+
+    left_out: ClassVar[tuple[str, ...]]
 
 
 class Differs(Exception):
@@ -41,7 +51,7 @@ class Differs(Exception):
 
 def attributes(value: Any) -> dict[str, Any]:
     """The attributes of an object but those that its class leaves out."""
-    out = getattr(type(value), "left_out", ())
+    out = value.left_out if isinstance(value, Partial) else ()
     return {name: inner for name, inner in vars(value).items() if name not in out}
 
 
@@ -126,7 +136,7 @@ class Taken:
         if type(value) is dict:
             steps = [f"{path}.{step(key, k)}" for k, key in enumerate(value)]
             return {DICT: [[self.node(key, f"{at}.key"), self.node(value[key], at)] for key, at in zip(value, steps)]}
-        if type(value).__module__.split(".")[0] == OURS and hasattr(value, "__dict__"):
+        if is_ours(value):
             inner = {name: self.node(each, f"{path}.{name}") for name, each in attributes(value).items()}
             data = dataclasses.is_dataclass(value) and all(self.is_data(each) for each in inner.values())
             return {OBJECT: name_of(value), "at": inner, "data": data}
@@ -232,7 +242,12 @@ class Restoring:
         new = self.each(node[TUPLE], fresh if isinstance(fresh, tuple) else (), path)
         if isinstance(fresh, tuple) and alike(new, fresh):
             return fresh
-        return class_of(node[OBJECT])._make(new) if OBJECT in node else tuple(new)  # type: ignore[attr-defined]
+        if OBJECT not in node:
+            return tuple(new)
+        named: Any = class_of(node[OBJECT])._make(new)  # type: ignore[attr-defined]
+        for name, inner in named._asdict().items():
+            self.judge(inner, type(named), name, path)
+        return named
 
     def each(self, nodes: list, fresh: Any, path: str) -> list:
         beside = [*fresh, *([MISSING] * (len(nodes) - len(fresh)))]
@@ -247,8 +262,10 @@ class Restoring:
 
     def thing(self, node: Any, fresh: Any, path: str) -> Any:
         """An object: data is made afresh, what holds fields stays itself."""
-        made = class_of(node[OBJECT])
-        stays = type(fresh) is made and not node["data"]
+        made, data = class_of(node[OBJECT]), node["data"]
+        if type(data) is not bool:
+            raise Differs(f"its {path.lstrip('.')} is neither data nor not: {data!r:.60}")
+        stays = type(fresh) is made and not data
         value = fresh if stays else object.__new__(made)
         if self.used.setdefault(id(value), path) != path:
             raise Differs(
@@ -258,18 +275,37 @@ class Restoring:
         for name, inner in node["at"].items():
             before = vars(fresh).get(name, MISSING) if type(fresh) is made else MISSING
             object.__setattr__(value, name, self.value(inner, before, f"{path}.{name}"))
+            self.judge(vars(value)[name], made, name, path)
         return value
+
+    def judge(self, value: Any, made: type, name: str, path: str) -> None:
+        """Raises Differs where an attribute is not of the type that the body of its class declares."""
+        if not fits(value, get_annotations(made).get(name, object)):
+            raise Differs(f"its {path.lstrip('.')}.{name} is {value!r:.60}")
 
 
 def mistaken(found: Any, fresh: Any) -> bool:
-    """Whether words or a list stand where a number belongs, or anything else where words, a path or a file do, or a
-    number or words where one of our things is."""
-    if type(fresh).__module__.split(".")[0] == OURS and hasattr(fresh, "__dict__"):
-        return isinstance(found, str | int | float)
-    for kind in (Path, TextIOWrapper, str):
-        if isinstance(fresh, kind):
-            return not isinstance(found, kind) and not (found is None and kind is str)
-    return isinstance(fresh, int | float) and isinstance(found, str | list | tuple | dict)
+    """Whether what was kept is of another kind than what this program has just built in its place. What is null at the
+    start may be of any kind later; words and our own objects may become null."""
+    if fresh is None or fresh is MISSING:
+        return False
+    if is_ours(fresh):
+        return not (found is None or is_ours(found))
+    kind = next((kind for kind in KINDS if isinstance(fresh, kind)), object)
+    return not isinstance(found, kind) and not (found is None and kind is str)
+
+
+def fits(value: Any, declared: Any) -> bool:
+    """Whether a value is of a declared type; what is declared in words or as no class fits everything."""
+    if get_origin(declared) is UnionType:
+        return any(fits(value, one) for one in get_args(declared))
+    kind = NUMBERS if declared in (int, float, bool) else get_origin(declared) or declared
+    return not isinstance(kind, type | tuple) or isinstance(value, kind)
+
+
+def is_ours(value: Any) -> bool:
+    """Whether it is an object of this package that has attributes."""
+    return type(value).__module__.split(".")[0] == OURS and hasattr(value, "__dict__")
 
 
 def alike(new: Iterable[Any], fresh: Iterable[Any]) -> bool:

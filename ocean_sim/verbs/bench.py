@@ -60,6 +60,7 @@ def measured(order: dict[str, Any], cold: bool) -> dict[str, Any]:
 
 def bench_one(order: dict[str, Any]) -> None:
     """Measures one scene in this process and answers in JSON."""
+    from ocean_sim.observers.timings import Timings
     from ocean_sim.pictures.counted import count
     from ocean_sim.reading.scene import load, observer_names
     from ocean_sim.simulation import Simulation
@@ -72,7 +73,7 @@ def bench_one(order: dict[str, Any]) -> None:
     with Simulation(config) as simulation:
         simulation.step()
         first_step = monotonic() - order["spawned"]
-        clock: Any = next(observer for observer in simulation.observers if hasattr(observer, "means"))
+        clock = next(observer for observer in simulation.observers if isinstance(observer, Timings))
         for _ in range(WARM_UP):
             simulation.step()
         clock.sync()

@@ -9,7 +9,7 @@ from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result, run
 from ocean_sim.state import file
-from ocean_sim.verbs.run import kernels, told, until_node
+from ocean_sim.verbs.run import kernels, report, until_node
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.progress import Progress
 
@@ -39,11 +39,11 @@ def resume(folder: Path, until: float | None, as_json: bool) -> None:
     def made() -> Result:
         return run(config, folder, (progress,)) if kept is None else gone_on(config, kept, folder, progress)
 
-    told(made, progress, config, folder, as_json)
+    report(made, progress, config, folder, as_json)
 
 
 def gone_on(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: Progress) -> Result:
-    """The run from a checkpoint on. Its parts are built beside its folder, in which nothing changes until all fits."""
+    """The run from a checkpoint on. Its parts are built in another folder: its own stays as it is until all fits."""
     from ocean_sim.observers.checkpoint import restore
     from ocean_sim.simulation import Simulation
     from ocean_sim.state.walk import Differs
@@ -57,11 +57,11 @@ def gone_on(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: 
         except Differs as problem:
             raise console.Refused(f"{folder}: the checkpoint does not fit this program: {problem}") from None
 
-    with TemporaryDirectory(prefix="ocean-sim-") as beside, Simulation(config, Path(beside)) as simulation:
+    with TemporaryDirectory(prefix="ocean-sim-") as away, Simulation(config, Path(away)) as simulation:
         try:
             restored(simulation)
         except BaseException:
-            simulation.observers.clear()  # there is nothing that they could tell
+            simulation.observers.clear()  # there is nothing that they could write
             raise
         simulation.observers.append(progress)
         simulation.run(config.duration)
@@ -93,7 +93,7 @@ def scene_of(folder: Path, manifest: dict[str, Any], until: float | None) -> Sce
 
 
 def finished(folder: Path, manifest: dict[str, Any], as_json: bool) -> None:
-    """Say that there is nothing left to do."""
+    """Print that there is nothing left to do."""
     facts = {key: manifest.get(key) for key in ("outcome", "steps", "simulated_s")} | {"folder": str(folder)}
     if as_json:
         console.answer(facts)
@@ -102,7 +102,7 @@ def finished(folder: Path, manifest: dict[str, Any], as_json: bool) -> None:
 
 
 def never_begun(folder: Path, config: SceneConfig) -> bool:
-    """Whether a run that keeps checkpoints ended before its first one, with nothing beyond the first state told."""
+    """Whether a run that keeps checkpoints ended before its first one, with nothing beyond the first state written."""
     if "checkpoint" not in config.observers or any(file.kept(folder)):
         return False
     return not any(len(rows(path)) > 1 for path in folder.glob("*.csv")) and len([*folder.glob("frames/frame_*")]) < 2
@@ -115,7 +115,7 @@ def rows(path: Path) -> list[str]:
 
 def newest(folder: Path, config: SceneConfig) -> file.Checkpoint:
     """The newest checkpoint that is whole; raises Refused."""
-    paths, said = [*file.kept(folder)], ""
+    paths, reason = [*file.kept(folder)], ""
     if not paths:
         cure = "start it again" if "checkpoint" in config.observers else "name `checkpoint` in a scene to have them"
         raise console.Refused(f"{folder}: there is no checkpoint to go on from; {cure}")
@@ -123,12 +123,12 @@ def newest(folder: Path, config: SceneConfig) -> file.Checkpoint:
         try:
             kept = file.read(path)
         except file.Unreadable as problem:
-            said = said or str(problem)
+            reason = reason or str(problem)
             continue
-        if said:
-            console.complain(f"{said}; taking {path.name}")
+        if reason:
+            console.complain(f"{reason}; taking {path.name}")
         return kept
-    raise console.Refused(f"{folder}: {said}; there is no other")
+    raise console.Refused(f"{folder}: {reason}; there is no other")
 
 
 def check(folder: Path, kept: file.Checkpoint, scene: dict[str, Any], until: float | None) -> None:
@@ -136,12 +136,12 @@ def check(folder: Path, kept: file.Checkpoint, scene: dict[str, Any], until: flo
     from ocean_sim.observers.checkpoint import versions
 
     now = versions()
-    said = differences({name: kept.made.get(name) for name in now}, now)
-    if said:
-        raise console.Refused(f"{folder}: the checkpoint is of another version: {said}")
-    said = differences(kept.scene | {"duration": None}, scene | {"duration": None})
-    if said:
-        raise console.Refused(f"{folder}: the checkpoint is of another scene than manifest.json: {said}")
+    other = differences({name: kept.made.get(name) for name in now}, now)
+    if other:
+        raise console.Refused(f"{folder}: the checkpoint is of another version: {other}")
+    other = differences(kept.scene | {"duration": None}, scene | {"duration": None})
+    if other:
+        raise console.Refused(f"{folder}: the checkpoint is of another scene than manifest.json: {other}")
     if until is not None and until < kept.time:
         raise console.Refused(f"--until {until:g}: the last checkpoint is at t = {kept.time:.3f} s already")
 

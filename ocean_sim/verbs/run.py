@@ -39,11 +39,21 @@ def run(
         console.say(short(preflight(config), config))
         console.say(f"writing {folder}")
         console.say(kernels())
-    told(lambda: run_scene(config, folder, (progress,)), progress, config, folder, as_json)
+        film(config)
+    report(lambda: run_scene(config, folder, (progress,)), progress, config, folder, as_json)
 
 
-def told(made: Callable[[], Result], progress: Progress, config: SceneConfig, folder: Path, as_json: bool) -> None:
-    """Run, and say what came of it; raises Stopped where it was told to stop."""
+def film(config: SceneConfig) -> None:
+    """Print how many pictures will be drawn for a film, and how to leave it out; its time is estimated when the first
+    ones are drawn."""
+    render: Any = config.observers.get("render")
+    if render is not None and render.film:
+        pictures = int(config.duration / render.every) + 1
+        console.say(f"a film of {pictures} pictures is drawn after the run; --set render=null leaves it out")
+
+
+def report(made: Callable[[], Result], progress: Progress, config: SceneConfig, folder: Path, as_json: bool) -> None:
+    """Run, and print what came of it; raises Stopped where the run was interrupted."""
     try:
         result = made()
     except KeyboardInterrupt:
@@ -56,14 +66,16 @@ def told(made: Callable[[], Result], progress: Progress, config: SceneConfig, fo
 
 
 def stopped(progress: Progress, folder: Path) -> console.Stopped:
-    """What is said of a run that was told to stop."""
+    """The message about a run that was interrupted."""
     progress.close()
+    if progress.time >= progress.duration * (1.0 - 1e-12):
+        return console.Stopped(f"stopped while its pictures were drawn; {folder} holds all else of the run")
     cure = f"; `ocean-sim resume {folder}` goes on" if any(folder.glob("checkpoint_*.h5")) else ""
     return console.Stopped(f"stopped at t = {progress.time:.3f} s; {folder} holds what was written{cure}")
 
 
 def until_node(until: float) -> Node:
-    """`--until` as it lies over the scene's duration."""
+    """`--until` in place of the scene's duration."""
     return node_of(until, Place(f"--until {until:g}"))
 
 
@@ -85,7 +97,7 @@ def run_folder(stem: str, out: Path | None, overwrite: bool) -> Path:
 
 
 def clear(folder: Path) -> None:
-    """Takes away what a run writes, and nothing else."""
+    """Delete what a run writes, and nothing else."""
     for name in ("frames", "preview"):
         shutil.rmtree(folder / name, ignore_errors=True)
     for pattern in WRITTEN:
@@ -94,7 +106,7 @@ def clear(folder: Path) -> None:
 
 
 def kernels() -> str:
-    """What comes before the first step."""
+    """What is done before the first step."""
     from ocean_sim.runtime import cache_directory
 
     cache = cache_directory() / "kernels"
@@ -104,7 +116,7 @@ def kernels() -> str:
 
 
 def written(result: Any, config: SceneConfig) -> dict[str, Any]:
-    """What the files of a run say, and which there are."""
+    """The main results in the files of a run, and the names of the files."""
     accuracy = result.accuracy if "accuracy" in config.observers else {}
     columns = {name: f"compression_{name}" for name in ("mean", "max")}
     worst = {name: accuracy[column].max() for name, column in columns.items() if column in accuracy}
@@ -129,12 +141,12 @@ def summary(facts: dict[str, Any]) -> str:
     ]
     if worst := facts["worst_compression"]:
         lines.append(f"worst compression: {', '.join(f'{name} {share:.2%}' for name, share in worst.items())}")
-    lines += [f"event at t = {e.get('time_s', 0.0):.3f} s: {_told(e)}" for e in facts["events"][:5]]
+    lines += [f"event at t = {e.get('time_s', 0.0):.3f} s: {_described(e)}" for e in facts["events"][:5]]
     if len(facts["events"]) > 5:
         lines.append(f"... and {len(facts['events']) - 5} more events in events.jsonl")
     return "\n".join([*lines, f"{facts['folder']}: {' '.join(facts['files'])}"])
 
 
-def _told(event: dict[str, Any]) -> str:
+def _described(event: dict[str, Any]) -> str:
     rest = [f"{key} {value}" for key, value in event.items() if key not in ("time_s", "step", "event")]
     return f"{event.get('event')} ({', '.join(rest)})" if rest else str(event.get("event"))

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+import ocean_sim
 from ocean_sim.basin import points as points_module
 from ocean_sim.observers import frames, render
 from ocean_sim.pictures import camera as camera_module
@@ -128,6 +129,49 @@ def test_after_an_interruption_nobody_waits_for_a_film(kept, watched, capsys):
     simulation.reason = "interrupted"
     render.Render(render.Config(), folder, simulation).close()
     assert "ocean-sim render" in capsys.readouterr().err and not (folder / "film.mp4").exists()
+
+
+def test_a_still_at_the_end_of_a_run_is_of_the_last_frame(kept, watched, monkeypatch, capsys):
+    folder, drawn = kept(), []  # frames from 0 to 0.4 s, 0.1 s apart
+    monkeypatch.setattr(render, "render_run", lambda folder, **options: drawn.append(options["stills"]))
+    assert render.impossible(folder, "third_person", [0.0, 0.45, 0.49]) is None
+    assert "no picture at 0.6 s; the frames of this run reach from 0 to 0.4 s" in render.impossible(
+        folder, "top", [0.6]
+    )
+    render.Render(render.Config(stills=[0.2, 0.49, 3.0]), folder, watched()).close()
+    assert drawn == [(0.2, 0.49)]
+    assert capsys.readouterr().err.startswith(
+        "there is no picture at 3 s; the frames of this run reach from 0 to 0.4 s"
+    )
+
+
+def test_an_interrupt_while_pictures_are_drawn_names_what_draws_them(kept, watched, monkeypatch, capsys):
+    def interrupted(folder, **options):
+        raise KeyboardInterrupt
+
+    folder = kept()
+    monkeypatch.setattr(render, "render_run", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        render.Render(render.Config(), folder, watched()).close()
+    assert f"`ocean-sim render {folder}` draws them" in capsys.readouterr().err
+
+
+def test_a_report_is_written_before_the_pictures_and_again_after_them(tmp_path, monkeypatch):
+    seen = []
+    scene = {"basin": {"length": 20.0, "width": 20.0, "depth": 5.0, "walls": "none"}, "duration": 0.05}
+    scene |= {"fluid": {"kind": "linear_waves", "height": 0.5, "period": 3.0}, "runtime": {"threads": 1}}
+
+    def interrupted(folder, **options):
+        seen.append((folder / "report.html").read_text())
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(render, "render_run", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        ocean_sim.run(scene, tmp_path / "a")
+    assert "done at t = " in seen[0] and (tmp_path / "a" / "report.html").read_text() == seen[0]
+    monkeypatch.setattr(render, "render_run", lambda folder, **options: (folder / "strip.png").write_bytes(b""))
+    ocean_sim.run(scene, tmp_path / "b")
+    assert '<a href="strip.png">' in (tmp_path / "b" / "report.html").read_text()
 
 
 def test_a_run_without_frames_has_nothing_to_draw(tmp_path, watched):

@@ -186,3 +186,10 @@ def test_curves_survive_flat_lines_gaps_and_a_single_row():
     for values in (np.zeros(5), np.array([0.0, np.nan, 1.0, np.inf, 2.0]), np.full(5, np.nan)):
         assert "nan" not in curves(time, {"a": values}, "a")
     assert "nan" not in curves(np.zeros(1), {"a": np.ones(1)}, "a")
+
+
+def test_no_axis_has_a_negative_zero():
+    time = np.linspace(0.0, 0.3, 7)
+    drawing = curves(time, {"a": time - 0.1}, "label")
+    assert re.findall(r">(-?[\d.e+-]+)</text>", drawing)[:2] and ">-0<" not in drawing and ">0<" in drawing
+    assert not np.signbit(ticks(-1e-12, 1.0)).any()

@@ -11,9 +11,11 @@ ROUNDING = 1.0e-9  # a time that is short of a multiple by this part of `every` 
 class Multiples:
     """The multiples of `every` [s] that simulated time reaches, each counted once, from the first time seen on."""
 
+    next: int | None
+
     def __init__(self, every: float) -> None:
         self.every = every
-        self.next: int | None = None
+        self.next = None
 
     def reached(self, time: float) -> range:
         """Numbers k of the multiples k * every that were passed since the last call."""
@@ -41,10 +43,12 @@ class Sampled:
     state before.
     """
 
+    before: Sample | None
+
     def __init__(self, every: float) -> None:
         self.every = every
         self.multiples = Multiples(every)
-        self.before: Sample | None = None
+        self.before = None
 
     def rows(self, time: float, values: np.ndarray, held: tuple = ()) -> list[Sample]:
         """The samples that the state at `time` completes."""

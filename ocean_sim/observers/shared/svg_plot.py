@@ -1,4 +1,4 @@
-"""Curves over time as an SVG drawing, small enough to stand in a page."""
+"""Curves over time as an SVG drawing, small enough for a page."""
 
 import html
 from collections.abc import Mapping
@@ -14,15 +14,15 @@ POINTS = 600  # of a curve at most
 
 
 def ticks(low: float, high: float, about: int = 6) -> np.ndarray:
-    """Round numbers between `low` and `high`: 1, 2 or 5 times a power of ten apart."""
+    """Round numbers between `low` and `high`: 1, 2 or 5 times a power of ten apart; never -0."""
     raw = (high - low) / about
     power = 10.0 ** np.floor(np.log10(raw))
     step = next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= raw * (1.0 - 1e-9))
-    return np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1) * step
+    return np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1) * step + 0.0
 
 
 def span(values: np.ndarray) -> tuple[float, float]:
-    """Least and largest value, a little apart; what is not a number does not count."""
+    """Least and largest value, with a margin; NaN does not count."""
     finite = values[np.isfinite(values)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
     gap = 0.05 * (high - low) or 0.05 * abs(high) or 1.0
@@ -59,7 +59,7 @@ def curves(time: np.ndarray, series: Mapping[str, np.ndarray], label: str) -> st
     parts.append(f'<text x="{LEFT}" y="16" font-weight="600">{html.escape(label)}</text>')
     for value in ticks(low, high):
         parts.append(f'<path d="M{LEFT} {y(value):.1f}H{WIDTH - RIGHT}" stroke="#dde5ea"/>')
-        parts.append(f'<text x="{LEFT - 8}" y="{y(value) + 4:.1f}" text-anchor="end">{value + 0.0:.4g}</text>')
+        parts.append(f'<text x="{LEFT - 8}" y="{y(value) + 4:.1f}" text-anchor="end">{value:.4g}</text>')
     for moment in ticks(left, right, 8):
         parts.append(f'<text x="{x(moment):.1f}" y="{HEIGHT - 18}" text-anchor="middle">{moment:.4g}</text>')
     parts.append(f'<text x="{WIDTH - RIGHT}" y="{HEIGHT - 3}" text-anchor="end">time [s]</text>')

@@ -22,6 +22,7 @@ from threading import Event, Thread
 from time import perf_counter
 from typing import Any
 
+from ocean_sim.conventions import Lacking
 from ocean_sim.machine import installed
 from ocean_sim.parts import PACKAGE
 
@@ -34,7 +35,7 @@ _running: set[subprocess.Popen] = set()
 _over = Event()  # nobody listens any more: start nothing
 
 
-class ClusterMissing(Exception):
+class ClusterMissing(Lacking):
     """The Dask cluster that was asked for cannot be reached from here."""
 
 

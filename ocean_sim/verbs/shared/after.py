@@ -1,4 +1,4 @@
-"""`ocean-sim render` and `export`: what can still be made of a finished run."""
+"""`ocean-sim render` and `export`: pictures and files made from a finished run."""
 
 from pathlib import Path
 from typing import Any
@@ -34,14 +34,14 @@ def render(folder: Path, asked: dict[str, Any], fps: float | None, out: Path | N
     finally:
         drawing.close()
     if out is None and (folder / "report.html").exists():
-        from ocean_sim.observers import report
+        from ocean_sim.observers.shared import run_report
 
-        files = [*files, report.write(folder)]  # with the new pictures
+        files = [*files, run_report.write(folder)]  # with the new pictures
     made(files, as_json)
 
 
 def numbers(option: str, text: str | None, apart: str = ",") -> list[float] | None:
-    """What an option says in numbers, as `1,2.5`; raises Refused."""
+    """The numbers of an option such as `1,2.5`; raises Refused."""
     if text is None:
         return None
     try:

@@ -1,4 +1,4 @@
-"""How the command line speaks: sentences, tables, JSON."""
+"""What the command line prints: sentences, tables, JSON."""
 
 import json
 import math
@@ -6,23 +6,14 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from ocean_sim.conventions import Failed, Lacking, Refused
 from ocean_sim.files.yaml_file import Node, Problem, SceneError, setting
 
-
-class Refused(Exception):
-    """What was asked makes no sense; the sentence says why."""
+__all__ = ["Failed", "Lacking", "Refused"]  # which verbs raise
 
 
-class Failed(Exception):
-    """Something that was tried did not work; the sentence says what."""
-
-
-class Stopped(Exception):
+class Stopped(Failed):
     """A person stopped a run; the sentence says where."""
-
-
-class Lacking(Exception):
-    """The machine lacks what was asked for; the sentence says what to install."""
 
 
 def say(text: str = "") -> None:
@@ -36,7 +27,7 @@ def complain(text: str) -> None:
 
 
 def answer(data: Any) -> None:
-    """The answer for programs: JSON, in which a number that is none is null."""
+    """The answer for programs: JSON, in which NaN and infinity become null."""
     print(json.dumps(_plain(data), indent=2, ensure_ascii=False, allow_nan=False), flush=True)
 
 

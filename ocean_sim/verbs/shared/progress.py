@@ -6,6 +6,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from ocean_sim.pictures.counted import count
+from ocean_sim.simulation import Observer
 from ocean_sim.verbs.shared import console
 
 if TYPE_CHECKING:
@@ -13,6 +14,8 @@ if TYPE_CHECKING:
 
 BAR_EVERY = 0.1  # wall time between two pictures of the bar [s]
 LINE_EVERY = 0.05  # share of the whole between two plain lines
+MEASURED = 3  # pictures from which the time that a film takes is estimated
+FILM = "; Ctrl-C leaves it out, and so does --set render=null from the start"
 LINES_APART = 2.0  # and at least this much wall time between them [s]
 
 
@@ -30,7 +33,7 @@ class Bar:
         return not self.quiet and now - self.shown >= BAR_EVERY
 
     def show(self, done: float, text: str) -> None:
-        """Draw the bar, or say a line when enough has happened since the last."""
+        """Draw the bar, or print a line when enough has happened since the last."""
         now, share = perf_counter(), min(1.0, done / self.total)
         if sys.stdout.isatty():
             self.shown = now
@@ -56,26 +59,41 @@ class Bar:
 
 
 class Drawing:
-    """Told by `render` how many pictures are drawn, of how many."""
+    """Shows how many pictures of a film are drawn, of how many; and once, what the film will take."""
 
-    def __init__(self, quiet: bool) -> None:
-        self.bar = Bar(1.0, quiet)
+    def __init__(self, quiet: bool, cure: str = "") -> None:
+        """`cure`: how to do without, said with the estimate."""
+        self.bar, self.cure = Bar(1.0, quiet), cure
+        self.first: tuple[float, int] | None = None  # wall time [s], and pictures that were drawn by then
+        self.estimated = quiet
 
     def __call__(self, done: int, total: int) -> None:
-        if not self.bar.quiet and (done == total or self.bar.due(perf_counter())):
-            self.bar.show(done / max(1, total), f"drawing picture {done} of {total}")
+        now = perf_counter()
+        self.first = self.first or (now, done)
+        left = self.left(now, done, total)
+        if not self.estimated and left is not None and done - self.first[1] >= MEASURED:
+            self.estimated = True
+            self.bar.close()
+            console.say(f"drawing a film of {total} pictures, about {console.duration(left)} more{self.cure}")
+        if not self.bar.quiet and (done == total or self.bar.due(now)):
+            time = "" if left is None else f", {console.duration(left)} left"
+            self.bar.show(done / max(1, total), f"drawing picture {done} of {total}{time}")
+
+    def left(self, now: float, done: int, total: int) -> float | None:
+        """Wall time [s], estimated from the pictures since the first; None before there are two."""
+        if self.first is None or done == self.first[1]:
+            return None
+        return (total - done) * (now - self.first[0]) / (done - self.first[1])
 
     def close(self) -> None:
         self.bar.close()
 
 
-class Progress:
-    """A watcher that shows simulated time, real-time factor and time left, and remembers what limited the steps."""
-
-    every = 0.0
+class Progress(Observer):
+    """Shows simulated time, real-time factor and time left, and counts what limited the steps."""
 
     def __init__(self, duration: float, quiet: bool) -> None:
-        self.bar, self.drawing = Bar(duration, quiet), Drawing(quiet)
+        self.bar, self.drawing = Bar(duration, quiet), Drawing(quiet, FILM)
         self.duration, self.attending = duration, False
         self.began = perf_counter()
         self.first: tuple[float, float] | None = None  # wall and simulated time after the first step [s]
@@ -96,15 +114,19 @@ class Progress:
         if self.first is None:
             self.first = (now, self.time)
         if self.bar.due(now):
-            left = console.duration((self.duration - self.time) / self.factor) if self.factor > 0.0 else "?"
-            where = f"t = {self.time:.2f} of {self.duration:g} s"
-            self.bar.show(self.time, f"{where}, {self.factor:.2g} x real time, {left} left")
+            self.bar.show(self.time, f"t = {self.time:.2f} of {self.duration:g} s{self.pace()}")
+
+    def pace(self) -> str:
+        """Speed and time left; nothing where no more than one step has been taken since the start or the resumption."""
+        if self.factor <= 0.0:
+            return ""
+        left = max(0.0, self.duration - self.time) / self.factor
+        return f", {self.factor:.2g} x real time, {console.duration(left)} left"
 
     def attend(self, simulation: "Simulation") -> None:
-        """`render` draws after the last step, while it is closed: it tells how far it is."""
+        """`render` draws when it is closed, after the last step, and then shows its progress here."""
         for observer in simulation.observers:
-            if hasattr(observer, "progress"):
-                observer.progress = self.draw
+            observer.show_progress(self.draw)
 
     def draw(self, done: int, total: int) -> None:
         self.bar.close()
@@ -112,7 +134,7 @@ class Progress:
 
     @property
     def factor(self) -> float:
-        """Simulated over wall time since the first step."""
+        """Simulated over wall time since the first step of this process, which may resume an earlier one."""
         if self.first is None:
             return 0.0
         wall = self.began + self.wall - self.first[0]

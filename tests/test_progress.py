@@ -1,0 +1,81 @@
+"""What a run shows while it goes on and while its film is drawn."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from ocean_sim.reading.scene import load
+from ocean_sim.verbs import run as run_verb
+from ocean_sim.verbs.shared import progress as progress_module
+from ocean_sim.verbs.shared.progress import FILM, MEASURED, Drawing, Progress
+
+SEA = {
+    "basin": {"length": 20.0, "width": 20.0, "depth": 5.0, "walls": "none"},
+    "fluid": {"kind": "linear_waves", "height": 0.5, "period": 3.0},
+    "duration": 0.9,
+    "render": {"every": 0.1},
+}
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """A clock that is set by hand."""
+    now = SimpleNamespace(wall=100.0)
+    monkeypatch.setattr(progress_module, "perf_counter", lambda: now.wall)
+    return now
+
+
+def at(time: float, steps: int) -> SimpleNamespace:
+    return SimpleNamespace(
+        time=time,
+        steps=steps,
+        observers=[],
+        fluid=SimpleNamespace(particles=None),
+        time_step=SimpleNamespace(limited_by="acoustic"),
+    )
+
+
+def shown(progress: Progress, clock, states: list[tuple[float, int]]) -> list[str]:
+    """What the bar shows of states one second apart."""
+    lines: list[str] = []
+    progress.bar.show = lambda done, text: lines.append(text)
+    for time, steps in states:
+        clock.wall += 1.0
+        progress.observe(at(time, steps))
+    return lines
+
+
+def test_no_speed_is_shown_before_there_are_two_steps(clock):
+    lines = shown(Progress(10.0, quiet=False), clock, [(0.0, 0), (1.0, 1), (2.0, 2)])
+    assert lines == ["t = 1.00 of 10 s", "t = 2.00 of 10 s, 1 x real time, 8.0 s left"]
+
+
+def test_a_resumed_run_counts_from_where_it_goes_on(clock):
+    lines = shown(Progress(10.0, quiet=False), clock, [(8.0, 800), (8.5, 801), (9.0, 802)])
+    assert lines == [
+        "t = 8.00 of 10 s",
+        "t = 8.50 of 10 s, 0.5 x real time, 3.0 s left",
+        "t = 9.00 of 10 s, 0.5 x real time, 2.0 s left",
+    ]
+
+
+def test_the_time_left_is_never_negative(clock):
+    assert shown(Progress(1.0, quiet=False), clock, [(0.9, 1), (1.02, 2)])[-1].endswith(" 0.0 s left")
+
+
+def test_a_film_is_estimated_once_from_its_first_pictures(clock, capsys):
+    drawing = Drawing(quiet=False, cure=FILM)
+    for done in range(1, 21):
+        drawing(done, 101)
+        clock.wall += 2.0
+    lines = [line for line in capsys.readouterr().out.splitlines() if "film" in line]
+    assert lines == [f"drawing a film of 101 pictures, about 3 min 14 s more{FILM}"]
+    assert 2.0 * (101 - 1 - MEASURED) == 194.0 and "render=null" in FILM
+
+
+def test_a_run_with_a_film_says_so_and_how_to_leave_it_out(capsys):
+    run_verb.film(load(SEA))
+    assert capsys.readouterr().out == "a film of 10 pictures is drawn after the run; --set render=null leaves it out\n"
+    run_verb.film(load(SEA, {"render.film": False}))
+    run_verb.film(load(SEA, {"render": None}))
+    assert capsys.readouterr().out == ""

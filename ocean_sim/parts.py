@@ -244,6 +244,10 @@ class PlatformConfig(KindConfig):
 class TimeStepConfig(KindConfig):
     """Keys of any rule for the time step."""
 
+    @abstractmethod
+    def advice(self, limit: str, shortest: float) -> str:
+        """What to try where a run has left the physical world; `limit` rules in this water, and is `shortest` [s]."""
+
     def ledger(self, preflight: "Preflight") -> list[LedgerRow]:
         return []
 

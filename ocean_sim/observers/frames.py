@@ -86,7 +86,7 @@ class Frames(Observer):
             return
         particles = simulation.fluid.particles
         shown = simulation.surface or simulation.fluid
-        frame = {"time": simulation.time, "elevation": shown.elevations(self.points).reshape(self.shape)}
+        frame = {"elevation": shown.elevations(self.points).reshape(self.shape)}
         if simulation.surface is not None:
             mesh = simulation.surface.mesh()
             frame |= {"vertices": mesh.vertices, "triangles": mesh.triangles, "normals": mesh.normals}
@@ -97,7 +97,9 @@ class Frames(Observer):
             frame["position"] = particles.position.to_numpy()
             frame["velocity"] = particles.velocity.to_numpy()
             frame["id"] = particles.id.to_numpy()
-        self.write(f"frame_{self.count:05d}", **{k: v if k == "time" else single(v) for k, v in frame.items()})
+        self.write(
+            f"frame_{self.count:05d}", time=simulation.time, **{key: single(array) for key, array in frame.items()}
+        )
         self.count += 1
 
     def resumed(self) -> None:

@@ -188,11 +188,7 @@ class Health(Observer):
             )
         limits = fluid.limits()
         limit, shortest = min(asdict(limits).items(), key=lambda item: item[1])
-        if scene.time_step.kind == "fixed" and scene.time_step.dt > shortest:
-            return f"try time_step: courant, or a dt below its {limit} limit (here {shortest:.3g} s)"
-        if scene.time_step.kind == "fixed":
-            return "try a smaller time_step.dt, or a weaker wind"
-        return "try a smaller time_step.courant_number, a smaller fluid.compression (stiffer water), or a weaker wind"
+        return scene.time_step.advice(limit, shortest)
 
     def last_frame(self) -> str:
         """Names the newest frame, which is the last state worth looking at."""

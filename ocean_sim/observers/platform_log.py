@@ -24,7 +24,14 @@ class Config(ObserverConfig):
     needs: ClassVar[tuple[str, ...]] = ("platform", "motion")
 
     def build(self, folder: Path, simulation: "Simulation") -> "PlatformLog":
-        return PlatformLog(folder, simulation)
+        scene = simulation.scene
+        assert scene.platform is not None
+        rate = self.interval(scene.preflight)
+        observing = [config for config in scene.observers.values() if isinstance(config, ObserverConfig)]
+        at_once = any(self.name() in config.needs for config in observing)  # another waits for each row
+        head = heading(rate) | {"seed": scene.seed}
+        csv = CsvFile(folder / "platform.csv", head, COLUMNS)
+        return PlatformLog(csv, rate if at_once else ROWS * rate, scene.platform.build(rate), simulation)
 
 
 def heading(every: float, frame: str = FRAME) -> dict[str, object]:
@@ -42,15 +49,9 @@ def heading(every: float, frame: str = FRAME) -> dict[str, object]:
 class PlatformLog(Observer, TakesMotion):
     """platform.csv, from the rows of the motion log: what `ocean-sim platform` would make of motion.csv later."""
 
-    def __init__(self, folder: Path, simulation: "Simulation") -> None:
-        scene = simulation.scene
-        rate = scene.observers["motion"].every  # [s]
-        at_once = any("platform_log" in config.needs for config in scene.observers.values())  # another waits for rows
-        self.every = rate if at_once else ROWS * rate
-        self.simulation = simulation
-        self.platform: Platform = scene.platform.build(rate)
+    def __init__(self, csv: CsvFile, every: float, platform: Platform, simulation: "Simulation") -> None:
+        self.csv, self.every, self.platform, self.simulation = csv, every, platform, simulation
         self.new: list[Ride] = []  # rows that are not answered yet
-        self.csv = CsvFile(folder / "platform.csv", heading(rate) | {"seed": scene.seed}, COLUMNS)
 
     def take_motion(self, rows: Ride) -> None:
         self.new.append(rows)

@@ -35,7 +35,8 @@ class Config(ObserverConfig):
 
     def build(self, folder: Path, simulation: "Simulation") -> "Stream":
         scene = simulation.scene
-        every = scene.observers["motion"].every
+        assert scene.platform is not None
+        every = self.interval(scene.preflight)
         return Stream(self, every, scene.platform.build(every))
 
 

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.conventions import Motions
-from ocean_sim.files.yaml_file import Node, Place, SceneError, node_of, parsed, problem
+from ocean_sim.files.yaml_file import Node, Place, Problem, SceneError, node_of, parsed, problem
 from ocean_sim.parts import SLOTS, from_coarse
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result
@@ -125,7 +125,8 @@ def settings(scene: str, profile: str | None, sets: dict[str, Node], vary: Varie
         place = Place("--vary")
         raise SceneError([problem(place, "", f"there are {count} settings; 2 to {MOST_SETTINGS} can be compared")])
     best = {key: finest(key, [node.plain() for node in nodes]) for key, nodes in vary.items()}
-    found, problems = [], []
+    found: list[Setting] = []
+    problems: list[Problem] = []
     for nodes in product(*vary.values()):
         chosen = dict(zip(vary, nodes))
         values = {key: node.plain() for key, node in chosen.items()}

@@ -23,6 +23,9 @@ class Config(TimeStepConfig):
     longest: float = quantity("s", 0.05, gt=0.0)
     """The longest step of all."""
 
+    def advice(self, limit: str, shortest: float) -> str:
+        return "try a smaller time_step.courant_number, a smaller fluid.compression (stiffer water), or a weaker wind"
+
     def build(self) -> "Courant":
         return Courant(self)
 

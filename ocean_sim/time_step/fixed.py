@@ -15,6 +15,11 @@ class Config(TimeStepConfig):
     dt: float = quantity("s", gt=0.0)
     """The time step."""
 
+    def advice(self, limit: str, shortest: float) -> str:
+        if self.dt > shortest:
+            return f"try time_step: courant, or a dt below its {limit} limit (here {shortest:.3g} s)"
+        return "try a smaller time_step.dt, or a weaker wind"
+
     def build(self) -> "Fixed":
         return Fixed(self)
 

@@ -35,7 +35,8 @@ def problem(name: str, keys: dict[str, Any], limits: dict[str, float], schemes: 
     promises = tuple(Promise(f"{name}: {motion} period [s]", "%", SOURCE, limits) for motion in STIFFNESS)
 
     def measure(simulation: Simulation) -> Finding:
-        wet = simulation.scene.ship.kind == "dynamic"
+        ship = simulation.scene.ship
+        wet = ship is not None and ship.kind == "dynamic"
         numbers, curves = {}, []
         for promise, (motion, k) in zip(promises, STIFFNESS.items(), strict=True):
             exact = 2.0 * pi * sqrt((INERTIA[motion] + (ADDED[motion] if wet else 0.0)) / k)

@@ -4,9 +4,9 @@ from typing import Any
 
 from ocean_sim import machine
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.parts import config_of
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.time_step import Known
+from ocean_sim.time_step.courant import Config as Courant
 from ocean_sim.verbs.shared import console
 
 NOTHING = dict.fromkeys(("particles", "memory_mb", "time_step", "limited_by", "estimated_wall_s"))
@@ -50,8 +50,7 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
     time_step = config.time_step.build()
     still = config.fluid.still_limits(known)
     dt = time_step.next(Known(still))
-    courant: Any = config_of("time_step", "courant")()
-    stable, limit = courant.shortest(still)
+    stable, limit = Courant().shortest(still)
     if dt > 1.05 * stable:
         over = f"{dt / stable:.2g} times the {stable:.3g} s that courant would take in still water ({limit} limit)"
         warnings.append(f"the time step of {dt:.3g} s is {over}")

@@ -73,7 +73,8 @@ class Session:
         from ocean_sim.observers.preview import Config, Panel
 
         self.config, self.folder, self.of_wind = config, folder, of_wind
-        self.look = config.observers.get("preview") or Config(size=(1280, 720))
+        look = config.observers.get("preview")
+        self.look = look if isinstance(look, Config) else Config(size=(1280, 720))
         self.simulation = built(config)
         own = name_of(config.wind)
         self.panel = Panel([*([own] if own == OWN else []), *named("wind"), "still"], own)

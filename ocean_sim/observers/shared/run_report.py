@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from ocean_sim.files import csv_file
 from ocean_sim.files.whole_file import whole
-from ocean_sim.observers.shared.csv_rows import columns
 from ocean_sim.observers.shared.page import page, picture, plot, table, text
 from ocean_sim.observers.shared.svg_plot import curves
 
@@ -236,7 +236,7 @@ class Run:
         """The columns of a CSV of this run; empty where it was not written or holds no row."""
         path = self.folder / name
         try:
-            log = columns(path) if path.exists() else {}
+            log = csv_file.columns(path) if path.exists() else {}
         except ValueError:  # no line of names: killed at once
             return {}
         return log if log and len(log["time_s"]) else {}

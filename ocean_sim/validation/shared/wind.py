@@ -16,4 +16,6 @@ def blowing(stress: float, **keys: float) -> dict:
 def stilled(simulation: Simulation) -> Simulation:
     """The same scene without wind, from the start."""
     assert isinstance(simulation.scene, SceneConfig)
-    return Simulation(simulation.scene.model_copy(update={"wind": config_of("wind", "still")()}))
+    return Simulation(
+        simulation.scene.model_copy(update={"wind": config_of("wind", "still").model_validate({"kind": "still"})})
+    )

@@ -4,8 +4,9 @@ from dataclasses import asdict
 from math import isfinite
 from typing import Literal
 
-from ocean_sim.fluid import Fluid, Limits
+from ocean_sim.fluid import Limits
 from ocean_sim.parts import PartConfig, quantity
+from ocean_sim.time_step import Limited
 
 
 class Config(PartConfig):
@@ -33,12 +34,12 @@ class Config(PartConfig):
 
 
 class Courant:
-    """The shortest of the limits, afresh for every step."""
+    """The shortest of the limits, found for every step."""
 
     def __init__(self, config: Config) -> None:
         self.config = config
         self.limited_by = "acoustic"
 
-    def next(self, fluid: Fluid) -> float:
-        dt, self.limited_by = self.config.shortest(fluid.limits())
+    def next(self, limited: Limited) -> float:
+        dt, self.limited_by = self.config.shortest(limited.limits())
         return dt

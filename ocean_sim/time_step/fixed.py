@@ -2,8 +2,8 @@
 
 from typing import Literal
 
-from ocean_sim.fluid import Fluid
 from ocean_sim.parts import PartConfig, quantity
+from ocean_sim.time_step import Limited
 
 
 class Config(PartConfig):
@@ -25,5 +25,5 @@ class Fixed:
     def __init__(self, config: Config) -> None:
         self.config = config
 
-    def next(self, fluid: Fluid) -> float:
+    def next(self, limited: Limited) -> float:
         return self.config.dt

@@ -8,12 +8,13 @@ upper 24 bits of a word make a number, so it is the same in f32 and f64. Keys ar
 import numpy as np
 import taichi as ti
 import taichi.math as tm
+from numpy.typing import ArrayLike
 
 UNIT = 2.0**-24  # step of the numbers in [0, 1)
 
 
 def mixed(a, b, c, d):
-    """pcg4d of four unsigned 32-bit words, or of four arrays of them."""
+    """pcg4d of four unsigned 32-bit words, or of four arrays of them; without annotations, which Taichi would read."""
     a = a * 1664525 + 1013904223
     b = b * 1664525 + 1013904223
     c = c * 1664525 + 1013904223
@@ -62,18 +63,18 @@ def uniform3(seed, stream, particle, step):
     return tm.vec3(symmetric(a), symmetric(b), symmetric(c))
 
 
-def numpy_words(seed, stream, particle, step) -> tuple[np.ndarray, ...]:
+def numpy_words(seed: ArrayLike, stream: ArrayLike, particle: ArrayLike, step: ArrayLike) -> tuple[np.ndarray, ...]:
     """The four words of arrays (or numbers) of keys, at least one-dimensional."""
     keys = np.broadcast_arrays(*(np.atleast_1d(np.asarray(k, dtype=np.uint32)) for k in (seed, stream, particle, step)))
     return mixed(*keys)
 
 
-def numpy_uniform(seed, stream, particle, step) -> np.ndarray:
+def numpy_uniform(seed: ArrayLike, stream: ArrayLike, particle: ArrayLike, step: ArrayLike) -> np.ndarray:
     """The numbers of `uniform`, bit for bit."""
     return (numpy_words(seed, stream, particle, step)[0] >> 8) * UNIT
 
 
-def numpy_uniform3(seed, stream, particle, step) -> np.ndarray:
+def numpy_uniform3(seed: ArrayLike, stream: ArrayLike, particle: ArrayLike, step: ArrayLike) -> np.ndarray:
     """The numbers of `uniform3`, bit for bit: (..., 3)."""
     words = numpy_words(seed, stream, particle, step)[:3]
     return np.stack([((w >> 8) | 1) * (2.0 * UNIT) - 1.0 for w in words], axis=-1)

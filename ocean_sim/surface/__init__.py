@@ -1,22 +1,28 @@
-"""The drawn and felt surface of the water: every module of this folder without a leading underscore is a kind a scene
-may name."""
+"""The drawn and felt surface of the water: every module of this folder is a kind that a scene may name; what they share
+lies in `shared`."""
 
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from ocean_sim.surface.shared.mesh import Mesh
 
+if TYPE_CHECKING:
+    from ocean_sim.fluid.shared.particles import Particles
+
 
 class Surface(Protocol):
-    """The surface of the water. It reads the particles and never writes them; `elevation` is callable from a kernel."""
+    """The surface of the water. It reads the particles and never writes them; `elevation` is callable from a kernel.
+    `shared/heights.py` is a grid of heights to build one on."""
 
-    def follow(self, particles: Any, dt: float) -> None:
+    measured: dict[str, str]  # further columns of accuracy.csv, and what they hold
+
+    def follow(self, particles: "Particles", dt: float) -> None:
         """Take in that the particles have moved on by dt [s]."""
         ...
 
     def elevation(self, x, z):
-        """ti.func: height of the surface [m] above the still water, continuous in x and z; the bed where it is dry.
+        """ti.func: height of the surface [m] above the still water, continuous in x and z [m]; the bed where it is dry.
         Points beyond the basin have the height at its side."""
         ...
 
@@ -28,8 +34,6 @@ class Surface(Protocol):
         """The surface as triangles, made when asked for."""
         ...
 
-    measured: dict[str, str]  # columns of accuracy.csv, and what they hold
-
     def measures(self) -> list[float]:
-        """The numbers of those columns now."""
+        """The numbers of the columns `measured` now, in their order."""
         ...

@@ -6,19 +6,23 @@ Springs are an implicit step with the diagonal of their Hessian, gathered node b
 time step are stable, and the threads change nothing.
 """
 
-from typing import Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 import numpy as np
 import taichi as ti
 import taichi.math as tm
-from taichi.lang.util import to_numpy_type
 
 from ocean_sim.basin import Basin
+from ocean_sim.fluid import Fluid
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
 from ocean_sim.surface.shared.contact import Contact
-from ocean_sim.surface.shared.mesh import AREA_AND_VOLUME, Mesh, sheet
+from ocean_sim.surface.shared.heights import Heights, columns
+from ocean_sim.surface.shared.mesh import AREA_AND_VOLUME, Mesh
 from ocean_sim.surface.shared.springs import BEND, SHEAR, STRETCH
+
+if TYPE_CHECKING:
+    from ocean_sim.fluid.shared.particles import Particles
 
 CONTACTS = 8  # the most moves of a node towards the surface in one update
 NEAR = 0.01  # [thicknesses] a smaller move is the last
@@ -83,16 +87,14 @@ class Config(SurfaceConfig):
     def nodes(self, basin: Basin) -> tuple[int, int]:
         """Along x and z; 1 along z in a slice."""
         assert self.spacing is not None, "completed() says how far apart nodes are"
-        extents = np.subtract(basin.upper, basin.lower)
-        cells = [max(1, round(float(extents[axis]) / self.spacing)) for axis in (0, 2)]
-        return cells[0] + 1, cells[1] + 1 if basin.dimension == 3 else 1
+        return columns(basin, self.spacing)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         nx, nz = self.nodes(preflight.tank)
         size, why = 3 * preflight.word * nx * nz, "surface.kind is cloth"
         return [LedgerRow("surface", f"{nx} x {nz} nodes", size, why, NODE * nx * nz, self.every)]
 
-    def build(self, basin: Basin, fluid: Any) -> "Cloth":
+    def build(self, basin: Basin, fluid: Fluid) -> "Cloth":
         return Cloth(self, basin, fluid)
 
 
@@ -100,16 +102,10 @@ class Config(SurfaceConfig):
 class Cloth:
     """The heights of the nodes, and the springs between them; node (i, k) has the number i nz + k."""
 
-    def __init__(self, config: Config, basin: Basin, fluid: Any) -> None:
-        self.config, self.basin, self.around = config, basin, fluid.around
-        self.nodes = config.nodes(basin)
-        self.cells = (self.nodes[0] - 1, max(1, self.nodes[1] - 1))
-        self.flat = basin.dimension == 2
-        low, up = np.array(basin.lower), np.array(basin.upper)
-        widths = [(up[axis] - low[axis]) / cells for axis, cells in zip((0, 2), self.cells, strict=True)]
-        self.low, self.width = tm.vec2(low[[0, 2]]), tm.vec2([width or 1.0 for width in widths])
-        self.periodic = (basin.periods[0] > 0.0, basin.periods[2] > 0.0)
-        self.bed = basin.lower[1]
+    def __init__(self, config: Config, basin: Basin, fluid: Fluid) -> None:
+        self.config, self.around = config, fluid.around
+        self.nodes, self.flat, self.bed = config.nodes(basin), basin.dimension == 2, basin.lower[1]
+        self.heights = Heights.over(basin, self.nodes)
         particles = fluid.particles
         size = (particles.mass / particles.rest_density) ** (1.0 / basin.dimension)
         assert config.thickness is not None
@@ -120,14 +116,15 @@ class Cloth:
         steps = [(*step, stretching) for step in STRETCH + SHEAR] + [(*step, bending) for step in BEND]
         self.springs = [*steps, *((-di, -dk, stiffness) for di, dk, stiffness in steps)]  # both ways from a node
         count = self.nodes[0] * self.nodes[1]
-        self.height, self.speed, self.met = (ti.field(float, shape=count) for _ in range(3))  # [m], [m/s], [m]
+        self.height = self.heights.height  # [m]
+        self.speed, self.on_water = ti.field(float, shape=count), ti.field(float, shape=count)  # [m/s], [m]
         self.held = config.edges is not None
         self.edges = max(config.edges or 0.0, self.bed)
         self.age = 0.0  # [s] since the last update
         self.measured = {} if self.flat else AREA_AND_VOLUME
         self.lay(particles)
 
-    def lay(self, particles: Any) -> None:
+    def lay(self, particles: "Particles") -> None:
         """Let the sheet down on the water from above."""
         top = float(particles.position.to_numpy()[:, 1].max()) + self.thickness
         self.height.fill(top)
@@ -135,7 +132,7 @@ class Cloth:
         for _ in range(int(moves / CONTACTS) + 1):
             self.update(0.0)
 
-    def follow(self, particles: Any, dt: float) -> None:
+    def follow(self, particles: "Particles", dt: float) -> None:
         """Take in that the particles have moved on by dt [s]; the sheet moves at its own rate."""
         self.age += dt
         if self.age + 0.5 * dt > self.config.every:
@@ -144,13 +141,13 @@ class Cloth:
 
     @ti.kernel
     def update(self, dt: float):
-        """Carry on, meet the water, pull; dt 0 lays the sheet down at rest."""
+        """Carry on, move to the water, pull; dt 0 lays the sheet down at rest."""
         for n in self.height:
             way = dt * self.speed[n] * tm.exp(-ti.static(self.config.damping) * dt)
             most = ti.static(FURTHEST * self.thickness)
-            self.met[n] = self.on_water(n, self.height[n] + tm.clamp(way, -most, most))
+            self.on_water[n] = self.moved(n, self.height[n] + tm.clamp(way, -most, most))
         for n in self.height:
-            height = self.met[n] + dt * dt * self.pull(n, dt)
+            height = self.on_water[n] + dt * dt * self.pull(n, dt)
             if ti.static(self.held):
                 if self.on_edge(n):
                     height = self.edges
@@ -159,23 +156,18 @@ class Cloth:
             self.height[n] = height
 
     @ti.func
-    def place(self, n):
-        """x and z [m] of a node."""
-        return self.low + self.width * tm.vec2(n // self.nodes[1], n % self.nodes[1])
-
-    @ti.func
     def on_edge(self, n):
         i, k = n // self.nodes[1], n % self.nodes[1]
-        side = i == 0 or i == self.cells[0]
+        side = i == 0 or i == self.nodes[0] - 1
         if ti.static(not self.flat):
-            side = side or k == 0 or k == self.cells[1]
+            side = side or k == 0 or k == self.nodes[1] - 1
         return side
 
     @ti.func
-    def on_water(self, n, y):
-        """The height [m] of node n, from y on, after meeting the water: Newton's steps, never longer than at a flat
-        surface, so they do not overshoot."""
-        p, start, moves = self.place(n), y, 0
+    def moved(self, n, y):
+        """The height [m] of node n, from y on, moved towards the surface of the water: Newton's steps, never longer
+        than at a flat surface, so they do not overshoot."""
+        p, start, moves = self.heights.column(n), y, 0
         while moves < CONTACTS:
             move = self.move(tm.vec3(p.x, y, p.y))
             y, moves = y + move, ti.select(ti.abs(move) < NEAR * self.thickness, CONTACTS, moves + 1)
@@ -198,8 +190,8 @@ class Cloth:
         for di, dk, stiffness in ti.static(self.springs):
             there = self.neighbour(i + di, k + dk)
             if there >= 0:
-                rest = tm.length(self.width * tm.vec2(di, dk))
-                rise = self.met[n] - self.met[there]
+                rest = tm.length(self.heights.width * tm.vec2(di, dk))
+                rise = self.on_water[n] - self.on_water[there]
                 length = ti.sqrt(rest * rest + rise * rise)
                 stretch, slope = length - rest, rise / length
                 force -= stiffness * stretch * slope
@@ -209,10 +201,10 @@ class Cloth:
     @ti.func
     def neighbour(self, i, k):
         """The number of a node, through periodic sides; -1 beyond the others."""
-        nx, nz = ti.static(self.cells[0], self.cells[1])
-        if ti.static(self.periodic[0]):
+        nx, nz = ti.static(self.heights.cells)
+        if ti.static(self.heights.periodic[0]):
             i = (i + 2 * nx) % nx
-        if ti.static(self.periodic[1]):
+        if ti.static(self.heights.periodic[1]):
             k = (k + 2 * nz) % nz
         inside = 0 <= i < self.nodes[0] and 0 <= k < self.nodes[1]
         return ti.select(inside, i * self.nodes[1] + k, -1)
@@ -220,34 +212,15 @@ class Cloth:
     @ti.func
     def elevation(self, x, z):
         """Bilinear between nodes [m]."""
-        at = (tm.vec2(x, z) - self.low) / self.width
-        for axis in ti.static(range(2)):
-            if ti.static(self.periodic[axis]):
-                at[axis] -= self.cells[axis] * ti.floor(at[axis] / self.cells[axis])
-        at = tm.clamp(at, 0.0, tm.vec2(self.cells))
-        i, k = ti.min(int(at.x), self.cells[0] - 1), ti.min(int(at.y), self.cells[1] - 1)
-        n, f, g = i * self.nodes[1] + k, at.x - i, at.y - k
-        nz, beside = ti.static(self.nodes[1], min(1, self.nodes[1] - 1))
-        near = tm.mix(self.height[n], self.height[n + beside], g)
-        return tm.mix(near, tm.mix(self.height[n + nz], self.height[n + nz + beside], g), f)
-
-    @ti.kernel
-    def fill(self, points: ti.types.ndarray(ndim=2), heights: ti.types.ndarray(ndim=1)):
-        for n in range(points.shape[0]):
-            heights[n] = self.elevation(points[n, 0], points[n, 1])
+        return self.heights.at(x, z)
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
         """(m, 2) points x, z [m] -> (m,) heights [m]."""
-        precision = to_numpy_type(self.height.dtype)
-        heights = np.empty(len(points), dtype=precision)
-        self.fill(np.ascontiguousarray(points, dtype=precision), heights)
-        return heights.astype(float)
+        return self.heights.elevations(points)
 
     def mesh(self) -> Mesh:
         """The sheet as two triangles a cell."""
-        low, up = self.basin.lower, self.basin.upper
-        x, z = (np.linspace(low[axis], up[axis], count) for axis, count in zip((0, 2), self.nodes, strict=True))
-        return sheet(x, z, self.height.to_numpy().astype(float).reshape(self.nodes))
+        return self.heights.mesh()
 
     def measures(self) -> list[float]:
         mesh = self.mesh()

@@ -4,7 +4,7 @@ Follows the water wherever it goes: crests that break, drops, the bed where it f
 reads it: the field when a mesh or a height is asked for, the heights from the first kernel on that calls `elevation`.
 """
 
-from typing import Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 import numpy as np
 import taichi as ti
@@ -12,12 +12,18 @@ import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import Diverged
+from ocean_sim.fluid import Fluid
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
+from ocean_sim.runtime import Array
 from ocean_sim.surface.shared.density_map import DensityMap, flat_share
+from ocean_sim.surface.shared.heights import Heights
 from ocean_sim.surface.shared.isosurface import Counts, Isosurface
 from ocean_sim.surface.shared.mesh import AREA_AND_VOLUME, Mesh
 from ocean_sim.surface.shared.nodes import MOST_NODES, Nodes
+
+if TYPE_CHECKING:
+    from ocean_sim.fluid.shared.particles import Particles
 
 NODE, WET = 2.0e-8, 1.5e-7  # [s] of processor time a reading, for each node and each of those in the water
 FINE, SMOOTH = 0.5, 2.0  # [spacings of the particles] between nodes, and of the radius
@@ -110,7 +116,7 @@ class Config(SurfaceConfig):
             LedgerRow("surface", f"{particles} particles in bins", bins, f"surface.radius {self.radius:g} m"),
         ]
 
-    def build(self, basin: Basin, fluid: Any) -> "MarchingCubes":
+    def build(self, basin: Basin, fluid: Fluid) -> "MarchingCubes":
         return MarchingCubes(self, basin, fluid.particles)
 
 
@@ -118,16 +124,17 @@ class Config(SurfaceConfig):
 class MarchingCubes:
     """The field on the grid, its surface and the heights of its columns, each made anew when it is read."""
 
-    def __init__(self, config: Config, basin: Basin, particles: Any) -> None:
+    def __init__(self, config: Config, basin: Basin, particles: "Particles") -> None:
         assert config.radius is not None
         self.config, self.basin, self.nodes = config, basin, config.nodes(basin)
         self.map = DensityMap(particles, basin, self.nodes, config.radius)
-        self.periodic = tuple(period > 0.0 for period in basin.periods)
+        x, y, z = (period > 0.0 for period in basin.periods)
+        self.periodic = (x, y, z)
         self.isovalue = config.isovalue or flat_share(config.radius, particles.spacing)
         self.isosurface = Isosurface(self.nodes, self.periodic, config.most_nodes, dry=-self.isovalue)
-        self.columns = (self.nodes.inner[0], self.nodes.inner[2])
-        self.height = ti.field(float, shape=self.columns)  # [m] highest water of each column of nodes
-        self.low, self.width = tm.vec2(self.nodes.lower[::2]), tm.vec2(self.nodes.width[::2])
+        lower, upper = np.array(self.nodes.lower)[[0, 2]], np.array(self.nodes.upper)[[0, 2]]
+        columns = (self.nodes.inner[0], self.nodes.inner[2])
+        self.heights = Heights(lower, upper, columns, (x, z), inset=0.5)  # highest water of each column
         self.bed, self.top = self.nodes.lower[1], self.nodes.upper[1]
         self.outside = 0  # particles that the grid does not reach, in the field that was built last
         self.moment, self.sampled, self.levelled = 0, -1, -1  # steps taken; those that field and heights show
@@ -140,7 +147,7 @@ class MarchingCubes:
             if self.periodic[axis] or any((s.axis, s.upper) == (axis, bool(side)) for s in basin.sides)
         )
 
-    def follow(self, particles: Any, dt: float) -> None:
+    def follow(self, particles: "Particles", dt: float) -> None:
         """Take in that the particles have moved on by dt [s]; heights are made at once where a kernel reads them, and
         in the first step, in which one may be compiled."""
         self.moment += 1
@@ -199,7 +206,7 @@ class MarchingCubes:
         return lonely.astype(bool)
 
     @ti.kernel
-    def find_spray(self, lonely: ti.types.ndarray(ndim=1)):
+    def find_spray(self, lonely: Array):
         for i in range(lonely.shape[0]):
             p = self.map.particles.position
             lonely[i] = int(self.map.shares(tm.vec3(p.x[i], p.y[i], p.z[i]), 0.0, 1)[0] < self.isovalue)
@@ -208,7 +215,8 @@ class MarchingCubes:
     def find_heights(self):
         """Down each column to the first node in the water, then up in proportion to where the field is zero."""
         ny, value = ti.static(self.nodes.inner[1], self.isosurface.value)
-        for i, k in self.height:
+        for n in self.heights.height:
+            i, k = n // self.heights.count[1], n % self.heights.count[1]
             height, j = self.bed, ny
             while j > 0:
                 here = value[self.isosurface.at(i + 1, j, k + 1)]
@@ -219,7 +227,7 @@ class MarchingCubes:
                         height = self.bed + self.nodes.width[1] * (j - 0.5 + here / (here - above))
                     j = 0
                 j -= 1
-            self.height[i, k] = height
+            self.heights.height[n] = height
 
     def read_by_a_kernel(self) -> bool:
         """Called while a kernel is compiled that reads the heights; raises RuntimeError where they are out of date."""
@@ -232,30 +240,9 @@ class MarchingCubes:
     def elevation(self, x, z):
         """Highest water of the column [m], bilinear between columns of nodes; the bed where it is dry."""
         ti.static(self.read_by_a_kernel())
-        return self.interpolated(x, z)
-
-    @ti.func
-    def interpolated(self, x, z):
-        at = (tm.vec2(x, z) - self.low) / self.width - 0.5
-        for axis in ti.static(range(2)):
-            if ti.static(self.periodic[2 * axis]):
-                at[axis] -= self.columns[axis] * ti.floor(at[axis] / self.columns[axis])
-            else:
-                at[axis] = tm.clamp(at[axis], 0.0, self.columns[axis] - 1.0)
-        i, k = ti.cast(at.x, int), ti.cast(at.y, int)
-        i_on, k_on = (i + 1) % self.columns[0], (k + 1) % self.columns[1]
-        near = tm.mix(self.height[i, k], self.height[i, k_on], at.y - k)
-        return tm.mix(near, tm.mix(self.height[i_on, k], self.height[i_on, k_on], at.y - k), at.x - i)
-
-    @ti.kernel
-    def fill(self, points: ti.types.ndarray(ndim=2), heights: ti.types.ndarray(ndim=1)):
-        for n in range(points.shape[0]):
-            heights[n] = self.interpolated(points[n, 0], points[n, 1])
+        return self.heights.at(x, z)
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
         """(m, 2) points x, z [m] -> (m,) heights [m]."""
         self.level()
-        precision = self.isosurface.precision
-        heights = np.empty(len(points), dtype=precision)
-        self.fill(np.ascontiguousarray(points, dtype=precision), heights)
-        return heights.astype(float)
+        return self.heights.elevations(points)

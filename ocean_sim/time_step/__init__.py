@@ -1,4 +1,4 @@
-"""How long the next step is: every module of this folder without a leading underscore is a kind a scene may name."""
+"""How long the next step is: every module of this folder is a kind that a scene may name."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -27,8 +27,8 @@ class Known:
 class TimeStep(Protocol):
     """The length of the next step, and which limit set it."""
 
-    limited_by: str  # name of the limit that ruled the last answer: "acoustic", "viscous", "force" or "fixed"
+    limited_by: str  # the limit that ruled the last answer: "acoustic", "viscous", "force", "longest" or "fixed"
 
-    def next(self, of: Limited) -> float:
+    def next(self, limited: Limited) -> float:
         """The next time step [s]."""
         ...

@@ -38,12 +38,12 @@ class Config(TimeStepConfig):
 
 
 class Courant:
-    """The shortest of the limits, afresh for every step."""
+    """The shortest of the limits, found for every step."""
 
     def __init__(self, config: Config) -> None:
         self.config = config
         self.limited_by = "acoustic"
 
-    def next(self, of: Limited) -> float:
-        dt, self.limited_by = self.config.shortest(of.limits())
+    def next(self, limited: Limited) -> float:
+        dt, self.limited_by = self.config.shortest(limited.limits())
         return dt

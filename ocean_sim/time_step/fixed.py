@@ -32,5 +32,5 @@ class Fixed:
     def __init__(self, config: Config) -> None:
         self.config = config
 
-    def next(self, of: Limited) -> float:
+    def next(self, limited: Limited) -> float:
         return self.config.dt

@@ -33,11 +33,11 @@ class Wind(Protocol):
         """Lines and arrows that show it as it is now."""
         ...
 
-    def set_clock(self, since, step):  # type: ignore[no-untyped-def]
+    def set_clock(self, since, step):
         """ti.func: find what blows in this step, from the two numbers above [s]."""
         ...
 
-    def force(self, key, position, velocity, area, mass):  # type: ignore[no-untyped-def]
+    def force(self, key, position, velocity, area, mass):
         """ti.func -> vec3 [N]. `key`: particle or voxel number; `area`: exposed area times outward normal [m2],
         zero inside the water; `mass` [kg]."""
         ...

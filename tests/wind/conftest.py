@@ -7,6 +7,9 @@ import taichi.math as tm
 
 from ocean_sim import basin
 from ocean_sim.parts import config_of, library
+from tests.fluid.conftest import water
+
+__all__ = ["water"]
 
 
 @ti.kernel

@@ -18,6 +18,11 @@ UNEVEN = 2.0  # factor by which exposed areas are scaled at most
 LAG = 0.5  # [spacings] that water and crests may go before areas, smoothed over a support on each side, are found anew
 
 
+def memory(n: int, word: int) -> int:
+    """Bytes of the fields for so many particles, in words of this size."""
+    return (3 * n + 1) * word + 8 * -(-n // BLOCK)
+
+
 @ti.data_oriented
 class Exposure(OfPlaces):
     """Exposed area of every particle times its outward normal [m2]: a law of pairs, and its sum."""

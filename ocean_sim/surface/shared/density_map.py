@@ -5,7 +5,7 @@ water, so it does not seem to thin out beside them: the point is mirrored or shi
 """
 
 from math import pi
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import taichi as ti
@@ -13,7 +13,11 @@ import taichi.math as tm
 from taichi.lang.util import to_numpy_type
 
 from ocean_sim.basin import OPEN, Basin
+from ocean_sim.runtime import Template
 from ocean_sim.surface.shared.nodes import Nodes
+
+if TYPE_CHECKING:
+    from ocean_sim.fluid.shared.particles import Particles
 
 TASK = 512  # Taichi never cuts a parallel loop finer than this: a task every TASK iterations
 GROUPS = 32  # of rows of nodes, each a task of its own; set here, never by the number of threads
@@ -51,7 +55,7 @@ def images(basin: Basin, nodes: Nodes) -> np.ndarray:
 class DensityMap:
     """The particles in a box, sorted into bins at least a radius wide, and sums over them."""
 
-    def __init__(self, particles: Any, basin: Basin, nodes: Nodes, radius: float) -> None:
+    def __init__(self, particles: "Particles", basin: Basin, nodes: Nodes, radius: float) -> None:
         """`radius` [m] of the sphere in which a particle counts."""
         self.particles, self.nodes, self.radius = particles, nodes, radius
         self.n, self.squared = particles.n, radius * radius
@@ -115,7 +119,7 @@ class DensityMap:
         return outside
 
     @ti.func
-    def shares(self, x, step, run: ti.template()):
+    def shares(self, x, step, run: Template):
         """Around so many points that follow each other along x, `step` [m] apart; they may be anywhere."""
         total = ti.Vector.zero(float, run)
         for c in range(IMAGES):
@@ -133,13 +137,13 @@ class DensityMap:
         return self.constant * total
 
     @ti.func
-    def in_reach(self, first, last, axis: ti.template()):
+    def in_reach(self, first, last, axis: Template):
         """Whether particles may be within a radius of what lies between two places on an axis."""
         low, high = self.lower[axis] - self.radius, self.upper[axis] + self.radius
         return tm.max(first, last) > low and tm.min(first, last) < high
 
     @ti.func
-    def gathered(self, x, last, step, run: ti.template()):
+    def gathered(self, x, last, step, run: Template):
         """Sums of (radius^2 - r^2)^3 over the particles of the bins around the points from x to `last`; the inner loop
         does not branch."""
         total, here, there = ti.Vector.zero(float, run), self.place(x), self.place(last)
@@ -158,7 +162,7 @@ class DensityMap:
         return total
 
     @ti.kernel
-    def mark(self, rows: ti.template()):
+    def mark(self, rows: Template):
         """The rows of nodes within a radius and a node of any particle that counts there, so that the next nodes around
         every wet one are marked, too; a row beyond a side is as near as the row beside it."""
         for row in rows.near:
@@ -189,14 +193,14 @@ class DensityMap:
         return found == 1
 
     @ti.kernel
-    def fill(self, rows: ti.template(), value: ti.template(), level: float):
+    def fill(self, rows: Template, value: Template, level: float):
         """Share less `level` at all nodes of the rows kept that lie within the box."""
         for g in range(GROUPS * TASK):
             if g % TASK == 0:
                 self.fill_group(g // TASK, rows, value, level)
 
     @ti.func
-    def fill_group(self, group, rows: ti.template(), value: ti.template(), level):
+    def fill_group(self, group, rows: Template, value: Template, level):
         """Every GROUPS-th row of nodes."""
         nx, ny, nz = ti.static(self.nodes.inner)
         for turn in range((rows.count[None] - group + GROUPS - 1) // GROUPS):

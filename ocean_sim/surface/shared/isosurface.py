@@ -12,6 +12,7 @@ import taichi as ti
 import taichi.math as tm
 from taichi.lang.util import to_numpy_type
 
+from ocean_sim.runtime import Array, Array2, Template
 from ocean_sim.surface.shared.cube_cases import MOST, table
 from ocean_sim.surface.shared.mesh import Mesh
 from ocean_sim.surface.shared.nodes import MOST_NODES, Nodes
@@ -134,7 +135,7 @@ class Isosurface:
         return slab * self.rows.count[None] // SLABS
 
     @ti.kernel
-    def number(self, totals: ti.types.ndarray(ndim=1)):
+    def number(self, totals: Array):
         for s in range(SLABS * TASK):
             if s % TASK == 0:
                 self.count_slab(s // TASK)
@@ -172,9 +173,9 @@ class Isosurface:
     @ti.kernel
     def write(
         self,
-        vertices: ti.types.ndarray(ndim=2),
-        normals: ti.types.ndarray(ndim=2),
-        triangles: ti.types.ndarray(ndim=2),
+        vertices: Array2,
+        normals: Array2,
+        triangles: Array2,
     ):
         for s in range(SLABS * TASK):
             if s % TASK == 0:
@@ -189,7 +190,7 @@ class Isosurface:
                 self.write_triangles(s // TASK, triangles)
 
     @ti.func
-    def write_vertices(self, n, vertices: ti.template(), normals: ti.template()):
+    def write_vertices(self, n, vertices: Template, normals: Template):
         """Where the field is zero on the edges of a node, between its two ends in proportion, and the normal there."""
         place = self.place(n)
         vertex, mask = self.owned[n] >> 3, self.owned[n] & 7
@@ -222,7 +223,7 @@ class Isosurface:
         return gradient
 
     @ti.func
-    def write_triangles(self, slab, triangles: ti.template()):
+    def write_triangles(self, slab, triangles: Template):
         nx, ny, nz = ti.static(self.shape)
         written = self.counted[slab, TRIANGLES]
         for n in range(self.first(slab), self.first(slab + 1)):

@@ -1,0 +1,84 @@
+"""Heights of the water on a grid of upright columns over the basin, bilinear between them."""
+
+import numpy as np
+import taichi as ti
+import taichi.math as tm
+from taichi.lang.util import to_numpy_type
+
+from ocean_sim.basin import Basin
+from ocean_sim.runtime import Array, Array2
+from ocean_sim.surface.shared.mesh import Mesh, sheet
+
+
+def columns(basin: Basin, spacing: float) -> tuple[int, int]:
+    """Columns along x and z that stand about `spacing` [m] apart, the outermost on the sides; 1 along z in a slice."""
+    extents = np.subtract(basin.upper, basin.lower)
+    cells = [max(1, round(float(extents[axis]) / spacing)) for axis in (0, 2)]
+    return cells[0] + 1, cells[1] + 1 if basin.dimension == 3 else 1
+
+
+@ti.data_oriented
+class Heights:
+    """One height [m] a column; column (i, k) has the number i nz + k. A point beyond the sides has the height there."""
+
+    def __init__(
+        self,
+        lower: np.ndarray,
+        upper: np.ndarray,
+        count: tuple[int, int],
+        periodic: tuple[bool, bool],
+        inset: float = 0.0,
+    ) -> None:
+        """`lower`, `upper`: corners x, z [m] of what `count` columns along x and z cover; `inset`: how far from the
+        sides the outermost stand, 0 or 0.5 of their distance."""
+        self.count, self.periodic, self.inset = count, periodic, inset
+        between = [n - 1 + int(2 * inset) for n in count]
+        widths = [(high - low) / max(1, n) for low, high, n in zip(lower, upper, between, strict=True)]
+        self.low, self.width = tm.vec2(lower), tm.vec2([width or 1.0 for width in widths])  # no width in a slice
+        self.lower, self.upper = lower, upper
+        self.cells = tuple(max(1, m if wraps else n - 1) for n, m, wraps in zip(count, between, periodic, strict=True))
+        self.height = ti.field(float, shape=count[0] * count[1])
+
+    @classmethod
+    def over(cls, basin: Basin, count: tuple[int, int]) -> "Heights":
+        """With the outermost columns on the sides of the basin."""
+        lower, upper = np.array(basin.lower)[[0, 2]], np.array(basin.upper)[[0, 2]]
+        return cls(lower, upper, count, (basin.periods[0] > 0.0, basin.periods[2] > 0.0))
+
+    @ti.func
+    def column(self, n):
+        """x and z [m] of a column."""
+        i, k = n // self.count[1], n % self.count[1]
+        return self.low + self.width * (tm.vec2(i, k) + self.inset)
+
+    @ti.func
+    def at(self, x, z):
+        """Height [m] at a point."""
+        at = (tm.vec2(x, z) - self.low) / self.width - self.inset
+        for axis in ti.static(range(2)):
+            if ti.static(self.periodic[axis]):
+                at[axis] -= self.cells[axis] * ti.floor(at[axis] / self.cells[axis])
+        at = tm.clamp(at, 0.0, tm.vec2(self.cells))
+        i, k = ti.min(int(at.x), self.cells[0] - 1), ti.min(int(at.y), self.cells[1] - 1)
+        f, g = at.x - i, at.y - k
+        here, on = i * self.count[1], (i + 1) % self.count[0] * self.count[1]
+        k_on = (k + 1) % self.count[1]
+        near = tm.mix(self.height[here + k], self.height[here + k_on], g)
+        return tm.mix(near, tm.mix(self.height[on + k], self.height[on + k_on], g), f)
+
+    @ti.kernel
+    def fill(self, points: Array2, heights: Array):
+        for n in range(points.shape[0]):
+            heights[n] = self.at(points[n, 0], points[n, 1])
+
+    def elevations(self, points: np.ndarray) -> np.ndarray:
+        """(m, 2) points x, z [m] -> (m,) heights [m]."""
+        precision = to_numpy_type(self.height.dtype)
+        heights = np.empty(len(points), dtype=precision)
+        self.fill(np.ascontiguousarray(points, dtype=precision), heights)
+        return heights.astype(float)
+
+    def mesh(self) -> Mesh:
+        """A sheet from side to side, two triangles between four columns; only without inset."""
+        x, z = (np.linspace(low, up, n) for low, up, n in zip(self.lower, self.upper, self.count, strict=True))
+        return sheet(x, z, self.height.to_numpy().astype(float).reshape(self.count))

@@ -50,7 +50,7 @@ class Config(SurfaceConfig):
     response: float = quantity("1", 1.0, ge=0.0, le=1.0)
     """Share of the way to the water's surface that a node goes in one update; 0: the water does not move it."""
     edges: float | None = quantity("m", None)
-    """Height above the still water at which all edges are held, as in the thesis (-0.5), and `elevation` beside them
+    """Height above the still water at which all edges are held, as in the thesis (-0.5), and `elevation` next to them
     with them; null, which is right up to the walls: they slide along them with the water."""
     every: float = quantity("s", 1.0 / 60.0, gt=0.0)
     """Simulated time between updates, to the nearest step."""

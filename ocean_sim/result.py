@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ocean_sim.files import csv_file
 from ocean_sim.observers import Observer
 from ocean_sim.reading.scene import SceneConfig, load
 
@@ -33,11 +34,7 @@ class Result:
 
     def table(self, name: str) -> dict[str, np.ndarray]:
         """The columns of `<name>.csv`, each an array of its rows."""
-        path = self.folder / f"{name}.csv"
-        with path.open(encoding="utf-8") as file:
-            lines = [line.rstrip("\n").split(",") for line in file if line.strip() and not line.startswith("#")]
-        header, rows = (lines[0], lines[1:]) if lines else ([], [])
-        return {column: _array([row[k] for row in rows]) for k, column in enumerate(header)}
+        return csv_file.columns(self.folder / f"{name}.csv")
 
     @cached_property
     def gauges(self) -> dict[str, np.ndarray]:
@@ -69,10 +66,3 @@ def run(
         simulation.observers.extend(watchers)
         simulation.run(config.duration)
     return Result(folder)
-
-
-def _array(words: list[str]) -> np.ndarray:
-    try:
-        return np.array([float(word) if word else np.nan for word in words])
-    except ValueError:
-        return np.array(words)

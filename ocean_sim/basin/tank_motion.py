@@ -139,7 +139,7 @@ class Recorded(Tank):
 
     def rows(self) -> tuple[Axis, np.ndarray, np.ndarray]:
         """Axis, times [s] and displacements [m or rad]; raises Unreadable."""
-        found = csv_file.columns(self.file)
+        found = csv_file.numbers(self.file)
         columns = {name.removesuffix("_m").removesuffix("_rad"): column for name, column in found.items()}
         axes: list[Axis] = [axis for axis in Axis.__args__ if axis in columns]  # type: ignore[attr-defined]
         if self.axis is not None:

@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ocean_sim.conventions import Frame, Motions, to_frame
-from ocean_sim.observers.shared.csv_rows import CsvFile, heading
+from ocean_sim.observers.shared.csv_rows import CsvFile, heading, rounded
+from ocean_sim.observers.shared.handed_on import TakesMotion, takers
 from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.parts import ObserverConfig, quantity
+from ocean_sim.platform.shared.motion_log import ride_of
 from ocean_sim.ship import PARTS
 
 if TYPE_CHECKING:
@@ -88,12 +90,23 @@ class Motion:
         self.csv = CsvFile(folder / "motion.csv", told, COLUMNS)
 
     def observe(self, simulation: "Simulation") -> None:
+        rows: list[list[float]] = []
         for time, values, _ in self.sampled.rows(simulation.time, self.continuous(self.row(simulation.ship))):
             angles, q = values[ANGLES], values[QUATERNION]
             values[ANGLES] = np.remainder(angles + np.pi, 2.0 * np.pi) - np.pi
             values[QUATERNION] = q / np.linalg.norm(q)
-            self.csv.row([time, self.number, *values])
+            rows.append([time, self.number, *values])
+            self.csv.row(rows[-1])
             self.number += 1
+        if rows:
+            self.hand_on(rows, simulation)
+
+    def hand_on(self, rows: list[list[float]], simulation: "Simulation") -> None:
+        """Give rows, with the digits that motion.csv has of them, to the observers that take them: what they make of
+        them then is what they would make of the file."""
+        for observer in takers(simulation, TakesMotion):
+            table = np.array([rounded(row) for row in rows]).T
+            observer.take_motion(ride_of(dict(zip(COLUMNS, table)), self.frame))
 
     def row(self, ship: Any) -> np.ndarray:
         """All columns but time and number."""

@@ -1,19 +1,19 @@
-"""What a motion platform would do: washout and leg lengths, row by row beside the motion log."""
+"""What a motion platform would do: washout and leg lengths, one row for each row of the motion log."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-from ocean_sim.files.csv_file import Growing
 from ocean_sim.observers.shared.csv_rows import CsvFile
+from ocean_sim.observers.shared.handed_on import TakesCommands, TakesMotion, takers
 from ocean_sim.parts import ObserverConfig
-from ocean_sim.platform import COLUMNS, LIMITS
-from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, ride_of
+from ocean_sim.platform import COLUMNS, LIMITS, Platform
+from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, Ride, joined
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
 FRAME = "flu"
-ROWS = 25  # answered at once, where no stream waits for each
+ROWS = 25  # answered together, where nobody waits for each
 
 
 class Config(ObserverConfig):
@@ -39,27 +39,35 @@ def heading(every: float, frame: str = FRAME) -> dict[str, object]:
     }
 
 
-class PlatformLog:
-    """platform.csv. It reads the rows of motion.csv as they are written, so it is what the command would say later."""
+class PlatformLog(TakesMotion):
+    """platform.csv, from the rows of the motion log: what `ocean-sim platform` would make of motion.csv later."""
 
     def __init__(self, folder: Path, simulation: "Simulation") -> None:
-        rate = simulation.scene.observers["motion"].every  # [s]
-        self.every = rate if "stream" in simulation.scene.observers else ROWS * rate
-        self.platform = simulation.scene.platform.build(rate)
-        self.motion = Growing(folder / "motion.csv")
-        head = heading(rate) | {"seed": simulation.scene.seed}
-        self.csv = CsvFile(folder / "platform.csv", head, COLUMNS)
+        scene = simulation.scene
+        rate = scene.observers["motion"].every  # [s]
+        at_once = any("platform_log" in config.needs for config in scene.observers.values())  # another waits for rows
+        self.every = rate if at_once else ROWS * rate
+        self.simulation = simulation
+        self.platform: Platform = scene.platform.build(rate)
+        self.new: list[Ride] = []  # rows that are not answered yet
+        self.csv = CsvFile(folder / "platform.csv", heading(rate) | {"seed": scene.seed}, COLUMNS)
+
+    def take_motion(self, rows: Ride) -> None:
+        self.new.append(rows)
 
     def observe(self, simulation: "Simulation") -> None:
-        self.follow()
+        self.answer()
 
-    def follow(self) -> None:
-        """Answer the rows that are new."""
-        table = self.motion.rows()
-        if table and len(table["time_s"]):
-            for row in self.platform.follow(ride_of(table, self.motion.head.get("frame", "world"))).rows():
+    def answer(self) -> None:
+        """Follow the rows that are new, write what the platform does, and hand it on."""
+        if self.new:
+            commands = self.platform.follow(joined(self.new))
+            self.new = []
+            for row in commands.rows():
                 self.csv.row(row)
+            for observer in takers(self.simulation, TakesCommands):
+                observer.take_commands(commands)
 
     def close(self) -> None:
-        self.follow()
+        self.answer()
         self.csv.close()

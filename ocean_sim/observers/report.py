@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from ocean_sim.files.csv_file import columns
 from ocean_sim.files.whole_file import whole
-from ocean_sim.observers.shared.csv_rows import columns
 from ocean_sim.observers.shared.page import page, picture, plot, table, text
 from ocean_sim.observers.shared.svg_plot import curves
 from ocean_sim.parts import ObserverConfig

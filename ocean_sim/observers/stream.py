@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 from pydantic import field_validator
 
-from ocean_sim.files.csv_file import Growing
+from ocean_sim.observers.shared.handed_on import TakesCommands
 from ocean_sim.parts import ObserverConfig
-from ocean_sim.platform import Platform
-from ocean_sim.platform.shared.datagrams import POSE, Sender, address, packets
+from ocean_sim.platform import Commands, Platform
+from ocean_sim.platform.shared.datagrams import Sender, address, packets
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -36,35 +36,42 @@ class Config(ObserverConfig):
     def build(self, folder: Path, simulation: "Simulation") -> "Stream":
         scene = simulation.scene
         every = scene.observers["motion"].every
-        return Stream(self, folder, every, scene.platform.build(every))
+        return Stream(self, every, scene.platform.build(every))
 
 
-class Stream:
-    """Rows of platform.csv as they are written. A run faster than time is held back to it; a slower one stalls, and
-    the receiver holds its pose. At the end the platform goes back to neutral."""
+class Stream(TakesCommands):
+    """Sends the rows of platform.csv. A run faster than time is held back to it; a slower one stalls, and the receiver
+    holds its pose. At the end the platform goes back to neutral."""
 
-    def __init__(self, config: Config, folder: Path, every: float, platform: Platform) -> None:
+    def __init__(self, config: Config, every: float, platform: Platform) -> None:
+        """`every`: time between rows [s]; `platform`: one at rest, which knows the way back to neutral."""
         self.config, self.every, self.platform = config, every, platform
-        self.log = Growing(folder / "platform.csv")
+        self.new: list[Commands] = []  # rows that are not sent yet
         self.past = np.zeros((0, 6))  # the last two poses
         self.time, self.seq = 0.0, 0  # of the last row
         self.sender = Sender(config.to, config.packets)
 
-    def observe(self, simulation: "Simulation") -> None:
-        self.send(self.log.rows())
+    def take_commands(self, rows: Commands) -> None:
+        self.new.append(rows)
 
-    def send(self, table: dict[str, np.ndarray]) -> None:
-        """Send rows, each at its time."""
-        if table and len(table["seq"]):
-            self.past = np.vstack([self.past, np.column_stack([table[name] for name in POSE])])[-2:]
-            self.time, self.seq = float(table["time_s"][-1]), int(table["seq"][-1])
-            for packet in packets(table, self.config.frame):
-                self.sender.send(packet)
+    def observe(self, simulation: "Simulation") -> None:
+        self.send_new()
+
+    def send_new(self) -> None:
+        """Send the rows that are new, each at its time."""
+        for rows in self.new:
+            self.past = np.vstack([self.past, rows.pose])[-2:]
+            self.time, self.seq = float(rows.time[-1]), int(rows.seq[-1])
+            self.send(rows)
+        self.new = []
+
+    def send(self, rows: Commands) -> None:
+        for packet in packets(rows, self.config.frame):
+            self.sender.send(packet)
 
     def close(self) -> None:
-        if self.log.path.is_file():
-            self.send(self.log.rows())
+        self.send_new()
         if len(self.past):
-            self.send(self.platform.settled(self.past[[0, -1]], self.time, self.seq).table())
+            self.send(self.platform.settled(self.past[[0, -1]], self.time, self.seq))
         print(f"stream to {self.config.to}: {self.sender.jitter()}", file=sys.stderr, flush=True)
         self.sender.close()

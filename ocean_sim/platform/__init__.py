@@ -55,12 +55,6 @@ class Commands(NamedTuple):
         cue = Cue(*(column[which] for column in self.cue))
         return Commands._make([*(column[which] for column in self[:-1]), cue])
 
-    def table(self) -> dict[str, np.ndarray]:
-        """The columns of platform.csv by name."""
-        head, end = [self.time[:, None], self.seq[:, None]], [self.limited[:, None]]
-        body = [self.pose, self.legs, self.leg_velocity, self.felt_force, self.felt_rate]
-        return dict(zip(COLUMNS, np.hstack([*head, *body, *end]).T))
-
     def rows(self) -> list[list[float | int]]:
         """The rows of platform.csv."""
         columns = (self.pose, self.legs, self.leg_velocity, self.felt_force, self.felt_rate)

@@ -5,13 +5,13 @@ thread; accuracy is each case's own error in its own unit, and no score is made 
 table and in the pictures.
 """
 
-import csv
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from typing import Any, NamedTuple
 
+from ocean_sim.files import csv_file
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.studies import heeds
 from ocean_sim.studies.shared.case_run import ordered, problem_of
@@ -77,7 +77,7 @@ class Peer(NamedTuple):
 def peers() -> list[Peer]:
     """Those of validation/data/peers.csv."""
     text = (files("ocean_sim.validation") / "data" / "peers.csv").read_text(encoding="utf-8")
-    rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
+    rows = csv_file.records(text)
     return [Peer(row["case"], row["program"], int(row["particles"]), float(row["error"])) for row in rows]
 
 

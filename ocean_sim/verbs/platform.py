@@ -146,13 +146,13 @@ def table(path: Path, head: dict[str, Any], columns: Sequence[str], rows: Any) -
 def streamed(sender: datagrams.Sender, done: Commands, machine: Moving, frame: str) -> datagrams.Jitter:
     """Send every row at its time, and then the way back to neutral, also when a person stops it."""
     try:
-        for packet in datagrams.packets(done.table(), frame):
+        for packet in datagrams.packets(done, frame):
             sender.send(packet)
     finally:
         last = max(0, len(sender.sent) - 1)
         past = done.pose[[max(0, last - 1), last]]
         back = machine.settled(past, float(done.time[last]), int(done.seq[last]))
-        for packet in datagrams.packets(back.table(), frame):
+        for packet in datagrams.packets(back, frame):
             sender.send(packet)
         sender.close()
     return sender.jitter()

@@ -107,7 +107,7 @@ def record(run: Path) -> Path:
 def gauges(path: Path, begin: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Times (n,) [s] from `begin` on, and the heights (n,) [m] of each elevation gauge."""
     try:
-        table = csv_file.columns(path)
+        table = csv_file.numbers(path)
     except ValueError as error:
         raise console.Refused(str(error)) from None
     if "time_s" not in table:

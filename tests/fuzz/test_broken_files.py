@@ -175,13 +175,13 @@ def test_what_is_no_file_is_not_opened(name, why, tmp_path):
 
     os.mkfifo(tmp_path / "fifo")
     with pytest.raises(input_file.Unreadable, match=why):
-        csv_file.columns(tmp_path / name)
+        csv_file.numbers(tmp_path / name)
 
 
 def test_a_table_begins_with_a_byte_order_mark_or_not_and_has_even_rows(tmp_path):
     path = tmp_path / "t.csv"
     path.write_bytes(b"\xef\xbb\xbftime_s,x_m\n0,1\n1,2\n")
-    assert csv_file.columns(path)["time_s"].tolist() == [0.0, 1.0]
+    assert csv_file.numbers(path)["time_s"].tolist() == [0.0, 1.0]
     for content, why in {
         "time_s,x_m\n0,1\n1\n": "2 names and a row of 1, '1'",
         "time_s,time_s\n0,1\n": "two columns 'time_s'",
@@ -189,7 +189,7 @@ def test_a_table_begins_with_a_byte_order_mark_or_not_and_has_even_rows(tmp_path
     }.items():
         path.write_text(content)
         with pytest.raises(input_file.Unreadable, match=why):
-            csv_file.columns(path)
+            csv_file.numbers(path)
 
 
 def test_files_are_found_from_the_folder_of_the_scene(tmp_path, monkeypatch):

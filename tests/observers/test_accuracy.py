@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 import ocean_sim
+from ocean_sim.files.csv_file import columns
 from ocean_sim.observers import accuracy
-from ocean_sim.observers.shared.csv_rows import columns
 
 
 def test_sums_are_those_of_the_particles(tmp_path, watched):

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from ocean_sim.files.csv_file import columns
 from ocean_sim.observers import gauges
-from ocean_sim.observers.shared.csv_rows import columns
 
 
 @pytest.mark.parametrize("steps_of", [(0.01,), (0.013, 0.002, 0.031), (0.12,)])

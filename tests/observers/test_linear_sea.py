@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ocean_sim import waves
+from ocean_sim.files.csv_file import columns
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.observers import frames
-from ocean_sim.observers.shared.csv_rows import columns
 from ocean_sim.parts import PartConfig
 from ocean_sim.pictures.export import NothingToExport, export_run
 from ocean_sim.reading import composition, scene

@@ -3,7 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ocean_sim.observers.shared.csv_rows import CsvFile, columns
+from ocean_sim.files.csv_file import columns
+from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.observers.shared.sampled import Multiples, Sampled
 
 

@@ -2,8 +2,8 @@ from time import sleep
 
 import pytest
 
+from ocean_sim.files.csv_file import columns
 from ocean_sim.observers import timings
-from ocean_sim.observers.shared.csv_rows import columns
 
 
 def slow(simulation):

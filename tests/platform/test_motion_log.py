@@ -174,14 +174,4 @@ def test_a_worked_specific_force_as_the_log_tells_it(frame, felt):
 def test_a_ship_at_rest_feels_gravity_upward(tmp_path):
     ride = read(write(tmp_path / "still.csv", columns(1.0, heave=0.0, roll=0.0))).ride
     np.testing.assert_array_equal(ride.specific_force, np.tile([0.0, 0.0, G], (101, 1)))
-    assert ride_of(csv_file.columns(tmp_path / "still.csv"), "world").seq[-1] == 100
-
-
-def test_a_file_that_grows_is_read_row_by_row(tmp_path):
-    path = tmp_path / "grows.csv"
-    path.write_text("# frame: ned\na,b\n1,2\n3")
-    growing = csv_file.Growing(path)
-    assert growing.rows()["a"].tolist() == [1.0] and growing.head == {"frame": "ned"}
-    with path.open("a") as file:
-        file.write(",4\n5,6\n")
-    assert growing.rows()["b"].tolist() == [4.0, 6.0] and len(growing.rows()["a"]) == 0
+    assert ride_of(csv_file.numbers(tmp_path / "still.csv"), "world").seq[-1] == 100

@@ -1,15 +1,16 @@
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from ocean_sim.observers.shared.csv_rows import columns as read_columns
+from ocean_sim.files.csv_file import columns as read_columns
 from ocean_sim.platform import LEG_ACCELERATION, LEG_SPEED, SINGULAR, STROKE, Cue
 from ocean_sim.platform.hexapod import Config
 from ocean_sim.platform.shared.limits import Legs, Workspace, softened
 from ocean_sim.platform.shared.metrics import delay, dose, metrics, sickness_weighting
-from ocean_sim.platform.shared.motion_log import Ride, ride_of
-from tests.platform.conftest import G, columns, ride
+from ocean_sim.platform.shared.motion_log import Ride, read, ride_of
+from tests.platform.conftest import G, columns, ride, write
 
 DT = 0.01
 AXES = {  # a signed column for what is forward, to port and upward in each frame, and about them
@@ -240,28 +241,29 @@ def test_metrics_of_a_ride():
     assert delay(late, rows.rate[:, 0], DT) == pytest.approx(0.25, abs=0.011)
 
 
-def test_the_platform_beside_a_ship_is_the_one_of_the_command(tmp_path):
-    """A fake run writes motion.csv; the observer follows it as it grows."""
-    from types import SimpleNamespace
-
+@pytest.mark.parametrize("every", [1, 7, 1000])
+def test_the_platform_of_a_run_is_the_one_of_the_command(every, tmp_path):
+    """A fake run hands on the rows of its motion.csv; however many are answered at once, it is what `ocean-sim
+    platform` makes of the file."""
     from ocean_sim.observers import platform_log
-    from ocean_sim.observers.shared.csv_rows import CsvFile
+    from ocean_sim.observers.motion import COLUMNS, Motion
 
-    rows = columns(3.0)
-    motion = CsvFile(tmp_path / "motion.csv", {"frame": "world"}, list(rows))
-    scene = SimpleNamespace(seed=7, platform=Config(), observers={"motion": SimpleNamespace(every=DT)})
+    rows = dict.fromkeys(COLUMNS, np.zeros(301)) | columns(3.0)
+    scene = SimpleNamespace(seed=7, platform=Config(), observers={"motion": SimpleNamespace(every=DT, needs=())})
     simulation = SimpleNamespace(scene=scene)
     observer = platform_log.Config().build(tmp_path, simulation)
-    for k in range(len(rows["time_s"])):
-        motion.row([column[k] for column in rows.values()])
-        if k % 7 == 0:
+    simulation.observers = [observer]
+    motion = Motion.__new__(Motion)
+    motion.frame = "ship"
+    for k, row in enumerate(zip(*rows.values())):
+        motion.hand_on([row], simulation)
+        if k % every == 0:
             observer.observe(simulation)
-    motion.close()
     observer.close()
-    beside = read_columns(tmp_path / "platform.csv")
-    whole = Config().build(DT).follow(ride_of(read_columns(tmp_path / "motion.csv"), "world"))
-    assert len(beside["time_s"]) == 301 and beside["seq"][-1] == 300
-    np.testing.assert_allclose(np.column_stack([beside[f"leg{k}_m"] for k in range(1, 7)]), whole.legs, rtol=1e-8)
+    live = read_columns(tmp_path / "platform.csv")
+    later = Config().build(DT).follow(read(write(tmp_path / "motion.csv", rows)).ride)
+    assert len(live["time_s"]) == 301 and live["seq"][-1] == 300
+    np.testing.assert_allclose(np.column_stack([live[f"leg{k}_m"] for k in range(1, 7)]), later.legs, rtol=1e-8)
 
 
 @pytest.mark.parametrize(

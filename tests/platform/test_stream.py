@@ -7,8 +7,7 @@ import pytest
 from pydantic import ValidationError
 
 from ocean_sim.observers import stream
-from ocean_sim.observers.shared.csv_rows import CsvFile
-from ocean_sim.platform import COLUMNS
+from ocean_sim.platform import Commands, Cue
 from ocean_sim.platform.shared import datagrams
 from ocean_sim.platform.shared.datagrams import Packet, Sender, Smooth, address, packed, received, unpacked
 from tests.platform.conftest import Listener
@@ -159,14 +158,15 @@ def test_a_run_streams_what_its_platform_does(tmp_path, capsys):
     from ocean_sim.platform.hexapod import Config
 
     listener = Listener(130)
-    observers = {"motion": SimpleNamespace(every=0.01), "platform_log": None}
-    simulation = SimpleNamespace(scene=SimpleNamespace(platform=Config(ramp=1.0), observers=observers))
-    log = CsvFile(tmp_path / "platform.csv", {"frame": "flu"}, COLUMNS)
+    scene = SimpleNamespace(platform=Config(ramp=1.0), observers={"motion": SimpleNamespace(every=0.01)})
+    simulation = SimpleNamespace(scene=scene)
     observer = stream.Config(to=listener.url, frame="ned").build(tmp_path, simulation)
+    pose, still = np.array([[0.1, 0.2, 0.3, 0.01, 0.02, 0.03]]), np.zeros((1, 3))
+    cue = Cue(pose, np.zeros(1, dtype=int), still, still)
     for k in range(30):
-        log.row([k * 0.01, k, 0.1, 0.2, 0.3, 0.01, 0.02, 0.03, *[2.7] * 6, *[0.0] * 6, *[0.0] * 6, 1])
+        row = np.array([k * 0.01]), np.array([k]), pose, np.full((1, 6), 2.7), np.zeros((1, 6)), still, still
+        observer.take_commands(Commands(*row, np.ones(1, dtype=int), cue))
         observer.observe(simulation)
-    log.close()
     observer.close()
     seen = listener.packets()
     assert [told.seq for told in seen] == list(range(130)) and not any(seen[-1].pose) and seen[0].limited == 1

@@ -5,8 +5,8 @@ import hashlib
 import numpy as np
 import pytest
 
+from ocean_sim.files.csv_file import columns
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.observers.shared.csv_rows import columns
 from ocean_sim.pictures.export import export_run
 from ocean_sim.reading.scene import load, packaged_scenes
 from ocean_sim.result import run

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from ocean_sim.observers.shared.csv_rows import columns
+from ocean_sim.files.csv_file import columns
 from ocean_sim.parts import PACKAGE, library
 
 

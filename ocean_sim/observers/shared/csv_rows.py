@@ -1,6 +1,6 @@
-"""CSV files of a run: comment lines that say frame, axes, rate and seed, then columns with units in their names."""
+"""CSV files that a run writes: comment lines that say frame, axes, rate and seed, then columns with units in their
+names."""
 
-import csv
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -27,6 +27,11 @@ def text(value: object) -> str:
     return format(value, ".9g") if isinstance(value, float | np.floating) else str(value)
 
 
+def rounded(values: Iterable[object]) -> np.ndarray:
+    """(n,) the numbers that a row of a CSV shows, as whoever reads it finds them."""
+    return np.array([float(text(value)) for value in values])
+
+
 class CsvFile:
     """A growing table on disk: each row reaches the file whole, so a killed run leaves whole lines."""
 
@@ -42,17 +47,3 @@ class CsvFile:
 
     def close(self) -> None:
         self.file.close()
-
-
-def columns(path: Path) -> dict[str, np.ndarray]:
-    """The table of a CSV file by column: numbers as float64, words as strings."""
-    with path.open(encoding="utf-8") as file:
-        names, *rows = csv.reader(line for line in file if not line.startswith("#"))
-    whole = [row for row in rows if len(row) == len(names)]
-    table = {}
-    for name, values in zip(names, zip(*whole) if whole else [()] * len(names)):
-        try:
-            table[name] = np.array(values, dtype=np.float64)
-        except ValueError:
-            table[name] = np.array(values)
-    return table

@@ -19,6 +19,7 @@ from urllib.parse import urlsplit
 
 import numpy as np
 
+from ocean_sim.platform import Commands
 from ocean_sim.platform.shared.motion_log import AXES, signs
 
 MAGIC, VERSION = b"OSPF", 1
@@ -26,8 +27,6 @@ OURS = struct.Struct("<4sHHIId6d6d")
 THEIRS = struct.Struct("<5f")
 FORMATS = ("ocean_sim", "openmotionsim")
 FRAMES = ("flu", "ned", "ship")
-POSE = ("x_m", "y_m", "z_m", "roll_rad", "pitch_rad", "yaw_rad")
-LEGS = tuple(f"leg{k}_m" for k in range(1, 7))
 LOOPBACK = "127.0.0.1"
 SPIN = 0.0005  # [s] before its time for which a packet is waited for without sleeping
 
@@ -49,13 +48,12 @@ def in_frame(pose: np.ndarray, frame: str) -> np.ndarray:
     return np.hstack([pose[:, :3] @ AXES[frame].T, pose[:, 3:] * signs(frame)])
 
 
-def packets(table: dict[str, np.ndarray], frame: str) -> Iterator[Packet]:
-    """The rows of platform.csv, which are told along FLU, as packets in a frame."""
-    pose = np.column_stack([table[name] for name in POSE])
-    legs = np.column_stack([table[name] for name in LEGS])
-    rows = zip(table["seq"], table["time_s"], in_frame(pose, frame).tolist(), legs.tolist(), table["limited"])
-    for seq, moment, place, lengths, limited in rows:
-        yield Packet(int(seq), float(moment), frame, tuple(place), tuple(lengths), int(limited))
+def packets(rows: Commands, frame: str) -> Iterator[Packet]:
+    """Rows of platform.csv as packets whose poses are along the axes of a frame."""
+    pose = in_frame(rows.pose, frame).tolist()
+    columns = (rows.seq.tolist(), rows.time.tolist(), pose, rows.legs.tolist(), rows.limited.tolist())
+    for seq, moment, place, lengths, limited in zip(*columns):
+        yield Packet(seq, moment, frame, tuple(place), tuple(lengths), limited)
 
 
 def packed(packet: Packet, layout: str) -> bytes:

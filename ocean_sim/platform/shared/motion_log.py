@@ -8,7 +8,7 @@ import numpy as np
 
 from ocean_sim import conventions
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.files import input_file
+from ocean_sim.files import csv_file, input_file
 from ocean_sim.files.csv_file import described, twice
 
 MOTIONS = ("sway_m", "heave_m", "surge_m", "pitch_rad", "yaw_rad", "roll_rad")
@@ -49,6 +49,11 @@ class Ride(NamedTuple):
             yield Ride(*(column[k : k + CHUNK] for column in self))
 
 
+def joined(rides: Sequence[Ride]) -> Ride:
+    """Rows that follow each other, as one ride."""
+    return Ride(*(np.concatenate(column) for column in zip(*rides)))
+
+
 class MotionLog(NamedTuple):
     """A motion log that has been read: its head, its lines and what a platform needs of them."""
 
@@ -77,25 +82,22 @@ def ride_of(table: dict[str, np.ndarray], frame: str) -> Ride:
 def read(path: str | Path) -> MotionLog:
     """A whole motion log. Raises ValueError with the reason where it cannot be read, or is none."""
     path = Path(path)
-    every_line = input_file.text(path).splitlines()
-    comments = [line.removeprefix("#").partition(":") for line in every_line if line.startswith("#")]
-    head = {key.strip(): value.strip() for key, _, value in comments}
-    names, lines = heading(path, [line for line in every_line if line.strip() and not line.startswith("#")])
+    head, names, lines = csv_file.lines(input_file.text(path))
+    checked(path, names, lines)
     frame = head.get("frame", "ship")
     if frame not in FRAMES:
         raise ValueError(f"{path}: its head says frame {frame!r}; a frame is one of {', '.join(FRAMES)}")
-    table = numbers(path, names, lines, [name for name in (*REQUIRED, "seq") if name in names])
+    table = csv_file.finite(path, names, lines, [name for name in (*REQUIRED, "seq") if name in names])
     every = spacing(path, table)
     ride = ride_of(table, frame)
     believable(path, table, ride, frame)
     return MotionLog(head, "ship" if frame == "world" else frame, names, lines, every, ride)
 
 
-def heading(path: Path, lines: list[str]) -> tuple[list[str], list[str]]:
-    """Names of the columns, and the rows below them."""
-    if len(lines) < 3:
-        raise ValueError(f"{path} has {max(0, len(lines) - 1)} rows; a platform needs at least two")
-    names = [name.strip() for name in lines[0].split(",")]
+def checked(path: Path, names: list[str], lines: list[str]) -> None:
+    """Refuse a file without two whole rows of what a platform needs, each column once."""
+    if len(lines) < 2:
+        raise ValueError(f"{path} has {len(lines)} rows; a platform needs at least two")
     if (name := twice(names)) is not None:
         raise ValueError(f"{path} has two columns {described(name)}")
     missing = [name for name in REQUIRED if name not in names]
@@ -105,45 +107,10 @@ def heading(path: Path, lines: list[str]) -> tuple[list[str], list[str]]:
         other = [name for name in words if name.startswith(missing[0].removesuffix(unit) + "_")]
         said = f", but {other[0]}: its unit is another" if other else ""
         raise ValueError(f"{path} has no column {missing[0]}{said}")
-    uneven = next((k for k, line in enumerate(lines[1:], 1) if line.count(",") != len(names) - 1), None)
+    uneven = next((k for k, line in enumerate(lines) if line.count(",") != len(names) - 1), None)
     if uneven is not None:
-        raise ValueError(f"{path}: row {uneven} has {lines[uneven].count(',') + 1} cells under {len(names)} names")
-    return names, lines[1:]
-
-
-def numbers(path: Path, names: list[str], lines: list[str], wanted: Sequence[str]) -> dict[str, np.ndarray]:
-    """Some of the columns, by name."""
-    places = [names.index(name) for name in wanted]
-    try:
-        table = parsed(lines, places)
-    except ValueError:
-        row = unreadable(lines, places) or 0
-        cells = dict(zip(names, lines[row].split(",")))
-        name = next((name for name in wanted if unreadable([f"{cells[name]},"], [0]) == 0), wanted[0])
-        raise ValueError(f"{path}: {name} is {described(cells[name])} in row {row + 1}") from None
-    wrong = np.argwhere(~np.isfinite(table))
-    if len(wrong):
-        row, column = wrong[0]
-        raise ValueError(f"{path}: {wanted[column]} is {table[row, column]} in row {row + 1}")
-    return dict(zip(wanted, table.T))
-
-
-def parsed(lines: list[str], places: list[int]) -> np.ndarray:
-    """(n, columns) the numbers at some places of each line; raises ValueError."""
-    return np.loadtxt(lines, delimiter=",", usecols=places, comments=None, ndmin=2)
-
-
-def unreadable(lines: list[str], places: list[int]) -> int | None:
-    """Number of the first line that is no numbers at these places: the half that holds it, and again."""
-    try:
-        parsed(lines, places)
-    except ValueError:
-        if len(lines) == 1:
-            return 0
-        half = len(lines) // 2
-        first = unreadable(lines[:half], places)
-        return first if first is not None else half + (unreadable(lines[half:], places) or 0)
-    return None
+        count = lines[uneven].count(",") + 1
+        raise ValueError(f"{path}: row {uneven + 1} has {count} cells under {len(names)} names")
 
 
 def spacing(path: Path, table: dict[str, np.ndarray]) -> float:
@@ -263,7 +230,7 @@ def convertible(path: Path, log: MotionLog) -> None:
     missing = next((name for name in wanted if name not in log.names), None)
     if missing is not None:
         raise ValueError(f"{path} has no column {missing}; without it a vector cannot be told in other axes")
-    numbers(path, log.names, log.lines, wanted)
+    csv_file.finite(path, log.names, log.lines, wanted)
 
 
 def sideways(names: list[str]) -> list[str]:

@@ -83,7 +83,7 @@ class Track(PartConfig):
     @field_validator("file")
     @classmethod
     def _readable(cls, file: str) -> str:
-        found = csv_file.columns(file)
+        found = csv_file.numbers(file)
         missing = [name for name in COLUMNS if name not in found]
         if missing:
             raise ValueError(f"{shown(file)} has no column {', '.join(missing)}")
@@ -143,7 +143,7 @@ class Crew:
         self.course = controls.autopilot if isinstance(controls, Autopilot) else None
         self.time, self.throttle, self.rudder = np.zeros(1), np.zeros(1), np.zeros(1)
         if isinstance(controls, Track):
-            table = csv_file.columns(controls.file)
+            table = csv_file.numbers(controls.file)
             self.time, self.throttle, self.rudder = (table[name] for name in COLUMNS)
         elif isinstance(controls, list) and controls:
             rows = np.array([[row.time, row.throttle, row.rudder] for row in controls])

@@ -41,7 +41,7 @@ class Radiation:
     """
 
     def __init__(self, file: str) -> None:
-        table = csv_file.columns(file)
+        table = csv_file.numbers(file)
         self.numbers = [k for k, motion in enumerate(Motions._fields) if f"{motion}_added_{ADDED[motion]}" in table]
         names = [Motions._fields[k] for k in self.numbers]
         columns = [FREQUENCY, *(f"{name}_{what}" for name in names for what in self.of(name))]

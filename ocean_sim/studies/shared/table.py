@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from ocean_sim.files import csv_file, input_file
 from ocean_sim.files.whole_file import whole
 
 
@@ -23,8 +24,7 @@ def write(path: Path, rows: list[dict[str, Any]]) -> None:
 
 def read(path: Path) -> list[dict[str, Any]]:
     """The rows of such a file; what is empty is None."""
-    with path.open(encoding="utf-8", newline="") as file:
-        return [{key: value(text) for key, text in row.items()} for row in csv.DictReader(file)]
+    return [{key: value(text) for key, text in row.items()} for row in csv_file.records(input_file.text(path))]
 
 
 def value(text: str) -> Any:

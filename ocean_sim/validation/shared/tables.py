@@ -4,6 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ocean_sim.files import csv_file
+
 
 def place(name: str) -> Path:
     """The file of a table."""
@@ -12,6 +14,4 @@ def place(name: str) -> Path:
 
 def table(name: str) -> dict[str, np.ndarray]:
     """The columns of data/<name>.csv."""
-    text = place(name).read_text(encoding="utf-8")
-    names, *rows = [line.split(",") for line in text.splitlines() if line and not line.startswith("#")]
-    return {column: np.array(values, dtype=float) for column, values in zip(names, zip(*rows))}
+    return csv_file.numbers(place(name))

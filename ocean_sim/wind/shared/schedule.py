@@ -108,7 +108,7 @@ class Scheduled(Timed):
         if self.schedule is None:
             return None
         if isinstance(self.schedule, File):
-            found, names = csv_file.columns(self.schedule.file), ("time_s", "speed_m_s", "heading_deg")
+            found, names = csv_file.numbers(self.schedule.file), ("time_s", "speed_m_s", "heading_deg")
             missing = [name for name in names if name not in found]
             if missing:
                 raise ValueError(f"{shown(self.schedule.file)} has no column {' and no column '.join(missing)}")

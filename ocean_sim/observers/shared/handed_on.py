@@ -1,0 +1,33 @@
+"""What one observer hands to another while a run goes on: rows in memory, as the files show them.
+
+Who takes rows says so by its base class, so observers need not know one another, and their order does not matter.
+"""
+
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    from ocean_sim.platform import Commands
+    from ocean_sim.platform.shared.motion_log import Ride
+    from ocean_sim.simulation import Simulation
+
+
+class TakesMotion:
+    """An observer that is handed the rows of motion.csv, each once, in the order of time."""
+
+    def take_motion(self, rows: "Ride") -> None:
+        raise NotImplementedError
+
+
+class TakesCommands:
+    """An observer that is handed the rows of platform.csv, each once, in the order of time."""
+
+    def take_commands(self, rows: "Commands") -> None:
+        raise NotImplementedError
+
+
+Taker = TypeVar("Taker", TakesMotion, TakesCommands)
+
+
+def takers(simulation: "Simulation", kind: type[Taker]) -> list[Taker]:
+    """The observers of a run that take such rows."""
+    return [observer for observer in simulation.observers if isinstance(observer, kind)]

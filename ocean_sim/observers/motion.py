@@ -58,7 +58,7 @@ class Config(ObserverConfig):
         """What contradicts the other parts of the scene: (path below `motion`, sentence)."""
         ship = parts.get("ship")
         if ship is None:
-            return [((), "there is no ship whose motion could be told")]
+            return [((), "there is no ship whose motion could be logged")]
         if self.point is not None and self.point not in ship.points:
             there = f"there are {', '.join(ship.points)}" if ship.points else "it names none"
             return [(("point",), f"the ship has no point {self.point!r}; {there}")]
@@ -78,7 +78,7 @@ class Motion:
         self.sampled, self.gravity = Sampled(config.every), np.array(simulation.basin.gravity)
         self.number = 0
         self.before: np.ndarray | None = None
-        told = heading(
+        head = heading(
             simulation,
             f"every {config.every:g} s, linear between steps",
             rates_and_specific_force=f"body axes, gravity included, felt at {config.point or 'the centre of mass'}",
@@ -86,8 +86,8 @@ class Motion:
             forces="world axes, torques about the centre of mass, of the step that ended",
             damping="what the water that moves along does back is part of damping",
         )
-        told |= {"frame": config.frame, "axes": AXES[config.frame]}
-        self.csv = CsvFile(folder / "motion.csv", told, COLUMNS)
+        head |= {"frame": config.frame, "axes": AXES[config.frame]}
+        self.csv = CsvFile(folder / "motion.csv", head, COLUMNS)
 
     def observe(self, simulation: "Simulation") -> None:
         rows: list[list[float]] = []

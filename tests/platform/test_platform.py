@@ -247,12 +247,21 @@ def test_the_platform_of_a_run_is_the_one_of_the_command(every, tmp_path):
     platform` makes of the file."""
     from ocean_sim.observers import platform_log
     from ocean_sim.observers.motion import COLUMNS, Motion
+    from ocean_sim.observers.shared.handed_on import TakesCommands
+
+    class Taker(TakesCommands):
+        def __init__(self):
+            self.taken = []
+
+        def take_commands(self, rows):
+            self.taken += rows.rows()
 
     rows = dict.fromkeys(COLUMNS, np.zeros(301)) | columns(3.0)
     scene = SimpleNamespace(seed=7, platform=Config(), observers={"motion": SimpleNamespace(every=DT, needs=())})
     simulation = SimpleNamespace(scene=scene)
     observer = platform_log.Config().build(tmp_path, simulation)
-    simulation.observers = [observer]
+    taker = Taker()
+    simulation.observers = [taker, observer]
     motion = Motion.__new__(Motion)
     motion.frame = "ship"
     for k, row in enumerate(zip(*rows.values())):
@@ -263,6 +272,7 @@ def test_the_platform_of_a_run_is_the_one_of_the_command(every, tmp_path):
     live = read_columns(tmp_path / "platform.csv")
     later = Config().build(DT).follow(read(write(tmp_path / "motion.csv", rows)).ride)
     assert len(live["time_s"]) == 301 and live["seq"][-1] == 300
+    np.testing.assert_allclose(np.array(taker.taken), np.column_stack(list(live.values())), rtol=1e-8)
     np.testing.assert_allclose(np.column_stack([live[f"leg{k}_m"] for k in range(1, 7)]), later.legs, rtol=1e-8)
 
 

@@ -54,13 +54,13 @@ class Result:
 
 
 def run(
-    scene: SceneConfig | str | Path | dict[str, Any], out: str | Path, watchers: tuple[Observer, ...] = ()
+    scene: SceneConfig | str | Path | dict[str, Any], out: str | Path, observers: tuple[Observer, ...] = ()
 ) -> Result:
-    """Simulate a scene and write its run folder; `watchers` are observers beyond those that the scene names."""
+    """Simulate a scene and write its run folder; `observers`: beyond those that the scene names."""
     config = scene if isinstance(scene, SceneConfig) else load(scene)
     folder = Path(out)
     folder.mkdir(parents=True, exist_ok=True)
     with Simulation(config, folder) as simulation:
-        simulation.observers.extend(watchers)
+        simulation.observers.extend(observers)
         simulation.run(config.duration)
     return Result(folder)

@@ -12,7 +12,7 @@ from ocean_sim.runtime import cache_directory
 
 def kept(folder: str, content: bytes, made: Callable[[], dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
     """What `made` returns, from the cache where it was made of the same content before; a cache that cannot be
-    written is no failure."""
+    written is not a failure."""
     path = cache_directory() / folder / f"{hashlib.sha256(content).hexdigest()}.npz"
     try:
         return input_file.arrays(path)
@@ -20,9 +20,9 @@ def kept(folder: str, content: bytes, made: Callable[[], dict[str, np.ndarray]])
         arrays = made()
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        beside = path.with_suffix(f".{os.getpid()}.npz")
-        np.savez(beside, **arrays)  # type: ignore[arg-type]
-        os.replace(beside, path)
+        unfinished = path.with_suffix(f".{os.getpid()}.npz")
+        np.savez(unfinished, **arrays)  # type: ignore[arg-type]
+        os.replace(unfinished, path)
     except OSError:
         pass
     return arrays

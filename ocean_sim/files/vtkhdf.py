@@ -20,8 +20,8 @@ class Series:
         """`topology`: what the cells are, one of TOPOLOGIES."""
         import h5py
 
-        self.path, self.beside, self.topology = path, path.with_name(f".{path.name}.tmp"), topology
-        self.file = h5py.File(self.beside, "w")
+        self.path, self.unfinished, self.topology = path, path.with_name(f".{path.name}.tmp"), topology
+        self.file = h5py.File(self.unfinished, "w")
         self.root = self.file.create_group("VTKHDF")
         self.root.attrs["Version"] = np.array([2, 2])
         self.root.attrs.create("Type", b"PolyData", dtype=h5py.string_dtype("ascii", len("PolyData")))
@@ -82,7 +82,7 @@ class Series:
         for name in self.fields:
             group[f"PointDataOffsets/{name}"] = np.array(self.steps["PointOffsets"])
         self.file.close()
-        os.replace(self.beside, self.path)
+        os.replace(self.unfinished, self.path)
 
     def __enter__(self) -> "Series":
         return self
@@ -92,4 +92,4 @@ class Series:
             self.close()
         else:
             self.file.close()
-            self.beside.unlink()
+            self.unfinished.unlink()

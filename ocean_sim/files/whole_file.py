@@ -8,11 +8,11 @@ from pathlib import Path
 
 @contextmanager
 def whole(path: Path) -> Iterator[Path]:
-    """A file beside `path`, of the same suffix, to be written; it takes the place of `path` once that is done, and goes
-    where it fails."""
-    beside = path.with_name(f".{path.stem}.tmp{path.suffix}")
+    """A file next to `path`, of the same suffix, to be written: renamed to `path` once that is done, removed where it
+    fails."""
+    unfinished = path.with_name(f".{path.stem}.tmp{path.suffix}")
     try:
-        yield beside
-        os.replace(beside, path)
+        yield unfinished
+        os.replace(unfinished, path)
     finally:
-        beside.unlink(missing_ok=True)
+        unfinished.unlink(missing_ok=True)

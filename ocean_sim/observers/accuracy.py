@@ -1,4 +1,4 @@
-"""How well the water keeps what water keeps: density, energy, momentum, and which force gave and took what."""
+"""How well the water conserves density, energy and momentum, and which force gave and took how much."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
@@ -50,7 +50,7 @@ class Config(PeriodicConfig):
 
 class Accuracy(Observer):
     """accuracy.csv: errors and balances of the whole water, summed in float64; of water without particles there is
-    only the time step to tell."""
+    only the time step."""
 
     energy_at_start: float | None
 
@@ -63,7 +63,7 @@ class Accuracy(Observer):
         self.surface = SurfaceFit(simulation) if simulation.surface is not None else None
         self.outer: list[str] = []  # forces that give and take energy
         self.solvers: tuple[str, ...] = ()  # of a scheme that iterates
-        told: dict[str, object] = {}
+        meaning: dict[str, object] = {}
         if simulation.fluid.particles is not None:
             fluid = simulation.fluid
             self.pushing = [term for term in TERMS if term in fluid.impulse]
@@ -74,28 +74,28 @@ class Accuracy(Observer):
             self.solvers = tuple(getattr(fluid, "solvers", {}))
             between = BETWEEN_ENERGIES[: 1 if self.solvers else 2]  # what is not compressed stores nothing
             self.outer = [term for term in self.working if term not in between]
-            told = self.told() | (self.surface.told if self.surface else {})
+            meaning = self.meaning() | (self.surface.meaning if self.surface else {})
         self.csv = CsvFile(
             folder / "accuracy.csv",
-            heading(simulation, f"every {config.every:g} s, linear between steps", **told),
+            heading(simulation, f"every {config.every:g} s, linear between steps", **meaning),
             [
                 "time_s",
-                *(COLUMNS if told else ()),
+                *(COLUMNS if meaning else ()),
                 *(f"impulse_{term}_{axis}_Ns" for term in self.pushing for axis in "xyz"),
                 *(f"work_{term}_J" for term in self.working),
                 *(self.surface.columns if self.surface else ()),
-                *(("outside", "clipped") if told else ()),
+                *(("outside", "clipped") if meaning else ()),
                 *(f"{solver}_{what}" for solver in self.solvers for what in SOLVED),
                 "time_step_s",
                 "limited_by",
             ],
         )
 
-    def told(self) -> dict[str, object]:
+    def meaning(self) -> dict[str, object]:
         """What the columns mean."""
         given = " + ".join(f"work_{term}" for term in self.outer) or "0"
         if self.driven:
-            given += " + (work_gravity + potential energy gained), the work of what is no potential"
+            given += " + (work_gravity + potential energy gained), the work of forces that have no potential"
         means: dict[str, object] = {
             "compression": "max(density / rest density - 1, 0)",
             "surface_deficit": "max(1 - density / rest density, 0): particles near the surface miss neighbours",
@@ -163,9 +163,9 @@ class Accuracy(Observer):
             for name in self.solvers:
                 s = fluid.solvers[name]
                 counts += (s.iterations, s.last_iterations, s.last_error, s.error, s.unsolved)
-        held = (*counts, float(simulation.next_dt), simulation.time_step.limited_by)
-        for time, row, told in self.sampled.rows(simulation.time, np.array(values), held):
-            self.csv.row([time, *row, *told])
+        unsampled = (*counts, float(simulation.next_dt), simulation.time_step.limited_by)
+        for time, row, held in self.sampled.rows(simulation.time, np.array(values), unsampled):
+            self.csv.row([time, *row, *held])
 
     def close(self) -> None:
         self.csv.close()

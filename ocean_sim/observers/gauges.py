@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
-Place = Annotated[tuple[float, ...], Field(strict=False, min_length=1, max_length=2)]
+Column = Annotated[tuple[float, ...], Field(strict=False, min_length=1, max_length=2)]
 Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 
 
@@ -25,7 +25,7 @@ class Config(PeriodicConfig):
     turn: ClassVar[int] = -1
     leaves: ClassVar[str] = "gauges.csv"
     takes: ClassVar[tuple[float, float]] = (3.4e-4, 4.3e-9)
-    elevation: dict[Name, Place] = {}
+    elevation: dict[Name, Column] = {}
     """Height of the water at points [x, z] in metres; in a slice [x]."""
     pressure: dict[Name, Point] = {}
     """Pressure of the water at points [x, y, z] in metres, also on bed and walls; in a slice [x, y]; 0 where dry."""
@@ -79,21 +79,21 @@ class Gauges(Observer):
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
         self.every = config.every
-        self.places = np.array([(*place, 0.0)[:2] for place in config.elevation.values()]).reshape(-1, 2)  # x, z [m]
+        self.columns = np.array([(*point, 0.0)[:2] for point in config.elevation.values()]).reshape(-1, 2)  # x, z [m]
         self.points = np.array([(*point, 0.0)[:3] for point in config.pressure.values()]).reshape(-1, 3)  # [m]
         self.sampled = Sampled(config.every)
-        told = {f"{name}_m": f"elevation at {list(place)} m" for name, place in config.elevation.items()}
-        told |= {f"{name}_Pa": f"pressure at {list(point)} m" for name, point in config.pressure.items()}
+        meaning = {f"{name}_m": f"elevation at {list(point)} m" for name, point in config.elevation.items()}
+        meaning |= {f"{name}_Pa": f"pressure at {list(point)} m" for name, point in config.pressure.items()}
         self.csv = CsvFile(
             folder / "gauges.csv",
-            heading(simulation, f"every {config.every:g} s, linear between steps", **told),
-            ["time_s", *told],
+            heading(simulation, f"every {config.every:g} s, linear between steps", **meaning),
+            ["time_s", *meaning],
         )
 
     def observe(self, simulation: "Simulation") -> None:
         fluid, parts = simulation.fluid, []
-        if len(self.places):
-            parts.append(fluid.elevations(self.places))
+        if len(self.columns):
+            parts.append(fluid.elevations(self.columns))
         if len(self.points):
             parts.append(fluid.pressures(self.points))
         for time, values, _ in self.sampled.rows(simulation.time, np.concatenate(parts)):

@@ -84,7 +84,7 @@ class Motion(Observer):
         self.sampled, self.gravity = Sampled(config.every), np.array(simulation.basin.gravity)
         self.number = 0
         self.before = None
-        told = heading(
+        head = heading(
             simulation,
             f"every {config.every:g} s, linear between steps",
             rates_and_specific_force=f"body axes, gravity included, felt at {config.point or 'the centre of mass'}",
@@ -92,9 +92,9 @@ class Motion(Observer):
             forces="world axes, torques about the centre of mass, of the step that ended",
             damping="what the water that moves along does back is part of damping",
         )
-        told |= {"frame": config.frame, "axes": AXES[config.frame]}
+        head |= {"frame": config.frame, "axes": AXES[config.frame]}
         self.columns = columns(ship.parts)
-        self.csv = CsvFile(folder / "motion.csv", told, self.columns)
+        self.csv = CsvFile(folder / "motion.csv", head, self.columns)
 
     def observe(self, simulation: "Simulation") -> None:
         rows: list[list[float]] = []

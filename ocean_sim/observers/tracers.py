@@ -84,8 +84,8 @@ class Tracers(Observer):
         self.around = np.zeros((len(self.names), 3))  # [m] by which paths have gone on beyond periodic sides
         columns = [f"p{name}_{what}_{unit}" for name in self.names for what, unit in UNITS.items()]
         rate = f"every {config.every:g} s, linear between steps"
-        told = heading(simulation, rate, depth=f"{simulation.basin.depth:.9g} m", still_surface="y = 0")
-        self.csv = CsvFile(folder / "tracers.csv", told, ["time_s", *columns])
+        head = heading(simulation, rate, depth=f"{simulation.basin.depth:.9g} m", still_surface="y = 0")
+        self.csv = CsvFile(folder / "tracers.csv", head, ["time_s", *columns])
 
     def observe(self, simulation: "Simulation") -> None:
         particles = simulation.fluid.particles

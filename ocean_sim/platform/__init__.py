@@ -69,6 +69,17 @@ class Washout(Protocol):
     def follow(self, ride: Ride) -> Cue: ...
 
 
+class WashoutConfig(Protocol):
+    """The Config of a washout: a module of platform/washout/ has one, with its kind's name as `kind`."""
+
+    @property
+    def kind(self) -> str: ...
+
+    def build(self, every: float, travel: np.ndarray) -> Washout:
+        """`every`: time between rows [s]; `travel` (3, 2): lowest and highest x, y, z that can be reached [m]."""
+        ...
+
+
 class Platform(Protocol):
     """A washout and the machine under it."""
 

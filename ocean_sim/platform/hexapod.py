@@ -4,7 +4,7 @@ from functools import reduce
 from importlib import import_module
 from operator import or_
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 
 import numpy as np
 from pydantic import Field, field_validator
@@ -13,7 +13,7 @@ from ocean_sim.conventions import GRAVITY
 from ocean_sim.files import yaml_file
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, PlatformConfig, Preflight, library, named
-from ocean_sim.platform import SINGULAR, Commands, Cue, Washout
+from ocean_sim.platform import SINGULAR, Commands, Cue, WashoutConfig
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, rates_to_turn, rotation
 from ocean_sim.platform.shared.limits import SAME, Legs, Workspace
 from ocean_sim.platform.shared.motion_log import Ride
@@ -21,10 +21,13 @@ from ocean_sim.platform.shared.motion_log import Ride
 if TYPE_CHECKING:
     pass
 
-# A washout is one file, `_washout_<kind>.py`: a Config with its `kind`, that builds what follows a ride.
+# A washout is one file, washout/<kind>.py: a Config with its `kind`, which builds what follows a ride.
 WASHOUTS = sorted(path.stem for path in (Path(__file__).parent / "washout").glob("[!_]*.py"))
-GLIDE = 0.15  # [s] in which a platform that is told to stop loses its speed
-AnyWashout: Any = reduce(or_, [import_module(f"ocean_sim.platform.washout.{name}").Config for name in WASHOUTS])
+GLIDE = 0.15  # [s] in which a platform that is to stop loses its speed
+CONFIGS = [import_module(f"ocean_sim.platform.washout.{name}").Config for name in WASHOUTS]
+AnyWashout: Any = reduce(or_, CONFIGS)
+if len(CONFIGS) > 1:  # pydantic tells one from another by its kind, and needs two for that
+    AnyWashout = Annotated[AnyWashout, Field(discriminator="kind")]
 
 
 class Config(PlatformConfig):
@@ -66,12 +69,11 @@ class Moving:
     """The platform in motion: rows in, commands out, as many at once as there are."""
 
     def __init__(self, config: Config, every: float) -> None:
-        geometry: Any = config.geometry
-        washout: Any = config.washout
+        geometry, washout = cast(Geometry, config.geometry), cast(WashoutConfig, config.washout)  # no names any more
         self.every, self.ramp, self.geometry = every, config.ramp, geometry
         self.hexapod = Hexapod(geometry)
         self.workspace = Workspace(self.hexapod)
-        self.washout: Washout = washout.build(every, self.workspace.ends[:3])
+        self.washout = washout.build(every, self.workspace.ends[:3])
         self.legs = Legs(geometry, every, self.hexapod.neutral_legs)
         self.start: float | None = None  # [s]
         self.past = np.zeros((2, 6))  # the last two poses
@@ -88,11 +90,11 @@ class Moving:
         return Commands(ride.time, ride.seq, pose, legs, velocity, force, rate, limited, cue)
 
     def stood(self, pose: np.ndarray, legs: np.ndarray, late: np.ndarray) -> np.ndarray:
-        """(n,) which limits are told of poses, after those of late legs are put where the legs are."""
+        """(n,) which limits acted on poses, after those of late legs are put where the legs are."""
         limited = np.zeros(len(pose), dtype=int)
         if late.any():
             found = self.hexapod.pose(legs[late], pose[late])
-            lost = np.isnan(found)  # legs that no pose near has: the one that was wanted is told
+            lost = np.isnan(found)  # legs that no pose near has: the one that was wanted stays
             pose[late] = np.where(lost, pose[late], found)
             limited[late] = np.where(lost.any(axis=1), SINGULAR, 0)
         return limited

@@ -34,7 +34,7 @@ def platform(
     out: Path,
     as_json: bool,
 ) -> None:
-    """Follow a log and tell; everything is computed before anything is written."""
+    """Follow a log and report; everything is computed before anything is written."""
     for what, name, known in (("frame", frame or "flu", AXES), ("packets", packets, datagrams.FORMATS)):
         if name not in known:
             raise console.Refused(f"--{what}: there is no {name!r}{choice_sentence(name, known)[0]}")
@@ -68,7 +68,7 @@ def configured(geometry: str, washout: str) -> Config:
 
 
 def chosen(what: str, name: str) -> Node:
-    """What a name in configs/<what>/, or a file, says."""
+    """What a name in configs/<what>/, or a file, stands for."""
     if name in named(what):
         return read(library("configs") / what / f"{name}.yaml")
     if Path(name).suffix in (".yaml", ".yml"):
@@ -86,7 +86,7 @@ def opened(stream: str, packets: str) -> datagrams.Sender:
 
 
 def opened_log(log: Path, frame: str | None) -> MotionLog:
-    """A motion log, or the one in a run folder, that can be told in this frame; raises Refused."""
+    """A motion log, or the one in a run folder, that can be converted to this frame; raises Refused."""
     path = log / "motion.csv" if log.is_dir() else log
     try:
         found = motion_log.read(path)
@@ -105,7 +105,7 @@ def joined(parts: Sequence[Commands]) -> Commands:
 
 
 def turned(done: Commands, frame: str) -> Commands:
-    """Commands told along the axes of another frame."""
+    """Commands along the axes of another frame."""
     force, rate = done.felt_force @ AXES[frame].T, done.felt_rate @ AXES[frame].T
     return done._replace(pose=datagrams.in_frame(done.pose, frame), felt_force=force, felt_rate=rate)
 
@@ -120,7 +120,7 @@ def written(
     frame: str | None,
     film: bool,
 ) -> list[Path]:
-    """Every file, made beside its place and moved there when all are whole."""
+    """Every file, made in a folder of its own and moved out of it when all are whole."""
     out.mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory(prefix=".platform-", dir=out) as name:
         folder = Path(name)
@@ -129,8 +129,8 @@ def written(
         rows = [[metric.quantity, metric.value, metric.unit] for metric in found]
         table(folder / "metrics.csv", {}, ("quantity", "value", "unit"), rows)
         if frame is not None:
-            told = log.head | {"frame": frame, "axes": motion_log.AXES_IN_WORDS[frame]}
-            table(folder / f"motion_{frame}.csv", told, log.names, motion_log.converted(log, frame))
+            changed = log.head | {"frame": frame, "axes": motion_log.AXES_IN_WORDS[frame]}
+            table(folder / f"motion_{frame}.csv", changed, log.names, motion_log.converted(log, frame))
         pictures.draw(folder, done, config, machine, film)
         return [path.replace(out / path.name) for path in sorted(folder.iterdir())]
 

@@ -115,7 +115,7 @@ def test_a_geometry_that_cannot_be_assembled_is_refused(wrong, sentence):
 @pytest.mark.parametrize(
     "wrong, sentence",
     [
-        ({"platform": [[0.0, 0.0, 0.0]] * 6}, "all joints of its platform are at the point whose pose is told"),
+        ({"platform": [[0.0, 0.0, 0.0]] * 6}, "all joints of its platform are at the point whose pose is given"),
         ({"platform": [[0.5, 0.0, 0.0]] * 6}, "its neutral pose is singular"),
         ({"platform": [[1e160, 0.0, 0.0], *HEX_A["platform"][1:]]}, "it cannot be assembled"),
     ],

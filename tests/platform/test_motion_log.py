@@ -106,13 +106,13 @@ def test_a_log_is_the_same_ride_in_every_frame(log, tmp_path):
         np.testing.assert_allclose(back, [[float(cell) for cell in line.split(",")] for line in whole.lines], atol=1e-8)
 
 
-def test_a_log_whose_vectors_are_not_whole_is_told_in_no_other_axes(tmp_path):
+def test_a_log_whose_vectors_are_not_whole_is_not_converted(tmp_path):
     table = columns(1.0)
     convertible(Path("a.csv"), read(write(tmp_path / "whole.csv", table)))
     alone = {name: column for name, column in table.items() if name != "force_buoyancy_y_N"}
     words = table | {"force_buoyancy_z_N": ["none"] * 101}
     for name, wrong, sentence in (
-        ("alone.csv", alone, "has no column force_buoyancy_y_N; without it a vector cannot be told in other axes"),
+        ("alone.csv", alone, "has no column force_buoyancy_y_N; without it a vector cannot be converted to other axes"),
         ("words.csv", words, "force_buoyancy_z_N is 'none' in row 1"),
     ):
         path = tmp_path / name

@@ -5,11 +5,13 @@ import numpy as np
 import pytest
 
 from ocean_sim.files.csv_file import columns as read_columns
+from ocean_sim.parts import Preflight
 from ocean_sim.platform import LEG_ACCELERATION, LEG_SPEED, SINGULAR, STROKE, Cue
 from ocean_sim.platform.hexapod import Config
 from ocean_sim.platform.shared.limits import Legs, Workspace, softened
 from ocean_sim.platform.shared.metrics import delay, dose, metrics, sickness_weighting
 from ocean_sim.platform.shared.motion_log import Ride, read, ride_of
+from ocean_sim.ship import PARTS
 from tests.platform.conftest import G, columns, ride, write
 
 DT = 0.01
@@ -245,16 +247,28 @@ def test_metrics_of_a_ride():
 def test_the_platform_of_a_run_is_the_one_of_the_command(every, tmp_path):
     """A fake run hands on the rows of its motion.csv; however many are answered at once, it is what `ocean-sim
     platform` makes of the file."""
+    from ocean_sim.basin import Config as BasinConfig
+    from ocean_sim.observers import motion as motion_log
     from ocean_sim.observers import platform_log
-    from ocean_sim.observers.motion import COLUMNS, Motion
+    from ocean_sim.observers.shared.handed_on import TakesCommands
 
-    rows = dict.fromkeys(COLUMNS, np.zeros(301)) | columns(3.0)
-    scene = SimpleNamespace(seed=7, platform=Config(), observers={"motion": SimpleNamespace(every=DT, needs=())})
+    class Taker(TakesCommands):
+        def __init__(self):
+            self.taken = []
+
+        def take_commands(self, rows):
+            self.taken += rows.rows()
+
+    rows = dict.fromkeys(motion_log.columns(PARTS), np.zeros(301)) | columns(3.0)
+    observers = {"motion": motion_log.Config(every=DT)}
+    preflight = Preflight(observers, BasinConfig(length=9.0, width=9.0, depth=2.0).build(), 4, 3.0)
+    scene = SimpleNamespace(seed=7, platform=Config(), observers=observers, preflight=preflight)
     simulation = SimpleNamespace(scene=scene)
     observer = platform_log.Config().build(tmp_path, simulation)
-    simulation.observers = [observer]
-    motion = Motion.__new__(Motion)
-    motion.frame = "ship"
+    taker = Taker()
+    simulation.observers = [taker, observer]
+    motion = motion_log.Motion.__new__(motion_log.Motion)
+    motion.frame, motion.columns = "ship", motion_log.columns(PARTS)
     for k, row in enumerate(zip(*rows.values())):
         motion.hand_on([row], simulation)
         if k % every == 0:
@@ -263,6 +277,7 @@ def test_the_platform_of_a_run_is_the_one_of_the_command(every, tmp_path):
     live = read_columns(tmp_path / "platform.csv")
     later = Config().build(DT).follow(read(write(tmp_path / "motion.csv", rows)).ride)
     assert len(live["time_s"]) == 301 and live["seq"][-1] == 300
+    np.testing.assert_allclose(np.array(taker.taken), np.column_stack(list(live.values())), rtol=1e-8)
     np.testing.assert_allclose(np.column_stack([live[f"leg{k}_m"] for k in range(1, 7)]), later.legs, rtol=1e-8)
 
 

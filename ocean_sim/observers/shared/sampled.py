@@ -36,7 +36,7 @@ class Sample(NamedTuple):
 
 
 class Sampled:
-    """A vector that is seen after some steps and told at multiples of `every`.
+    """A vector that is known after some steps and sampled at multiples of `every`.
 
     A run calls its observers with the last state before and the first state after each multiple; a straight line
     between the two is second-order in the time step. Names and counts have no in-between: they are held from the

@@ -1,4 +1,5 @@
-"""How well a surface fits the particles under it: its distance from the highest of them, and what it says of itself."""
+"""How well a surface fits the particles under it: its distance from the highest of them, and what it
+measures of itself."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,7 @@ if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
 COLUMN = 2.0  # [spacings] least width of a column in which the highest particle is looked for
-TOLD = {
+MEANING = {
     "surface_offset": "mean height of the surface over the highest particle of every column two spacings wide, half a "
     "spacing above its centre; spray counts",
     "surface_fit": "root of the mean square of the same",
@@ -36,11 +37,11 @@ def fit(surface: Any, top: np.ndarray) -> tuple[float, float]:
 
 
 class SurfaceFit:
-    """Numbers of a row of accuracy.csv: the fit, and what the surface says of itself."""
+    """Numbers of a row of accuracy.csv: the fit, and what the surface measures of itself."""
 
     def __init__(self, simulation: "Simulation") -> None:
         surface: Any = simulation.surface
-        self.told = TOLD | {name.rsplit("_m", 1)[0]: said for name, said in surface.measured.items()}
+        self.meaning = MEANING | {name.rsplit("_m", 1)[0]: meaning for name, meaning in surface.measured.items()}
         self.columns = ["surface_offset_m", "surface_fit_m", *surface.measured]
 
     def values(self, simulation: "Simulation") -> list[float]:

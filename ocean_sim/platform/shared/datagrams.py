@@ -6,7 +6,8 @@ uint32 sequence number, uint32 what was limited, float64 time [s], 6 float64 x, 
 
 `openmotionsim`, 20 bytes, little-endian: 5 float32 time [s], yaw, pitch, roll [degrees], height [m].
 
-`python -m ocean_sim.platform.shared.datagrams udp://127.0.0.1:5005` receives and tells what comes.
+`python -m ocean_sim.platform.shared.datagrams udp://127.0.0.1:5005` receives packets and
+prints what comes.
 """
 
 import socket
@@ -43,17 +44,17 @@ class Packet(NamedTuple):
 
 
 def in_frame(pose: np.ndarray, frame: str) -> np.ndarray:
-    """(n, 6) poses along FLU, told along the axes of another frame: x, y, z along them, roll, pitch, yaw about what is
+    """(n, 6) poses along FLU, along the axes of another frame: x, y, z along them, roll, pitch, yaw about what is
     forward, abeam and upright there."""
     return np.hstack([pose[:, :3] @ AXES[frame].T, pose[:, 3:] * signs(frame)])
 
 
 def packets(rows: Commands, frame: str) -> Iterator[Packet]:
     """Rows of platform.csv as packets whose poses are along the axes of a frame."""
-    pose = in_frame(rows.pose, frame).tolist()
-    columns = (rows.seq.tolist(), rows.time.tolist(), pose, rows.legs.tolist(), rows.limited.tolist())
-    for seq, moment, place, lengths, limited in zip(*columns):
-        yield Packet(seq, moment, frame, tuple(place), tuple(lengths), limited)
+    poses = in_frame(rows.pose, frame).tolist()
+    columns = (rows.seq.tolist(), rows.time.tolist(), poses, rows.legs.tolist(), rows.limited.tolist())
+    for seq, moment, pose, lengths, limited in zip(*columns):
+        yield Packet(seq, moment, frame, tuple(pose), tuple(lengths), limited)
 
 
 def packed(packet: Packet, layout: str) -> bytes:
@@ -69,7 +70,7 @@ def packed(packet: Packet, layout: str) -> bytes:
 def unpacked(data: bytes) -> Packet:
     """A packet from the bytes of our own format; raises ValueError."""
     if len(data) != OURS.size or data[:4] != MAGIC:
-        raise ValueError(f"{len(data)} bytes that are no packet of ours")
+        raise ValueError(f"{len(data)} bytes that are not a packet of ours")
     _, version, frame, seq, limited, moment, *rest = OURS.unpack(data)
     if version != VERSION or frame >= len(FRAMES):
         raise ValueError(f"a packet of version {version}, frame {frame}")
@@ -121,7 +122,7 @@ class Sender:
         except OSError as error:
             raise OSError(error.errno, error.strerror or str(error), url) from None
         self.socket = socket.socket(kind, socket.SOCK_DGRAM)
-        self.start: float | None = None  # what the clock says at time 0 of the rows [s]
+        self.start: float | None = None  # what the clock shows at time 0 of the rows [s]
         self.sent: list[float] = []  # [s]
         self.due: list[float] = []  # times of the rows [s]
 
@@ -189,9 +190,9 @@ class Smooth:
         return self.held + s**3 * (10.0 - 15.0 * s + 6.0 * s * s) * (pose - self.held)
 
 
-def received(url: str, patience: float, told: Callable[[Packet], None]) -> Smooth:
-    """Wait for a first packet, then receive until nothing came for `patience` [s], telling every packet; what is none
-    of ours is counted as strange. Raises OSError or ValueError."""
+def received(url: str, patience: float, report: Callable[[Packet], None]) -> Smooth:
+    """Wait for a first packet, then receive until nothing came for `patience` [s], reporting every packet; what is not
+    one of ours is counted as strange. Raises OSError or ValueError."""
     host, port = address(url)
     platform = Smooth()
     with socket.socket(socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0][0], socket.SOCK_DGRAM) as listening:
@@ -206,21 +207,21 @@ def received(url: str, patience: float, told: Callable[[Packet], None]) -> Smoot
                 continue
             listening.settimeout(patience)
             platform.take(packet, time.perf_counter())
-            told(packet)
+            report(packet)
 
 
-def tell(packet: Packet) -> None:
-    """One line for every hundredth packet."""
+def print_some(packet: Packet) -> None:
+    """Print a line for every hundredth packet."""
     if packet.seq % 100 == 0:
         pose = ", ".join(f"{value:+.4f}" for value in packet.pose)
         print(f"{packet.time:8.2f} s  {packet.frame}  x y z roll pitch yaw: {pose}", flush=True)
 
 
 def main(url: str = f"udp://{LOOPBACK}:5005") -> None:
-    """Receive a stream and tell how it came."""
+    """Receive a stream and print how it came."""
     print(f"waiting for packets at {url}", flush=True)
     try:
-        seen = received(url, 10.0, tell)
+        seen = received(url, 10.0, print_some)
     except (OSError, ValueError) as error:
         print(error if isinstance(error, ValueError) else f"{url}: {error.strerror or error}", file=sys.stderr)
         sys.exit(2)

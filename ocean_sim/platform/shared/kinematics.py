@@ -1,6 +1,7 @@
 """A hexapod: two bodies joined by six legs. X forward, Y left, Z up; a pose is x, y, z [m] from neutral, roll, pitch,
 yaw [rad], turned by Rz(yaw) Ry(pitch) Rx(roll)."""
 
+from collections.abc import Callable
 from typing import Annotated
 
 import numpy as np
@@ -21,7 +22,7 @@ class Geometry(Model):
     base: Joints = quantity("m")
     """The joints on the floor, leg by leg: x, y, z."""
     platform: Joints = quantity("m")
-    """The joints on the platform, leg by leg, from the point whose pose is told."""
+    """The joints on the platform, leg by leg, from the point whose pose is given."""
     shortest: float = quantity("m", gt=0.0)
     """Length of a leg that is all the way in."""
     longest: float = quantity("m", gt=0.0)
@@ -51,11 +52,11 @@ class Geometry(Model):
                 ends = f"{hexapod.low:g} to {hexapod.high:g} m"
                 raise ValueError(f"it cannot be assembled: in neutral leg {k} is {length:.4g} m long, outside {ends}")
         if not hexapod.radius > 0.0:
-            raise ValueError("it cannot be held: all joints of its platform are at the point whose pose is told")
+            raise ValueError("it cannot be held: all joints of its platform are at the point whose pose is given")
         condition = hexapod.condition(np.zeros((1, 6)))[0]
         if not condition < self.condition_limit:
-            told = f"condition number {condition:.3g}, limit {self.condition_limit:g}"
-            raise ValueError(f"it cannot be held: its neutral pose is singular ({told})")
+            numbers = f"condition number {condition:.3g}, limit {self.condition_limit:g}"
+            raise ValueError(f"it cannot be held: its neutral pose is singular ({numbers})")
         return self
 
 
@@ -153,7 +154,7 @@ class Hexapod:
         return ends
 
 
-def halved(holds, low: float, high: float) -> float:
+def halved(holds: Callable[[float], bool], low: float, high: float) -> float:
     """The last number between `low`, where it holds, and `high` for which it does."""
     for _ in range(FINE):
         middle = 0.5 * (low + high)

@@ -36,8 +36,8 @@ class Workspace:
     def scaled_back(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(n, 6) poses inside, near the poses wanted; and (n,) which limits that took.
 
-        Angles are scaled back as if there were no displacement, then the displacement by what they leave: a deck that
-        is tilted wrongly is felt at once, one that travels less is not.
+        Angles are scaled back as if there were no displacement, then the displacement by what they leave: people notice
+        at once a deck that is tilted wrongly, but not one that travels less.
         """
         far = pose / np.where(pose > 0.0, self.ends[:, 1], self.ends[:, 0])
         angles = pose * TURNS * np.where(far > KNEE, softened(far) / np.maximum(far, KNEE), 1.0)

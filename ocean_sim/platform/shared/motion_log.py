@@ -1,4 +1,4 @@
-"""Motion logs: what a ship did, row by row, as `motion.csv` has it; read, checked, and told in other axes."""
+"""Motion logs: what a ship did, row by row, as `motion.csv` has it; read, checked, and converted to other axes."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -71,7 +71,7 @@ def signs(frame: str) -> np.ndarray:
 
 
 def ride_of(table: dict[str, np.ndarray], frame: str) -> Ride:
-    """What a platform needs of columns that are told in this frame."""
+    """What a platform needs of columns along the axes of this frame."""
     turn = signs(frame)
     force = np.column_stack([table[name] for name in FORCES]) @ FRAMES[frame]
     rate = np.column_stack([table[name] for name in RATES]) * turn
@@ -105,8 +105,8 @@ def checked(path: Path, names: list[str], lines: list[str]) -> None:
         unit = next(unit for unit in UNITS if missing[0].endswith(unit))
         words = [name for name in names if name.isidentifier() and name not in REQUIRED]
         other = [name for name in words if name.startswith(missing[0].removesuffix(unit) + "_")]
-        said = f", but {other[0]}: its unit is another" if other else ""
-        raise ValueError(f"{path} has no column {missing[0]}{said}")
+        found = f", but {other[0]}: its unit is another" if other else ""
+        raise ValueError(f"{path} has no column {missing[0]}{found}")
     uneven = next((k for k, line in enumerate(lines) if line.count(",") != len(names) - 1), None)
     if uneven is not None:
         count = lines[uneven].count(",") + 1
@@ -134,8 +134,8 @@ def spacing(path: Path, table: dict[str, np.ndarray]) -> float:
 def believable(path: Path, table: dict[str, np.ndarray], ride: Ride, frame: str) -> None:
     """Refuse what no ship does: jumps, other units, gravity along another axis."""
     time = ride.time
-    place = np.column_stack([table[name] for name in MOTIONS[:3]])
-    jump = np.linalg.norm(np.diff(place, axis=0), axis=1)
+    position = np.column_stack([table[name] for name in MOTIONS[:3]])
+    jump = np.linalg.norm(np.diff(position, axis=0), axis=1)
     if (jump > FASTEST * np.diff(time)).any():
         k = int(np.argmax(jump))
         raise ValueError(f"{path}: the ship jumps by {jump[k]:.3g} m between {time[k]:g} s and {time[k + 1]:g} s")
@@ -206,10 +206,10 @@ def origins(names: list[str], turn: np.ndarray) -> list[tuple[int, bool]]:
     minus one of another's."""
     found = [(k, False) for k in range(len(names))]
     for triple in vectors(names):
-        places = [names.index(name) for name in triple]
-        for place, row in zip(places, turn):
+        own = [names.index(name) for name in triple]
+        for column, row in zip(own, turn):
             k = int(np.argmax(np.abs(row)))
-            found[place] = places[k], bool(row[k] < 0.0)
+            found[column] = own[k], bool(row[k] < 0.0)
     if (turn < 0.0).any():
         for k in map(names.index, sideways(names)):
             found[k] = k, True
@@ -225,11 +225,11 @@ def negated(cell: str) -> str:
 
 
 def convertible(path: Path, log: MotionLog) -> None:
-    """Refuse a log that cannot be told in other axes: a vector lacks a component, or a cell is no number."""
+    """Refuse a log that cannot be converted to other axes: a vector lacks a component, or a cell is not a number."""
     wanted = [name for triple in vectors(log.names) for name in triple] + sideways(log.names)
     missing = next((name for name in wanted if name not in log.names), None)
     if missing is not None:
-        raise ValueError(f"{path} has no column {missing}; without it a vector cannot be told in other axes")
+        raise ValueError(f"{path} has no column {missing}; without it a vector cannot be converted to other axes")
     csv_file.finite(path, log.names, log.lines, wanted)
 
 

@@ -176,7 +176,7 @@ class Classical:
         return Cue(pose, limited, inertial + gravity(scaled_attitude), ride.rate * config.rotation_scale)
 
     def clipped(self, wanted: np.ndarray, limit: float, limited: np.ndarray) -> np.ndarray:
-        """(n, 3) within its limit; `limited` is told where it was not."""
+        """(n, 3) within its limit; where it was not, `limited` is marked."""
         limited[(np.abs(wanted) > limit).any(axis=1)] |= INPUT
         return np.clip(wanted, -limit, limit)
 

@@ -58,7 +58,7 @@ def save(picture: Any, path: Path) -> None:
     picture.savefig(path, dpi=100)
 
 
-def told(pose: np.ndarray) -> np.ndarray:
+def in_degrees(pose: np.ndarray) -> np.ndarray:
     """(n, 6) poses with angles in degrees."""
     return np.hstack([pose[:, :3], np.degrees(pose[:, 3:])])
 
@@ -66,7 +66,7 @@ def told(pose: np.ndarray) -> np.ndarray:
 def motion(done: Commands) -> Any:
     """Poses, what is felt against what is wanted, and where the platform was limited."""
     picture, axes = figure(4, 1, (10, 11.5), sharex=True)
-    pose, resting = told(done.pose), [0.0, 0.0, GRAVITY]
+    pose, resting = in_degrees(done.pose), [0.0, 0.0, GRAVITY]
     for axis, columns in ((axes[0, 0], range(3)), (axes[1, 0], range(3, 6))):
         for k in columns:
             axis.plot(done.time, pose[:, k], label=AXES[k], lw=1.2)
@@ -77,19 +77,19 @@ def motion(done: Commands) -> Any:
         for k, name in enumerate(names):
             (line,) = axis.plot(done.time, felt[:, k], label=name, lw=1.2)
             axis.plot(done.time, wanted[:, k], ls="--", lw=0.8, color=line.get_color())
-    for axis, said in zip(axes[:, 0], ("shaded: limited", "", *2 * ("dashed: scaled motion of the ship",))):
+    for axis, title in zip(axes[:, 0], ("shaded: limited", "", *2 * ("dashed: scaled motion of the ship",))):
         low, high = axis.get_ylim()
         axis.fill_between(done.time, low, high, where=done.limited > 0, color="#d1601f", alpha=0.15, lw=0)
         axis.set_ylim(low, high)
-        headed(axis, said, 3)
+        headed(axis, title, 3)
     axes[3, 0].set_xlabel("time [s]")
     return picture
 
 
-def headed(axis: Any, said: str, columns: int) -> None:
+def headed(axis: Any, title: str, columns: int) -> None:
     """A grid, and above the picture what its lines are, where they hide nothing."""
     axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, ncol=columns, fontsize=8, frameon=False)
-    axis.set_title(said, fontsize=9, loc="right")
+    axis.set_title(title, fontsize=9, loc="right")
     axis.grid(alpha=0.3)
 
 
@@ -98,7 +98,7 @@ def legs(done: Commands, geometry: Any) -> Any:
     picture, axes = figure(2, 1, (10, 6.5), sharex=True)
     ends = (geometry.shortest + geometry.buffer, geometry.longest - geometry.buffer)
     speeds = (-geometry.leg_speed, geometry.leg_speed)
-    for axis, values, limits, label, said in (
+    for axis, values, limits, label, title in (
         (axes[0, 0], done.legs, ends, "length [m]", "dotted: ends of the stroke, less its buffer"),
         (axes[1, 0], done.leg_velocity, speeds, "speed [m/s]", "dotted: fastest"),
     ):
@@ -107,7 +107,7 @@ def legs(done: Commands, geometry: Any) -> Any:
         for limit in limits:
             axis.axhline(limit, color="k", ls=":", lw=1.0)
         axis.set_ylabel(label)
-        headed(axis, said, 6)
+        headed(axis, title, 6)
     axes[1, 0].set_xlabel("time [s]")
     return picture
 
@@ -115,7 +115,7 @@ def legs(done: Commands, geometry: Any) -> Any:
 def workspace(done: Commands, machine: Moving) -> Any:
     """What two motions can reach while the other four are neutral, and where the ride went."""
     picture, axes = figure(2, 3, (14, 8.5))
-    pose = told(done.pose)
+    pose = in_degrees(done.pose)
     for axis, (one, other) in zip(axes.flat, PAIRS):
         across, up, usage = reached(machine, one, other)
         levels = [0.0, 0.25, 0.5, 0.75, 1.0]
@@ -138,7 +138,7 @@ def reached(machine: Moving, one: int, other: int) -> tuple[np.ndarray, np.ndarr
     """Values [m, deg] of two motions on a grid that holds all they can reach together, and the part of the stroke that
     they use; a singular pose uses 2."""
     size = np.ones(2)
-    ends = told(machine.workspace.ends.T).T
+    ends = in_degrees(machine.workspace.ends.T).T
     while True:
         grid = [np.linspace(0.0, 1.0, FINE) * np.ptp(ends[k]) + ends[k, 0] for k in (one, other)]
         across, up = np.meshgrid(*(wide * values for wide, values in zip(size, grid)))
@@ -181,8 +181,8 @@ def seen(points: np.ndarray) -> np.ndarray:
 def stand(axis: Any, hexapod: Hexapod, pose: np.ndarray, offset: float = 0.0) -> None:
     """The hexapod in a pose: base, legs of a cylinder and a rod, platform, which way is forward; dotted: in neutral."""
     resting, moved = hexapod.arms(np.array([np.zeros(6), pose]))[0]
-    places = (0.0 * moved, resting, moved, moved - [0.0, 0.0, THICK * hexapod.neutral_height], cylinder(hexapod, moved))
-    base, rest, top, under, ends = (seen(hexapod.base + place) + [offset, 0.0] for place in places)
+    rings = (0.0 * moved, resting, moved, moved - [0.0, 0.0, THICK * hexapod.neutral_height], cylinder(hexapod, moved))
+    base, rest, top, under, ends = (seen(hexapod.base + ring) + [offset, 0.0] for ring in rings)
     axis.fill(*base.T, color="#c9d3d9", lw=1.5, ec="#4a5a66")
     axis.fill(*rest.T, fill=False, lw=0.8, ls=":", ec="#4a5a66")
     for foot, end, head in zip(base, ends, top):
@@ -218,7 +218,7 @@ def filmed(path: Path, done: Commands, machine: Moving) -> None:
 
 def inscribed(pose: np.ndarray) -> str:
     """A pose in two lines."""
-    x, y, z, roll, pitch, yaw = told(pose[None])[0]
+    x, y, z, roll, pitch, yaw = in_degrees(pose[None])[0]
     return f"x {x:+.2f} y {y:+.2f} z {z:+.2f} m\nroll {roll:+5.1f} pitch {pitch:+5.1f} yaw {yaw:+5.1f}°"
 
 

@@ -1,0 +1,79 @@
+"""Tables are read in one place, by one rule of what a cell is."""
+
+import numpy as np
+import pytest
+
+from ocean_sim.files import csv_file
+from ocean_sim.files.input_file import Unreadable
+
+
+@pytest.fixture
+def file(tmp_path):
+    """Writes a table and gives its path."""
+
+    def written(text: str):
+        path = tmp_path / "t.csv"
+        path.write_text(text)
+        return path
+
+    return written
+
+
+def test_an_empty_cell_is_nan_among_numbers_and_empty_among_words(file):
+    table = csv_file.columns(file("# rate: 3\n\ntime_s, a,word\n0,1.5,one\n# a remark\n1,,\n2, ,3\n"))
+    assert list(table) == ["time_s", "a", "word"] and table["time_s"].tolist() == [0.0, 1.0, 2.0]
+    assert table["a"][0] == 1.5 and np.isnan(table["a"][1:]).all()
+    assert table["word"].tolist() == ["one", "", "3"]
+
+
+def test_a_table_of_numbers_has_nan_where_a_word_is(file):
+    table = csv_file.numbers(file("a,b\n1,\nx,-2e3\n,nan\n"))
+    np.testing.assert_array_equal(table["a"], [1.0, np.nan, np.nan])
+    np.testing.assert_array_equal(table["b"], [np.nan, -2000.0, np.nan])
+
+
+def test_all_readers_read_the_same_numbers(file):
+    """The quick way, of a table that has nothing else, and the one cell by cell."""
+    values = np.random.default_rng(3).normal(size=(50, 2)) * 10.0 ** np.arange(-25, 25)[:, None]
+    rows = "".join(f"{a:.17g},{b:.9g}\n" for a, b in values)
+    quick, slow = csv_file.numbers(file("a,b\n" + rows)), csv_file.columns(file("a,b,c\n" + rows.replace("\n", ",w\n")))
+    parts = csv_file.lines("a,b\n" + rows)
+    named = csv_file.finite("t.csv", parts.names, parts.rows, ["b", "a"])
+    assert quick["a"].tolist() == slow["a"].tolist() == named["a"].tolist() == values[:, 0].tolist()
+    assert quick["b"].tolist() == slow["b"].tolist() == named["b"].tolist()
+
+
+def test_a_line_that_a_killed_run_did_not_finish_is_no_row(file):
+    for torn in ("1,2\n3,4\n5", "1,2\n3,4\n"):
+        assert csv_file.columns(file("a,b\n" + torn))["a"].tolist() == [1.0, 3.0]
+    assert csv_file.columns(file("a,b\n1,2\n3,4"))["b"].tolist() == [2.0, 4.0]  # not torn, but without an end
+    for uneven in ("a,b\n1\n3,4\n", "a,b\n1,2\n3\n", "a,b\n1,2,3\n"):
+        with pytest.raises(Unreadable, match="it has 2 names and a row of"):
+            csv_file.columns(file(uneven))
+    with pytest.raises(Unreadable, match="it has 2 names and a row of 1, '5'"):
+        csv_file.numbers(file("a,b\n1,2\n3,4\n5"))
+
+
+def test_a_table_without_rows_or_without_a_heading(file):
+    table = csv_file.columns(file("# a remark\na,b\n"))
+    assert list(table) == ["a", "b"] and len(table["a"]) == 0
+    assert csv_file.columns(file("# a remark\n")) == {} == csv_file.columns(file(""))
+    with pytest.raises(Unreadable, match="no rows under a heading"):
+        csv_file.numbers(file("a,b\n"))
+    with pytest.raises(Unreadable, match="two columns 'a'"):
+        csv_file.columns(file("a,a\n1,2\n"))
+
+
+def test_a_cell_in_quotes_holds_commas(file):
+    text = '# of: me\na,b\n"1",\n2,"x, ""y"""\n'
+    assert csv_file.columns(file(text))["a"].tolist() == [1.0, 2.0]
+    assert csv_file.columns(file(text))["b"].tolist() == ["", 'x, "y"']
+    assert csv_file.records(text) == [{"a": "1", "b": ""}, {"a": "2", "b": 'x, "y"'}]
+    assert csv_file.lines(text).head == {"of": "me"}
+
+
+@pytest.mark.parametrize("cell, shown", [("", "''"), ("word", "'word'"), ("inf", "inf"), ("nan", "nan")])
+def test_the_first_cell_that_is_no_finite_number_is_named(cell, shown):
+    rows = ["1,2,x", "1,2,", f"1,{cell},3", f"{cell},2,3"]
+    with pytest.raises(ValueError, match=f"t.csv: b is {shown} in row 3"):
+        csv_file.finite("t.csv", ["a", "b", "c"], rows, ["a", "b"])

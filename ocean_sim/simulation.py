@@ -1,4 +1,4 @@
-"""The simulation: one step of Algorithm 8, and the loop around it that lets observers watch."""
+"""The simulation: one step of Algorithm 8, and the loop around it that calls the observers."""
 
 from abc import abstractmethod
 from collections.abc import Callable
@@ -92,7 +92,7 @@ class Simulation:
     left_out = ("observers", "stage", "backend", "fields")  # what a checkpoint of it does not hold
 
     def __init__(self, scene: Scene, folder: Path | None = None) -> None:
-        """`folder`: where observers write; without it only those watch that write nothing."""
+        """`folder`: where observers write; without it there are only those that write nothing."""
         self.scene = scene
         self.backend = runtime.start(scene.runtime)
         with runtime.Fields() as self.fields:
@@ -126,7 +126,7 @@ class Simulation:
         return water if self.ship is None else water.and_of(self.ship.limits())
 
     def step(self) -> None:
-        """Algorithm 8 of the thesis; rendering and logging watch it from outside."""
+        """Algorithm 8 of the thesis; rendering and logging are done by observers."""
         runtime.must_run(self.backend)
         if self.fields.freed:
             raise RuntimeError("this simulation is closed, and its memory is freed; step it inside its `with` block")

@@ -39,7 +39,9 @@ class SceneError(Refused):
     """Everything that is wrong with a scene, in the order of its lines."""
 
     def __init__(self, problems: list[Problem]) -> None:
-        self.problems = sorted(set(problems), key=lambda p: (p.file, p.line or 0, p.column or 0, p.key, p.message))
+        self.problems: list[Problem] = sorted(
+            set(problems), key=lambda p: (p.file, p.line or 0, p.column or 0, p.key, p.message)
+        )
         super().__init__("\n".join(map(str, self.problems)))
 
 

@@ -1,5 +1,5 @@
-"""Keeps everything that a run needs to go on: at simulated and wall-clock intervals, at the end, and when it is told to
-stop; `ocean-sim resume` reads it."""
+"""Keeps everything that a run needs to go on: at simulated and wall-clock intervals, at the end, and when it is
+stopped; `ocean-sim resume` reads it."""
 
 import signal
 import threading

@@ -114,8 +114,8 @@ class Frames(Observer):
 
 
 def looks(simulation: "Simulation") -> dict[str, object]:
-    """What a picture of the ship needs beside its hull: names of hull and shape, its helm from the centre of mass in
-    body axes [m] (nothing where none is named), and the share of its volume that is under water at rest."""
+    """What a picture of the ship needs apart from its hull: names of hull and shape, its helm from the centre of mass
+    in body axes [m] (nothing where none is named), and the share of its volume that is under water at rest."""
     ship: Any = simulation.ship
     config: Any = simulation.scene.ship
     still = config.afloat(-simulation.basin.gravity[1], simulation.scene.fluid.rest_density)

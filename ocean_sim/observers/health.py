@@ -1,4 +1,4 @@
-"""Stops a run that has left the physical world, and says what, where, when and what to try; keeps a diary."""
+"""Stops a run that has left the physical world, with what, where, when and what to try; keeps a log of events."""
 
 import json
 from collections.abc import Iterator
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 POSITIONS_EVERY = 50  # steps between two looks at all positions, which are copied for it
 ENERGY_EVERY = 0.05  # [depth over reference speed] at most between two looks at the energy, however long the steps
-GAIN_TOLD = 0.01  # of the same scale as `max_energy_gain`: less is not worth a word
+GAIN_REPORTED = 0.01  # of the same scale as `max_energy_gain`: less is not worth a word
 QUIET = 0.5  # [s] at least between two events of one kind
 
 
@@ -46,7 +46,7 @@ class Config(PeriodicConfig):
 
 
 class Health(Observer):
-    """Looks at the fluid after every step; events.jsonl tells start, rules of the time step, clipping and the end."""
+    """Looks at the fluid after every step; events.jsonl has start, limits of the time step, clipping and the end."""
 
     first_energy: float | None
 
@@ -60,10 +60,10 @@ class Health(Observer):
         self.judged = self.n > 0 and fluid.sound_speed > 0.0 and not driven(simulation)
         self.first_energy = None  # [J]
         self.energy_every = ENERGY_EVERY * basin.depth / fluid.reference_speed if self.judged else 0.0  # [s]
-        self.energy_seen, self.gain_told = 0.0, False
+        self.energy_seen, self.gain_reported = 0.0, False
         self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
-        self.limit, self.limit_told = "", -QUIET
-        self.clipped, self.clipped_told = 0, -QUIET
+        self.limit, self.limit_reported = "", -QUIET
+        self.clipped, self.clipped_reported = 0, -QUIET
         self.event(
             "start",
             particles=self.n,
@@ -97,7 +97,7 @@ class Health(Observer):
             self.note_clipping(simulation)
 
     def suspicious(self) -> bool:
-        """Whether the fluid's own summary of the last step is out of bounds; a number that is none is."""
+        """Whether the fluid's own summary of the last step is out of bounds; NaN counts as out of bounds."""
         status = self.simulation.fluid.status
         dense = self.too_dense(status.max_density) or self.gone(status.min_density)
         return not status.finite or not status.max_speed <= self.max_speed or dense
@@ -153,9 +153,9 @@ class Health(Observer):
             scale = fluid.particles.mass * self.n * fluid.reference_speed**2
             gain = (total(self.simulation) - self.first_energy) / scale
             self.energy_seen = self.simulation.time
-            if not (gain <= GAIN_TOLD or self.gain_told):
+            if not (gain <= GAIN_REPORTED or self.gain_reported):
                 self.event("energy from nowhere", over_m_v2=round(gain, 6), bound=self.config.max_energy_gain)
-                self.gain_told = True
+                self.gain_reported = True
             if not gain <= self.config.max_energy_gain:
                 of = f"of its mass times the square of {fluid.reference_speed:.4g} m/s"
                 yield (
@@ -197,15 +197,17 @@ class Health(Observer):
 
     def note_limit(self, simulation: "Simulation") -> None:
         limit = simulation.time_step.limited_by
-        if limit != self.limit and simulation.time >= self.limit_told + QUIET:
+        if limit != self.limit and simulation.time >= self.limit_reported + QUIET:
             self.event("limit", limited_by=limit, time_step_s=float(simulation.next_dt))
-            self.limit, self.limit_told = limit, simulation.time
+            self.limit, self.limit_reported = limit, simulation.time
 
     def note_clipping(self, simulation: "Simulation") -> None:
         clipped = simulation.fluid.status.clipped
-        if clipped > self.clipped and (simulation.time >= self.clipped_told + QUIET or simulation.outcome != "running"):
+        if clipped > self.clipped and (
+            simulation.time >= self.clipped_reported + QUIET or simulation.outcome != "running"
+        ):
             self.event("clipped", particles=int(clipped - self.clipped), since_start=int(clipped))
-            self.clipped, self.clipped_told = clipped, simulation.time
+            self.clipped, self.clipped_reported = clipped, simulation.time
 
     def close(self) -> None:
         if self.n > 0:

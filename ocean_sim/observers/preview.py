@@ -20,7 +20,7 @@ from ocean_sim.pictures.buffers import Buffer, Mesh
 from ocean_sim.pictures.controls import controls
 from ocean_sim.pictures.curves import KEPT, NAMES, Curves
 from ocean_sim.pictures.panel import HELM, Panel, after, sliders_of
-from ocean_sim.pictures.preview_eye import Eye, seen
+from ocean_sim.pictures.preview_eye import Eye, Orbit, View, seen
 from ocean_sim.pictures.preview_scene import SPEEDS, Balls, Sight, backdrop
 from ocean_sim.pictures.vulkan import ScreenMissing, VulkanMissing, require
 from ocean_sim.simulation import Observer, PeriodicConfig
@@ -143,7 +143,7 @@ class Screen:
         self.compose(panel, heights, pace)
 
     def compose(self, panel: Panel, heights: np.ndarray, pace: float | None) -> None:
-        """Tell the window everything that is in the picture."""
+        """Hand the window everything that is in the picture."""
         eye = self.eye(panel)
         self.plain.set_camera(self.camera)
         self.plain.ambient_light((1.0, 1.0, 1.0))
@@ -178,8 +178,9 @@ class Screen:
         left, bottom = (PANEL + 2 * EDGE) / width, (CHART + LABEL + 2 * EDGE) / height
         above = 3 * EDGE if panel.content == "surface" else 4 * EDGE + LABEL  # the legend of the particles
         free = (left, bottom, 1.0 - left - EDGE / width, 1.0 - bottom - above / height)
-        orbit = (panel.azimuth, panel.height, panel.distance)
-        eye = seen(panel.camera, orbit, self.sight.box, self.simulation.ship, self.sight.length, free, width / height)
+        orbit = Orbit(panel.azimuth, panel.height, panel.distance)
+        view = View(self.sight.box, free, width / height)
+        eye = seen(panel.camera, orbit, view, self.simulation.ship, self.sight.length)
         self.camera.position(*eye.place)
         self.camera.lookat(*eye.target)
         self.camera.up(*eye.up)
@@ -189,7 +190,7 @@ class Screen:
         return eye
 
     def balls(self, balls: Balls, eye: Eye) -> None:
-        """The particles; their lights are told after the plain scene was, which would take them, too."""
+        """The particles; their lights are set after the plain scene was handed over, which would take them, too."""
         self.lit.set_camera(self.camera)
         self.lit.ambient_light((0.55, 0.55, 0.55))
         self.lit.point_light(pos=tuple(eye.place + [-200.0, 300.0, -100.0]), color=(0.6, 0.6, 0.6))
@@ -225,7 +226,7 @@ class Screen:
         for k, name in enumerate(NAMES):
             x, y, w, h = self.chart(k)
             with gui.sub_window(names[name], x, 1.0 - y - h - LABEL / height, w, LABEL / height) as box:
-                box.text(panel.curves.told(name))
+                box.text(panel.curves.reading(name))
         with gui.sub_window("Ocean Sim", EDGE / width, EDGE / height, PANEL / width, 1.0 - 2 * EDGE / height) as box:
             controls(box, panel, self.simulation, pace)
         if balls is not None:
@@ -286,8 +287,8 @@ class Screen:
 
 def write(path: Path, image: np.ndarray) -> None:
     """A picture as a PNG file, there whole or not at all."""
-    with whole(path) as beside:
-        ti.tools.imwrite(np.ascontiguousarray(image), str(beside))
+    with whole(path) as draft:
+        ti.tools.imwrite(np.ascontiguousarray(image), str(draft))
 
 
 def padded(lines: np.ndarray) -> np.ndarray:

@@ -29,7 +29,7 @@ class Config(PeriodicConfig):
 
 
 class Mark(NamedTuple):
-    """The clock beside the simulation, and what each stage has taken so far [s]."""
+    """Wall and simulated time, and what each stage has taken so far [s]."""
 
     wall: float
     time: float
@@ -38,12 +38,12 @@ class Mark(NamedTuple):
 
 
 class Timings(Observer):
-    """Times the stages of every step; timings.csv tells their means since the row before.
+    """Times the stages of every step; timings.csv has their means since the row before.
 
-    The first step compiles kernels: it is told apart, as `first_step_s`, and no mean contains it.
+    The first step compiles kernels: it is listed apart, as `first_step_s`, and no mean contains it.
     """
 
-    left_out = ("taken", "began", "first_step", "first_step_s", "start", "last", "end")  # what a clock says
+    left_out = ("taken", "began", "first_step", "first_step_s", "start", "last", "end")  # what depends on a clock
 
     def __init__(self, config: Config, folder: Path | None, simulation: "Simulation") -> None:
         self.every, self.folder, self.simulation = config.every, folder, simulation
@@ -62,7 +62,7 @@ class Timings(Observer):
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """What `simulation.stage` becomes while timings watch."""
+        """What `simulation.stage` becomes while timings are taken."""
         self.sync()
         entered = perf_counter()
         if self.start is None:
@@ -119,7 +119,7 @@ class Timings(Observer):
         return (after.time - before.time) / wall, {name: 1e3 * seconds / steps for name, seconds in taken.items()}
 
     def summary(self) -> dict[str, object]:
-        """The whole run but its first step: what `bench` and the command line tell."""
+        """The whole run but its first step: what `bench` and the command line report."""
         if self.start is None or self.simulation.steps == self.start.steps:
             return {"first_step_s": self.first_step_s, "steps": self.simulation.steps}
         now = self.end or self.mark(perf_counter())

@@ -17,7 +17,7 @@ class Buffer:
 
     def put(self, values: np.ndarray) -> int:
         """Take (n, length), or (n,) where length is 0; gives n. What lies beyond repeats the last: the window draws
-        some of it, whatever count it is told."""
+        some of it, whatever count it is given."""
         n = len(values)
         if self.field is None or self.field.shape[0] < n:
             room = max(64, 2 ** int(np.ceil(np.log2(max(n, 1))))) if self.field is not None else max(n, 1)
@@ -32,7 +32,7 @@ class Buffer:
 class Mesh:
     """Triangles on the graphics side.
 
-    They are told where they stand by one unit transform: without any, GGUI's shader takes what lies in a buffer that
+    One unit transform places them: without any, GGUI's shader takes what lies in a buffer that
     nobody filled, times nothing, and where that is no number the triangles are gone from the picture.
     """
 

@@ -21,7 +21,7 @@ TOWARDS = {  # direction of view, and what is up in the picture
 FAR = 6.0  # lengths of a ship; in a longer basin `third_person` follows it
 SHIPS = 1.5  # lengths of a ship that it sees each way then
 BEHIND, ABOVE, QUARTER = 1.9, 0.5, 22.0  # lengths of a ship and [deg] to starboard, from which `follow` looks at it
-LAG = 0.9, 1.6  # [s] in which `follow` makes up for 1 - 1/e of a change of place and of heading
+LAG = 0.9, 1.6  # [s] in which `follow` makes up for 1 - 1/e of a change of position and of heading
 ROUND, RISE = 2.2, 0.55  # lengths of a ship: radius and height of `orbit`
 LOOK_DOWN = 5.0  # [deg] below straight ahead, from the helm
 NEAR = 0.012  # lengths of a ship: what is nearer to the eye is not drawn
@@ -78,7 +78,7 @@ class Operator:
         k = int(np.abs(vessel.track.time - time).argmin())
         position, turn = vessel.track.position[k], vessel.track.turn[k]
         if self.name == "third_person":
-            return self.beside(position, vessel.length)
+            return self.near_ship(position, vessel.length)
         if self.name == "follow":
             place, heading = self.trail[0][k], self.trail[1][k]
             ahead = np.array([np.sin(heading + np.radians(QUARTER)), 0.0, np.cos(heading + np.radians(QUARTER))])
@@ -89,7 +89,7 @@ class Operator:
         near = 0.5 * NEAR * vessel.length
         return Camera(position + turn @ vessel.helm, turn @ forward, turn @ up, None, WIDE_ANGLE, near)
 
-    def beside(self, position: np.ndarray, length: float) -> Camera:
+    def near_ship(self, position: np.ndarray, length: float) -> Camera:
         """The placed camera; where the basin is many times as long as the ship, one that moves with it."""
         reach = SHIPS * length * np.array([1.0, 0.0, 1.0])
         lower, upper = np.maximum(self.lower, position - reach), np.minimum(self.upper, position + reach)
@@ -116,7 +116,7 @@ class Operator:
 
 
 def looking(eye: np.ndarray, target: np.ndarray) -> Camera:
-    """From one place to another, the horizon level."""
+    """From one point to another, the horizon level."""
     forward = (target - eye) / np.linalg.norm(target - eye)
     right = np.cross(forward, [0.0, 1.0, 0.0] if abs(forward[1]) < 0.999 else [0.0, 0.0, -1.0])
     right /= np.linalg.norm(right)
@@ -129,8 +129,8 @@ def close(eye: np.ndarray, target: np.ndarray, length: float) -> Camera:
 
 
 def damped(track: Track) -> tuple[np.ndarray, np.ndarray]:
-    """Place (n, 3) [m], at the height of the still water, and heading (n,) [rad] that lag behind the ship's: exact for
-    a ship that jumps at each frame."""
+    """Position (n, 3) [m], at the height of the still water, and heading (n,) [rad] that lag behind the ship's: exact
+    for a ship that jumps at each frame."""
     heading = np.unwrap(np.arctan2(track.turn[:, 0, 2], track.turn[:, 2, 2]))
     place = track.position * [1.0, 0.0, 1.0]
     for k in range(1, len(track.time)):

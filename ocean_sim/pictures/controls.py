@@ -6,11 +6,12 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.pictures.panel import Panel
+from ocean_sim.pictures.subject import Subject
 
 WIDTH, LINES = 38, 12  # letters in a line, and lines, of what went wrong
 
 
-def controls(box: Any, panel: Panel, simulation: Any, pace: float | None) -> None:
+def controls(box: Any, panel: Panel, simulation: Subject, pace: float | None) -> None:
     """What is moved or pressed is taken at once; `pace` times real time it runs."""
     state = "paused" if panel.paused else "" if pace is None else f"{pace:.2g} x real time"
     box.text(f"t = {simulation.time:.2f} s  {state}")
@@ -25,7 +26,7 @@ def controls(box: Any, panel: Panel, simulation: Any, pace: float | None) -> Non
                 panel.do(action)
         box.text("another wind builds anew, some s")
     for slider in panel.sliders:
-        box.text(slider.label)  # words beside a slider would be cut off
+        box.text(slider.label)  # words next to a slider would be cut off
         slider.move(box.slider_float(f"##{slider.label}", slider.value, slider.low, slider.high))
     for action, label in (
         ("content", f"show: {panel.content} (v)"),
@@ -48,6 +49,6 @@ def controls(box: Any, panel: Panel, simulation: Any, pace: float | None) -> Non
     box.text("drag: orbit   q, e: nearer, away")
     if simulation.scene.wind.kind != "still":
         box.text("yellow: where it blows  red: push")
-    if panel.said:
-        for line in wrap(panel.said, WIDTH)[:LINES]:
+    if panel.message:
+        for line in wrap(panel.message, WIDTH)[:LINES]:
             box.text(line, color=(1.0, 0.55, 0.4))

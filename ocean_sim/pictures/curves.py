@@ -39,7 +39,7 @@ class Curves:
         top = rounded_up(max(float(np.quantile(known, 0.9 if name == "picture" else 1.0)), LEAST[name]))
         return (-top, top) if name == "roll" else (0.0, top)
 
-    def told(self, name: str) -> str:
+    def reading(self, name: str) -> str:
         """The last value and the axis, in words."""
         last = self.values[name][-1] if self.values[name] else nan
         if last != last:

@@ -13,7 +13,7 @@ from ocean_sim.pictures.water_mesh import triangles
 
 
 class NothingToExport(Failed):
-    """The run did not keep what was asked for; the message says what to switch on."""
+    """The run did not keep what was asked for; the message names what to switch on."""
 
 
 def export_run(folder: Path, particles: str | None, surface: str | None, out: Path, every: int = 1) -> list[Path]:
@@ -64,8 +64,8 @@ def export_surface(frames: list[Path], grid: dict[str, np.ndarray], kind: str, o
         if fields:
             mesh.point_data.active_normals = fields["Normals"]
         listed.append({"name": f"surface_{k:05d}.{kind}", "time": time})
-        with whole(out / str(listed[-1]["name"])) as beside:
-            mesh.save(beside)
+        with whole(out / str(listed[-1]["name"])) as draft:
+            mesh.save(draft)
     if kind == "ply":
         return [out / str(entry["name"]) for entry in listed]
     index = out / "surface.vtp.series"

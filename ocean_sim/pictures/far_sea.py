@@ -18,7 +18,7 @@ ASTREAM, PHASES, PLACES = 0x5_0000, 0x5_0001, 0x5_0002  # streams of random numb
 
 
 def axis(inner: np.ndarray, margin: float, out: float = OUT) -> np.ndarray:
-    """Nodes [m] along one side: the inner ones, a margin beside them, and on to the horizon ever wider apart."""
+    """Nodes [m] along one side: the inner ones, a margin around them, and on to the horizon ever wider apart."""
     step, beyond = float(inner[1] - inner[0]), []
     place = 0.0
     while place < out:

@@ -30,7 +30,7 @@ def cover(drawn_together: np.ndarray) -> float:
 def shares(drawn_together: np.ndarray, wanted: float, among: np.ndarray | None = None) -> np.ndarray:
     """How white each point is, 0 to 1, so that the mean is the wanted cover: 1 on the strongest convergence.
 
-    `among`: values by which the ranks are told, by default the points themselves.
+    `among`: values among which the ranks are counted, by default the points themselves.
     """
     known = np.sort(np.ravel(drawn_together if among is None else among))
     if wanted <= 0.0 or known[0] == known[-1]:

@@ -1,13 +1,11 @@
 """The ship as the water mirrors it: drawn from the eye's mirror image below the water into a picture of its own."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ocean_sim.pictures import water_glsl
-
-if TYPE_CHECKING:
-    from ocean_sim.pictures.picture import Picture
+from ocean_sim.pictures.stage import Stage
 
 SHARE = 2  # pixels of the picture along each side of a pixel of the mirror's
 NEAR = 0.1  # [m] before the mirrored eye
@@ -16,17 +14,15 @@ NEAR = 0.1  # [m] before the mirrored eye
 class Mirror:
     """A second plotter with the ship's actors, seen from a mirrored eye; what lies under water is cut off."""
 
-    def __init__(self, picture: "Picture", actors: list[Any], image: Any) -> None:
+    def __init__(self, stage: Stage, actors: list[Any], image: Any) -> None:
         """`image`: the texture that the mirror's picture goes to."""
         from vtkmodules.vtkCommonDataModel import vtkPlane
         from vtkmodules.vtkRenderingCore import vtkActor
 
-        width, height = picture.order.size
-        self.picture, self.image = picture, image
+        width, height = stage.size
+        self.stage, self.image = stage, image
         self.size = width // SHARE, height // SHARE
-        self.plotter = picture.pyvista.Plotter(off_screen=True, window_size=self.size, lighting="none")
-        self.plotter.disable_anti_aliasing()
-        self.plotter.render_window.SetMultiSamples(0)
+        self.plotter = stage.empty(self.size)
         self.plotter.set_background("black")
         self.water = vtkPlane()
         self.water.SetNormal(0.0, 1.0, 0.0)
@@ -46,9 +42,9 @@ class Mirror:
 
     def show(self, level: float) -> np.ndarray:
         """Draws the ship mirrored at a level [m]; returns the matrix (4, 4) from the world to the mirror's picture."""
-        eye, forward, up = self.picture.camera.eye, self.picture.camera.forward, self.picture.camera.up
+        eye, forward, up = self.stage.camera[:3]
         flip = np.array([1.0, -1.0, 1.0])
-        camera, above = self.plotter.camera, self.picture.plotter.camera
+        camera, above = self.plotter.camera, self.stage.plotter.camera
         below = eye * flip + [0.0, 2.0 * level, 0.0]
         camera.position, camera.focal_point = tuple(below), tuple(below + forward * flip)
         camera.up, camera.view_angle = tuple(-up * flip), above.view_angle

@@ -24,7 +24,7 @@ plotter.close()
 
 
 class OpenGLMissing(Lacking):
-    """This machine cannot draw off screen; the message says what to install."""
+    """This machine cannot draw off screen; the message names what to install."""
 
     def __init__(self) -> None:
         super().__init__(f"this machine has no OpenGL to draw pictures with; install it with `{REMEDY}`")
@@ -53,7 +53,7 @@ def window() -> str | None:
 
 
 def probe() -> str | None:
-    """None where pictures can be drawn, else a sentence that says what to install."""
+    """None where pictures can be drawn, else a sentence that names what to install."""
     return None if window() else str(OpenGLMissing())
 
 
@@ -86,8 +86,8 @@ def remember(note: Path, facts: dict[str, str]) -> None:
     """A cache that cannot be written is done without."""
     try:
         note.parent.mkdir(parents=True, exist_ok=True)
-        beside = note.with_name(f".{note.name}.{os.getpid()}")
-        beside.write_text(json.dumps(facts))
-        os.replace(beside, note)
+        draft = note.with_name(f".{note.name}.{os.getpid()}")
+        draft.write_text(json.dumps(facts))
+        os.replace(draft, note)
     except OSError:
         pass

@@ -1,4 +1,4 @@
-"""What to draw of a run, and what says that it cannot be drawn."""
+"""What to draw of a run, and the exception that it cannot be drawn."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -10,7 +10,7 @@ Quality = Literal["draft", "final"]
 
 
 class RenderFailed(Failed):
-    """No picture came out; the message says why."""
+    """No picture came out; the message gives the reason."""
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """What a person may set while looking at a simulation: pause, camera, sliders, wind and helm; it knows no window."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import radians
 from typing import Any
@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.pictures.curves import Curves
+from ocean_sim.pictures.subject import Subject
 
 CAMERAS = ("third_person", "helm", "top", "side")
 CONTENTS = ("surface", "particles", "both")
@@ -73,7 +74,7 @@ class Panel:
     azimuth: float = radians(38.0)  # of the eye around what it looks at [rad]
     height: float = radians(20.0)  # of the eye over the horizon [rad]
     distance: float = 1.0  # over that at which everything is in the picture
-    said: str = ""
+    message: str = ""
     """What went wrong last."""
     person: Any = None
     """Who steers, once a person does: `give(throttle, rudder)`."""
@@ -145,12 +146,12 @@ class Panel:
             slider.move(before.get(slider.label, slider.value))
 
 
-def after(name: str, names: Any, step: int = 1) -> str:
+def after(name: str, names: Sequence[str], step: int = 1) -> str:
     """The next of some names, round and round; the first where `name` is none of them."""
     return names[(names.index(name) + step) % len(names)] if name in names else names[0]
 
 
-def sliders_of(simulation: Any) -> list[Slider]:
+def sliders_of(simulation: Subject) -> list[Slider]:
     """What may be moved in this simulation without building it anew."""
     found = []
     scene, fluid, stepping = simulation.scene, simulation.fluid, simulation.time_step

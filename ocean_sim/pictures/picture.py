@@ -7,25 +7,21 @@ import numpy as np
 
 from ocean_sim.pictures import far_sea, sea_state, sky, water_shading
 from ocean_sim.pictures.camera import Camera, Operator, Vessel
-from ocean_sim.pictures.drawn_boxes import Boxes
-from ocean_sim.pictures.drawn_particles import Particles
-from ocean_sim.pictures.drawn_sea import Sea
-from ocean_sim.pictures.drawn_ship import Ship, kept_model
-from ocean_sim.pictures.drawn_water import Shell, Water
 from ocean_sim.pictures.frame_files import Frame, Log
+from ocean_sim.pictures.obstacles import Obstacles
 from ocean_sim.pictures.order import Order, RenderFailed
+from ocean_sim.pictures.particles import Particles
+from ocean_sim.pictures.sea import Sea
+from ocean_sim.pictures.ship import DrawnShip, kept_model
+from ocean_sim.pictures.stage import Stage
+from ocean_sim.pictures.water import NODES, Shell, Water
 
 
 class Picture:
     """One plotter, built once; each frame only moves its points and colours."""
 
     def __init__(self, grid: Any, order: Order, first: Frame, fastest: float, log: Log) -> None:
-        import pyvista
-
-        self.pyvista, self.order = pyvista, order
-        self.plotter = pyvista.Plotter(off_screen=True, window_size=order.size, lighting="none")
-        self.plotter.disable_anti_aliasing()  # PyVista's default multiplies the time of a picture
-        self.plotter.render_window.SetMultiSamples(0)
+        self.order = order
         self.lower, self.upper = grid["lower"].copy(), grid["upper"].copy()
         self.upper[1] = max(0.12 * float(grid["depth"]), float(first.elevation.max()))
         flat = bool(self.lower[2] == self.upper[2])
@@ -41,35 +37,37 @@ class Picture:
             eye=order.eye,
             target=order.target,
         )
-        self.camera = self.operator.at(first.time)
+        stage = self.stage = Stage(order.size, self.operator.at(first.time))
+        self.plotter = stage.plotter
         middle, size = 0.5 * (self.lower + self.upper), self.upper - self.lower
-        self.reach = float(max(np.linalg.norm(self.camera.eye - middle), np.linalg.norm(size)))  # [m]
+        self.reach = float(max(np.linalg.norm(stage.camera.eye - middle), np.linalg.norm(size)))  # [m]
         bare = flat or order.particles or not bool(grid["has_surface"]) or first.folds
         state = None if bare or not order.far_sea else sea_state.of_run(Path(order.folder), grid)
-        self.at_sea = state is not None and state.open and self.camera.parallel_height is None
+        self.at_sea = state is not None and state.open and stage.camera.parallel_height is None
         if not self.at_sea:
             self.backdrop()
         if order.particles or not bool(grid["has_surface"]):
             if first.position is None:
                 raise RenderFailed("these frames hold no particles to draw; run with frames.particles: true")
-            self.content: Sea | Water | Shell | Particles = Particles(self, first, float(grid["spacing"]), fastest)
+            self.content: Sea | Water | Shell | Particles = Particles(stage, first, float(grid["spacing"]), fastest)
         elif self.at_sea and state is not None:
-            self.content = Sea(self, grid, state)
+            self.content = Sea(stage, order, vessel, grid, state)
         elif first.folds:
-            self.content = Shell(self, float(grid["depth"]))
+            self.content = Shell(stage, self.lower, self.upper, float(grid["depth"]))
         else:
-            self.content = Water(self, grid)
+            self.content = Water(stage, grid, NODES[order.quality])
         if len(grid.get("obstacles", ())):
-            Boxes(self, grid["obstacles"], self.lower, self.upper)
+            Obstacles(stage, grid["obstacles"], self.lower, self.upper)
         before = set(self.plotter.actors)
-        self.ship = Ship(self, model) if model is not None else None
+        self.ship = DrawnShip(stage, model) if model is not None else None
         if isinstance(self.content, Sea) and order.quality == "final":
             self.content.reflect([actor for name, actor in self.plotter.actors.items() if name not in before])
         self.caption = self.plotter.add_text("t", position=(14, 10), font_size=9, color="#eef3f6", shadow=True)
         self.aim()
 
     def aim(self) -> None:
-        camera, plotter = self.camera, self.plotter
+        """Point the plotter's camera where the stage's is."""
+        camera, plotter = self.stage.camera, self.plotter
         plotter.camera.position, plotter.camera.focal_point = tuple(camera.eye), tuple(camera.eye + camera.forward)
         plotter.camera.up, plotter.camera.view_angle = tuple(camera.up), camera.angle
         reach = self.reach
@@ -81,24 +79,25 @@ class Picture:
 
     def backdrop(self) -> None:
         """The sky around the eye; in parallel projection there is no horizon, and a plain gradient stands for it."""
-        if self.camera.parallel_height is not None:
+        camera, pyvista = self.stage.camera, self.stage.pyvista
+        if camera.parallel_height is not None:
             low, high = water_shading.display(sky.around(np.array([[0.0, 0.02, -1.0], [0.0, 0.2, -0.98]]))) / 255.0
             self.plotter.set_background(low, top=high)
             return
         radius = 6.0 * self.reach
-        dome = self.pyvista.Sphere(radius=1.0, theta_resolution=90, phi_resolution=361, direction=(0.0, 1.0, 0.0))
+        dome = pyvista.Sphere(radius=1.0, theta_resolution=90, phi_resolution=361, direction=(0.0, 1.0, 0.0))
         directions = sky.unit(np.asarray(dome.points, dtype=float))
-        dome.points = (self.camera.eye + radius * directions).astype(np.float32)
+        dome.points = (camera.eye + radius * directions).astype(np.float32)
         dome["colour"] = water_shading.display(sky.around(directions))
         self.dome = self.plotter.add_mesh(dome, scalars="colour", rgb=True, lighting=False, smooth_shading=False)
-        self.first_eye = self.camera.eye
-        if self.camera.forward[1] > -0.9:
+        self.first_eye = camera.eye
+        if camera.forward[1] > -0.9:
             self.shadow()
 
     def shadow(self) -> None:
         """A soft shadow on the ground, so that the block of water stands on something."""
         size, middle = self.upper - self.lower, 0.5 * (self.lower + self.upper)
-        plane = self.pyvista.Plane(
+        plane = self.stage.pyvista.Plane(
             center=(middle[0], self.lower[1] - 0.005 * size[1], middle[2]),  # below a dry bed
             direction=(0.0, 1.0, 0.0),
             i_size=2.4 * size[2],
@@ -123,14 +122,12 @@ class Picture:
         return self.plotter.screenshot(None, return_img=True)
 
     def move(self, camera: Camera) -> None:
-        """Look from another place; the sky goes with the eye."""
-        if camera is self.camera:
+        """Look from another position; the sky goes with the eye."""
+        if camera is self.stage.camera:
             return
-        self.camera = camera
+        self.stage.camera = camera
         if camera.parallel_height is None and not self.at_sea:
             self.dome.position = tuple(camera.eye - self.first_eye)
-        if isinstance(self.content, Water | Shell):
-            self.content.eye = camera.eye
         self.aim()
 
     def smooth(self, on: bool) -> None:

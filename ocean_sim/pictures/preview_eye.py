@@ -1,7 +1,7 @@
-"""Where the eye of the preview is: around the ship or the basin, at the helm, above, beside."""
+"""Where the eye of the preview is: around the ship or the basin, at the helm, above, at the side."""
 
 from math import cos, radians, sin, tan
-from typing import Any, NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -21,38 +21,86 @@ class Eye(NamedTuple):
     far: float  # [m]
 
 
-def seen(
-    camera: str, orbit: tuple[float, float, float], box: Any, ship: Any, length: float, free: Any, aspect: float
-) -> Eye:
-    """The eye of a camera of _panel.CAMERAS; `orbit`: azimuth, height [rad] and distance; `box`: corners of the water
-    [m]; `length` of the ship [m], 0 where none is drawn; `free`: (x, y, width, height) of the picture that no panel
-    covers, y upwards."""
-    lower, upper = (np.array(corner, dtype=float) for corner in box)
-    body = None if ship is None else ship.body
-    if camera == "helm" and body is not None:
+class View(NamedTuple):
+    """What a camera takes in, and the part of the picture it has for that."""
+
+    box: tuple[np.ndarray, np.ndarray]  # corners of the water [m]
+    free: tuple[float, float, float, float]  # x, y, width and height, y upwards, where no panel is
+    aspect: float  # width of the picture over its height
+
+
+class Orbit(NamedTuple):
+    """Where the eye is around what it looks at."""
+
+    azimuth: float  # [rad]
+    height: float  # [rad] above the horizon
+    distance: float  # over that at which everything is in the picture
+
+
+class Posed(Protocol):
+    """The pose of a body."""
+
+    position: np.ndarray  # (3,) [m]
+
+    @property
+    def matrix(self) -> np.ndarray:
+        """(3, 3) from body to world axes."""
+        ...
+
+
+class Steered(Protocol):
+    """A ship, as a camera knows it."""
+
+    points: dict[str, np.ndarray]
+
+    @property
+    def body(self) -> Posed: ...
+
+
+def seen(camera: str, orbit: Orbit, view: View, ship: Steered | None, length: float) -> Eye:
+    """The eye of a camera of panel.CAMERAS; `length` of the ship [m], 0 where none is drawn."""
+    if camera == "helm" and ship is not None:
         return at_helm(ship, length)
+    middle, size = subject(view.box, ship, length)
+    towards, up = direction(camera, orbit)
+    return framed(middle, size, towards, up, view, orbit.distance)
+
+
+def subject(box: tuple[np.ndarray, np.ndarray], ship: Steered | None, length: float) -> tuple[np.ndarray, np.ndarray]:
+    """Middle and size [m] of what the picture is of: the water, or the ship in one that is many times as long."""
+    lower, upper = (np.array(corner, dtype=float) for corner in box)
     middle, size = 0.5 * (lower + upper), upper - lower
-    if body is not None and length and max(size[0], size[2]) > FAR * length:
-        middle, size = np.array([body.position[0], 0.0, body.position[2]]), np.full(3, SHIPS * length)
-    azimuth, height, distance = orbit
+    if ship is not None and length and max(size[0], size[2]) > FAR * length:
+        position = ship.body.position
+        return np.array([position[0], 0.0, position[2]]), np.full(3, SHIPS * length)
+    return middle, size
+
+
+def direction(camera: str, orbit: Orbit) -> tuple[np.ndarray, np.ndarray]:
+    """The direction of view, and what is up in the picture."""
     if camera == "top":
-        towards, up = np.array([0.0, -1.0, 0.0]), np.array([0.0, 0.0, -1.0])
-    elif camera == "side":
-        towards, up = np.array([0.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0])
-    else:
-        flat = cos(height)
-        towards = -np.array([flat * sin(azimuth), sin(height), flat * cos(azimuth)])
-        up = np.array([0.0, 1.0, 0.0])
+        return np.array([0.0, -1.0, 0.0]), np.array([0.0, 0.0, -1.0])
+    if camera == "side":
+        return np.array([0.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0])
+    flat = cos(orbit.height)
+    towards = -np.array([flat * sin(orbit.azimuth), sin(orbit.height), flat * cos(orbit.azimuth)])
+    return towards, np.array([0.0, 1.0, 0.0])
+
+
+def framed(
+    middle: np.ndarray, size: np.ndarray, towards: np.ndarray, up: np.ndarray, view: View, distance: float
+) -> Eye:
+    """The eye that sees a box of this middle and size in the free part of the picture."""
     right = unit(np.cross(towards, up))
     high = np.cross(right, towards)
     corners = middle + 0.5 * size * (2.0 * np.array(list(np.ndindex(2, 2, 2))) - 1.0)
     x, y, away = corners @ right, corners @ high, corners @ towards
-    half = tan(radians(OUTSIDE / 2))
+    half, free = tan(radians(OUTSIDE / 2)), view.free
     # Planes through the eye bound the free part of the picture: each corner limits how far forward the eye may stand.
     bounds, shifts = [], []
-    for place, t, begin, part in ((x, half * aspect, free[0], free[2]), (y, half, free[1], free[3])):
+    for along, t, begin, part in ((x, half * view.aspect, free[0], free[2]), (y, half, free[1], free[3])):
         shift, t = t * (2.0 * begin + part - 1.0), t * part
-        leaning = place - shift * away
+        leaning = along - shift * away
         bounds.append(((leaning - t * away).max(), (leaning + t * away).min(), t))
         shifts.append(shift)
     ahead = min((inner - outer) / (2.0 * t) for outer, inner, t in bounds)
@@ -64,9 +112,9 @@ def seen(
     return Eye(eye, eye + reach * towards, up, OUTSIDE, 0.02 * reach, far)
 
 
-def at_helm(ship: Any, length: float) -> Eye:
-    """From the place named helm, else from above the middle of the ship, towards the bow and a little down."""
+def at_helm(ship: Steered, length: float) -> Eye:
+    """From the point named helm, else from above the middle of the ship, towards the bow and a little down."""
     body, turn = ship.body, ship.body.matrix
-    place = ship.points.get("helm", np.array([0.0, 0.25 * (length or 4.0), 0.0]))
-    eye = body.position + turn @ place
+    helm = ship.points.get("helm", np.array([0.0, 0.25 * (length or 4.0), 0.0]))
+    eye = body.position + turn @ helm
     return Eye(eye, eye + turn @ np.array([0.0, -0.12, 1.0]), turn @ np.array([0.0, 1.0, 0.0]), HELM, 0.2, 4000.0)

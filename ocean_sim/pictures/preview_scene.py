@@ -1,6 +1,6 @@
 """What is to be seen of a simulation, as arrays: water, ship, particles, lines. It knows no window."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -9,6 +9,7 @@ from ocean_sim.pictures import water_shading
 from ocean_sim.pictures.counted import spacing
 from ocean_sim.pictures.preview_eye import Eye
 from ocean_sim.pictures.sky import SUN, unit
+from ocean_sim.pictures.subject import Subject
 from ocean_sim.pictures.water_mesh import WaterMesh
 from ocean_sim.pictures.water_mesh import triangles as mesh_triangles
 
@@ -19,7 +20,7 @@ TOP, BED = np.array([0.10, 0.40, 0.50]), np.array([0.02, 0.07, 0.12])  # the cut
 ZENITH, HORIZON, GROUND = np.array([0.25, 0.45, 0.70]), np.array([0.80, 0.87, 0.92]), np.array([0.34, 0.40, 0.45])
 HULL, DECK = np.array([0.81, 0.29, 0.20]), np.array([0.93, 0.89, 0.80])
 BASIN, AIR, ARROW = np.array([0.20, 0.28, 0.34]), np.array([0.98, 0.78, 0.22]), np.array([0.86, 0.16, 0.10])
-# Dark blue over grey to yellow, lightness rising evenly, told apart by colour-blind eyes (Nunez et al. 2018, cividis).
+# Dark blue over grey to yellow, lightness rising evenly, distinct to colour-blind eyes (Nunez et al. 2018, cividis).
 SPEEDS = np.array([[0.0, 0.14, 0.31], [0.26, 0.31, 0.42], [0.49, 0.48, 0.47], [0.73, 0.68, 0.45], [1.0, 0.91, 0.30]])
 
 
@@ -44,7 +45,7 @@ class Balls(NamedTuple):
 class Sight:
     """The arrays of one simulation; what never changes is made once."""
 
-    def __init__(self, simulation: Any) -> None:
+    def __init__(self, simulation: Subject) -> None:
         self.simulation = simulation
         basin, fluid = simulation.basin, simulation.fluid
         self.lower, self.upper = np.array(basin.lower, dtype=float), np.array(basin.upper, dtype=float)
@@ -59,7 +60,7 @@ class Sight:
             self.sheet = WaterMesh(self.x, self.z, self.lower, self.upper, NODES)
             self.net = WaterMesh(self.x, self.z, self.lower, self.upper, len(self.points))
         drawn = None if simulation.ship is None else simulation.ship.drawn()
-        self.hull = None if drawn is None else Hull(*drawn[:2])
+        self.hull = None if drawn is None else ShadedHull(*drawn[:2])
         self.length = 0.0 if drawn is None else float(np.ptp(drawn[0], axis=0).max())  # [m] of the ship
         self.fastest = CALM
 
@@ -110,7 +111,9 @@ class Sight:
 
     def shell(self, heights: np.ndarray, eye: np.ndarray) -> Patch | None:
         """A closed surface; what faces sideways or down is as dark as the cut side of the water."""
-        mesh = self.simulation.surface.mesh()
+        surface = self.simulation.surface
+        assert surface is not None  # it folds
+        mesh = surface.mesh()
         if len(mesh.triangles) == 0:
             return None
         points, normals = mesh.vertices.astype(float), mesh.normals.astype(float)
@@ -127,9 +130,10 @@ class Sight:
 
     def ship(self) -> Patch | None:
         """The hull where it is now."""
-        if self.hull is None:
+        ship = self.simulation.ship
+        if self.hull is None or ship is None:
             return None
-        body = self.simulation.ship.body
+        body = ship.body
         return self.hull.placed(body.position, body.matrix)
 
     def particles(self, small: bool) -> Balls | None:
@@ -193,7 +197,7 @@ class Sight:
         return np.concatenate([np.stack([a, tip], axis=1) for a in (begin, *barbs)])
 
 
-class Hull:
+class ShadedHull:
     """Triangles of a ship, each with corners of its own, as bright as the sun makes it."""
 
     def __init__(self, vertices: np.ndarray, triangles: np.ndarray) -> None:

@@ -62,9 +62,9 @@ def slopes(
         turned = TURN[0] * along - TURN[1] * across, TURN[1] * along + TURN[0] * across
         _, c, d = noise(STRETCH * turned[0] + SHIFT, STRETCH * turned[1] + SHIFT)
         down = a + 0.8 * (TURN[0] * c + TURN[1] * d)
-        beside = ACROSS * (b + 0.8 * (TURN[0] * d - TURN[1] * c))
-        slope_x += fade * steep * (down * cos - beside * sin)
-        slope_z += fade * steep * (down * sin + beside * cos)
+        across = ACROSS * (b + 0.8 * (TURN[0] * d - TURN[1] * c))
+        slope_x += fade * steep * (down * cos - across * sin)
+        slope_z += fade * steep * (down * sin + across * cos)
         lost += (1.0 - fade**2) * (1.0 - UNRESOLVED) * variance / OCTAVES
     return slope_x, slope_z, 0.5 * lost
 

@@ -1,4 +1,4 @@
-"""What a run says of the sea around its basin: its waves, its wind, and its level."""
+"""What is known from a run of the sea around its basin: its waves, its wind, and its level."""
 
 import json
 from pathlib import Path
@@ -30,7 +30,7 @@ class SeaState(NamedTuple):
 
 
 def of_run(folder: Path, grid: Any) -> SeaState:
-    """From the frames that a run kept, and its scene where a manifest lies beside them."""
+    """From the frames that a run kept, and its scene where a manifest lies next to them."""
     files = frame_files(folder)
     frames = [Frame(path).elevation for path in files[:: max(1, len(files) // FRAMES)]]
     size = tuple(float(grid["upper"][k] - grid["lower"][k]) for k in (0, 2))
@@ -64,9 +64,9 @@ def scene_of(folder: Path) -> dict[str, Any]:
 
 def wind_of(scene: dict[str, Any], sea: Components | None, height: float) -> Wind:
     """The scene's wind where it has one with a speed and a heading; else that which raises such a sea."""
-    said = scene.get("wind") or {}
-    speed = said.get("u10") or far_sea.wind_speed_of(height)
-    angle = heading(said)
+    wind = scene.get("wind") or {}
+    speed = wind.get("u10") or far_sea.wind_speed_of(height)
+    angle = heading(wind)
     if angle is None:
         going = np.array([1.0, 0.6]) if sea is None else (sea.amplitude[:, None] ** 2 * sea.wavevector).sum(axis=0)
         angle = float(np.arctan2(going[1], going[0]))

@@ -20,15 +20,15 @@ def smoothed(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...], pas
         return mesh
     i, j = (np.concatenate([corners[:, [a, b]], corners[:, [b, a]]]).T for a, b in ((0, 1), (1, 2)))
     i, j = np.concatenate([i, j, corners[:, [0, 2]].T, corners[:, [2, 0]].T], axis=1)
-    beside = coo_matrix((np.ones(len(i)), (i, j)), shape=(n, n)).tocsr()
-    beside.data[:] = 1.0
-    degree = np.maximum(beside.getnnz(axis=1), 1)[:, None]
+    adjacent = coo_matrix((np.ones(len(i)), (i, j)), shape=(n, n)).tocsr()
+    adjacent.data[:] = 1.0
+    degree = np.maximum(adjacent.getnnz(axis=1), 1)[:, None]
     low, up, x = np.array(lower), np.array(upper), mesh.vertices.astype(float)
     free = (x > low + NEAR * (up - low)) & (x < up - NEAR * (up - low))
     outward = 1.0 / (PASS_BAND - 1.0 / INWARD)
     for _ in range(passes):
         for weight in (INWARD, outward):
-            x = x + weight * free * (beside @ x / degree - x)
+            x = x + weight * free * (adjacent @ x / degree - x)
     moved = Mesh(x, corners, mesh.normals)
     normals, across = np.zeros_like(x), moved.vector_areas
     for k in range(3):

@@ -1,14 +1,10 @@
 """Spray: particles with hardly a neighbour, above the water, each as a puff of small white drops."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ocean_sim.pictures.far_sea import OUT
+from ocean_sim.pictures.stage import Stage
 from ocean_sim.random_numbers import numpy_uniform
-
-if TYPE_CHECKING:
-    from ocean_sim.pictures.picture import Picture
 
 NEIGHBOURHOOD, FEW = 1.6, 3  # [spacings], and the most neighbours that a lonely particle has in it
 ABOVE = 0.6  # [spacings] over the water
@@ -38,13 +34,13 @@ def normal(uniform: np.ndarray) -> np.ndarray:
 class Spray:
     """A fixed number of puffs; those not needed wait below the sea."""
 
-    def __init__(self, picture: "Picture", spacing: float) -> None:
+    def __init__(self, stage: Stage, spacing: float) -> None:
         self.spacing = spacing
         self.places = np.tile(np.array([0.0, -OUT, 0.0], np.float32), (MOST * DROPS, 1))
         n = np.arange(DROPS)
         self.offsets = PUFF * spacing * normal(np.stack([numpy_uniform(0, OFFSETS, n, k) for k in range(6)], axis=1))
-        self.cloud = picture.pyvista.PolyData(self.places)
-        drops = picture.plotter.add_mesh(
+        self.cloud = stage.pyvista.PolyData(self.places)
+        drops = stage.plotter.add_mesh(
             self.cloud, color="white", style="points_gaussian", render_points_as_spheres=False, lighting=False
         )
         drops.mapper.scale_factor = DROP * spacing

@@ -25,14 +25,14 @@ SCREENS = ("DISPLAY", "WAYLAND_DISPLAY")
 
 
 class VulkanMissing(Lacking):
-    """GGUI finds no Vulkan here; the message says what to install."""
+    """GGUI finds no Vulkan here; the message names what to install."""
 
     def __init__(self) -> None:
         super().__init__(f"this machine has no Vulkan to draw a preview with; install it with `{REMEDY}`")
 
 
 class ScreenMissing(Lacking):
-    """There is no screen to open a window on; the message says what goes without one."""
+    """There is no screen to open a window on; the message names what works without one."""
 
     def __init__(self) -> None:
         super().__init__(

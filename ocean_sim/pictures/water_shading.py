@@ -1,6 +1,6 @@
 """The colour of water seen from an eye: each term of (3.6) to (3.16) a function, and their sum as Algorithm 6 has it.
 
-NumPy is the reference; `water_glsl.py` says the same to a graphics processor and is tested against it. Directions are
+NumPy is the reference; `water_glsl.py` is the same for a graphics processor and is tested against it. Directions are
 unit vectors (n, 3), y up; colours are linear RGB (n, 3); cosines and shares are (n,).
 """
 

@@ -31,8 +31,8 @@ class Bundle:
         self.copy_from(np.concatenate([array.ravel() for array in arrays]).astype(self.row.dtype))
 
     @ti.func
-    def place(self, field: ti.template(), index):  # type: ignore[valid-type]
-        """Where a number of a field stands among its own."""
+    def index_of(self, field: ti.template(), index):  # type: ignore[valid-type]
+        """The number of an entry among those of its field."""
         k = 0
         for axis in ti.static(range(len(field.shape))):
             k = k * field.shape[axis] + index[axis]
@@ -42,13 +42,13 @@ class Bundle:
     def copy_to(self, row: ti.types.ndarray(ndim=1)):  # type: ignore[valid-type]
         for field, first in ti.static(self.fields):
             for index in ti.grouped(field):
-                row[first + self.place(field, index)] = field[index]
+                row[first + self.index_of(field, index)] = field[index]
 
     @ti.kernel
     def copy_from(self, row: ti.types.ndarray(ndim=1)):  # type: ignore[valid-type]
         for field, first in ti.static(self.fields):
             for index in ti.grouped(field):
-                field[index] = row[first + self.place(field, index)]
+                field[index] = row[first + self.index_of(field, index)]
 
 
 class Contents:

@@ -1,8 +1,8 @@
 """Checkpoint files: HDF5 behind a head of 512 bytes that holds the hash of all the rest.
 
 The hash is compared before the file is read, so a torn or changed file is recognised before any library parses it.
-Inside, `tree`, `scene` and `made` are JSON in bytes (HDF5 keeps strings in a heap, and reads a damaged one for ever),
-and `arrays` holds one data set a field or array, by its path in the simulation.
+Inside, `tree`, `scene` and `made` are JSON in bytes, for HDF5 keeps strings in a heap, and never ends reading a damaged
+one; `arrays` holds one data set a field or array, by its path in the simulation.
 """
 
 import hashlib

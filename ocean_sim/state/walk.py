@@ -3,8 +3,8 @@
 It is found by walking: every attribute of every object of this package that can be reached is taken, so a new part
 cannot forget anything. Taichi fields and NumPy arrays are taken by content; what is reached twice is taken once.
 Configs, functions and types are left alone: the same scene builds them again. A name in a class's `left_out` is left
-alone, too: what a clock says, and what belongs to the process. Anything else of an unknown kind is refused with its
-name: what is neither known nor left out would be lost in silence.
+alone, too: what depends on a clock, and what belongs to the process. Anything else of an unknown kind is refused with
+its name: what is neither known nor left out would be lost in silence.
 
 To put a state back, the same scene is built anew; objects that hold fields keep their identity, which compiled kernels
 know them by, and data is made afresh. No code of a file is run: data classes and tuples of this package alone are made,
@@ -35,7 +35,7 @@ MISSING = object()
 NUMBERS = (int, float, np.number, np.bool_)
 KINDS: tuple[Any, ...] = (Path, TextIOWrapper, str, NUMBERS, list, tuple, dict, range, np.ndarray)
 FIELD, ARRAY, NUMBER, SAME, REST, VECTOR = "field", "array", "number", "same", "left", "vector"
-LIST, TUPLE, DICT, RANGE, FILE, PLACE, OBJECT = "list", "tuple", "dict", "range", "file", "path", "of"
+LIST, TUPLE, DICT, RANGE, FILE, LOCATION, OBJECT = "list", "tuple", "dict", "range", "file", "path", "of"
 
 
 @runtime_checkable
@@ -46,7 +46,7 @@ class Partial(Protocol):
 
 
 class Differs(Exception):
-    """A state does not fit what it is to be put into; the message says where."""
+    """A state does not fit what it is to be put into; the message names where."""
 
 
 def attributes(value: Any) -> dict[str, Any]:
@@ -65,7 +65,7 @@ def is_named(value: Any) -> bool:
 
 
 class Taken:
-    """The state of what can be reached from `root`: a `tree` that is plain data, and the `arrays` it speaks of.
+    """The state of what can be reached from `root`: a `tree` that is plain data, and the `arrays` it refers to.
 
     Raises TypeError where something is met that is neither known nor left out.
     """
@@ -82,7 +82,7 @@ class Taken:
         self.arrays |= (contents or Contents()).read(self.fields)
 
     def node(self, value: Any, path: str) -> Any:
-        """What is written of a value; a mapping with one telling key, or the value itself."""
+        """What is written of a value; a mapping whose first key names the kind, or the value itself."""
         if value is None or type(value) in PLAIN:
             return value
         if isinstance(value, np.generic):
@@ -91,7 +91,7 @@ class Taken:
             return {REST: type(value).__name__}
         if isinstance(value, Path):
             inside = value.is_relative_to(self.folder)
-            return {PLACE: value.relative_to(self.folder).as_posix()} if inside else {REST: "Path"}
+            return {LOCATION: value.relative_to(self.folder).as_posix()} if inside else {REST: "Path"}
         if id(value) in self.seen:
             return {SAME: self.seen[id(value)][0]}
         self.seen[id(value)] = (path, value)  # and kept alive, so that no other takes its id
@@ -125,8 +125,8 @@ class Taken:
             return {VECTOR: value.to_numpy().tolist()}
         if isinstance(value, TextIOWrapper):
             value.flush()
-            place = Path(value.name).relative_to(self.folder).as_posix()
-            return {FILE: [place, os.fstat(value.fileno()).st_size]}
+            name = Path(value.name).relative_to(self.folder).as_posix()
+            return {FILE: [name, os.fstat(value.fileno()).st_size]}
         if isinstance(value, range):
             return {RANGE: [value.start, value.stop, value.step]}
         if type(value) is list or isinstance(value, tuple):
@@ -196,7 +196,7 @@ class Restoring:
         return np.dtype(dtype).type(value)
 
     def from_path(self, node: Any, fresh: Any, path: str) -> Path:
-        return self.folder / inside(node[PLACE])
+        return self.folder / inside(node[LOCATION])
 
     def from_field(self, node: Any, fresh: Any, path: str) -> Any:
         values = self.arrays[node[FIELD]]
@@ -222,12 +222,12 @@ class Restoring:
         name, size = node[FILE]
         if type(size) is not int or size < 0:
             raise Differs(f"{name} cannot have {size!r:.60} bytes")
-        place = self.folder / inside(name)
-        if not place.is_file() or place.stat().st_size < size:
+        location = self.folder / inside(name)
+        if not location.is_file() or location.stat().st_size < size:
             raise Differs(f"{name} is shorter than it was when the checkpoint was made")
         if isinstance(fresh, TextIOWrapper):
             fresh.close()
-        file = place.open("r+", encoding="utf-8", newline="\n")
+        file = location.open("r+", encoding="utf-8", newline="\n")
         self.files.append((file, size))
         return file
 
@@ -250,8 +250,8 @@ class Restoring:
         return named
 
     def each(self, nodes: list, fresh: Any, path: str) -> list:
-        beside = [*fresh, *([MISSING] * (len(nodes) - len(fresh)))]
-        return [self.value(node, beside[k], f"{path}.{k}") for k, node in enumerate(nodes)]
+        built = [*fresh, *([MISSING] * (len(nodes) - len(fresh)))]
+        return [self.value(node, built[k], f"{path}.{k}") for k, node in enumerate(nodes)]
 
     def from_dict(self, node: Any, fresh: Any, path: str) -> dict:
         new, there = {}, fresh if isinstance(fresh, dict) else {}
@@ -299,6 +299,8 @@ def fits(value: Any, declared: Any) -> bool:
     """Whether a value is of a declared type; what is declared in words or as no class fits everything."""
     if get_origin(declared) is UnionType:
         return any(fits(value, one) for one in get_args(declared))
+    if get_origin(declared) is tuple and get_args(declared)[-1] is ...:
+        return isinstance(value, tuple) and all(fits(one, get_args(declared)[0]) for one in value)
     kind = NUMBERS if declared in (int, float, bool) else get_origin(declared) or declared
     return not isinstance(kind, type | tuple) or isinstance(value, kind)
 

@@ -59,7 +59,7 @@ def picture(number: int) -> str:
 
 
 def with_wind(overrides: dict[str, Any], wind: str) -> dict[str, Any]:
-    """The overrides with a ready-made wind in place of all that was said of the wind, or as they are for its own."""
+    """The overrides with a ready-made wind in place of all that was set of the wind, or as they are for its own."""
     if wind == OWN:
         return overrides
     return {key: value for key, value in overrides.items() if key.split(".")[0] != "wind"} | {"wind": wind}
@@ -150,10 +150,10 @@ class Session:
         try:
             config = self.config if wind == self.playing else self.of_wind(wind)
         except SceneError as error:
-            panel.said, panel.wind = f"{wind}: {error.problems[0].message}", self.playing
+            panel.message, panel.wind = f"{wind}: {error.problems[0].message}", self.playing
             return
         self.simulation.close()
-        self.config, self.playing, panel.said = config, wind, ""
+        self.config, self.playing, panel.message = config, wind, ""
         afresh = runtime.full()
         if afresh:
             self.screen.close()
@@ -174,7 +174,7 @@ class Session:
                 if single or perf_counter() - begin > BUDGET:
                     break
         except Diverged as failure:
-            panel.paused, panel.said = True, f"diverged: {failure}. Reset begins anew."
+            panel.paused, panel.message = True, f"diverged: {failure}. Reset begins anew."
 
     def record(self) -> None:
         """One more picture of a recording; each recording is a folder of its own."""
@@ -209,10 +209,10 @@ class Session:
 
     def summary(self) -> str:
         facts = self.facts()
-        said = f"{facts['pictures']} pictures, {facts['simulated_s']:.3g} s simulated"
+        sentence = f"{facts['pictures']} pictures, {facts['simulated_s']:.3g} s simulated"
         if facts["ms_per_picture"] is not None:
-            said += f", {facts['ms_per_picture']:.0f} ms a picture"
-        return f"{said}; {facts['folder']}" if self.folder.exists() else said
+            sentence += f", {facts['ms_per_picture']:.0f} ms a picture"
+        return f"{sentence}; {facts['folder']}" if self.folder.exists() else sentence
 
 
 def built(config: SceneConfig) -> Simulation:

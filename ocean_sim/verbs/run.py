@@ -91,7 +91,7 @@ def run_folder(stem: str, out: Path | None, overwrite: bool) -> Path:
         raise console.Refused(f"--out {out}: this is a file, not a folder")
     if (out / "manifest.json").exists():
         if not overwrite:
-            raise console.Refused(f"--out {out}: a run lies here already; name another folder, or say --overwrite")
+            raise console.Refused(f"--out {out}: there is a run here already; name another folder, or add --overwrite")
         clear(out)
     return out
 

@@ -1,25 +1,27 @@
-"""Checkpoints that are damaged, and such that are whole but tell of another state: a sentence, and nothing is lost."""
+"""Checkpoints that are damaged, and such that are whole but hold another state: a sentence, and nothing is lost."""
 
 import json
 import shutil
 from io import TextIOWrapper
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import pytest
 from _breakers import changed, decayed, garbage, paths
 from _settings import few, many
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pydantic import BaseModel
 
 from ocean_sim.__main__ import answered
-from ocean_sim.observers.checkpoint import restore
+from ocean_sim.observers.checkpoint import restore, roots
 from ocean_sim.reading.scene import load
 from ocean_sim.result import run as run_scene
 from ocean_sim.simulation import Simulation
 from ocean_sim.state import file
 from ocean_sim.state.fields import Contents
-from ocean_sim.state.walk import Differs
+from ocean_sim.state.walk import Differs, Restoring, is_ours
 
 SEA = {
     "duration": 0.1,
@@ -78,7 +80,7 @@ def decay_with_a_true_hash(data, kept) -> None:
 
 
 def another_state(data, kept, capsys) -> None:
-    """The scene or the versions are not those of the run: what `resume` says of it."""
+    """The scene or the versions are not those of the run: the message of `resume`."""
     checkpoint = file.read(kept[0])
     part = data.draw(st.sampled_from(["scene", "made"]))
     there = copy_of(kept)
@@ -169,6 +171,69 @@ def test_words_for_numbers_and_nothing_for_a_path_are_no_state(kept, unfilled, n
         with pytest.raises(Differs, match=f"its .*{name} is"):
             restore(simulation, checkpoint._replace(tree=tree), copy_of(kept))
         closed(files)
+
+
+def objects(thing: Any, found: dict[int, tuple[Any, dict]]) -> dict[int, tuple[Any, dict]]:
+    """All that can be reached of what a walk may change, with its attributes as they are."""
+    if is_ours(thing) and not isinstance(thing, BaseModel) and id(thing) not in found:
+        found[id(thing)] = thing, dict(vars(thing))
+    inner = thing if isinstance(thing, list | tuple) else thing.values() if isinstance(thing, dict) else ()
+    for each in inner if id(thing) not in found else found[id(thing)][1].values():
+        if id(each) not in found:
+            objects(each, found)
+    return found
+
+
+@pytest.mark.parametrize("value", [None, [], "x", {}, {"list": []}], ids=str)
+def test_no_number_of_a_state_may_be_of_another_kind(kept, unfilled, value):
+    """Every one of the tree, also those of which a run that has just been built has none yet."""
+    checkpoint, there = file.read(kept[0]), copy_of(kept)
+    numbers = [path for path in paths(checkpoint.tree) if isinstance(at(checkpoint.tree, path), bool | int | float)]
+    assert len(numbers) > 50 and any(path[-1] == "next" for path in numbers)
+    if value is None:  # which says of this one that no row was written yet
+        numbers = [path for path in numbers if path[-1] != "next"]
+    with TemporaryDirectory() as away:
+        simulation = Simulation(load(SEA), Path(away))
+        parts, files = roots(simulation), [*simulation.observers]
+        fresh = objects(parts, {})
+        for path in numbers:
+            tree = changed(checkpoint.tree, path, lambda inner, key: inner.__setitem__(key, value))
+            try:
+                Restoring(parts, tree, checkpoint.arrays, there)
+            except Differs as refused:
+                assert str(refused) and not any(talk in str(refused) for talk in TALK)
+            else:
+                held = path[-3:-1] == (2, "tuple") and value == "x"  # a word is as good as a number there
+                assert held, f"{path} was taken"
+
+            for thing, attributes in fresh.values():
+                vars(thing).clear()
+                vars(thing).update(attributes)
+        closed(files)
+
+
+def at(whole: Any, path: tuple) -> Any:
+    for step in path:
+        whole = whole[step]
+    return whole
+
+
+@pytest.mark.parametrize("value", [None, [], "x", 3.0], ids=str)
+@pytest.mark.parametrize("part", ["scene", "made", "tree"])
+def test_a_part_of_a_checkpoint_of_another_kind_is_refused(kept, capsys, part, value):
+    there = copy_of(kept)
+    for path in file.kept(there):
+        path.unlink()
+    file.written(file.read(kept[0])._replace(**{part: value}), there)
+    assert answered(["resume", str(there)]) == 2
+    assert "is whole, but holds no state of a run" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("part, value", [("time", float("nan")), ("time", -1.0), ("steps", -1), ("steps", "x")])
+def test_a_time_or_a_count_that_no_run_has_is_refused(kept, part, value):
+    path = file.written(file.read(kept[0])._replace(**{part: value}), copy_of(kept))
+    with pytest.raises(file.Unreadable, match="holds no state of a run"):
+        file.read(path)
 
 
 @pytest.mark.parametrize("size", [-3, "long", None, 1e3])

@@ -82,7 +82,7 @@ def test_a_run_is_never_written_over_another(folder, tell):
     assert tell("run", "s.yaml", "--out", "kept")[0] == 0
     before = {path.name: path.read_bytes() for path in Path("kept").iterdir() if path.is_file()}
     code, err = tell("run", "s.yaml", "--out", "kept")
-    assert code == 2 and "a run lies here already" in err
+    assert code == 2 and "there is a run here already" in err
     code, err = tell("run", "s.yaml", "--out", "s.yaml")
     assert code == 2 and "this is a file, not a folder" in err
     assert before == {path.name: path.read_bytes() for path in Path("kept").iterdir() if path.is_file()}

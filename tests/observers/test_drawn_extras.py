@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.observers import render
-from ocean_sim.pictures import drawn_boxes, opengl, wake
+from ocean_sim.pictures import obstacles, opengl, wake
 from ocean_sim.pictures.camera import Track, Vessel
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
@@ -41,7 +41,7 @@ def test_a_ship_that_rests_leaves_no_wake():
 
 def test_a_box_has_six_faces_that_look_outwards():
     low, up = np.array([1.0, -2.0, 3.0]), np.array([2.0, 0.5, 3.5])
-    points, normals = drawn_boxes.faces(low, up)
+    points, normals = obstacles.faces(low, up)
     assert points.shape == normals.shape == (24, 3)
     assert ((points == low) | (points == up)).all()
     middle = points.reshape(6, 4, 3).mean(axis=1)

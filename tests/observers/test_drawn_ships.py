@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from ocean_sim.pictures import drawn_ship, ship_hull, ship_parts
+from ocean_sim.pictures import light, ship_hull, ship_parts
 from ocean_sim.pictures.ship_model import BLACK, OXIDE, WHITE, modelled
 from ocean_sim.ship.shared.drawn import drawn
 from ocean_sim.ship.shared.hull import hull_of
@@ -154,5 +154,5 @@ def test_light_is_finite_and_brighter_towards_the_sun():
     from ocean_sim.pictures import sky
 
     normals = np.stack([sky.SUN, -sky.SUN])
-    light = drawn_ship.lit(normals, np.full((2, 3), 0.5), np.zeros((2, 1)))
-    assert (light[0] > 2.0 * light[1]).all() and (light > 0.0).all()
+    colours = light.lit(normals, np.full((2, 3), 0.5), np.zeros((2, 1)))
+    assert (colours[0] > 2.0 * colours[1]).all() and (colours > 0.0).all()

@@ -120,7 +120,7 @@ def test_significant_wave_height_of_a_sine_is_four_standard_deviations_of_the_la
         curves.add(0.1 * k, height * np.sin(phase), -0.1, 20.0 + k)
     assert curves.wave_height() == pytest.approx(4.0 * 0.2 / np.sqrt(2.0))
     assert curves.scale("H_s") == (0.0, 2.0) and curves.scale("roll") == (-10.0, 10.0)
-    assert curves.told("roll") == "-5.7 deg   axis -10 to 10"
+    assert curves.reading("roll") == "-5.7 deg   axis -10 to 10"
     lines = curves.lines("H_s", (0.1, 0.2, 0.3, 0.4))
     assert len(lines) == KEPT - 1
     assert lines[..., 0].min() == pytest.approx(0.1) and lines[..., 0].max() == pytest.approx(0.4)
@@ -132,7 +132,9 @@ def test_significant_wave_height_of_a_sine_is_four_standard_deviations_of_the_la
 @pytest.mark.parametrize("aspect", [16 / 9, 4 / 3])
 def test_the_whole_basin_is_in_the_part_of_the_picture_that_no_panel_covers(camera, aspect):
     lower, upper, free = np.array([-30.0, -7.5, -10.0]), np.array([30.0, 2.0, 10.0]), (0.25, 0.2, 0.7, 0.75)
-    eye = preview_eye.seen(camera, (0.7, 0.4, 1.0), (lower, upper), None, 0.0, free, aspect)
+    eye = preview_eye.seen(
+        camera, preview_eye.Orbit(0.7, 0.4, 1.0), preview_eye.View((lower, upper), free, aspect), None, 0.0
+    )
     forward = (eye.target - eye.place) / np.linalg.norm(eye.target - eye.place)
     right = np.cross(forward, eye.up)
     right /= np.linalg.norm(right)
@@ -148,7 +150,8 @@ def test_the_whole_basin_is_in_the_part_of_the_picture_that_no_panel_covers(came
 
 def test_the_eye_at_the_helm_moves_with_the_ship_and_looks_over_the_bow(coarse):
     ship = coarse.ship
-    eye = preview_eye.seen("helm", (0.0, 0.4, 1.0), Sight(coarse).box, ship, 15.0, (0.0, 0.0, 1.0, 1.0), 1.5)
+    view = preview_eye.View(Sight(coarse).box, (0.0, 0.0, 1.0, 1.0), 1.5)
+    eye = preview_eye.seen("helm", preview_eye.Orbit(0.0, 0.4, 1.0), view, ship, 15.0)
     np.testing.assert_allclose(eye.place, ship.body.position + ship.body.matrix @ ship.points["helm"])
     assert (eye.target - eye.place) @ ship.body.matrix[:, 2] == pytest.approx(1.0)
 

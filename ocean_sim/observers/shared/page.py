@@ -77,7 +77,7 @@ def plot(drawing: str) -> str:
 
 
 def text(value: Any, indent: str = "") -> str:
-    """What a scene says, a key a line, as YAML; what is null is left out."""
+    """A scene as YAML, a key a line; what is null is left out."""
     lines = []
     for key, inner in value.items():
         if inner is None:

@@ -261,7 +261,7 @@ class Run:
 
 
 def particulars(event: dict[str, Any]) -> str:
-    """What an event says beyond its time and name."""
+    """What is known of an event beyond its time and name."""
     rest: Iterable[tuple[str, Any]] = ((k, v) for k, v in event.items() if k not in ("time_s", "step", "event"))
     words = (
         f"{key} {value:.5g}" if isinstance(value, float) else f"{key} {value}"

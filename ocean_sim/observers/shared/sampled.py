@@ -32,7 +32,7 @@ class Sample(NamedTuple):
 
     time: float
     values: np.ndarray
-    held: tuple
+    held: tuple[float | str, ...]
 
 
 class Sampled:

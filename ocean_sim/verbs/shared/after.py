@@ -70,7 +70,7 @@ def export(
 ) -> None:
     """Files for ParaView and Blender from the frames of a run."""
     if particles is None and surface is None:
-        raise console.Refused("say what to export: --particles vtkhdf, --surface ply or --surface vtp")
+        raise console.Refused("name what to export: --particles vtkhdf, --surface ply or --surface vtp")
     if particles is not None and particles not in PARTICLES:
         raise console.Refused(f"--particles {particles}: choose vtkhdf")
     if surface is not None and surface not in SURFACES:

@@ -13,7 +13,7 @@ __all__ = ["Failed", "Lacking", "Refused"]  # which verbs raise
 
 
 class Stopped(Failed):
-    """A person stopped a run; the sentence says where."""
+    """A person stopped a run; the sentence gives the time."""
 
 
 def say(text: str = "") -> None:
@@ -64,7 +64,7 @@ def counted(problems: list[Any]) -> str:
 
 
 def settings(sets: list[str]) -> dict[str, Node]:
-    """What `--set` says, by dotted key; raises SceneError with every mistake."""
+    """The values of `--set`, by dotted key; raises SceneError with every mistake."""
     values: dict[str, Node] = {}
     problems: list[Problem] = []
     for text in sets:

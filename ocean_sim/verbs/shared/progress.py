@@ -62,7 +62,7 @@ class Drawing:
     """Shows how many pictures of a film are drawn, of how many; and once, what the film will take."""
 
     def __init__(self, quiet: bool, cure: str = "") -> None:
-        """`cure`: how to do without, said with the estimate."""
+        """`cure`: how to do without, printed with the estimate."""
         self.bar, self.cure = Bar(1.0, quiet), cure
         self.first: tuple[float, int] | None = None  # wall time [s], and pictures that were drawn by then
         self.estimated = quiet

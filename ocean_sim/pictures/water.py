@@ -1,15 +1,13 @@
 """The surface of the water in a picture."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ocean_sim.pictures import water_shading
 from ocean_sim.pictures.frame_files import Frame
+from ocean_sim.pictures.stage import Stage
 from ocean_sim.pictures.water_mesh import WaterMesh
-
-if TYPE_CHECKING:
-    from ocean_sim.pictures.picture import Picture
 
 EDGE = "#eef3f6"
 THIN = 0.4  # of the light of a cut side that comes out of the folds of water in a tank
@@ -20,35 +18,37 @@ NODES = {"draft": 40_000, "final": 160_000}  # of the drawn surface
 class Water:
     """The surface and the cut sides of the water, coloured at their nodes for the eye of the picture."""
 
-    def __init__(self, picture: "Picture", grid: Any) -> None:
-        pyvista = picture.pyvista
-        self.eye = picture.camera.eye
+    def __init__(self, stage: Stage, grid: Any, nodes: int) -> None:
+        """`nodes`: about how many the drawn surface has."""
+        pyvista, self.stage = stage.pyvista, stage
         self.scale = 0.02 * float(grid["depth"])  # [m] the least height that counts as a crest
-        self.mesh = WaterMesh(grid["x"], grid["z"], grid["lower"], grid["upper"], NODES[picture.order.quality])
+        self.mesh = WaterMesh(grid["x"], grid["z"], grid["lower"], grid["upper"], nodes)
         points, _ = self.mesh.surface(np.zeros((len(grid["x"]), len(grid["z"]))))
         self.surface = pyvista.PolyData.from_regular_faces(points.astype(np.float32), self.mesh.surface_triangles)
         sides = self.mesh.sides(points)
         self.sides = pyvista.PolyData.from_regular_faces(sides.astype(np.float32), self.mesh.side_triangles)
         for part in (self.sides, self.surface):
             part["colour"] = np.zeros((part.n_points, 3), np.uint8)
-            picture.plotter.add_mesh(part, scalars="colour", rgb=True, lighting=False)
+            stage.plotter.add_mesh(part, scalars="colour", rgb=True, lighting=False)
 
     def show(self, frame: Frame) -> None:
+        eye = self.stage.camera.eye
         points, normals = self.mesh.surface(frame.elevation)
         height = np.clip(points[:, 1] / max(2.5 * float(frame.elevation.std()), self.scale), -1.0, 1.0)
         self.surface.points = points.astype(np.float32)
-        self.surface["colour"] = water_shading.display(water_shading.surface(points, normals, height, self.eye))
+        self.surface["colour"] = water_shading.display(water_shading.surface(points, normals, height, eye))
         sides, depth = self.mesh.sides(points), self.mesh.side_depth
         self.sides.points = sides.astype(np.float32)
-        self.sides["colour"] = water_shading.display(water_shading.side(sides, self.mesh.side_normals, depth, self.eye))
+        self.sides["colour"] = water_shading.display(water_shading.side(sides, self.mesh.side_normals, depth, eye))
 
 
 class Shell:
     """A closed surface with drops and folds, smoothed; what faces down or sideways is seen as through glass."""
 
-    def __init__(self, picture: "Picture", depth: float) -> None:
-        self.lower, self.upper = tuple(picture.lower), tuple(picture.upper)
-        self.eye, self.depth, self.plotter, self.pyvista = picture.camera.eye, depth, picture.plotter, picture.pyvista
+    def __init__(self, stage: Stage, lower: np.ndarray, upper: np.ndarray, depth: float) -> None:
+        """In a tank from `lower` to `upper` [m], of this depth [m]."""
+        self.stage, self.lower, self.upper, self.depth = stage, tuple(lower), tuple(upper), depth
+        self.plotter, self.pyvista = stage.plotter, stage.pyvista
         box = self.pyvista.Box(np.stack([self.lower, self.upper], axis=1).ravel()).extract_feature_edges(30.0)
         self.plotter.add_mesh(box, color=EDGE, opacity=0.5, line_width=1.5, lighting=False)  # the tank, of glass
 
@@ -57,12 +57,13 @@ class Shell:
         from ocean_sim.surface import Mesh
 
         assert frame.mesh is not None
+        eye = self.stage.camera.eye
         smooth = smoothed(Mesh(*frame.mesh), self.lower, self.upper)
         points, triangles, normals = smooth.vertices, smooth.triangles, smooth.normals
         shape = self.pyvista.PolyData.from_regular_faces(points, triangles)
         height = np.clip(points[:, 1] / max(2.5 * float(frame.elevation.std()), 0.02 * self.depth), -1.0, 1.0)
-        top = water_shading.surface(points, normals, height, self.eye) + THIN * water_shading.GLASS
-        side = water_shading.side(points, normals, CLEAR * np.clip(-points[:, 1] / self.depth, 0.0, 1.0), self.eye)
+        top = water_shading.surface(points, normals, height, eye) + THIN * water_shading.GLASS
+        side = water_shading.side(points, normals, CLEAR * np.clip(-points[:, 1] / self.depth, 0.0, 1.0), eye)
         up = np.clip(2.5 * normals[:, 1:2], 0.0, 1.0)
         shape["colour"] = water_shading.display(up * top + (1.0 - up) * side)
         self.plotter.add_mesh(shape, scalars="colour", rgb=True, lighting=False, name="shell", reset_camera=False)

@@ -1,26 +1,22 @@
 """The particles in a picture."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ocean_sim.pictures import sky
 from ocean_sim.pictures.frame_files import Frame
-
-if TYPE_CHECKING:
-    from ocean_sim.pictures.picture import Picture
+from ocean_sim.pictures.stage import Stage
 
 
 class Particles:
     """Every particle as a small ball, coloured by its speed."""
 
-    def __init__(self, picture: "Picture", first: Frame, spacing: float, fastest: float) -> None:
+    def __init__(self, stage: Stage, first: Frame, spacing: float, fastest: float) -> None:
         assert first.position is not None
-        cloud = picture.pyvista.PolyData(first.position.astype(np.float32))
+        cloud = stage.pyvista.PolyData(first.position.astype(np.float32))
         cloud["speed [m/s]"] = np.zeros(len(first.position), np.float32)
-        picture.plotter.add_light(picture.pyvista.Light(position=tuple(1e3 * sky.SUN), light_type="scene light"))
-        picture.plotter.add_light(picture.pyvista.Light(light_type="headlight", intensity=0.5))
-        balls = picture.plotter.add_mesh(
+        stage.plotter.add_light(stage.pyvista.Light(position=tuple(1e3 * sky.SUN), light_type="scene light"))
+        stage.plotter.add_light(stage.pyvista.Light(light_type="headlight", intensity=0.5))
+        balls = stage.plotter.add_mesh(
             cloud,
             scalars="speed [m/s]",
             clim=(0.0, fastest),

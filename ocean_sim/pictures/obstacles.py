@@ -1,14 +1,10 @@
 """The obstacles of a basin in a picture: boxes of concrete."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ocean_sim.pictures import water_shading
-from ocean_sim.pictures.drawn_ship import lit
-
-if TYPE_CHECKING:
-    from ocean_sim.pictures.picture import Picture
+from ocean_sim.pictures.light import lit
+from ocean_sim.pictures.stage import Stage
 
 CONCRETE = np.array([0.42, 0.40, 0.37])  # linear RGB
 INSET = 2.0e-3  # of the basin: a face that lies in a side of the basin is not drawn in the same plane
@@ -29,17 +25,17 @@ def faces(low: np.ndarray, up: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.array(corners), np.array(normals)
 
 
-class Boxes:
+class Obstacles:
     """Fixed, so that they are drawn once."""
 
-    def __init__(self, picture: "Picture", boxes: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> None:
+    def __init__(self, stage: Stage, boxes: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> None:
         """Lower and upper corners (n, 2, 3) [m] in a basin from `lower` to `upper` [m]."""
         inset = INSET * (upper - lower)
         highest = np.array([upper[0] - inset[0], np.inf, upper[2] - inset[2]])  # it may stand out of the water
         found = [faces(np.maximum(low, lower + inset), np.minimum(up, highest)) for low, up in boxes]
         points, normals = (np.concatenate(part) for part in zip(*found))
         quads = np.arange(len(points)).reshape(-1, 4)
-        shape = picture.pyvista.PolyData.from_regular_faces(points.astype(np.float32), quads)
+        shape = stage.pyvista.PolyData.from_regular_faces(points.astype(np.float32), quads)
         paint = np.broadcast_to(CONCRETE, points.shape)
         shape["colour"] = water_shading.display(lit(normals, paint, np.zeros((len(points), 1))))
-        picture.plotter.add_mesh(shape, scalars="colour", rgb=True, lighting=False, smooth_shading=False)
+        stage.plotter.add_mesh(shape, scalars="colour", rgb=True, lighting=False, smooth_shading=False)

@@ -1,21 +1,21 @@
 """The sea in a picture: the basin's surface, the far sea around it, the sky above, shaded per pixel."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ocean_sim.pictures import far_sea, foam, water_glsl
 from ocean_sim.pictures import sky as sky_module
+from ocean_sim.pictures.camera import Vessel
 from ocean_sim.pictures.frame_files import Frame
 from ocean_sim.pictures.mirror import SHARE, Mirror
+from ocean_sim.pictures.order import Order
 from ocean_sim.pictures.sea_state import SeaState
 from ocean_sim.pictures.sea_surface import SeaSurface
 from ocean_sim.pictures.spray import Spray
+from ocean_sim.pictures.stage import Stage
 from ocean_sim.pictures.wake import Wake
 from ocean_sim.pictures.water_shading import EXPOSURE, FOG, Terms, slope_variance
-
-if TYPE_CHECKING:
-    from ocean_sim.pictures.picture import Picture
 
 NODES = {"draft": 25_000, "final": 90_000}  # of the drawn surface within the basin
 SMOOTHED = 1.5  # pixels across which a final picture is smoothed
@@ -27,12 +27,12 @@ CONTACT, CONTACT_WIDTH = 0.75, 0.55  # share of foam at a hull, and [m] in which
 class Dome:
     """The sky, wherever the eye is."""
 
-    def __init__(self, picture: "Picture", sky: sky_module.Sky, image: Any) -> None:
-        dome = picture.pyvista.Icosphere(radius=1.0, nsub=3)
+    def __init__(self, stage: Stage, sky: sky_module.Sky, image: Any) -> None:
+        dome = stage.pyvista.Icosphere(radius=1.0, nsub=3)
         self.directions = np.asarray(dome.points, dtype=np.float32)
         self.shaded = water_glsl.Shaded(dome, water_glsl.SKY, "", {"sky": image}, attributes=False)
         self.shaded.set(exposure=EXPOSURE, fogReach=FOG, useFog=1.0)
-        picture.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
+        stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
 
     def stand(self, eye: np.ndarray) -> None:
         self.shaded.mesh.points = (eye + 2.0 * far_sea.OUT * self.directions).astype(np.float32)
@@ -42,12 +42,11 @@ class Dome:
 class Sea:
     """A surface that is the basin's inside it, blends into the far sea around it, and ends behind the fog."""
 
-    def __init__(self, picture: "Picture", grid: Any, state: SeaState) -> None:
-        order, self.picture, self.state = picture.order, picture, state
-        self.eye = picture.camera.eye
+    def __init__(self, stage: Stage, order: Order, vessel: Vessel | None, grid: Any, state: SeaState) -> None:
+        self.stage, self.order, self.state = stage, order, state
         self.surface = SeaSurface(grid, state, NODES[order.quality])
         self.points = np.insert(self.surface.places, 1, 0.0, axis=1).astype(np.float32)
-        mesh = picture.pyvista.PolyData.from_regular_faces(self.points, self.surface.triangles)
+        mesh = stage.pyvista.PolyData.from_regular_faces(self.points, self.surface.triangles)
         for name in ("nrm", "att"):
             mesh.point_data[name] = np.zeros((len(self.points), 3), np.float32)
         sky = sky_module.cloudy() if order.sky else sky_module.clear()
@@ -57,8 +56,8 @@ class Sea:
         textures = {"sky": image, "hull": self.gaps, "mirror": self.mirrored}
         program = water_glsl.WATER, water_glsl.WATER_FUNCTIONS
         self.shaded = water_glsl.Shaded(mesh, *program, textures, attributes=True)
-        self.dome = Dome(picture, sky, image)
-        picture.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
+        self.dome = Dome(stage, sky, image)
+        stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
         glint = None if order.glint == "none" else order.glint
         terms = Terms(order.fresnel, order.reflection, order.body, glint, order.foam)
         shown = water_glsl.plain() | water_glsl.lit_by(sky) | water_glsl.switched(terms)
@@ -68,24 +67,23 @@ class Sea:
         shown["rippleLongest"] = np.clip(2.0 * state.resolved, *RIPPLES)
         self.shaded.set(**shown)
         self.mirror: Mirror | None = None
-        self.spray = Spray(picture, float(grid["spacing"])) if order.foam and state.exact is None else None
+        self.spray = Spray(stage, float(grid["spacing"])) if order.foam and state.exact is None else None
         if "ship_vertices" in grid:
             self.hull, self.hull_triangles = grid["ship_vertices"].astype(float), grid["ship_triangles"].astype(int)
             self.beam = float(np.ptp(self.hull[:, 0]))
-        vessel = picture.operator.vessel
         self.wake: Wake | None = None
         if vessel is not None and order.foam:
             self.wake = Wake(vessel, self.beam, self.surface.x, self.surface.z)
 
     def reflect(self, actors: list[Any]) -> None:
         """Mirrors a ship's actors from now on."""
-        self.mirror = Mirror(self.picture, actors, self.mirrored)
+        self.mirror = Mirror(self.stage, actors, self.mirrored)
 
     def show(self, frame: Frame) -> None:
         now, surface, mesh = self.surface.at(frame), self.surface, self.shaded.mesh
         self.height = now.height
         crest = (now.height - self.state.level) / max(0.5 * self.state.height, 1e-3)
-        white = surface.foam(now.convergence, self.picture.order.foam_cover)
+        white = surface.foam(now.convergence, self.order.foam_cover)
         if self.wake is not None:
             white = np.maximum(white, self.wake.share(frame.time))
         traits = np.stack([white, crest, now.variance], axis=-1)
@@ -93,11 +91,11 @@ class Sea:
         mesh.points = self.points
         mesh.point_data["nrm"] = surface.normals(now.height).reshape(-1, 3).astype(np.float32)
         mesh.point_data["att"] = traits.reshape(-1, 3).astype(np.float32)
-        order, angle = self.picture.order, np.radians(self.picture.plotter.camera.view_angle)
+        order, angle = self.order, np.radians(self.stage.plotter.camera.view_angle)
         pixel = 2.0 * np.tan(angle / 2.0) / order.size[1]  # [rad]
         fine = pixel / SMOOTHED if order.quality == "final" else pixel
-        self.shaded.set(eyeW=self.eye, time=frame.time, pixel=fine, mirrorPixel=SHARE * pixel)
-        self.dome.stand(self.eye)
+        self.shaded.set(eyeW=self.stage.camera.eye, time=frame.time, pixel=fine, mirrorPixel=SHARE * pixel)
+        self.dome.stand(self.stage.camera.eye)
         if frame.ship is not None:
             self.meet(*frame.ship)
         if self.spray is not None and frame.position is not None:

@@ -1,0 +1,25 @@
+"""What a picture is drawn on: the plotter, and the camera that looks at it now."""
+
+from types import ModuleType
+from typing import Any
+
+from ocean_sim.pictures.camera import Camera
+
+
+class Stage:
+    """Handed to everything that stands in a picture, which adds itself to the plotter."""
+
+    def __init__(self, size: tuple[int, int], camera: Camera) -> None:
+        """`size`: width and height [pixels]."""
+        import pyvista
+
+        self.pyvista: ModuleType = pyvista
+        self.size, self.camera = size, camera
+        self.plotter = self.empty(size)
+
+    def empty(self, size: tuple[int, int]) -> Any:
+        """A plotter without light, off screen."""
+        plotter = self.pyvista.Plotter(off_screen=True, window_size=size, lighting="none")
+        plotter.disable_anti_aliasing()  # PyVista's default multiplies the time of a picture
+        plotter.render_window.SetMultiSamples(0)
+        return plotter

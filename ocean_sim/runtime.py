@@ -23,7 +23,10 @@ GRAPHICS = {ti.cuda: "cuda", ti.vulkan: "vulkan", ti.metal: "metal", ti.opengl: 
 if TYPE_CHECKING:  # what a kernel is handed, as callers see it
     import numpy as np
 
-    Array = Array2 = Doubles2 = Doubles3 = np.ndarray
+    Array = np.ndarray
+    Array2 = np.ndarray
+    Doubles2 = np.ndarray
+    Doubles3 = np.ndarray
     Template = Any
 else:  # and as Taichi reads it
     Array, Array2 = ti.types.ndarray(ndim=1), ti.types.ndarray(ndim=2)

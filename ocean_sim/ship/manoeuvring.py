@@ -18,7 +18,7 @@ from ocean_sim.ship import Load
 from ocean_sim.ship.shared.hydrostatics import Matter
 from ocean_sim.ship.shared.rigid_body import oriented
 from ocean_sim.ship.shared.ship_water import ShipWater
-from ocean_sim.ship.shared.vessel import Actuators, ShipConfig, Vessel
+from ocean_sim.ship.shared.vessel import Actuators, Vessel, VesselConfig
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
 
@@ -39,7 +39,7 @@ HOERNER = (
 )  # breadth over twice the draught, coefficient of drag
 
 
-class Config(ShipConfig):
+class Config(VesselConfig):
     """Where it begins and who steers; its numbers are those of the model."""
 
     needs_surface: ClassVar[bool] = False
@@ -147,11 +147,11 @@ class Manoeuvring(Vessel):
         nu = np.concatenate([to_frame("ned", origin), to_frame("ned", omega)])
         pitch, _, roll = body.angles
         low = -(body.position - r @ self.arm)[1]
-        place = np.array([0.0, 0.0, low, roll, -pitch, 0.0])
+        displacement = np.array([0.0, 0.0, low, roll, -pitch, 0.0])
         weight = to_frame("ned", r.T @ np.array([0.0, -PAYLOAD * G, 0.0]))
         parts = {
             "gravity": np.concatenate([weight, np.cross(model.payload, weight)]),
-            "buoyancy": -model.spring @ place,
+            "buoyancy": -model.spring @ displacement,
             "damping": model.drag(nu) - model.centripetal(nu),
             "propeller": self.thrust(),
         }

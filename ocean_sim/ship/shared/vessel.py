@@ -26,15 +26,15 @@ from ocean_sim.wind import Wind
 FASTEST = 1.0e3  # [m/s] no ship moves like this
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 Motion = Annotated[str, Field(pattern=f"^({'|'.join(Motions._fields)})$")]
-Place = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
+Position = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 
 
-class ShipConfig(Helm):
+class VesselConfig(Helm):
     """Keys of every kind of ship."""
 
     slices: ClassVar[bool] = False  # whether it also floats in a slice
 
-    position: Place = quantity("m", (0.0, 0.0))
+    position: Position = quantity("m", (0.0, 0.0))
     """Of the centre of mass: [x, z] afloat, or [x, y, z]."""
     heading_deg: float = quantity("deg", 0.0)
     """0 heads along +z, 90 along +x."""
@@ -127,7 +127,7 @@ class Vessel:
 
     parts: tuple[str, ...] = PARTS
 
-    def __init__(self, config: ShipConfig, body: RigidBody, actuators: Actuators, bed: float) -> None:
+    def __init__(self, config: VesselConfig, body: RigidBody, actuators: Actuators, bed: float) -> None:
         """`bed`: its height [m]; what lies on it is not modelled."""
         self.bed, self.body, self.actuators, self.last = bed, body, actuators, Load.of({}, self.parts)
         self.shape: HullShape | None = None  # what it looks like

@@ -3,8 +3,8 @@
 Fossen, PythonVehicleSimulator (MIT), run with a step of 5 ms: both propellers at 100 rad/s, then 100 and 60 rad/s.
 """
 
+from collections.abc import Callable
 from math import pi
-from typing import Any
 
 import numpy as np
 
@@ -38,9 +38,11 @@ def problems(coarse: bool) -> list[Problem]:
     ]
 
 
-def problem(name: str, rows: list[dict], seconds: float, promises: tuple[Promise, ...], look: Any) -> Problem:
+def problem(
+    name: str, rows: list[dict], seconds: float, promises: tuple[Promise, ...], measure: Callable[[Simulation], Finding]
+) -> Problem:
     scene = at_sea({"controls": rows}, 5.0, 0.01, seconds)
-    return Problem(scene, promises, look, name, slot="ship", schemes=("manoeuvring",))
+    return Problem(scene, promises, measure, name, slot="ship", schemes=("manoeuvring",))
 
 
 def sailed(simulation: Simulation) -> np.ndarray:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.ship import at_sea, period_of, pose, track, turned
+from ocean_sim.validation.shared.ship import at_sea, period_of, pose, ship_of, track, turned
 
 STIFFNESS = {"heave": 1569.6e3, "roll": 3662.4e3, "pitch": 47611e3}  # [N/m], [N m/rad]
 INERTIA = {"heave": 320e3, "roll": 2508.8e3, "pitch": 8000e3}  # [kg], [kg m2]
@@ -35,7 +35,7 @@ def problem(name: str, keys: dict[str, Any], limits: dict[str, float], schemes: 
     promises = tuple(Promise(f"{name}: {motion} period [s]", "%", SOURCE, limits) for motion in STIFFNESS)
 
     def measure(simulation: Simulation) -> Finding:
-        wet = simulation.scene.ship.kind == "dynamic"
+        wet = ship_of(simulation).added.any()
         numbers, curves = {}, []
         for promise, (motion, k) in zip(promises, STIFFNESS.items(), strict=True):
             exact = 2.0 * pi * sqrt((INERTIA[motion] + (ADDED[motion] if wet else 0.0)) / k)

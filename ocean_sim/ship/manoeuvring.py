@@ -147,11 +147,11 @@ class Manoeuvring(Vessel):
         nu = np.concatenate([to_frame("ned", origin), to_frame("ned", omega)])
         pitch, _, roll = body.angles
         low = -(body.position - r @ self.arm)[1]
-        place = np.array([0.0, 0.0, low, roll, -pitch, 0.0])
+        displacement = np.array([0.0, 0.0, low, roll, -pitch, 0.0])
         weight = to_frame("ned", r.T @ np.array([0.0, -PAYLOAD * G, 0.0]))
         parts = {
             "gravity": np.concatenate([weight, np.cross(model.payload, weight)]),
-            "buoyancy": -model.spring @ place,
+            "buoyancy": -model.spring @ displacement,
             "damping": model.drag(nu) - model.centripetal(nu),
             "propeller": self.thrust(),
         }

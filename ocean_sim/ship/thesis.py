@@ -22,7 +22,7 @@ from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.rigid_body import RigidBody, thesis_advanced
 from ocean_sim.ship.shared.ship_water import ShipWater
-from ocean_sim.ship.shared.water import Water
+from ocean_sim.ship.shared.water import SurroundingWater
 from ocean_sim.surface import Surface
 
 NODES = 32  # along the basin, as `getWaveHeight` counts them
@@ -87,13 +87,13 @@ class Columns:
         self.bottom.from_numpy(arms.astype(real))
         self.area.from_numpy((volume / self.height).astype(real))  # _segVolume / _shipSize.y
 
-    def push(self, surface: Surface | Fluid | Water, body: RigidBody) -> np.ndarray:
+    def push(self, surface: Surface | Fluid | SurroundingWater, body: RigidBody) -> np.ndarray:
         """(2, 3) force [N] and torque [N m]."""
         self.lift(surface, body.position, body.matrix)
         return self.out.to_numpy().sum(axis=0).reshape(2, 3)
 
     @ti.kernel
-    def lift(self, surface: Template, position: tm.vec3, turn: tm.mat3) -> None:
+    def lift(self, surface: Template, position: tm.vec3, turn: tm.mat3):
         for k in range(self.n):
             arm = turn @ self.bottom[k]
             x = position + arm

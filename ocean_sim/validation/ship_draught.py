@@ -8,7 +8,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.ship import DENSITY, OF_WATER, at_sea, floating, ship_of, sunk
+from ocean_sim.validation.shared.ship import DENSITY, OF_WATER, at_sea, balanced, floating, ship_of
 
 HEIGHT = 1.0  # [m] of every shape
 SHAPES: dict[str, dict[str, Any]] = {
@@ -64,7 +64,7 @@ def problem(shape: str, density: float) -> Problem:
 def measured(simulation: Simulation, promise: Promise, exact: float) -> Finding:
     """Where weight and buoyancy balance, upright."""
     ship = floating(simulation)
-    sunk(simulation, np.array([1.0, 0.0, 0.0, 0.0]))
+    balanced(simulation, np.array([1.0, 0.0, 0.0, 0.0]))
     found = float(ship.hull.still.matter.centre[1] - ship.body.position[1])
     return Finding(
         {promise.quantity: relative(found, exact)}, [Curve("draught", np.array([exact]), np.array([found]), True)]

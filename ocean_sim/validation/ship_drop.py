@@ -12,7 +12,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
-from ocean_sim.validation.shared.ship import at_sea, pose, ship_of, voyage
+from ocean_sim.validation.shared.ship import at_sea, pose, ship_of, track
 from ocean_sim.validation.shared.tables import place, table
 
 MASS, STIFFNESS, PERIOD, SHARE = 261799.39, 770.475e3, 4.365, 0.0835  # [kg], [N/m] rho g pi R^2, [s], of critical
@@ -37,7 +37,7 @@ def problem(name: str, keys: dict[str, Any], limit: float, coarse: bool) -> Prob
         ship = ship_of(simulation)
         rest = ship.body.position
         pose(simulation, position=rest + np.array([0.0, 1.0, 0.0]))
-        path = [(0.0, 1.0), *((t, b.position[1] - rest[1]) for t, b in voyage(simulation, 20.0))]
+        path = [(0.0, 1.0), *((t, b.position[1] - rest[1]) for t, b in track(simulation, 20.0))]
         times, heights = np.array(path).T
         until = real["time_s"] <= 20.0
         found, mean = np.interp(real["time_s"][until], times, heights), others.mean(axis=0)[until]

@@ -9,7 +9,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
-from ocean_sim.validation.shared.ship import OF_WATER, at_sea, ship_of, sunk, turned
+from ocean_sim.validation.shared.ship import OF_WATER, at_sea, balanced, ship_of, turned
 
 LEVERS = {  # heel [deg]: GZ [m]
     "barge20": {10: 0.20979, 20: 0.45944, 30: 0.76036, 40: 0.77401, 60: 0.37254, 90: -0.5},
@@ -76,4 +76,4 @@ def levers(simulation: Simulation, heels: np.ndarray) -> np.ndarray:
     """Righting levers [m] at heels [deg], the ship free to sink."""
     ship = ship_of(simulation)
     weight = ship.body.mass * 9.81
-    return np.array([-sunk(simulation, turned(2, float(heel))).torque[2] / weight for heel in heels])
+    return np.array([-balanced(simulation, turned(2, float(heel))).torque[2] / weight for heel in heels])

@@ -3,14 +3,14 @@
 Fossen, PythonVehicleSimulator (MIT), run with a step of 5 ms: both propellers at 100 rad/s, then 100 and 60 rad/s.
 """
 
+from collections.abc import Callable
 from math import pi
-from typing import Any
 
 import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.ship import at_sea, voyage
+from ocean_sim.validation.shared.ship import at_sea, track
 
 FASTEST = (0.5 * 24.4 * 9.81 / 0.01108) ** 0.5  # [rad/s]
 FULL = pi * 35.0 / 180.0  # [rad] of the rudder order
@@ -38,23 +38,25 @@ def problems(coarse: bool) -> list[Problem]:
     ]
 
 
-def problem(name: str, rows: list[dict], seconds: float, promises: tuple[Promise, ...], look: Any) -> Problem:
+def problem(
+    name: str, rows: list[dict], seconds: float, promises: tuple[Promise, ...], measure: Callable[[Simulation], Finding]
+) -> Problem:
     scene = at_sea({"controls": rows}, 5.0, 0.01, seconds)
-    return Problem(scene, promises, look, name, slot="ship", schemes=("manoeuvring",))
+    return Problem(scene, promises, measure, name, slot="ship", schemes=("manoeuvring",))
 
 
-def track(simulation: Simulation) -> np.ndarray:
+def sailed(simulation: Simulation) -> np.ndarray:
     """(7, n): time, x, z, speed, pitch, yaw, yaw rate."""
     seconds = simulation.scene.duration
     rows = [
         (t, b.position[0], b.position[2], np.hypot(b.velocity[0], b.velocity[2]), b.angles[0], b.angles[1], b.rates[1])
-        for t, b in voyage(simulation, seconds)
+        for t, b in track(simulation, seconds)
     ]
     return np.array(rows).T
 
 
 def measure_straight(simulation: Simulation) -> Finding:
-    t, _, z, u, pitch, _, _ = track(simulation)
+    t, _, z, u, pitch, _, _ = sailed(simulation)
     way = z[np.argmax(u >= 0.95 * u[-1])] - z[0]
     found = (u[-1], way, np.degrees(pitch[-1]))
     numbers = {name: relative(float(a), b) for a, (name, b) in zip(found, STRAIGHT.items(), strict=True)}
@@ -62,7 +64,7 @@ def measure_straight(simulation: Simulation) -> Finding:
 
 
 def measure_turn(simulation: Simulation) -> Finding:
-    t, x, z, u, _, yaw, rate = track(simulation)
+    t, x, z, u, _, yaw, rate = sailed(simulation)
     begin = np.argmax(t >= 20.0)
     turned = np.abs(np.degrees(np.unwrap(yaw)))
     at = lambda angle, y: float(np.interp(angle, turned[begin:], y[begin:]))

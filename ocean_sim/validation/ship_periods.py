@@ -11,7 +11,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.ship import at_sea, period_of, pose, turned, voyage
+from ocean_sim.validation.shared.ship import at_sea, period_of, pose, ship_of, track, turned
 
 STIFFNESS = {"heave": 1569.6e3, "roll": 3662.4e3, "pitch": 47611e3}  # [N/m], [N m/rad]
 INERTIA = {"heave": 320e3, "roll": 2508.8e3, "pitch": 8000e3}  # [kg], [kg m2]
@@ -35,8 +35,7 @@ def problem(name: str, keys: dict[str, Any], limits: dict[str, float], schemes: 
     promises = tuple(Promise(f"{name}: {motion} period [s]", "%", SOURCE, limits) for motion in STIFFNESS)
 
     def measure(simulation: Simulation) -> Finding:
-        ship = simulation.scene.ship
-        wet = ship is not None and ship.kind == "dynamic"
+        wet = ship_of(simulation).added.any()
         numbers, curves = {}, []
         for promise, (motion, k) in zip(promises, STIFFNESS.items(), strict=True):
             exact = 2.0 * pi * sqrt((INERTIA[motion] + (ADDED[motion] if wet else 0.0)) / k)
@@ -55,7 +54,7 @@ def released(simulation: Simulation, motion: str, seconds: float) -> tuple[np.nd
     pose(simulation, position=rest + [0.0, 0.02 if motion == "heave" else 0.0, 0.0], orientation=turn)
     begin, times, values = simulation.time, [], []
     number = {"roll": 2, "pitch": 0, "heave": 1}[motion]
-    for time, body in voyage(simulation, begin + seconds):
+    for time, body in track(simulation, begin + seconds):
         times.append(time - begin)
         values.append(body.position[1] - 0.5 if motion == "heave" else body.angles[number])
     return np.array(times), np.array(values)

@@ -13,7 +13,7 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.ship import G, at_sea, floating, pose, voyage
+from ocean_sim.validation.shared.ship import G, at_sea, floating, pose, track
 from ocean_sim.validation.shared.tables import place, table
 
 LENGTH = {"barge20": 20.0, "wigley": 3.0}
@@ -110,7 +110,7 @@ def answers(simulation: Simulation, omega: float, length: float, heading: float)
     fluid.begin(waves.regular(2.0 * amplitude, period, waves.direction(heading, 3), depth, G))
     simulation.time, simulation.next_dt = 0.0, period / STEPS
     simulation.time_step.config = simulation.time_step.config.model_copy(update={"dt": period / STEPS})
-    rows = [(t, b.position[1], *b.angles) for t, b in voyage(simulation, PERIODS * period - 1e-9)]
+    rows = [(t, b.position[1], *b.angles) for t, b in track(simulation, PERIODS * period - 1e-9)]
     t, heave, pitch, _, roll = np.array(rows[-JUDGED * STEPS :]).T
     wave = np.exp(1j * omega * t)
     heave, pitch, roll = (2.0 * abs(np.mean((y - y.mean()) * wave)) / amplitude for y in (heave, pitch, roll))

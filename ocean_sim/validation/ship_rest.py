@@ -4,7 +4,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
-from ocean_sim.validation.shared.ship import OF_WATER, at_sea, ship_of, voyage
+from ocean_sim.validation.shared.ship import OF_WATER, at_sea, ship_of, track
 
 SECONDS = 60.0
 
@@ -25,7 +25,7 @@ def measure(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
     """How far it gets, and how far it heels."""
     ship = ship_of(simulation)
     start = ship.body.position
-    rows = [(t, *(b.position - start), b.angles[2]) for t, b in voyage(simulation, SECONDS)]
+    rows = [(t, *(b.position - start), b.angles[2]) for t, b in track(simulation, SECONDS)]
     t, x, _, z, roll = np.array(rows).T
     drift, heel = 1e3 * float(np.hypot(x[-1], z[-1])) / t[-1], float(np.degrees(np.abs(roll).max()))
     numbers = {promises[0].quantity: (drift, 0.0, drift), promises[1].quantity: (heel, 0.0, heel)}

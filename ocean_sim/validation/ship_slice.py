@@ -10,7 +10,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.ship import G, voyage
+from ocean_sim.validation.shared.ship import G, track
 
 LENGTH, DEPTH, SIDE, DRAUGHT, TOP = 3.2, 1.2, 0.8, 0.4, 0.3  # [m] of the tank, the box, and its centre of mass
 SETTLED = 1.0  # [s]
@@ -53,13 +53,13 @@ def box(density: float, coarse: bool) -> Problem:
 
 
 def floating(simulation: Simulation, promise: Promise, exact: float) -> Finding:
-    """Keel under the water's own level, from half a breadth beside the hull on. A level by the volume of the water at
+    """Keel under the water's own level, from half a breadth next to the hull on. A level by the volume of the water at
     rest density would be about 15 mm too high: 1.2 m of water that yields by 2 % at the bed is 12 mm lower."""
-    beside = np.linspace(SIDE, 0.5 * LENGTH - 0.1, 8)
-    gauges = np.array([(x, 0.0) for x in (*-beside, *beside)])
+    apart = np.linspace(SIDE, 0.5 * LENGTH - 0.1, 8)
+    gauges = np.array([(x, 0.0) for x in (*-apart, *apart)])
     until = simulation.scene.duration
     path = [
-        (t, simulation.fluid.elevations(gauges).mean() - (b.position[1] - TOP)) for t, b in voyage(simulation, until)
+        (t, simulation.fluid.elevations(gauges).mean() - (b.position[1] - TOP)) for t, b in track(simulation, until)
     ]
     t, draught = np.array(path).T
     found = relative(float(draught[t > SETTLED].mean()), exact)
@@ -97,7 +97,7 @@ def cylinder(coarse: bool) -> Problem:
 
 def bobbing(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
     """Extrema one after the other."""
-    t, y = np.array([(0.0, 1.0), *((t, b.position[1] / RISE) for t, b in voyage(simulation, 1.0))]).T
+    t, y = np.array([(0.0, 1.0), *((t, b.position[1] / RISE) for t, b in track(simulation, 1.0))]).T
     numbers, begin = {}, 0
     for k, (when, height) in enumerate(EXTREMA):
         until = np.searchsorted(t, when + 0.15)

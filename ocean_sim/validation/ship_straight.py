@@ -10,7 +10,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.ship import OF_WATER, at_sea, ship_of, voyage
+from ocean_sim.validation.shared.ship import OF_WATER, at_sea, ship_of, track
 
 THRUST, DRAG, MASS, AHEAD, COAST = 14400.0, 400.0, 30000.0, 30.0, 20.0  # [N], [N s2/m2], [kg], [s], [s]
 
@@ -38,7 +38,7 @@ def measure(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
     top = sqrt(THRUST / DRAG)
     tau = whole * top / THRUST
     start = ship.body.position[2]
-    t, u, x = np.array([(t, b.velocity[2], b.position[2] - start) for t, b in voyage(simulation, AHEAD + COAST)]).T
+    t, u, x = np.array([(t, b.velocity[2], b.position[2] - start) for t, b in track(simulation, AHEAD + COAST)]).T
     at = lambda when, y: float(np.interp(when, t, y))
     found = (at(10.0, u), at(AHEAD, u), at(AHEAD, x), x[-1] - at(AHEAD, x))
     exact = (

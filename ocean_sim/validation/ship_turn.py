@@ -5,10 +5,9 @@ from where the rudder is ordered, at 90 and 180 degrees of turn. In the zig-zag 
 degrees each time that the ship has turned as far; how much further she turns is the overshoot.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import pairwise
 from math import degrees, radians
-from typing import Any
 
 import numpy as np
 
@@ -54,26 +53,31 @@ def told(name: str) -> Promise:
 
 
 def zigzags(angle: float) -> list[str]:
-    """What is told of a zig-zag by an angle [deg]."""
+    """What is reported of a zig-zag by an angle [deg]."""
     name = f"zig-zag {angle:g}/{angle:g}: "
-    return [name + said for said in ("first overshoot [deg]", "second overshoot [deg]", "first execute to second [s]")]
+    return [
+        name + quantity
+        for quantity in ("first overshoot [deg]", "second overshoot [deg]", "first execute to second [s]")
+    ]
 
 
-def sailed(simulation: Simulation, orders: Any, lasts: float) -> Iterator[tuple[float, ...]]:
+def sailed(
+    simulation: Simulation, orders: Callable[[float, float], float], lasts: float
+) -> Iterator[tuple[float, ...]]:
     """Time, x, z, yaw [rad], heel [rad], velocity along x and z after every step, from the moment when the ship has
-    gathered way; `orders` says the rudder [rad] of a time and a yaw."""
+    gathered way; `orders`: the rudder [rad] at a time and a yaw."""
     ship = ship_of(simulation)
     helm = ship.hand_over()
     helm.give(1.0, 0.0)
     while simulation.time < AHEAD:
         simulation.step()
     begin = simulation.time
-    place, yaw = ship.body.position.copy(), float(ship.body.angles[1])
+    start, yaw = ship.body.position.copy(), float(ship.body.angles[1])
     while simulation.time < begin + lasts:
         helm.give(1.0, orders(simulation.time - begin, float(ship.body.angles[1]) - yaw))
         simulation.step()
         body = ship.body
-        x, _, z = body.position - place
+        x, _, z = body.position - start
         yield simulation.time - begin, x, z, body.angles[1] - yaw, body.angles[2], body.velocity[0], body.velocity[2]
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from ocean_sim.conventions import AIR_DENSITY
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.ship import OF_WATER, acting, at_sea, ship_of, voyage
+from ocean_sim.validation.shared.ship import OF_WATER, acting, at_sea, ship_of, track
 
 LENGTH, BREADTH, HEIGHT, DRAUGHT = 2.0, 1.0, 0.10, 0.02  # [m]
 COEFFICIENT = 1.2875e-3  # of drag, below 7.5 m/s
@@ -45,7 +45,7 @@ def measure(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
     first = float(acting(simulation).parts[2, 0, 2])
     k, faces = first / WIND**2, LENGTH * BREADTH + 2.0 * (LENGTH + BREADTH) * (HEIGHT - DRAUGHT)
     start = ship.body.position[2]
-    t, u, x = np.array([(t, b.velocity[2], b.position[2] - start) for t, b in voyage(simulation, LASTS)]).T
+    t, u, x = np.array([(t, b.velocity[2], b.position[2] - start) for t, b in track(simulation, LASTS)]).T
     a, b = (WIND * sqrt(k) / (sqrt(k) + sign * sqrt(DRAG)) for sign in (1.0, -1.0))
     fine = np.linspace(0.0, t[-1], 20001)
     left = a / b * np.exp(-2.0 * WIND * sqrt(k * DRAG) / whole * fine)

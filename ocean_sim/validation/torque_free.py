@@ -8,7 +8,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
-from ocean_sim.validation.shared.ship import OF_WATER, at_sea, pose, ship_of, voyage
+from ocean_sim.validation.shared.ship import OF_WATER, at_sea, pose, ship_of, track
 
 SECONDS, DT, HIGH = 60.0, 1.0 / 60.0, 1.0e5  # [s], [s], [m]
 POSE = np.array([-0.84949542, 0.21516101, -0.09205273, -0.47285259])
@@ -36,7 +36,7 @@ def measure(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
     pose(simulation, position=np.array([0.0, HIGH, 0.0]), angular_momentum=ship.body.angular_momentum)
     energy = lambda b: 0.5 * float(b.angular_velocity @ b.angular_momentum)
     first, momentum = energy(ship.body), ship.body.angular_momentum
-    rows = [(t, *b.rates) for t, b in voyage(simulation, SECONDS - 0.5 * DT)]
+    rows = [(t, *b.rates) for t, b in track(simulation, SECONDS - 0.5 * DT)]
     body = ship.body
     apart = 2.0 * np.degrees(np.arccos(min(1.0, abs(float(body.orientation @ POSE)))))
     drift = energy(body) / first - 1.0

@@ -135,8 +135,8 @@ def test_a_bad_mesh_is_refused_with_what_is_wrong_and_where(files, capsys):
     assert answered(["hull", str(files / "hole.stl")]) == 2
     assert "not watertight" in capsys.readouterr().err
     assert answered(["hull", str(files / "hole.stl"), "--json"]) == 2
-    told = json.loads(capsys.readouterr().out)
-    assert told["volume_m3"] is None and "not watertight" in told["problems"][0]
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["volume_m3"] is None and "not watertight" in answer["problems"][0]
     assert answered(["hull", str(files / "empty.stl")]) == 2
     assert answered(["hull", "barg20"]) == 2
 
@@ -144,10 +144,10 @@ def test_a_bad_mesh_is_refused_with_what_is_wrong_and_where(files, capsys):
 def test_the_command_answers_with_the_agreed_keys_and_a_picture(capsys, tmp_path):
     words = ["hull", "barge20", "--cells", "8", "--json", "--out", str(tmp_path / "barge.png")]
     assert answered(words) == 0
-    told = json.loads(capsys.readouterr().out)
+    answer = json.loads(capsys.readouterr().out)
     keys = "volume_m3 displacement_kg draught_m kb_m bm_m gm_m gz periods_s problems".split()
-    assert set(keys) <= set(told) and told["problems"] == []
-    assert told["draught_m"] == pytest.approx(2.0) and told["bm_m"] == pytest.approx(2.6667, rel=2e-3)
-    assert {row["heel_deg"]: row["gz_m"] for row in told["gz"]}[30.0] == pytest.approx(0.76036, rel=0.01)
-    assert told["periods_s"]["heave"] == pytest.approx(4.348, rel=0.1)
+    assert set(keys) <= set(answer) and answer["problems"] == []
+    assert answer["draught_m"] == pytest.approx(2.0) and answer["bm_m"] == pytest.approx(2.6667, rel=2e-3)
+    assert {row["heel_deg"]: row["gz_m"] for row in answer["gz"]}[30.0] == pytest.approx(0.76036, rel=0.01)
+    assert answer["periods_s"]["heave"] == pytest.approx(4.348, rel=0.1)
     assert (tmp_path / "barge.png").stat().st_size > 10_000

@@ -54,10 +54,10 @@ def slice_of_water(mass: float = 400.0, start: float | None = None, spacing: flo
 
 
 def draught(simulation: Simulation) -> float:
-    """Keel under the water's own level, from half a breadth beside the hull on [m]. A level by its volume at rest
+    """Keel under the water's own level, from half a breadth next to the hull on [m]. A level by its volume at rest
     density would be 15 mm too high: 1.2 m of water that yields by 2 % at the bed."""
-    beside = np.linspace(0.8, 1.5, 8)
-    gauges = np.array([(x, 0.0) for x in (*-beside, *beside)])
+    apart = np.linspace(0.8, 1.5, 8)
+    gauges = np.array([(x, 0.0) for x in (*-apart, *apart)])
     return simulation.fluid.elevations(gauges).mean() - (simulation.ship.body.position[1] - 0.3)
 
 
@@ -110,7 +110,7 @@ def test_its_draught_at_ten_spacings():
 @pytest.mark.slow
 @pytest.mark.parametrize("density", [100.0, 900.0])
 def test_light_and_heavy_bodies_are_stable(density):
-    """At a tenth of the water's density the water beside a body outweighs it six times; it draws two spacings. Both
+    """At a tenth of the water's density the water next to a body outweighs it six times; it draws two spacings. Both
     begin on the level that the water has under its own weight, 12 mm below the one that was asked for."""
     with Simulation(load(slice_of_water(density, spacing=0.04), QUIET)) as simulation:
         while simulation.time < 0.6:

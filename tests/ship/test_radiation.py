@@ -1,4 +1,4 @@
-"""The memory of radiated waves: what a table tells comes back out of it, and what it leaves untold is refused."""
+"""The memory of radiated waves: what a table gives comes back out of it, and one with gaps is refused."""
 
 from math import pi
 from pathlib import Path
@@ -12,7 +12,7 @@ from ocean_sim.reading.scene import SceneError
 from ocean_sim.ship.shared.damping import BY_RULE, Damping, Resistance
 from ocean_sim.ship.shared.hull import hull_of
 from ocean_sim.ship.shared.radiation import Memory, Radiation
-from ocean_sim.validation.shared.ship import at_sea, pose, voyage
+from ocean_sim.validation.shared.ship import at_sea, pose, track
 from ocean_sim.validation.shared.tables import place
 
 SPHERE, BARGE = place("sphere_radiation"), place("barge20_radiation")
@@ -25,12 +25,12 @@ def test_a_hemisphere_that_heaves_at_once_takes_half_of_its_displacement_along()
 
 
 @pytest.mark.parametrize("file, motions", [(SPHERE, ["heave"]), (BARGE, ["heave", "pitch"])])
-def test_what_the_table_tells_comes_back(file, motions):
-    told, found = columns(file), Radiation(str(file)).response
-    omega, t = told["omega_rad_s"], found.times
+def test_what_the_table_gives_comes_back(file, motions):
+    given, found = columns(file), Radiation(str(file)).response
+    omega, t = given["omega_rad_s"], found.times
     for k, motion in enumerate(motions):
         unit = "kg" if motion == "heave" else "kg_m2"
-        added, damping = told[f"{motion}_added_{unit}"], told[f"{motion}_damping_{unit}_s"]
+        added, damping = given[f"{motion}_added_{unit}"], given[f"{motion}_damping_{unit}_s"]
         cosines = np.trapezoid(found.kernels[k] * np.cos(omega[:, None] * t), t, axis=1)
         sines = np.trapezoid(found.kernels[k] * np.sin(omega[:, None] * t), t, axis=1)
         np.testing.assert_allclose(cosines, damping, atol=0.03 * damping.max())
@@ -51,9 +51,9 @@ def test_a_steady_oscillation_is_held_back_by_damping_and_carried_by_added_mass(
         time += random.uniform(0.005, 0.04)
     speed, rate, force = np.array(rows).T
     (damping, added), *_ = np.linalg.lstsq(-np.stack([speed, rate], axis=1), force, rcond=None)
-    told = columns(SPHERE)
-    assert damping == pytest.approx(np.interp(omega, told["omega_rad_s"], told["heave_damping_kg_s"]), rel=0.03)
-    exact = np.interp(omega, told["omega_rad_s"], told["heave_added_kg"])
+    given = columns(SPHERE)
+    assert damping == pytest.approx(np.interp(omega, given["omega_rad_s"], given["heave_damping_kg_s"]), rel=0.03)
+    exact = np.interp(omega, given["omega_rad_s"], given["heave_added_kg"])
     assert memory.response.added[0] + added == pytest.approx(exact, rel=0.03)
     assert len(memory.when) * memory.often < memory.response.times[-1] + 3.0 * memory.often  # it forgets
 
@@ -64,7 +64,7 @@ def test_a_sphere_let_go_a_little_swings_as_linear_theory_says():
     with Simulation(load(at_sea(ship, 10.0, 0.02))) as simulation:
         rest = simulation.ship.body.position.copy()
         pose(simulation, position=rest + [0.0, 0.05, 0.0])
-        path = [(t, (b.position[1] - rest[1]) / 0.05) for t, b in voyage(simulation, 7.0)]
+        path = [(t, (b.position[1] - rest[1]) / 0.05) for t, b in track(simulation, 7.0)]
     t, y = np.array(path).T
     for time, height in ((2.21, -0.8670), (4.42, 0.6349), (6.60, -0.4648)):
         near = np.abs(t - time) < 0.6
@@ -85,7 +85,7 @@ def test_a_scene_that_is_written_out_and_read_again_has_the_same_damping(changes
             linear, surge = simulation.ship.resistance.linear, simulation.ship.resistance.surge
             rest = simulation.ship.body.position.copy()
             pose(simulation, position=rest + [0.0, 0.5, 0.0])
-            path = np.array([b.position for _, b in voyage(simulation, 1.0)])
+            path = np.array([b.position for _, b in track(simulation, 1.0)])
         assert linear[1] == 0.0 and linear[3] > 0.0 and surge > 0.0
         paths.append((linear, surge, path))
     for one, other in zip(*paths):
@@ -127,7 +127,7 @@ def changed(rows: list[str], what: str) -> list[str]:
         ("another table", "has no column of added mass, such as heave_added_kg"),
     ],
 )
-def test_a_table_that_tells_too_little_is_refused(tmp_path: Path, what, sentence):
+def test_a_table_that_gives_too_little_is_refused(tmp_path: Path, what, sentence):
     rows = [line for line in SPHERE.read_text().splitlines() if not line.startswith("#")]
     file = tmp_path / "table.csv"
     file.write_text("\n".join(changed(rows, what)))

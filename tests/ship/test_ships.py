@@ -1,4 +1,4 @@
-"""Ships in a scene: forces, what moves, who steers, what is told, and what is refused."""
+"""Ships in a scene: forces, what moves, who steers, what is logged, and what is refused."""
 
 from dataclasses import fields, replace
 
@@ -12,8 +12,9 @@ from ocean_sim.observers import motion as motion_observer
 from ocean_sim.observers.manifest import state_sha256
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.result import Result, run
-from ocean_sim.ship import PARTS
+from ocean_sim.ship import PARTS, Load
 from ocean_sim.ship.shared import rigid_body as rigid
+from ocean_sim.ship.shared.seakeeping import SeakeepingShip
 from ocean_sim.simulation import Simulation
 
 QUIET = {name: None for name in observer_names() if name != "manifest"} | {"runtime.threads": 1}
@@ -88,6 +89,29 @@ def test_added_mass_makes_it_slower_by_its_share(barge):
     assert higher.force[1] / rest.mass == pytest.approx(-0.1 * stiffness / whole, rel=1e-3)
 
 
+class Lifted(SeakeepingShip):
+    """A ship with a force of its own."""
+
+    parts = (*PARTS, "lift")
+
+    def forces(self, now):
+        return super().forces(now) | {"lift": np.array([[0.0, 1000.0, 0.0], [0.0, 0.0, 0.0]])}
+
+
+def test_a_ship_may_add_a_force_of_its_own_and_name_it(barge):
+    """It moves the water along with the hull, as every other force does, and has columns in motion.csv."""
+    simulation, rest = barge
+    ship = Lifted(simulation.scene.ship, simulation.basin, simulation.fluid)
+    load = ship.load(simulation.wind_on_ship, simulation.fluid, simulation.fluid)
+    assert load.parts[-1, 0, 1] == 1000.0 and load.parts.shape == (9, 2, 3)
+    assert load.force[1] == pytest.approx(1000.0 * rest.mass / (rest.mass + ship.added[1]), rel=1e-3)
+    ours, own = motion_observer.columns(PARTS), motion_observer.columns(ship.parts)
+    assert tuple(name for name in own if "lift_" not in name or "wind" in name) == ours
+    assert own[own.index("torque_rudder_z_Nm") + 1] == "force_lift_x_N"
+    with pytest.raises(ValueError, match="a ship with a force 'lift' must name it in `parts`"):
+        Load.of({"lift": load.parts[0]})
+
+
 def test_motion_is_damped(barge):
     simulation, rest = barge
     sinking = load_at(simulation, **state(rest) | {"velocity": np.array([0.0, -1.0, 0.0])})
@@ -143,7 +167,7 @@ def test_a_ship_in_a_long_wave_follows_its_slope():
 
 
 @pytest.fixture(scope="module")
-def told(tmp_path_factory):
+def logged(tmp_path_factory):
     """A yacht that steers to port from rest, its forces and its motion at the helm, in three frames; in the last its
     orders come from a file."""
     folder = tmp_path_factory.mktemp("yacht")
@@ -167,15 +191,15 @@ def told(tmp_path_factory):
     return results
 
 
-def test_motion_has_its_columns_at_its_rate(told):
-    motion = told["ship"]
+def test_motion_has_its_columns_at_its_rate(logged):
+    motion = logged["ship"]
     assert tuple(motion) == motion_observer.columns(PARTS)
     np.testing.assert_allclose(motion["time_s"], 0.05 * np.arange(121), atol=1e-9)
     np.testing.assert_array_equal(motion["seq"], np.arange(121))
 
 
-def test_every_part_is_told_and_they_sum_to_the_total(told):
-    motion = told["ship"]
+def test_every_part_is_logged_and_they_sum_to_the_total(logged):
+    motion = logged["ship"]
     for what, unit in (("force", "N"), ("torque", "Nm")):
         for axis in "xyz":
             parts = np.stack([motion[f"{what}_{part}_{axis}_{unit}"] for part in PARTS])
@@ -186,8 +210,8 @@ def test_every_part_is_told_and_they_sum_to_the_total(told):
     )
 
 
-def test_it_heads_along_x_and_positive_rudder_turns_to_port(told):
-    motion = told["ship"]
+def test_it_heads_along_x_and_positive_rudder_turns_to_port(logged):
+    motion = logged["ship"]
     assert motion["yaw_rad"][0] == pytest.approx(np.pi / 2)
     assert motion["sway_velocity_m_s"][-1] > 1.0
     assert motion["yaw_rad"][-1] > np.pi / 2 + 0.01 and motion["yaw_rate_rad_s"][-1] > 0.0
@@ -195,15 +219,15 @@ def test_it_heads_along_x_and_positive_rudder_turns_to_port(told):
     assert motion["force_rudder_z_N"][-1] > 0.0  # to starboard of a ship along x is +z
 
 
-def test_at_rest_one_g_is_felt_upwards_and_under_way_the_thrust_too(told):
-    motion = told["ship"]
+def test_at_rest_one_g_is_felt_upwards_and_under_way_the_thrust_too(logged):
+    motion = logged["ship"]
     felt = np.stack([motion[f"specific_force_{axis}_m_s2"] for axis in "xyz"])
     np.testing.assert_allclose(felt[:, 0], [0.0, 9.81, 0.0], atol=0.02)
     assert felt[2, 20] == pytest.approx(14400.0 / 30000.0, abs=0.15)
 
 
-def test_ned_is_the_same_motion_in_other_axes(told):
-    ours, ned = told["ship"], told["ned"]
+def test_ned_is_the_same_motion_in_other_axes(logged):
+    ours, ned = logged["ship"], logged["ned"]
     np.testing.assert_allclose(ned["heave_m"], -ours["heave_m"], atol=1e-9)
     np.testing.assert_allclose(ned["surge_m"], ours["surge_m"], atol=1e-9)
     np.testing.assert_allclose(ned["yaw_rad"], -ours["yaw_rad"], atol=1e-9)
@@ -212,8 +236,8 @@ def test_ned_is_the_same_motion_in_other_axes(told):
     np.testing.assert_allclose(ned["qz"], -ours["qy"], atol=1e-9)
 
 
-def test_flu_is_the_same_motion_in_turned_axes_and_a_file_steers_as_rows_do(told):
-    ours, flu = told["ship"], told["flu"]
+def test_flu_is_the_same_motion_in_turned_axes_and_a_file_steers_as_rows_do(logged):
+    ours, flu = logged["ship"], logged["flu"]
     for name in ("throttle", "rudder_rad", "heave_m", "sway_m", "surge_m", "yaw_rad", "pitch_rad", "roll_rad", "qw"):
         np.testing.assert_allclose(flu[name], ours[name], atol=1e-9)
     for theirs, own in zip("xyz", "zxy"):
@@ -274,7 +298,7 @@ def test_wind_pushes_a_ship_downwind_and_only_where_it_is_a_target():
     [
         ({"kind": "dynamic", "hull": "barg20"}, {}, "there is no hull 'barg20'"),
         ({"kind": "dynamic", "hull": "barge20", "position": [80.0, 0.0]}, {}, "x = 80 m is outside the basin"),
-        ({"kind": "dynamic", "hull": {"shape": {"kind": "sphere", "radius": 1.0}}}, {}, "says no mass"),
+        ({"kind": "dynamic", "hull": {"shape": {"kind": "sphere", "radius": 1.0}}}, {}, "has no mass"),
         ({"kind": "dynamic", "hull": "barge20", "free": ["hove"]}, {}, "free"),
         ({"kind": "dynamic", "hull": "barge20", "inertia": [1e6, 0.0, 1e6]}, {}, "inertia must be above 0"),
         ({"kind": "dynamic", "hull": "barge20", "inertia": [1e6, 3e6, 1e6]}, {}, "at most the sum of the other two"),

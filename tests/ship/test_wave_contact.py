@@ -240,7 +240,7 @@ def test_without_giving_the_push_back_buoyancy_would_count_twice(afloat):
     assert np.mean(carried[len(carried) // 2 :]) > 0.15 * 9.81 * ship.body.mass
 
 
-def test_the_energy_of_water_beside_a_hull_at_rest_is_accounted_for():
+def test_the_energy_of_water_next_to_a_hull_at_rest_is_accounted_for():
     """To a twentieth of what its forces exchange, and the water stands as high as before; were the work of the hull
     left out, a fifth would be missing."""
     scene = floating() | {"fluid": {"kind": "delta_sph", "spacing": 0.1, "compression": 0.008}}

@@ -1,36 +1,38 @@
 """Forces on the cubes of a hull, summed over fixed blocks: buoyancy, what waves add, and wind."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import taichi as ti
 import taichi.math as tm
 
+from ocean_sim.columns import Columns
+from ocean_sim.fluid import Fluid
+from ocean_sim.runtime import Array2, Template
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
-from ocean_sim.ship.shared.rigid_body import RigidBody, tell
-from ocean_sim.ship.shared.water import TOP
+from ocean_sim.ship.shared.pose import POSE, pose, turned, vector, write_pose
+from ocean_sim.ship.shared.rigid_body import RigidBody
+from ocean_sim.ship.shared.water import TOP, SurroundingWater
+from ocean_sim.surface import Surface
+from ocean_sim.wind import Wind
 
 BLOCK = 128  # cubes that are summed one after the other
-BUOYANCY, WAVE, DRAG, LIFT, VOLUME, SPEED, TURN, PULL, TWIST, FACE, SPREAD, CUT = (
-    0,
-    6,
-    12,
-    18,
-    24,
-    25,
-    28,
-    31,
-    34,
-    37,
-    40,
-    43,
+HANDED = Columns(**POSE, since=1, step=1)  # what a kernel is handed: the body, and the clock of the wind [s]
+SUMS = Columns(
+    buoyancy=6,  # forces and torques [N], [N m]
+    wave=6,
+    wind_drag=6,
+    wind_lift=6,
+    volume=1,  # under water [m3]
+    velocity=6,  # of the water, times the area that it meets: its motion, and how it turns
+    acceleration=6,  # over gravity, likewise
+    face=6,  # the area that each motion meets, and how it spreads [m2], [m4]
+    cut=1,  # volume of the cubes that the surface cuts [m3]
 )
-SUMS = 44
-CLOCK = 18  # after the body in what is told: since when the wind's clock runs, and its step [s]
 
 
 class Wetted(NamedTuple):
-    """What the cubes say together; forces [N] and torques about the centre of mass [N m] are (2, 3), world axes."""
+    """What acts on all cubes together; forces [N] and torques about the centre of mass [N m] are (2, 3), world axes."""
 
     buoyancy: np.ndarray
     wave: np.ndarray
@@ -39,18 +41,6 @@ class Wetted(NamedTuple):
     volume: float  # under water [m3]
     velocity: np.ndarray  # (6,) of the water at the faces across each motion, body axes [m/s], [rad/s]
     acceleration: np.ndarray  # (6,) [m/s2], [rad/s2]
-
-
-@ti.func
-def vector(numbers: ti.template(), first: ti.template()):
-    """Three numbers of the first row."""
-    return ti.cast(tm.vec3(numbers[0, first], numbers[0, first + 1], numbers[0, first + 2]), float)
-
-
-@ti.func
-def turned(numbers: ti.template()):
-    """The matrix in the first row, from body to world axes."""
-    return ti.Matrix.rows([vector(numbers, 3), vector(numbers, 6), vector(numbers, 9)])
 
 
 @ti.data_oriented
@@ -70,7 +60,7 @@ class Cubes:
         self.arm = ti.Vector.field(3, float, shape=self.n)  # [m]
         self.area = ti.Vector.field(3, float, shape=self.n)  # outward [m2]
         self.volume = ti.field(float, shape=self.n)  # inside the hull [m3]
-        self.key = ti.field(int, shape=self.n)  # by which a wind tells them apart
+        self.key = ti.field(int, shape=self.n)  # by which a wind distinguishes them
         self.box = ti.Vector.field(3, float, shape=(self.blocks, 2))  # around a block: middle and half its sides [m]
         self.mass_density = matter.mass / cubes.volume  # [kg/m3]
         self.square = tm.vec3(cubes.square)  # of their sides [m2]
@@ -80,64 +70,65 @@ class Cubes:
         self.volume.from_numpy((cubes.share * cubes.size.prod())[upwards].astype(real))
         self.key.from_numpy(upwards.astype(np.int32))
         self.box.from_numpy(np.stack([0.5 * (lower + upper), 0.5 * (upper - lower)], axis=1).astype(real))
-        self.table = np.zeros((1 + self.blocks, SUMS))  # the pose, and the sums of each block
+        self.table = np.zeros((1 + self.blocks, SUMS.size))  # the pose, and the sums of each block
 
     @staticmethod
     def bytes(n: int, word: int) -> int:
         """Memory that n cubes take."""
-        return n * (7 * word + 4) + (n // BLOCK + 1) * (SUMS * 8 + 6 * word)
+        return n * (7 * word + 4) + (n // BLOCK + 1) * (SUMS.size * 8 + 6 * word)
 
-    def wetted(self, body: RigidBody, around: Any, water: Any, wind: Any) -> Wetted:
+    def wetted(self, body: RigidBody, around: SurroundingWater, water: Surface | Fluid, wind: Wind) -> Wetted:
         """What water and wind do to the hull where it is."""
         table, turn = self.table, body.matrix
-        tell(table[0], body)
-        table[0, CLOCK : CLOCK + 2] = wind.since, wind.step
+        write_pose(table[0], body)
+        table[0, HANDED.since], table[0, HANDED.step] = wind.since, wind.step
         self.sum_up(around, water, wind, table)
         total = table[1:].sum(axis=0)
-        dx, dz = self.cubes.aside(turn, self.weight * float(total[CUT]))
-        total[BUOYANCY + 3] -= dz
-        total[BUOYANCY + 5] += dx
+        dx, dz = self.cubes.aside(turn, self.weight * float(total[SUMS.cut]))
+        total[SUMS.buoyancy + 3] -= dz
+        total[SUMS.buoyancy + 5] += dx
         velocity = acceleration = np.zeros(6)
         if around.below:
-            faces = np.maximum(total[FACE : SPREAD + 3], 1e-12)
-            velocity, acceleration = total[SPEED:PULL] / faces, self.gravity * total[PULL:FACE] / faces
-        parts = total[:VOLUME].reshape(4, 2, 3)
-        return Wetted(parts[0], parts[1], parts[2], parts[3], float(total[VOLUME]), velocity, acceleration)
+            faces = np.maximum(total[SUMS.face : SUMS.cut], 1e-12)
+            velocity = total[SUMS.velocity : SUMS.acceleration] / faces
+            acceleration = self.gravity * total[SUMS.acceleration : SUMS.face] / faces
+        parts = total[: SUMS.volume].reshape(4, 2, 3)
+        return Wetted(parts[0], parts[1], parts[2], parts[3], float(total[SUMS.volume]), velocity, acceleration)
 
     @ti.kernel
     def sum_up(
         self,
-        around: ti.template(),
-        water: ti.template(),
-        wind: ti.template(),
-        table: ti.types.ndarray(ndim=2),
+        around: Template,
+        water: Template,
+        wind: Template,
+        table: Array2,
     ):
-        around.look(water, vector(table, 0), turned(table))
-        wind.set_clock(ti.cast(table[0, CLOCK], float), ti.cast(table[0, CLOCK + 1], float))
+        around.look(water, vector(table, pose.position), turned(table))
+        wind.set_clock(ti.cast(table[0, HANDED.since], float), ti.cast(table[0, HANDED.step], float))
         for block in range(self.blocks):
-            position, velocity, omega = vector(table, 0), vector(table, 12), vector(table, 15)
-            turn = turned(table)
+            position, turn = vector(table, pose.position), turned(table)
+            velocity, omega = vector(table, pose.velocity), vector(table, pose.spin)
             up = tm.vec3(turn[1, 0], turn[1, 1], turn[1, 2])
             tall = ti.sqrt((self.square * up).dot(up))  # as far as each reaches upwards [m]
-            total = ti.Vector.zero(ti.f64, SUMS)
+            total = ti.Vector.zero(ti.f64, SUMS.size)
             lowest = position.y + up.dot(self.box[block, 0]) - abs(up).dot(self.box[block, 1]) - 0.5 * tall
             if ti.static(wind.blows) or lowest < around.frame[TOP]:
                 for k in range(block * BLOCK, ti.min((block + 1) * BLOCK, self.n)):
                     self.add(total, k, around, wind, tall, position, turn, velocity, omega)
-            for c in ti.static(range(SUMS // 2)):
+            for c in ti.static(range(SUMS.size // 2)):
                 table[1 + block, c] = total[c]
-                table[1 + block, SUMS // 2 + c] = total[SUMS // 2 + c]
+                table[1 + block, SUMS.size // 2 + c] = total[SUMS.size // 2 + c]
 
     @ti.func
     def add(
         self,
-        total: ti.template(),
+        total: Template,
         k,
-        water: ti.template(),
-        wind: ti.template(),
+        water: Template,
+        wind: Template,
         tall,
         position,
-        turn: ti.template(),
+        turn: Template,
         velocity,
         omega,
     ):
@@ -149,11 +140,11 @@ class Cubes:
             bare = (1.0 - wet) * (turn @ self.area[k])
             mass = self.mass_density * self.volume[k]
             blown = wind.force(self.key[k], x, velocity + omega.cross(arm), bare, mass)
-            self.put(total, DRAG, arm, tm.vec3(blown.x, 0.0, blown.z))
-            self.put(total, LIFT, arm, tm.vec3(0.0, blown.y, 0.0))
+            self.put(total, SUMS.wind_drag, arm, tm.vec3(blown.x, 0.0, blown.z))
+            self.put(total, SUMS.wind_lift, arm, tm.vec3(0.0, blown.y, 0.0))
 
     @ti.func
-    def immerse(self, total: ti.template(), k, water: ti.template(), tall, arm, x, turn: ti.template()):
+    def immerse(self, total: Template, k, water: Template, tall, arm, x, turn: Template):
         """Add what the water does to a cube that it may reach; the share that is under water."""
         eta, slope = water.sheet(x.x, x.z)
         depth = eta - x.y
@@ -161,37 +152,37 @@ class Cubes:
         wet = tm.clamp(share, 0.0, 1.0)
         if wet > 0.0:
             volume, pull = wet * self.volume[k], slope
-            self.put(total, BUOYANCY, arm, tm.vec3(0.0, self.weight * volume, 0.0))
+            self.put(total, SUMS.buoyancy, arm, tm.vec3(0.0, self.weight * volume, 0.0))
             if ti.static(water.below):
                 pull = water.push(x, depth)
-            self.put(total, WAVE, arm, self.weight * volume * pull)
-            self.count(total, VOLUME, volume)
+            self.put(total, SUMS.wave, arm, self.weight * volume * pull)
+            self.count(total, SUMS.volume, volume)
             if share < 1.0:
-                self.count(total, CUT, self.volume[k])
+                self.count(total, SUMS.cut, self.volume[k])
             if ti.static(water.below):
                 own, face = self.arm[k], wet * abs(self.area[k])
                 under = depth + 0.5 * tall  # where its lower face is
-                self.put_motion(total, SPEED, own, face, turn.transpose() @ water.velocity(x, under))
-                self.put_motion(total, PULL, own, face, turn.transpose() @ water.push(x, under))
+                self.put_motion(total, SUMS.velocity, own, face, turn.transpose() @ water.velocity(x, under))
+                self.put_motion(total, SUMS.acceleration, own, face, turn.transpose() @ water.push(x, under))
                 spread = tm.vec3(face.y * own.z * own.z, face.x * own.z * own.z, face.y * own.x * own.x)
                 for c in ti.static(range(3)):
-                    self.count(total, FACE + c, face[c])
-                    self.count(total, SPREAD + c, spread[c])
+                    self.count(total, SUMS.face + c, face[c])
+                    self.count(total, SUMS.face + 3 + c, spread[c])
         return wet
 
     @ti.func
-    def count(self, total: ti.template(), column: ti.template(), number):
+    def count(self, total: Template, column: Template, number):
         total[column] += ti.cast(number, ti.f64)
 
     @ti.func
-    def put(self, total: ti.template(), column: ti.template(), arm, force):
+    def put(self, total: Template, column: Template, arm, force):
         torque = arm.cross(force)
         for c in ti.static(range(3)):
             self.count(total, column + c, force[c])
             self.count(total, column + 3 + c, torque[c])
 
     @ti.func
-    def put_motion(self, total: ti.template(), column: ti.template(), own, face, moved):
+    def put_motion(self, total: Template, column: Template, own, face, moved):
         """Of water at a cube: its motion, and how it turns about pitch, yaw and roll, by the area it meets."""
         for c in ti.static(range(3)):
             self.count(total, column + c, face[c] * moved[c])

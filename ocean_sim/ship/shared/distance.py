@@ -1,5 +1,5 @@
-"""How far a place is from a hull, and how a smoothed hull thins out there, on a lattice around it: made once from its
-cubes, and kept with them."""
+"""Distance from a hull, and how a smoothed hull thins out there, on a lattice around it: made once from its cubes, and
+kept with them."""
 
 import numpy as np
 import taichi as ti
@@ -41,7 +41,7 @@ def around(
     shape: HullShape, side: float, support: float, reach: float
 ) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
     """At (i, j, k): `distance` [m], negative inside, and `share` of the hull in Wendland's kernel (C2) of a support;
-    the place of the first in the axes of the hull, and the steps (3,) [m]. `side` of a cube, `reach` of the lattice
+    the position of the first in the axes of the hull, and the steps (3,) [m]. `side` of a cube, `reach` of the lattice
     over the hull [m]."""
     lower, upper = shape.bounds()
     size, margin = nodes(shape, side, reach)
@@ -89,10 +89,10 @@ class Distance:
         self.far = float(reach)
 
     @ti.func
-    def at(self, place):
+    def at(self, position):
         """Outward normal, distance [m] (beyond the lattice its reach), and minus the gradient of the share [1/m]: the
         integral of the kernel's gradient over the hull."""
-        a = (place - self.first) * self.per_step
+        a = (position - self.first) * self.per_step
         c = tm.clamp(int(ti.floor(a)), 0, self.last)
         normal, distance, thinning = tm.vec3(0.0), self.far, tm.vec3(0.0)
         if (a >= 0.0).all() and (a <= self.last + 1).all():

@@ -23,7 +23,7 @@ from ocean_sim.ship.shared.ship_water import ShipWater
 from ocean_sim.ship.shared.solid import Solid
 from ocean_sim.ship.shared.vessel import Actuators, VesselConfig
 from ocean_sim.ship.shared.wall_contact import Sides
-from ocean_sim.ship.shared.water import Water
+from ocean_sim.ship.shared.water import SurroundingWater
 from ocean_sim.ship.shared.wave_contact import FINE, RIM, Contact, WaveContact
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
@@ -42,11 +42,11 @@ class FloatingConfig(VesselConfig):
     hull: str | Hull
     """A name in configs/hull/, a mesh file (STL, OBJ, PLY), or a mapping with `shape`."""
     mass: float | None = quantity("kg", None, gt=0.0)
-    """Of the whole ship; null: what the hull says."""
+    """Of the whole ship; null: that of the hull."""
     centre_of_mass: Vector3 | None = quantity("m", None)
-    """From the hull's origin amidships at the keel; null: what the hull says."""
+    """From the hull's origin amidships at the keel; null: that of the hull."""
     inertia: Inertia | None = quantity("kg m2", None)
-    """About the centre of mass: of pitch, yaw and roll; null: what the hull says."""
+    """About the centre of mass: of pitch, yaw and roll; null: that of the hull."""
     cells_per_draught: float = quantity("1", 8.0, ge=1.0, le=64.0)
     """Cubes over the draught: 8 for motions, 16 for stability curves."""
     contact: Contact | None = Contact()
@@ -65,7 +65,7 @@ class FloatingConfig(VesselConfig):
 
     @cached_property
     def whole_hull(self) -> Hull:
-        """The hull, with what the ship says over it."""
+        """The hull, with the values of the ship in place of its own."""
         hull = hull_of(self.hull) if isinstance(self.hull, str) else self.hull
         own = {"mass": self.mass, "centre_of_mass": self.centre_of_mass, "inertia": self.inertia}
         return hull.model_copy(update={key: value for key, value in own.items() if value is not None})
@@ -129,7 +129,7 @@ class FloatingConfig(VesselConfig):
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         basin, word = preflight.tank, preflight.word
         n = len(self.afloat(-basin.gravity[1], WATER_DENSITY).voxels.share)
-        size = Cubes.bytes(n, word) + Water.bytes(True, word)
+        size = Cubes.bytes(n, word) + SurroundingWater.bytes(True, word)
         why = f"{self.cells_per_draught:g} cells_per_draught"
         rows = [LedgerRow("ship", f"{n} cubes of the hull", size, why, BODY + CUBE * n)]
         for solid in own(preflight):
@@ -163,7 +163,7 @@ class FloatingHull:
             shape, pull = config.whole_hull.shape, self.still.gravity
             self.contact = WaveContact(config.contact, shape, matter.centre, basin, fluid, pull)
             self.sides = Sides(shape, matter.centre, basin, fluid.walls.gap + self.contact.margin)
-        self.water = Water(length, width, height, draught, self.still.gravity, self.closed, self.contact)
+        self.water = SurroundingWater(length, width, height, draught, self.still.gravity, self.closed, self.contact)
         self.body = config.lowered(config.body(matter, *afloat_pose(self.still)), fluid)  # at the beginning
         if self.contact is not None:
             self.contact.hull.water = self.water
@@ -183,7 +183,7 @@ class FloatingHull:
         return min(1.0, 2.0 * wet.volume / self.displaced)
 
     def motion(self, body: RigidBody, wet: Wetted) -> np.ndarray:
-        """(6,) velocity in body axes [m/s], [rad/s], relative to the water where that is asked for its own."""
+        """(6,) velocity in body axes [m/s], [rad/s], relative to the water where its own is known."""
         return np.concatenate([body.matrix.T @ body.velocity, body.rates]) - wet.velocity
 
     def limits(self, added: dict[str, float] | None = None) -> Limits:

@@ -1,4 +1,4 @@
-"""What a user says of a hull: shape, mass, centre of mass, inertia; and the cubes that it becomes."""
+"""A hull as a scene gives it: shape, mass, centre of mass, inertia; and the cubes that it becomes."""
 
 from math import isinf
 from pathlib import Path
@@ -33,7 +33,7 @@ Inertia = Annotated[Vector3, AfterValidator(of_a_body)]
 
 
 class Hull(Model):
-    """A hull; places are from its origin amidships at the keel: x to port, y up, z to the bow."""
+    """A hull; positions are from its origin amidships at the keel: x to port, y up, z to the bow."""
 
     shape: Shape
     mass: float | None = quantity("kg", None, gt=0.0)
@@ -46,7 +46,7 @@ class Hull(Model):
     def matter(self, cubes: Voxels) -> Matter:
         """Mass, centre and inertia, given or of one matter; raises ValueError where there is no mass."""
         if self.mass is None:
-            raise ValueError("says no mass; give mass [kg]")
+            raise ValueError("has no mass; give mass [kg]")
         centre = cubes.centroid if self.centre_of_mass is None else np.array(self.centre_of_mass)
         own = cubes.inertia(self.mass, centre) if self.inertia is None else np.diag(self.inertia)
         return Matter(self.mass, centre, own)

@@ -133,7 +133,7 @@ class Hydrostatics:
 
     @cached_property
     def stations(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Place along z, breadth at the still water and draught of every slice of cubes [m]."""
+        """Position along z, breadth at the still water and draught of every slice of cubes [m]."""
         v, step = self.voxels, 0.25 * self.voxels.size[1]
         level = min(self.draught + self.keel, float(v.centre[:, 1].max()))  # of a ship that sinks, at its deck
         long, first = v.size[2], v.centre[:, 2].min()

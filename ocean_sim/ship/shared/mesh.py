@@ -3,18 +3,21 @@
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ocean_sim.files.input_file import Unreadable, content, shown
+
+if TYPE_CHECKING:
+    from ocean_sim.ship.shared.shapes import MeshFile
 
 MILLIMETRES = 1.0e3  # units: a hull longer than a kilometre is taken to be drawn in millimetres
 AXES = {"x": 0, "y": 1, "z": 2}
 
 
 class BadMesh(ValueError):
-    """A mesh that is no hull; the sentences say what is wrong and where."""
+    """A mesh that is no hull; `problems` are sentences: what is wrong and where."""
 
     def __init__(self, problems: list[str]) -> None:
         self.problems = problems
@@ -35,7 +38,7 @@ class Guess:
         return f"read with {self.scale:g} m per unit, {'xyz'[self.up]} up and the bow along {sign}{'xyz'[self.bow]}"
 
 
-def closed_mesh(shape: Any) -> Any:
+def closed_mesh(shape: "MeshFile") -> Any:
     """The mesh of a shape in the hull's axes, keel at y = 0, amidships at z = 0; raises BadMesh."""
     mesh = read(Path(shape.file))
     problems = flaws(mesh)
@@ -78,21 +81,21 @@ def read(path: Path) -> Any:
 
 
 def first_line(error: Exception) -> str:
-    """What an error says, cut short."""
-    said = next(iter(str(error).strip().splitlines()), "") or type(error).__name__
-    return said if len(said) <= 100 else f"{said[:97]}..."
+    """The first line of an error's message, cut short."""
+    line = next(iter(str(error).strip().splitlines()), "") or type(error).__name__
+    return line if len(line) <= 100 else f"{line[:97]}..."
 
 
 def flaws(mesh: Any) -> list[str]:
-    """Why a mesh bounds no volume: sentences with places in the file's own units."""
+    """Why a mesh bounds no volume: sentences with positions in the file's own units."""
     found = []
     if not np.isfinite(mesh.vertices).all():
         return ["some vertices are no numbers"]
     edges, count = np.unique(mesh.edges_sorted, axis=0, return_counts=True)
     for wrong, what in ((count == 1, "a hole"), (count > 2, "a seam of more than two faces")):
         if wrong.any():
-            place = mesh.vertices[edges[wrong]].reshape(-1, 3).mean(axis=0)
-            found.append(f"not watertight: {np.count_nonzero(wrong)} edges bound {what}, around {spot(place)}")
+            position = mesh.vertices[edges[wrong]].reshape(-1, 3).mean(axis=0)
+            found.append(f"not watertight: {np.count_nonzero(wrong)} edges bound {what}, around {spot(position)}")
     if not found and not mesh.is_winding_consistent:
         found.append("its faces do not all turn the same way, so inside and outside are not told apart")
     if not found and abs(mesh.volume) <= 1e-9 * float(np.prod(mesh.extents)):
@@ -100,13 +103,13 @@ def flaws(mesh: Any) -> list[str]:
     return found
 
 
-def spot(place: np.ndarray) -> str:
-    """A place for people."""
-    return "(" + ", ".join(f"{x:.4g}" for x in place) + ")"
+def spot(position: np.ndarray) -> str:
+    """A position as a message shows it."""
+    return "(" + ", ".join(f"{x:.4g}" for x in position) + ")"
 
 
-def guessed(mesh: Any, shape: Any) -> Guess:
-    """Unit, up and bow where the shape does not say them: the longest axis is the ship's, and of the other two the one
+def guessed(mesh: Any, shape: "MeshFile") -> Guess:
+    """Unit, up and bow where the shape does not give them: the longest axis is the ship's, and of the other two the one
     that the mesh mirrors itself in is athwart."""
     extents = np.asarray(mesh.extents)
     scale = shape.scale or (1.0 / MILLIMETRES if extents.max() > MILLIMETRES else 1.0)
@@ -129,7 +132,7 @@ def column_shares(mesh: Any, x: np.ndarray, z: np.ndarray, edges: np.ndarray) ->
     """(len(x), len(edges) - 1, len(z)): the share of each interval between `edges` along y that lies inside, on
     columns at x and z [m]: between the first and second crossing, the third and fourth, and so on."""
     a, b, c = (mesh.triangles[:, k] for k in range(3))
-    place, height = [], []
+    position, height = [], []
     for p, q, r in zip(a, b, c):
         i0, i1 = np.searchsorted(x, [min(p[0], q[0], r[0]), max(p[0], q[0], r[0])])
         k0, k1 = np.searchsorted(z, [min(p[2], q[2], r[2]), max(p[2], q[2], r[2])])
@@ -143,11 +146,11 @@ def column_shares(mesh: Any, x: np.ndarray, z: np.ndarray, edges: np.ndarray) ->
         s, t = (dx * v[2] - dz * v[0]) / area, (u[0] * dz - u[2] * dx) / area
         hit = np.argwhere((s >= 0.0) & (t >= 0.0) & (s + t <= 1.0))
         if len(hit):
-            place.append((hit[:, 0] + i0) * len(z) + hit[:, 1] + k0)
+            position.append((hit[:, 0] + i0) * len(z) + hit[:, 1] + k0)
             height.append(p[1] + s[tuple(hit.T)] * u[1] + t[tuple(hit.T)] * v[1])
     shares = np.zeros((len(x) * len(z), len(edges) - 1))
-    if place:
-        column, y = np.concatenate(place), np.concatenate(height)
+    if position:
+        column, y = np.concatenate(position), np.concatenate(height)
         order = np.lexsort((y, column))
         column, y = column[order], y[order]
         starts = np.flatnonzero(np.r_[True, column[1:] != column[:-1]])

@@ -2,7 +2,7 @@
 
 from itertools import pairwise
 from math import cos, hypot, pi, radians, remainder, sin
-from typing import Any
+from typing import Self
 
 import numpy as np
 from pydantic import field_validator, model_validator
@@ -125,7 +125,7 @@ class Helm(Model):
     """Rows of time, throttle and rudder, `{file: ...}` or `{autopilot: {heading_deg: ...}}`."""
 
     @model_validator(mode="after")
-    def _in_order(self) -> Any:
+    def _in_order(self) -> Self:
         if isinstance(self.controls, list):
             times = [row.time for row in self.controls]
             if any(later <= earlier for earlier, later in pairwise(times)):

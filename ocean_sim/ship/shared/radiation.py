@@ -34,10 +34,10 @@ class Response(NamedTuple):
 
 
 class Radiation:
-    """What a CSV file tells of some motions: `omega_rad_s`, and `heave_added_kg`, `heave_damping_kg_s`,
+    """What a CSV file gives for some motions: `omega_rad_s`, and `heave_added_kg`, `heave_damping_kg_s`,
     `pitch_added_kg_m2`, `pitch_damping_kg_m2_s` and the like, of any of the six.
 
-    Raises ValueError where it tells too little.
+    Raises ValueError where it gives too little.
     """
 
     def __init__(self, file: str) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class RigidBody:
-    """A rigid body in world axes unless said otherwise."""
+    """A rigid body in world axes unless stated otherwise."""
 
     mass: float  # [kg]
     inertia_body: np.ndarray  # (3, 3) about the centre of mass, body axes [kg m2]
@@ -48,19 +48,12 @@ class RigidBody:
         return 0.5 * float(self.mass * self.velocity @ self.velocity + turning)
 
     def point(self, arm: np.ndarray) -> np.ndarray:
-        """World position [m] of a point whose place from the centre of mass is `arm`, body axes [m]."""
+        """World position [m] of a point whose position from the centre of mass is `arm`, body axes [m]."""
         return self.position + self.matrix @ arm
 
     def point_velocity(self, arm: np.ndarray) -> np.ndarray:
         """(4.15): world velocity [m/s] of such a point."""
         return self.velocity + cross(self.angular_velocity, self.matrix @ arm)
-
-
-def tell(row: np.ndarray, body: RigidBody) -> None:
-    """Write into the first 18 numbers of a row where a body is and how it moves: place, matrix, velocity and angular
-    velocity in world axes."""
-    row[:3], row[3:12] = body.position, body.matrix.ravel()
-    row[12:15], row[15:18] = body.velocity, body.angular_velocity
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -27,7 +27,7 @@ from ocean_sim.wind import Wind
 FASTEST = 1.0e3  # [m/s] no ship moves like this
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 Motion = Annotated[str, Field(pattern=f"^({'|'.join(Motions._fields)})$")]
-Place = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
+Position = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 
 
 class VesselConfig(Helm, ShipConfig):
@@ -35,7 +35,7 @@ class VesselConfig(Helm, ShipConfig):
 
     slices: ClassVar[bool] = False  # whether it also floats in a slice
 
-    position: Place = quantity("m", (0.0, 0.0))
+    position: Position = quantity("m", (0.0, 0.0))
     """Of the centre of mass: [x, z] afloat, or [x, y, z]."""
     heading_deg: float = quantity("deg", 0.0)
     """0 heads along +z, 90 along +x."""

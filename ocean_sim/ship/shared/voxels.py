@@ -103,16 +103,16 @@ def sampled(shape: HullShape, counts: np.ndarray, lower: np.ndarray, upper: np.n
         blocks = inside.reshape(counts[0], SAMPLES, counts[1], SAMPLES, 1, SAMPLES)
         share[:, :, k] = blocks.mean(axis=(1, 3, 4, 5))
         for a, along in enumerate((axes[0], axes[1], z)):
-            place = along.reshape([-1 if a == 0 else 1, -1 if a == 1 else 1, -1 if a == 2 else 1])
-            moment = (inside * place).reshape(blocks.shape).mean(axis=(1, 3, 4, 5))
+            position = along.reshape([-1 if a == 0 else 1, -1 if a == 1 else 1, -1 if a == 2 else 1])
+            moment = (inside * position).reshape(blocks.shape).mean(axis=(1, 3, 4, 5))
             centre[:, :, k, a] = moment
     full = share > 1e-9
-    bare = [[np.maximum(share - beside(share, a, way), 0.0) for way in (1, -1)] for a in range(3)]
+    bare = [[np.maximum(share - neighbouring(share, a, way), 0.0) for way in (1, -1)] for a in range(3)]
     area = size.prod() / size * np.stack([ahead - behind for ahead, behind in bare], axis=-1)
     return {"share": share[full], "centre": centre[full] / share[full][:, None], "area": area[full]}
 
 
-def beside(share: np.ndarray, axis: int, way: int) -> np.ndarray:
+def neighbouring(share: np.ndarray, axis: int, way: int) -> np.ndarray:
     """The shares of the neighbours along an axis, 0 outside."""
     padded = np.pad(share, [(1, 1) if a == axis else (0, 0) for a in range(3)])
     return np.take(padded, np.arange(share.shape[axis]) + 1 + way, axis=axis)

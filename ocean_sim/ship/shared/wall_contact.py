@@ -39,13 +39,13 @@ class Sides:
         turn = body.matrix
         speed, rate = (sqrt(float(v @ v)) for v in (body.velocity, body.rates))
         along = 2.0 * dt * (speed + self.radius * rate)
-        place, reach = (body.position + turn @ self.middle).tolist(), (np.abs(turn) @ self.half).tolist()
-        return any(way * (place[axis] - side) < reach[axis] + along for axis, way, side in self.stops)
+        position, reach = (body.position + turn @ self.middle).tolist(), (np.abs(turn) @ self.half).tolist()
+        return any(way * (position[axis] - side) < reach[axis] + along for axis, way, side in self.stops)
 
     def beyond(self, body: RigidBody) -> list[tuple[int, float, np.ndarray]]:
         """Of every side: its axis, which way is in, and how far each point is beyond it [m]."""
-        places = self.points @ body.matrix.T + body.position
-        return [(axis, way, way * (place - places[:, axis])) for axis, way, place in self.stops]
+        positions = self.points @ body.matrix.T + body.position
+        return [(axis, way, way * (side - positions[:, axis])) for axis, way, side in self.stops]
 
     def off(self, body: RigidBody) -> RigidBody:
         """The body moved back to where it only touches."""
@@ -55,8 +55,8 @@ class Sides:
         return replace(body, position=body.position + move) if move.any() else body
 
     def stopped(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> Load:
-        """The load with what walls and bed do in a step of dt [s] under `wave`; `after` says how the body would move
-        freely."""
+        """The load with what walls and bed do in a step of dt [s] under `wave`; `after`: the body after a load
+        where nothing stops it."""
         body = after(load)
         normals, arms = [], []
         for axis, way, depth in self.beyond(body):

@@ -5,11 +5,16 @@ a hull keeps particles out, the surface over them falls into the hole that it le
 hull are filled straight across from the water on both sides.
 """
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import taichi as ti
 import taichi.math as tm
+
+from ocean_sim.runtime import Template
+
+if TYPE_CHECKING:
+    from ocean_sim.ship.shared.wave_contact import WaveContact
 
 ALONG, ACROSS, LEVELS = 25, 13, 4  # nodes; levels lie half a draught apart, downwards from the surface
 REACH = 1.1  # of the hull's half sizes
@@ -17,7 +22,7 @@ TOP = 4  # of the frame: the highest level [m]
 
 
 @ti.data_oriented
-class Water:
+class SurroundingWater:
     """Height of the water around a hull; of a closed form also its velocity and acceleration below."""
 
     def __init__(
@@ -28,7 +33,7 @@ class Water:
         draught: float,
         gravity: float,
         below: bool,
-        contact: Any = None,
+        contact: "WaveContact | None" = None,
     ) -> None:
         """Sizes of the hull [m]; `below`: whether the water is a closed form that is asked under its surface too;
         `contact`: what keeps particles out of the hull."""
@@ -53,9 +58,9 @@ class Water:
         return word * ALONG * ACROSS * (1 + (6 * LEVELS if below else 0))
 
     @ti.func
-    def look(self, water: ti.template(), position, turn):
-        """Ask the water [ti.func elevation; velocity and acceleration if `below`] around a ship at a place [m], turned
-        by a matrix, along its heading; call it at the top of a kernel."""
+    def look(self, water: Template, position, turn):
+        """Ask the water [ti.func elevation; velocity and acceleration if `below`] around a ship, along its heading;
+        `position` [m] and matrix `turn` of the ship. Call it at the top of a kernel."""
         x, z = position.x, position.z
         ahead, heading = tm.vec2(turn[0, 2], turn[2, 2]), tm.vec2(0.0, 1.0)
         if ahead.norm() > 0.0:
@@ -65,18 +70,18 @@ class Water:
         for n in range(ALONG * ACROSS):
             i, k = n // ACROSS, n % ACROSS
             along, across = i * self.step[0] - self.half[0], k * self.step[1] - self.half[1]
-            place = tm.vec3(x + along * sine + across * cosine, 0.0, z + along * cosine - across * sine)
-            eta = water.elevation(place.x, place.z)
+            point = tm.vec3(x + along * sine + across * cosine, 0.0, z + along * cosine - across * sine)
+            eta = water.elevation(point.x, point.z)
             self.level[i, k] = eta
             if ti.static(self.hollow):
-                place.y = eta
-                _normal, away, _thinning = self.hull.at(turn.transpose() @ (place - position))
+                point.y = eta
+                _normal, away, _thinning = self.hull.at(turn.transpose() @ (point - position))
                 self.asked[i, k] = int(away >= self.rim or k == 0 or k == ACROSS - 1)
             if ti.static(self.below):
                 for l in range(LEVELS):
-                    place.y = eta - l * self.layer
-                    self.speed[i, k, l] = water.velocity(place)
-                    self.pull[i, k, l] = water.acceleration(place) / self.gravity
+                    point.y = eta - l * self.layer
+                    self.speed[i, k, l] = water.velocity(point)
+                    self.pull[i, k, l] = water.acceleration(point) / self.gravity
         if ti.static(self.hollow):
             ti.loop_config(serialize=True)
             for i in range(ALONG):
@@ -134,7 +139,7 @@ class Water:
         return self.between(self.speed, i, k, a, b, depth)
 
     @ti.func
-    def between(self, field: ti.template(), i, k, a, b, depth):
+    def between(self, field: Template, i, k, a, b, depth):
         level = tm.clamp(depth / self.layer, 0.0, LEVELS - 1.0)
         l = ti.min(int(level), LEVELS - 2)
         c = level - l

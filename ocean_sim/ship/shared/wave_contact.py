@@ -15,18 +15,22 @@ slips is reduced by M / (M + mass of the particles that touch the ship), so that
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.basin import Basin
+from ocean_sim.columns import Columns
 from ocean_sim.model import Model, quantity
+from ocean_sim.runtime import Array2, Template
 from ocean_sim.ship import PARTS, Load
 from ocean_sim.ship.shared.distance import Distance
-from ocean_sim.ship.shared.moving_hull import HALF, MIDDLE, PLACE, MovingHull
-from ocean_sim.ship.shared.rigid_body import RigidBody, tell
+from ocean_sim.ship.shared.moving_hull import BOXED, MovingHull
+from ocean_sim.ship.shared.pose import POSE, vector, write_pose
+from ocean_sim.ship.shared.rigid_body import RigidBody
+from ocean_sim.ship.shared.shapes import HullShape
+from ocean_sim.ship.shared.ship_water import ShipWater
 
 TASK = 512  # a parallel loop is never cut finer than this
 SERIAL = 20_000  # particles, up to so many of which one thread is quicker than several
@@ -38,10 +42,9 @@ LEAPS = 3  # off the hull and back to the walls
 WAVE = PARTS.index("wave")
 PAIRS = tuple((i, j) for i in range(6) for j in range(i, 6))
 SQUARE = np.array([[PAIRS.index((min(i, j), max(i, j))) for j in range(6)] for i in range(6)])
-TOUCHING, B, A = 0, 1, 7  # particles, b and A
-SUMS = A + len(PAIRS)
-WORK = 6  # after the impulse and its moment
-BEFORE, SLIP, TOLD = 18, 24, 25  # after the pose: velocities before, and the share of a slip that friction may take
+FOUND = Columns(touching=1, b=6, a=len(PAIRS))  # particles that touch, b and A
+PUSHED = Columns(impulse=3, moment=3, work=1)  # on the water [N s], [N m s], [J]
+HANDED = Columns(**POSE, velocity_before=3, spin_before=3, slip=1)  # the last: the share that friction may take
 
 
 class Contact(Model):
@@ -59,7 +62,7 @@ class WaveContact:
     """The hull among the particles: `collided` in every step."""
 
     def __init__(
-        self, config: Contact, shape: Any, centre: np.ndarray, basin: Basin, fluid: Any, gravity: float
+        self, config: Contact, shape: HullShape, centre: np.ndarray, basin: Basin, fluid: ShipWater, gravity: float
     ) -> None:
         """`centre` of mass from the hull's origin [m]."""
         spacing, reach = fluid.particles.spacing, float(fluid.grid.support)
@@ -68,38 +71,41 @@ class WaveContact:
         distance = Distance(shape, centre, spacing / FINE, reach, max(reach, self.rim))
         self.hull = MovingHull(distance, np.array(shape.bounds()) - centre, reach, basin.periods, gravity)
         self.collisions = Collisions(config, self.hull, basin, fluid)
-        self.table = np.zeros((1 + self.collisions.layers, max(TOLD, SUMS)))  # one: each costs a kernel its time
-        self.impulse = np.zeros((2, 3))  # on the ship by collisions, and its moments about its places [N s], [N m s]
+        self.table = np.zeros(
+            (1 + self.collisions.layers, max(HANDED.size, FOUND.size))
+        )  # one: each costs a kernel its time
+        self.impulse = np.zeros((2, 3))  # on the ship by collisions, and its moments about its positions [N s], [N m s]
         self.lost = np.zeros((2, 3))  # what the water gave beyond that
         self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s], [J]
 
     def collided(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> tuple[Load, RigidBody]:
-        """The load with the collisions of a step of dt [s] under `wave`, and the body after it; `after` says how a load
-        would leave it. The particles move off the hull."""
+        """The load with the collisions of a step of dt [s] under `wave`, and the body after it; `after`: the body
+        after a load. The particles move off the hull."""
         trial, table = after(load), self.table
-        tell(table[0], trial)
+        write_pose(table[0], trial)
         self.collisions.find(table)
-        touching = table[1:, TOUCHING].sum()
+        touching = table[1:, FOUND.touching].sum()
         if touching == 0.0:
             return load, trial
-        total = table[1:, :SUMS].sum(axis=0)
+        total = table[1:, : FOUND.size].sum(axis=0)
         response = self.config.response
-        a = total[A:][SQUARE]
+        a = total[FOUND.a :][SQUARE]
         turn = trial.matrix
         own = np.zeros((6, 6))
         own[:3, :3] = trial.mass * np.eye(3)
         own[3:, 3:] = turn @ trial.inertia_body @ turn.T
-        change = own @ np.linalg.solve(own + response * a, response * total[B:A])
-        tell(table[0], after(with_wave(load, change.reshape(2, 3) / dt)))
-        table[0, BEFORE : BEFORE + 3], table[0, BEFORE + 3 : SLIP] = trial.velocity, trial.angular_velocity
-        table[0, SLIP] = trial.mass / (trial.mass + self.mass * touching)
+        change = own @ np.linalg.solve(own + response * a, response * total[FOUND.b : FOUND.a])
+        write_pose(table[0], after(with_wave(load, change.reshape(2, 3) / dt)))
+        table[0, HANDED.velocity_before : HANDED.spin_before] = trial.velocity
+        table[0, HANDED.spin_before : HANDED.slip] = trial.angular_velocity
+        table[0, HANDED.slip] = trial.mass / (trial.mass + self.mass * touching)
         self.collisions.push(table)
-        pushed = table[1, : WORK + 1]
-        met = -pushed[:WORK].reshape(2, 3)
+        pushed = table[1, : PUSHED.size]
+        met = -pushed[: PUSHED.work].reshape(2, 3)
         self.impulse += response * met
         self.lost += (1.0 - response) * met
-        self.given += pushed[:3]
-        self.work += float(pushed[WORK])
+        self.given += pushed[: PUSHED.moment]
+        self.work += float(pushed[PUSHED.work])
         load = with_wave(load, response * met / dt)
         return load, after(load)
 
@@ -108,7 +114,7 @@ class WaveContact:
 class Collisions:
     """Particles that meet the hull, found cell by cell of the grid that they are sorted into."""
 
-    def __init__(self, config: Contact, hull: MovingHull, basin: Basin, fluid: Any) -> None:
+    def __init__(self, config: Contact, hull: MovingHull, basin: Basin, fluid: ShipWater) -> None:
         self.config, self.hull, self.particles, self.grid = config, hull, fluid.particles, fluid.grid
         self.gravity, self.walls = tm.vec3(basin.gravity), fluid.walls
         self.quantum, self.spacing = fluid.grid.quantum, self.particles.spacing
@@ -118,7 +124,7 @@ class Collisions:
         self.near, self.count = ti.field(int, shape=self.particles.n), ti.field(int, shape=self.layers)
 
     @ti.kernel
-    def find(self, table: ti.types.ndarray(ndim=2)):
+    def find(self, table: Array2):
         """List what is near the hull, and sum over what touches it."""
         self.hull.take(table)
         if ti.static(self.serial):
@@ -131,11 +137,12 @@ class Collisions:
                     self.find_in(t // TASK, table)
 
     @ti.func
-    def cells(self, k: ti.template()):
+    def cells(self, k: Template):
         """Number of the first cell along an axis that the box around the hull reaches, and how many it reaches; a
         scheme that sorts in the middle of its step may have moved a particle on from its cell."""
-        middle = self.hull.pose[ti.static(PLACE + k)] + self.hull.pose[ti.static(MIDDLE + k)] - self.grid.lower[k]
-        half, last = self.hull.pose[ti.static(HALF + k)] + 2.0 * self.spacing, ti.static(self.grid.cells[k] - 2)
+        pose = ti.static(self.hull.pose)
+        middle = pose[ti.static(BOXED.position + k)] + pose[ti.static(BOXED.middle + k)] - self.grid.lower[k]
+        half, last = pose[ti.static(BOXED.half + k)] + 2.0 * self.spacing, ti.static(self.grid.cells[k] - 2)
         first = int(ti.floor((middle - half) * self.grid.per_width[k])) + 1
         end = int(ti.floor((middle + half) * self.grid.per_width[k])) + 1
         if ti.static(self.hull.periods[k] > 0.0):
@@ -145,7 +152,7 @@ class Collisions:
         return first, end - first + 1
 
     @ti.func
-    def home(self, cell, k: ti.template()):
+    def home(self, cell, k: Template):
         """The cell along an axis that one beyond a periodic side repeats."""
         if ti.static(self.hull.periods[k] > 0.0):
             n = ti.static(self.grid.cells[k] - 2)
@@ -153,9 +160,9 @@ class Collisions:
         return cell
 
     @ti.func
-    def find_in(self, layer, table: ti.template()):
+    def find_in(self, layer, table: Template):
         """The same in a layer of cells across z."""
-        total, count = ti.Vector.zero(ti.f64, SUMS), 0
+        total, count = ti.Vector.zero(ti.f64, FOUND.size), 0
         first_x, across = self.cells(0)
         first_y, down = self.cells(1)
         first_z, along = self.cells(2)
@@ -168,11 +175,11 @@ class Collisions:
                         for i in range(self.grid.start[c], self.grid.start[c + 1]):
                             count += self.meet(total, i, listed + count)
         self.count[layer] = count
-        for c in ti.static(range(SUMS)):
+        for c in ti.static(range(FOUND.size)):
             table[1 + layer, c] = total[c]
 
     @ti.func
-    def meet(self, total: ti.template(), i, to):
+    def meet(self, total: Template, i, to):
         """List particle i where it is near, and add it where it touches; whether it is near."""
         p, u, near = self.particles.position, self.particles.velocity, 0
         d = self.hull.apart(tm.vec3(p.x[i], p.y[i], p.z[i]))
@@ -186,9 +193,9 @@ class Collisions:
         return near
 
     @ti.func
-    def touch(self, total: ti.template(), normal, d, v):
+    def touch(self, total: Template, normal, d, v):
         """Add a particle that meets the hull with a relative velocity v."""
-        total[TOUCHING] += 1.0
+        total[FOUND.touching] += 1.0
         speed = v.dot(normal)
         if speed < 0.0:
             moment = d.cross(normal)
@@ -197,29 +204,28 @@ class Collisions:
             six = ti.Vector([j.x, j.y, j.z, k.x, k.y, k.z])
             gain = ti.cast(self.mass * (1.0 + ti.static(self.config.restitution)) * speed, ti.f64)
             for c in ti.static(range(6)):
-                total[B + c] += gain * six[c]
+                total[FOUND.b + c] += gain * six[c]
             for c, pair in ti.static(enumerate(PAIRS)):
-                total[A + c] += self.mass * six[pair[0]] * six[pair[1]]
+                total[FOUND.a + c] += self.mass * six[pair[0]] * six[pair[1]]
 
     @ti.kernel
-    def push(self, table: ti.types.ndarray(ndim=2)):
+    def push(self, table: Array2):
         """Collide with the hull as it will move, and leave it; sums impulse, moment and work on the water."""
         self.hull.take(table)
         ti.loop_config(serialize=True)
         for _ in range(1):
-            first = ti.cast(tm.vec3(table[0, BEFORE], table[0, BEFORE + 1], table[0, BEFORE + 2]), float)
-            spin = ti.cast(tm.vec3(table[0, BEFORE + 3], table[0, BEFORE + 4], table[0, BEFORE + 5]), float)
-            slipping = ti.cast(table[0, SLIP], float)
-            total = ti.Vector.zero(ti.f64, WORK + 1)
+            first, spin = vector(table, HANDED.velocity_before), vector(table, HANDED.spin_before)
+            slipping = ti.cast(table[0, HANDED.slip], float)
+            total = ti.Vector.zero(ti.f64, PUSHED.size)
             for layer in range(self.layers):
                 listed = self.grid.start[self.grid.cell_at(tm.ivec3(0, 0, layer))]
                 for k in range(listed, listed + self.count[layer]):
                     self.collide(total, self.near[k], first, spin, slipping)
-            for c in ti.static(range(WORK + 1)):
+            for c in ti.static(range(PUSHED.size)):
                 table[1, c] = total[c]
 
     @ti.func
-    def collide(self, total: ti.template(), i, first, spin, slipping):
+    def collide(self, total: Template, i, first, spin, slipping):
         """Particle i, of a hull that moved at `first` and `spin` before."""
         p, u = self.particles.position, self.particles.velocity
         x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
@@ -240,10 +246,10 @@ class Collisions:
                 impulse = ti.cast(self.mass, ti.f64) * (ti.cast(new, ti.f64) - ti.cast(v, ti.f64))
                 moment = ti.cast(d, ti.f64).cross(impulse)
                 for c in ti.static(range(3)):
-                    total[c] += impulse[c]
-                    total[3 + c] += moment[c]
-                total[WORK] += 0.5 * impulse.dot(ti.cast(new + v, ti.f64))
-            total[WORK] -= ti.cast(self.mass * self.gravity.dot(self.leave(i, x)), ti.f64)
+                    total[PUSHED.impulse + c] += impulse[c]
+                    total[PUSHED.moment + c] += moment[c]
+                total[PUSHED.work] += 0.5 * impulse.dot(ti.cast(new + v, ti.f64))
+            total[PUSHED.work] -= ti.cast(self.mass * self.gravity.dot(self.leave(i, x)), ti.f64)
 
     @ti.func
     def leave(self, i, x):

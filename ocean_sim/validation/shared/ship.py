@@ -52,7 +52,7 @@ def acting(simulation: Simulation) -> "Load":
     return ship_of(simulation).load(simulation.wind_on_ship, simulation.fluid, surface)
 
 
-def sunk(simulation: Simulation, orientation: np.ndarray) -> "Load":
+def balanced(simulation: Simulation, orientation: np.ndarray) -> "Load":
     """The load at an orientation, where weight and buoyancy balance, and the ship there."""
     hull = floating(simulation).hull
     span = float(np.linalg.norm(hull.upper - hull.lower))
@@ -71,7 +71,7 @@ def turned(axis: int, degrees: float) -> np.ndarray:
     return np.concatenate([[np.cos(half)], np.sin(half) * np.eye(3)[axis]])
 
 
-def voyage(simulation: Simulation, until: float) -> Iterator[tuple[float, "RigidBody"]]:
+def track(simulation: Simulation, until: float) -> Iterator[tuple[float, "RigidBody"]]:
     """Time and body after every step."""
     while simulation.time < until:
         simulation.step()

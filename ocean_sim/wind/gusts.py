@@ -22,7 +22,7 @@ from ocean_sim.wind.shared.drawing import Drawing, joined
 from ocean_sim.wind.shared.noise import DRAWS, EVERY, Noise
 from ocean_sim.wind.shared.shapes import turned, turned_back, within
 from ocean_sim.wind.shared.volume import Target, Volume
-from ocean_sim.wind.shared.warnings import kick, stylised
+from ocean_sim.wind.shared.warnings import stylised, velocity_change
 from ocean_sim.wind.still import Still
 
 NOISE = 0x1_0000  # stream of random numbers; the volume's number is added
@@ -91,7 +91,11 @@ class Config(PartConfig):
         for g, volume in enumerate(self.volumes):
             name, size = f"wind.volumes[{g}]", hypot(*volume.acceleration, *volume.noise)
             sentences += [stylised(name, size, scene)] if size > 0.0 else []
-            sentences += kick(name, volume.acceleration, volume.passing_time, scene) if any(volume.acceleration) else []
+            sentences += (
+                velocity_change(name, volume.acceleration, volume.passing_time, scene)
+                if any(volume.acceleration)
+                else []
+            )
         return sentences
 
 

@@ -1,4 +1,4 @@
-"""What `check` says of a wind: how much stronger than a real one it is, and what it will do to the water."""
+"""Warnings about a wind: how much stronger than a real one it is, and what it will do to the water."""
 
 from math import hypot, isinf, pi
 from typing import Any
@@ -41,13 +41,13 @@ def stylised(name: str, acceleration: float, scene: Any) -> str:
     )
 
 
-def kick(name: str, acceleration: Vector3, passing_time: float, scene: Any) -> list[str]:
+def velocity_change(name: str, acceleration: Vector3, passing_time: float, scene: Any) -> list[str]:
     """What one passage does to a particle, and whether that throws the water out of the basin."""
     if isinf(passing_time):
-        return [f"{name}: does not drift: it goes on accelerating what it holds by {hypot(*acceleration):.3g} m/s2"]
+        return [f"{name}: does not drift: it keeps accelerating what it holds by {hypot(*acceleration):.3g} m/s2"]
     along, up = hypot(acceleration[0], acceleration[2]) * passing_time, acceleration[1] * passing_time
     speed, g, depth = hypot(along, up), hypot(*scene.basin.gravity), scene.basin.depth
-    sentences = [f"{name}: the kick of one passage is {speed:.2g} m/s ({along:.2g} along, {up:.2g} up)"]
+    sentences = [f"{name}: one passage changes the velocity by {speed:.2g} m/s ({along:.2g} along, {up:.2g} up)"]
     if speed**2 > 2.0 * g * depth:
         height = f"{speed**2 / (2.0 * g):.1f} m high, above the depth of {depth:g} m" if g else "away, without gravity"
         sentences.append(f"{name}: throws the water {height}: not a sea; make it weaker, thinner or faster")
@@ -82,7 +82,7 @@ def plant(u10: float, k: float, gravity: float = GRAVITY) -> float:
 
 
 def added_viscosity(fluid: Any, basin: Any, length: float) -> float:
-    """Viscosity [m2/s] that the scheme of this water adds to waves of a length [m], as ADDED tells; 0 where it was not
+    """Viscosity [m2/s] that the scheme of this water adds to waves of a length [m], by ADDED; 0 where it was not
     measured."""
     table = ADDED.get(fluid.kind)
     if table is None:
@@ -93,7 +93,7 @@ def added_viscosity(fluid: Any, basin: Any, length: float) -> float:
     return float(share * 0.5 * fluid.ratio(basin) * spacing * fluid.sound_speed(basin))
 
 
-def fed(wind: Any, u10: float, k: float, depth: float, pull: float) -> float:
+def growth_rate(wind: Any, u10: float, k: float, depth: float, pull: float) -> float:
     """Rate [1/s] at which the wind of a scene feeds energy into waves of wavenumber k [1/m]: by its pressure on them
     where it has one, or else what Plant found, times its gain."""
     if wind.sheltering:
@@ -101,17 +101,17 @@ def fed(wind: Any, u10: float, k: float, depth: float, pull: float) -> float:
     return wind.gain * plant(u10, k, pull)
 
 
-def eaten(u10: float, k: float, scene: Any) -> list[str]:
-    """Whether the water rubs away more of waves of wavenumber k [1/m] than the wind of the scene feeds them."""
+def overdamped(u10: float, k: float, scene: Any) -> list[str]:
+    """Whether viscosity damps waves of wavenumber k [1/m] faster than the wind of the scene makes them grow."""
     pull, length = hypot(*scene.basin.gravity), 2.0 * pi / k
-    beta = fed(scene.wind, u10, k, scene.basin.depth, pull)
+    beta = growth_rate(scene.wind, u10, k, scene.basin.depth, pull)
     own, added = scene.fluid.kinematic_viscosity, added_viscosity(scene.fluid, scene.basin.build(), length)
     lost = 4.0 * (own + added) * k**2
     if lost <= beta:
         return []
-    needed = f"; a gain of {scene.wind.gain * lost / beta:.2g} would feed as much" if beta > 0.0 else ""
+    needed = f"; a gain of {scene.wind.gain * lost / beta:.2g} would balance it" if beta > 0.0 else ""
     return [
-        f"wind: growth is eaten: it feeds waves of {length:.3g} m at {beta:.2g} /s, and 4 nu k^2 takes {lost:.2g} /s, "
+        f"wind: damping exceeds growth: waves of {length:.3g} m grow at {beta:.2g} /s, and 4 nu k^2 is {lost:.2g} /s, "
         f"of a viscosity of {own:g} m2/s and {added:.2g} that {scene.fluid.kind} adds, as measured{needed}"
     ]
 
@@ -125,22 +125,22 @@ def unresolved(u10: float, scene: Any) -> list[str]:
     spacing, fetch = layer(scene), max(basin.length, basin.width or 0.0)
     height, period = fetch_limited(u10, fetch, pull)
     k = float(waves.wavenumber(2.0 * pi / period, basin.depth, pull))
-    length, said = 2.0 * pi / k, []
+    length, sentences = 2.0 * pi / k, []
     real = f"over {fetch:g} m a real wind of {u10:g} m/s makes waves {length:.2g} m long and {height:.2g} m high"
     if length < FEWEST * spacing:
-        said.append(
-            f"wind: {real} (Kahma & Calkoen 1992): shorter than {FEWEST:g} spacings of {spacing:g} m, not to be seen"
+        sentences.append(
+            f"wind: {real} (Kahma & Calkoen 1992): shorter than {FEWEST:g} spacings of {spacing:g} m, unresolved"
         )
     if fetch < 2.0 * length:
-        said.append(f"wind: {real}: the basin is shorter than two of them")
+        sentences.append(f"wind: {real}: the basin is shorter than two of them")
     seen = 2.0 * pi / max(length, FEWEST * spacing)
     most, nu = plant(u10, seen, pull) / (4.0 * seen**2), getattr(scene.fluid, "kinematic_viscosity", 0.0)
     if nu > most:
-        said.append(
+        sentences.append(
             f"wind: the viscosity of {nu:g} m2/s is more than the {most:.2g} m2/s under which a real wind of {u10:g} "
-            f"m/s makes waves of {2.0 * pi / seen:.3g} m grow (Plant 1982); what the scheme adds comes on top "
+            f"m/s makes waves of {2.0 * pi / seen:.3g} m grow (Plant 1982); the scheme adds viscosity of its own "
             "(ocean-sim validate wind_growth)"
         )
     if hasattr(scene.fluid, "kinematic_viscosity"):
-        said += eaten(u10, seen, scene)
-    return said
+        sentences += overdamped(u10, seen, scene)
+    return sentences

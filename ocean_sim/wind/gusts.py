@@ -23,7 +23,7 @@ from ocean_sim.wind.shared.drawing import Drawing, joined
 from ocean_sim.wind.shared.noise import DRAWS, EVERY, Noise
 from ocean_sim.wind.shared.shapes import turned, turned_back, within
 from ocean_sim.wind.shared.volume import Target, Volume
-from ocean_sim.wind.shared.warnings import kick, stylised
+from ocean_sim.wind.shared.warnings import stylised, velocity_change
 from ocean_sim.wind.still import Still
 
 NOISE = 0x1_0000  # stream of random numbers; the volume's number is added
@@ -95,7 +95,9 @@ class Config(WindConfig):
             name, size = f"wind.volumes[{g}]", hypot(*volume.acceleration, *volume.noise)
             sentences += [stylised(name, size, preflight)] if size > 0.0 else []
             sentences += (
-                kick(name, volume.acceleration, volume.passing_time, preflight) if any(volume.acceleration) else []
+                velocity_change(name, volume.acceleration, volume.passing_time, preflight)
+                if any(volume.acceleration)
+                else []
             )
         return sentences
 

@@ -20,7 +20,7 @@ from ocean_sim.wind.shared.drawing import Drawing
 from ocean_sim.wind.shared.noise import DRAWS, EVERY, Noise, NoiseSize
 from ocean_sim.wind.shared.passages import Passages
 from ocean_sim.wind.shared.schedule import Timed
-from ocean_sim.wind.shared.warnings import kick, stylised
+from ocean_sim.wind.shared.warnings import stylised, velocity_change
 from ocean_sim.wind.still import Still
 
 NOISE = 0x3_0000  # stream of random numbers
@@ -85,7 +85,7 @@ class Config(Timed, WindConfig):
         passing = 2.0 * self.core_radius / speed if speed else inf
         return [
             stylised("wind", hypot(*acceleration, *self.noise), preflight),
-            *kick("wind", acceleration, passing, preflight),
+            *velocity_change("wind", acceleration, passing, preflight),
         ]
 
 

@@ -12,7 +12,7 @@ from ocean_sim.parts import config_of
 from ocean_sim.reading.scene import observer_names
 from ocean_sim.validation.shared.state import state
 from ocean_sim.wind.shared.air_load import DRAG_LAWS, stress
-from ocean_sim.wind.shared.warnings import eaten, fed, fetch_limited, plant
+from ocean_sim.wind.shared.warnings import fetch_limited, growth_rate, overdamped, plant
 from ocean_sim.wind.stress import ROW
 
 UP = (0.0, 1.0, 0.0)
@@ -265,14 +265,16 @@ def test_growth_that_the_measured_viscosity_eats_is_said_with_the_gain_that_woul
         assert 4.0 * nu * k**2 == pytest.approx(lost, rel=0.02)
     growing = {"kind": "stress", "u10": 10.0, "sheltering": 0.27, "wave_speed": 1.25, "gain": 1.23}
     built = scene(basin=basin, fluid=water, wind=growing)
-    beta = fed(built.wind, 10.0, k, 0.5, 9.81)
+    beta = growth_rate(built.wind, 10.0, k, 0.5, 9.81)
     assert beta == pytest.approx(0.156, rel=0.02)
-    assert not eaten(built.wind, 10.0, k, built.preflight)
+    assert not overdamped(built.wind, 10.0, k, built.preflight)
     weak = scene(basin=basin, fluid=water, wind=growing | {"gain": 0.123})
-    (said,) = eaten(weak.wind, 10.0, k, weak.preflight)
-    assert "growth is eaten" in said and "0.00038 that delta_sph adds" in said
+    (said,) = overdamped(weak.wind, 10.0, k, weak.preflight)
+    assert "damping exceeds growth" in said and "0.00038 that delta_sph adds" in said
     assert f"a gain of {0.123 * 4.0 * nu * k**2 / (0.1 * beta):.2g}" in said
-    assert fed(scene(wind={"kind": "stress", "gain": 9.0}).wind, 10.0, k, 50.0, 9.81) == 9.0 * plant(10.0, k, 9.81)
+    assert growth_rate(scene(wind={"kind": "stress", "gain": 9.0}).wind, 10.0, k, 50.0, 9.81) == 9.0 * plant(
+        10.0, k, 9.81
+    )
 
 
 def test_what_dfsph_adds_is_what_its_standing_wave_loses():

@@ -119,18 +119,18 @@ def test_every_preset_says_that_it_is_stylised(preset_data, scene, name):
     assert "stylised force field, not a physical stress" in warned(preset_data, scene, name)
 
 
-def test_warnings_give_the_kick_of_a_passage(preset_data, scene):
+def test_warnings_give_the_velocity_change_of_a_passage(preset_data, scene):
     assert "1.7e+05 times" in warned(preset_data, scene, "narrow")
-    assert "the kick of one passage is 1.7 m/s (1 along, 1.4 up)" in warned(preset_data, scene, "narrow")
-    assert "the kick of one passage is 2.1 m/s (1.2 along, 1.7 up)" in warned(preset_data, scene, "wide")
+    assert "one passage changes the velocity by 1.7 m/s (1 along, 1.4 up)" in warned(preset_data, scene, "narrow")
+    assert "one passage changes the velocity by 2.1 m/s (1.2 along, 1.7 up)" in warned(preset_data, scene, "wide")
     assert "throws the water" not in warned(preset_data, scene, "narrow") + warned(preset_data, scene, "wide")
     assert "does not drift" in warned(preset_data, scene, "vortex")
 
 
-@pytest.mark.parametrize("name, kick", [("calm", "0.17"), ("breeze", "1.1"), ("gale", "2.7"), ("squall", "2.6")])
-def test_our_own_winds_say_their_kick_and_throw_nothing_out(preset_data, scene, name, kick):
+@pytest.mark.parametrize("name, change", [("calm", "0.17"), ("breeze", "1.1"), ("gale", "2.7"), ("squall", "2.6")])
+def test_our_own_winds_state_their_velocity_change_and_throw_nothing_out(preset_data, scene, name, change):
     said = warned(preset_data, scene, name)
-    assert f"the kick of one passage is {kick} m/s" in said and "throws the water" not in said
+    assert f"one passage changes the velocity by {change} m/s" in said and "throws the water" not in said
 
 
 def test_the_front_of_the_squall_passes_a_basin_of_40_m_once(preset_data):

@@ -1,4 +1,4 @@
-"""What `check` says of a wind: how much stronger than a real one it is, and what it will do to the water."""
+"""Warnings about a wind: how much stronger than a real one it is, and what it will do to the water."""
 
 from math import hypot, isinf, pi
 from typing import Protocol
@@ -13,8 +13,8 @@ U10 = 10.0  # [m/s] the real wind that force fields are compared with
 FEWEST = 10.0  # spacings that a wave must be long to travel well
 
 
-class Blowing(Protocol):
-    """A physical wind, as what it does to waves asks for it."""
+class PhysicalWind(Protocol):
+    """A wind that is a stress, as its effect on waves needs it."""
 
     gain: float
     sheltering: float
@@ -39,13 +39,13 @@ def stylised(name: str, acceleration: float, preflight: Preflight) -> str:
     )
 
 
-def kick(name: str, acceleration: Vector3, passing_time: float, preflight: Preflight) -> list[str]:
+def velocity_change(name: str, acceleration: Vector3, passing_time: float, preflight: Preflight) -> list[str]:
     """What one passage does to a particle, and whether that throws the water out of the basin."""
     if isinf(passing_time):
-        return [f"{name}: does not drift: it goes on accelerating what it holds by {hypot(*acceleration):.3g} m/s2"]
+        return [f"{name}: does not drift: it keeps accelerating what it holds by {hypot(*acceleration):.3g} m/s2"]
     along, up = hypot(acceleration[0], acceleration[2]) * passing_time, acceleration[1] * passing_time
     speed, g, depth = hypot(along, up), hypot(*preflight.tank.gravity), preflight.tank.depth
-    sentences = [f"{name}: the kick of one passage is {speed:.2g} m/s ({along:.2g} along, {up:.2g} up)"]
+    sentences = [f"{name}: one passage changes the velocity by {speed:.2g} m/s ({along:.2g} along, {up:.2g} up)"]
     if speed**2 > 2.0 * g * depth:
         height = f"{speed**2 / (2.0 * g):.1f} m high, above the depth of {depth:g} m" if g else "away, without gravity"
         sentences.append(f"{name}: throws the water {height}: not a sea; make it weaker, thinner or faster")
@@ -79,7 +79,7 @@ def plant(u10: float, k: float, gravity: float = GRAVITY) -> float:
     return 0.04 * stress(u10) / AIR_DENSITY * (k / omega) ** 2 * omega
 
 
-def fed(wind: Blowing, u10: float, k: float, depth: float, pull: float) -> float:
+def growth_rate(wind: PhysicalWind, u10: float, k: float, depth: float, pull: float) -> float:
     """Rate [1/s] at which the wind of a scene feeds energy into waves of wavenumber k [1/m]: by its pressure on them
     where it has one, or else what Plant found, times its gain."""
     if wind.sheltering:
@@ -87,22 +87,22 @@ def fed(wind: Blowing, u10: float, k: float, depth: float, pull: float) -> float
     return wind.gain * plant(u10, k, pull)
 
 
-def eaten(wind: Blowing, u10: float, k: float, preflight: Preflight) -> list[str]:
-    """Whether the water rubs away more of waves of wavenumber k [1/m] than the wind of the scene feeds them."""
+def overdamped(wind: PhysicalWind, u10: float, k: float, preflight: Preflight) -> list[str]:
+    """Whether viscosity damps waves of wavenumber k [1/m] faster than the wind of the scene makes them grow."""
     fluid, pull, length = preflight.fluid, hypot(*preflight.tank.gravity), 2.0 * pi / k
-    beta = fed(wind, u10, k, preflight.tank.depth, pull)
+    beta = growth_rate(wind, u10, k, preflight.tank.depth, pull)
     own, added = fluid.viscosity_asked, fluid.viscosity_added(preflight, length)
     lost = 4.0 * (own + added) * k**2
     if lost <= beta:
         return []
-    needed = f"; a gain of {wind.gain * lost / beta:.2g} would feed as much" if beta > 0.0 else ""
+    needed = f"; a gain of {wind.gain * lost / beta:.2g} would balance it" if beta > 0.0 else ""
     return [
-        f"wind: growth is eaten: it feeds waves of {length:.3g} m at {beta:.2g} /s, and 4 nu k^2 takes {lost:.2g} /s, "
+        f"wind: damping exceeds growth: waves of {length:.3g} m grow at {beta:.2g} /s, and 4 nu k^2 is {lost:.2g} /s, "
         f"of a viscosity of {own:g} m2/s and {added:.2g} that {fluid.kind} adds, as measured{needed}"
     ]
 
 
-def unresolved(wind: Blowing, u10: float, preflight: Preflight) -> list[str]:
+def unresolved(wind: PhysicalWind, u10: float, preflight: Preflight) -> list[str]:
     """What keeps this water from showing the waves of a real wind: particles too coarse, water too viscous, a basin too
     short."""
     basin, pull, spacing = preflight.tank, hypot(*preflight.tank.gravity), preflight.spacing
@@ -111,20 +111,20 @@ def unresolved(wind: Blowing, u10: float, preflight: Preflight) -> list[str]:
     fetch = max(basin.config.length, basin.config.width or 0.0)
     height, period = fetch_limited(u10, fetch, pull)
     k = float(waves.wavenumber(2.0 * pi / period, basin.depth, pull))
-    length, said = 2.0 * pi / k, []
+    length, sentences = 2.0 * pi / k, []
     real = f"over {fetch:g} m a real wind of {u10:g} m/s makes waves {length:.2g} m long and {height:.2g} m high"
     if length < FEWEST * spacing:
-        said.append(
-            f"wind: {real} (Kahma & Calkoen 1992): shorter than {FEWEST:g} spacings of {spacing:g} m, not to be seen"
+        sentences.append(
+            f"wind: {real} (Kahma & Calkoen 1992): shorter than {FEWEST:g} spacings of {spacing:g} m, unresolved"
         )
     if fetch < 2.0 * length:
-        said.append(f"wind: {real}: the basin is shorter than two of them")
+        sentences.append(f"wind: {real}: the basin is shorter than two of them")
     seen = 2.0 * pi / max(length, FEWEST * spacing)
     most, nu = plant(u10, seen, pull) / (4.0 * seen**2), preflight.fluid.viscosity_asked
     if nu > most:
-        said.append(
+        sentences.append(
             f"wind: the viscosity of {nu:g} m2/s is more than the {most:.2g} m2/s under which a real wind of {u10:g} "
-            f"m/s makes waves of {2.0 * pi / seen:.3g} m grow (Plant 1982); what the scheme adds comes on top "
+            f"m/s makes waves of {2.0 * pi / seen:.3g} m grow (Plant 1982); the scheme adds viscosity of its own "
             "(ocean-sim validate wind_growth)"
         )
-    return said + eaten(wind, u10, seen, preflight)
+    return sentences + overdamped(wind, u10, seen, preflight)

@@ -1,6 +1,6 @@
 """No wind: its term compiles to nothing."""
 
-from typing import ClassVar, Literal
+from typing import Literal
 
 import taichi as ti
 import taichi.math as tm
@@ -34,10 +34,10 @@ class Config(WindConfig):
 class Still:
     """Air at rest."""
 
-    needs_area: ClassVar[bool] = False
-    blows: ClassVar[bool] = False
-    since: ClassVar[float] = 0.0
-    step: ClassVar[float] = 0.0
+    needs_area: bool = False
+    blows: bool = False
+    since: float = 0.0
+    step: float = 0.0
 
     def on(self, target: str) -> "Still":
         """The wind that a target feels."""

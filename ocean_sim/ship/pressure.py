@@ -1,8 +1,8 @@
-"""A ship that floats by what the particles press on it, and nothing else: no law says how high the water stands.
+"""A ship that floats by what the particles press on it, and nothing else: no law gives the height of the water.
 
 The hull is sampled as any solid body in the water; the water's laws push it as strongly as it pushes them. To a body
-that speeds up, water near it answers at once, with a mass that can exceed the body's own; told its acceleration of the
-step before, an explicit step would overshoot. So the water is told an acceleration that follows by the share that the
+that speeds up, water near it answers at once, with a mass that can exceed the body's own; given its acceleration of the
+step before, an explicit step would overshoot. So the water is given an acceleration that follows by the share that the
 body has of both masses, which is where the two meet (under-relaxation as in Kuttler & Wall 2008, Comput. Mech. 43).
 """
 

@@ -74,16 +74,16 @@ class Columns:
         bottom, volume = np.full(n, np.inf), np.zeros(n)
         np.minimum.at(bottom, column, cubes.centre[:, 1] - size[1] / 2)
         np.add.at(volume, column, cubes.share * size.prod())
-        place = np.zeros((n, 2))
-        np.add.at(place, column, cubes.centre[:, [0, 2]] * (cubes.share * size.prod())[:, None])
-        place /= volume[:, None]
+        middle = np.zeros((n, 2))
+        np.add.at(middle, column, cubes.centre[:, [0, 2]] * (cubes.share * size.prod())[:, None])
+        middle /= volume[:, None]
         self.n, self.weight = n, still.density * still.gravity
         self.height = float(np.ptp(cubes.centre[:, 1]) + size[1])
         self.cell = (basin.config.length / NODES, (basin.config.width or basin.config.length) / NODES)
         self.bottom, self.area = ti.Vector.field(3, float, shape=n), ti.field(float, shape=n)
         self.out = ti.Vector.field(6, ti.f64, shape=n)
         real = self.area.to_numpy().dtype
-        arms = np.stack([place[:, 0], bottom, place[:, 1]], axis=1) - still.matter.centre
+        arms = np.stack([middle[:, 0], bottom, middle[:, 1]], axis=1) - still.matter.centre
         self.bottom.from_numpy(arms.astype(real))
         self.area.from_numpy((volume / self.height).astype(real))  # _segVolume / _shipSize.y
 

@@ -38,16 +38,16 @@ CIRCLE = (
 
 def problems(coarse: bool) -> list[Problem]:
     scene = at_sea(YACHT, 15.0, STEP, AHEAD + TURN)
-    promises = tuple(told(name) for name in CIRCLE)
+    promises = tuple(reported(name) for name in CIRCLE)
     found = [Problem(scene, promises, circle, "circle", slot="ship", schemes=OF_WATER)]
     for angle in (20.0,) if coarse else (10.0, 20.0):
-        names = tuple(told(name) for name in zigzags(angle))
+        names = tuple(reported(name) for name in zigzags(angle))
         look = lambda simulation, angle=angle: zigzag(simulation, angle)
         found.append(Problem(scene, names, look, f"zig-zag {angle:g}", slot="ship", schemes=OF_WATER))
     return found
 
 
-def told(name: str) -> Promise:
+def reported(name: str) -> Promise:
     """What is only reported, in the unit that its name ends with."""
     return Promise(name, name[name.index("[") + 1 : -1], "reported")
 
@@ -110,9 +110,9 @@ def zigzag(simulation: Simulation, angle: float) -> Finding:
         return way[0] * radians(angle)
 
     t, _, _, yaw, _, _, _ = np.array(list(sailed(simulation, orders, ZIGZAG))).T
-    told: list[float | None] = [None] * 3
+    values: list[float | None] = [None] * 3
     if len(executed) > 2:
         spans = [(t >= a) & (t <= b) for a, b in pairwise(executed)]
-        told = [*(degrees(np.abs(yaw[span]).max()) - angle for span in spans[:2]), executed[1] - executed[0]]
-    numbers = {name: (value, None, None) for name, value in zip(zigzags(angle), told, strict=True)}
+        values = [*(degrees(np.abs(yaw[span]).max()) - angle for span in spans[:2]), executed[1] - executed[0]]
+    numbers = {name: (value, None, None) for name, value in zip(zigzags(angle), values, strict=True)}
     return Finding(numbers, [Curve("heading", t, np.degrees(yaw))], [], ("t [s]", "heading [deg]"))

@@ -2,7 +2,7 @@
 below 7.5 m/s (Wu 1982).
 
 m' u' = k (W - u)^2 - X u^2 is Riccati's equation: (u - a) / (u - b) = (a / b) exp(-r t), with a, b = W sqrt k /
-(sqrt k +- sqrt X), r = 2 W sqrt(k X) / m'. k is what the exposed faces and (2.22) say; how the cubes of an edge, which
+(sqrt k +- sqrt X), r = 2 W sqrt(k X) / m'. k follows from the exposed faces and (2.22); how the cubes of an edge, which
 face two ways, count in it, is reported.
 """
 

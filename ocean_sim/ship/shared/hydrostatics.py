@@ -73,7 +73,7 @@ class Hydrostatics:
 
     @cached_property
     def keel(self) -> float:
-        """Height of the lowest cubes' lower side over the hull's origin [m]: 0, or what an outline's points say."""
+        """Height of the lowest cubes' lower side over the hull's origin [m]: 0, or that of an outline's points."""
         tall = self.voxels.size[1]
         return float(tall * round((self.voxels.centre[:, 1].min() - tall / 2) / tall))
 

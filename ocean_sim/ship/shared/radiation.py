@@ -71,13 +71,13 @@ class Radiation:
 
     @cached_property
     def response(self) -> "Response":
-        """To a push, until next to nothing is left of it."""
+        """To a push, until less than LOST is left of it."""
         omega, apart = self.omega, np.diff(self.omega, prepend=0.0).max()
         times = np.arange(0.0, 2.0 * pi / apart, 2.0 * pi / omega[-1] / FINE)
         kernels = np.array([self.kernel(times, damping) for damping in self.damping])
         sines = np.trapezoid(kernels[:, None] * np.sin(omega[:, None] * times), times, axis=2)
-        felt = np.abs(kernels / np.abs(kernels).max(axis=1, keepdims=True)).max(axis=0) > LOST
-        last = int(np.flatnonzero(felt)[-1]) + 1
+        kept = np.abs(kernels / np.abs(kernels).max(axis=1, keepdims=True)).max(axis=0) > LOST
+        last = int(np.flatnonzero(kept)[-1]) + 1
         return Response(times[:last], kernels[:, :last], (self.mass + sines / omega).mean(axis=1))
 
     def kernel(self, times: np.ndarray, damping: np.ndarray) -> np.ndarray:
@@ -110,8 +110,8 @@ class Memory:
         moved = np.concatenate([self.moved, motion[None, self.numbers]])
         known, found = self.response, np.zeros(6)
         for k, number in enumerate(self.numbers):
-            felt = np.interp(time - times, known.times, known.kernels[k], right=0.0)
-            found[number] = -np.trapezoid(felt * moved[:, k], times)
+            kernel = np.interp(time - times, known.times, known.kernels[k], right=0.0)
+            found[number] = -np.trapezoid(kernel * moved[:, k], times)
         return found.reshape(2, 3)
 
     def keep(self, time: float, motion: np.ndarray) -> None:

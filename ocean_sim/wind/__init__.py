@@ -12,10 +12,25 @@ class Wind(Protocol):
     are handed to it from Python; a wind that needs no clock leaves both 0 and does nothing (see `shared/clock.py`).
     """
 
-    needs_area: bool  # whether `force` reads `area`: the fluid then finds the exposed area of its particles
-    blows: bool  # whether `force` is ever anything but zero; where not, kernels leave it out
-    since: float  # [s] from the last restart of its clock to the end of this step
-    step: float  # [s] length of this step
+    @property
+    def needs_area(self) -> bool:
+        """Whether `force` reads `area`: the fluid then finds the exposed area of its particles."""
+        ...
+
+    @property
+    def blows(self) -> bool:
+        """Whether `force` is ever anything but zero; where not, kernels leave it out."""
+        ...
+
+    @property
+    def since(self) -> float:
+        """From the last restart of its clock to the end of this step [s]."""
+        ...
+
+    @property
+    def step(self) -> float:
+        """Length of this step [s]."""
+        ...
 
     def on(self, target: Literal["fluid", "ship"]) -> "Wind":
         """The wind that a target feels: this one, or still air where it is no target."""

@@ -4,6 +4,36 @@ SI units and radians. World axes are right-handed: X and Z horizontal, Y up, sti
 centre of the still surface. A ship at rest heads along +Z, so +X is to port. Rotations are positive by the right
 hand: pitch about X lowers the bow, yaw about Y turns it to port, roll about Z lifts the port side.
 Headings of waves and wind say where they go to: 0 along +Z, 90 degrees along +X.
+
+One word for one thing, in names, messages and docs:
+
+accounts      sums of impulse and work, term by term, which `accuracy.csv` shows
+cell          of the grid that finds neighbours, or of a CSV file
+compression   rise of the density over the rest density
+free surface  the upper boundary of the water
+hydrostatic offset  how far the water's own weight, or a step through a mirror, changes level or pressure
+image         what a side shows of a particle: reflected, seen as its mirror image
+kind          a module of a slot's folder, which a scene names as `kind:`
+lattice       the regular positions that particles start from
+ledger        the table of what a scene allocates, compiles and takes of a step
+location      file, line and column of a text
+message       what is shown to a person; one sentence of it is a sentence
+next to       at the side of; also of one part of a scene and another
+observer      who watches a simulation and writes files
+part          what fills a slot: its keys (a Config) and what they build
+position      where something is in space [m]
+preflight     what is known of a scene before it is built
+relaxed       slowed down towards rest near an absorbing side
+report        to hand a fact to a person or a program; `report.html` is one
+row, column   of a table, in a file or on the device
+run folder    the files that a run leaves
+sample        a point of a solid body that the water's laws meet
+scheme        a kind of water whose particles act on each other
+slot          wind, fluid, surface, ship, platform or time_step of a scene
+spacing       distance between particles at rest; the unit "spacings" is multiples of it
+support       radius within which a smoothing kernel is not zero
+surface       what is laid on the free surface for pictures and ships
+tank          the basin with nothing afloat in it
 """
 
 from collections.abc import Sequence

@@ -1,0 +1,61 @@
+"""The rooms of the house, drawn from all imports, those for annotations included: few of them, and no circle."""
+
+import ast
+
+from tests.architecture.test_arrows import SOURCES, room
+
+MOST_ROOMS = 30
+
+
+def targets(module: str) -> set[str]:
+    """What a module imports of ours, anywhere in it, also for type checkers alone."""
+    found = set()
+    for node in ast.walk(SOURCES[module]):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            inner = {f"{node.module}.{alias.name}" for alias in node.names}
+            found |= {name for name in inner if name in SOURCES} or {str(node.module)}
+    return {name for name in found if name in SOURCES and name != module}
+
+
+def circles(graph: dict[str, set[str]]) -> list[list[str]]:
+    """The strongly connected components of more than one node (Tarjan 1972)."""
+    number: dict[str, int] = {}
+    low: dict[str, int] = {}
+    stack: list[str] = []
+    found: list[list[str]] = []
+
+    def visit(node: str) -> None:
+        number[node] = low[node] = len(number)
+        stack.append(node)
+        for other in sorted(graph[node]):
+            if other not in number:
+                visit(other)
+                low[node] = min(low[node], low[other])
+            elif other in stack:
+                low[node] = min(low[node], number[other])
+        if low[node] == number[node]:
+            members = stack[stack.index(node) :]
+            del stack[stack.index(node) :]
+            if len(members) > 1:
+                found.append(sorted(members))
+
+    for node in graph:
+        if node not in number:
+            visit(node)
+    return found
+
+
+def test_there_are_few_rooms():
+    rooms = {room(module) for module in SOURCES}
+    assert len(rooms) <= MOST_ROOMS, sorted(rooms)
+
+
+def test_no_module_imports_one_that_imports_it():
+    assert circles({module: targets(module) for module in SOURCES}) == []
+
+
+def test_a_circle_would_be_found():
+    """The negative control."""
+    assert circles({"a": {"b"}, "b": {"c"}, "c": {"a"}, "d": {"a"}}) == [["a", "b", "c"]]

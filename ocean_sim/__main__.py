@@ -39,7 +39,7 @@ def run(
     sets: Sets = None,
     out: Out = None,
     until: Annotated[float | None, typer.Option(help="Simulated time [s], in place of the scene's duration.")] = None,
-    overwrite: Annotated[bool, typer.Option(help="Write into --out even where a run lies already.")] = False,
+    overwrite: Annotated[bool, typer.Option(help="Write into --out even where there is a run already.")] = False,
     frame: Annotated[str | None, typer.Option(help="Axes of motion.csv: ship, ned or flu.")] = None,
     json: Json = False,
 ) -> None:
@@ -64,7 +64,7 @@ def resume(
 
 @app.command()
 def check(scene: Scene, profile: Profile = None, sets: Sets = None, json: Json = False) -> None:
-    """Say what a scene would take, and what is wrong with it, without running it."""
+    """What a scene would take, and what is wrong with it, without running it."""
     from ocean_sim.verbs.check import check
 
     check(scene, profile, sets or [], json)
@@ -240,13 +240,13 @@ def preview(
 @app.command()
 def waves(
     run: Annotated[Path, typer.Argument(help="A run folder, or its gauges.csv.")],
-    begin: Annotated[float, typer.Option(help="Leave out what the gauges say before this time [s].")] = 0.0,
+    begin: Annotated[float, typer.Option(help="Leave out the record before this time [s].")] = 0.0,
     out: Annotated[
-        Path | None, typer.Option(help="Where the plot and the spectra go; by default beside the record.")
+        Path | None, typer.Option(help="Where the plot and the spectra go; by default next to the record.")
     ] = None,
     json: Json = False,
 ) -> None:
-    """What the gauges say of the waves: heights, periods, spectrum, zero crossings."""
+    """Waves from the gauges of a run: heights, periods, spectrum, zero crossings."""
     from ocean_sim.verbs.waves import waves
 
     waves(run, begin, out, json)

@@ -20,6 +20,7 @@ from ocean_sim.model import Model, quantity
 BACKENDS = {"cpu": ti.cpu, "cuda": ti.cuda, "vulkan": ti.vulkan, "metal": ti.metal, "gpu": ti.gpu, "auto": ti.gpu}
 BASE_MEMORY, COPIES = 160_000_000, 100  # [bytes], [bytes a particle]
 TREES, ROOM = 512, 128  # sets of fields that Taichi 1.7 holds, beyond which it crashes, and the most of a simulation
+FREEING = ("cpu", "cuda", "vulkan")  # backends on which Taichi 1.7 can give the memory of fields back
 GRAPHICS = {ti.cuda: "cuda", ti.vulkan: "vulkan", ti.metal: "metal", ti.opengl: "opengl", ti.gles: "gles"}
 
 
@@ -127,10 +128,14 @@ class Fields:
         """Give the memory back. `SNodeTree.destroy` would forget the compiled kernels of all other simulations, too;
         those of these fields are found by the objects that own them, and never by others."""
         self.freed = True
-        for placed in self.placed:
-            if placed in _placed:  # else Taichi was started afresh since
+        program = impl.get_runtime().prog
+        there = [placed for placed in self.placed if placed in _placed]  # none where Taichi was started afresh since
+        if there and _started is not None and _started[1].arch in FREEING:
+            program.synchronize()  # a GPU may still be at work
+            for placed in there:
                 _placed.remove(placed)
-                placed.tree.ptr.destroy_snode_tree(impl.get_runtime().prog)
+                placed.tree.ptr.destroy_snode_tree(program)
+        for placed in self.placed:
             for variable in placed.variables:
                 variable.ptr = Freed()
         self.placed = []
@@ -187,12 +192,13 @@ def must_run(backend: Backend) -> None:
     if _started is None or _started[1] is not backend:
         raise RuntimeError(
             "the fields of this simulation are gone: a later one started Taichi afresh, for another runtime, or as "
-            "there had been about a hundred; finish one before you begin others, or give each a process of its own"
+            "about a hundred were open; close one before you begin others, or give each a process of its own"
         )
 
 
 def base_memory(particles: int) -> int:
-    """Bytes that a run takes beside its fields: interpreter, libraries, compiler, and copies of the particles in NumPy.
+    """Bytes that a run takes in addition to its fields: interpreter, libraries, compiler, and copies of the particles
+    in NumPy.
 
     Measured on Linux, x86-64, with 6 thousand to a million particles in f32 and f64.
     """

@@ -85,8 +85,8 @@ class PeriodicConfig(ObserverConfig):
 class Simulation:
     """A scene that has been built and can be stepped; use it as a context manager.
 
-    Raises BackendMissing where the machine lacks what `runtime` asks for. Starting another simulation with another
-    `runtime`, or about a hundred of them, takes the fields of this one away.
+    Raises BackendMissing where the machine lacks what `runtime` asks for. Its fields are gone once it is closed, and
+    where another simulation is started with another `runtime`, or with about a hundred open.
     """
 
     left_out = ("observers", "stage", "backend", "fields")  # what a checkpoint of it does not hold

@@ -129,9 +129,9 @@ def looks(simulation: "Simulation") -> dict[str, object]:
 
 def plane_waves(fluid: Any) -> dict[str, np.ndarray]:
     """The waves of water in closed form, by which a picture goes on with them beyond the basin."""
-    sea = getattr(fluid, "sea", None) if fluid.particles is None else None
-    if sea is None:
+    if fluid.particles is not None:
         return {}
+    sea = fluid.sea
     return {"sea_amplitude": sea.amplitude, "sea_wavevector": sea.wavevector, "sea_phase": sea.phase}
 
 

@@ -36,7 +36,7 @@ class Manifest(Observer):
 
     def __init__(self, folder: Path, simulation: "Simulation") -> None:
         self.path, self.simulation = folder / "manifest.json", simulation
-        scene, fluid = simulation.scene.resolved(), simulation.fluid
+        scene, fluid, backend = simulation.scene.resolved(), simulation.fluid, simulation.backend
         self.facts = {
             "outcome": "running",
             "scene": scene,
@@ -44,7 +44,7 @@ class Manifest(Observer):
             "seed": simulation.scene.seed,
             "versions": {"python": platform.python_version()} | {name: installed(name) for name in PACKAGES},
             "machine": {"system": platform.system(), "processor": platform.machine()},
-            "backend": {name: getattr(simulation.backend, name) for name in ("arch", "threads", "precision")},
+            "backend": {"arch": backend.arch, "threads": backend.threads, "precision": backend.precision},
             "particles": {
                 "count": count(fluid),
                 "spacing_m": spacing(fluid) if count(fluid) else None,

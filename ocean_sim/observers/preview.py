@@ -111,7 +111,7 @@ class Screen:
             self.plain, self.lit = ti.ui.Scene(), ti.ui.Scene()
         self.water, self.hull = Mesh(), Mesh()
         self.behind, self.behind_colours = Buffer(2), Buffer(3)
-        self.places, self.tints = Buffer(3), Buffer(3)
+        self.positions, self.tints = Buffer(3), Buffer(3)
         self.ends, self.hues = Buffer(3), Buffer(3)
         self.curves = {name: Buffer(2) for name in NAMES}
         self.shades, self.bar, self.bar_colours = Buffer(2), Buffer(2), Buffer(3)
@@ -152,7 +152,9 @@ class Screen:
         self.behind_colours.put(colours)
         self.canvas.triangles(self.behind.field, per_vertex_color=self.behind_colours.field)
         water = (
-            self.sight.water(heights, eye.place, panel.content == "surface") if panel.content != "particles" else None
+            self.sight.water(heights, eye.position, panel.content == "surface")
+            if panel.content != "particles"
+            else None
         )
         if water is not None:
             self.water.put(water)
@@ -168,7 +170,7 @@ class Screen:
             self.plain.lines(self.ends.field, 2.0, per_vertex_color=self.hues.field, vertex_count=count)
         self.canvas.scene(self.plain)
         balls = self.sight.particles(panel.content == "both") if panel.content != "surface" else None
-        if balls is not None and len(balls.places):
+        if balls is not None and len(balls.positions):
             self.balls(balls, eye)
         self.charts(panel.curves)
         self.words(panel, balls, pace)
@@ -181,7 +183,7 @@ class Screen:
         orbit = Orbit(panel.azimuth, panel.height, panel.distance)
         view = View(self.sight.box, free, width / height)
         eye = seen(panel.camera, orbit, view, self.simulation.ship, self.sight.length)
-        self.camera.position(*eye.place)
+        self.camera.position(*eye.position)
         self.camera.lookat(*eye.target)
         self.camera.up(*eye.up)
         self.camera.fov(eye.angle)
@@ -193,10 +195,12 @@ class Screen:
         """The particles; their lights are set after the plain scene was handed over, which would take them, too."""
         self.lit.set_camera(self.camera)
         self.lit.ambient_light((0.55, 0.55, 0.55))
-        self.lit.point_light(pos=tuple(eye.place + [-200.0, 300.0, -100.0]), color=(0.6, 0.6, 0.6))
-        count = self.places.put(balls.places)
+        self.lit.point_light(pos=tuple(eye.position + [-200.0, 300.0, -100.0]), color=(0.6, 0.6, 0.6))
+        count = self.positions.put(balls.positions)
         self.tints.put(balls.colours)
-        self.lit.particles(self.places.field, radius=balls.radius, per_vertex_color=self.tints.field, index_count=count)
+        self.lit.particles(
+            self.positions.field, radius=balls.radius, per_vertex_color=self.tints.field, index_count=count
+        )
         self.canvas.scene(self.lit)
 
     def charts(self, curves: Curves) -> None:

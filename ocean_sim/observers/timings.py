@@ -1,7 +1,7 @@
 """Wall time of each stage of a step: the only file of a run with clock values."""
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter
@@ -48,7 +48,8 @@ class Timings(Observer):
     def __init__(self, config: Config, folder: Path | None, simulation: "Simulation") -> None:
         self.every, self.folder, self.simulation = config.every, folder, simulation
         self.multiples = Multiples(config.every)
-        self.names = ["wind", "fluid", *(s for s in ("surface", "ship") if getattr(simulation, s, None)), "observers"]
+        parts = {"surface": simulation.surface, "ship": simulation.ship}
+        self.names = ["wind", "fluid", *(name for name, part in parts.items() if part is not None), "observers"]
         self.taken: dict[str, float] = defaultdict(float)  # since the first step [s]
         self.began: float | None = None
         self.first_step = simulation.steps  # number of the step that compiles
@@ -140,7 +141,7 @@ class Timings(Observer):
             self.csv.close()
 
 
-def waiting(arch: str):
+def waiting(arch: str) -> Callable[[], None]:
     """What ends a stage: on a GPU, launches return before the work is done; on a CPU they do not."""
     if arch in ("cpu", "x64", "arm64"):
         return lambda: None

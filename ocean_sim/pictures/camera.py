@@ -80,10 +80,10 @@ class Operator:
         if self.name == "third_person":
             return self.near_ship(position, vessel.length)
         if self.name == "follow":
-            place, heading = self.trail[0][k], self.trail[1][k]
+            centre, heading = self.trail[0][k], self.trail[1][k]
             ahead = np.array([np.sin(heading + np.radians(QUARTER)), 0.0, np.cos(heading + np.radians(QUARTER))])
-            eye = place - BEHIND * vessel.length * ahead + [0.0, ABOVE * vessel.length, 0.0]
-            return close(eye, place + [0.0, 0.08 * vessel.length, 0.0], vessel.length)
+            eye = centre - BEHIND * vessel.length * ahead + [0.0, ABOVE * vessel.length, 0.0]
+            return close(eye, centre + [0.0, 0.08 * vessel.length, 0.0], vessel.length)
         angle = np.radians(LOOK_DOWN)
         forward, up = np.array([0.0, -np.sin(angle), np.cos(angle)]), np.array([0.0, np.cos(angle), np.sin(angle)])
         near = 0.5 * NEAR * vessel.length
@@ -132,13 +132,13 @@ def damped(track: Track) -> tuple[np.ndarray, np.ndarray]:
     """Position (n, 3) [m], at the height of the still water, and heading (n,) [rad] that lag behind the ship's: exact
     for a ship that jumps at each frame."""
     heading = np.unwrap(np.arctan2(track.turn[:, 0, 2], track.turn[:, 2, 2]))
-    place = track.position * [1.0, 0.0, 1.0]
+    centre = track.position * [1.0, 0.0, 1.0]
     for k in range(1, len(track.time)):
         step = track.time[k] - track.time[k - 1]
         near, slow = (1.0 - np.exp(-step / lag) for lag in LAG)
-        place[k] = place[k - 1] + near * (place[k] - place[k - 1])
+        centre[k] = centre[k - 1] + near * (centre[k] - centre[k - 1])
         heading[k] = heading[k - 1] + slow * (heading[k] - heading[k - 1])
-    return place, heading
+    return centre, heading
 
 
 def placed(name: Name, lower: np.ndarray, upper: np.ndarray, aspect: float) -> Camera:

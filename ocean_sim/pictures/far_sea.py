@@ -20,11 +20,11 @@ ASTREAM, PHASES, PLACES = 0x5_0000, 0x5_0001, 0x5_0002  # streams of random numb
 def axis(inner: np.ndarray, margin: float, out: float = OUT) -> np.ndarray:
     """Nodes [m] along one side: the inner ones, a margin around them, and on to the horizon ever wider apart."""
     step, beyond = float(inner[1] - inner[0]), []
-    place = 0.0
-    while place < out:
-        step *= GENTLE if place < margin else STEEP
-        place += step
-        beyond.append(place)
+    distance = 0.0
+    while distance < out:
+        step *= GENTLE if distance < margin else STEEP
+        distance += step
+        beyond.append(distance)
     return np.concatenate([inner[0] - np.array(beyond)[::-1], inner, inner[-1] + np.array(beyond)])
 
 

@@ -40,7 +40,7 @@ def shares(drawn_together: np.ndarray, wanted: float, among: np.ndarray | None =
 
 
 def patches(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """The grain of foam at places [m], about 0 to 1: blobs and threads."""
+    """The grain of foam at positions [m], about 0 to 1: blobs and threads."""
 
     def at(scale: float, shift: float) -> np.ndarray:
         return noise(x * SCALE * scale + shift, z * SCALE * scale + shift)[0]

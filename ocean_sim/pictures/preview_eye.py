@@ -13,7 +13,7 @@ SHIPS = 2.5  # lengths of a ship that a camera which follows it sees
 
 
 class Eye(NamedTuple):
-    place: np.ndarray  # [m]
+    position: np.ndarray  # [m]
     target: np.ndarray  # [m]
     up: np.ndarray
     angle: float  # [deg], vertical

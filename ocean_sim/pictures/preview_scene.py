@@ -35,7 +35,7 @@ class Patch(NamedTuple):
 class Balls(NamedTuple):
     """Particles, coloured by speed."""
 
-    places: np.ndarray  # (n, 3) [m]
+    positions: np.ndarray  # (n, 3) [m]
     colours: np.ndarray  # (n, 3)
     radius: float  # [m]
     every: int  # one of so many is drawn
@@ -134,7 +134,7 @@ class Sight:
         if self.hull is None or ship is None:
             return None
         body = ship.body
-        return self.hull.placed(body.position, body.matrix)
+        return self.hull.posed(body.position, body.matrix)
 
     def particles(self, small: bool) -> Balls | None:
         """Where the particles are, and how fast, `small` under a net; the colours' scale grows with the fastest and
@@ -145,11 +145,11 @@ class Sight:
         every = -(-particles.n // MOST)
         # By identity: in storage order another part of the water would be left out in every picture.
         drawn = slice(None) if every == 1 else particles.id.to_numpy() % every == 0
-        places = particles.position.to_numpy()[drawn]
+        positions = particles.position.to_numpy()[drawn]
         speed = np.linalg.norm(particles.velocity.to_numpy()[drawn], axis=1)
         self.fastest = max(self.fastest, float(np.quantile(speed, 0.999)) if len(speed) else 0.0)
         return Balls(
-            places, speed_colours(speed / self.fastest), (0.15 if small else 0.3) * self.spacing, every, self.fastest
+            positions, speed_colours(speed / self.fastest), (0.15 if small else 0.3) * self.spacing, every, self.fastest
         )
 
     def lines(self) -> tuple[np.ndarray, np.ndarray]:
@@ -208,7 +208,7 @@ class ShadedHull:
         self.paint = np.where(self.normals[:, 1:2] > 0.7, DECK, HULL)
         self.triangles = np.arange(len(self.corners), dtype=np.int32).reshape(-1, 3)
 
-    def placed(self, position: np.ndarray, turn: np.ndarray) -> Patch:
+    def posed(self, position: np.ndarray, turn: np.ndarray) -> Patch:
         """At a pose: position [m] and (3, 3) body to world."""
         light = 0.45 + 0.55 * np.clip((self.normals @ turn.T) @ SUN, 0.0, 1.0)
         return Patch(
@@ -227,7 +227,7 @@ def backdrop(eye: Eye, aspect: float) -> tuple[np.ndarray, np.ndarray]:
     """Sky and ground behind everything: (n, 2) corners of triangles in parts of the picture, y upwards, and (n, 3)
     display colours. Flat triangles cost a quarter of what a dome around the eye costs."""
     x, y = np.linspace(0.0, 1.0, 9), np.linspace(0.0, 1.0, 41)
-    forward = unit(eye.target - eye.place)
+    forward = unit(eye.target - eye.position)
     right = unit(np.cross(forward, eye.up))
     high, half = np.cross(right, forward), np.tan(np.radians(eye.angle / 2))
     grid_x, grid_y = np.meshgrid(x, y, indexing="ij")

@@ -24,7 +24,7 @@ class Wind(NamedTuple):
 
 
 def noise(x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Random values at whole places, smooth between them, and their derivatives."""
+    """Random values at integer points, smooth between them, and their derivatives."""
     i, j = np.floor(x), np.floor(z)
     f, g = x - i, z - j
     i, j = i.astype(np.int64), j.astype(np.int64)

@@ -45,7 +45,7 @@ class Sea:
     def __init__(self, stage: Stage, order: Order, vessel: Vessel | None, grid: Any, state: SeaState) -> None:
         self.stage, self.order, self.state = stage, order, state
         self.surface = SeaSurface(grid, state, NODES[order.quality])
-        self.points = np.insert(self.surface.places, 1, 0.0, axis=1).astype(np.float32)
+        self.points = np.insert(self.surface.nodes, 1, 0.0, axis=1).astype(np.float32)
         mesh = stage.pyvista.PolyData.from_regular_faces(self.points, self.surface.triangles)
         for name in ("nrm", "att"):
             mesh.point_data[name] = np.zeros((len(self.points), 3), np.float32)
@@ -101,12 +101,12 @@ class Sea:
         if self.spray is not None and frame.position is not None:
             self.spray.show(frame.position, self.heights_at(frame.position[:, [0, 2]]))
 
-    def heights_at(self, places: np.ndarray) -> np.ndarray:
-        """(n,) drawn heights [m] at places x, z (n, 2) [m]."""
+    def heights_at(self, positions: np.ndarray) -> np.ndarray:
+        """(n,) drawn heights [m] at positions x, z (n, 2) [m]."""
         from scipy.interpolate import RegularGridInterpolator
 
         grid = self.surface.x, self.surface.z
-        return RegularGridInterpolator(grid, self.height, bounds_error=False, fill_value=None)(places)
+        return RegularGridInterpolator(grid, self.height, bounds_error=False, fill_value=None)(positions)
 
     def meet(self, position: np.ndarray, turn: np.ndarray) -> None:
         """Where the ship meets the water: foam along its waterline, no water inside it, and its mirror image."""

@@ -33,10 +33,10 @@ class SeaSurface:
             self.far = far_sea.FarSea(state.estimated, self.x, self.z, self.lower, self.lower)
         else:
             self.far = far_sea.FarSea(state.exact, self.x, self.z, self.lower, self.upper)
-        self.places = np.stack(np.meshgrid(self.x, self.z, indexing="ij"), axis=-1).reshape(-1, 2)
+        self.nodes = np.stack(np.meshgrid(self.x, self.z, indexing="ij"), axis=-1).reshape(-1, 2)
         self.triangles = triangles(len(self.x), len(self.z))
         self.near = np.ix_(self.belonging(0) > 0.0, self.belonging(1) > 0.0)
-        gathered = noise(self.places[:, 0] / GRAIN, self.places[:, 1] / GRAIN)[0]
+        gathered = noise(self.nodes[:, 0] / GRAIN, self.nodes[:, 1] / GRAIN)[0]
         self.grain = 0.5 + gathered.reshape(len(self.x), len(self.z))
 
     def belonging(self, k: int) -> np.ndarray:

@@ -27,7 +27,7 @@ class Hull:
         self.values = np.concatenate([vertices[triangles], normals], axis=2)
 
     def over_water(self, points: np.ndarray) -> np.ndarray:
-        """Height of places (..., 3) over the still water at rest [m]."""
+        """Height of points (..., 3) over the still water at rest [m]."""
         return points @ self.up + self.level
 
     @property
@@ -55,7 +55,7 @@ class Hull:
         return merged([hull, faceted(self.values[self.is_deck][:, :, :3], deck)])
 
     def side(self, y: float, z: float) -> tuple[np.ndarray, np.ndarray]:
-        """The place of the port side at a height and a place along the ship [m], and its normal."""
+        """The point of the port side at a height and a distance along the ship [m], and its normal."""
         a, b, c = (self.values[:, k, :3] for k in range(3))
         u, v, w = (b - a)[:, 1:], (c - a)[:, 1:], np.array([y, z]) - a[:, 1:]
         area = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
@@ -80,7 +80,7 @@ class Hull:
 
 
 class Sheer:
-    """The edge of a deck as functions of the place along the ship, and the bulwark on it."""
+    """The edge of a deck as functions of the distance along the ship, and the bulwark on it."""
 
     def __init__(self, hull: Hull, height: tuple[float, float], rake: float) -> None:
         """`height` of the bulwark amidships and at the bow [m]; `rake`: how far its top leans forward there [m]."""

@@ -31,7 +31,7 @@ class Model(NamedTuple):
 def modelled(vertices: np.ndarray, triangles: np.ndarray, submerged: float, look: str, helm: np.ndarray) -> Model:
     """The ship on a hull, the share `submerged` of whose volume is under water at rest.
 
-    `look`: name of the hull, then its kind of shape; `helm`: a named place, or nothing.
+    `look`: name of the hull, then its kind of shape; `helm`: a named point, or nothing.
     """
     hull = Hull(np.asarray(vertices, dtype=float), np.asarray(triangles, dtype=int), submerged)
     build = next((made for word, made in MODELS.items() if word in look.lower()), tested)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-Triple = Sequence[float] | np.ndarray  # a place [m] or a colour, linear RGB
+Triple = Sequence[float] | np.ndarray  # a point [m] or a colour, linear RGB
 CREASE = np.cos(np.radians(38.0))  # faces that meet at a sharper edge are shaded apart
 UP = np.array([0.0, 1.0, 0.0])
 
@@ -93,7 +93,7 @@ class Block:
 
 
 def outline(half: Triple, z: Triple, y: float) -> np.ndarray:
-    """(k, 3): a level outline from half breadths at places along the ship, port and then back along starboard."""
+    """(k, 3): a level outline from half breadths at stations along the ship, port and then back along starboard."""
     half, z = np.array(half), np.array(z)
     port = np.stack([half, np.full(len(z), y), z], axis=1)
     starboard = (port * [-1.0, 1.0, 1.0])[::-1]
@@ -109,7 +109,7 @@ def box(lower: Triple, upper: Triple, walls: Triple, lid: Triple | None = None) 
 
 
 def tube(start: Triple, end: Triple, radius: float | tuple[float, float], colour: Triple, sides=8) -> Mesh:
-    """A round bar between two places; two radii make a cone."""
+    """A round bar between two points; two radii make a cone."""
     a, b = np.array(start, dtype=float), np.array(end, dtype=float)
     r = radius if isinstance(radius, tuple) else (radius, radius)
     along = (b - a) / np.linalg.norm(b - a)
@@ -128,7 +128,7 @@ def tube(start: Triple, end: Triple, radius: float | tuple[float, float], colour
 
 
 def path(points: np.ndarray, radius: float, colour: Triple, sides: int = 6) -> Mesh:
-    """Bars from place to place."""
+    """Bars from point to point."""
     return merged(tube(a, b, radius, colour, sides) for a, b in pairwise(points))
 
 
@@ -196,7 +196,7 @@ def banded(corners: np.ndarray, normals: np.ndarray, height: np.ndarray, bands: 
 
 
 def refined(values: np.ndarray, longest: float) -> np.ndarray:
-    """Triangles (m, 3, k), places first, quartered, six times at most, until no edge is longer than `longest` [m]."""
+    """Triangles (m, 3, k), points first, quartered, six times at most, until no edge is longer than `longest` [m]."""
     for _ in range(6):
         edges = np.linalg.norm(values[:, :, :3] - np.roll(values[:, :, :3], -1, axis=1), axis=2).max(axis=1)
         large = edges > longest

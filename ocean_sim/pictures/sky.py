@@ -162,15 +162,15 @@ def scattered(d: np.ndarray, sun: np.ndarray, steps: int = 24, inner: int = 8) -
         return np.exp(-(RAYLEIGH * a[..., None] + 1.1 * MIE * b[..., None]))
 
     for i in range(steps):
-        place = eye + d * (segment * (i + 0.5))[..., None]
-        high = np.linalg.norm(place, axis=-1) - GROUND_RADIUS
+        point = eye + d * (segment * (i + 0.5))[..., None]
+        high = np.linalg.norm(point, axis=-1) - GROUND_RADIUS
         here_r, here_m = np.exp(-high / RAYLEIGH_HEIGHT) * segment, np.exp(-high / MIE_HEIGHT) * segment
         thick_r += here_r
         thick_m += here_m
-        step = way_out(place, sun) / inner
+        step = way_out(point, sun) / inner
         sun_r, sun_m = np.zeros(mu.shape), np.zeros(mu.shape)
         for j in range(inner):
-            there = np.linalg.norm(place + sun * (step * (j + 0.5))[..., None], axis=-1) - GROUND_RADIUS
+            there = np.linalg.norm(point + sun * (step * (j + 0.5))[..., None], axis=-1) - GROUND_RADIUS
             there = np.maximum(there, 0.0)
             sun_r += np.exp(-there / RAYLEIGH_HEIGHT) * step
             sun_m += np.exp(-there / MIE_HEIGHT) * step
@@ -181,9 +181,9 @@ def scattered(d: np.ndarray, sun: np.ndarray, steps: int = 24, inner: int = 8) -
     return seen, veil(thick_r, thick_m)
 
 
-def way_out(place: np.ndarray, d: np.ndarray) -> np.ndarray:
-    """Distance [m] from places inside the air to its top."""
-    along, excess = (place * d).sum(axis=-1), (place * place).sum(axis=-1) - TOP_RADIUS**2
+def way_out(point: np.ndarray, d: np.ndarray) -> np.ndarray:
+    """Distance [m] from points inside the air to its top."""
+    along, excess = (point * d).sum(axis=-1), (point * point).sum(axis=-1) - TOP_RADIUS**2
     return -along + np.sqrt(np.maximum(along**2 - excess, 0.0))
 
 
@@ -214,7 +214,7 @@ def clouds(
 
 
 def fractal(p: np.ndarray, octaves: int, seed: int) -> np.ndarray:
-    """Value noise of places (..., 2), octave upon octave, in 0 to 1."""
+    """Value noise at points (..., 2), octave upon octave, in 0 to 1."""
     total, weight, amplitude = np.zeros(p.shape[:-1]), 0.0, 1.0
     for k in range(octaves):
         total += amplitude * value_noise(p * 2.03**k + 17.3 * k, seed + k)
@@ -224,7 +224,7 @@ def fractal(p: np.ndarray, octaves: int, seed: int) -> np.ndarray:
 
 
 def value_noise(p: np.ndarray, seed: int) -> np.ndarray:
-    """Random values at whole places, smooth between them."""
+    """Random values at integer points, smooth between them."""
     i = np.floor(p).astype(np.int64)
     f = p - i
     f = f**3 * (f * (f * 6.0 - 15.0) + 10.0)

@@ -36,10 +36,10 @@ class Spray:
 
     def __init__(self, stage: Stage, spacing: float) -> None:
         self.spacing = spacing
-        self.places = np.tile(np.array([0.0, -OUT, 0.0], np.float32), (MOST * DROPS, 1))
+        self.positions = np.tile(np.array([0.0, -OUT, 0.0], np.float32), (MOST * DROPS, 1))
         n = np.arange(DROPS)
         self.offsets = PUFF * spacing * normal(np.stack([numpy_uniform(0, OFFSETS, n, k) for k in range(6)], axis=1))
-        self.cloud = stage.pyvista.PolyData(self.places)
+        self.cloud = stage.pyvista.PolyData(self.positions)
         drops = stage.plotter.add_mesh(
             self.cloud, color="white", style="points_gaussian", render_points_as_spheres=False, lighting=False
         )
@@ -49,6 +49,6 @@ class Spray:
     def show(self, position: np.ndarray, heights: np.ndarray) -> None:
         """Particles (n, 3) and the heights (n,) of the water below them [m]."""
         flying = position[lonely(position, self.spacing) & (position[:, 1] > heights + ABOVE * self.spacing)][:MOST]
-        places = self.places.copy()
-        places[: len(flying) * DROPS] = (flying[:, None] + self.offsets).reshape(-1, 3)
-        self.drawn.points = places
+        positions = self.positions.copy()
+        positions[: len(flying) * DROPS] = (flying[:, None] + self.offsets).reshape(-1, 3)
+        self.drawn.points = positions

@@ -6,7 +6,7 @@ from ocean_sim.pictures.camera import Vessel
 
 LASTS = 7.0  # [s] in which it falls to a third
 AGE = 22.0  # [s] after which it is not drawn
-STEPS = 48  # places of the stern that are kept
+STEPS = 48  # positions of the stern that are kept
 FAST = 4.0  # [m/s] from which a wake is as white as it gets
 WHITEST = 0.8
 STERN = 0.46  # lengths of a ship from its middle to its stern
@@ -21,20 +21,20 @@ class Wake:
         track = vessel.track
         self.time, self.half, self.x, self.z = track.time, 0.5 * breadth, x, z
         stern = track.position - STERN * vessel.length * track.turn[:, :, 2]
-        self.place = stern[:, [0, 2]]
+        self.position = stern[:, [0, 2]]
 
     def share(self, time: float) -> np.ndarray:
         """(nx, nz) at a time [s]."""
         share = np.zeros((len(self.x), len(self.z)))
         moments = np.linspace(max(self.time[0], time - AGE), time, STEPS)
-        place = np.stack([np.interp(moments, self.time, self.place[:, k]) for k in range(2)], axis=1)
-        along = np.diff(place, axis=0)
+        position = np.stack([np.interp(moments, self.time, self.position[:, k]) for k in range(2)], axis=1)
+        along = np.diff(position, axis=0)
         length2 = np.maximum((along**2).sum(axis=1), 1e-9)
         seconds = max(float(moments[-1] - moments[0]), 1e-9) / (STEPS - 1)
         speed = np.sqrt(length2) / seconds
         reach = 4.0 * self.half
         near = [
-            np.flatnonzero((nodes > place[:, k].min() - reach) & (nodes < place[:, k].max() + reach))
+            np.flatnonzero((nodes > position[:, k].min() - reach) & (nodes < position[:, k].max() + reach))
             for k, nodes in enumerate((self.x, self.z))
         ]
         if not (len(near[0]) and len(near[1])):
@@ -42,7 +42,7 @@ class Wake:
         at = np.stack(np.meshgrid(self.x[near[0]], self.z[near[1]], indexing="ij"), axis=-1)
         best = np.zeros(at.shape[:2])
         for k in range(STEPS - 1):
-            offset = at - place[k]
+            offset = at - position[k]
             part = np.clip((offset @ along[k]) / length2[k], 0.0, 1.0)
             age = np.maximum(time - moments[k] - part * seconds, 0.0)
             width = self.half * (0.75 + SPREADING * np.sqrt(age))

@@ -37,9 +37,9 @@ class WaterMesh:
             np.gradient(self.along_x, self.x, axis=0),
             np.gradient(self.along_z, self.z, axis=0),
         )
-        self.places = np.stack(np.meshgrid(self.x, self.z, indexing="ij"), axis=-1).reshape(-1, 2)
+        self.nodes = np.stack(np.meshgrid(self.x, self.z, indexing="ij"), axis=-1).reshape(-1, 2)
         self.surface_triangles = triangles(len(self.x), len(self.z))
-        rim = np.arange(len(self.places)).reshape(len(self.x), len(self.z))
+        rim = np.arange(len(self.nodes)).reshape(len(self.x), len(self.z))
         self.rims = (rim[:, -1], rim[::-1, 0], rim[-1, ::-1], rim[0, :])  # +z, -z, +x, -x, seen from outside
         self.side_normals = np.repeat(
             np.array([(0, 0, 1), (0, 0, -1), (1, 0, 0), (-1, 0, 0)], dtype=float),
@@ -61,7 +61,7 @@ class WaterMesh:
         slope_z = (self.along_x @ elevation @ self.slope_z.T).reshape(-1)
         normals = np.stack([-slope_x, np.ones_like(height), -slope_z], axis=-1)
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-        return np.column_stack([self.places[:, 0], height, self.places[:, 1]]), normals
+        return np.column_stack([self.nodes[:, 0], height, self.nodes[:, 1]]), normals
 
     def sides(self, surface: np.ndarray) -> np.ndarray:
         """Nodes of the four cut sides, from the rim of the surface down to the bed."""

@@ -44,12 +44,12 @@ def run(
 
 
 def film(config: SceneConfig) -> None:
-    """Print how many pictures will be drawn for a film, and how to leave it out; its time is estimated when the first
-    ones are drawn."""
+    """Print what the film will take, and how to leave it out; once its first pictures are drawn, the time is known."""
     render: Any = config.observers.get("render")
-    if render is not None and render.film:
-        pictures = int(config.duration / render.every) + 1
-        console.say(f"a film of {pictures} pictures is drawn after the run; --set render=null leaves it out")
+    pictures = 0 if render is None else render.film_pictures(config.duration)
+    if pictures:
+        time = f"about {console.duration(render.film_time(config.duration))} on two cores"
+        console.say(f"after the run a film of {pictures} pictures is drawn, {time}; --set render=null leaves it out")
 
 
 def report(made: Callable[[], Result], progress: Progress, config: SceneConfig, folder: Path, as_json: bool) -> None:

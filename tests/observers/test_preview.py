@@ -135,10 +135,10 @@ def test_the_whole_basin_is_in_the_part_of_the_picture_that_no_panel_covers(came
     eye = preview_eye.seen(
         camera, preview_eye.Orbit(0.7, 0.4, 1.0), preview_eye.View((lower, upper), free, aspect), None, 0.0
     )
-    forward = (eye.target - eye.place) / np.linalg.norm(eye.target - eye.place)
+    forward = (eye.target - eye.position) / np.linalg.norm(eye.target - eye.position)
     right = np.cross(forward, eye.up)
     right /= np.linalg.norm(right)
-    corners = np.array(list(np.ndindex(2, 2, 2))) * (upper - lower) + lower - eye.place
+    corners = np.array(list(np.ndindex(2, 2, 2))) * (upper - lower) + lower - eye.position
     depth, half = corners @ forward, np.tan(radians(eye.angle / 2))
     x = 0.5 + 0.5 * (corners @ right) / depth / half / aspect
     y = 0.5 + 0.5 * (corners @ np.cross(right, forward)) / depth / half
@@ -152,8 +152,8 @@ def test_the_eye_at_the_helm_moves_with_the_ship_and_looks_over_the_bow(coarse):
     ship = coarse.ship
     view = preview_eye.View(Sight(coarse).box, (0.0, 0.0, 1.0, 1.0), 1.5)
     eye = preview_eye.seen("helm", preview_eye.Orbit(0.0, 0.4, 1.0), view, ship, 15.0)
-    np.testing.assert_allclose(eye.place, ship.body.position + ship.body.matrix @ ship.points["helm"])
-    assert (eye.target - eye.place) @ ship.body.matrix[:, 2] == pytest.approx(1.0)
+    np.testing.assert_allclose(eye.position, ship.body.position + ship.body.matrix @ ship.points["helm"])
+    assert (eye.target - eye.position) @ ship.body.matrix[:, 2] == pytest.approx(1.0)
 
 
 def test_what_is_seen_lies_where_the_simulation_has_it(coarse):
@@ -166,7 +166,7 @@ def test_what_is_seen_lies_where_the_simulation_has_it(coarse):
     net = sight.water(heights, np.array([40.0, 20.0, 40.0]), solid=False)
     assert net.vertices[:, 1].mean() == pytest.approx(heights.mean(), abs=0.02)
     balls = sight.particles(small=False)
-    assert len(balls.places) == coarse.fluid.particles.n and balls.every == 1
+    assert len(balls.positions) == coarse.fluid.particles.n and balls.every == 1
     hull = sight.ship()
     low, high = hull.vertices.min(axis=0), hull.vertices.max(axis=0)
     assert (low < coarse.ship.body.position).all() and (coarse.ship.body.position < high).all()

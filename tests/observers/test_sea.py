@@ -58,7 +58,7 @@ def test_a_sea_in_closed_form_is_drawn_as_it_is_at_every_node_of_the_basin():
     surface = sea_surface.SeaSurface(GRID, state(sea), 5_000)
     drawn = surface.at(SimpleNamespace(time=12.3, elevation=np.zeros((len(X), len(Z)))))
     inside = (np.abs(surface.x) <= 20.0)[:, None] & (np.abs(surface.z) <= 15.0)
-    places = surface.places[inside.ravel()]
+    places = surface.nodes[inside.ravel()]
     assert np.abs(drawn.height[inside] - waves.elevation(sea, places, 12.3)).max() < 1e-9
 
 

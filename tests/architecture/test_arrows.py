@@ -18,6 +18,7 @@ SOURCES = {
 }
 FOUNDATION = (
     "conventions",
+    "model",
     "parts",
     "columns",
     "runtime",
@@ -139,7 +140,7 @@ def test_validation_reads_scene_and_simulation_and_only_what_stands_above_reads_
 
 
 def test_studies_read_validation_and_what_stands_below_it():
-    below = (*FOUNDATION, "reading", "simulation", "result", "fluid", "validation", "studies")
+    below = (*FOUNDATION, "reading", "simulation", "result", "fluid", "time_step", "validation", "studies")
     for module in modules("studies"):
         for other in ours(module):
             assert room(other) in below and not is_kind(other), f"{module} imports {other}"

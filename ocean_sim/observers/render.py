@@ -19,6 +19,7 @@ from pydantic import Field, field_validator, model_validator
 from ocean_sim.files.whole_file import whole
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.observers.shared import run_report
+from ocean_sim.parts import Preflight
 from ocean_sim.pictures import opengl
 from ocean_sim.pictures.camera import ABOARD, Name
 from ocean_sim.pictures.frame_files import Frame, Log, frame_files, schedule, survey
@@ -89,6 +90,16 @@ class Config(PeriodicConfig):
         if self.camera == "fixed" and self.eye == self.target:
             raise ValueError("a fixed camera cannot look at its own position; let eye and target differ")
         return self
+
+    def warnings(self, preflight: Preflight) -> list[str]:
+        frames = preflight.parts.get("frames")
+        if not isinstance(frames, PeriodicConfig):
+            return ["render: without frames there is nothing to draw, no preview and no film"]
+        late = [time for time in self.stills if time > preflight.duration + frames.every]
+        if not late:
+            return []
+        times = ", ".join(f"{time:g}" for time in late)
+        return [f"render: stills at {times} s are never drawn: the run ends at {preflight.duration:g} s"]
 
     def film_pictures(self, duration: float) -> int:
         """How many pictures the film of a run of this duration [s] has; 0 without a film."""

@@ -229,3 +229,12 @@ def test_a_surface_that_folds_is_drawn_as_its_triangles_are(kept):
     middle, beside = picture[90, 160], picture[90, 40]
     assert middle[2] > middle[0] + 20.0 and middle.sum() < beside.sum()  # blue and dark before the sky
     assert np.ptp(beside) < 60.0
+
+
+def test_check_warns_of_stills_after_the_end_and_of_pictures_without_frames():
+    sea = {"basin": {"length": 9.0, "width": 9.0, "depth": 2.0}, "fluid": {"kind": "mueller", "spacing": 0.5}}
+    sea |= {"duration": 2.0}
+    late = "stills at 2.1, 5 s are never drawn: the run ends at 2 s"
+    assert late in " ".join(load(sea | {"render": {"stills": [1.0, 2.0, 2.1, 5.0]}}).warnings())
+    assert "never drawn" not in " ".join(load(sea | {"render": {"stills": [1.0, 2.0]}}).warnings())
+    assert "nothing to draw" in " ".join(load(sea | {"frames": None}).warnings())

@@ -1,14 +1,17 @@
-"""Watchers with a schedule: a module without a leading underscore may be named at a scene's top level."""
+"""Observers with a schedule: a module without a leading underscore may be named at a scene's top level."""
 
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from ocean_sim.simulation import Simulation
 
 
 class Observer(Protocol):
-    """Someone watching: reads the simulation, writes files of its own, never changes the physics."""
+    """Reads the simulation, writes files of its own, never changes the physics."""
 
     every: float  # simulated time between calls [s]; 0 is after every step
 
-    def observe(self, simulation) -> None:
+    def observe(self, simulation: "Simulation") -> None:
         """Called at time 0 and after the steps that its schedule asks for."""
         ...
 

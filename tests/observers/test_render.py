@@ -13,6 +13,7 @@ from ocean_sim.observers import frames, render
 from ocean_sim.pictures import camera as camera_module
 from ocean_sim.pictures import frame_files, opengl, water_mesh, water_shading
 from ocean_sim.pictures import sky as sky_module
+from ocean_sim.reading.scene import load
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 

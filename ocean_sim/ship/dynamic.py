@@ -3,8 +3,8 @@
 from typing import ClassVar, Literal
 
 from ocean_sim.basin import Basin
+from ocean_sim.fluid import Fluid
 from ocean_sim.ship.shared.seakeeping import SeakeepingConfig, SeakeepingShip
-from ocean_sim.ship.shared.ship_water import ShipWater
 
 
 class Config(SeakeepingConfig):
@@ -14,5 +14,5 @@ class Config(SeakeepingConfig):
     fineness: ClassVar[int] = 2
     kind: Literal["dynamic"] = "dynamic"
 
-    def build(self, basin: Basin, fluid: ShipWater) -> SeakeepingShip:
+    def build(self, basin: Basin, fluid: Fluid) -> SeakeepingShip:
         return SeakeepingShip(self, basin, fluid)

@@ -9,10 +9,10 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from ocean_sim.basin import Basin
+from ocean_sim.fluid import Fluid
 from ocean_sim.ship.shared.damping import Damping, Resistance
 from ocean_sim.ship.shared.floating import FloatingConfig
 from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
-from ocean_sim.ship.shared.ship_water import ShipWater
 
 
 class Config(FloatingConfig):
@@ -23,14 +23,14 @@ class Config(FloatingConfig):
     kind: Literal["hydrostatic"] = "hydrostatic"
     damping: Damping = Damping(heave=0.05, pitch=0.05, roll=0.05)
 
-    def build(self, basin: Basin, fluid: ShipWater) -> "Hydrostatic":
+    def build(self, basin: Basin, fluid: Fluid) -> "Hydrostatic":
         return Hydrostatic(self, basin, fluid)
 
 
 class Hydrostatic(FloatingShip):
     """A hull of cubes that is damped."""
 
-    def __init__(self, config: Config, basin: Basin, fluid: ShipWater) -> None:
+    def __init__(self, config: Config, basin: Basin, fluid: Fluid) -> None:
         super().__init__(config, basin, fluid)
         self.resistance = Resistance(config.damping, self.hull.still, np.zeros(6))
 

@@ -17,7 +17,6 @@ from ocean_sim.parts import LedgerRow, Preflight, Problems
 from ocean_sim.ship import Load
 from ocean_sim.ship.shared.hydrostatics import Matter
 from ocean_sim.ship.shared.rigid_body import oriented
-from ocean_sim.ship.shared.ship_water import ShipWater
 from ocean_sim.ship.shared.vessel import Actuators, Vessel, VesselConfig
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
@@ -55,7 +54,7 @@ class Config(VesselConfig):
         """It has no fields."""
         return [LedgerRow("ship", "the matrices of the Otter's model", 0, "ship.kind is manoeuvring", STEP)]
 
-    def build(self, basin: Basin, fluid: ShipWater) -> "Manoeuvring":
+    def build(self, basin: Basin, fluid: Fluid) -> "Manoeuvring":
         return Manoeuvring(self, basin)
 
 

@@ -17,7 +17,7 @@ from ocean_sim.ship import Load
 from ocean_sim.ship.shared.floating import FloatingConfig, afloat_pose
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics, Matter
 from ocean_sim.ship.shared.rigid_body import RigidBody, held
-from ocean_sim.ship.shared.ship_water import ShipWater
+from ocean_sim.ship.shared.ship_water import of_particles
 from ocean_sim.ship.shared.solid import Solid
 from ocean_sim.ship.shared.vessel import Actuators, Vessel
 from ocean_sim.surface import Surface
@@ -64,22 +64,24 @@ class Config(FloatingConfig):
         """Nothing of its own: the water keeps the samples."""
         return []
 
-    def build(self, basin: Basin, fluid: ShipWater) -> "Pressure":
+    def build(self, basin: Basin, fluid: Fluid) -> "Pressure":
         return Pressure(self, basin, fluid)
 
 
 class Pressure(Vessel):
     """A hull among the solid bodies of the water."""
 
-    def __init__(self, config: Config, basin: Basin, fluid: ShipWater) -> None:
+    def __init__(self, config: Config, basin: Basin, fluid: Fluid) -> None:
         solid: Solid = basin.afloat[0]
-        self.boundary, self.number = fluid.boundary, len(basin.obstacles)
+        water = of_particles(fluid)
+        assert water is not None  # no other water carries it
+        self.boundary, self.number = water.boundary, len(basin.obstacles)
         actuators = Actuators(config, config.propeller, config.rudder, solid.centre)
         super().__init__(config, config.lowered(solid.body, fluid), actuators, basin.lower[1])
         self.shape = solid.shape
         if solid.flat:
             self.free &= IN_A_SLICE
-        self.density = float(fluid.particles.rest_density)
+        self.density = float(water.particles.rest_density)
         self.weight = np.array([[0.0, self.body.mass * basin.gravity[1], 0.0], [0.0, 0.0, 0.0]])
         near = self.density * float(self.boundary.bodies[self.number].volume.sum())  # [kg] of water near it, at most
         self.share = self.body.mass / (self.body.mass + near)

@@ -21,7 +21,6 @@ from ocean_sim.ship.shared.floating import FloatingConfig
 from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.rigid_body import RigidBody, thesis_advanced
-from ocean_sim.ship.shared.ship_water import ShipWater
 from ocean_sim.ship.shared.water import SurroundingWater
 from ocean_sim.surface import Surface
 
@@ -37,14 +36,14 @@ class Config(FloatingConfig):
     angular_damping: float = quantity("1/s", 0.4, ge=0.0)
     """Share of the angular velocity that is lost a second."""
 
-    def build(self, basin: Basin, fluid: ShipWater) -> "Thesis":
+    def build(self, basin: Basin, fluid: Fluid) -> "Thesis":
         return Thesis(self, basin, fluid)
 
 
 class Thesis(FloatingShip):
     """The hull as columns."""
 
-    def __init__(self, config: Config, basin: Basin, fluid: ShipWater) -> None:
+    def __init__(self, config: Config, basin: Basin, fluid: Fluid) -> None:
         super().__init__(config, basin, fluid)
         self.lost = np.array([config.linear_damping, config.angular_damping])  # [1/s]
         self.columns = Columns(self.hull.still, basin)

@@ -19,7 +19,7 @@ from ocean_sim.ship.shared.hull import Hull, Inertia, explained, hull_of
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.propulsion import Propeller, Rudder
 from ocean_sim.ship.shared.rigid_body import RigidBody, matrix, oriented
-from ocean_sim.ship.shared.ship_water import ShipWater
+from ocean_sim.ship.shared.ship_water import of_particles, rest_density
 from ocean_sim.ship.shared.solid import Solid
 from ocean_sim.ship.shared.vessel import Actuators, VesselConfig
 from ocean_sim.ship.shared.wall_contact import Sides
@@ -146,11 +146,11 @@ def own(preflight: Preflight) -> list[Solid]:
 class FloatingHull:
     """The hull in a scene: its cubes, the water around them, and how far they are under water."""
 
-    def __init__(self, config: FloatingConfig, basin: Basin, fluid: ShipWater, below: bool) -> None:
+    def __init__(self, config: FloatingConfig, basin: Basin, fluid: Fluid, below: bool) -> None:
         """`below`: whether the ship asks the water under its surface, which a closed form answers."""
-        density = fluid.config.rest_density if fluid.particles is None else fluid.particles.rest_density
-        self.still = config.afloat(-basin.gravity[1], float(density))
-        self.closed = below and fluid.particles is None
+        water = of_particles(fluid)
+        self.still = config.afloat(-basin.gravity[1], rest_density(fluid))
+        self.closed = below and water is None
         self.cubes = Cubes(self.still)
         lower, upper = config.whole_hull.shape.bounds()
         self.lower, self.upper = np.array(lower), np.array(upper)
@@ -159,16 +159,16 @@ class FloatingHull:
         matter = self.still.matter
         self.contact: WaveContact | None = None
         self.sides: Sides | None = None
-        if config.contact is not None and fluid.particles is not None:
+        if config.contact is not None and water is not None:
             shape, pull = config.whole_hull.shape, self.still.gravity
-            self.contact = WaveContact(config.contact, shape, matter.centre, basin, fluid, pull)
-            self.sides = Sides(shape, matter.centre, basin, fluid.walls.gap + self.contact.margin)
+            self.contact = WaveContact(config.contact, shape, matter.centre, basin, water, pull)
+            self.sides = Sides(shape, matter.centre, basin, water.walls.gap + self.contact.margin)
         self.water = SurroundingWater(length, width, height, draught, self.still.gravity, self.closed, self.contact)
         self.body = config.lowered(config.body(matter, *afloat_pose(self.still)), fluid)  # at the beginning
-        if self.contact is not None:
+        if self.contact is not None and water is not None:
             self.contact.hull.water = self.water
             self.contact.hull.place(self.body)
-            fluid.meet(self.contact)
+            water.meet(self.contact)
         self.actuators = Actuators(config, config.propeller, config.rudder, matter.centre)
         volume = self.still.voxels.volume
         self.displaced = min(self.still.wanted, volume)

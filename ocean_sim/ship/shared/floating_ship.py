@@ -12,7 +12,6 @@ from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.ship import Load
 from ocean_sim.ship.shared.cubes import Wetted
 from ocean_sim.ship.shared.floating import FloatingConfig, FloatingHull
-from ocean_sim.ship.shared.ship_water import ShipWater
 from ocean_sim.ship.shared.vessel import Vessel
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
@@ -32,7 +31,7 @@ class FloatingShip(Vessel):
 
     below: ClassVar[bool] = False  # whether it asks the water under its surface, which a closed form answers
 
-    def __init__(self, config: FloatingConfig, basin: Basin, fluid: ShipWater) -> None:
+    def __init__(self, config: FloatingConfig, basin: Basin, fluid: Fluid) -> None:
         self.hull = hull = FloatingHull(config, basin, fluid, self.below)
         super().__init__(config, hull.body, hull.actuators, basin.lower[1])
         self.shape, self.contact, self.sides = config.whole_hull.shape, hull.contact, hull.sides

@@ -13,6 +13,7 @@ from pydantic import field_validator
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import Motions
 from ocean_sim.files.input_file import FileName
+from ocean_sim.fluid import Fluid
 from ocean_sim.parts import Preflight
 from ocean_sim.ship import Load
 from ocean_sim.ship.shared.added_mass import AddedMass, reaction
@@ -20,7 +21,6 @@ from ocean_sim.ship.shared.damping import Damping, Resistance
 from ocean_sim.ship.shared.floating import FloatingConfig
 from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
 from ocean_sim.ship.shared.radiation import Memory, Radiation
-from ocean_sim.ship.shared.ship_water import ShipWater
 
 
 class SeakeepingConfig(FloatingConfig):
@@ -50,7 +50,7 @@ class SeakeepingShip(FloatingShip):
 
     below: ClassVar[bool] = True
 
-    def __init__(self, config: SeakeepingConfig, basin: Basin, fluid: ShipWater) -> None:
+    def __init__(self, config: SeakeepingConfig, basin: Basin, fluid: Fluid) -> None:
         super().__init__(config, basin, fluid)
         self.added, radiated = config.added_mass.diagonal(self.hull.still), list[str]()
         self.memory: Memory | None = None

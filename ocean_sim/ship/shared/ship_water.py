@@ -1,6 +1,6 @@
 """What ships need of the water, beyond what everybody does."""
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 from ocean_sim.fluid import Fluid
 
@@ -11,11 +11,10 @@ if TYPE_CHECKING:
     from ocean_sim.ship.shared.wave_contact import WaveContact
 
 
-class ShipWater(Fluid, Protocol):
-    """Water that carries ships; what follows `config` is there only where there are particles."""
+class ParticleWater(Fluid, Protocol):
+    """Water that is made of particles."""
 
-    config: Any  # of its kind, with `rest_density` [kg/m3]
-    sunk: float  # hydrostatic offset: how far below the level that was asked for the surface settles [m]
+    sunk: float  # how far below the level that was asked for the surface settles, as its own weight compresses it [m]
     grid: "Grid"
     walls: "Walls"
     boundary: "Boundary"
@@ -25,6 +24,18 @@ class ShipWater(Fluid, Protocol):
         ...
 
 
-def hydrostatic_offset(water: ShipWater) -> float:
-    """How far below the level that was asked for the surface settles, as the water's own weight compresses it [m]."""
-    return 0.0 if water.particles is None else water.sunk
+def of_particles(fluid: Fluid) -> ParticleWater | None:
+    """The water where it is made of particles; None where it is a closed form."""
+    return None if fluid.particles is None else cast(ParticleWater, fluid)
+
+
+def settling(fluid: Fluid) -> float:
+    """How far below the level that was asked for its surface settles [m]."""
+    water = of_particles(fluid)
+    return 0.0 if water is None else water.sunk
+
+
+def rest_density(fluid: Fluid) -> float:
+    """Of the water [kg/m3]; a closed form has it in its keys."""
+    water = of_particles(fluid)
+    return float(cast(Any, fluid).config.rest_density if water is None else water.particles.rest_density)

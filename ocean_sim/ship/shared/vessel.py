@@ -18,7 +18,7 @@ from ocean_sim.ship.shared.hydrostatics import Matter
 from ocean_sim.ship.shared.propulsion import Crew, Helm, Person, Propeller, Rudder, towards
 from ocean_sim.ship.shared.rigid_body import RigidBody, advanced, cross, guided, oriented, product, rotated, spinning
 from ocean_sim.ship.shared.shapes import HullShape
-from ocean_sim.ship.shared.ship_water import ShipWater, hydrostatic_offset
+from ocean_sim.ship.shared.ship_water import settling
 from ocean_sim.ship.shared.wall_contact import Sides
 from ocean_sim.ship.shared.wave_contact import WaveContact
 from ocean_sim.surface import Surface
@@ -80,10 +80,10 @@ class VesselConfig(Helm, ShipConfig):
         body = RigidBody(matter.mass, matter.inertia, np.array([x, y, z]), turn, np.array(self.velocity), np.zeros(3))
         return spinning(body, rotated(turn, np.array(self.rates)))
 
-    def lowered(self, body: RigidBody, fluid: ShipWater) -> RigidBody:
-        """The body by the hydrostatic offset lower, where it begins at the height at which it floats."""
-        offset = hydrostatic_offset(fluid) if self.afloat_at_first else 0.0
-        return replace(body, position=body.position - [0.0, offset, 0.0])
+    def lowered(self, body: RigidBody, fluid: Fluid) -> RigidBody:
+        """The body lower by as much as the water settles, where it begins at the height at which it floats."""
+        lower = settling(fluid) if self.afloat_at_first else 0.0
+        return replace(body, position=body.position - [0.0, lower, 0.0])
 
 
 class Actuators:

@@ -1,7 +1,7 @@
 """Stops a run that has left the physical world, with what, where, when and what to try; keeps a log of events."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
@@ -168,7 +168,7 @@ class Health(Observer):
         """When."""
         return f"t = {self.simulation.time:.4f} s, step {self.simulation.steps}"
 
-    def sentence(self, what: str, position: np.ndarray, worst) -> str:
+    def sentence(self, what: str, position: np.ndarray, worst: Iterable[int]) -> str:
         """What, where, when, what to try, and where the last good state lies."""
         where = "".join(f" at ({', '.join(f'{x:.4g}' for x in position[i])}) m" for i in worst)
         return f"{what}{where}, {self.moment()}; {self.advice()}{self.last_frame()}"

@@ -72,7 +72,7 @@ class Block:
         )
 
     def panes(
-        self, wall: int, count: int, low: float, high: float, colour: Triple, post: float = 0.22, gloss=1.0
+        self, wall: int, count: int, low: float, high: float, colour: Triple, post: float = 0.22, gloss: float = 1.0
     ) -> Mesh:
         """`count` windows in a row on one wall, between shares `low` and `high` of its height; `post`: the share of the
         wall between them."""
@@ -108,7 +108,7 @@ def box(lower: Triple, upper: Triple, walls: Triple, lid: Triple | None = None) 
     return Block(plan + y0 * UP, plan + y1 * UP).mesh(walls, lid)
 
 
-def tube(start: Triple, end: Triple, radius: float | tuple[float, float], colour: Triple, sides=8) -> Mesh:
+def tube(start: Triple, end: Triple, radius: float | tuple[float, float], colour: Triple, sides: int = 8) -> Mesh:
     """A round bar between two points; two radii make a cone."""
     a, b = np.array(start, dtype=float), np.array(end, dtype=float)
     r = radius if isinstance(radius, tuple) else (radius, radius)

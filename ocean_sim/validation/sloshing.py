@@ -88,7 +88,7 @@ def compared(times: np.ndarray, signal: np.ndarray) -> Finding:
     """A first mode that should be cos(w1 t) - cos(w t)."""
     from scipy.optimize import curve_fit
 
-    def model(t, a, b, omega, rate, c, d):
+    def model(t: np.ndarray, a: float, b: float, omega: float, rate: float, c: float, d: float) -> np.ndarray:
         rings = (a * np.cos(omega * t) + b * np.sin(omega * t)) * np.exp(-rate * t)
         return rings + c * np.cos(DRIVEN * t) + d * np.sin(DRIVEN * t)
 

@@ -107,7 +107,7 @@ def damped_cosine(times: np.ndarray, signal: np.ndarray) -> tuple[float, float]:
     """Period [s] and decay rate [1/s] of the a cos(w t + b) exp(-c t) nearest to a signal, from a period on."""
     from scipy.optimize import curve_fit
 
-    def model(t, a, b, omega, rate):
+    def model(t: np.ndarray, a: float, b: float, omega: float, rate: float) -> np.ndarray:
         return a * np.cos(omega * t + b) * np.exp(-rate * t)
 
     # The first quarter of a period holds the sound of the start.

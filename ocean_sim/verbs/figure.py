@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
@@ -84,7 +85,7 @@ def told(outcome: Outcome) -> str:
     return f"      {console.duration(outcome.wall_s)}  {what}"
 
 
-def drawn(name: str, script: Path, fast: bool, out: Path, show) -> Outcome:
+def drawn(name: str, script: Path, fast: bool, out: Path, show: Callable[[float, str], None]) -> Outcome:
     """One figure, in a child process, so that Taichi starts afresh; its files are moved to `out` when all are whole."""
     began = perf_counter()
     paths = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])

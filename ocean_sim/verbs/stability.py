@@ -10,7 +10,7 @@ from ocean_sim.studies.shared import table as table_module
 from ocean_sim.studies.stability import AXES, LIMIT, VERDICTS, spots
 from ocean_sim.studies.stability import told as summarised
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.sweep import text, told
+from ocean_sim.verbs.sweep import shown, text
 
 
 def stability(scene: str | None, quick: bool, workers: int | None, out: Path, as_json: bool) -> int:
@@ -23,7 +23,7 @@ def stability(scene: str | None, quick: bool, workers: int | None, out: Path, as
         console.say(f"{len(plan)} runs, each on one thread")
     rows: dict[int, dict[str, Any]] = {}
     orders, at_once = [spot.order() for spot in plan], workers or cores()
-    for k, answer in told(orders, out / "runs", at_once, None, as_json, limit=LIMIT[quick]):
+    for k, answer in shown(orders, out / "runs", at_once, None, as_json, limit=LIMIT[quick]):
         rows[k] = plan[k].row(answer, Result(out / "runs" / runs.address(orders[k])))
         table_module.write(out / "stability.csv", [rows[n] for n in sorted(rows)])
     table = [rows[k] for k in sorted(rows)]

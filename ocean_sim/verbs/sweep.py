@@ -1,5 +1,6 @@
 """`ocean-sim sweep`: many runs from a plan, in a table that keeps failures, too."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -24,7 +25,7 @@ def sweep(plan: Path, scheduler: str | None, workers: int | None, out: Path | No
     orders = [run.order(max(1, cores() // at_once)) for run in runs]
     folder.mkdir(parents=True, exist_ok=True)
     rows: dict[int, dict[str, Any]] = {}
-    for k, answer in told(orders, folder, at_once, scheduler, as_json):
+    for k, answer in shown(orders, folder, at_once, scheduler, as_json):
         rows[k] = runs[k].row(answer)
         table_module.write(folder / "results.csv", [rows[k] for k in sorted(rows)])
     table = [rows[k] for k in sorted(rows)]
@@ -35,7 +36,9 @@ def sweep(plan: Path, scheduler: str | None, workers: int | None, out: Path | No
         console.say(summary(table, folder))
 
 
-def told(orders: list[dict[str, Any]], folder: Path, workers: int, scheduler: str | None, quiet: bool, **more: Any):
+def shown(
+    orders: list[dict[str, Any]], folder: Path, workers: int, scheduler: str | None, quiet: bool, **more: Any
+) -> Iterator[tuple[int, dict[str, Any]]]:
     """The answers of orders as they come, with their progress shown."""
     bar, began, done = Bar(max(1.0, len(orders)), quiet), perf_counter(), 0
     try:

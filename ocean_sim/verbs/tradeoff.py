@@ -9,7 +9,7 @@ from ocean_sim.studies.shared import table as table_module
 from ocean_sim.studies.tradeoff import TRIALS, clock, equals, front, points
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.scene_tradeoff import of_scene
-from ocean_sim.verbs.sweep import text, told
+from ocean_sim.verbs.sweep import shown, text
 
 SHOWN = ("scheme", "particles", "neighbours", "wall_per_s", "cpu_per_s", "error", "unit", "changed", "")
 
@@ -44,7 +44,7 @@ def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None
     if not as_json:
         console.say(f"{len(plan)} runs of {len({point.trial.case for point in plan})} cases, each on one thread")
     rows: dict[int, list[dict[str, Any]]] = {}
-    for k, answer in told([point.order() for point in plan], out / "runs", workers or cores(), None, as_json):
+    for k, answer in shown([point.order() for point in plan], out / "runs", workers or cores(), None, as_json):
         rows[k] = plan[k].rows(answer)
         table_module.write(out / "tradeoff.csv", [row for n in sorted(rows) for row in rows[n]])
     table = [row for n in sorted(rows) for row in rows[n]]

@@ -2,6 +2,7 @@
 
 import html
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -46,10 +47,10 @@ def curves(time: np.ndarray, series: Mapping[str, np.ndarray], label: str) -> st
     left, right = float(time[0]), float(max(time[-1], time[0] + 1e-9))
     low, high = span(np.concatenate(list(series.values())))
 
-    def x(t):
+    def x(t: Any) -> Any:
         return LEFT + (t - left) / (right - left) * (WIDTH - LEFT - RIGHT)
 
-    def y(value):
+    def y(value: Any) -> Any:
         return HEIGHT - BOTTOM - (value - low) / (high - low) * (HEIGHT - TOP - BOTTOM)
 
     parts = [

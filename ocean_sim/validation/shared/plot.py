@@ -1,6 +1,7 @@
 """One picture a case: what was measured over what was expected, a panel for each of its set-ups."""
 
 from pathlib import Path
+from typing import Any
 
 from ocean_sim.validation.shared.case import Curve, Finding, Problem
 
@@ -36,7 +37,7 @@ def draw(path: Path, case: str, runs: list[tuple[Problem, str, Finding]]) -> Non
     figure.savefig(path, dpi=100)
 
 
-def plotted(axes, curve: Curve, label: str, colour: str, n: int) -> None:
+def plotted(axes: Any, curve: Curve, label: str, colour: str, n: int) -> None:
     """A line, or points; the n-th of its colour."""
     dots = {"linestyle": "none", "marker": MARKERS[n % len(MARKERS)], "markersize": 3}
     line = {"linestyle": LINES[n % len(LINES)], "linewidth": 1.2}

@@ -21,7 +21,7 @@ from ocean_sim.studies.scene_tradeoff import (
 )
 from ocean_sim.studies.shared import pareto, table
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.sweep import text, told
+from ocean_sim.verbs.sweep import shown, text
 
 EVERY_PROFILE = f"profile={','.join(PROFILES)}"
 
@@ -78,7 +78,7 @@ def asked(budget: str | None) -> Budget | None:
 
 def made(orders: list[dict[str, Any]], out: Path, quiet: bool) -> list[dict[str, Any]]:
     """The answers of orders, in their order; one at a time, for their time is measured."""
-    found = dict(told(orders, out / "runs", 1, None, quiet))
+    found = dict(shown(orders, out / "runs", 1, None, quiet))
     return [found[k] for k in range(len(orders))]
 
 

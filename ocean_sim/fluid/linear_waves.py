@@ -10,7 +10,7 @@ from pydantic import model_validator
 from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import WATER_DENSITY
-from ocean_sim.fluid import Limits, Status
+from ocean_sim.fluid import Fluid, Limits, Status
 from ocean_sim.fluid.shared.config import FluidConfig
 from ocean_sim.parts import LedgerRow, quantity
 from ocean_sim.wind import Wind
@@ -51,7 +51,7 @@ class Config(waves.WaveTrain, FluidConfig):
         random = self.spectrum is not None
         key: tuple[str, ...] = ("spectrum", "significant_wave_height") if random else ("height",)
         path: tuple[str, ...] = ("spectrum", "heading_deg") if random else ("heading_deg",)
-        found = [(("kind",), sentence) for sentence in waves.unsuited(basin)]
+        found: list[tuple[tuple[str, ...], str]] = [(("kind",), sentence) for sentence in waves.unsuited(basin)]
         found = found or [(key, sentence) for sentence in waves.unsuited(basin, *self.scale)]
         if basin.obstacles:
             found.append((("kind",), "a sea in closed form goes through obstacles; leave basin.obstacles out"))
@@ -78,10 +78,9 @@ class Config(waves.WaveTrain, FluidConfig):
 
 
 @ti.data_oriented
-class LinearWaves:
+class LinearWaves(Fluid):
     """The waves at one time; what they do follows from it."""
 
-    particles = None
     sound_speed = 0.0  # [m/s] nothing is compressed
 
     def __init__(self, config: Config, basin: Basin) -> None:
@@ -91,11 +90,9 @@ class LinearWaves:
         self.still = config.still_limits(basin)
         self.reference_speed = (self.sea.gravity * basin.depth) ** 0.5
         speed = self.sea.amplitude * self.sea.gravity * self.sea.wavenumber / self.sea.omega  # [m/s] at the surface
-        density = config.rest_density
+        self.rest_density = density = config.rest_density
         fastest, hardest = np.linalg.norm(speed), np.linalg.norm(speed * self.sea.omega)  # sqrt 2 deviations if random
         self.status = Status(float(fastest), float(hardest), density, density, 0, True)
-        self.impulse: dict[str, np.ndarray] = {}
-        self.work: dict[str, float] = {}
         n = len(speed)
         self.amplitude, self.phase, self.k, self.kx, self.kz, self.speed = (ti.field(float, shape=n) for _ in range(6))
         self.begin(self.sea)
@@ -121,10 +118,6 @@ class LinearWaves:
 
     def limits(self) -> Limits:
         return self.still
-
-    def internal_energy(self) -> float:
-        """None: nothing is compressed [J]."""
-        return 0.0
 
     @ti.func
     def elevation(self, x, z):

@@ -25,7 +25,7 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.accounts import DIFFUSION, PRESSURE, VISCOSITY, WALLS
 from ocean_sim.fluid.shared.grid import STATE
-from ocean_sim.fluid.shared.images import displaced, hydrostatic_offset, reflected, reflected_free_slip
+from ocean_sim.fluid.shared.images import displaced, hydrostatic_offset, reflected_free_slip
 from ocean_sim.fluid.shared.pair_sph import MomentumLaw
 from ocean_sim.fluid.shared.particles import Components
 from ocean_sim.fluid.shared.smoothing import Smoothing, positive
@@ -96,7 +96,7 @@ class Momentum(MomentumLaw):
     """
 
     fluid: "DeltaSph"
-    row = Columns(position=3, velocity=3, pressing=1)
+    row = Columns(position=3, velocity=3, pressure=1)  # damped, over the square of the density
     passed = 0.5  # the first drift
 
     def __init__(self, fluid: "DeltaSph") -> None:
@@ -112,19 +112,8 @@ class Momentum(MomentumLaw):
         super().__init__(fluid)
 
     @ti.func
-    def image(self, other, mirror):
-        """A neighbour as a side shows it: its velocity turned round, its pressure continued hydrostatically."""
-        x, image, fluid = vec3(other, self.row.position), reflected(mirror, other), self.fluid
-        image[self.row.pressing] += hydrostatic_offset(mirror, x, fluid.pull.at_rest(x)) / fluid.rest_density
-        return image
-
-    @ti.func
-    def sample(self, own, s, d, mirror):
-        """A sample of a solid body."""
-        other = displaced(own, d, self.boundary.rubbing(vec3(own, self.row.velocity), s, mirror))
-        head = self.boundary.head(vec3(own, self.row.position), s, d, mirror)
-        other[self.row.pressing] = own[self.row.pressing] + head / self.fluid.rest_density
-        return other
+    def risen(self, head):
+        return head / self.fluid.rest_density
 
     @ti.func
     def scale(self, own):
@@ -138,7 +127,7 @@ class Momentum(MomentumLaw):
         r2 = x_ij.dot(x_ij)
         r = ti.sqrt(r2)
         weight = self.fluid.smoothing.shape_grad_wendland(r)
-        near, p_i, p_j = self.fluid.closeness(r), own[self.row.pressing], other[self.row.pressing]
+        near, p_i, p_j = self.fluid.closeness(r), own[self.row.pressure], other[self.row.pressure]
         pull = positive(-p_i) + positive(-p_j)
         push, rub = (p_i + p_j + TENSION * near * near * near * near * pull) * x_ij, tm.vec3(0.0)
         if ti.static(self.viscous):

@@ -14,7 +14,6 @@ from pydantic import model_validator
 
 from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns, vec3
-from ocean_sim.fluid.shared.images import displaced, hydrostatic_offset, reflected
 from ocean_sim.fluid.shared.law import PositionLaw
 from ocean_sim.fluid.shared.pair_sph import MomentumLaw, PairSph
 from ocean_sim.fluid.shared.smoothing import positive
@@ -112,20 +111,10 @@ class Momentum(MomentumLaw):
         super().__init__(fluid)
 
     @ti.func
-    def image(self, other, mirror):
-        """A neighbour as a side shows it: its velocity turned round, its pressure continued hydrostatically."""
-        x, image, fluid = vec3(other, self.row.position), reflected(mirror, other), self.fluid
-        image[self.row.pressure] += fluid.rest_density * hydrostatic_offset(mirror, x, fluid.pull.at_rest(x))
-        return image
-
-    @ti.func
     def sample(self, own, s, d, mirror):
-        """A sample of a solid body, which has the rest density."""
-        rho_0 = self.fluid.rest_density
-        other = displaced(own, d, self.boundary.rubbing(vec3(own, self.row.velocity), s, mirror))
-        head = self.boundary.head(vec3(own, self.row.position), s, d, mirror)
-        other[self.row.pressure] = own[self.row.pressure] + rho_0 * head
-        other[self.row.volume] = 1.0 / rho_0
+        """A sample of a solid body has the rest density."""
+        other = self.continued(own, s, d, mirror)
+        other[self.row.volume] = 1.0 / self.fluid.rest_density
         return other
 
     @ti.func

@@ -8,6 +8,7 @@ import taichi as ti
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid.shared.accounts import WALLS
 from ocean_sim.fluid.shared.force import Force
+from ocean_sim.fluid.shared.images import displaced, hydrostatic_offset, reflected
 from ocean_sim.fluid.shared.law import Law
 from ocean_sim.fluid.shared.sph import Sph
 from ocean_sim.runtime import Array
@@ -17,8 +18,8 @@ from ocean_sim.runtime import Array
 class MomentumLaw(Force):
     """What pushes particles and moves them: neighbours, wind, gravity (2.25), a hull, and walls.
 
-    A scheme adds what is read (`row` with `position` and `velocity`, and `reads`), what a pair adds (`pair`, by way of
-    `added`), and how images and samples of solid bodies are seen (`image`, `sample`).
+    A scheme adds what is read (`row`, which begins with `position` and `velocity` and has a `pressure` in a form of its
+    own, and `reads`), what a pair adds (`pair`, by way of `added`), and by how much a pressure rises (`risen`).
     """
 
     passed: ClassVar[float] = 0.0
@@ -27,6 +28,30 @@ class MomentumLaw(Force):
     def __init__(self, fluid: Sph) -> None:
         self.terms = Columns(push=3, rub=3) if fluid.accounts.impulses else Columns(push=3)  # summed apart for accounts
         super().__init__(fluid)
+
+    @ti.func
+    def risen(self, head):
+        """Rise of the row's pressure where p / rho rises by `head` [m2/s2]."""
+        return self.fluid.rest_density * head
+
+    @ti.func
+    def image(self, other, mirror):
+        """A neighbour as a side shows it: its velocity turned round, its pressure continued hydrostatically."""
+        x, image = vec3(other, self.row.position), reflected(mirror, other)
+        image[self.row.pressure] += self.risen(hydrostatic_offset(mirror, x, self.fluid.pull.at_rest(x)))
+        return image
+
+    @ti.func
+    def sample(self, own, s, d, mirror):
+        return self.continued(own, s, d, mirror)
+
+    @ti.func
+    def continued(self, own, s, d, mirror):
+        """A sample of a solid body: it has all of the particle, the pressure continued to where it is."""
+        other = displaced(own, d, self.boundary.rubbing(vec3(own, self.row.velocity), s, mirror))
+        head = self.boundary.head(vec3(own, self.row.position), s, d, mirror)
+        other[self.row.pressure] = own[self.row.pressure] + self.risen(head)
+        return other
 
     @ti.func
     def added(self, weight, push, rub):

@@ -6,7 +6,7 @@ from contextlib import redirect_stdout, suppress
 from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
 import taichi as ti
 from taichi._snode.fields_builder import FieldsBuilder
@@ -27,11 +27,11 @@ GRAPHICS = {ti.cuda: "cuda", ti.vulkan: "vulkan", ti.metal: "metal", ti.opengl: 
 if TYPE_CHECKING:  # what a kernel is handed, as callers see it
     import numpy as np
 
-    Array = np.ndarray
-    Array2 = np.ndarray
-    Doubles2 = np.ndarray
-    Doubles3 = np.ndarray
-    Template = Any
+    Array: TypeAlias = np.ndarray
+    Array2: TypeAlias = np.ndarray
+    Doubles2: TypeAlias = np.ndarray
+    Doubles3: TypeAlias = np.ndarray
+    Template: TypeAlias = Any
 else:  # and as Taichi reads it
     Array, Array2 = ti.types.ndarray(ndim=1), ti.types.ndarray(ndim=2)
     Doubles2, Doubles3 = ti.types.ndarray(dtype=ti.f64, ndim=2), ti.types.ndarray(dtype=ti.f64, ndim=3)

@@ -1,10 +1,12 @@
-"""Water: every module of this folder without a leading underscore is a kind a scene may name."""
+"""Water: every module of this folder is a kind a scene may name; `shared` holds what they have in common."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf
 from typing import Any, Protocol
 
 import numpy as np
+import taichi as ti
 
 
 @dataclass(frozen=True)
@@ -60,16 +62,216 @@ class Lattice(Protocol):
         ...
 
 
-class Fluid(Protocol):
-    """Water. `elevation` is callable from a Taichi kernel; between steps everything is current and in cell order."""
+class Vectors(Protocol):
+    """A vector for each particle, as three Taichi fields, in storage order."""
 
-    particles: Any  # None where the water has none: a closed form
-    around: Any  # sums over the water within a support of a point (`shared/around.py`); only where there are particles
-    sound_speed: float  # [m/s]
-    reference_speed: float  # [m/s]
+    x: ti.Field
+    y: ti.Field
+    z: ti.Field
+
+    @property
+    def precision(self) -> type:
+        """The NumPy type of its numbers."""
+        ...
+
+    def to_numpy(self) -> np.ndarray:
+        """(n, 3) of the particles that are there."""
+        ...
+
+    def from_numpy(self, values: np.ndarray) -> None:
+        """Takes (n, 3)."""
+        ...
+
+
+class Count(Protocol):
+    """How many particles there are; an emitter adds to them."""
+
+    now: int
+
+    def there(self) -> Any:
+        """ti.func: the same in a kernel."""
+        ...
+
+
+class Particles(Protocol):
+    """The particles of a fluid, in the order of their cells, which changes from step to step; `id` stays."""
+
+    @property
+    def n(self) -> int:
+        """The most there will be: the length of the fields."""
+        ...
+
+    @property
+    def count(self) -> Count:
+        """How many there are."""
+        ...
+
+    @property
+    def mass(self) -> float:
+        """Of each [kg]; in a slice [kg/m]."""
+        ...
+
+    @property
+    def rest_density(self) -> float:
+        """[kg/m3]"""
+        ...
+
+    @property
+    def spacing(self) -> float:
+        """Distance at rest [m]."""
+        ...
+
+    @property
+    def position(self) -> Vectors:
+        """[m]"""
+        ...
+
+    @property
+    def velocity(self) -> Vectors:
+        """[m/s]"""
+        ...
+
+    @property
+    def id(self) -> ti.Field:
+        """Number of the particle in the first lattice."""
+        ...
+
+    @property
+    def density(self) -> ti.Field:
+        """[kg/m3]"""
+        ...
+
+    @property
+    def pressure(self) -> ti.Field:
+        """[Pa]"""
+        ...
+
+
+class Around(Protocol):
+    """Sums over the water within one support of a point (`shared/around.py`)."""
+
+    def total(self, x: Any, law: Any, own: Any) -> Any:
+        """ti.func: what a law adds up around x [m]; the law gets `own` handed through."""
+        ...
+
+
+class Cells(Protocol):
+    """The cells that particles are sorted into, at least a support wide, one empty layer all round."""
+
+    support: float  # [m] of the kernels
+    quantum: float  # [m] positions are multiples of it
+    cells: tuple[int, int, int]  # along x, y and z
+    lower: Any  # vec3 [m] where the first inner cell begins
+    per_width: Any  # vec3 [1/m] one over the width of a cell
+    start: ti.Field  # first particle of each cell
+
+    def cell_at(self, indices: Any) -> Any:
+        """ti.func: number of a cell, of its ivec3 of indices."""
+        ...
+
+
+class Stops(Protocol):
+    """Where walls, floor and lid stop the centres of particles."""
+
+    axes: range  # along which there are walls
+    low: tuple[float, ...]  # [m]
+    up: tuple[float, ...]  # [m]
+    gap: float  # [m] between a wall and where it stops them
+
+
+class SolidBodies(Protocol):
+    """The solid bodies that the laws of a scheme meet (`shared/boundary.py`): obstacles first, then what floats."""
+
+    bodies: Any  # samples of each: `volume` (m,) [m3], `position` (m, 3) [m] from its origin
+
+    def place(
+        self,
+        body: int,
+        position: np.ndarray,
+        rotation: np.ndarray,
+        velocity: Any,
+        angular_velocity: Any,
+        acceleration: Any,
+        angular_acceleration: Any,
+    ) -> None:
+        """Say where a body is when the next step ends and how it moves."""
+        ...
+
+    def forces(self) -> tuple[np.ndarray, np.ndarray]:
+        """Force (k, 3) [N] and torque (k, 3) [N m] about its origin of the water on each body in the last step."""
+        ...
+
+
+class Hull(Protocol):
+    """A hull that pushes particles."""
+
+    def push(self, x: Any, ahead: Any) -> Any:
+        """ti.func: acceleration [m/s2] of water at x [m], `ahead` [s] of the beginning of the step."""
+        ...
+
+
+class Contact(Protocol):
+    """A ship that the water meets."""
+
+    hull: Hull
+    given: np.ndarray  # (3,) impulse [N s] to the water by collisions, since the start
+    work: float  # [J] of them
+
+
+class Iterations(Protocol):
+    """How an iterative solver fared."""
+
+    last_iterations: int  # in the last step
+    last_error: float  # that it left, over the rest density
+    iterations: int  # since the start
+    error: float  # the worst since the start
+    unsolved: int  # steps that ended above the tolerance
+
+
+class Fluid(Protocol):
+    """Water. `elevation` is callable from a Taichi kernel; between steps everything is current and in cell order.
+    Kinds of water derive from it: what a kind has nothing of has its default here."""
+
+    config: Any  # the kind's Config
+    particles: Particles | None = None  # None where the water has none: a closed form
+    sound_speed: float  # [m/s]; 0 where nothing is compressed
+    reference_speed: float  # [m/s] that compression refers to
+    rest_density: float  # [kg/m3]
+    spacing: float  # [m] between particles at rest; of a closed form between points that show its waves
     status: Status
-    impulse: dict[str, np.ndarray]  # (3,) per term, since the start [N s]
-    work: dict[str, float]  # per term, since the start [J]; gravity with body force, diffusion by what it compresses
+    boundary: SolidBodies | None = None  # None where the laws of the water meet no body
+    sunk: float = 0.0  # [m] how far below the level that was asked for its surface begins
+    solvers: Mapping[str, Iterations] = {}  # by name
+
+    @property
+    def of_particles(self) -> "ParticleFluid | None":
+        """Itself where it is made of particles."""
+        return None
+
+    @property
+    def count(self) -> int:
+        """Number of particles now, 0 of a closed form."""
+        return 0 if self.particles is None else int(self.particles.count.now)
+
+    @property
+    def impulse(self) -> dict[str, np.ndarray]:
+        """Impulse of each term since the start [N s], (3,) each; empty where no accounts are kept."""
+        return {}
+
+    @property
+    def work(self) -> dict[str, float]:
+        """Work of each term since the start [J], gravity's with the body force's; diffusion's is what it compresses.
+        Empty where no accounts are kept."""
+        return {}
+
+    @property
+    def adjustable(self) -> dict[str, str]:
+        """Attributes that `adjust` can change while the water moves, and their units."""
+        return {}
+
+    def adjust(self, **values: float) -> None:
+        """Go on with other values of what is adjustable; nothing is compiled for it."""
+        return
 
     def advance(self, dt: float) -> None:
         """One step of dt [s] under the wind it was built with; raises Diverged when a neighbour list overflows."""
@@ -91,8 +293,31 @@ class Fluid(Protocol):
         """(m, 3) points [m] -> (m, 3) velocities [m/s]; 0 where it is dry."""
         ...
 
-    def limits(self) -> Limits: ...
+    def limits(self) -> Limits:
+        """What the next step must stay a fraction of."""
+        ...
 
     def internal_energy(self) -> float:
         """Energy of compression [J]."""
+        return 0.0
+
+
+class ParticleFluid(Fluid, Protocol):
+    """What water made of particles has beyond that."""
+
+    particles: Particles
+    around: Around
+    grid: Cells
+    walls: Stops
+
+    def begin(self) -> None:
+        """Start from the particles as they are now."""
+        ...
+
+    def meet(self, contact: Contact) -> None:
+        """From the first step on feel the push of a hull."""
+        ...
+
+    def positions(self) -> np.ndarray:
+        """(n, 3) of the particles [m], in float64, with more digits than `particles.position` may hold."""
         ...

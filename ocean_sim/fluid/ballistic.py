@@ -8,12 +8,13 @@ import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
-from ocean_sim.fluid.shared.accounts import GRAVITY, SHIP, WALLS, WIND
 from ocean_sim.fluid.shared.field import Field
-from ocean_sim.fluid.shared.grid import TASK, GridSize
+from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.particle_water import ParticleWater
+from ocean_sim.fluid.shared.tasks import TASK
 from ocean_sim.fluid.shared.water import WaterConfig, free_fall_speed
 from ocean_sim.parts import LedgerRow, Preflight
+from ocean_sim.runtime import Array
 from ocean_sim.wind import Wind
 
 PARTICLE = 4.7e-8  # [s] of processor time a step
@@ -58,87 +59,71 @@ def force_limit(support: float, acceleration: float) -> Limits:
 class Ballistic(ParticleWater):
     """Particles that fall, bounce and are blown about; wind reaches all of them, but none has an exposed area."""
 
+    config: Config
     sound_speed = 0.0
 
-    def __init__(self, config: Config, basin: Basin, ledger: bool, wind: Wind) -> None:
-        super().__init__(config, basin, config.size(basin), ledger, wind)
+    def __init__(self, config: Config, basin: Basin, accounts: bool, wind: Wind) -> None:
+        super().__init__(config, basin, config.size(basin), accounts, wind)
         self.particles.pressure.fill(0.0)
         self.field = Field(self.particles, self.grid, self.smoothing, np.zeros(3))
         self.reference_speed = free_fall_speed(basin)
         self.begin()
-        self.count(self.summary)
-        self.status = self.ledger.status(self.summary, self.grid)
 
-    def begin(self) -> None:
-        self.lift()
-        self.settle()
+    def arrive(self) -> None:
+        self.settle(self.summary)
+
+    def step(self, dt: float) -> None:
+        self.fly(dt, self.wind.since, self.summary)
 
     @ti.kernel
-    def settle(self):
+    def settle(self, summary: Array):
+        """Sort, and sum up what there is without a step."""
         self.grid.sort()
-
-    @ti.kernel
-    def count(self, summary: ti.types.ndarray(ndim=1)):
-        """What there is before the first step."""
-        for t in range(self.ledger.groups * TASK):
+        for t in range(self.accounts.groups * TASK):
             if t % TASK == 0:
                 group, p, u = t // TASK, self.particles.position, self.particles.velocity
-                self.ledger.begin_motion(group)
-                self.ledger.begin_density(group)
+                self.accounts.begin_motion(group)
+                self.accounts.begin_density(group)
                 for i in range(self.first(group), self.first(group + 1)):
                     x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
-                    self.ledger.count_motion(group, v, self.pull.at(x, v), 0)
-                    self.ledger.count_density(group, self.particles.density[i])
-        self.ledger.summarise(summary)
+                    self.accounts.count_motion(group, v, self.pull.at(x, v), 0)
+                    self.accounts.count_density(group, self.particles.density[i])
+        self.accounts.summarise(summary)
 
     @ti.func
     def first(self, group):
         """Number of the first particle of a group."""
-        return group * self.particles.count.there() // self.ledger.groups
+        return group * self.particles.count.there() // self.accounts.groups
 
     @ti.func
-    def move(self, i, dt, group):
+    def fall(self, i, dt, group):
+        """Move particle i."""
         p, u, m = self.particles.position, self.particles.velocity, ti.static(self.particles.mass)
         x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
-        a_wind = self.wind.force(self.particles.id[i], x, v, tm.vec3(0.0), m) / m
-        a_pull = self.pull.at(x, v)
-        a_hull = self.hull_push(x, 0.0)
+        a_wind, a_pull, a_hull = self.driven(i, x, v, 0.0)
         a = a_wind + a_pull + a_hull
         mean, fast = self.walls.held_back(v + 0.5 * dt * a, dt)  # of the step; x + v dt + a dt^2 / 2 is exact
         x_new, v_new = self.walls.bounced(x + dt * mean, mean + 0.5 * dt * a)
-        self.grid.leave(i, x_new, v_new)
-        self.ledger.count_motion(group, v_new, a, fast)
-        self.ledger.count_density(group, self.particles.density[i])
-        if ti.static(self.ledger.impulses):
-            between = 0.5 * (v + v_new)
-            self.ledger.count_impulse(group, WIND, m * dt * a_wind, between)
-            self.ledger.count_impulse(group, GRAVITY, m * dt * a_pull, between)
-            self.ledger.count_impulse(group, SHIP, m * dt * a_hull, between)
-            self.ledger.count_impulse(group, WALLS, m * (v_new - v - dt * a), between)
+        self.leave(i, x_new, v_new)
+        self.accounts.count_motion(group, v_new, a, fast)
+        self.accounts.count_density(group, self.particles.density[i])
+        if ti.static(self.accounts.impulses):
+            held = m * (v_new - v - dt * a)
+            self.accounts.count_drive(group, m * dt, a_wind, a_pull, a_hull, held, 0.5 * (v + v_new))
 
     @ti.kernel
-    def step(self, dt: float, since: float, summary: ti.types.ndarray(ndim=1)):
+    def fly(self, dt: float, since: float, summary: Array):
+        """Move and sort."""
         self.wind.set_clock(since, dt)
-        for t in range(self.ledger.groups * TASK):
+        for t in range(self.accounts.groups * TASK):
             if t % TASK == 0:
                 group = t // TASK
-                self.ledger.begin_motion(group)
-                self.ledger.begin_density(group)
+                self.accounts.begin_motion(group)
+                self.accounts.begin_density(group)
                 for i in range(self.first(group), self.first(group + 1)):
-                    self.move(i, dt, group)
+                    self.fall(i, dt, group)
         self.grid.sort()
-        self.ledger.summarise(summary)
-
-    def advance(self, dt: float) -> None:
-        """One step of dt [s]."""
-        self.drive(dt)
-        self.step(dt, self.wind.since, self.summary)
-        self.status = self.ledger.status(self.summary, self.grid)
-        self.emit()
+        self.accounts.summarise(summary)
 
     def limits(self) -> Limits:
         return force_limit(self.grid.support, self.status.max_acceleration)
-
-    def internal_energy(self) -> float:
-        """None: nothing is compressed [J]."""
-        return 0.0

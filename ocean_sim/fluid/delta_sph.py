@@ -9,9 +9,8 @@ under a free surface that of a Riemann problem between particles that meet (Zhan
 335, 605), which is quadratic in their speed. Steps are drift, kick, drift.
 What is stored is the deviation from the rest density, which single precision would lose in the density itself.
 
-Still water without viscosity stays on the lattice that it starts from where that is stable under the kernel: in a slice
-from 3.95 to 4.03 spacings of support (and near 2.77, where the elliptical drop misses, by +0.7 and +8.1 %), in space
-from 2.78 to 2.92. At 2.6 it stirs at up to 0.17 m/s, and still at 0.1 from a start packed by damped relaxation.
+Still water without viscosity stays on the lattice that it starts from where that is stable under the kernel
+(Stencil.softest): in a slice from 3.95 to 4.03 spacings of support and near 2.77, in space from 2.78 to 2.92.
 """
 
 from typing import ClassVar, Literal
@@ -21,20 +20,22 @@ import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.basin import Basin
+from ocean_sim.columns import Columns, vec3
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.accounts import DIFFUSION, PRESSURE, VISCOSITY, WALLS
-from ocean_sim.fluid.shared.grid import TASK
-from ocean_sim.fluid.shared.images import beside, climbed, reflected, slid
+from ocean_sim.fluid.shared.grid import STATE
+from ocean_sim.fluid.shared.images import displaced, hydrostatic_offset, reflected_free_slip
+from ocean_sim.fluid.shared.pair_sph import MomentumLaw
 from ocean_sim.fluid.shared.particles import Components
 from ocean_sim.fluid.shared.smoothing import Smoothing, positive
 from ocean_sim.fluid.shared.sph import Sph, SphConfig, limits, rows
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
+from ocean_sim.runtime import Array
 from ocean_sim.wind import Wind
 
 PAIR = 9.2e-9  # [s] of processor time a neighbour
-READS = 7  # fields of a neighbour that either law reads
 TENSION = 0.3  # of the artificial stress that keeps water under tension together (Monaghan 2000, J. Comput. Phys. 159)
 CROWDING = 0.2  # weight of near neighbours in a shift (Sun et al. 2017)
 DAMPER = 0.7  # bulk viscosity over h c; at the default Courant number 1 is stable and 2 is not
@@ -50,6 +51,7 @@ class Config(SphConfig):
     carries_bodies: ClassVar[bool] = True
     fineness: ClassVar[int] = 3
     added_viscosity: ClassVar = ((32.0, 8.8e-4), (64.0, 5.5e-4), (100.0, 2.2e-4))
+    default_ratio: ClassVar[tuple[float, float]] = (FLAT, SOLID)
     kind: Literal["delta_sph"] = "delta_sph"
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
     """Support radius of the smoothing kernel over the spacing; by default 4.0 in a slice and 2.82 in space.
@@ -62,9 +64,6 @@ class Config(SphConfig):
     """alpha of Monaghan (1992), on approaching particles: nu = alpha h c / 8 in a slice, / 10 in space."""
     collision_distance: float = quantity("spacings", 0.25, gt=0.0, le=1.0)
     """How near to a wall or the floor a particle's centre may come; the images in the wall hold it before that."""
-
-    def ratio(self, basin: Basin) -> float:
-        return self.support_ratio or (FLAT if basin.dimension == 2 else SOLID)
 
     def limited(self, smoothing: Smoothing, sound_speed: float, speed: float, acceleration: float) -> Limits:
         """Limits of the time step. Pairs rub at rates of up to 14 nu / h^2 (twice that of the Laplacian's sum), so
@@ -79,7 +78,7 @@ class Config(SphConfig):
         return self.limited(smoothing, self.sound_speed(preflight.tank), 0.0, 0.0)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        sizes, word = self.sized(self.began(preflight), READS, CARRIED), preflight.word
+        sizes, word = self.sized(self.began(preflight), Momentum.row.size, CARRIED), preflight.word
         what = "position, velocity, density, pressure, its deviation and rate, number"
         return rows(sizes, word, 12 + 3 * self.enclosed(preflight.tank), what, PAIR)
 
@@ -88,8 +87,8 @@ class Config(SphConfig):
 
 
 @ti.data_oriented
-class Momentum:
-    """Damped pressure (Monaghan 1992, eq. 3.3), viscosity, wind and gravity (2.25).
+class Momentum(MomentumLaw):
+    """Damped pressure (Monaghan 1992, eq. 3.3) and viscosity.
 
     Under a free surface viscosity is the central form of Monaghan & Gingold (1983), whose free surface is free of
     stress (Colagrossi, Antuono, Souto-Iglesias & Le Touze 2011, Phys. Rev. E 84); without one it is that of Morris, Fox
@@ -98,59 +97,43 @@ class Momentum:
     u, c) (Zhang, Hu & Adams 2017, whose factor is 3). Without a free surface nothing meets, and nothing is lost.
     """
 
+    fluid: "DeltaSph"
+    row = Columns(position=3, velocity=3, pressure=1)  # damped, over the square of the density
+    passed = 0.5  # the first drift
+
     def __init__(self, fluid: "DeltaSph") -> None:
-        self.fluid = fluid
         self.reads = (*fluid.particles.position, *fluid.particles.velocity, fluid.pressing)
         config, h = fluid.config, fluid.smoothing.support / 2.0
-        self.laminar = 2.0 * config.kinematic_viscosity / fluid.particles.rest_density
+        self.laminar = 2.0 * config.kinematic_viscosity / fluid.rest_density
         self.central = fluid.smoothing.dimension + 2.0  # of the central form, over that of the sum of all components
         self.inside = fluid.shifting  # whether there is no free surface
-        self.artificial = config.artificial_viscosity * h * fluid.sound_speed / fluid.particles.rest_density
+        self.artificial = config.artificial_viscosity * h * fluid.sound_speed / fluid.rest_density
         self.meeting = not self.inside
         self.viscous = self.laminar > 0.0 or self.artificial > 0.0 or self.meeting
-        self.apart = fluid.ledger.impulses  # pressure and viscosity summed apart
-        self.sums = 6 if self.apart else 3
         self.tiny = 1e-6 * h * h  # [m2]
-        if fluid.bodies:
-            self.solid, self.reaction = fluid.boundary.met(self), fluid.boundary.reaction(self)
+        super().__init__(fluid)
 
     @ti.func
-    def begin(self, group):
-        self.fluid.ledger.begin_motion(group)
+    def risen(self, head):
+        return head / self.fluid.rest_density
 
     @ti.func
-    def image(self, other, mirror):
-        """A neighbour as a side shows it: its velocity turned round, its pressure continued hydrostatically."""
-        x, image = tm.vec3(other[0], other[1], other[2]), reflected(mirror, other)
-        image[6] += climbed(mirror, x, self.fluid.pull.at_rest(x)) / self.fluid.particles.rest_density
-        return image
-
-    @ti.func
-    def sample(self, own, s, d, mirror):
-        """A sample of a solid body."""
-        boundary = self.fluid.boundary
-        other = beside(own, d, boundary.rubbing(tm.vec3(own[3], own[4], own[5]), s, mirror))
-        head = boundary.head(tm.vec3(own[0], own[1], own[2]), s, d, mirror)
-        other[6] = own[6] + head / self.fluid.particles.rest_density
-        return other
-
-    @ti.func
-    def acceleration(self, own, total):
-        return self.fluid.slope * self.fluid.added(total)
+    def scale(self, own):
+        return self.fluid.slope
 
     @ti.func
     def pair(self, own, other):
         """(p_i / rho_i^2 + p_j / rho_j^2) x_ij, the artificial stress where they are negative, and viscosity, to be
         times -m grad W / x_ij."""
-        x_ij = self.fluid.smoothing.between(own, other, 0)
+        x_ij = self.fluid.smoothing.between(own, other, self.row.position)
         r2 = x_ij.dot(x_ij)
         r = ti.sqrt(r2)
         weight = self.fluid.smoothing.shape_grad_wendland(r)
-        near = self.fluid.closeness(r)
-        pull = positive(-own[6]) + positive(-other[6])
-        push, rub = (own[6] + other[6] + TENSION * near * near * near * near * pull) * x_ij, tm.vec3(0.0)
+        near, p_i, p_j = self.fluid.closeness(r), own[self.row.pressure], other[self.row.pressure]
+        pull = positive(-p_i) + positive(-p_j)
+        push, rub = (p_i + p_j + TENSION * near * near * near * near * pull) * x_ij, tm.vec3(0.0)
         if ti.static(self.viscous):
-            v_ij = self.fluid.smoothing.between(own, other, 3)
+            v_ij = self.fluid.smoothing.between(own, other, self.row.velocity)
             along = v_ij.dot(x_ij) / (r2 + self.tiny)
             lost = float(self.artificial)
             if ti.static(self.meeting):
@@ -161,70 +144,46 @@ class Momentum:
             else:
                 strength += self.laminar * self.central
             rub -= strength * along * x_ij
-        total = ti.Vector.zero(float, self.sums)
-        if ti.static(self.apart):
-            for k in ti.static(range(3)):
-                total[k], total[3 + k] = weight * push[k], weight * rub[k]
-        else:
-            total = weight * (push + rub)
-        return total
+        return self.added(weight, push, rub)
 
     @ti.func
-    def finish(self, i, own, total, beyond, group):
-        fluid, m = self.fluid, ti.static(self.fluid.particles.mass)
-        dt = fluid.dt[None]
-        x, v = tm.vec3(own[0], own[1], own[2]), tm.vec3(own[3], own[4], own[5])
-        if ti.static(fluid.bodies):
-            beyond += self.solid.total(x, own)
-        a_water, a_walls = fluid.slope * fluid.added(total), fluid.slope * fluid.added(beyond)
-        a_wind = fluid.wind.force(fluid.particles.id[i], x, v, fluid.area(i), m) / m
-        a_pull = fluid.pull.at(x, v)
-        a_hull = fluid.hull_push(x, 0.5 * dt)
-        a = a_water + a_walls + a_wind + a_pull + a_hull  # (2.25)
-        pushed, fast = fluid.walls.held_back(fluid.walls.calmed(x, v + dt * a, dt), dt)
-        grid = fluid.grid
-        x_new, v_new = fluid.walls.bounced(x + grid.gone(i, 0.5 * dt * pushed), pushed)
-        for k in ti.static(range(3)):
-            grid.moved[k][i], grid.moved[3 + k][i] = x_new[k], v_new[k]
-        fluid.ledger.count_motion(group, v_new, a, fast)
-        if ti.static(self.apart):
-            a_pressure, mean = fluid.slope * tm.vec3(total[0], total[1], total[2]), 0.5 * (v + v_new)
-            rubbed, held = a_water - a_pressure, m * (v_new - v - dt * (a - a_walls))
-            fluid.ledger.count_step(group, m * dt, a_pressure, rubbed, a_wind, a_pull, a_hull, held, mean)
-            squeezed = m * dt * fluid.slope * tm.vec3(beyond[0], beyond[1], beyond[2]).dot(mean)
-            fluid.ledger.count_work(group, WALLS, -squeezed)  # what images press becomes internal energy
-            fluid.ledger.count_work(group, PRESSURE, squeezed)
+    def account(self, beyond, mean, dt, group):
+        """What images press becomes internal energy."""
+        fluid = self.fluid
+        squeezed = fluid.particles.mass * dt * fluid.slope * vec3(beyond, self.terms.push).dot(mean)
+        fluid.accounts.count_work(group, WALLS, -squeezed)
+        fluid.accounts.count_work(group, PRESSURE, squeezed)
 
 
 @ti.data_oriented
 class Continuity:
     """Rate of the density: sum m v_ij . grad W, and diffusion by delta h c; in a closed basin, shift.
 
-    Read are the places at the end of the step and the deviation in its middle.
+    Read are the positions and velocities at the end of the step and the deviation in its middle.
     """
 
-    apart = False
+    row, apart = Columns(position=3, velocity=3, deviation=1), False
 
     def __init__(self, fluid: "DeltaSph") -> None:
         self.fluid = fluid
-        self.reads = (*fluid.grid.moved[:6], fluid.deviation)
-        h, rho_0 = fluid.smoothing.support / 2.0, fluid.particles.rest_density
+        self.reads = (*fluid.grid.moved[: STATE.id], fluid.deviation)
+        h, rho_0 = fluid.smoothing.support / 2.0, fluid.rest_density
         self.diffusion = 2.0 * fluid.config.density_diffusion * h * fluid.sound_speed / rho_0
         self.heavier = rho_0 / fluid.sound_speed**2  # density [kg/m3] over p / rho [m2/s2]
-        self.sums = 5 if fluid.shifting else 2
-        if fluid.bodies:
-            self.solid = fluid.boundary.met(self)
+        self.terms = Columns(rate=1, diffusion=1, **({"crowding": 3} if fluid.shifting else {}))
+        if fluid.boundary is not None:
+            self.boundary, self.solid = fluid.boundary, fluid.boundary.summed(self)
 
     @ti.func
     def begin(self, group):
-        self.fluid.ledger.begin_density(group)
+        self.fluid.accounts.begin_density(group)
 
     @ti.func
     def image(self, other, mirror):
         """A neighbour as a side shows it: its velocity across it turned round, its density continued
         hydrostatically."""
-        x, image = tm.vec3(other[0], other[1], other[2]), slid(mirror, other)
-        image[6] += self.heavier * climbed(mirror, x, self.fluid.pull.at_rest(x))
+        x, image = vec3(other, self.row.position), reflected_free_slip(mirror, other)
+        image[self.row.deviation] += self.heavier * hydrostatic_offset(mirror, x, self.fluid.pull.at_rest(x))
         return image
 
     @ti.func
@@ -232,71 +191,77 @@ class Continuity:
         """A sample of a solid body: it moves with the body, and nothing diffuses into it. Only so does water that comes
         to a face gain what the samples add to its sum, and lose it as it goes: moved against the water, as an image
         moves, a sample that stays where it is would add twice that, and press twice as hard on what streams by."""
-        other = beside(own, d, self.fluid.boundary.own_velocity(s, mirror))
-        still = self.heavier * self.fluid.pull.at_rest(tm.vec3(own[0], own[1], own[2]))
-        other[6] = own[6] + still.dot(d)
+        other = displaced(own, d, self.boundary.own_velocity(s, mirror))
+        still = self.heavier * self.fluid.pull.at_rest(vec3(own, self.row.position))
+        other[self.row.deviation] = own[self.row.deviation] + still.dot(d)
         return other
 
     @ti.func
     def pair(self, own, other):
         """-v_ij . x_ij and the diffusion, to be times -m grad W / x_ij."""
-        x_own = tm.vec3(own[0], own[1], own[2])
-        x_ij, v_ij = self.fluid.smoothing.between(own, other, 0), self.fluid.smoothing.between(own, other, 3)
+        x_own, smoothing = vec3(own, self.row.position), self.fluid.smoothing
+        x_ij = smoothing.between(own, other, self.row.position)
+        v_ij = smoothing.between(own, other, self.row.velocity)
         r = ti.sqrt(x_ij.dot(x_ij))
-        weight = self.fluid.smoothing.shape_grad_wendland(r)
-        total = ti.Vector.zero(float, self.sums)
-        total[0] = -weight * v_ij.dot(x_ij)
+        weight = smoothing.shape_grad_wendland(r)
+        total = ti.Vector.zero(float, self.terms.size)
+        total[self.terms.rate] = -weight * v_ij.dot(x_ij)
         still = self.heavier * self.fluid.pull.at_rest(x_own)  # gradient of the density at rest [kg/m4]
-        total[1] = weight * self.diffusion * (other[6] - own[6] + still.dot(x_ij))
+        more = other[self.row.deviation] - own[self.row.deviation] + still.dot(x_ij)
+        total[self.terms.diffusion] = weight * self.diffusion * more
         if ti.static(self.fluid.shifting):
             near = self.fluid.closeness(r)
             weight *= 1.0 + CROWDING * near * near * near * near
             for k in ti.static(range(3)):
-                total[2 + k] = -weight * x_ij[k]
+                total[self.terms.crowding + k] = -weight * x_ij[k]
         return total
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        fluid, particles, rho_0 = self.fluid, self.fluid.particles, ti.static(self.fluid.particles.rest_density)
-        dt = fluid.dt[None]
+        fluid, particles, rho_0 = self.fluid, self.fluid.particles, ti.static(self.fluid.rest_density)
+        dt, deviation = fluid.dt[None], own[self.row.deviation]
         if ti.static(fluid.bodies):
-            total += self.solid.total(tm.vec3(own[0], own[1], own[2]), own)
-        rate = fluid.slope * (total[0] + total[1])
-        excess = own[6] + 0.5 * dt * rate
+            total += self.solid.total(vec3(own, self.row.position), own)
+        compressed, diffused = total[self.terms.rate], total[self.terms.diffusion]
+        rate = fluid.slope * (compressed + diffused)
+        excess = deviation + 0.5 * dt * rate
         fluid.rate[i], fluid.excess[i] = rate, excess
         particles.density[i], particles.pressure[i] = rho_0 + excess, fluid.pressure_of(excess)
-        x = fluid.grid.wrapped(tm.vec3(own[0], own[1], own[2]))
+        x = fluid.grid.wrapped(vec3(own, self.row.position))
         for k, component in ti.static(enumerate(particles.position)):
             component[i] = x[k]
         for k, component in ti.static(enumerate(particles.velocity)):
-            component[i] = own[3 + k]
+            component[i] = own[self.row.velocity + k]
         if ti.static(fluid.shifting):
-            gradient = fluid.slope / rho_0 * tm.vec3(total[2], total[3], total[4])  # of the share of water [1/m]
+            gradient = fluid.slope / rho_0 * vec3(total, self.terms.crowding)  # of the share of water [1/m]
             for k, component in ti.static(enumerate(fluid.shift)):
                 component[i] = -gradient[k]
-        fluid.ledger.count_density(group, rho_0 + excess)
-        if ti.static(fluid.ledger.impulses):
-            closer, p = particles.mass * dt * fluid.slope, fluid.pressure_of(own[6]) / (rho_0 + own[6]) ** 2
-            damped = closer * total[0] * (fluid.pressing[i] - p)
-            fluid.ledger.count_work(group, DIFFUSION, closer * total[1] * p)
-            fluid.ledger.count_work(group, PRESSURE, damped)
-            fluid.ledger.count_work(group, VISCOSITY, -damped)
+        fluid.accounts.count_density(group, rho_0 + excess)
+        if ti.static(fluid.accounts.impulses):
+            closer, p = particles.mass * dt * fluid.slope, fluid.pressure_of(deviation) / (rho_0 + deviation) ** 2
+            damped = closer * compressed * (fluid.pressing[i] - p)
+            fluid.accounts.count_work(group, DIFFUSION, closer * diffused * p)
+            fluid.accounts.count_work(group, PRESSURE, damped)
+            fluid.accounts.count_work(group, VISCOSITY, -damped)
 
 
 @ti.data_oriented
 class DeltaSph(Sph):
-    """Water between steps: places, velocities, densities and pressures all at one time, in the order of the cells in
+    """Water between steps: positions, velocities, densities and pressures all at one time, in the order of the cells in
     which the particles were half a step ago.
 
     In a basin without a free surface, particles are shifted along the gradient of their number, which keeps them from
     lining up along streamlines (Lind et al. 2012, J. Comput. Phys. 231; Sun et al. 2017, CMAME 315, eq. 16).
     """
 
-    def __init__(self, config: Config, basin: Basin, ledger: bool, wind: Wind) -> None:
-        sizes = config.sized(config.lattice(basin), READS, CARRIED)
-        super().__init__(config, basin, sizes, ledger, wind)
+    config: Config
+
+    def __init__(self, config: Config, basin: Basin, accounts: bool, wind: Wind) -> None:
+        sizes = config.sized(config.lattice(basin), Momentum.row.size, CARRIED)
+        super().__init__(config, basin, sizes, accounts, wind)
         particles, self.closed = self.particles, basin.closed
         self.deviation, self.pressing = self.carried  # in mid-step: [kg/m3], and (p + bulk rate) / rho^2
+        self.next_deviation, self.next_pressing = self.grid.carried  # the same before the sort of a step
         self.excess, self.rate = (ti.field(float, shape=particles.n) for _ in range(2))  # [kg/m3] at its end, and rate
         self.slope = particles.mass * self.smoothing.wendland_slope  # -m grad W / x_ij over its shape
         self.clamped, self.shifting = config.minimum_pressure is not None, config.enclosed(basin)
@@ -327,20 +292,18 @@ class DeltaSph(Sph):
     @property
     def places(self) -> tuple[ti.Field, ...]:
         """At the end of the step, in the order of its middle, with nothing wrapped into the period since."""
-        return self.grid.moved[:3]
+        return self.grid.moved[: STATE.velocity]
 
-    def begin(self) -> None:
-        """Start from the particles as they are now, with the pressures that they have."""
-        self.lift()
+    def arrive(self) -> None:
         self.settle(self.summary)
-        self.status = self.ledger.status(self.summary, self.grid)
 
-    def advance(self, dt: float) -> None:
-        """One step of dt [s]; raises Diverged where more particles crowd together than the neighbour lists hold."""
-        self.drive(dt)
-        self.step(dt, self.status.max_speed, self.wind.since, self.summary)
-        self.status = self.ledger.status(self.summary, self.grid)
-        self.emit()
+    def step(self, dt: float) -> None:
+        self.leap(dt, self.status.max_speed, self.wind.since, self.summary)
+
+    @ti.func
+    def leave(self, i, x, v):
+        """Keep the next position and velocity of particle i, which stays in the cell that it was in in mid-step."""
+        self.grid.keep(i, x, v)
 
     @ti.func
     def closeness(self, r):
@@ -361,20 +324,19 @@ class DeltaSph(Sph):
         return p
 
     @ti.kernel
-    def settle(self, summary: ti.types.ndarray(ndim=1)):
+    def settle(self, summary: Array):
         """Sort, and find the rate of the density as it is now."""
         self.dt[None] = 0.0
         for i in range(self.particles.count.there()):
-            self.grid.moved[7][i] = self.excess_of(self.particles.pressure[i])
+            self.next_deviation[i] = self.excess_of(self.particles.pressure[i])
         self.grid.sort()
         for i in range(self.particles.count.there()):
-            for k in ti.static(range(6)):
+            for k in ti.static(range(STATE.id)):
                 self.grid.moved[k][i] = self.grid.state[k][i]
-        for g in range(self.ledger.groups * TASK):
-            if g % TASK == 0:
-                self.ledger.begin_motion(g // TASK)
-                self.neighbours.walk(g // TASK, self.continuity, True)
-        self.ledger.summarise(summary)
+        for group in range(self.accounts.groups):
+            self.accounts.begin_motion(group)
+        self.neighbours.walk(self.continuity, True)
+        self.accounts.summarise(summary)
 
     @ti.func
     def excess_of(self, pressure):
@@ -383,7 +345,7 @@ class DeltaSph(Sph):
         return rho_0 * ((1.0 + gamma * pressure / (rho_0 * self.sound_speed**2)) ** (1.0 / gamma) - 1.0)
 
     @ti.kernel
-    def step(self, dt: float, speed: float, since: float, summary: ti.types.ndarray(ndim=1)):
+    def leap(self, dt: float, speed: float, since: float, summary: Array):
         """Drift half a step, sort, kick, drift to the end, find the rate of the density there."""
         self.dt[None] = dt
         self.wind.set_clock(since, dt)
@@ -398,19 +360,14 @@ class DeltaSph(Sph):
                 way += dt * speed * self.smoothing.support * shift
             middle = self.excess[i] + 0.5 * dt * self.rate[i]
             self.grid.leave(i, x + self.grid.gone(i, way), v)
-            self.grid.moved[7][i] = middle
+            self.next_deviation[i] = middle
             pressed = self.pressure_of(middle) + bulk * self.rate[i]
-            self.grid.moved[8][i] = pressed / (self.particles.rest_density + middle) ** 2
+            self.next_pressing[i] = pressed / (self.particles.rest_density + middle) ** 2
         self.grid.sort()
-        if ti.static(self.bodies):
-            self.boundary.react(self.momentum.reaction, dt)
-        for g in range(self.ledger.groups * TASK):
-            if g % TASK == 0:
-                self.neighbours.walk(g // TASK, self.momentum, True)
-        for g in range(self.ledger.groups * TASK):
-            if g % TASK == 0:
-                self.neighbours.walk(g // TASK, self.continuity, False)
-        self.ledger.summarise(summary)
+        self.momentum.react(dt)
+        self.neighbours.walk(self.momentum, True)
+        self.neighbours.walk(self.continuity, False)
+        self.accounts.summarise(summary)
 
     def limits(self) -> Limits:
         status = self.status

@@ -16,11 +16,8 @@ again, at GAP of its size a step. Where there is none pressures have either sign
 gradient of their number (Lind et al. 2012, J. Comput. Phys. 231), and the density's pressures only displace them
 (Cornelis et al. 2019, Visual Computer 35).
 
-A known weakness: once its lattice has given way, the pressures of single particles scatter in water that hardly moves
-(after 24 s without viscosity, in a tank of 10 rows, by 10 % of that at the bed; their mean there is 2 % high). A
-lattice gives way where it is not elastically stable under the kernel, as at 3.6 spacings in a slice. At 4.0 it is:
-the scatter is 2.6 % then (0.5 % in the row at the bed), but there from the start, and with steps of 0.01 s it is 3.5
-% after 4 s, where 3.6 keeps within 2 %.
+A known weakness: once its lattice has given way, the pressures of single particles scatter in water that hardly moves.
+A lattice gives way where it is not elastically stable under the kernel (Stencil.softest).
 """
 
 from math import sqrt
@@ -31,23 +28,27 @@ import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.basin import Basin
+from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.accounts import GRAVITY, PRESSURE, SHIP, VISCOSITY, WALLS, WIND
-from ocean_sim.fluid.shared.grid import TASK
-from ocean_sim.fluid.shared.images import OfPlaces, climbed, mirrored, turned
+from ocean_sim.fluid.shared.force import Force
+from ocean_sim.fluid.shared.images import hydrostatic_offset, mirrored, turned
+from ocean_sim.fluid.shared.law import PositionLaw
 from ocean_sim.fluid.shared.pairs import Pairs
 from ocean_sim.fluid.shared.pairs import size as size_of_pairs
 from ocean_sim.fluid.shared.particles import Components
-from ocean_sim.fluid.shared.pressure_solver import REPORT, TOO_DENSE, UPHILL, Solver, away_from
+from ocean_sim.fluid.shared.pressure_solver import REPORT, TOO_DENSE, UPHILL, Solver
 from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.sph import Sph, SphConfig, limits, rows
 from ocean_sim.fluid.shared.stencil import Stencil
+from ocean_sim.fluid.shared.tasks import TASK
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
+from ocean_sim.runtime import Array, Template
 from ocean_sim.wind import Wind
 
 PAIR = 7.4e-8  # [s] of processor time a neighbour, with the iterations that calm water needs
-READS = 7  # fields of a neighbour that the law of the forces reads
+ROW, VISCOUS_ROW = Columns(position=3, pressure=1), Columns(position=3, pressure=1, velocity=3)  # of the forces
 FLAT, SOLID = 3.6, 2.0  # [spacings] support in a slice (36 neighbours) and in space (26)
 CALM = {"density": 0.1, "divergence": 0.003}  # [tolerances] errors below which water counts as calm
 BRIEF = 0.1  # of half the support over the reference speed: in shorter steps calm water compresses itself less
@@ -62,6 +63,7 @@ class Config(SphConfig):
     fineness: ClassVar[int] = 2
     added_viscosity: ClassVar = ((50.0, 2.43e-3), (100.0, 2.13e-3))  # 1.0e-3 of it by an artificial viscosity of 0.01
     unheeded: ClassVar[tuple[str, ...]] = ("compression",)
+    default_ratio: ClassVar[tuple[float, float]] = (FLAT, SOLID)
     kind: Literal["dfsph"] = "dfsph"
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
     """Support radius of the smoothing kernel over the spacing; by default 3.6 in a slice and 2.0 in space."""
@@ -77,9 +79,6 @@ class Config(SphConfig):
     """The most iterations for the density; steps that would need more are counted."""
     max_divergence_iterations: int = quantity("1", 100, ge=0)
     """The most iterations for the divergence; steps that would need more are counted."""
-
-    def ratio(self, basin: Basin) -> float:
-        return self.support_ratio or (FLAT if basin.dimension == 2 else SOLID)
 
     def viscosity(self, basin: Basin) -> float:
         """Kinematic viscosity, the artificial one included [m2/s]."""
@@ -101,7 +100,7 @@ class Config(SphConfig):
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         basin, word = preflight.tank, preflight.word
         what = "position, velocity, density, pressure, number; predicted velocity, way and two solvers' fields"
-        sizes = self.sized(self.began(preflight), READS, 1)
+        sizes = self.sized(self.began(preflight), VISCOUS_ROW.size, 1)
         n, neighbours = sizes.grid.lattice.n, Stencil(Smoothing(basin.dimension, self.ratio(basin)), 1.0).neighbours
         pairs = LedgerRow(
             "fluid", "pairs", size_of_pairs(n, neighbours, word), f"{neighbours} neighbours on the lattice"
@@ -113,12 +112,11 @@ class Config(SphConfig):
 
 
 @ti.data_oriented
-class Density(OfPlaces):
+class Density(PositionLaw):
     """Density by summation, how much of it is missing in gaps, and the diagonal A_ii of the solvers over dt^2 (2015,
     eq. 9: their 1 / alpha); more of it where particles crowd, since A / A_ii reaches further beyond one there."""
 
-    apart = False
-    sums = 5
+    apart, terms = False, Columns(density=1, gradient=3, squares=1)
 
     def __init__(self, fluid: "Dfsph") -> None:
         self.fluid = fluid
@@ -127,12 +125,12 @@ class Density(OfPlaces):
         self.slope, self.square, self.mass = -stencil.slope, stencil.slope**2, m * stencil.constant
         self.scale, self.least, self.volume = m * fluid.weight, LEAST * stencil.squares, stencil.volume
         self.lacking = stencil.lacking
-        if fluid.bodies:
-            self.solid = fluid.boundary.met(self)
+        if fluid.boundary is not None:
+            self.solid = fluid.boundary.summed(self)
 
     @ti.func
     def begin(self, group):
-        self.fluid.ledger.begin_density(group)
+        self.fluid.accounts.begin_density(group)
         self.fluid.begin_report(group)
 
     @ti.func
@@ -148,10 +146,11 @@ class Density(OfPlaces):
         fluid, rest = self.fluid, ti.static(self.fluid.particles.rest_density)
         if ti.static(fluid.bodies):
             solid = self.solid.total(own, own)
-            solid[4] = 0.0  # no pressure moves a body
+            solid[self.terms.squares] = 0.0  # no pressure moves a body
             total += solid
-        gradient = self.slope * tm.vec3(total[1], total[2], total[3])
-        rho, squares = self.mass * total[0], gradient.dot(gradient) + self.square * total[4]
+        gradient = self.slope * vec3(total, self.terms.gradient)
+        rho = self.mass * total[self.terms.density]
+        squares = gradient.dot(gradient) + self.square * total[self.terms.squares]
         gradient *= self.volume  # of the share of water
         fluid.particles.density[i], fluid.particles.pressure[i] = rho, fluid.held_pressure[i]
         fluid.diagonal[i] = self.scale * tm.max(rho / rest, 1.0) * tm.max(squares, self.least)
@@ -162,44 +161,42 @@ class Density(OfPlaces):
         else:
             gap = tm.max(1.0 - rho / rest - self.lacking * gradient.norm(), 0.0)
             fluid.closing[i] = rest * gap * tm.max(gap, GAP)
-        fluid.ledger.count_density(group, rho)
+        fluid.accounts.count_density(group, rho)
 
 
 @ti.data_oriented
-class Forces:
+class Forces(Force):
     """Everything but pressure, and the pressures of the last step, from which the solver for the divergence starts.
 
     Viscosity is of the form that suits the surface: Monaghan & Gingold (1983) under a free one, Morris, Fox & Zhu
     (1997, eq. 22) without one. An image continues the pressure hydrostatically, dp/dn = rho g . n.
     """
 
+    fluid: "Dfsph"
+
     def __init__(self, fluid: "Dfsph", viscosity: float) -> None:
-        self.fluid, self.viscous = fluid, viscosity > 0.0
+        self.viscous = viscosity > 0.0
+        self.row = VISCOUS_ROW if self.viscous else ROW
         self.reads = (*fluid.particles.position, fluid.held_pressure)
         if self.viscous:
             self.reads += tuple(fluid.particles.velocity)
-        self.apart = fluid.ledger.impulses
-        self.sums = 6 if self.viscous else 3
+        self.terms = Columns(push=3, rub=3) if self.viscous else Columns(push=3)
         self.rubbing = 2.0 * viscosity * fluid.stencil.volume * fluid.stencil.slope / fluid.stencil.gain
         self.central, self.tiny = fluid.smoothing.dimension + 2.0, 1e-6 * fluid.smoothing.support**2
-        if fluid.bodies:
-            self.solid, self.reaction = fluid.boundary.met(self), fluid.boundary.reaction(self)
-
-    @ti.func
-    def begin(self, group):
-        self.fluid.ledger.begin_motion(group)
+        super().__init__(fluid)
 
     @ti.func
     def image(self, other, mirror):
-        x = tm.vec3(other[0], other[1], other[2])
+        x = vec3(other, self.row.position)
         x_image, image = mirrored(mirror, x), other
         for k in ti.static(range(3)):
-            image[k] = x_image[k]
-        image[3] += self.fluid.particles.rest_density * climbed(mirror, x, self.fluid.pull.at_rest(x))
+            image[self.row.position + k] = x_image[k]
+        offset = hydrostatic_offset(mirror, x, self.fluid.pull.at_rest(x))
+        image[self.row.pressure] += self.fluid.rest_density * offset
         if ti.static(self.viscous):
-            v_image = turned(mirror, tm.vec3(other[4], other[5], other[6]))
+            v_image = turned(mirror, vec3(other, self.row.velocity))
             for k in ti.static(range(3)):
-                image[4 + k] = v_image[k]
+                image[self.row.velocity + k] = v_image[k]
         return image
 
     @ti.func
@@ -207,64 +204,58 @@ class Forces:
         """A sample of a solid body, which has no pressure of its own (2017, section 5)."""
         other = own
         for k in ti.static(range(3)):
-            other[k] = own[k] + d[k]
-        other[3] = 0.0
+            other[self.row.position + k] = own[self.row.position + k] + d[k]
+        other[self.row.pressure] = 0.0
         if ti.static(self.viscous):
-            v = self.fluid.boundary.rubbing(tm.vec3(own[4], own[5], own[6]), s, mirror)
+            v = self.boundary.rubbing(vec3(own, self.row.velocity), s, mirror)
             for k in ti.static(range(3)):
-                other[4 + k] = v[k]
+                other[self.row.velocity + k] = v[k]
         return other
 
     @ti.func
     def acceleration(self, own, total):
-        a = self.fluid.pressing * tm.vec3(total[0], total[1], total[2])
+        a = self.fluid.pressing * vec3(total, self.terms.push)
         if ti.static(self.viscous):
-            a += self.rubbing * tm.vec3(total[3], total[4], total[5])
+            a += self.rubbing * vec3(total, self.terms.rub)
         return a
 
     @ti.func
     def pair(self, own, other):
-        away = away_from(self.fluid, own, other)
-        total = ti.Vector.zero(float, self.sums)
+        x_ij, smoothing = vec3(own, self.row.position) - vec3(other, self.row.position), self.fluid.smoothing
+        gradient, total = smoothing.pair_gradient(x_ij), ti.Vector.zero(float, self.terms.size)
         for k in ti.static(range(3)):
-            total[k] = (own[3] + other[3]) * away[k]
+            total[self.terms.push + k] = (own[self.row.pressure] + other[self.row.pressure]) * gradient[k]
         if ti.static(self.viscous):
-            x_ij = tm.vec3(own[0] - other[0], own[1] - other[1], own[2] - other[2])
-            v_ij = tm.vec3(own[4] - other[4], own[5] - other[5], own[6] - other[6])
+            v_ij = vec3(own, self.row.velocity) - vec3(other, self.row.velocity)
             r2 = x_ij.dot(x_ij)
-            rub = self.central * v_ij.dot(x_ij) / (r2 + self.tiny) * away
+            rub = self.central * v_ij.dot(x_ij) / (r2 + self.tiny) * gradient
             if ti.static(self.fluid.closed):
-                rub = self.fluid.smoothing.shape_grad_wendland(ti.sqrt(r2)) * v_ij
+                rub = smoothing.shape_grad_wendland(ti.sqrt(r2)) * v_ij
             for k in ti.static(range(3)):
-                total[3 + k] = -rub[k]
+                total[self.terms.rub + k] = -rub[k]
         return total
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        fluid, m = self.fluid, ti.static(self.fluid.particles.mass)
-        dt = fluid.dt[None]
-        x, v = tm.vec3(own[0], own[1], own[2]), fluid.particles.velocity
+        fluid, u = self.fluid, self.fluid.particles.velocity
+        dt, x, v = fluid.dt[None], vec3(own, self.row.position), tm.vec3(u.x[i], u.y[i], u.z[i])
         if ti.static(fluid.bodies):
             beyond += self.solid.total(x, own)
-        before = tm.vec3(v.x[i], v.y[i], v.z[i])
-        a_wind = fluid.wind.force(fluid.particles.id[i], x, before, fluid.area(i), m) / m
-        u = fluid.pushed(group, WIND, before, dt * a_wind)
-        a_pull = fluid.pull.at(x, before)
-        u = fluid.pushed(group, GRAVITY, u, dt * a_pull)
-        a_hull = fluid.hull_push(x, 0.0)
-        u = fluid.pushed(group, SHIP, u, dt * a_hull)
-        a = a_wind + a_pull + a_hull
+        a_wind, a_pull, a_hull = fluid.driven(i, x, v, 0.0)
+        a, v_new = a_wind + a_pull + a_hull, fluid.pushed(group, WIND, v, dt * a_wind)
+        v_new = fluid.pushed(group, GRAVITY, v_new, dt * a_pull)
+        v_new = fluid.pushed(group, SHIP, v_new, dt * a_hull)
         if ti.static(self.viscous):
-            rub, rub_walls = tm.vec3(total[3], total[4], total[5]), tm.vec3(beyond[3], beyond[4], beyond[5])
-            u = fluid.pushed(group, VISCOSITY, u, dt * self.rubbing * rub)
-            u = fluid.pushed(group, WALLS, u, dt * self.rubbing * rub_walls)
+            rub, rub_walls = vec3(total, self.terms.rub), vec3(beyond, self.terms.rub)
+            v_new = fluid.pushed(group, VISCOSITY, v_new, dt * self.rubbing * rub)
+            v_new = fluid.pushed(group, WALLS, v_new, dt * self.rubbing * rub_walls)
             a += self.rubbing * (rub + rub_walls)
-        u = fluid.pushed(group, WALLS, u, fluid.walls.calmed(x, u, dt) - u)
-        u = fluid.pressed(group, u, dt, total, beyond)
+        v_new = fluid.pushed(group, WALLS, v_new, fluid.walls.relaxed(x, v_new, dt) - v_new)
+        v_new = fluid.pressed(group, v_new, dt, vec3(total, self.terms.push), vec3(beyond, self.terms.push))
         for k, component in ti.static(enumerate(fluid.predicted)):
-            component[i] = fluid.base[k][i] = u[k]
+            component[i] = fluid.base[k][i] = v_new[k]
         fluid.divergence.begin(i)
-        fluid.ledger.count_motion(group, before, a, 0)
+        fluid.accounts.count_motion(group, v, a, 0)
 
 
 @ti.data_oriented
@@ -275,8 +266,10 @@ class Dfsph(Sph):
     `sound_speed` is that of weakly compressible water with the same `compression`; no step waits for it.
     """
 
-    def __init__(self, config: Config, basin: Basin, ledger: bool, wind: Wind) -> None:
-        super().__init__(config, basin, config.sized(config.lattice(basin), READS, 1), ledger, wind)
+    config: Config
+
+    def __init__(self, config: Config, basin: Basin, accounts: bool, wind: Wind) -> None:
+        super().__init__(config, basin, config.sized(config.lattice(basin), VISCOUS_ROW.size, 1), accounts, wind)
         particles, n = self.particles, self.particles.n
         self.basin, self.closed = basin, config.enclosed(basin)
         side = (particles.mass / particles.rest_density) ** (1.0 / basin.dimension)
@@ -285,7 +278,7 @@ class Dfsph(Sph):
         self.pressing = self.weight * self.stencil.slope
         self.predicted, self.way = Components(n), Components(n)  # velocity at the end of the step; way over dt [m/s]
         self.base = tuple(Components(n))  # [m/s] before what the pressures gain
-        self.pairs = Pairs(particles, self.grid.images, self.ledger.groups, self.stencil.neighbours)
+        self.pairs = Pairs(particles, self.grid.images, self.accounts.groups, self.stencil.neighbours)
         self.neighbours.keep(self.pairs, self.smoothing)
         self.held_pressure = self.carried[0]  # [Pa]
         if self.closed:
@@ -295,7 +288,7 @@ class Dfsph(Sph):
         self.diagonal = ti.field(float, shape=n)  # A_ii / dt^2
         self.momentum, self.level = (ti.field(float, shape=()) for _ in range(2))  # how far an iteration is carried
         self.level[None] = particles.rest_density  # on; density that is sought [kg/m3]
-        self.rows = ti.field(float, shape=(self.ledger.groups, REPORT))
+        self.rows = ti.field(float, shape=(self.accounts.groups, REPORT))
         calm, brief = CALM["divergence"], BRIEF * 0.5 * self.smoothing.support / self.reference_speed
         if self.closed:
             calm, brief = 1.0, 0.0  # without a surface less would damp the flow
@@ -305,32 +298,25 @@ class Dfsph(Sph):
         self.incompressible = Solver(self, self.way, *limits)
         self.solvers = {"density": self.incompressible, "divergence": self.divergence}
         self.density, self.forces = Density(self), Forces(self, config.viscosity(basin))
-        self.report = np.zeros(REPORT, dtype=particles.position.precision)
+        self.report: np.ndarray = np.zeros(REPORT, dtype=particles.position.precision)
         self.begin()
 
     def begin(self) -> None:
-        """Start from the particles as they are now."""
         self.held_pressure.fill(0.0)
-        self.lift()
-        self.arrive()
+        super().begin()
 
-    def advance(self, dt: float) -> None:
-        """One step of dt [s]; raises Diverged where more particles crowd together than the neighbour lists hold."""
-        self.drive(dt)
+    def arrive(self) -> None:
+        self.settle(self.summary, self.report)
+        if self.closed:
+            self.level[None] = self.report[TOO_DENSE] / self.particles.count.now
+
+    def step(self, dt: float) -> None:
         self.predict(dt, self.wind.since, self.report)
         self.solve(self.divergence, dt)
         self.compress(self.status.max_speed, self.report)
         self.solve(self.incompressible, dt)
         self.move()
         self.arrive()
-        self.emit()
-
-    def arrive(self) -> None:
-        """Make everything current and sorted where the particles are now."""
-        self.settle(self.summary, self.report)
-        if self.closed:
-            self.level[None] = self.report[TOO_DENSE] / self.particles.count.now
-        self.status = self.ledger.status(self.summary, self.grid)
 
     def solve(self, solver: Solver, dt: float) -> None:
         """Iterate until a step of dt [s] presses the water neither together nor apart by more than is allowed in the
@@ -345,43 +331,33 @@ class Dfsph(Sph):
             self.iterate(solver, (along - 1.0) / ahead, self.report)
             done, along, error = done + 1, ahead, scale * float(self.report[:UPHILL].max())
         solver.ended(done, error)
-        if self.ledger.impulses and solver.forces:
-            self.count(solver)
+        if self.accounts.impulses and solver.forces:
+            self.account(solver)
 
     @ti.kernel
-    def predict(self, dt: float, since: float, report: ti.types.ndarray(ndim=1)):
+    def predict(self, dt: float, since: float, report: Array):
         """Velocities under all forces and the last pressures, and how far they compress the water."""
         self.dt[None], self.momentum[None] = dt, 0.0
         self.wind.set_clock(since, dt)
-        for g in range(self.ledger.groups * TASK):
-            if g % TASK == 0:
-                self.neighbours.walk(g // TASK, self.forces, False)
-        for g in range(self.ledger.groups * TASK):
-            if g % TASK == 0:
-                self.pairs.walk(g // TASK, self.divergence.compression)
+        self.neighbours.walk(self.forces, False)
+        self.pairs.walk(self.divergence.compression)
         self.add(report)
 
     @ti.kernel
-    def iterate(self, solver: ti.template(), momentum: float, report: ti.types.ndarray(ndim=1)):
+    def iterate(self, solver: Template, momentum: float, report: Array):
         """One iteration of a solver."""
         self.momentum[None] = momentum
-        for g in range(self.ledger.groups * TASK):
-            if g % TASK == 0:
-                self.pairs.walk(g // TASK, solver.push)
-        for g in range(self.ledger.groups * TASK):
-            if g % TASK == 0:
-                self.pairs.walk(g // TASK, solver.compression)
+        self.pairs.walk(solver.push)
+        self.pairs.walk(solver.compression)
         self.add(report)
 
     @ti.kernel
-    def count(self, solver: ti.template()):
-        """Put what a solver's pressures have done to their account."""
-        for g in range(self.ledger.groups * TASK):
-            if g % TASK == 0:
-                self.pairs.walk(g // TASK, solver.account)
+    def account(self, solver: Template):
+        """Put what a solver's pressures have done to the accounts."""
+        self.pairs.walk(solver.account)
 
     @ti.kernel
-    def compress(self, speed: float, report: ti.types.ndarray(ndim=1)):
+    def compress(self, speed: float, report: Array):
         """The density that these velocities, and shifts of particles as fast as `speed`, lead to."""
         self.momentum[None] = 0.0
         for i in range(self.particles.count.there()):
@@ -393,9 +369,7 @@ class Dfsph(Sph):
                     way[i] += speed * self.smoothing.support * shift[i]
             for base, way in ti.static(zip(self.base, self.way)):
                 base[i] = way[i]
-        for g in range(self.ledger.groups * TASK):
-            if g % TASK == 0:
-                self.pairs.walk(g // TASK, self.incompressible.compression)
+        self.pairs.walk(self.incompressible.compression)
         self.add(report)
 
     @ti.kernel
@@ -405,32 +379,33 @@ class Dfsph(Sph):
             self.held_pressure[i] += self.divergence.gain[i]
             if ti.static(not self.closed):
                 self.held_pressure[i] += self.incompressible.gain[i]
-        if ti.static(self.bodies):
-            self.boundary.react(self.forces.reaction, self.dt[None])
-        for g in range(self.ledger.groups * TASK):
+        self.forces.react(self.dt[None])
+        for g in range(self.accounts.groups * TASK):
             if g % TASK == 0:
                 group, n = g // TASK, self.particles.count.there()
-                for i in range(group * n // self.ledger.groups, (group + 1) * n // self.ledger.groups):
-                    dt, p = self.dt[None], self.particles.position
-                    way = tm.vec3([component[i] for component in ti.static(tuple(self.way))])
-                    u = way
-                    if ti.static(self.closed):
-                        u = tm.vec3([component[i] for component in ti.static(tuple(self.predicted))])
-                    held, fast = self.walls.held_back(way, dt)
-                    x, v = self.walls.bounced(tm.vec3(p.x[i], p.y[i], p.z[i]) + self.grid.gone(i, dt * held), u)
-                    v = self.pushed(group, WALLS, u, v - u)
-                    self.grid.leave(i, x, v)
-                    self.ledger.count_motion(group, v, tm.vec3(0.0), fast)
+                for i in range(group * n // self.accounts.groups, (group + 1) * n // self.accounts.groups):
+                    self.displace(i, self.dt[None], group)
+
+    @ti.func
+    def displace(self, i, dt, group):
+        """Move particle i as far as walls and the motion limit let it."""
+        p, way = self.particles.position, tm.vec3([component[i] for component in ti.static(tuple(self.way))])
+        u = way
+        if ti.static(self.closed):
+            u = tm.vec3([component[i] for component in ti.static(tuple(self.predicted))])
+        held, fast = self.walls.held_back(way, dt)
+        x, v = self.walls.bounced(tm.vec3(p.x[i], p.y[i], p.z[i]) + self.grid.gone(i, dt * held), u)
+        v = self.pushed(group, WALLS, u, v - u)
+        self.leave(i, x, v)
+        self.accounts.count_motion(group, v, tm.vec3(0.0), fast)
 
     @ti.kernel
-    def settle(self, summary: ti.types.ndarray(ndim=1), report: ti.types.ndarray(ndim=1)):
+    def settle(self, summary: Array, report: Array):
         """Sort, and find the new density."""
         self.grid.sort()
-        for g in range(self.ledger.groups * TASK):
-            if g % TASK == 0:
-                self.neighbours.walk(g // TASK, self.density, True)
+        self.neighbours.walk(self.density, True)
         self.add(report)
-        self.ledger.summarise(summary)
+        self.accounts.summarise(summary)
 
     @ti.func
     def begin_report(self, group):
@@ -438,14 +413,22 @@ class Dfsph(Sph):
             self.rows[group, k] = 0.0
 
     @ti.func
-    def add(self, report: ti.template()):
+    def add(self, report: Template):
         """The groups' rows into one, in their order."""
         for k in ti.static(range(REPORT)):
             report[k] = 0.0
         ti.loop_config(serialize=True)
-        for g in range(self.ledger.groups):
+        for g in range(self.accounts.groups):
             for k in ti.static(range(REPORT)):
                 report[k] += self.rows[g, k]
+
+    @ti.func
+    def surplus(self, i):
+        """What particle i may gain in density in this step, in a gap that closes [kg/m3]."""
+        surplus = 0.0
+        if ti.static(not self.closed):
+            surplus = self.closing[i]
+        return surplus
 
     @ti.func
     def held(self, pressure):
@@ -457,22 +440,18 @@ class Dfsph(Sph):
 
     @ti.func
     def pressed(self, group, u, dt, total, beyond):
-        """Velocity u after the pressures of the water, summed in the first three of `total`, and of the walls."""
+        """Velocity u after the pressures of the water and of the walls, put to their accounts."""
         scale = dt * self.pressing
-        u = self.pushed(group, PRESSURE, u, scale * tm.vec3(total[0], total[1], total[2]))
-        return self.pushed(group, WALLS, u, scale * tm.vec3(beyond[0], beyond[1], beyond[2]))
+        u = self.pushed(group, PRESSURE, u, scale * total)
+        return self.pushed(group, WALLS, u, scale * beyond)
 
     @ti.func
-    def pushed(self, group, term: ti.template(), u, change):
-        """Velocity u and its change by a term, put to its account."""
-        if ti.static(self.ledger.impulses):
-            self.ledger.count_impulse(group, term, self.particles.mass * change, u + 0.5 * change)
+    def pushed(self, group, term: Template, u, change):
+        """Velocity u and its change by a term, put to the accounts."""
+        if ti.static(self.accounts.impulses):
+            self.accounts.count_impulse(group, term, self.particles.mass * change, u + 0.5 * change)
         return u + change
 
     def limits(self) -> Limits:
         """The acceleration is that of all forces but pressure."""
         return self.config.limited(self.basin, self.status.max_speed, self.status.max_acceleration)
-
-    def internal_energy(self) -> float:
-        """None: what is not compressed stores nothing [J]."""
-        return 0.0

@@ -10,7 +10,7 @@ from pydantic import model_validator
 from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import WATER_DENSITY
-from ocean_sim.fluid import Limits, Status
+from ocean_sim.fluid import Fluid, Limits, Status
 from ocean_sim.model import quantity
 from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems
 from ocean_sim.wind import Wind
@@ -82,10 +82,9 @@ class Config(waves.WaveTrain, FluidConfig):
 
 
 @ti.data_oriented
-class LinearWaves:
+class LinearWaves(Fluid):
     """The waves at one time; what they do follows from it."""
 
-    particles = None
     sound_speed = 0.0  # [m/s] nothing is compressed
 
     def __init__(self, config: Config, basin: Basin) -> None:
@@ -95,11 +94,9 @@ class LinearWaves:
         self.still = config.smooth
         self.reference_speed = (self.sea.gravity * basin.depth) ** 0.5
         speed = self.sea.amplitude * self.sea.gravity * self.sea.wavenumber / self.sea.omega  # [m/s] at the surface
-        density = config.rest_density
+        self.rest_density = density = config.rest_density
         fastest, hardest = np.linalg.norm(speed), np.linalg.norm(speed * self.sea.omega)  # sqrt 2 deviations if random
         self.status = Status(float(fastest), float(hardest), density, density, 0, True)
-        self.impulse: dict[str, np.ndarray] = {}
-        self.work: dict[str, float] = {}
         n = len(speed)
         self.amplitude, self.phase, self.k, self.kx, self.kz, self.speed = (ti.field(float, shape=n) for _ in range(6))
         self.begin(self.sea)
@@ -125,10 +122,6 @@ class LinearWaves:
 
     def limits(self) -> Limits:
         return self.still
-
-    def internal_energy(self) -> float:
-        """None: nothing is compressed [J]."""
-        return 0.0
 
     @ti.func
     def elevation(self, x, z):

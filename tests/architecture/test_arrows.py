@@ -269,6 +269,6 @@ def test_it_allocates_what_the_ledger_says_and_nothing_else(without_a_ship):
 
 def test_it_compiles_no_kernel_of_a_ship(without_a_ship):
     names = without_a_ship["kernels"]
-    assert "Mueller.move" in names
+    assert "PairSph.move" in names
     words = ("ship", "hull", "cloth", "voxel", "body", "surface")
     assert not [name for name in names if any(word in name.lower() for word in words)]

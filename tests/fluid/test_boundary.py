@@ -92,7 +92,7 @@ def test_a_box_is_pushed_as_strongly_as_it_pushes(water, kind):
     fluid = thrown(water, kind)
     for _ in range(70):
         fluid.advance(0.0015)
-    given, taken = fluid.boundary.impulses()[0], fluid.ledger.total()["walls"]
+    given, taken = fluid.boundary.impulses()[0], fluid.accounts.total()["walls"]
     assert given[0] > 0.02 * fluid.particles.mass * fluid.particles.n
     np.testing.assert_allclose(taken, -given, atol=1e-12 * np.abs(given).max())
 
@@ -104,14 +104,14 @@ def test_the_force_acts_where_the_water_pushes(water):
         fluid.advance(0.0015)
     force, torque = fluid.boundary.forces()
     assert force.shape == torque.shape == (1, 3)
-    arm = fluid.boundary.bodies[0].place
+    arm = fluid.boundary.bodies[0].position
     np.testing.assert_allclose(torque[0], np.cross(arm, fluid.boundary.force.to_numpy()).sum(axis=0), rtol=1e-12)
 
 
 def test_a_body_is_placed_turned_and_moves_as_it_is_told(water):
     fluid = thrown(water, "mueller")
     body: Boundary = fluid.boundary
-    local, turn = body.bodies[0].place, np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    local, turn = body.bodies[0].position, np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     body.place(0, np.array([0.1, -0.2, 0.0]), turn, (1.0, 0.0, 0.0), (0.0, 0.0, 3.0), (0.0, -2.0, 0.0), (0.0, 0.0, 5.0))
     body.sort()
     name = body.name.to_numpy()
@@ -136,7 +136,7 @@ def test_what_a_moving_body_gives_the_water_gets(water, kind):
     gained = fluid.particles.mass * fluid.particles.velocity.to_numpy().sum(axis=0)
     given = fluid.boundary.impulses()[0] - before
     assert gained[0] < -0.05 * fluid.particles.mass * fluid.particles.n
-    bounced = fluid.ledger.total()["walls"] + given
+    bounced = fluid.accounts.total()["walls"] + given
     np.testing.assert_allclose(gained, -given, atol=1e-11 * np.abs(given).max())
     np.testing.assert_allclose(bounced, 0.0, atol=1e-11 * np.abs(given).max())
 

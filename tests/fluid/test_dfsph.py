@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.conventions import GRAVITY, Diverged
-from ocean_sim.fluid.shared.water import MOST_PARTICLES
+from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
 from tests.fluid.conftest import box, put
 
 OPEN = {"length": 1.0, "width": 1.0, "depth": 0.5, "walls": "none", "floor": "none"}

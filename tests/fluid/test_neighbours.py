@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import taichi as ti
 
+from ocean_sim.columns import Columns
 from ocean_sim.conventions import Diverged
-from ocean_sim.fluid.shared.grid import TASK
-from ocean_sim.fluid.shared.images import mirrored as mirrored_place
+from ocean_sim.fluid.shared.images import mirrored as mirrored_position
 from tests.fluid.conftest import by_id, put
 
 
@@ -16,7 +16,7 @@ from tests.fluid.conftest import by_id, put
 class Count:
     """How many particles lie within the support, and the sum of their squared distances."""
 
-    sums, apart = 2, True
+    row, terms, apart = Columns(position=3), Columns(count=1, squares=1), True
 
     def __init__(self, fluid) -> None:
         self.reads = tuple(fluid.particles.position)
@@ -36,7 +36,7 @@ class Count:
 
     @ti.func
     def image(self, other, mirror):
-        return mirrored_place(mirror, other)
+        return mirrored_position(mirror, other)
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
@@ -46,9 +46,7 @@ class Count:
 
 @ti.kernel
 def walk(neighbours: ti.template(), law: ti.template(), find: ti.template()):
-    for g in range(neighbours.groups * TASK):
-        if g % TASK == 0:
-            neighbours.walk(g // TASK, law, find)
+    neighbours.walk(law, find)
 
 
 def brute_force(x: np.ndarray, support: float) -> tuple[np.ndarray, np.ndarray]:

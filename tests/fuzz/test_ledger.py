@@ -54,7 +54,7 @@ def test_the_shares_of_a_step_are_whole_and_each_part_says_its_own():
     assert sum(shares.values()) == pytest.approx(1.0)
     assert found["estimated_wall_s"] == pytest.approx(10 * sum(row.a_step(0.004) for row in found["ledger"]))
     kernels = {row["part"]: row["kernels"] for row in rows if row["kernels"] is not None}
-    assert "Mueller.move" in kernels["fluid"] and "Cloth.update" in kernels["surface"]
+    assert "PairSph.move" in kernels["fluid"] and "Cloth.update" in kernels["surface"]
     assert not any(name.startswith("Mueller") for part in ("wind", "surface", "ship") for name in kernels[part])
 
 

@@ -255,10 +255,10 @@ def test_sliders_and_buttons_of_the_window_move_the_panel_and_the_simulation(coa
 
 def test_a_moved_stiffness_is_that_of_the_equation_of_state(coarse):
     fluid, stiffness = coarse.fluid, coarse.fluid.stiffness
-    fluid.adjust(2.0 * stiffness, fluid.kinematic_viscosity)
+    fluid.adjust(stiffness=2.0 * stiffness)
     fluid.advance(1e-6)
     density, pressure = fluid.particles.density.to_numpy(), fluid.particles.pressure.to_numpy()
-    fluid.adjust(stiffness, fluid.kinematic_viscosity)
+    fluid.adjust(stiffness=stiffness)
     np.testing.assert_allclose(pressure, np.maximum(2.0 * stiffness * (density - 1000.0), 0.0), rtol=1e-9, atol=1e-6)
     assert pressure.max() > 0.0 and fluid.sound_speed == pytest.approx(np.sqrt(stiffness))
 

@@ -8,6 +8,7 @@ import taichi as ti
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Status
 from ocean_sim.fluid.shared.grid import Grid
+from ocean_sim.runtime import Template
 
 TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "diffusion")
 PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS, SHIP, DIFFUSION = range(len(TERMS))
@@ -16,7 +17,7 @@ DENSE = 1.0e30  # [kg/m3] more than any density
 
 
 @ti.data_oriented
-class Ledger:
+class Accounts:
     """Each group of cells writes its own row, so nothing depends on the order of threads."""
 
     def __init__(self, groups: int, impulses: bool) -> None:
@@ -53,7 +54,7 @@ class Ledger:
         self.dense[group] = ti.max(self.dense[group], density)
 
     @ti.func
-    def count_impulse(self, group, term: ti.template(), impulse, v):
+    def count_impulse(self, group, term: Template, impulse, v):
         """Impulse [N s] of a term on a particle whose mean velocity of the step is v: v . impulse is its work [J]."""
         for k in ti.static(range(3)):
             self.impulse[group, term, k] = self.impulse[group, term, k] + ti.cast(impulse[k], ti.f64)
@@ -65,17 +66,22 @@ class Ledger:
         is its mean velocity of the step."""
         self.count_impulse(group, PRESSURE, kick * pressure, mean)
         self.count_impulse(group, VISCOSITY, kick * viscosity, mean)
+        self.count_drive(group, kick, wind, gravity, ship, walls, mean)
+
+    @ti.func
+    def count_drive(self, group, kick, wind, gravity, ship, walls, mean):
+        """The same of a particle on which no other acts."""
         self.count_impulse(group, WIND, kick * wind, mean)
         self.count_impulse(group, GRAVITY, kick * gravity, mean)
         self.count_impulse(group, SHIP, kick * ship, mean)
         self.count_impulse(group, WALLS, walls, mean)
 
     @ti.func
-    def count_work(self, group, term: ti.template(), work):
+    def count_work(self, group, term: Template, work):
         self.work[group, term] = self.work[group, term] + ti.cast(work, ti.f64)
 
     @ti.func
-    def summarise(self, summary: ti.template()):
+    def summarise(self, summary: Template):
         """Into an array of SUMMARY numbers: largest squared speed and acceleration, least and largest density, a sum
         that shows what is not a number, particles held back, and cells with more candidates than their list holds."""
         speed2, acceleration2, thin, dense, total = 0.0, 0.0, DENSE, 0.0, 0.0

@@ -5,13 +5,15 @@ It is the point that is mirrored, not the water: an image lies from the point as
 point, turned round. Every set of sides within reach is a mirror of its own, so corners are mirrored in all of theirs.
 """
 
-from typing import Any
+from typing import Any, Protocol
 
 import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.fluid.shared.grid import Grid
-from ocean_sim.fluid.shared.images import AXIS, OFFSET, PLACE, PULL, PUSH, SIGN, TURN, mirrored
+from ocean_sim.fluid.shared.images import OFFSET, PULL, PUSH, SIDE, SIGN, TURN, mirrored
+from ocean_sim.fluid.shared.particles import Components
+from ocean_sim.runtime import Template
 
 
 @ti.func
@@ -36,23 +38,31 @@ def in_turn(first, then):
     return mirror
 
 
+class PointLaw(Protocol):
+    """What is summed over all water around a point."""
+
+    sums: int
+    """How many numbers a particle adds."""
+
+    def term(self, own: Any, j: Any, d: Any, mirror: Any) -> Any:
+        """ti.func: what particle j adds that a mirror shows at d [m] from the point; `own` is what was handed to the
+        sum."""
+        ...
+
+
 @ti.data_oriented
 class Around:
-    """Sums of a law over all water within one support of a point.
+    """Sums of a PointLaw over all water within one support of a point."""
 
-    A law has `sums`, how many numbers it adds up, and `term(own, j, d, mirror)`, what particle j adds that is seen at d
-    [m] from the point in a mirror; `own` is handed through.
-    """
-
-    def __init__(self, particles: Any, grid: Grid, start: Any = None) -> None:
-        """`particles`: what has a `position`, in the order of its cells; `start`: the first of every cell, by default
-        as the grid has sorted them."""
-        self.position, self.grid, self.start = particles.position, grid, start or grid.start
+    def __init__(self, position: Components, grid: Grid, start: ti.Field | None = None) -> None:
+        """`position` [m] of the particles, in the order of their cells; `start`: the first of every cell, by default as
+        the grid has sorted them."""
+        self.position, self.grid, self.start = position, grid, grid.start if start is None else start
         self.periods, self.across = grid.basin.periods, grid.basin.periods[0] > 0.0
         self.images = grid.images
 
     @ti.func
-    def total(self, x, law: ti.template(), own):
+    def total(self, x, law: Template, own):
         """Of the law's terms around x."""
         here = self.grid.wrapped(x)
         reach = self.reach(here)
@@ -73,30 +83,30 @@ class Around:
         reach = 0
         if ti.static(self.images.sides > 0):
             for side in range(self.images.sides):
-                away = x[int(self.images.side[side, AXIS])] - self.images.side[side, PLACE]
+                away = x[int(self.images.side[side, SIDE.axis])] - self.images.side[side, SIDE.position]
                 reach |= int(ti.abs(away) < self.grid.support) << side
         return reach
 
     @ti.func
-    def seen(self, x, mirror, law: ti.template(), own):
+    def seen(self, x, mirror, law: Template, own):
         """What the particles add that are seen from x in one mirror."""
         p, grid = self.position, self.grid
         y = mirrored(mirror, x)  # flat mirrors at right angles are their own inverse
-        place = grid.place(y)
+        home = grid.indices_at(y)
         total = ti.Vector.zero(float, law.sums)
         for row in range(9):
             for part in range(ti.static(3 if self.across else 1)):
                 first = tm.ivec3(part - 1, row % 3 - 1, row // 3 - 1)
-                there, shift = self.home(place + first)
+                there, shift = self.home(home + first)
                 c, middle = grid.cell_at(there), grid.lower + (there - 0.5) / grid.per_width
                 for j in range(self.start[c], self.start[c + ti.static(1 if self.across else 3)]):
-                    e = self.beside(tm.vec3(p.x[j], p.y[j], p.z[j]), middle) + shift - y
+                    e = self.nearest(tm.vec3(p.x[j], p.y[j], p.z[j]), middle) + shift - y
                     d = tm.vec3([mirror[SIGN, k] * e[k] for k in ti.static(range(3))])
                     total += law.term(own, j, d, mirror)
         return total
 
     @ti.func
-    def beside(self, x, middle):
+    def nearest(self, x, middle):
         """The repeat of x nearest to the middle of its cell [m]: a scheme that sorts in the middle of its step may have
         moved a particle on through a periodic side."""
         for k, period in ti.static(enumerate(self.periods)):
@@ -105,12 +115,12 @@ class Around:
         return x
 
     @ti.func
-    def home(self, place):
-        """The cell that a cell beyond a periodic side repeats, and how far its water is shifted [m]."""
+    def home(self, indices):
+        """Indices of the cell that a cell beyond a periodic side repeats, and how far its water is shifted [m]."""
         shift = tm.vec3(0.0)
         for k, period in ti.static(enumerate(self.periods)):
             if ti.static(period > 0.0):
-                around = int(place[k] > self.grid.cells[k] - 2) - int(place[k] < 1)
-                place[k] -= around * (self.grid.cells[k] - 2)
+                around = int(indices[k] > self.grid.cells[k] - 2) - int(indices[k] < 1)
+                indices[k] -= around * (self.grid.cells[k] - 2)
                 shift[k] = around * period
-        return place, shift
+        return indices, shift

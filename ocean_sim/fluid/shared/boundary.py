@@ -2,10 +2,10 @@
 water's laws as particles would, and what the water does to them is gathered back.
 
 A sample counts by its volume over that of a particle (Akinci et al. 2012, ACM Trans. Graph. 31). To each particle it
-shows that particle's own pressure, continued to its place by the weight of the water less the acceleration of the body
-(the pressure gradient at a wall of Adami, Hu & Adams 2012, J. Comput. Phys. 231, eq. 26): both sides of a thin body
-keep their own pressure, and still water is exact. Its velocity is the body's where water is pressed together, and that
-which a mirror in its place would show where it rubs. A sample is pushed as strongly as it pushes. Flat sides mirror
+shows that particle's own pressure, continued to where it is by the weight of the water less the acceleration of the
+body (the pressure gradient at a wall of Adami, Hu & Adams 2012, J. Comput. Phys. 231, eq. 26): both sides of a thin
+body keep their own pressure, and still water is exact. Its velocity is the body's where water is pressed together, and
+that which a mirror there would show where it rubs. A sample is pushed as strongly as it pushes. Flat sides mirror
 samples as they mirror particles: what an image of a sample presses across its side is that side's, all else is the
 body's.
 """
@@ -13,32 +13,35 @@ body's.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import taichi as ti
 import taichi.math as tm
+from numpy.typing import ArrayLike
 
+from ocean_sim.columns import Columns
 from ocean_sim.fluid.shared.around import Around
-from ocean_sim.fluid.shared.grid import TASK
+from ocean_sim.fluid.shared.grid import Grid
 from ocean_sim.fluid.shared.images import SIGN, turned
-from ocean_sim.fluid.shared.particles import Components
+from ocean_sim.fluid.shared.lattice import Lattice
+from ocean_sim.fluid.shared.law import PushingLaw, SampledLaw
+from ocean_sim.fluid.shared.particles import Components, Particles
+from ocean_sim.fluid.shared.pull import Pull
 from ocean_sim.fluid.shared.smoothing import Smoothing
-from ocean_sim.fluid.shared.water import Lattice
-
-if TYPE_CHECKING:
-    from ocean_sim.fluid.shared.sph import Sph
+from ocean_sim.fluid.shared.tasks import TASK
+from ocean_sim.runtime import Doubles2, Doubles3, Template
 
 BLOCK = 32  # samples of a task
-PLACE, TURN, VELOCITY, SPIN, RISE, SWING, TOLD = 0, 3, 12, 15, 18, 21, 24  # where what is told of a body begins
+MOTION = Columns(position=3, rotation=9, velocity=3, angular_velocity=3, acceleration=3, angular_acceleration=3)
 UPRIGHT = np.eye(3)
+ZERO = np.zeros(3)
 
 
 @dataclass(frozen=True)
 class Body:
     """Samples of a solid body."""
 
-    place: np.ndarray  # (m, 3) in the body's axes, from its origin [m]
+    position: np.ndarray  # (m, 3) in the body's axes, from its origin [m]
     volume: np.ndarray  # (m,) [m3]; in a slice [m2]
     no_slip: bool
     origin: np.ndarray  # (3,) where it is at first [m]
@@ -54,21 +57,22 @@ def boxes(lattice: Lattice, support: float) -> list[Body]:
         apart = (up - low) / count
         index = np.array(list(product(*(range(n) for n in count[::-1]))))[:, ::-1]
         felt = (np.minimum(index, count - 1 - index) * apart < support).any(axis=1)
-        place = np.zeros((int(felt.sum()), 3))
-        place[:, :d] = (index[felt] + 0.5) * apart - 0.5 * (up - low)
+        position = np.zeros((int(felt.sum()), 3))
+        position[:, :d] = (index[felt] + 0.5) * apart - 0.5 * (up - low)
         origin = np.zeros(3)
         origin[:d] = 0.5 * (low + up)
-        bodies.append(Body(place, np.full(len(place), apart.prod()), obstacle.slip == "no_slip", origin))
+        bodies.append(Body(position, np.full(len(position), apart.prod()), obstacle.slip == "no_slip", origin))
     return bodies
 
 
 def floating(lattice: Lattice, support: float) -> list[Body]:
     """What floats in the basin, likewise."""
-    return [
-        Body(*solid.samples(lattice.spacing, support), False, solid.origin)
-        for solid in lattice.basin.afloat
-        if solid.felt
-    ]
+    bodies = []
+    for solid in lattice.basin.afloat:
+        if solid.felt:
+            position, volume = solid.samples(lattice.spacing, support)
+            bodies.append(Body(position, volume, False, solid.origin))
+    return bodies
 
 
 def memory(samples: int, bodies: int, cells: int, word: int) -> int:
@@ -77,36 +81,37 @@ def memory(samples: int, bodies: int, cells: int, word: int) -> int:
 
 
 @ti.func
-def vector(components: ti.template(), s):
+def vector(components: Template, s):
     """Number s of three fields, as one vector."""
     return tm.vec3(components.x[s], components.y[s], components.z[s])
 
 
 @ti.func
-def store(components: ti.template(), s, values):
+def store(components: Template, s, values):
     """Write one vector as number s of three fields."""
     for k, component in ti.static(enumerate(components)):
         component[s] = ti.cast(values[k], float)
 
 
 @ti.func
-def three(told: ti.template(), body, first: ti.template()):
-    """Three numbers of what is told of a body."""
-    return ti.Vector([told[body, first + k] for k in ti.static(range(3))])
+def three(rows: Template, body, first: Template):
+    """Three columns of the row of a body, from `first` on."""
+    return ti.Vector([rows[body, first + k] for k in ti.static(range(3))])
 
 
 @ti.data_oriented
 class Boundary:
     """All solid bodies in the water: `place` them, `sort`, `react`; then `forces` says what they feel."""
 
-    def __init__(self, bodies: Sequence[Body], fluid: "Sph") -> None:
-        particles, self.grid = fluid.particles, fluid.grid
-        self.fluid, self.bodies, self.pull = fluid, bodies, fluid.pull
-        self.owners = np.repeat(np.arange(len(bodies)), [len(body.place) for body in bodies])
+    def __init__(
+        self, bodies: Sequence[Body], particles: Particles, grid: Grid, pull: Pull, smoothing: Smoothing
+    ) -> None:
+        self.bodies, self.mass, self.grid, self.pull = bodies, particles.mass, grid, pull
+        self.owners = np.repeat(np.arange(len(bodies)), [len(body.position) for body in bodies])
         self.n = n = len(self.owners)
         self.blocks = -(-n // BLOCK)
-        self.told = np.zeros((len(bodies), TOLD))  # where they are and how they move
-        # In the order of the bodies; places are from the origin [m], in the body's axes and in those of the tank.
+        self.motion = np.zeros((len(bodies), MOTION.size))  # where they are and how they move
+        # In the order of the bodies; positions are from the origin [m], in the body's axes and in those of the tank.
         self.local, self.arm, self.force = Components(n), Components(n), Components(n)
         self.impulse = ti.field(ti.f64, shape=(n, 3))
         self.shares, self.slips = ti.field(float, shape=n), ti.field(int, shape=n)
@@ -116,11 +121,11 @@ class Boundary:
         self.share, self.free, self.name = ti.field(float, shape=n), ti.field(int, shape=n), ti.field(int, shape=n)
         self.start = ti.field(int, shape=self.grid.cell_count + 1)
         self.box = ti.field(float, shape=(len(bodies), 2, 3))  # half the size of each body and its middle [m]
-        self.around = Around(self, self.grid, self.start)
-        self.water = Around(particles, self.grid)
+        self.around = Around(self.position, self.grid, self.start)
+        self.water = Around(particles.position, self.grid)
         unit = particles.mass / particles.rest_density
-        self.volume = Volume(self, fluid.smoothing, unit)
-        self.local.from_numpy(np.concatenate([body.place for body in bodies]))
+        self.volume = Volume(self, smoothing, unit)
+        self.local.from_numpy(np.concatenate([body.position for body in bodies]))
         shares = np.concatenate([body.volume for body in bodies]) / unit
         self.shares.from_numpy(shares.astype(self.arm.precision))
         self.slips.from_numpy(np.array([not body.no_slip for body in bodies], dtype=np.int32)[self.owners])
@@ -134,38 +139,36 @@ class Boundary:
         body: int,
         position: np.ndarray,
         rotation: np.ndarray = UPRIGHT,
-        velocity: Any = 0.0,
-        angular_velocity: Any = (0.0, 0.0, 0.0),
-        acceleration: Any = 0.0,
-        angular_acceleration: Any = (0.0, 0.0, 0.0),
+        velocity: ArrayLike = ZERO,
+        angular_velocity: ArrayLike = ZERO,
+        acceleration: ArrayLike = ZERO,
+        angular_acceleration: ArrayLike = ZERO,
     ) -> None:
         """Put a body's origin at `position` [m], turned by the (3, 3) matrix `rotation` from its axes to those of the
         tank; it moves with `velocity` [m/s], `angular_velocity` [rad/s] and their rates. The next step takes it over:
         say where it is when that step ends."""
-        row = self.told[body]
-        row[PLACE:TURN], row[TURN:VELOCITY] = position, np.ravel(rotation)
-        row[VELOCITY:SPIN], row[SPIN:RISE] = velocity, angular_velocity
-        row[RISE:SWING], row[SWING:] = acceleration, angular_acceleration
+        rates = (velocity, angular_velocity, acceleration, angular_acceleration)
+        self.motion[body] = np.concatenate([position, np.ravel(rotation), *rates])  # as MOTION has them
         self.moved = True
 
     def sort(self) -> None:
         """Take over where the bodies are, if they have moved."""
         if self.moved:
             self.moved = False
-            self.take(self.told)
+            self.take(self.motion)
 
     @ti.kernel
-    def take(self, told: ti.types.ndarray(dtype=ti.f64, ndim=2)):
+    def take(self, motion: Doubles2):
         """Move the samples with their bodies, and sort them by cell: stable, by counting."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             for c in range(self.grid.cell_count + 1):
                 self.start[c] = 0
-            for b, k in ti.ndrange(told.shape[0], 3):
+            for b, k in ti.ndrange(motion.shape[0], 3):
                 self.box[b, 0, k], self.box[b, 1, k] = -tm.inf, tm.inf
             for s in range(self.n):
-                self.turn(s, told)
-                c = self.grid.cell_at(self.grid.place(self.where(s, told)))
+                self.turn(s, motion)
+                c = self.grid.cell_at(self.grid.indices_at(self.where(s, motion)))
                 self.cell[s], self.start[c] = c, self.start[c] + 1
             for c in range(self.grid.cell_count):
                 self.start[c + 1] = self.start[c + 1] + self.start[c]  # where a cell ends
@@ -173,35 +176,36 @@ class Boundary:
                 s = self.n - 1 - k
                 to = self.start[self.cell[s]] - 1
                 self.start[self.cell[s]] = to  # and at last where it begins
-                self.put(s, to, told)
-            for b, k in ti.ndrange(told.shape[0], 3):
+                self.put(s, to, motion)
+            for b, k in ti.ndrange(motion.shape[0], 3):
                 up, low = self.box[b, 0, k], self.box[b, 1, k]
                 self.box[b, 0, k] = 0.5 * (up - low) + self.grid.support
-                self.box[b, 1, k] = ti.cast(told[b, PLACE + k], float) + 0.5 * (up + low)
+                self.box[b, 1, k] = ti.cast(motion[b, MOTION.position + k], float) + 0.5 * (up + low)
 
     @ti.func
-    def turn(self, s, told: ti.template()):
+    def turn(self, s, motion: Template):
         """Turn the arm of sample s with its body."""
         b, local = self.owner[s], vector(self.local, s)
         for k, arm in ti.static(enumerate(self.arm)):
-            along = ti.cast(three(told, b, TURN + 3 * k).dot(local), float)
+            along = ti.cast(three(motion, b, MOTION.rotation + 3 * k).dot(local), float)
             arm[s] = along
             self.box[b, 0, k] = tm.max(self.box[b, 0, k], along)
             self.box[b, 1, k] = tm.min(self.box[b, 1, k], along)
 
     @ti.func
-    def where(self, s, told: ti.template()):
-        """Place of sample s [m], once its arm is turned."""
-        return self.grid.wrapped(ti.cast(three(told, self.owner[s], PLACE) + vector(self.arm, s), float))
+    def where(self, s, motion: Template):
+        """Position of sample s [m], once its arm is turned."""
+        return self.grid.wrapped(ti.cast(three(motion, self.owner[s], MOTION.position) + vector(self.arm, s), float))
 
     @ti.func
-    def put(self, s, to, told: ti.template()):
-        """Put sample s into its place in the order of the cells."""
-        b, arm, x = self.owner[s], vector(self.arm, s), self.where(s, told)
-        spin = three(told, b, SPIN)
-        round_it = spin.cross(arm)
-        v = three(told, b, VELOCITY) + round_it
-        a = three(told, b, RISE) + three(told, b, SWING).cross(arm) + spin.cross(round_it)
+    def put(self, s, to, motion: Template):
+        """Put sample s where it belongs in the order of the cells."""
+        b, arm, x = self.owner[s], vector(self.arm, s), self.where(s, motion)
+        spin = three(motion, b, MOTION.angular_velocity)
+        swept = spin.cross(arm)
+        v = three(motion, b, MOTION.velocity) + swept
+        a = three(motion, b, MOTION.acceleration) + three(motion, b, MOTION.angular_acceleration).cross(arm)
+        a += spin.cross(swept)
         store(self.position, to, x)
         store(self.velocity, to, v)
         store(self.acceleration, to, a)
@@ -246,7 +250,7 @@ class Boundary:
         return ti.select(self.free[s] == 1, v, self.opposed(v, s, mirror))
 
     @ti.func
-    def react(self, law: ti.template(), dt):
+    def react(self, law: Template, dt):
         """Forces on the samples; call it at the top of a kernel."""
         for b in range(self.blocks * TASK):
             if b % TASK == 0:
@@ -265,10 +269,12 @@ class Boundary:
             share = self.around.total(x, self.volume, 0.0)[0]
         return share
 
-    def met(self, law: Any) -> "Met":
-        return Met(self, law)
+    def summed(self, law: SampledLaw) -> "SampleSum":
+        """The law's sum over the samples around a particle."""
+        return SampleSum(self, law)
 
-    def reaction(self, law: Any) -> "Reaction":
+    def reaction(self, law: PushingLaw) -> "Reaction":
+        """The force on a sample by the same law."""
         return Reaction(self, law)
 
     def forces(self) -> tuple[np.ndarray, np.ndarray]:
@@ -279,7 +285,7 @@ class Boundary:
         return borne[0], borne[1]
 
     @ti.kernel
-    def sum_forces(self, borne: ti.types.ndarray(dtype=ti.f64, ndim=3)):
+    def sum_forces(self, borne: Doubles3):
         ti.loop_config(serialize=True)
         for s in range(self.n):
             b = self.owner[s]
@@ -311,12 +317,11 @@ class Volume:
 
 
 @ti.data_oriented
-class Met:
-    """What a particle's pair law sums over the samples around it. The law has `sample(own, s, d, mirror)`: what it
-    reads of sample s, seen at d [m] in a mirror."""
+class SampleSum:
+    """What a particle's pair law sums over the samples around it."""
 
-    def __init__(self, boundary: Boundary, law: Any) -> None:
-        self.boundary, self.law, self.sums = boundary, law, law.sums
+    def __init__(self, boundary: Boundary, law: SampledLaw) -> None:
+        self.boundary, self.law, self.sums = boundary, law, law.terms.size
 
     @ti.func
     def term(self, own, s, d, mirror):
@@ -332,13 +337,13 @@ class Met:
 
 @ti.data_oriented
 class Reaction:
-    """Force [N] on a sample, number `own`, by the pair law that pushes the water; the law has `acceleration(own,
-    total)`, that of a particle by what it has summed. Across a side, what an image does is the side's."""
+    """Force [N] on a sample, number `own`, by the pair law that pushes the water. Across a side, what an image does is
+    the side's."""
 
     sums = 3
 
-    def __init__(self, boundary: Boundary, law: Any) -> None:
-        self.boundary, self.law, self.mass = boundary, law, boundary.fluid.particles.mass
+    def __init__(self, boundary: Boundary, law: PushingLaw) -> None:
+        self.boundary, self.law, self.mass = boundary, law, boundary.mass
 
     @ti.func
     def term(self, own, j, d, mirror):

@@ -8,16 +8,13 @@ there are nor, until they meet others, where they are depends on the time step.
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
 
 from ocean_sim.basin import Basin
 from ocean_sim.model import Model, quantity
-
-if TYPE_CHECKING:
-    from ocean_sim.fluid.shared.water import Lattice
 
 Vector = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 MOST_PARTICLES = 2**26  # their neighbours are counted in 32 bits
@@ -106,9 +103,9 @@ class Jet:
         return self.sites[site] + age * self.velocity + 0.5 * age**2 * pull, self.velocity + age * pull
 
 
-def problems(lattice: "Lattice", jet: Jet) -> Iterator[tuple[tuple[str, ...], str]]:
-    """What is wrong with an emitter beside this water: (path below `fluid.emitter`, sentence)."""
-    basin, config = lattice.basin, jet.config
+def problems(basin: Basin, jet: Jet) -> Iterator[tuple[tuple[str, ...], str]]:
+    """What is wrong with what leaves an emitter in this basin: (path below `fluid.emitter`, sentence)."""
+    config = jet.config
     if config.cap <= jet.first:
         yield ("cap",), f"{config.cap} particles in all, but `fill` makes {jet.first}: nothing would be left to emit"
     if basin.closed and config.cap * jet.volume > basin.volume * (1.0 + 1e-9):

@@ -5,12 +5,14 @@ from typing import TYPE_CHECKING
 import taichi as ti
 import taichi.math as tm
 
-from ocean_sim.fluid.shared.grid import TASK
-from ocean_sim.fluid.shared.images import OfPlaces
-from ocean_sim.fluid.shared.particles import Components
+from ocean_sim.columns import Columns
+from ocean_sim.fluid.shared.law import PositionLaw
+from ocean_sim.fluid.shared.neighbours import Neighbours
+from ocean_sim.fluid.shared.particles import Components, Particles
+from ocean_sim.fluid.shared.smoothing import Smoothing
 
-if TYPE_CHECKING:
-    from ocean_sim.fluid.shared.sph import Sph
+if TYPE_CHECKING:  # it is imported only where there are bodies
+    from ocean_sim.fluid.shared.boundary import Boundary
 
 EXPOSED = 0.1  # of the spacing, in space squared: a particle with a smaller exposed area lies inside the water
 BLOCK = 4096  # particles whose areas are added by one thread
@@ -24,31 +26,41 @@ def memory(n: int, word: int) -> int:
 
 
 @ti.data_oriented
-class Exposure(OfPlaces):
+class Exposure(PositionLaw):
     """Exposed area of every particle times its outward normal [m2]: a law of pairs, and its sum."""
 
-    apart, sums = False, 3
+    apart, terms = False, Columns(area=3)
 
-    def __init__(self, fluid: "Sph", plan_area: float) -> None:
-        """`plan_area` of the water [m2]; 0 where it is not known."""
-        self.fluid, self.plan_area = fluid, plan_area
-        particles, dimension = fluid.particles, fluid.smoothing.dimension
-        self.reads = fluid.places
-        self.constant = -2.0 * (particles.mass / particles.rest_density) ** 2 * fluid.smoothing.wendland_slope
-        self.least = EXPOSED * particles.spacing ** (dimension - 1)  # [m2]
+    def __init__(
+        self,
+        particles: Particles,
+        positions: tuple[ti.Field, ...],
+        smoothing: Smoothing,
+        neighbours: Neighbours,
+        boundary: "Boundary | None",
+        plan_area: float,
+    ) -> None:
+        """`positions` by which `neighbours` knows the particles; `plan_area` of the water [m2]; 0 where it is not
+        known."""
+        self.particles, self.smoothing, self.neighbours = particles, smoothing, neighbours
+        self.plan_area, self.reads = plan_area, positions
+        self.constant = -2.0 * (particles.mass / particles.rest_density) ** 2 * smoothing.wendland_slope
+        self.least = EXPOSED * particles.spacing ** (smoothing.dimension - 1)  # [m2]
         self.area = Components(particles.n)  # by the number of the particle [m2]
         self.level = ti.field(ti.f64, shape=-(-particles.n // BLOCK))
         self.even = ti.field(float, shape=())  # plan area over the sum of level areas
         self.left = 0.0  # [m] that water and crests may still go
-        if fluid.bodies:
-            self.solid = fluid.boundary.met(self)
+        self.bodies = boundary is not None
+        if boundary is not None:
+            self.solid = boundary.summed(self)
 
-    def renew(self, dt: float) -> None:
-        """Find the areas anew, if they may be out of date in a step of dt [s]."""
+    def renew(self, dt: float, speed: float) -> None:
+        """Find the areas anew, if they may be out of date in a step of dt [s] of water and crests of such a speed
+        [m/s]."""
         if self.left <= 0.0:
             self.find()
-            self.left = LAG * self.fluid.particles.spacing
-        self.left -= dt * (self.fluid.status.max_speed + self.fluid.reference_speed)
+            self.left = LAG * self.particles.spacing
+        self.left -= dt * speed
 
     @ti.kernel
     def find(self):
@@ -56,12 +68,10 @@ class Exposure(OfPlaces):
         is known: whatever the order of the particles, and however many of them count as exposed, a stress acts on the
         surface once. The sum alone is the area of the bed that the water presses on, but for the order of the
         particles."""
-        for g in range(self.fluid.ledger.groups * TASK):
-            if g % TASK == 0:
-                self.fluid.neighbours.walk(g // TASK, self, False)
+        self.neighbours.walk(self, False)
         for b in self.level:
             total = ti.cast(0.0, ti.f64)
-            for i in range(b * BLOCK, ti.min((b + 1) * BLOCK, self.fluid.particles.count.there())):
+            for i in range(b * BLOCK, ti.min((b + 1) * BLOCK, self.particles.count.there())):
                 total += self.area.y[i]
             self.level[b] = total
         ti.loop_config(serialize=True)
@@ -77,7 +87,7 @@ class Exposure(OfPlaces):
     @ti.func
     def of(self, i):
         """Exposed area of particle i times its outward normal [m2]; zero inside the water."""
-        name = self.fluid.particles.id[i]
+        name = self.particles.id[i]
         return self.even[None] * tm.vec3(self.area.x[name], self.area.y[name], self.area.z[name])
 
     @ti.func
@@ -88,16 +98,16 @@ class Exposure(OfPlaces):
     def pair(self, own, other):
         """x_ij, to be times grad W / x_ij."""
         x_ij = own - other
-        return -self.fluid.smoothing.shape_grad_wendland(ti.sqrt(x_ij.dot(x_ij))) * x_ij
+        return -self.smoothing.pair_gradient(x_ij)
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
         """Twice the volume of i times the gradient [1/m] of the smoothed share of water, turned outwards: the share
         falls from 1 to 1/2 on the water's side of a surface; walls are mirrors, so what faces them is not exposed."""
-        if ti.static(self.fluid.bodies):
+        if ti.static(self.bodies):
             total += self.solid.total(own, own)
         area = self.constant * total
         if area.norm() < self.least:
             area = tm.vec3(0.0)
         for k, component in ti.static(enumerate(self.area)):
-            component[self.fluid.particles.id[i]] = area[k]
+            component[self.particles.id[i]] = area[k]

@@ -1,26 +1,34 @@
 """Pressure and velocity of the water at any point, smoothed from the particles around it.
 
-A normalised sum over neighbours (Shepard 1968), corrected so that it also returns what grows linearly with place
+A normalised sum over neighbours (Shepard 1968), corrected so that it also returns what grows linearly with position
 (moving least squares; Liu & Liu 2006, Appl. Numer. Math. 56). Pressures are summed without the weight of still water,
 p - rho0 g . x, so still water is exact at every point, also at its walls; walls are mirrors, for velocities free slip
 or no slip. Where the smoothed share of water is below one half, which is how the free surface is found, it is dry:
 pressure and velocity are 0 there.
 """
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import taichi as ti
 import taichi.math as tm
 
+from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid.shared.around import Around
 from ocean_sim.fluid.shared.grid import Grid
-from ocean_sim.fluid.shared.images import climbed, turned
+from ocean_sim.fluid.shared.images import hydrostatic_offset, turned
 from ocean_sim.fluid.shared.particles import Particles
+from ocean_sim.fluid.shared.pull import Pull
 from ocean_sim.fluid.shared.smoothing import Smoothing
+from ocean_sim.runtime import Array, Array2
 
+if TYPE_CHECKING:  # it is imported only where there are bodies
+    from ocean_sim.fluid.shared.boundary import Boundary
+
+MOMENTS = Columns(share=1, first=3, xx=1, yy=1, zz=1, xy=1, yz=1, zx=1)
+FACTOR = Columns(constant=1, slope=3)
 WET = 0.5  # smoothed share of water at a flat surface
-REACH = 2.0  # how far outside its neighbours a point is extrapolated to [standard deviations of their places]
+REACH = 2.0  # how far outside its neighbours a point is extrapolated to [standard deviations of their positions]
 FLAT = 1.0e-6  # [supports^2] least spread of neighbours; less is a plane or a line, along which alone there is a slope
 
 
@@ -28,7 +36,7 @@ FLAT = 1.0e-6  # [supports^2] least spread of neighbours; less is a plane or a l
 class Spread:
     """How much water there is around a point, and how it is spread: share, first and second moments."""
 
-    sums = 10
+    sums = MOMENTS.size
 
     def __init__(self, field: "Field") -> None:
         self.field = field
@@ -53,7 +61,7 @@ class DynamicPressure:
         particles, p = self.field.particles, self.field.particles.position
         weight = self.field.weight(d) * self.field.factor(own, d)
         x = tm.vec3(p.x[j], p.y[j], p.z[j])
-        driven = ti.static(particles.rest_density) * climbed(mirror, x, self.field.unsteady(x))
+        driven = ti.static(particles.rest_density) * hydrostatic_offset(mirror, x, self.field.unsteady(x))
         return ti.Vector([weight * (particles.pressure[j] - self.field.still(x) + driven)])
 
 
@@ -82,14 +90,18 @@ class Field:
         grid: Grid,
         smoothing: Smoothing,
         gravity: np.ndarray,
-        pull: Any = None,
-        boundary: Any = None,
+        pull: Pull | None = None,
+        boundary: "Boundary | None" = None,
     ) -> None:
         """`gravity` [m/s2], every constant acceleration; along a periodic axis no pressure can hold it. `pull`: all
         accelerations, where the tank moves; `boundary`: the solid bodies in the water."""
-        self.particles, self.smoothing, self.pull, self.boundary = particles, smoothing, pull, boundary
-        self.moving, self.bodies = pull is not None and pull.moving, boundary is not None
-        self.around = Around(particles, grid)
+        self.particles, self.smoothing = particles, smoothing
+        self.moving, self.bodies = False, boundary is not None
+        if pull is not None:
+            self.pull, self.moving = pull, pull.moving
+        if boundary is not None:
+            self.boundary = boundary
+        self.around = Around(particles.position, grid)
         self.volume = particles.mass / particles.rest_density
         held = [0.0 if period > 0.0 else g for g, period in zip(gravity, grid.basin.periods, strict=True)]
         self.held, self.head = tm.vec3(held), tm.vec3([particles.rest_density * g for g in held])  # [m/s2], [Pa/m]
@@ -123,22 +135,23 @@ class Field:
 
     @ti.func
     def factor(self, own, d):
-        """What a neighbour counts beside its weight; linear in its place."""
-        return own[0] - tm.vec3(own[1], own[2], own[3]).dot(d / self.smoothing.support)
+        """What a neighbour counts beside its weight; linear in its position."""
+        return own[FACTOR.constant] - vec3(own, FACTOR.slope).dot(d / self.smoothing.support)
 
     @ti.func
     def fitted(self, x):
         """Share of water around x, and constant and slope of the factor that makes a sum the value at x of a plane
         through the neighbours; its slope is lowered where x lies far outside them."""
         m = self.around.total(x, self.spread, 0.0)
-        share = tm.max(m[0], 1.0e-12)
-        mean = tm.vec3(m[1], m[2], m[3]) / share
-        xx, yy, zz = m[4] / share - mean.x**2, m[5] / share - mean.y**2, m[6] / share - mean.z**2
-        xy, yz, zx = m[7] / share - mean.x * mean.y, m[8] / share - mean.y * mean.z, m[9] / share - mean.z * mean.x
+        share = tm.max(m[MOMENTS.share], 1.0e-12)
+        mean = vec3(m, MOMENTS.first) / share
+        xx, xy = m[MOMENTS.xx] / share - mean.x**2, m[MOMENTS.xy] / share - mean.x * mean.y
+        yy, yz = m[MOMENTS.yy] / share - mean.y**2, m[MOMENTS.yz] / share - mean.y * mean.z
+        zz, zx = m[MOMENTS.zz] / share - mean.z**2, m[MOMENTS.zx] / share - mean.z * mean.x
         spread = tm.mat3([xx + FLAT, xy, zx], [xy, yy + FLAT, yz], [zx, yz, zz + FLAT])
         slope = spread.inverse() @ mean
         slope *= tm.min(1.0, REACH / ti.sqrt(tm.max(mean.dot(slope), 1.0e-12)))
-        return m[0], ti.Vector([1.0 + slope.dot(mean), slope.x, slope.y, slope.z]) / share
+        return m[MOMENTS.share], ti.Vector([1.0 + slope.dot(mean), slope.x, slope.y, slope.z]) / share
 
     @ti.func
     def pressure(self, x):
@@ -159,12 +172,12 @@ class Field:
         return velocity
 
     @ti.kernel
-    def fill_pressures(self, points: ti.types.ndarray(ndim=2), pressures: ti.types.ndarray(ndim=1)):
+    def fill_pressures(self, points: Array2, pressures: Array):
         for k in range(points.shape[0]):
             pressures[k] = self.pressure(tm.vec3(points[k, 0], points[k, 1], points[k, 2]))
 
     @ti.kernel
-    def fill_velocities(self, points: ti.types.ndarray(ndim=2), velocities: ti.types.ndarray(ndim=2)):
+    def fill_velocities(self, points: Array2, velocities: Array2):
         for k in range(points.shape[0]):
             velocity = self.velocity(tm.vec3(points[k, 0], points[k, 1], points[k, 2]))
             for c in ti.static(range(3)):
@@ -173,13 +186,13 @@ class Field:
     def pressures(self, points: np.ndarray) -> np.ndarray:
         """(m, 3) points [m] -> (m,) pressures [Pa]; 0 where it is dry."""
         points = np.ascontiguousarray(points, dtype=self.particles.position.precision).reshape(-1, 3)
-        pressures = np.empty(len(points), dtype=points.dtype)
+        pressures: np.ndarray = np.empty(len(points), dtype=points.dtype)
         self.fill_pressures(points, pressures)
         return pressures.astype(float)
 
     def velocities(self, points: np.ndarray) -> np.ndarray:
         """(m, 3) points [m] -> (m, 3) velocities [m/s]; 0 where it is dry."""
         points = np.ascontiguousarray(points, dtype=self.particles.position.precision).reshape(-1, 3)
-        velocities = np.empty_like(points)
+        velocities: np.ndarray = np.empty_like(points)
         self.fill_velocities(points, velocities)
         return velocities.astype(float)

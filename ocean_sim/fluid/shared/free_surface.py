@@ -9,6 +9,7 @@ from ocean_sim.fluid.shared.around import Around
 from ocean_sim.fluid.shared.grid import Grid
 from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing
+from ocean_sim.runtime import Array, Array2
 
 PROBES = 4  # a support is searched in so many steps
 HALVINGS = 4
@@ -31,11 +32,11 @@ class Share:
 
 @ti.data_oriented
 class FreeSurface:
-    """Elevation of the particles' surface. A flat side is a mirror, so water does not seem to thin out beside it."""
+    """Elevation of the particles' surface. A flat side is a mirror, so water does not seem to thin out next to it."""
 
     def __init__(self, particles: Particles, grid: Grid, smoothing: Smoothing) -> None:
         self.particles, self.grid, self.smoothing = particles, grid, smoothing
-        self.around = Around(particles, grid)
+        self.around = Around(particles.position, grid)
         self.share = Share(smoothing, particles.mass / particles.rest_density)
         basin = grid.basin
         self.bed = basin.lower[1]
@@ -46,13 +47,13 @@ class FreeSurface:
         """A height above which no particle reaches the vertical through x, z, or that of the lid."""
         p, grid = self.particles.position, self.grid
         h = self.smoothing.support
-        place = grid.place(grid.wrapped(tm.vec3(x, self.bed, z)))
+        home = grid.indices_at(grid.wrapped(tm.vec3(x, self.bed, z)))
         top = self.bed
         for dz in range(-1, 2):
             for dx in range(-1, 2):
                 found = 0
                 for down in range(grid.cells[1] - 2):
-                    there = tm.ivec3(place.x + dx, grid.cells[1] - 2 - down, place.z + dz)
+                    there = tm.ivec3(home.x + dx, grid.cells[1] - 2 - down, home.z + dz)
                     c = grid.cell_at(self.around.home(there)[0])
                     if found == 0 and grid.start[c + 1] > grid.start[c]:
                         found = 1
@@ -78,13 +79,13 @@ class FreeSurface:
         return tm.max(ti.select(halvings > 0, between, self.bed), self.bed)
 
     @ti.kernel
-    def fill(self, points: ti.types.ndarray(ndim=2), heights: ti.types.ndarray(ndim=1)):
+    def fill(self, points: Array2, heights: Array):
         for k in range(points.shape[0]):
             heights[k] = self.elevation(points[k, 0], points[k, 1])
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
         """(m, 2) points x, z [m] -> (m,) heights [m]."""
         precision = self.particles.position.precision
-        heights = np.empty(len(points), dtype=precision)
+        heights: np.ndarray = np.empty(len(points), dtype=precision)
         self.fill(np.ascontiguousarray(points, dtype=precision), heights)
         return heights.astype(float)

@@ -4,80 +4,23 @@ Chunks of particles are counted apart and placed in order, so the result depends
 of threads. Particles beyond the grid belong to its border cells, which keeps every pair within reach of neighbouring
 cells: clamping never moves two cells further apart.
 
-Far from the origin a place in single precision is coarse (4e-6 m at 60 m), and a short way would be lost in it. So
-particles move by whole quanta, which places hold without rounding, and what is left of a way is kept for the next step.
+Far from the origin a position in single precision is coarse (4e-6 m at 60 m), and a short way would be lost in it. So
+particles move by whole quanta, which positions hold without rounding, and what is left of a way is kept for the next
+step.
 """
-
-from dataclasses import dataclass
-from math import floor, log2
 
 import numpy as np
 import taichi as ti
 import taichi.math as tm
 
+from ocean_sim.columns import Columns
+from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.images import Images
 from ocean_sim.fluid.shared.particles import Components, Particles
-from ocean_sim.fluid.shared.water import Lattice
+from ocean_sim.fluid.shared.tasks import TASK
+from ocean_sim.runtime import Template
 
-TASK = 512  # Taichi never cuts a parallel loop finer than this: a task every TASK iterations
-SERIAL = 20_000  # up to so many particles one thread sorts faster than several
-CHUNKS = 8
-FEW, MANY = 16, 64  # groups of cells for few and many particles: threads share them, each costs microseconds
-
-
-@dataclass(frozen=True)
-class GridSize:
-    """How large the grid is, known before anything is allocated."""
-
-    lattice: Lattice
-    support: float  # [m]
-    carried: int = 0  # numbers that a scheme carries along with each particle
-
-    @property
-    def inner(self) -> list[tuple[int, float]]:
-        """Cells between the sides of the basin and their width [m], on each axis; at least a support wide."""
-        extents = np.subtract(self.lattice.basin.upper, self.lattice.basin.lower)
-        counts = [max(1, int(extent / self.support + 1e-9)) for extent in extents]
-        return [(n, float(extent) / n or self.support) for n, extent in zip(counts, extents, strict=True)]
-
-    @property
-    def cells(self) -> tuple[int, int, int]:
-        """Cells along x, y, z with one empty cell of padding all round."""
-        nx, ny, nz = (n + 2 for n, _ in self.inner)
-        return nx, ny, nz
-
-    @property
-    def cell_count(self) -> int:
-        nx, ny, nz = self.cells
-        return nx * ny * nz
-
-    def quantum(self, eps: float) -> float:
-        """Distance of the places that numbers of a relative spacing `eps` can tell apart everywhere in the basin [m]: a
-        power of two."""
-        basin = self.lattice.basin
-        return eps * 2.0 ** floor(log2(max(map(abs, (*basin.lower, *basin.upper)))))
-
-    @property
-    def chunks(self) -> int:
-        """Parts in which the particles are counted and sorted."""
-        return 1 if self.lattice.n <= SERIAL else CHUNKS
-
-    @property
-    def groups(self) -> int:
-        """Blocks of cells or particles, each a task of its own: set by the scene, never by the number of threads."""
-        return FEW if self.lattice.n <= SERIAL else MANY
-
-    @property
-    def occupied(self) -> int:
-        """The most cells that can hold a particle."""
-        return min(self.lattice.n, self.cell_count)
-
-    def bytes(self, word: int) -> int:
-        """Of the grid and the state on its way into it, where `word` is the size of a `float` [bytes]."""
-        return (
-            4 * (2 * self.lattice.n + self.cell_count * (self.chunks + 1) + self.occupied + 2)
-            + word * (6 + 2 * self.lattice.basin.dimension + self.carried) * self.lattice.n
-        )
+STATE = Columns(position=3, velocity=3, id=1)  # what `state` and `moved` begin with
 
 
 @ti.data_oriented
@@ -85,7 +28,7 @@ class Grid:
     """The cells, and the particles sorted by cell."""
 
     def __init__(self, particles: Particles, size: GridSize, carried: tuple[ti.Field, ...] = ()) -> None:
-        """`carried`: fields of a number each that a scheme keeps from step to step, beside the particles' own."""
+        """`carried`: fields of a number each that a scheme keeps from step to step, besides the particles' own."""
         self.size = size
         self.images = Images(size)
         self.support, self.n, self.basin = size.support, particles.n, size.lattice.basin
@@ -100,6 +43,7 @@ class Grid:
             *(*Components(self.n), *Components(self.n), ti.field(int, shape=self.n)),
             *(ti.field(float, shape=self.n) for _ in (*carried, *self.left)),
         )
+        self.carried = self.moved[STATE.size : STATE.size + len(carried)]  # what is carried, on its way to the sort
         self.cell = ti.field(int, shape=self.n)
         self.count = ti.field(int, shape=self.cell_count * self.chunks)
         self.start = ti.field(int, shape=self.cell_count + 1)
@@ -107,35 +51,37 @@ class Grid:
         self.occupied_count = ti.field(int, shape=())
 
     def fullest(self) -> np.ndarray:
-        """Where the fullest cell is: the mean place of its particles, (3,) [m]."""
+        """Where the fullest cell is: the mean position of its particles, (3,) [m]."""
         start = self.start.to_numpy()
         c = int(np.argmax(np.diff(start)))
-        return np.array([axis.to_numpy()[start[c] : start[c + 1]].mean() for axis in self.state[:3]])
+        return np.array([axis.to_numpy()[start[c] : start[c + 1]].mean() for axis in self.state[: STATE.velocity]])
 
     @ti.func
-    def place(self, x):
-        """The cell of a point on each axis, padding counted; a point beyond the grid belongs to its border cell."""
+    def indices_at(self, x):
+        """Of the cell of a point, one for each axis, padding counted; a point beyond the grid belongs to its border
+        cell."""
         last = tm.ivec3(self.cells) - 2
         return tm.clamp(ti.cast((x - self.lower) * self.per_width + 1.0, int), 1, last)
 
     @ti.func
-    def cell_at(self, place):
-        return (place.z * self.cells[1] + place.y) * self.cells[0] + place.x
+    def cell_at(self, indices):
+        """Number of a cell."""
+        return (indices.z * self.cells[1] + indices.y) * self.cells[0] + indices.x
 
     @ti.func
-    def place_of(self, c):
+    def indices_of(self, c):
         """The inverse of cell_at."""
         nx, ny = ti.static(self.cells[0], self.cells[1])
         return tm.ivec3(c % nx, c // nx % ny, c // (nx * ny))
 
     @ti.func
-    def at_rim(self, place, layers: ti.template()):
+    def at_rim(self, indices, layers: Template):
         """Whether a cell lies in the outermost `layers` of any side of the grid."""
-        return (place <= layers).any() or (place >= tm.ivec3(self.cells) - 1 - layers).any()
+        return (indices <= layers).any() or (indices >= tm.ivec3(self.cells) - 1 - layers).any()
 
     @ti.func
     def wrapped(self, x):
-        """The place of x in the one period that the basin holds [m]."""
+        """The position of x in the one period that the basin holds [m]."""
         for k, period in ti.static(enumerate(self.basin.periods)):
             if ti.static(period > 0.0):
                 x[k] -= period * ti.floor((x[k] - self.lower[k]) / period)
@@ -143,13 +89,18 @@ class Grid:
 
     @ti.func
     def leave(self, i, x, v):
-        """Keep the next state of particle i, and its cell, until the sort puts it in its place."""
+        """Keep the next state of particle i, and its cell, until the sort puts it there."""
         x = self.wrapped(x)
-        self.cell[i] = self.cell_at(self.place(x))
-        for k in ti.static(range(3)):
-            self.moved[k][i], self.moved[3 + k][i] = x[k], v[k]
-        for moved, state in ti.static(zip(self.moved[6:], self.state[6:])):
+        self.cell[i] = self.cell_at(self.indices_at(x))
+        self.keep(i, x, v)
+        for moved, state in ti.static(zip(self.moved[STATE.id :], self.state[STATE.id :])):
             moved[i] = state[i]
+
+    @ti.func
+    def keep(self, i, x, v):
+        """The same of its position and velocity alone: the particle stays in the cell that it was sorted into."""
+        for k in ti.static(range(3)):
+            self.moved[STATE.position + k][i], self.moved[STATE.velocity + k][i] = x[k], v[k]
 
     @ti.func
     def gone(self, i, way):

@@ -11,13 +11,17 @@ import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.basin import OPEN
-from ocean_sim.fluid.shared.accounts import Ledger
-from ocean_sim.fluid.shared.grid import Grid, GridSize
+from ocean_sim.columns import vec3
+from ocean_sim.fluid.shared.accounts import Accounts
+from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
+from ocean_sim.fluid.shared.grid import Grid
+from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.images import mirrored
 from ocean_sim.fluid.shared.pairs import Pairs, flips
 from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing, positive
-from ocean_sim.fluid.shared.water import MOST_PARTICLES
+from ocean_sim.fluid.shared.tasks import TASK
+from ocean_sim.runtime import Template
 
 
 @dataclass(frozen=True)
@@ -55,8 +59,8 @@ class ListSize:
 class Neighbours:
     """The candidates of every occupied cell, in segments of one list, one a group of cells."""
 
-    def __init__(self, particles: Particles, grid: Grid, ledger: Ledger, size: ListSize) -> None:
-        self.position, self.grid, self.ledger = particles.position, grid, ledger
+    def __init__(self, particles: Particles, grid: Grid, accounts: Accounts, size: ListSize) -> None:
+        self.position, self.grid, self.accounts = particles.position, grid, accounts
         self.groups, self.capacity, self.segment = size.grid.groups, size.capacity, size.segment
         self.images = grid.images
         self.periods, self.periodic = tm.vec3(grid.basin.periods), any(grid.basin.periods)
@@ -88,7 +92,7 @@ class Neighbours:
         return int(ex * ex + ey * ey + ez * ez < self.grid.support * self.grid.support)
 
     @ti.func
-    def find(self, c, lo, up, first, room):
+    def found(self, c, lo, up, first, room):
         """Keep the particles near the box from `first` on; their number, or -1 where they do not find `room`."""
         grid = self.grid
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
@@ -106,13 +110,13 @@ class Neighbours:
         return ti.select(full == 1, -1, m)
 
     @ti.func
-    def find_around(self, place, lo, up, first, room):
+    def found_around(self, indices, lo, up, first, room):
         """The same where an axis is periodic: a candidate is a particle and a code of the period it is seen through."""
         grid = self.grid
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         m, full = 0, 0
         for d in range(27):
-            there, code = place + tm.ivec3(d % 3, d // 3 % 3, d // 9) - 1, 13
+            there, code = indices + tm.ivec3(d % 3, d // 3 % 3, d // 9) - 1, 13
             for k, period in ti.static(enumerate(self.grid.basin.periods)):
                 if ti.static(period > 0.0):
                     around = int(there[k] > grid.cells[k] - 2) - int(there[k] < 1)
@@ -134,7 +138,7 @@ class Neighbours:
         return self.periods * (tm.ivec3(code % 3, code // 3 % 3, code // 9) - 1)
 
     @ti.func
-    def find_images(self, mirror, lo, up, scratch, m, first):
+    def found_images(self, mirror, lo, up, scratch, m, first):
         """Keep those of the m candidates so far whose image is near the box, from `first` on; their number."""
         x, y, z = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
         run = 0
@@ -144,38 +148,8 @@ class Neighbours:
         return run
 
     @ti.func
-    def add_images(self, group, law: ti.template(), find: ti.template(), place, lo, up, n, entry):
-        """Put the images of the n candidates in the scratch after them; how many there are then, and where
-        the list goes on.
-
-        From `entry` on the list holds, for each side beside the cell, how many images there are and of which of them.
-        """
-        scratch, last, m = group * self.capacity, (group + 1) * self.segment, n
-        for side in range(self.images.sides):
-            if self.images.beside(side, place):
-                mirror = self.images.mirror(side)
-                if ti.static(find):
-                    self.candidate[entry] = 0
-                    if entry + 1 + m + self.images.sides <= last and 2 * m <= self.capacity:
-                        found = self.find_images(mirror, lo, up, scratch, m, entry + 1)
-                        self.candidate[entry] = found
-                    else:
-                        self.ledger.overflow[group] = self.ledger.overflow[group] + 1
-                run = self.candidate[entry]
-                for b in range(run):
-                    a = scratch + self.candidate[entry + 1 + b]
-                    if ti.static(find and self.keeps):
-                        self.name[scratch + m + b] = self.name[a] ^ flips(mirror)
-                    other = ti.Vector([self.scratch[t][a] for t in ti.static(range(len(law.reads)))])
-                    image = law.image(other, mirror)
-                    for t in ti.static(range(len(law.reads))):
-                        self.scratch[t][scratch + m + b] = image[t]
-                m, entry = m + run, entry + 1 + run
-        return tm.ivec2(m, entry)
-
-    @ti.func
     def closest(self, x, begin, end, first, found):
-        """Note which of these candidates lie within a support of x, though not in its place; how many there are now."""
+        """Note which of these candidates lie within a support of x, though not at x itself; how many there are now."""
         px, py, pz = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
         for a in range(begin, end):
             away = x - tm.vec3(px[a], py[a], pz[a])
@@ -192,73 +166,129 @@ class Neighbours:
         seen = self.closest(x, scratch + n, scratch + m, scratch, near)
         if seen > self.pairs.room:
             near, seen = 0, 0
-            self.ledger.overflow[group] = self.ledger.overflow[group] + 1
+            self.accounts.overflow[group] = self.accounts.overflow[group] + 1
         self.pairs.near[i], self.pairs.seen[i] = near, seen
         for b in range(seen):
             a, to = self.close[scratch + b], i * self.pairs.room + b
             away = x - tm.vec3(px[a], py[a], pz[a])
             self.pairs.name[to] = self.name[a]
-            self.pairs.gradient[to] = self.smoothing.shape_grad_wendland(ti.sqrt(away.dot(away))) * away
+            self.pairs.gradient[to] = self.smoothing.pair_gradient(away)
 
     @ti.func
-    def walk(self, group, law: ti.template(), find: ti.template()):
-        """For every particle i of the group's cells: sum law.pair over its candidates, then law.finish it. The first
-        three fields that a law reads are a place.
+    def walk(self, law: Template, find: Template):
+        """For every particle i: sum law.pair over its candidates, then law.finish it. Call it at the top of a kernel.
 
-        Images are summed with the particles, or, where the law wants them `apart`, by themselves.
+        `find`: whether the candidates are found anew, which those are that law.reads has as positions. Images are
+        summed with the particles, or, where the law wants them `apart`, by themselves.
         """
-        grid = self.grid
-        scratch = group * self.capacity
-        kept, last = group * self.segment, (group + 1) * self.segment
+        for g in range(self.groups * TASK):
+            if g % TASK == 0:
+                self.walk_group(g // TASK, law, find)
+
+    @ti.func
+    def walk_group(self, group, law: Template, find: Template):
+        """The same for the particles of a group's cells."""
+        kept = group * self.segment  # where the list of the next cell begins
         if ti.static(find):
-            self.ledger.overflow[group] = 0
+            self.accounts.overflow[group] = 0
         law.begin(group)
-        occupied = grid.occupied_count[None]
+        occupied = self.grid.occupied_count[None]
         for k in range(group * occupied // self.groups, (group + 1) * occupied // self.groups):
-            c = self.grid.occupied[k]
-            place = grid.place_of(c)
-            room = ti.min(self.capacity, last - kept - self.images.sides)
+            room = ti.min(self.capacity, (group + 1) * self.segment - kept - self.images.sides)
             lo, up = tm.vec3(0.0), tm.vec3(0.0)
             if ti.static(find):
-                lo, up = self.bounds(c)
-                if ti.static(self.periodic):
-                    self.candidates[k] = self.find_around(place, lo, up, kept, room)
-                else:
-                    self.candidates[k] = self.find(c, lo, up, kept, room)
-                if self.candidates[k] < 0:
-                    self.candidates[k] = 0
-                    self.ledger.overflow[group] = self.ledger.overflow[group] + 1
-            n = self.candidates[k]
-            for a in range(n):
-                j = self.candidate[kept + a]
-                if ti.static(self.periodic):
-                    shift = self.shift(j // MOST_PARTICLES)
-                    j = j % MOST_PARTICLES
-                    if ti.static(find and self.keeps):
-                        self.name[scratch + a] = j
-                    for t, field in ti.static(enumerate(law.reads)):
-                        self.scratch[t][scratch + a] = field[j] + (shift[t] if ti.static(t < 3) else 0.0)
-                else:
-                    if ti.static(find and self.keeps):
-                        self.name[scratch + a] = j
-                    for t, field in ti.static(enumerate(law.reads)):
-                        self.scratch[t][scratch + a] = field[j]
-            seen = tm.ivec2(n, kept + n)
-            if ti.static(self.images.sides > 0):
-                if room > 0 and grid.at_rim(place, self.images.deepest):
-                    seen = self.add_images(group, law, find, place, lo, up, n, kept + n)
-            m = seen[0]
-            for i in range(grid.start[c], grid.start[c + 1]):
-                own = ti.Vector([field[i] for field in ti.static(law.reads)])
-                total, beyond = ti.Vector.zero(float, law.sums), ti.Vector.zero(float, law.sums)
-                for a in range(scratch, scratch + ti.select(law.apart, n, m)):
-                    other = ti.Vector([self.scratch[t][a] for t in ti.static(range(len(law.reads)))])
-                    total += law.pair(own, other)
-                if ti.static(law.apart):
-                    for a in range(scratch + n, scratch + m):
-                        other = ti.Vector([self.scratch[t][a] for t in ti.static(range(len(law.reads)))])
-                        beyond += law.pair(own, other)
+                lo, up = self.bounds(self.grid.occupied[k])
+                self.list_candidates(k, lo, up, group, kept, room)
+            n = self.gathered(k, law, find, group, kept)
+            m, end = self.with_images(k, law, find, lo, up, group, n, kept + n, room)
+            self.sum_up(k, law, find, group, n, m)
+            kept = end
+
+    @ti.func
+    def list_candidates(self, k, lo, up, group, first, room):
+        """Find the candidates of occupied cell k, and list them from `first` on; none where there is no room."""
+        c = self.grid.occupied[k]
+        if ti.static(self.periodic):
+            self.candidates[k] = self.found_around(self.grid.indices_of(c), lo, up, first, room)
+        else:
+            self.candidates[k] = self.found(c, lo, up, first, room)
+        if self.candidates[k] < 0:
+            self.candidates[k] = 0
+            self.accounts.overflow[group] = self.accounts.overflow[group] + 1
+
+    @ti.func
+    def gathered(self, k, law: Template, find: Template, group, first):
+        """Put what the law reads of the candidates of occupied cell k into the scratch; how many there are."""
+        scratch, n = group * self.capacity, self.candidates[k]
+        for a in range(n):
+            j = self.candidate[first + a]
+            if ti.static(self.periodic):
+                shift = self.shift(j // MOST_PARTICLES)
+                j = j % MOST_PARTICLES
                 if ti.static(find and self.keeps):
-                    self.keep_pairs(i, tm.vec3(own[0], own[1], own[2]), scratch, n, m, group)
-                law.finish(i, own, total, beyond, group)
-            kept = seen[1]
+                    self.name[scratch + a] = j
+                for t, field in ti.static(enumerate(law.reads)):
+                    self.scratch[t][scratch + a] = field[j] + (shift[t] if ti.static(t < 3) else 0.0)
+            else:
+                if ti.static(find and self.keeps):
+                    self.name[scratch + a] = j
+                for t, field in ti.static(enumerate(law.reads)):
+                    self.scratch[t][scratch + a] = field[j]
+        return n
+
+    @ti.func
+    def with_images(self, k, law: Template, find: Template, lo, up, group, n, entry, room):
+        """Put the images of the n candidates in the scratch after them; how many there are then, and where the list of
+        the next cell begins.
+
+        From `entry` on the list holds, for each side next to the cell, how many images there are and of which of them.
+        """
+        scratch, last, m = group * self.capacity, (group + 1) * self.segment, n
+        if ti.static(self.images.sides > 0):
+            indices = self.grid.indices_of(self.grid.occupied[k])
+            if room > 0 and self.grid.at_rim(indices, self.images.deepest):
+                for side in range(self.images.sides):
+                    if self.images.adjoins(side, indices):
+                        mirror = self.images.mirror(side)
+                        if ti.static(find):
+                            self.candidate[entry] = 0
+                            if entry + 1 + m + self.images.sides <= last and 2 * m <= self.capacity:
+                                found = self.found_images(mirror, lo, up, scratch, m, entry + 1)
+                                self.candidate[entry] = found
+                            else:
+                                self.accounts.overflow[group] = self.accounts.overflow[group] + 1
+                        run = self.candidate[entry]
+                        self.add_images(law, find, mirror, scratch, m, entry + 1, run)
+                        m, entry = m + run, entry + 1 + run
+        return m, entry
+
+    @ti.func
+    def add_images(self, law: Template, find: Template, mirror, scratch, m, first, run):
+        """Put the `run` images that one side shows, listed from `first` on, after the m candidates in the scratch."""
+        for b in range(run):
+            a = scratch + self.candidate[first + b]
+            if ti.static(find and self.keeps):
+                self.name[scratch + m + b] = self.name[a] ^ flips(mirror)
+            other = ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))])
+            image = law.image(other, mirror)
+            for t in ti.static(range(law.row.size)):
+                self.scratch[t][scratch + m + b] = image[t]
+
+    @ti.func
+    def sum_up(self, k, law: Template, find: Template, group, n, m):
+        """Sum the law for every particle of occupied cell k over the m candidates in the scratch, the first n of them
+        particles, and finish it."""
+        c, scratch = self.grid.occupied[k], group * self.capacity
+        for i in range(self.grid.start[c], self.grid.start[c + 1]):
+            own = ti.Vector([field[i] for field in ti.static(law.reads)])
+            total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
+            for a in range(scratch, scratch + ti.select(law.apart, n, m)):
+                other = ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))])
+                total += law.pair(own, other)
+            if ti.static(law.apart):
+                for a in range(scratch + n, scratch + m):
+                    other = ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))])
+                    beyond += law.pair(own, other)
+            if ti.static(find and self.keeps):
+                self.keep_pairs(i, vec3(own, law.row.position), scratch, n, m, group)
+            law.finish(i, own, total, beyond, group)

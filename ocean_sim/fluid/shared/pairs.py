@@ -7,9 +7,11 @@ particle and by the axes along which it is mirrored, so its velocity follows tha
 import taichi as ti
 import taichi.math as tm
 
-from ocean_sim.fluid.shared.images import DRIFT, SIGN, Images
+from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
+from ocean_sim.fluid.shared.images import SIDE, SIGN, Images
 from ocean_sim.fluid.shared.particles import Particles
-from ocean_sim.fluid.shared.water import MOST_PARTICLES
+from ocean_sim.fluid.shared.tasks import TASK
+from ocean_sim.runtime import Template
 
 ROOM = 2.5  # slots of a particle, over its neighbours on the lattice
 LEAST = 48  # slots of a particle at least
@@ -35,10 +37,10 @@ class Pairs:
         self.gradient = ti.Vector.field(3, float, shape=particles.n * self.room)
         self.near, self.seen = (ti.field(int, shape=particles.n) for _ in range(2))  # particles, and images with them
         self.images = images
-        self.pistons = tuple((s, side.axis, side.upper) for s, side in images.pistons)
+        self.pistons = tuple((s, side.axis, side.upper) for s, side, _ in images.pistons)
 
     @ti.func
-    def velocity(self, v: ti.template(), name, gradient):
+    def velocity(self, v: Template, name, gradient):
         """Of an image [m/s]: only its normal velocity is turned round, whatever the slip."""
         j, flips = name % MOST_PARTICLES, name // MOST_PARTICLES
         image = tm.vec3([component[j] for component in ti.static(tuple(v))])
@@ -46,19 +48,28 @@ class Pairs:
             image[k] = ti.select(flips >> k & 1, -image[k], image[k])
         for s, axis, upper in ti.static(self.pistons):
             beyond = gradient[axis] < 0.0 if ti.static(upper) else gradient[axis] > 0.0
-            image[axis] += ti.select((flips >> axis & 1) and beyond, self.images.side[s, DRIFT + axis], 0.0)
+            image[axis] += ti.select(
+                (flips >> axis & 1) and beyond, self.images.side[s, SIDE.twice_velocity + axis], 0.0
+            )
         return image
 
     @ti.func
-    def walk(self, group, law: ti.template()):
-        """For every particle i of the group: sum law.near over its neighbours and law.image over its images, then
-        law.finish it."""
+    def walk(self, law: Template):
+        """For every particle i: sum law.near over its neighbours and law.image over its images, then law.finish it;
+        call it at the top of a kernel."""
+        for g in range(self.groups * TASK):
+            if g % TASK == 0:
+                self.walk_group(g // TASK, law)
+
+    @ti.func
+    def walk_group(self, group, law: Template):
+        """The same for the particles of a group."""
         law.begin(group)
         n = self.particles.there()
         for i in range(group * n // self.groups, (group + 1) * n // self.groups):
             own = law.own(i)
             first = i * self.room
-            total, beyond = ti.Vector.zero(float, law.sums), ti.Vector.zero(float, law.sums)
+            total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
             for a in range(first, first + self.near[i]):
                 total += law.near(own, self.name[a], self.gradient[a])
             for a in range(first + self.near[i], first + self.seen[i]):

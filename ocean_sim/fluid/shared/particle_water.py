@@ -1,63 +1,108 @@
-"""What all water made of particles has, whatever moves them: a grid, walls, a surface, an emitter, and accounts."""
+"""What all water made of particles has, whatever moves them: a grid, walls, a surface, an emitter, accounts, and the
+frame of a step."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.basin import Basin
-from ocean_sim.fluid import Status
-from ocean_sim.fluid.shared.accounts import SUMMARY, Ledger
+from ocean_sim.fluid import Contact, ParticleFluid
+from ocean_sim.fluid.shared.accounts import SUMMARY, Accounts
+from ocean_sim.fluid.shared.around import Around
 from ocean_sim.fluid.shared.field import Field
 from ocean_sim.fluid.shared.free_surface import FreeSurface
-from ocean_sim.fluid.shared.grid import Grid, GridSize
-from ocean_sim.fluid.shared.particles import seeded
+from ocean_sim.fluid.shared.grid import Grid
+from ocean_sim.fluid.shared.grid_size import GridSize
+from ocean_sim.fluid.shared.particles import Particles, seeded
 from ocean_sim.fluid.shared.pull import Pull
 from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.walls import Walls
+from ocean_sim.fluid.shared.water import WaterConfig
+from ocean_sim.runtime import Array2
 from ocean_sim.wind import Wind
 
 
 @ti.data_oriented
-class ParticleWater:
-    """Particles between steps; a kind adds how they move (`advance`) and how they are put in order (`begin`)."""
+class ParticleWater(ParticleFluid):
+    """Particles between steps: sorted by cell, with all that is known of them current. A kind adds how they move
+    (`step`) and how all is made current (`arrive`)."""
 
+    particles: Particles
+    around: Around
+    grid: Grid
+    walls: Walls
     field: Field
-    status: Status
+    contact: Contact
 
-    def __init__(self, config: Any, basin: Basin, size: GridSize, ledger: bool, wind: Wind) -> None:
+    def __init__(self, config: WaterConfig, basin: Basin, size: GridSize, accounts: bool, wind: Wind) -> None:
         self.config, self.wind = config, wind
         lattice = size.lattice
         self.particles = seeded(lattice)
+        self.rest_density, self.spacing = self.particles.rest_density, self.particles.spacing
         self.smoothing = Smoothing(basin.dimension, size.support)
         self.carried = tuple(ti.field(float, shape=self.particles.n) for _ in range(size.carried))
         self.grid = Grid(self.particles, size, self.carried)
-        self.ledger = Ledger(size.groups, ledger)
+        self.accounts = Accounts(size.groups, accounts)
         self.surface = FreeSurface(self.particles, self.grid, self.smoothing)
         self.around = self.surface.around
         self.walls = Walls(lattice, self.grid.images)
         self.pull = Pull(basin, config.body_force)
         self.jet = lattice.jet
         self.time = 0.0  # [s]
-        self.sunk = 0.0  # [m] how far below the level that was asked for its surface begins
         self.emitted_impulse, self.emitted_work = np.zeros(3), 0.0  # [N s], [J]
-        self.contact: Any = None  # with a ship: `hull.push`, and by collisions `given` [N s] and `work` [J]
         self.meeting_hull = False
-        self.summary = np.zeros(SUMMARY, dtype=self.particles.position.precision)
+        self.summary: np.ndarray = np.zeros(SUMMARY, dtype=self.particles.position.precision)
 
-    def meet(self, contact: Any) -> None:
+    @property
+    def of_particles(self) -> ParticleFluid:
+        return self
+
+    def meet(self, contact: Contact) -> None:
         """From the first step on feel the push of a hull."""
         self.contact, self.meeting_hull = contact, True
 
     @ti.func
-    def hull_push(self, x, ahead):
-        """Acceleration [m/s2] at a place, `ahead` [s] of the beginning of the step."""
-        a = tm.vec3(0.0)
+    def area(self, i):
+        """Exposed area of particle i times its outward normal [m2]; zero where none has one."""
+        return tm.vec3(0.0)
+
+    @ti.func
+    def driven(self, i, x, v, ahead):
+        """Accelerations [m/s2] of particle i by the wind, by gravity (with body force and the motion of the tank) and
+        by a hull, `ahead` [s] of the beginning of the step."""
+        m = ti.static(self.particles.mass)
+        wind, hull = self.wind.force(self.particles.id[i], x, v, self.area(i), m) / m, tm.vec3(0.0)
         if ti.static(self.meeting_hull):
-            a = self.contact.hull.push(x, ahead)
-        return a
+            hull = self.contact.hull.push(x, ahead)
+        return wind, self.pull.at(x, v), hull
+
+    @ti.func
+    def leave(self, i, x, v):
+        """Keep the next position and velocity of particle i until the sort."""
+        self.grid.leave(i, x, v)
+
+    def begin(self) -> None:
+        """Start from the particles as they are now."""
+        self.lift()
+        self.arrive()
+        self.status = self.accounts.status(self.summary, self.grid)
+
+    def advance(self, dt: float) -> None:
+        """One step of dt [s]; raises Diverged where more particles crowd together than the neighbour lists hold."""
+        self.drive(dt)
+        self.step(dt)
+        self.status = self.accounts.status(self.summary, self.grid)
+        self.emit()
+
+    def arrive(self) -> None:
+        """Sort the particles where they are now, make all that is known of them current, and sum it up."""
+        raise NotImplementedError
+
+    def step(self, dt: float) -> None:
+        """The same after they have moved for dt [s]."""
+        raise NotImplementedError
 
     def drive(self, dt: float) -> None:
         """Put tank and wavemaker where they are in the middle of a step of dt [s]."""
@@ -88,7 +133,7 @@ class ParticleWater:
         )
 
     @ti.kernel
-    def join(self, first: int, x: ti.types.ndarray(ndim=2), v: ti.types.ndarray(ndim=2)):
+    def join(self, first: int, x: Array2, v: Array2):
         """Put new particles after the first ones."""
         ti.loop_config(serialize=True)
         for k in range(x.shape[0]):
@@ -111,8 +156,8 @@ class ParticleWater:
 
     @property
     def impulse(self) -> dict[str, np.ndarray]:
-        """Impulse of each term since the start [N s], (3,) each; empty unless built with ledger=True."""
-        total = self.ledger.total()
+        """Impulse of each term since the start [N s], (3,) each; empty unless the fluid keeps accounts."""
+        total = self.accounts.total()
         if total and self.jet is not None:
             total["emitter"] = self.emitted_impulse.copy()
         if total and self.meeting_hull:
@@ -123,9 +168,9 @@ class ParticleWater:
 
     @property
     def work(self) -> dict[str, float]:
-        """Work of each term since the start [J]; empty unless built with ledger=True. The emitter's is all energy that
-        its water brings, kinetic and potential."""
-        total = self.ledger.total_work()
+        """Work of each term since the start [J]; empty unless the fluid keeps accounts. The emitter's is all energy
+        that its water brings, kinetic and potential."""
+        total = self.accounts.total_work()
         if total and self.jet is not None:
             total["emitter"] = self.emitted_work
         if total and self.meeting_hull:

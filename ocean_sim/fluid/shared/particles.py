@@ -1,5 +1,6 @@
 """The particles: one field a component, in the order of their cells, which changes from step to step; `id` stays."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +9,8 @@ from taichi.lang.field import ScalarField
 from taichi.lang.util import to_numpy_type
 
 from ocean_sim.fluid.shared.initial import started
-from ocean_sim.fluid.shared.water import Lattice
+from ocean_sim.fluid.shared.lattice import Lattice
+from ocean_sim.runtime import Array2
 
 
 @ti.data_oriented
@@ -66,17 +68,17 @@ class Components:
         self.x, self.y, self.z = (ti.field(float, shape=n) for _ in range(3))
         self.count = count
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[ti.Field]:
         return iter((self.x, self.y, self.z))
 
     def to_numpy(self) -> np.ndarray:
         """(n, 3), in storage order."""
-        rows = np.empty((*self.x.shape, 3), dtype=self.precision)
+        rows: np.ndarray = np.empty((*self.x.shape, 3), dtype=self.precision)
         self.copy_to(rows)
         return rows if self.count is None else rows[: self.count.now]
 
     @ti.kernel
-    def copy_to(self, rows: ti.types.ndarray(ndim=2)):
+    def copy_to(self, rows: Array2):
         for i in self.x:
             rows[i, 0], rows[i, 1], rows[i, 2] = self.x[i], self.y[i], self.z[i]
 
@@ -85,7 +87,7 @@ class Components:
         self.copy_from(np.ascontiguousarray(values, dtype=self.precision))
 
     @ti.kernel
-    def copy_from(self, rows: ti.types.ndarray(ndim=2)):
+    def copy_from(self, rows: Array2):
         for i in range(rows.shape[0]):
             self.x[i], self.y[i], self.z[i] = rows[i, 0], rows[i, 1], rows[i, 2]
 
@@ -100,7 +102,7 @@ class Components:
 class Particles:
     """What a step reads and a snapshot saves."""
 
-    n: int  # places; `count` says how many are taken
+    n: int  # the most there will be; `count` says how many there are
     count: Count
     mass: float  # [kg] of each; in a slice [kg/m]
     rest_density: float  # [kg/m3]

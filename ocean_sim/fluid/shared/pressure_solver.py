@@ -5,29 +5,61 @@ transpose, to velocities; A = B B^T is symmetric. Sought are the pressures p wit
 wanted), r <= 0, and r = 0 where p > 0.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 import taichi as ti
 import taichi.math as tm
 
-from ocean_sim.fluid.shared.images import beside
-from ocean_sim.fluid.shared.particles import Components
-from ocean_sim.fluid.shared.water import MOST_PARTICLES
+from ocean_sim.columns import Columns, vec3
+from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
+from ocean_sim.fluid.shared.images import displaced
+from ocean_sim.fluid.shared.pairs import Pairs
+from ocean_sim.fluid.shared.particles import Components, Particles
+from ocean_sim.fluid.shared.smoothing import Smoothing
+from ocean_sim.fluid.shared.stencil import Stencil
 
-if TYPE_CHECKING:
-    from ocean_sim.fluid.dfsph import Dfsph
+if TYPE_CHECKING:  # it is imported only where there are bodies
+    from ocean_sim.fluid.shared.boundary import Boundary
 
-PILED = 4.0  # largest eigenvalue of A / A_ii for particles piled up in one place beside a wall
+PILED = 4.0  # largest eigenvalue of A / A_ii for particles piled up in one position next to a wall
 REPORT = 3  # numbers that an iteration reports: sums over all particles
 TOO_DENSE, TOO_THIN, UPHILL = range(REPORT)
 SHARE = 0.5  # of the error that a step begins with: iterations go on until it is less, so that calm water comes to rest
 
 
-@ti.func
-def away_from(fluid: ti.template(), own, other):
-    """x_ij times the shape of grad W, of two particles whose places come first."""
-    x_ij = tm.vec3(own[0] - other[0], own[1] - other[1], own[2] - other[2])
-    return fluid.smoothing.shape_grad_wendland(ti.sqrt(x_ij.dot(x_ij))) * x_ij
+class IncompressibleWater(Protocol):
+    """The water whose pressures are sought."""
+
+    particles: Particles
+    smoothing: Smoothing
+    stencil: Stencil
+    pairs: Pairs
+    boundary: "Boundary | None"
+    bodies: bool  # whether there are solid bodies in it
+    closed: bool  # whether it has no free surface
+    dt: ti.Field  # [s]
+    momentum: ti.Field  # how far an iteration is carried on along the way of the last ones
+    level: ti.Field  # density that is sought [kg/m3]
+    pressing: float  # what a pair's sum of pressures accelerates, over x_ij times the shape of grad W
+    diagonal: ti.Field  # A_ii / dt^2
+    base: tuple[ti.Field, ...]  # velocity before what the pressures gain [m/s]
+    rows: ti.Field  # what a group of particles reports, REPORT columns
+
+    def begin_report(self, group: Any) -> None:
+        """ti.func: nothing to report yet."""
+        ...
+
+    def surplus(self, i: Any) -> Any:
+        """ti.func: what particle i may gain in density in this step [kg/m3]."""
+        ...
+
+    def held(self, pressure: Any) -> Any:
+        """ti.func: a pressure as the water can have it."""
+        ...
+
+    def pressed(self, group: Any, u: Any, dt: Any, total: Any, beyond: Any) -> Any:
+        """ti.func: velocity u after the pressures of the water and of the walls, put to their accounts."""
+        ...
 
 
 @ti.data_oriented
@@ -35,14 +67,14 @@ class Compression:
     """The residual r of each particle with the pressures so far, and the next pressures; Bender & Koschier 2015, eqs.
     6, 7, 12, 13."""
 
-    sums = 1
+    row, terms = Columns(position=3, velocity=3), Columns(rate=1)  # the row of what is summed over samples of bodies
 
-    def __init__(self, fluid: "Dfsph", solver: "Solver") -> None:
+    def __init__(self, fluid: IncompressibleWater, solver: "Solver") -> None:
         self.fluid, self.solver, self.pairs = fluid, solver, fluid.pairs
         self.rate = -fluid.particles.mass * fluid.stencil.slope
         self.relaxation = 1.0 / max(fluid.stencil.stiffest, PILED)
-        if fluid.bodies:
-            self.solid = fluid.boundary.met(self)
+        if fluid.boundary is not None:
+            self.boundary, self.solid = fluid.boundary, fluid.boundary.summed(self)
 
     @ti.func
     def begin(self, group):
@@ -64,26 +96,27 @@ class Compression:
     @ti.func
     def sample(self, own, s, d, mirror):
         """A sample of a solid body."""
-        return beside(own, d, self.fluid.boundary.own_velocity(s, mirror))
+        return displaced(own, d, self.boundary.own_velocity(s, mirror))
 
     @ti.func
     def pair(self, own, other):
         """What a sample adds."""
-        v_ij = tm.vec3(own[3] - other[3], own[4] - other[4], own[5] - other[5])
-        return ti.Vector([v_ij.dot(away_from(self.fluid, own, other))])
+        x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
+        v_ij = vec3(own, self.row.velocity) - vec3(other, self.row.velocity)
+        return ti.Vector([v_ij.dot(self.fluid.smoothing.pair_gradient(x_ij))])
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
         fluid, solver, dt = self.fluid, self.solver, self.fluid.dt[None]
-        rate = total[0] + beyond[0]
+        rate = total[self.terms.rate] + beyond[self.terms.rate]
         if ti.static(fluid.bodies):
             x = tm.vec3([component[i] for component in ti.static(tuple(fluid.particles.position))])
-            rate += self.solid.total(x, ti.Vector([x.x, x.y, x.z, own.x, own.y, own.z]))[0]
+            rate += self.solid.total(x, ti.Vector([x.x, x.y, x.z, own.x, own.y, own.z]))[self.terms.rate]
         r = dt * self.rate * rate
         if ti.static(solver.restores):
             r += fluid.particles.density[i] - fluid.level[None]
-        elif ti.static(not fluid.closed):
-            r -= fluid.closing[i]
+        else:
+            r -= fluid.surplus(i)
         start = solver.started(i)
         p, scale = start + solver.gain[i], dt * dt * fluid.diagonal[i]
         best, last = fluid.held(p + self.relaxation * r / scale), solver.best[i]
@@ -102,13 +135,13 @@ class Push:
     """The velocity with what the pressures have gained; the adjoint of Compression. It is found anew from all of it, so
     that rounding does not add up over iterations."""
 
-    sums = 3
+    row, terms = Columns(position=3, pressure=1), Columns(push=3)  # the row of what is summed over samples of bodies
 
-    def __init__(self, fluid: "Dfsph", solver: "Solver") -> None:
+    def __init__(self, fluid: IncompressibleWater, solver: "Solver") -> None:
         self.fluid, self.solver = fluid, solver
         self.pressure = solver.next
-        if fluid.bodies:
-            self.solid = fluid.boundary.met(self)
+        if fluid.boundary is not None:
+            self.solid = fluid.boundary.summed(self)
 
     @ti.func
     def begin(self, group):
@@ -130,12 +163,13 @@ class Push:
     @ti.func
     def sample(self, own, s, d, mirror):
         """A sample of a solid body, which has no pressure of its own."""
-        return tm.vec4(own[0] + d[0], own[1] + d[1], own[2] + d[2], 0.0)
+        return tm.vec4(vec3(own, self.row.position) + d, 0.0)
 
     @ti.func
     def pair(self, own, other):
         """What a sample adds."""
-        return (own[3] + other[3]) * away_from(self.fluid, own, other)
+        x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
+        return (own[self.row.pressure] + other[self.row.pressure]) * self.fluid.smoothing.pair_gradient(x_ij)
 
     @ti.func
     def solids(self, i, own):
@@ -160,7 +194,7 @@ class Push:
 class Account(Push):
     """The impulses of the pressures that a solver has gained."""
 
-    def __init__(self, fluid: "Dfsph", solver: "Solver") -> None:
+    def __init__(self, fluid: IncompressibleWater, solver: "Solver") -> None:
         super().__init__(fluid, solver)
         self.pressure = solver.gain
 
@@ -177,7 +211,7 @@ class Solver:
 
     def __init__(
         self,
-        fluid: "Dfsph",
+        fluid: IncompressibleWater,
         velocity: Components,
         tolerance: float,
         most: int,

@@ -17,9 +17,10 @@ class Pull:
         self.gravity, self.body_force = np.array(basin.gravity), np.array(body_force)  # [m/s2]
         self.constant = tm.vec3(self.gravity + self.body_force)
         self.held = tm.vec3([0.0 if period > 0.0 else 1.0 for period in basin.periods])
-        self.moving = basin.config.motion is not None
-        if self.moving:
-            self.motion = basin.config.motion.build()
+        motion = basin.config.motion
+        self.moving = motion is not None
+        if motion is not None:
+            self.motion = motion.build()
             self.frame = ti.Vector.field(3, float, shape=4)
             self.advance(0.0)
 

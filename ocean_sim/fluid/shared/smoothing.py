@@ -11,6 +11,8 @@ from math import pi
 import taichi as ti
 import taichi.math as tm
 
+from ocean_sim.runtime import Template
+
 
 @ti.func
 def positive(x):
@@ -52,7 +54,7 @@ class Smoothing:
         return 20.0 * self.wendland_constant / self.support**2
 
     @ti.func
-    def between(self, own, other, first: ti.template()):
+    def between(self, own, other, first: Template):
         """own - other of the three components from `first` on; in a slice nothing is spent on the third, which is 0."""
         return tm.vec3(
             [own[first + k] - other[first + k] if ti.static(k < self.dimension) else 0.0 for k in ti.static(range(3))]
@@ -70,9 +72,14 @@ class Smoothing:
 
     @ti.func
     def shape_grad_wendland(self, r):
-        """(1 - r/h)^3 of the distance: no division by r, so two particles in one place are no trouble."""
+        """(1 - r/h)^3 of the distance: no division by r, so two particles in one position are no trouble."""
         q = self.share(r)
         return q * q * q
+
+    @ti.func
+    def pair_gradient(self, x_ij):
+        """x_ij times the shape of grad W_wendland."""
+        return self.shape_grad_wendland(ti.sqrt(x_ij.dot(x_ij))) * x_ij
 
     @ti.func
     def shape_poly6(self, r2):

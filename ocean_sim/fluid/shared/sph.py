@@ -1,7 +1,7 @@
 """What the schemes share whose particles press and rub on each other: keys, sizes, limits, and what they have."""
 
 from math import inf, pi, sqrt
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 import taichi as ti
@@ -10,7 +10,7 @@ import taichi.math as tm
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.field import Field
-from ocean_sim.fluid.shared.grid import GridSize
+from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.neighbours import ListSize, Neighbours
 from ocean_sim.fluid.shared.particle_water import ParticleWater
 from ocean_sim.fluid.shared.water import Lattice, WaterConfig, free_fall_speed
@@ -18,7 +18,10 @@ from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems
 from ocean_sim.wind import Wind
 
-PARTICLE = 1.8e-7  # [s] of processor time that a particle takes in a step beside its neighbours
+if TYPE_CHECKING:  # it is imported only where there are bodies
+    from ocean_sim.fluid.shared.boundary import Boundary
+
+PARTICLE = 1.8e-7  # [s] of processor time that a particle takes in a step apart from its neighbours
 SAMPLE = 2.0  # times what a particle takes with its neighbours: of a solid body's sample, with what it adds to theirs
 
 
@@ -28,8 +31,10 @@ class SphConfig(WaterConfig):
     compared: ClassVar[bool] = True
     conserves_momentum: ClassVar[bool] = True
 
-    support_ratio: float = quantity("spacings", 2.0, ge=1.2, le=6.0)
-    """Support radius of the smoothing kernels over the spacing: 2h in papers that call half the support h."""
+    default_ratio: ClassVar[tuple[float, float]]
+    """Default of `support_ratio` in a slice and in space."""
+    support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
+    """Support radius of the smoothing kernel over the spacing."""
     compression: float | None = quantity("1", None, gt=0.0, le=1.0)
     """Wanted rise of the density at the bed, (reference_speed / sound speed)^2; 0.01 by default."""
     reference_speed: float | None = quantity("m/s", None, gt=0.0)
@@ -49,7 +54,7 @@ class SphConfig(WaterConfig):
 
     def ratio(self, basin: Basin) -> float:
         """Support over spacing."""
-        return self.support_ratio
+        return self.support_ratio or self.default_ratio[basin.dimension - 2]
 
     def enclosed(self, basin: Basin) -> bool:
         """Whether the water has no free surface."""
@@ -109,7 +114,7 @@ class SphConfig(WaterConfig):
 
 
 def rows(sizes: ListSize, word: int, numbers: int, what: str, pair: float) -> list[LedgerRow]:
-    """Ledger of a scheme that keeps so many numbers of each particle beside its integer name, and takes `pair` [s] for
+    """Ledger of a scheme that keeps so many numbers of each particle besides its number, and takes `pair` [s] for
     each of its neighbours in a step."""
     n, support, lattice = sizes.grid.lattice.n, sizes.grid.support, sizes.grid.lattice
     ratio = support / lattice.spacing
@@ -126,15 +131,15 @@ def rows(sizes: ListSize, word: int, numbers: int, what: str, pair: float) -> li
 def _of_bodies(grid: GridSize, word: int, each: float) -> list[LedgerRow]:
     """The ledger of the solid bodies in the water, whose samples take `each` [s] a step; the first row holds where
     every cell's begin."""
-    lattice, rows = grid.lattice, []
-    basin = lattice.basin
+    lattice, basin = grid.lattice, grid.lattice.basin
+    rows: list[LedgerRow] = []
     if not (basin.obstacles or any(solid.felt for solid in basin.afloat)):
         return []
     from ocean_sim.fluid.shared.boundary import boxes, floating, memory
 
     of_parts = {"basin": boxes(lattice, grid.support), "ship": floating(lattice, grid.support)}
     for part, bodies in of_parts.items():
-        count, why = sum(len(body.place) for body in bodies), "basin.obstacles"
+        count, why = sum(len(body.position) for body in bodies), "basin.obstacles"
         if part == "ship":
             why = "ship.kind is pressure: the water feels the hull"
         if bodies:
@@ -157,18 +162,22 @@ def limits(support: float, sound_speed: float, viscosity: float, speed: float, a
 class Sph(ParticleWater):
     """Particles with neighbours, and solid bodies among them; a scheme adds its laws and its step."""
 
-    def __init__(self, config: SphConfig, basin: Basin, sizes: ListSize, ledger: bool, wind: Wind) -> None:
-        super().__init__(config, basin, sizes.grid, ledger, wind)
-        self.neighbours = Neighbours(self.particles, self.grid, self.ledger, sizes)
+    config: SphConfig
+    boundary: "Boundary | None" = None
+
+    def __init__(self, config: SphConfig, basin: Basin, sizes: ListSize, accounts: bool, wind: Wind) -> None:
+        super().__init__(config, basin, sizes.grid, accounts, wind)
+        self.neighbours = Neighbours(self.particles, self.grid, self.accounts, sizes)
         self.reference_speed, self.sound_speed = config.speed(basin), config.sound_speed(basin)
         self.kinematic_viscosity = config.kinematic_viscosity
         self.dt = ti.field(float, shape=())  # [s]
-        self.bodies, self.boundary = bool(basin.obstacles or any(solid.felt for solid in basin.afloat)), None
+        self.bodies = bool(basin.obstacles or any(solid.felt for solid in basin.afloat))
         if self.bodies:
             from ocean_sim.fluid.shared.boundary import Boundary, boxes, floating
 
             lattice, support = sizes.grid.lattice, sizes.grid.support
-            self.boundary = Boundary([*boxes(lattice, support), *floating(lattice, support)], self)
+            bodies = [*boxes(lattice, support), *floating(lattice, support)]
+            self.boundary = Boundary(bodies, self.particles, self.grid, self.pull, self.smoothing)
         self.field = Field(
             self.particles, self.grid, self.smoothing, self.pull.constant, self.pull, boundary=self.boundary
         )
@@ -176,18 +185,21 @@ class Sph(ParticleWater):
         if self.exposed:
             from ocean_sim.fluid.shared.exposure import Exposure
 
-            self.exposure = Exposure(self, sizes.grid.lattice.plan_area or 0.0)
+            plan_area = sizes.grid.lattice.plan_area or 0.0
+            self.exposure = Exposure(
+                self.particles, self.places, self.smoothing, self.neighbours, self.boundary, plan_area
+            )
 
     @property
     def places(self) -> tuple[ti.Field, ...]:
-        """Where the particles are [m], x, y and z as the lists of candidates know them."""
+        """Positions of the particles [m], x, y and z as the lists of candidates know them."""
         return tuple(self.particles.position)
 
     def drive(self, dt: float) -> None:
         if self.exposed:
-            self.exposure.renew(dt)
+            self.exposure.renew(dt, self.status.max_speed + self.reference_speed)
         super().drive(dt)
-        if self.bodies:
+        if self.boundary is not None:
             self.boundary.sort()
 
     def limits(self) -> Limits:
@@ -197,20 +209,12 @@ class Sph(ParticleWater):
     @property
     def impulse(self) -> dict[str, np.ndarray]:
         total = super().impulse
-        if total and self.bodies:
+        if total and self.boundary is not None:
             given, fixed = -self.boundary.impulses(), len(self.grid.basin.obstacles)
             total["obstacles"] = given[:fixed].sum(axis=0)
             total["ship"] = given[fixed:].sum(axis=0) + total.get("ship", 0.0)
             total["walls"] = total["walls"] - given.sum(axis=0)  # the laws count all as walls
         return total
-
-    @ti.func
-    def added(self, total):
-        """Pressure and viscosity together, which a law sums apart where impulses are counted."""
-        both = tm.vec3(total[0], total[1], total[2])
-        if ti.static(self.ledger.impulses):
-            both += tm.vec3(total[3], total[4], total[5])
-        return both
 
     @ti.func
     def area(self, i):

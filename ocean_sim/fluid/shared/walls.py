@@ -1,4 +1,4 @@
-"""What holds the water in: sides that particles bounce from, zones that calm waves, and a limit of motion in a step."""
+"""What holds the water in: sides that particles bounce from, zones that absorb waves, a limit of what a step moves."""
 
 import numpy as np
 import taichi as ti
@@ -6,8 +6,10 @@ import taichi.math as tm
 from taichi.lang.util import to_numpy_type
 
 from ocean_sim.basin import OPEN, Basin
-from ocean_sim.fluid.shared.images import DRIFT, PLACE, Images
-from ocean_sim.fluid.shared.water import Lattice, free_fall_speed
+from ocean_sim.fluid.shared.images import SIDE, Images
+from ocean_sim.fluid.shared.lattice import Lattice
+from ocean_sim.fluid.shared.water import free_fall_speed
+from ocean_sim.runtime import Template
 
 ABSORBING_PART = 0.25  # of the basin that the zone before an absorbing side takes
 ABSORBING_RATE = 2.5  # [sqrt(|g| / depth)] at the side; falls with the square of the distance, to 0 at the zone's end
@@ -33,7 +35,7 @@ class Walls:
         low, up = lattice.basin.stops()
         self.low, self.up, self.gap = tuple(x + gap for x in low), tuple(x - gap for x in up), gap
         self.images = images
-        self.pistons = tuple((s, side.axis, side.upper) for s, side in images.pistons)
+        self.pistons = tuple((s, side.axis, side.upper) for s, side, _ in images.pistons)
         self.axes = range(lattice.basin.dimension)
         self.restitution = lattice.basin.config.restitution
         self.friction = lattice.basin.config.friction
@@ -49,17 +51,17 @@ class Walls:
 
     @ti.func
     def bounced(self, x, v):
-        """Place and velocity after the walls: stopped at the wall, normal velocity returned with the restitution,
+        """Position and velocity after the walls: stopped at the wall, normal velocity returned with the restitution,
         tangential velocity reduced by Coulomb friction, at most to rest."""
         for k in ti.static(self.axes):
             low, up, wall = self.low[k], self.up[k], 0.0
             for s, axis, upper in ti.static(self.pistons):
                 if ti.static(axis == k):
-                    wall = 0.5 * self.images.side[s, DRIFT + axis]
+                    wall = 0.5 * self.images.side[s, SIDE.twice_velocity + axis]
                     if ti.static(upper):
-                        up = self.images.side[s, PLACE] - self.gap
+                        up = self.images.side[s, SIDE.position] - self.gap
                     else:
-                        low = self.images.side[s, PLACE] + self.gap
+                        low = self.images.side[s, SIDE.position] + self.gap
             inside = tm.clamp(x[k], low, up)
             if inside != x[k]:
                 v = self.returned(v, k, wall, ti.select(x[k] > inside, 1.0, -1.0))
@@ -70,7 +72,7 @@ class Walls:
         return x, v
 
     @ti.func
-    def returned(self, v, k: ti.template(), wall, outward):
+    def returned(self, v, k: Template, wall, outward):
         """Velocity after meeting a wall across axis k that moves with `wall` [m/s]; `outward`: 1 where it stops what
         goes up the axis, -1 where what goes down."""
         speed = outward * (v[k] - wall)
@@ -86,7 +88,7 @@ class Walls:
 
     @ti.func
     def kept_out(self, b, x, v):
-        """Place and velocity after obstacle b: out through its nearest face that lies in the basin."""
+        """Position and velocity after obstacle b: out through its nearest face that lies in the basin."""
         least, face, across = OPEN, -1, 0.0
         for k in ti.static(self.axes):
             below, above = x[k] - self.faces[b, 0, k], self.faces[b, 1, k] - x[k]
@@ -104,7 +106,7 @@ class Walls:
         return x, v
 
     @ti.func
-    def calmed(self, x, v, dt):
+    def relaxed(self, x, v, dt):
         """Velocity after dt in the zones before absorbing sides: dv/dt = -rate s^2 v, s from 0 where a zone begins to 1
         at its side, stepped backwards in time."""
         for axis, begin, end, rate in ti.static(self.zones):

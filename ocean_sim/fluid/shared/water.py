@@ -1,7 +1,5 @@
-"""What a user may say about water that is made of particles, whatever the scheme, and the lattice it starts from."""
+"""What a user may say about water that is made of particles, whatever the scheme."""
 
-from dataclasses import dataclass
-from functools import cached_property
 from math import sqrt
 from typing import Annotated, Any, ClassVar
 
@@ -11,9 +9,10 @@ from pydantic import Field, field_validator, model_validator
 from ocean_sim.basin import Basin, Box
 from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.fluid.shared import initial as initial_module
-from ocean_sim.fluid.shared.emitter import MOST_PARTICLES, Emitter, Jet
+from ocean_sim.fluid.shared.emitter import MOST_PARTICLES, Emitter
 from ocean_sim.fluid.shared.emitter import problems as mouth_problems
 from ocean_sim.fluid.shared.initial import Initial
+from ocean_sim.fluid.shared.lattice import Lattice, inside
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import FluidConfig, Preflight, Problems
 
@@ -73,13 +72,13 @@ class WaterConfig(FluidConfig):
     def driven(self) -> bool:
         return self.emitter is not None
 
-    def began(self, preflight: Preflight) -> "Lattice":
+    def began(self, preflight: Preflight) -> Lattice:
         """The lattice that this water starts on in a scene."""
         lattice = preflight.lattice
         assert isinstance(lattice, Lattice)
         return lattice
 
-    def lattice(self, basin: Basin) -> "Lattice":
+    def lattice(self, basin: Basin) -> Lattice:
         """Where the particles are at first, counted but not yet made."""
         return Lattice(self, basin)
 
@@ -115,7 +114,7 @@ class WaterConfig(FluidConfig):
                 if (np.minimum(up, other_up) - np.maximum(low, other_low))[: basin.dimension].min() > 1e-9:
                     found.append((("fill", k), "the box overlaps an earlier one: two particles would share a place"))
         if lattice.jet is not None and not found:
-            found += [(("emitter", *path), sentence) for path, sentence in mouth_problems(lattice, lattice.jet)]
+            found += [(("emitter", *path), sentence) for path, sentence in mouth_problems(basin, lattice.jet)]
             if inside(lattice.jet.sites, basin).any():
                 found.append((("emitter", "position"), "the mouth is inside an obstacle"))
         if basin.obstacles and not found:
@@ -124,151 +123,6 @@ class WaterConfig(FluidConfig):
             elif inside(lattice.positions(), basin).any():
                 found.append((("initial", "path"), "some of these particles are inside an obstacle"))
         return found
-
-
-@dataclass(frozen=True)
-class Lattice:
-    """A cubic lattice of particles filling the boxes of water, half a spacing away from every face."""
-
-    config: WaterConfig
-    basin: Basin
-
-    @cached_property
-    def boxes(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Lowest and highest corner of each box of water [m]."""
-        if self.config.fill is None and self.config.emitter is not None and self.given is None:
-            return []
-        if self.config.fill is None:
-            surface = np.array([self.basin.upper[0], 0.0, self.basin.upper[2]])
-            return [(np.array(self.basin.lower), surface)]
-        flat = (0.0,) * (3 - self.basin.dimension)
-        return [(np.array(box.min + flat), np.array(box.max + flat)) for box in self.config.fill]
-
-    @property
-    def volume(self) -> float:
-        """Volume of the water [m3]; in a slice its area [m2]."""
-        return sum(float(np.prod((up - low)[: self.basin.dimension])) for low, up in self.boxes)
-
-    @cached_property
-    def spacing(self) -> float:
-        """Distance between particles [m]; of a budget the finest lattice found that keeps it."""
-        if self.config.spacing is not None:
-            return self.config.spacing
-        assert self.config.particles is not None
-        spacing = (self.volume / self.config.particles) ** (1.0 / self.basin.dimension)
-        while total(self.counted(spacing)) > max(self.config.particles, len(self.boxes)):
-            spacing *= 1.001
-        return spacing
-
-    def counted(self, spacing: float) -> list[np.ndarray]:
-        """Particles along x, y and z in each box, about `spacing` [m] apart."""
-        counts = [np.maximum(1, np.round((up - low) / spacing)).astype(int) for low, up in self.boxes]
-        return [np.append(count[:2], 1) if self.basin.dimension == 2 else count for count in counts]
-
-    @cached_property
-    def counts(self) -> list[np.ndarray]:
-        """Particles along x, y and z in each box."""
-        return self.counted(self.spacing)
-
-    @cached_property
-    def n(self) -> int:
-        """Number of particles; where there is an emitter, the most there will be."""
-        return self.config.emitter.cap if self.config.emitter is not None else self.started
-
-    @cached_property
-    def started(self) -> int:
-        """How many of them are there without an emitter."""
-        if self.given is None and not (self.basin.obstacles or self.basin.afloat):
-            return total(self.counts)
-        return len(self.positions())
-
-    @cached_property
-    def jet(self) -> Jet | None:
-        """What leaves the emitter."""
-        if self.config.emitter is None:
-            return None
-        volume = self.mass / self.config.rest_density
-        return Jet(self.config.emitter, self.basin.dimension, self.spacing, volume, self.started)
-
-    @cached_property
-    def given(self) -> np.ndarray | None:
-        """(n, 3) places [m] from a file, in place of a lattice."""
-        return initial_module.given_places(self.config.initial, self.basin)
-
-    @property
-    def mass(self) -> float:
-        """Mass of a particle [kg], in a slice [kg/m]: rest density times volume of the water over n."""
-        if not self.boxes and self.given is None:
-            return self.config.rest_density * self.spacing**self.basin.dimension
-        return self.config.rest_density * self.volume / (total(self.counts) if self.given is None else len(self.given))
-
-    @property
-    def plan_area(self) -> float | None:
-        """Area of the still surface [m2], in a slice its length [m]; None where water does not fill the basin."""
-        filled = self.config.fill is None and self.given is None and not self.basin.closed
-        return self.basin.volume / self.basin.depth if filled else None
-
-    @property
-    def height(self) -> float:
-        """Height of the tallest box of water [m]."""
-        return max((float((up - low)[1]) for low, up in self.boxes), default=self.basin.depth)
-
-    def ends(self) -> np.ndarray:
-        """(2, n) bed, or obstacle that it stands on, and surface of the water that each particle starts in [m]."""
-        if self.given is not None:
-            return np.repeat([[self.basin.lower[1]], [0.0]], len(self.given), axis=1)
-        heights = np.array([(low[1], up[1]) for low, up in self.boxes]).reshape(-1, 2)
-        ends = np.repeat(heights, np.array([np.prod(count) for count in self.counts], dtype=int), axis=0)[self.wet].T
-        x, y, z = self.full[self.wet].T
-        for low, up in self.basin.obstacles:
-            over = (x > low[0]) & (x < up[0]) & (z > low[2]) & (z < up[2]) & (y > up[1])
-            ends[0, over] = np.maximum(ends[0, over], up[1])
-        return ends
-
-    @cached_property
-    def full(self) -> np.ndarray:
-        """(m, 3) places [m] of a lattice that fills the boxes, x running fastest."""
-        parts = [np.empty((0, 3))]
-        for (low, up), count in zip(self.boxes, self.counts, strict=True):
-            x, y, z = (low[k] + (np.arange(count[k]) + 0.5) * (up[k] - low[k]) / count[k] for k in range(3))
-            grid = np.meshgrid(z, y, x, indexing="ij")
-            parts.append(np.stack([grid[2].ravel(), grid[1].ravel(), grid[0].ravel()], axis=1))
-        return np.concatenate(parts)
-
-    @cached_property
-    def room(self) -> tuple[np.ndarray, np.ndarray]:
-        """(m,) which of them are in no obstacle and in nothing that floats, and (m, 3) where what floats lets them be:
-        out of the reach of what is not felt through the water's own laws."""
-        wet, places = ~inside(self.full, self.basin), self.full
-        for solid in self.basin.afloat:
-            if solid.felt:
-                wet &= ~solid.inside(self.full, self.spacing)
-            else:
-                gone, places = solid.carved(places, self.spacing, self.boxes)
-                wet &= ~gone
-        return wet, places
-
-    @property
-    def wet(self) -> np.ndarray:
-        """(m,) which of them are water."""
-        return self.room[0]
-
-    def positions(self) -> np.ndarray:
-        """(n, 3) places of the particles [m], x running fastest."""
-        return self.room[1][self.wet] if self.given is None else self.given
-
-
-def inside(positions: np.ndarray, basin: Basin) -> np.ndarray:
-    """(n,) which of (n, 3) places [m] are in an obstacle."""
-    found = np.zeros(len(positions), dtype=bool)
-    for low, up in basin.obstacles:
-        found |= ((positions > low) & (positions < up)).all(axis=1)
-    return found
-
-
-def total(counts: list[np.ndarray]) -> int:
-    """Particles in all boxes."""
-    return sum(int(np.prod(count)) for count in counts)
 
 
 def free_fall_speed(basin: Basin) -> float:

@@ -1,0 +1,50 @@
+"""What the laws have in common that push particles: solid bodies are pushed back by them."""
+
+from typing import TYPE_CHECKING, Any
+
+import taichi as ti
+
+from ocean_sim.columns import Columns
+from ocean_sim.fluid.shared.sph import Sph
+
+if TYPE_CHECKING:  # it is imported only where there are bodies
+    from ocean_sim.fluid.shared.boundary import Boundary, Reaction, SampleSum
+
+
+@ti.data_oriented
+class Force:
+    """A law that pushes particles and, as strongly, the samples of solid bodies: it has `sample` and `acceleration`."""
+
+    row: Columns
+    reads: tuple[ti.Field, ...]
+    terms: Columns
+    boundary: "Boundary"
+    solid: "SampleSum"
+    reaction: "Reaction"
+
+    def __init__(self, fluid: Sph) -> None:
+        """To be called once `terms` are known."""
+        self.fluid = fluid
+        self.apart = fluid.accounts.impulses  # what images add is summed apart
+        if fluid.boundary is not None:
+            self.boundary = fluid.boundary
+            self.solid, self.reaction = fluid.boundary.summed(self), fluid.boundary.reaction(self)
+
+    @ti.func
+    def begin(self, group):
+        self.fluid.accounts.begin_motion(group)
+
+    @ti.func
+    def react(self, dt):
+        """Push the bodies for dt [s]; call it at the top of a kernel."""
+        if ti.static(self.fluid.bodies):
+            self.boundary.react(self.reaction, dt)
+
+    def sample(self, own: Any, s: Any, d: Any, mirror: Any) -> Any:
+        raise NotImplementedError
+
+    def pair(self, own: Any, other: Any) -> Any:
+        raise NotImplementedError
+
+    def acceleration(self, own: Any, total: Any) -> Any:
+        raise NotImplementedError

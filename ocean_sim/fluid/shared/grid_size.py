@@ -1,0 +1,67 @@
+"""How large the grid of cells is, known before anything is allocated."""
+
+from dataclasses import dataclass
+from math import floor, log2
+
+import numpy as np
+
+from ocean_sim.fluid.shared.lattice import Lattice
+
+SERIAL = 20_000  # up to so many particles one thread sorts faster than several
+CHUNKS = 8
+FEW, MANY = 16, 64  # groups of cells for few and many particles: threads share them, each costs microseconds
+
+
+@dataclass(frozen=True)
+class GridSize:
+    """How large the grid is."""
+
+    lattice: Lattice
+    support: float  # [m]
+    carried: int = 0  # numbers that a scheme carries along with each particle
+
+    @property
+    def inner(self) -> list[tuple[int, float]]:
+        """Cells between the sides of the basin and their width [m], on each axis; at least a support wide."""
+        extents = np.subtract(self.lattice.basin.upper, self.lattice.basin.lower)
+        counts = [max(1, int(extent / self.support + 1e-9)) for extent in extents]
+        return [(n, float(extent) / n or self.support) for n, extent in zip(counts, extents, strict=True)]
+
+    @property
+    def cells(self) -> tuple[int, int, int]:
+        """Cells along x, y, z with one empty cell of padding all round."""
+        nx, ny, nz = (n + 2 for n, _ in self.inner)
+        return nx, ny, nz
+
+    @property
+    def cell_count(self) -> int:
+        nx, ny, nz = self.cells
+        return nx * ny * nz
+
+    def quantum(self, eps: float) -> float:
+        """Distance of the positions that numbers of a relative spacing `eps` can tell apart everywhere in the basin
+        [m]: a power of two."""
+        basin = self.lattice.basin
+        return eps * 2.0 ** floor(log2(max(map(abs, (*basin.lower, *basin.upper)))))
+
+    @property
+    def chunks(self) -> int:
+        """Parts in which the particles are counted and sorted."""
+        return 1 if self.lattice.n <= SERIAL else CHUNKS
+
+    @property
+    def groups(self) -> int:
+        """Blocks of cells or particles, each a task of its own: set by the scene, never by the number of threads."""
+        return FEW if self.lattice.n <= SERIAL else MANY
+
+    @property
+    def occupied(self) -> int:
+        """The most cells that can hold a particle."""
+        return min(self.lattice.n, self.cell_count)
+
+    def bytes(self, word: int) -> int:
+        """Of the grid and the state on its way into it, where `word` is the size of a `float` [bytes]."""
+        return (
+            4 * (2 * self.lattice.n + self.cell_count * (self.chunks + 1) + self.occupied + 2)
+            + word * (6 + 2 * self.lattice.basin.dimension + self.carried) * self.lattice.n
+        )

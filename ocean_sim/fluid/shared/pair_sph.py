@@ -1,0 +1,143 @@
+"""What schemes share whose pressure is known before a step moves the particles: the law of momentum but for what a pair
+adds, and, where the density is a sum, the whole step."""
+
+from typing import ClassVar
+
+import taichi as ti
+
+from ocean_sim.columns import Columns, vec3
+from ocean_sim.fluid.shared.accounts import WALLS
+from ocean_sim.fluid.shared.force import Force
+from ocean_sim.fluid.shared.images import displaced, hydrostatic_offset, reflected
+from ocean_sim.fluid.shared.law import Law
+from ocean_sim.fluid.shared.sph import Sph
+from ocean_sim.runtime import Array
+
+
+@ti.data_oriented
+class MomentumLaw(Force):
+    """What pushes particles and moves them: neighbours, wind, gravity (2.25), a hull, and walls.
+
+    A scheme adds what is read (`row`, which begins with `position` and `velocity` and has a `pressure` in a form of its
+    own, and `reads`), what a pair adds (`pair`, by way of `added`), and by how much a pressure rises (`risen`).
+    """
+
+    passed: ClassVar[float] = 0.0
+    """Part of a step that the particles have gone before they are pushed; with their new velocity they go the rest."""
+
+    def __init__(self, fluid: Sph) -> None:
+        self.terms = Columns(push=3, rub=3) if fluid.accounts.impulses else Columns(push=3)  # summed apart for accounts
+        super().__init__(fluid)
+
+    @ti.func
+    def risen(self, head):
+        """Rise of the row's pressure where p / rho rises by `head` [m2/s2]."""
+        return self.fluid.rest_density * head
+
+    @ti.func
+    def image(self, other, mirror):
+        """A neighbour as a side shows it: its velocity turned round, its pressure continued hydrostatically."""
+        x, image = vec3(other, self.row.position), reflected(mirror, other)
+        image[self.row.pressure] += self.risen(hydrostatic_offset(mirror, x, self.fluid.pull.at_rest(x)))
+        return image
+
+    @ti.func
+    def sample(self, own, s, d, mirror):
+        return self.continued(own, s, d, mirror)
+
+    @ti.func
+    def continued(self, own, s, d, mirror):
+        """A sample of a solid body: it has all of the particle, the pressure continued to where it is."""
+        other = displaced(own, d, self.boundary.rubbing(vec3(own, self.row.velocity), s, mirror))
+        head = self.boundary.head(vec3(own, self.row.position), s, d, mirror)
+        other[self.row.pressure] = own[self.row.pressure] + self.risen(head)
+        return other
+
+    @ti.func
+    def added(self, weight, push, rub):
+        """What a pair adds that presses with `push` and rubs with `rub`."""
+        total = ti.Vector.zero(float, self.terms.size)
+        if ti.static(self.apart):
+            for k in ti.static(range(3)):
+                total[self.terms.push + k], total[self.terms.rub + k] = weight * push[k], weight * rub[k]
+        else:
+            total = weight * (push + rub)
+        return total
+
+    @ti.func
+    def scale(self, own):
+        """Acceleration over what a particle has summed."""
+        return 1.0
+
+    @ti.func
+    def acceleration(self, own, total):
+        """Of a particle by what it has summed [m/s2]."""
+        both = vec3(total, self.terms.push)
+        if ti.static(self.apart):
+            both += vec3(total, self.terms.rub)
+        return self.scale(own) * both
+
+    @ti.func
+    def finish(self, i, own, total, beyond, group):
+        """Kick the particle and move it on, as far as walls, absorbing zones and the motion limit let it."""
+        fluid, walls, m = self.fluid, self.fluid.walls, ti.static(self.fluid.particles.mass)
+        dt = fluid.dt[None]
+        x, v = vec3(own, self.row.position), vec3(own, self.row.velocity)
+        if ti.static(fluid.bodies):
+            beyond += self.solid.total(x, own)
+        a_water, a_walls = self.acceleration(own, total), self.acceleration(own, beyond)
+        a_wind, a_pull, a_hull = fluid.driven(i, x, v, self.passed * dt)
+        a = a_water + a_walls + a_wind + a_pull + a_hull  # (2.25)
+        free = v + dt * a
+        pushed, fast = walls.held_back(walls.relaxed(x, free, dt), dt)
+        x_free = x + fluid.grid.gone(i, ti.static(1.0 - self.passed) * dt * pushed)
+        x_new, v_new = walls.bounced(x_free, pushed)
+        fluid.leave(i, x_new, v_new)
+        fluid.accounts.count_motion(group, v_new, a, fast)
+        if ti.static(self.apart):
+            a_pressure, mean = self.scale(own) * vec3(total, self.terms.push), 0.5 * (v + v_new)
+            kept = v_new - free + dt * a_walls if ti.static(self.passed == 0.0) else v_new - v - dt * (a - a_walls)
+            if ti.static(self.passed == 0.0):
+                if (x_new != x_free).any():  # forces work as far as the walls let it go; what else it loses, they took
+                    far = (x_new - x) / dt
+                    fluid.accounts.count_work(group, WALLS, m * (v_new - v).dot(mean - far))
+                    mean = far
+            rubbed = a_water - a_pressure
+            fluid.accounts.count_step(group, m * dt, a_pressure, rubbed, a_wind, a_pull, a_hull, m * kept, mean)
+            self.account(beyond, mean, dt, group)
+
+    @ti.func
+    def account(self, beyond, mean, dt, group):
+        """What else a scheme puts to the accounts, of what walls add to the sum of a particle and its mean velocity of
+        the step."""
+
+
+@ti.data_oriented
+class PairSph(Sph):
+    """A scheme that moves particles by its `momentum`, sorts them, and sums up their `density`, which also finds their
+    pressure: symplectic Euler."""
+
+    momentum: MomentumLaw
+    density: Law
+
+    def arrive(self) -> None:
+        self.settle(self.summary)
+
+    def step(self, dt: float) -> None:
+        self.move(dt, self.wind.since)
+        self.settle(self.summary)
+
+    @ti.kernel
+    def move(self, dt: float, since: float):
+        """Move by the forces of here and now."""
+        self.dt[None] = dt
+        self.wind.set_clock(since, dt)
+        self.momentum.react(dt)
+        self.neighbours.walk(self.momentum, False)
+
+    @ti.kernel
+    def settle(self, summary: Array):
+        """Sort, and find the new density."""
+        self.grid.sort()
+        self.neighbours.walk(self.density, True)
+        self.accounts.summarise(summary)

@@ -1,0 +1,44 @@
+"""Every law of pairs names what it reads: a column of its row for each of its fields, its position first."""
+
+import pytest
+
+from ocean_sim.columns import Columns
+from ocean_sim.parts import config_of, kinds
+from ocean_sim.wind.stress import Config as Stress
+
+SCHEMES = [kind for kind in kinds("fluid") if config_of("fluid", kind).compared]
+BOX = {"length": 1.0, "depth": 0.5, "obstacles": [{"min": [-0.1, -0.5], "max": [0.1, -0.3]}]}
+ENCLOSED = {"length": 1.0, "depth": 0.5, "walls": {"x": "periodic", "y": "periodic"}, "floor": "none"}
+
+
+def laws(fluid) -> list:
+    """All that a scheme holds which sums over rows of neighbours."""
+    return [thing for thing in vars(fluid).values() if hasattr(thing, "reads") and hasattr(thing, "terms")]
+
+
+@pytest.mark.parametrize("ledger", [False, True])
+@pytest.mark.parametrize("basin", [BOX, ENCLOSED], ids=["open", "enclosed"])
+@pytest.mark.parametrize("kind", SCHEMES)
+def test_a_law_has_a_column_for_each_field_it_reads(water, kind, basin, ledger):
+    for viscosity in (0.0, 0.01):
+        keys = {"width": None, "gravity": [0.0, -9.81 if basin is BOX else 0.0, 0.0]}
+        fluid = water(
+            kind,
+            basin=basin | keys,
+            wind=Stress(u10=5.0) if basin is BOX else None,
+            ledger=ledger,
+            kinematic_viscosity=viscosity,
+            reference_speed=1.0,
+        )
+        found = laws(fluid)
+        assert len(found) == 2 + (basin is BOX), "two laws of the scheme, and the exposed area under a wind"
+        for law in found:
+            assert len(law.reads) == law.row.size, type(law).__name__
+            assert law.row.position == 0, type(law).__name__
+
+
+def test_columns_stand_one_after_the_other():
+    row = Columns(position=3, velocity=3, pressure=1)
+    assert (row.position, row.velocity, row.pressure, row.size) == (0, 3, 6, 7)
+    with pytest.raises(AttributeError, match="no column 'volume' in this row; there are"):
+        row.volume  # noqa: B018

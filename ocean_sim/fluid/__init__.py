@@ -277,7 +277,7 @@ class Fluid(Protocol):
         """One step of dt [s] under the wind it was built with; raises Diverged when a neighbour list overflows."""
         ...
 
-    def elevation(self, x, z):
+    def elevation(self, x: Any, z: Any) -> Any:
         """ti.func: height of the water [m] above the still surface; the bed where it is dry."""
         ...
 

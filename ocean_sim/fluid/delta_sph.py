@@ -290,7 +290,7 @@ class DeltaSph(Sph):
             self.particles.position.from_numpy(x)
 
     @property
-    def places(self) -> tuple[ti.Field, ...]:
+    def listed_positions(self) -> tuple[ti.Field, ...]:
         """At the end of the step, in the order of its middle, with nothing wrapped into the period since."""
         return self.grid.moved[: STATE.velocity]
 

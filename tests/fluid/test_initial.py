@@ -10,7 +10,7 @@ from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.basin import Config as BasinConfig
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.fluid.shared.initial import Initial, carried, fitted, given_places, problems, started
+from ocean_sim.fluid.shared.initial import Initial, carried, fitted, given_positions, problems, started
 
 TANK = {"length": 2.0, "depth": 1.0, "gravity": (0.0, -1.0, 0.0)}  # Colagrossi et al. 2013, with H = g = 1
 FLUME = {"length": 2.0 * 2.0944, "depth": 0.5, "walls": {"x": "periodic"}}  # two waves of 1.21738 s
@@ -186,8 +186,8 @@ def test_a_file_gives_places_velocities_and_pressure(tmp_path, ending):
     np.testing.assert_array_equal(positions[:, :2], rows[:, :2])
     np.testing.assert_array_equal(velocities[:, :2], rows[:, 2:4])
     np.testing.assert_array_equal(pressures, rows[:, 4])
-    np.testing.assert_array_equal(given_places(drop, basin), positions)
-    assert given_places(None, basin) is None
+    np.testing.assert_array_equal(given_positions(drop, basin), positions)
+    assert given_positions(None, basin) is None
 
 
 def test_what_a_file_lacks_is_said(tmp_path):

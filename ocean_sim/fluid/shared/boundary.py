@@ -116,7 +116,7 @@ class Boundary:
         self.impulse = ti.field(ti.f64, shape=(n, 3))
         self.shares, self.slips = ti.field(float, shape=n), ti.field(int, shape=n)
         self.owner, self.cell = ti.field(int, shape=n), ti.field(int, shape=n)
-        # In the order of the cells, as `name` tells.
+        # In the order of the cells, whose `name` is the number in the other.
         self.position, self.velocity, self.acceleration = Components(n), Components(n), Components(n)
         self.share, self.free, self.name = ti.field(float, shape=n), ti.field(int, shape=n), ti.field(int, shape=n)
         self.start = ti.field(int, shape=self.grid.cell_count + 1)

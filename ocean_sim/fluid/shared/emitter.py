@@ -51,7 +51,7 @@ class Jet:
     dimension: int
     spacing: float  # [m]
     volume: float  # of a particle [m3]; in a slice [m2]
-    first: int  # particles that are there beside it
+    first: int  # number of the first particle that leaves it
 
     @property
     def velocity(self) -> np.ndarray:
@@ -65,7 +65,7 @@ class Jet:
 
     @cached_property
     def sites(self) -> np.ndarray:
-        """(k, 3) places of a layer [m]: the nearest to the middle of a square lattice, around it."""
+        """(k, 3) positions of a layer [m]: the nearest to the middle of a square lattice, around it."""
         ahead = self.velocity / np.linalg.norm(self.velocity)
         apart = self.spacing ** (self.dimension - 1)
         k = max(1, round(self.area / apart))
@@ -96,8 +96,8 @@ class Jet:
         return min(self.config.cap, self.first + layers * len(self.sites))
 
     def left(self, first: int, last: int, time: float, pull: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(n, 3) places [m] and velocities [m/s] at a time [s] of the particles from number `first` to before `last`,
-        under an acceleration `pull` [m/s2] since they left."""
+        """(n, 3) positions [m] and velocities [m/s] at a time [s] of the particles from number `first` to before
+        `last`, under an acceleration `pull` [m/s2] since they left."""
         layer, site = np.divmod(np.arange(first, last) - self.first, len(self.sites))
         age = np.maximum(time - layer * self.interval, 0.0)[:, None]
         return self.sites[site] + age * self.velocity + 0.5 * age**2 * pull, self.velocity + age * pull

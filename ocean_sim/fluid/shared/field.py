@@ -135,7 +135,7 @@ class Field:
 
     @ti.func
     def factor(self, own, d):
-        """What a neighbour counts beside its weight; linear in its position."""
+        """What a neighbour counts besides its weight; linear in its position."""
         return own[FACTOR.constant] - vec3(own, FACTOR.slope).dot(d / self.smoothing.support)
 
     @ti.func

@@ -1,8 +1,8 @@
 """The states that water may start from: still, waves in mid-flight, a Taylor-Green vortex, or a file of particles.
 
-Waves are those of linear theory. The lattice is carried to its place by the flow of the theory's displacement, which
+Waves are those of linear theory. The lattice is carried to where it is by the flow of the theory's displacement, which
 is free of divergence, so it keeps its density to all orders; its crests then are those of Stokes to second order. The
-velocity is the theory's at that place: free of divergence and rotation. A particle's pressure follows it: hydrostatic
+velocity is the theory's there: free of divergence and rotation. A particle's pressure follows it: hydrostatic
 where it rests, and rho g (pressure head - rise) of linear theory there, which is zero on the surface.
 """
 
@@ -158,7 +158,7 @@ class TaylorGreen(Model):
     speed: float = quantity("m/s", gt=0.0)
     """Greatest speed along x."""
     disorder: float = quantity("spacings", 0.0, ge=0.0, lt=0.5)
-    """How far, at most, each particle is put off its place on the lattice along x and y."""
+    """How far, at most, each particle is put off the lattice along x and y."""
     seed: int = quantity("1", 0, ge=0, lt=2**31)
     """Seed of the disorder."""
 
@@ -210,14 +210,14 @@ class FromFile(Model):
         elif not all(np.isfinite(column).all() for column in columns.values()):
             yield ("path",), f"{shown(self.path)} holds what is not a number"
         else:
-            places = self.places(basin)
+            positions = self.positions(basin)
             low, up = np.array(basin.lower), np.array(basin.upper)
-            outside = np.flatnonzero(((places < low - 1e-9) | (places > up + 1e-9)).any(axis=1))
+            outside = np.flatnonzero(((positions < low - 1e-9) | (positions > up + 1e-9)).any(axis=1))
             if len(outside):
-                x, y, z = places[outside[0]]
+                x, y, z = positions[outside[0]]
                 yield ("path",), f"{len(outside)} particles are outside the basin, the first at ({x:g}, {y:g}, {z:g}) m"
 
-    def places(self, basin: Basin) -> np.ndarray:
+    def positions(self, basin: Basin) -> np.ndarray:
         """(n, 3) [m]; z is 0 in a slice."""
         return vectors(self.columns(), "xyz", basin)
 
@@ -249,9 +249,9 @@ def problems(initial: Initial | None, basin: Basin) -> list[tuple[tuple[str, ...
     return [] if initial is None else list(initial.problems(basin))
 
 
-def given_places(initial: Initial | None, basin: Basin) -> np.ndarray | None:
-    """(n, 3) places [m] that take the place of a lattice, or None."""
-    return initial.places(basin) if isinstance(initial, FromFile) else None
+def given_positions(initial: Initial | None, basin: Basin) -> np.ndarray | None:
+    """(n, 3) positions [m] that take the place of a lattice, or None."""
+    return initial.positions(basin) if isinstance(initial, FromFile) else None
 
 
 def still_pressure(positions: np.ndarray, basin: Basin, density: float, surface: float | np.ndarray) -> np.ndarray:
@@ -302,7 +302,7 @@ def walled(wavevector: np.ndarray, basin: Basin) -> Iterator[str]:
 
 
 def wrapped(positions: np.ndarray, basin: Basin) -> np.ndarray:
-    """Places brought back into the basin along its periodic axes."""
+    """Positions brought back into the basin along its periodic axes."""
     placed = positions.copy()
     for axis, period in enumerate(basin.periods):
         if period:

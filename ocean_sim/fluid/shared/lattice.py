@@ -91,7 +91,7 @@ class Lattice:
     @cached_property
     def given(self) -> np.ndarray | None:
         """(n, 3) positions [m] from a file, in place of a lattice."""
-        return initial_module.given_places(self.config.initial, self.basin)
+        return initial_module.given_positions(self.config.initial, self.basin)
 
     @property
     def mass(self) -> float:
@@ -137,14 +137,14 @@ class Lattice:
     def room(self) -> tuple[np.ndarray, np.ndarray]:
         """(m,) which of them are in no obstacle and in nothing that floats, and (m, 3) where what floats lets them be:
         out of the reach of what is not felt through the water's own laws."""
-        wet, places = ~inside(self.full, self.basin), self.full
+        wet, positions = ~inside(self.full, self.basin), self.full
         for solid in self.basin.afloat:
             if solid.felt:
                 wet &= ~solid.inside(self.full, self.spacing)
             else:
-                gone, places = solid.carved(places, self.spacing, self.boxes)
+                gone, positions = solid.carved(positions, self.spacing, self.boxes)
                 wet &= ~gone
-        return wet, places
+        return wet, positions
 
     @property
     def wet(self) -> np.ndarray:
@@ -152,7 +152,7 @@ class Lattice:
         return self.room[0]
 
     def positions(self) -> np.ndarray:
-        """(n, 3) places of the particles [m], x running fastest."""
+        """(n, 3) positions of the particles [m], x running fastest."""
         return self.room[1][self.wet] if self.given is None else self.given
 
 

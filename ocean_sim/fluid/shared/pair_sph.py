@@ -96,6 +96,7 @@ class MomentumLaw(Force):
         fluid.accounts.count_motion(group, v_new, a, fast)
         if ti.static(self.apart):
             a_pressure, mean = self.scale(own) * vec3(total, self.terms.push), 0.5 * (v + v_new)
+            # What walls change: two forms of one difference, which round differently.
             kept = v_new - free + dt * a_walls if ti.static(self.passed == 0.0) else v_new - v - dt * (a - a_walls)
             if ti.static(self.passed == 0.0):
                 if (x_new != x_free).any():  # forces work as far as the walls let it go; what else it loses, they took

@@ -79,7 +79,7 @@ class Pairs:
 
 @ti.func
 def flips(mirror):
-    """The axes along which a mirror turns what it shows, as a name tells them."""
+    """The axes along which a mirror turns what it shows, as a name has them."""
     turned = 0
     for k in ti.static(range(3)):
         turned += int(mirror[SIGN, k] < 0.0) << k

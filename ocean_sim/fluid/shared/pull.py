@@ -38,7 +38,7 @@ class Pull:
 
     @ti.func
     def at(self, x, v):
-        """At a place, with a velocity in the tank's axes: g - a - alpha x r - omega x (omega x r) - 2 omega x v."""
+        """At a position, with a velocity in the tank's axes: g - a - alpha x r - omega x (omega x r) - 2 omega x v."""
         a = self.constant
         if ti.static(self.moving):
             r, omega = x - self.frame[PIVOT], self.frame[RATE]

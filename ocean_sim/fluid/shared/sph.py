@@ -187,11 +187,11 @@ class Sph(ParticleWater):
 
             plan_area = sizes.grid.lattice.plan_area or 0.0
             self.exposure = Exposure(
-                self.particles, self.places, self.smoothing, self.neighbours, self.boundary, plan_area
+                self.particles, self.listed_positions, self.smoothing, self.neighbours, self.boundary, plan_area
             )
 
     @property
-    def places(self) -> tuple[ti.Field, ...]:
+    def listed_positions(self) -> tuple[ti.Field, ...]:
         """Positions of the particles [m], x, y and z as the lists of candidates know them."""
         return tuple(self.particles.position)
 

@@ -30,7 +30,7 @@ class WaterConfig(FluidConfig):
     rest_density: float = quantity("kg/m3", WATER_DENSITY, gt=0.0)
     """Density of the water at rest."""
     body_force: Vector3 = quantity("m/s2", (0.0, 0.0, 0.0))
-    """A constant acceleration beside gravity."""
+    """A constant acceleration in addition to gravity."""
     fill: Annotated[tuple[Box, ...], Field(strict=False, min_length=1)] | None = None
     """Boxes of water instead of the whole basin."""
     initial: Initial | None = None
@@ -112,7 +112,7 @@ class WaterConfig(FluidConfig):
                 found.append((("fill", k), f"the box reaches out of the basin along {axes}"))
             for other_low, other_up in boxes[:k]:
                 if (np.minimum(up, other_up) - np.maximum(low, other_low))[: basin.dimension].min() > 1e-9:
-                    found.append((("fill", k), "the box overlaps an earlier one: two particles would share a place"))
+                    found.append((("fill", k), "the box overlaps an earlier one: two particles would share a position"))
         if lattice.jet is not None and not found:
             found += [(("emitter", *path), sentence) for path, sentence in mouth_problems(basin, lattice.jet)]
             if inside(lattice.jet.sites, basin).any():

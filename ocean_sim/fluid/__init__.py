@@ -321,3 +321,10 @@ class ParticleFluid(Fluid, Protocol):
     def positions(self) -> np.ndarray:
         """(n, 3) of the particles [m], in float64, with more digits than `particles.position` may hold."""
         ...
+
+
+def with_particles(fluid: Fluid) -> ParticleFluid:
+    """Water that is known to be made of particles."""
+    water = fluid.of_particles
+    assert water is not None, "this water is a closed form"
+    return water

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from ocean_sim.fluid import with_particles
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.energy import falls_around
@@ -116,7 +117,7 @@ class Accuracy(Observer):
 
     def potential_energy(self, simulation: "Simulation") -> float:
         """Of the particles in gravity, zero at the origin [J]."""
-        particles = simulation.fluid.particles
+        particles = with_particles(simulation.fluid).particles
         centre_times_n = particles.position.to_numpy().sum(axis=0, dtype=np.float64)
         return -float(particles.mass * (centre_times_n @ self.gravity))
 
@@ -131,7 +132,7 @@ class Accuracy(Observer):
 
     def balances(self, simulation: "Simulation") -> list[float]:
         """The numbers of COLUMNS, then impulses and works."""
-        fluid, particles = simulation.fluid, simulation.fluid.particles
+        fluid, particles = simulation.fluid, with_particles(simulation.fluid).particles
         excess = particles.density.to_numpy().astype(np.float64) / particles.rest_density - 1.0
         position = particles.position.to_numpy().astype(np.float64)
         velocity = particles.velocity.to_numpy().astype(np.float64)

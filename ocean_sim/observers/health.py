@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from ocean_sim.conventions import Diverged
+from ocean_sim.fluid import with_particles
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.energy import driven, total
 from ocean_sim.observers.shared.escaped import beyond
@@ -105,7 +106,7 @@ class Health(Observer):
     def too_dense(self, density: float) -> bool:
         """A fluid without sound speed has no pressure, so its density is not kept and not judged."""
         fluid = self.simulation.fluid
-        return fluid.sound_speed > 0.0 and not density <= self.config.max_density_ratio * fluid.particles.rest_density
+        return fluid.sound_speed > 0.0 and not density <= self.config.max_density_ratio * fluid.rest_density
 
     def gone(self, density: float) -> bool:
         """Whether water has no density left, which a scheme that carries it on from step to step can come to."""
@@ -113,7 +114,8 @@ class Health(Observer):
 
     def complaints(self) -> Iterator[str]:
         """Sentences about what is out of bounds, worst kind first."""
-        particles, status = self.simulation.fluid.particles, self.simulation.fluid.status
+        fluid = with_particles(self.simulation.fluid)
+        particles, status = fluid.particles, fluid.status
         position = particles.position.to_numpy().astype(np.float64)
         velocity = particles.velocity.to_numpy().astype(np.float64)
         density = particles.density.to_numpy().astype(np.float64)
@@ -150,7 +152,7 @@ class Health(Observer):
         """Energy that came from nowhere: a scheme that is not stable makes it long before any one particle is odd."""
         if self.judged and self.first_energy is not None:
             fluid = self.simulation.fluid
-            scale = fluid.particles.mass * self.n * fluid.reference_speed**2
+            scale = with_particles(fluid).particles.mass * self.n * fluid.reference_speed**2
             gain = (total(self.simulation) - self.first_energy) / scale
             self.energy_seen = self.simulation.time
             if not (gain <= GAIN_REPORTED or self.gain_reported):

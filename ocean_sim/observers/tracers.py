@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 import numpy as np
 from pydantic import Field, model_validator
 
+from ocean_sim.fluid import with_particles
 from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.sampled import Sampled
@@ -88,7 +89,7 @@ class Tracers(Observer):
         self.csv = CsvFile(folder / "tracers.csv", head, ["time_s", *columns])
 
     def observe(self, simulation: "Simulation") -> None:
-        particles = simulation.fluid.particles
+        particles = with_particles(simulation.fluid).particles
         order = np.argsort(particles.id.to_numpy())[self.names]
         x = particles.position.to_numpy()[order].astype(float)
         if self.last is not None:
@@ -106,7 +107,7 @@ class Tracers(Observer):
 
 def chosen(config: Config, simulation: "Simulation") -> np.ndarray:
     """Numbers of the particles that are followed, each once; raises ValueError where there are none or too many."""
-    particles = simulation.fluid.particles
+    particles = with_particles(simulation.fluid).particles
     ids, x = particles.id.to_numpy(), particles.position.to_numpy()
     missing = [name for name in config.ids if name >= len(ids)]
     if missing:

@@ -17,7 +17,6 @@ from ocean_sim.ship import Load
 from ocean_sim.ship.shared.floating import FloatingConfig, afloat_pose
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics, Matter
 from ocean_sim.ship.shared.rigid_body import RigidBody, held
-from ocean_sim.ship.shared.ship_water import of_particles
 from ocean_sim.ship.shared.solid import Solid
 from ocean_sim.ship.shared.vessel import Actuators, Vessel
 from ocean_sim.surface import Surface
@@ -73,7 +72,7 @@ class Pressure(Vessel):
 
     def __init__(self, config: Config, basin: Basin, fluid: Fluid) -> None:
         solid: Solid = basin.afloat[0]
-        water = of_particles(fluid)
+        water = fluid.of_particles
         assert water is not None  # no other water carries it
         self.boundary, self.number = water.boundary, len(basin.obstacles)
         actuators = Actuators(config, config.propeller, config.rudder, solid.centre)

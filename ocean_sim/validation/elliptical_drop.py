@@ -73,7 +73,7 @@ def ellipse(end: float, steps: int = 2000) -> tuple[np.ndarray, np.ndarray, np.n
 def measure(simulation: Simulation) -> Finding:
     """Give the drop its flow, and follow its shape."""
     start = state(simulation).position
-    density, radius2 = simulation.fluid.particles.rest_density, (start**2).sum(axis=1)
+    density, radius2 = simulation.fluid.rest_density, (start**2).sum(axis=1)
     place(simulation, start, RATE * start * [-1.0, 1.0, 0.0], 0.5 * density * RATE**2 * (1.0 - radius2))
     return compared(list(watched(simulation, END / RATE, END / RATE / 20)))
 

@@ -47,7 +47,7 @@ def measure(simulation: Simulation) -> Finding:
     """Set the patch spinning, and look for voids."""
     start = state(simulation).position
     velocity = SPIN * np.stack([start[:, 1], -start[:, 0], 0.0 * start[:, 0]], axis=1)
-    place(simulation, start, velocity, simulation.fluid.particles.rest_density * SPIN**2 * first_pressure(start))
+    place(simulation, start, velocity, simulation.fluid.rest_density * SPIN**2 * first_pressure(start))
     return compared(list(watched(simulation, END / SPIN, END / SPIN / 40)))
 
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ocean_sim.fluid import with_particles
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
 from ocean_sim.validation.shared.state import place, state
@@ -68,7 +69,7 @@ def measure(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
     start = state(simulation).position
     place(simulation, wavy(start), np.zeros_like(start))
     surface: Any = simulation.surface
-    particles = simulation.fluid.particles
+    particles = with_particles(simulation.fluid).particles
     for _ in range(SETTLING):
         surface.follow(particles, FRAME)
     half = 0.5 * WAVES * WAVELENGTH

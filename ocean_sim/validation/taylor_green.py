@@ -58,7 +58,7 @@ def measure(simulation: Simulation) -> Finding:
     at = start.position + shaken(simulation, start.position, SHAKE * start.spacing)
     at[:, :2] = low[:2] + np.mod(at[:, :2] - low[:2], period[:2])
     waves = np.cos(4.0 * pi * at[:, 0]) + np.cos(4.0 * pi * at[:, 1])
-    place(simulation, at, flow(at, 0.0), -0.25 * simulation.fluid.particles.rest_density * SPEED**2 * waves)
+    place(simulation, at, flow(at, 0.0), -0.25 * simulation.fluid.rest_density * SPEED**2 * waves)
     return compared(list(watched(simulation, simulation.scene.duration, simulation.scene.duration / 20)))
 
 

@@ -5,12 +5,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from ocean_sim.simulation import Simulation
+    from ocean_sim.fluid import with_particles
+from ocean_sim.simulation import Simulation
 
 
 def total(simulation: "Simulation") -> float:
     """Kinetic, potential (zero at the origin) and internal energy of the particles [J], summed in float64."""
-    particles = simulation.fluid.particles
+    particles = with_particles(simulation.fluid).particles
     velocity = particles.velocity.to_numpy().astype(np.float64)
     centre_times_n = particles.position.to_numpy().sum(axis=0, dtype=np.float64)
     moving = 0.5 * particles.mass * float((velocity**2).sum())

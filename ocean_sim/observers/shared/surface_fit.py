@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ocean_sim.basin import Basin
+from ocean_sim.fluid import with_particles
 from ocean_sim.pictures.counted import spacing
 
 if TYPE_CHECKING:
@@ -47,6 +48,6 @@ class SurfaceFit:
     def values(self, simulation: "Simulation") -> list[float]:
         """In the order of the columns."""
         surface: Any = simulation.surface
-        position = simulation.fluid.particles.position.to_numpy().astype(float)
+        position = with_particles(simulation.fluid).particles.position.to_numpy().astype(float)
         top = highest(position, simulation.basin, spacing(simulation.fluid))
         return [*fit(surface, top), *surface.measures()]

@@ -19,7 +19,6 @@ from ocean_sim.ship.shared.hull import Hull, Inertia, explained, hull_of
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.propulsion import Propeller, Rudder
 from ocean_sim.ship.shared.rigid_body import RigidBody, matrix, oriented
-from ocean_sim.ship.shared.ship_water import of_particles, rest_density
 from ocean_sim.ship.shared.solid import Solid
 from ocean_sim.ship.shared.vessel import Actuators, VesselConfig
 from ocean_sim.ship.shared.wall_contact import Sides
@@ -148,8 +147,8 @@ class FloatingHull:
 
     def __init__(self, config: FloatingConfig, basin: Basin, fluid: Fluid, below: bool) -> None:
         """`below`: whether the ship asks the water under its surface, which a closed form answers."""
-        water = of_particles(fluid)
-        self.still = config.afloat(-basin.gravity[1], rest_density(fluid))
+        water = fluid.of_particles
+        self.still = config.afloat(-basin.gravity[1], fluid.rest_density)
         self.closed = below and water is None
         self.cubes = Cubes(self.still)
         lower, upper = config.whole_hull.shape.bounds()

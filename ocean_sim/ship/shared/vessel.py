@@ -18,7 +18,6 @@ from ocean_sim.ship.shared.hydrostatics import Matter
 from ocean_sim.ship.shared.propulsion import Crew, Helm, Person, Propeller, Rudder, towards
 from ocean_sim.ship.shared.rigid_body import RigidBody, advanced, cross, guided, oriented, product, rotated, spinning
 from ocean_sim.ship.shared.shapes import HullShape
-from ocean_sim.ship.shared.ship_water import settling
 from ocean_sim.ship.shared.wall_contact import Sides
 from ocean_sim.ship.shared.wave_contact import WaveContact
 from ocean_sim.surface import Surface
@@ -82,7 +81,7 @@ class VesselConfig(Helm, ShipConfig):
 
     def lowered(self, body: RigidBody, fluid: Fluid) -> RigidBody:
         """The body lower by as much as the water settles, where it begins at the height at which it floats."""
-        lower = settling(fluid) if self.afloat_at_first else 0.0
+        lower = fluid.sunk if self.afloat_at_first else 0.0
         return replace(body, position=body.position - [0.0, lower, 0.0])
 
 

@@ -22,6 +22,7 @@ import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns
+from ocean_sim.fluid import ParticleFluid
 from ocean_sim.model import Model, quantity
 from ocean_sim.runtime import Array2, Template
 from ocean_sim.ship import PARTS, Load
@@ -30,7 +31,6 @@ from ocean_sim.ship.shared.moving_hull import BOXED, MovingHull
 from ocean_sim.ship.shared.pose import POSE, vector, write_pose
 from ocean_sim.ship.shared.rigid_body import RigidBody
 from ocean_sim.ship.shared.shapes import HullShape
-from ocean_sim.ship.shared.ship_water import ParticleWater
 
 TASK = 512  # a parallel loop is never cut finer than this
 SERIAL = 20_000  # particles, up to so many of which one thread is quicker than several
@@ -62,7 +62,7 @@ class WaveContact:
     """The hull among the particles: `collided` in every step."""
 
     def __init__(
-        self, config: Contact, shape: HullShape, centre: np.ndarray, basin: Basin, fluid: ParticleWater, gravity: float
+        self, config: Contact, shape: HullShape, centre: np.ndarray, basin: Basin, fluid: ParticleFluid, gravity: float
     ) -> None:
         """`centre` of mass from the hull's origin [m]."""
         spacing, reach = fluid.particles.spacing, float(fluid.grid.support)
@@ -114,7 +114,7 @@ class WaveContact:
 class Collisions:
     """Particles that meet the hull, found cell by cell of the grid that they are sorted into."""
 
-    def __init__(self, config: Contact, hull: MovingHull, basin: Basin, fluid: ParticleWater) -> None:
+    def __init__(self, config: Contact, hull: MovingHull, basin: Basin, fluid: ParticleFluid) -> None:
         self.config, self.hull, self.particles, self.grid = config, hull, fluid.particles, fluid.grid
         self.gravity, self.walls = tm.vec3(basin.gravity), fluid.walls
         self.quantum, self.spacing = fluid.grid.quantum, self.particles.spacing

@@ -7,6 +7,7 @@ from math import fsum
 import numpy as np
 
 from ocean_sim.conventions import Diverged
+from ocean_sim.fluid import with_particles
 from ocean_sim.random_numbers import numpy_uniform3
 from ocean_sim.simulation import Simulation
 
@@ -49,24 +50,26 @@ class State:
 
 def state(simulation: Simulation) -> State:
     """The particles now."""
-    particles = simulation.fluid.particles
+    water = with_particles(simulation.fluid)
+    particles = water.particles
     order = np.argsort(particles.id.to_numpy())
     fields = (particles.velocity, particles.pressure, particles.density)
     arrays = [values.to_numpy()[order].astype(float) for values in fields]
-    return State(simulation.time, particles.mass, particles.spacing, simulation.fluid.positions()[order], *arrays)
+    return State(simulation.time, particles.mass, particles.spacing, water.positions()[order], *arrays)
 
 
 def place(
     simulation: Simulation, position: np.ndarray, velocity: np.ndarray, pressure: np.ndarray | None = None
 ) -> None:
     """Start from these places, velocities and, where a scheme steps its density, pressures, in the order of the ids."""
-    particles = simulation.fluid.particles
+    water = with_particles(simulation.fluid)
+    particles = water.particles
     order = particles.id.to_numpy()
     particles.position.from_numpy(position[order])
     particles.velocity.from_numpy(velocity[order])
     if pressure is not None:
         particles.pressure.from_numpy(pressure[order].astype(particles.position.precision))
-    simulation.fluid.begin()
+    water.begin()
     simulation.next_dt = simulation.time_step.next(simulation.fluid)
 
 

@@ -6,7 +6,7 @@ step before, an explicit step would overshoot. So the water is given an accelera
 body has of both masses, which is where the two meet (under-relaxation as in Kuttler & Wall 2008, Comput. Mech. 43).
 """
 
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, cast
 
 import numpy as np
 
@@ -72,7 +72,7 @@ class Pressure(Vessel):
     """A hull among the solid bodies of the water."""
 
     def __init__(self, config: Config, basin: Basin, fluid: Fluid) -> None:
-        solid: Solid = basin.afloat[0]
+        solid = cast(Solid, basin.afloat[0])
         water = of_particles(fluid)
         assert water is not None  # no other water carries it
         self.boundary, self.number = water.boundary, len(basin.obstacles)

@@ -11,7 +11,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from ocean_sim.basin import Basin
-from ocean_sim.fluid import Fluid
+from ocean_sim.fluid import Fluid, with_particles
 from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.ship import Load
 from ocean_sim.ship.shared.floating import FloatingConfig, afloat_pose
@@ -71,9 +71,8 @@ class Pressure(Vessel):
     """A hull among the solid bodies of the water."""
 
     def __init__(self, config: Config, basin: Basin, fluid: Fluid) -> None:
-        solid: Solid = basin.afloat[0]
-        water = fluid.of_particles
-        assert water is not None  # no other water carries it
+        solid, water = basin.afloat[0], with_particles(fluid)
+        assert isinstance(solid, Solid) and water.boundary is not None
         self.boundary, self.number = water.boundary, len(basin.obstacles)
         actuators = Actuators(config, config.propeller, config.rudder, solid.centre)
         super().__init__(config, config.lowered(solid.body, fluid), actuators, basin.lower[1])

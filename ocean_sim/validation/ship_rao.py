@@ -102,14 +102,16 @@ def allowed(hull: str, omega: float, motion: str) -> float | None:
 
 def answers(simulation: Simulation, omega: float, length: float, heading: float) -> tuple[float, float, float]:
     """Heave [m/m], pitch and roll [deg/m] in a regular wave, by the part of the motion at its frequency."""
-    fluid, ship, period = simulation.fluid, floating(simulation), 2.0 * np.pi / omega
+    fluid: Any = simulation.fluid  # of kind linear_waves
+    clock: Any = simulation.time_step  # of kind fixed
+    ship, period = floating(simulation), 2.0 * np.pi / omega
     rest = np.array([0.0, ship.hull.body.position[1], 0.0])
     pose(simulation, position=rest, orientation=np.array([1.0, 0.0, 0.0, 0.0]))
     depth = simulation.basin.depth
     amplitude = STEEPNESS * length
     fluid.begin(waves.regular(2.0 * amplitude, period, waves.direction(heading, 3), depth, G))
     simulation.time, simulation.next_dt = 0.0, period / STEPS
-    simulation.time_step.config = simulation.time_step.config.model_copy(update={"dt": period / STEPS})
+    clock.config = clock.config.model_copy(update={"dt": period / STEPS})
     rows = [(t, b.position[1], *b.angles) for t, b in track(simulation, PERIODS * period - 1e-9)]
     t, heave, pitch, _, roll = np.array(rows[-JUDGED * STEPS :]).T
     wave = np.exp(1j * omega * t)

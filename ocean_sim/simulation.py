@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from ocean_sim import runtime
 from ocean_sim.conventions import Diverged
-from ocean_sim.fluid import Limits
+from ocean_sim.fluid import Limits, with_particles
 from ocean_sim.parts import LedgerRow, PartConfig, Preflight, Scene
 
 NOWHERE = Path()  # the folder that observers are given that write nothing
@@ -137,7 +137,7 @@ class Simulation:
             self.fluid.advance(dt)  # (2.27)
         if self.surface is not None:
             with self.stage("surface"):
-                self.surface.follow(self.fluid.particles, dt)  # Algorithms 3 and 5
+                self.surface.follow(with_particles(self.fluid).particles, dt)  # Algorithms 3 and 5
         if self.ship is not None:
             with self.stage("ship"):
                 load = self.ship.load(self.wind_on_ship, self.fluid, self.surface or self.fluid)  # (4.27)

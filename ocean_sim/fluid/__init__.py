@@ -213,7 +213,11 @@ class Hull(Protocol):
 class Contact(Protocol):
     """A ship that the water meets."""
 
-    hull: Hull
+    @property
+    def hull(self) -> Hull:
+        """Which pushes."""
+        ...
+
     given: np.ndarray  # (3,) impulse [N s] to the water by collisions, since the start
     work: float  # [J] of them
 

@@ -11,7 +11,6 @@ from ocean_sim.files.whole_file import whole
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.sampled import Multiples
 from ocean_sim.parts import Preflight
-from ocean_sim.pictures.counted import spacing
 from ocean_sim.simulation import Observer, PeriodicConfig
 
 if TYPE_CHECKING:
@@ -60,7 +59,7 @@ class Frames(Observer):
         self.multiples = Multiples(config.every)
         self.count = 0
         basin, fluid = simulation.basin, simulation.fluid
-        x, z = grid(basin, config.spacing or spacing(fluid))
+        x, z = grid(basin, config.spacing or fluid.spacing)
         self.shape = (len(x), len(z))
         self.points = pairs(x, z)
         drawn = simulation.ship.drawn() if simulation.ship is not None else None
@@ -73,7 +72,7 @@ class Frames(Observer):
             lower=np.array(basin.lower),
             upper=np.array(basin.upper),
             depth=basin.depth,
-            spacing=spacing(fluid),
+            spacing=fluid.spacing,
             every=config.every,
             obstacles=np.array(basin.obstacles).reshape(-1, 2, 3),
             **hull,

@@ -131,15 +131,15 @@ class Health(Observer):
             yield self.sentence(f"{what} (bound {self.config.max_density_ratio:g})", position, [density.argmax()])
         if self.gone(status.min_density):
             what = f"density fell to {status.min_density:.4g} kg/m^3, and water has some"
-            yield self.sentence(what, position, [density.argmin()])
+            yield self.sentence(what, position, [int(density.argmin())])
         if not status.max_speed <= self.max_speed:
             what = f"a particle reached {status.max_speed:.4g} m/s (bound {self.max_speed:.4g} m/s)"
-            yield self.sentence(what, position, [np.square(velocity).sum(axis=1).argmax()])
+            yield self.sentence(what, position, [int(np.square(velocity).sum(axis=1).argmax())])
         through = beyond(position, self.simulation.basin)
         if through.any():
             what = f"{np.count_nonzero(through)} of {len(through)} particles are outside the walls"
             far = f"the farthest by {through.max():.4g} m (none may be)"
-            yield self.sentence(f"{what}, {far}", position, [through.argmax()])
+            yield self.sentence(f"{what}, {far}", position, [int(through.argmax())])
         distance = np.linalg.norm(position - np.clip(position, self.lower, self.upper), axis=1)
         if not distance.max() <= self.max_distance:
             what = f"{np.count_nonzero(distance > self.max_distance)} particles left the basin"

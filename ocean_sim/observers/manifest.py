@@ -10,7 +10,6 @@ import numpy as np
 
 from ocean_sim.files.whole_file import whole
 from ocean_sim.machine import installed
-from ocean_sim.pictures.counted import count, spacing
 from ocean_sim.simulation import Observer, ObserverConfig
 
 if TYPE_CHECKING:
@@ -46,9 +45,9 @@ class Manifest(Observer):
             "machine": {"system": platform.system(), "processor": platform.machine()},
             "backend": {"arch": backend.arch, "threads": backend.threads, "precision": backend.precision},
             "particles": {
-                "count": count(fluid),
-                "spacing_m": spacing(fluid) if count(fluid) else None,
-                "mass_kg": float(fluid.particles.mass) if count(fluid) else None,
+                "count": fluid.count,
+                "spacing_m": fluid.spacing if fluid.count else None,
+                "mass_kg": float(fluid.particles.mass) if fluid.particles is not None else None,
             },
             "warnings": simulation.scene.warnings(),
             "ledger": [row._asdict() for row in simulation.scene.ledger()],

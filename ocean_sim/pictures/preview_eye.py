@@ -1,11 +1,12 @@
 """Where the eye of the preview is: around the ship or the basin, at the helm, above, at the side."""
 
 from math import cos, radians, sin, tan
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
 from ocean_sim.pictures.sky import unit
+from ocean_sim.ship import Ship
 
 OUTSIDE, HELM = 35.0, 60.0  # [deg] vertical angles of view
 FAR = 6.0  # lengths of a ship; in a longer basin the camera follows it
@@ -37,27 +38,7 @@ class Orbit(NamedTuple):
     distance: float  # over that at which everything is in the picture
 
 
-class Posed(Protocol):
-    """The pose of a body."""
-
-    position: np.ndarray  # (3,) [m]
-
-    @property
-    def matrix(self) -> np.ndarray:
-        """(3, 3) from body to world axes."""
-        ...
-
-
-class Steered(Protocol):
-    """A ship, as a camera knows it."""
-
-    points: dict[str, np.ndarray]
-
-    @property
-    def body(self) -> Posed: ...
-
-
-def seen(camera: str, orbit: Orbit, view: View, ship: Steered | None, length: float) -> Eye:
+def seen(camera: str, orbit: Orbit, view: View, ship: Ship | None, length: float) -> Eye:
     """The eye of a camera of panel.CAMERAS; `length` of the ship [m], 0 where none is drawn."""
     if camera == "helm" and ship is not None:
         return at_helm(ship, length)
@@ -66,7 +47,7 @@ def seen(camera: str, orbit: Orbit, view: View, ship: Steered | None, length: fl
     return framed(middle, size, towards, up, view, orbit.distance)
 
 
-def subject(box: tuple[np.ndarray, np.ndarray], ship: Steered | None, length: float) -> tuple[np.ndarray, np.ndarray]:
+def subject(box: tuple[np.ndarray, np.ndarray], ship: Ship | None, length: float) -> tuple[np.ndarray, np.ndarray]:
     """Middle and size [m] of what the picture is of: the water, or the ship in one that is many times as long."""
     lower, upper = (np.array(corner, dtype=float) for corner in box)
     middle, size = 0.5 * (lower + upper), upper - lower
@@ -112,7 +93,7 @@ def framed(
     return Eye(eye, eye + reach * towards, up, OUTSIDE, 0.02 * reach, far)
 
 
-def at_helm(ship: Steered, length: float) -> Eye:
+def at_helm(ship: Ship, length: float) -> Eye:
     """From the point named helm, else from above the middle of the ship, towards the bow and a little down."""
     body, turn = ship.body, ship.body.matrix
     helm = ship.points.get("helm", np.array([0.0, 0.25 * (length or 4.0), 0.0]))

@@ -6,7 +6,6 @@ import numpy as np
 
 from ocean_sim.basin.points import grid, pairs
 from ocean_sim.pictures import water_shading
-from ocean_sim.pictures.counted import spacing
 from ocean_sim.pictures.preview_eye import Eye
 from ocean_sim.pictures.sky import SUN, unit
 from ocean_sim.pictures.subject import Subject
@@ -49,7 +48,7 @@ class Sight:
         self.simulation = simulation
         basin, fluid = simulation.basin, simulation.fluid
         self.lower, self.upper = np.array(basin.lower, dtype=float), np.array(basin.upper, dtype=float)
-        self.flat, self.spacing = basin.dimension == 2, spacing(fluid)
+        self.flat, self.spacing = basin.dimension == 2, fluid.spacing
         self.x, self.z = grid(basin, self.spacing)
         self.points = pairs(self.x, self.z)
         self.has_surface = not basin.closed and (fluid.particles is None or fluid.sound_speed > 0.0)

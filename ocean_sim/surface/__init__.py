@@ -1,14 +1,12 @@
 """The drawn and felt surface of the water: every module of this folder is a kind that a scene may name; what they share
 lies in `shared`."""
 
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 
+from ocean_sim.fluid import Particles
 from ocean_sim.surface.shared.mesh import Mesh
-
-if TYPE_CHECKING:
-    from ocean_sim.fluid.shared.particles import Particles
 
 
 class Surface(Protocol):
@@ -17,7 +15,7 @@ class Surface(Protocol):
 
     measured: dict[str, str]  # further columns of accuracy.csv, and what they hold
 
-    def follow(self, particles: "Particles", dt: float) -> None:
+    def follow(self, particles: Particles, dt: float) -> None:
         """Take in that the particles have moved on by dt [s]."""
         ...
 

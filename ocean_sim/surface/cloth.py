@@ -6,23 +6,20 @@ Springs are an implicit step with the diagonal of their Hessian, gathered node b
 time step are stable, and the threads change nothing.
 """
 
-from typing import TYPE_CHECKING, ClassVar, Literal, Self
+from typing import ClassVar, Literal, Self
 
 import numpy as np
 import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.basin import Basin
-from ocean_sim.fluid import Fluid
+from ocean_sim.fluid import Fluid, Particles, with_particles
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
 from ocean_sim.surface.shared.contact import Contact
 from ocean_sim.surface.shared.heights import Heights, columns
 from ocean_sim.surface.shared.mesh import AREA_AND_VOLUME, Mesh
 from ocean_sim.surface.shared.springs import BEND, SHEAR, STRETCH
-
-if TYPE_CHECKING:
-    from ocean_sim.fluid.shared.particles import Particles
 
 CONTACTS = 8  # the most moves of a node towards the surface in one update
 NEAR = 0.01  # [thicknesses] a smaller move is the last
@@ -103,10 +100,10 @@ class Cloth:
     """The heights of the nodes, and the springs between them; node (i, k) has the number i nz + k."""
 
     def __init__(self, config: Config, basin: Basin, fluid: Fluid) -> None:
-        self.config, self.around = config, fluid.around
+        water = with_particles(fluid)
+        self.config, self.around, particles = config, water.around, water.particles
         self.nodes, self.flat, self.bed = config.nodes(basin), basin.dimension == 2, basin.lower[1]
         self.heights = Heights.over(basin, self.nodes)
-        particles = fluid.particles
         size = (particles.mass / particles.rest_density) ** (1.0 / basin.dimension)
         assert config.thickness is not None
         self.thickness = config.thickness
@@ -124,7 +121,7 @@ class Cloth:
         self.measured = {} if self.flat else AREA_AND_VOLUME
         self.lay(particles)
 
-    def lay(self, particles: "Particles") -> None:
+    def lay(self, particles: Particles) -> None:
         """Let the sheet down on the water from above."""
         top = float(particles.position.to_numpy()[:, 1].max()) + self.thickness
         self.height.fill(top)
@@ -132,7 +129,7 @@ class Cloth:
         for _ in range(int(moves / CONTACTS) + 1):
             self.update(0.0)
 
-    def follow(self, particles: "Particles", dt: float) -> None:
+    def follow(self, particles: Particles, dt: float) -> None:
         """Take in that the particles have moved on by dt [s]; the sheet moves at its own rate."""
         self.age += dt
         if self.age + 0.5 * dt > self.config.every:

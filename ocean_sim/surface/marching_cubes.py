@@ -4,7 +4,7 @@ Follows the water wherever it goes: crests that break, drops, the bed where it f
 reads it: the field when a mesh or a height is asked for, the heights from the first kernel on that calls `elevation`.
 """
 
-from typing import TYPE_CHECKING, ClassVar, Literal, Self
+from typing import ClassVar, Literal, Self
 
 import numpy as np
 import taichi as ti
@@ -12,7 +12,7 @@ import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import Diverged
-from ocean_sim.fluid import Fluid
+from ocean_sim.fluid import Fluid, Particles, with_particles
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
 from ocean_sim.runtime import Array
@@ -21,9 +21,6 @@ from ocean_sim.surface.shared.heights import Heights
 from ocean_sim.surface.shared.isosurface import Counts, Isosurface
 from ocean_sim.surface.shared.mesh import AREA_AND_VOLUME, Mesh
 from ocean_sim.surface.shared.nodes import MOST_NODES, Nodes
-
-if TYPE_CHECKING:
-    from ocean_sim.fluid.shared.particles import Particles
 
 NODE, WET = 2.0e-8, 1.5e-7  # [s] of processor time a reading, for each node and each of those in the water
 FINE, SMOOTH = 0.5, 2.0  # [spacings of the particles] between nodes, and of the radius
@@ -117,14 +114,14 @@ class Config(SurfaceConfig):
         ]
 
     def build(self, basin: Basin, fluid: Fluid) -> "MarchingCubes":
-        return MarchingCubes(self, basin, fluid.particles)
+        return MarchingCubes(self, basin, with_particles(fluid).particles)
 
 
 @ti.data_oriented
 class MarchingCubes:
     """The field on the grid, its surface and the heights of its columns, each made anew when it is read."""
 
-    def __init__(self, config: Config, basin: Basin, particles: "Particles") -> None:
+    def __init__(self, config: Config, basin: Basin, particles: Particles) -> None:
         assert config.radius is not None
         self.config, self.basin, self.nodes = config, basin, config.nodes(basin)
         self.map = DensityMap(particles, basin, self.nodes, config.radius)
@@ -147,7 +144,7 @@ class MarchingCubes:
             if self.periodic[axis] or any((s.axis, s.upper) == (axis, bool(side)) for s in basin.sides)
         )
 
-    def follow(self, particles: "Particles", dt: float) -> None:
+    def follow(self, particles: Particles, dt: float) -> None:
         """Take in that the particles have moved on by dt [s]; heights are made at once where a kernel reads them, and
         in the first step, in which one may be compiled."""
         self.moment += 1

@@ -79,7 +79,7 @@ def measure(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
     with stilled(simulation) as without:
         calm, _, _ = slopes(without, 0.1 * until, 0.2 * until)
     z, u = flow.T / np.array([[DEPTH], [DRIFT]])
-    inside = z < 1.0 - simulation.fluid.smoothing.support / DEPTH
+    inside = z < 1.0 - simulation.scene.preflight.support / DEPTH
     # The bed holds the water: u = a z + b z^2.
     a, b = np.linalg.lstsq(np.stack([z, z * z], axis=1)[inside], u[inside], rcond=None)[0]
     numbers = (

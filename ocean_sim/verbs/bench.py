@@ -61,7 +61,6 @@ def measured(order: dict[str, Any], cold: bool) -> dict[str, Any]:
 def bench_one(order: dict[str, Any]) -> None:
     """Measures one scene in this process and answers in JSON."""
     from ocean_sim.observers.timings import Timings
-    from ocean_sim.pictures.counted import count
     from ocean_sim.reading.scene import load, observer_names
     from ocean_sim.simulation import Simulation
 
@@ -80,7 +79,7 @@ def bench_one(order: dict[str, Any]) -> None:
         before = clock.mark(perf_counter())
         blocks = [block(simulation, clock.sync) for _ in range(order["repeats"])]
         stages = clock.means(before, clock.mark(perf_counter()))[1]
-        particles = count(simulation.fluid)
+        particles = simulation.fluid.count
         threads = simulation.backend.threads
     per_step = [1e3 * wall / steps for steps, wall, _, _ in blocks]
     console.answer(

@@ -95,7 +95,7 @@ class SphConfig(WaterConfig):
         return limits(preflight.support, self.sound_speed(preflight.tank), self.kinematic_viscosity, 0.0, 0.0)
 
     def viscosity_added(self, preflight: Preflight, length: float) -> float:
-        if not self.added_viscosity:
+        if not self.added_viscosity or preflight.spacing is None:
             return 0.0
         spacings, shares = zip(*self.added_viscosity)
         share = np.exp(np.interp(np.log(length / preflight.spacing), np.log(spacings), np.log(shares)))

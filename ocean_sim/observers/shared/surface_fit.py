@@ -7,7 +7,6 @@ import numpy as np
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import with_particles
-from ocean_sim.pictures.counted import spacing
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -49,5 +48,5 @@ class SurfaceFit:
         """In the order of the columns."""
         surface: Any = simulation.surface
         position = with_particles(simulation.fluid).particles.position.to_numpy().astype(float)
-        top = highest(position, simulation.basin, spacing(simulation.fluid))
+        top = highest(position, simulation.basin, simulation.fluid.spacing)
         return [*fit(surface, top), *surface.measures()]

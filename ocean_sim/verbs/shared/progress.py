@@ -5,7 +5,6 @@ from collections import Counter
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from ocean_sim.pictures.counted import count
 from ocean_sim.simulation import Observer
 from ocean_sim.verbs.shared import console
 
@@ -106,7 +105,7 @@ class Progress(Observer):
         self.wall = now - self.began
         if not self.attending:
             self.attending = True
-            self.particles = count(simulation.fluid)
+            self.particles = simulation.fluid.count
             self.attend(simulation)
         if self.steps == 0:
             return

@@ -162,7 +162,8 @@ class FloatingHull:
             shape, pull = config.whole_hull.shape, self.still.gravity
             self.contact = WaveContact(config.contact, shape, matter.centre, basin, water, pull)
             self.sides = Sides(shape, matter.centre, basin, water.walls.gap + self.contact.margin)
-        self.water = SurroundingWater(length, width, height, draught, self.still.gravity, self.closed, self.contact)
+        hollow = (self.contact.hull.distance, self.contact.rim) if self.contact is not None else (None, 0.0)
+        self.water = SurroundingWater(length, width, height, draught, self.still.gravity, self.closed, *hollow)
         self.body = config.lowered(config.body(matter, *afloat_pose(self.still)), fluid)  # at the beginning
         if self.contact is not None and water is not None:
             self.contact.hull.water = self.water

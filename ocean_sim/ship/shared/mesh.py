@@ -3,17 +3,35 @@
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from ocean_sim.files.input_file import Unreadable, content, shown
 
-if TYPE_CHECKING:
-    from ocean_sim.ship.shared.shapes import MeshFile
-
 MILLIMETRES = 1.0e3  # units: a hull longer than a kilometre is taken to be drawn in millimetres
 AXES = {"x": 0, "y": 1, "z": 2}
+
+
+class Source(Protocol):
+    """A mesh file, and how to read it; what is None is guessed."""
+
+    @property
+    def file(self) -> str: ...
+    @property
+    def scale(self) -> float | None:
+        """Metres per unit."""
+        ...
+
+    @property
+    def up(self) -> str | None:
+        """The file's axis that points up."""
+        ...
+
+    @property
+    def bow(self) -> str | None:
+        """The file's axis that points to the bow, with its sign."""
+        ...
 
 
 class BadMesh(ValueError):
@@ -38,7 +56,7 @@ class Guess:
         return f"read with {self.scale:g} m per unit, {'xyz'[self.up]} up and the bow along {sign}{'xyz'[self.bow]}"
 
 
-def closed_mesh(shape: "MeshFile") -> Any:
+def closed_mesh(shape: Source) -> Any:
     """The mesh of a shape in the hull's axes, keel at y = 0, amidships at z = 0; raises BadMesh."""
     mesh = read(Path(shape.file))
     problems = flaws(mesh)
@@ -108,7 +126,7 @@ def spot(position: np.ndarray) -> str:
     return "(" + ", ".join(f"{x:.4g}" for x in position) + ")"
 
 
-def guessed(mesh: Any, shape: "MeshFile") -> Guess:
+def guessed(mesh: Any, shape: Source) -> Guess:
     """Unit, up and bow where the shape does not give them: the longest axis is the ship's, and of the other two the one
     that the mesh mirrors itself in is athwart."""
     extents = np.asarray(mesh.extents)

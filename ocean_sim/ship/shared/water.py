@@ -5,16 +5,12 @@ a hull keeps particles out, the surface over them falls into the hole that it le
 hull are filled straight across from the water on both sides.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.runtime import Template
-
-if TYPE_CHECKING:
-    from ocean_sim.ship.shared.wave_contact import WaveContact
+from ocean_sim.ship.shared.distance import Distance
 
 ALONG, ACROSS, LEVELS = 25, 13, 4  # nodes; levels lie half a draught apart, downwards from the surface
 REACH = 1.1  # of the hull's half sizes
@@ -33,16 +29,15 @@ class SurroundingWater:
         draught: float,
         gravity: float,
         below: bool,
-        contact: "WaveContact | None" = None,
+        hollow: Distance | None = None,
+        rim: float = 0.0,
     ) -> None:
         """Sizes of the hull [m]; `below`: whether the water is a closed form that is asked under its surface too;
-        `contact`: what keeps particles out of the hull."""
+        `hollow`: distances from the hull where it keeps particles out, as far as `rim` [m]."""
         self.below, self.gravity, self.layer = below, gravity, 0.5 * draught
-        self.hollow = contact is not None
-        rim = 0.0
-        if contact is not None:
-            self.hull, rim = contact.hull.distance, contact.rim
-            self.rim, self.asked = rim, ti.field(int, shape=(ALONG, ACROSS))
+        self.hollow = hollow is not None
+        if hollow is not None:
+            self.hull, self.rim, self.asked = hollow, rim, ti.field(int, shape=(ALONG, ACROSS))
         self.half = tuple(REACH * np.hypot(side / 2, height) + rim for side in (length, breadth))  # [m]
         self.step = (2.0 * self.half[0] / (ALONG - 1), 2.0 * self.half[1] / (ACROSS - 1))  # [m]
         self.level = ti.field(float, shape=(ALONG, ACROSS))

@@ -118,6 +118,11 @@ class WindConfig(KindConfig):
         """Whether it is a stylised force field, not a physical stress."""
 
     @property
+    def needs_area(self) -> bool:
+        """Whether the water has to find the exposed area of its particles."""
+        return False
+
+    @property
     def still(self) -> bool:
         """Whether it is no wind at all."""
         return False

@@ -78,9 +78,9 @@ class Config(SphConfig):
         return self.limited(smoothing, self.sound_speed(preflight.tank), 0.0, 0.0)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        sizes, word = self.sized(self.began(preflight), Momentum.row.size, CARRIED), preflight.word
+        sizes = self.sized(self.began(preflight), Momentum.row.size, CARRIED)
         what = "position, velocity, density, pressure, its deviation and rate, number"
-        return rows(sizes, word, 12 + 3 * self.enclosed(preflight.tank), what, PAIR)
+        return rows(preflight, sizes, 12 + 3 * self.enclosed(preflight.tank), what, PAIR)
 
     def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "DeltaSph":
         return DeltaSph(self, basin, ledger, wind)

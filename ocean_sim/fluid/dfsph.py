@@ -105,7 +105,7 @@ class Config(SphConfig):
         pairs = LedgerRow(
             "fluid", "pairs", size_of_pairs(n, neighbours, word), f"{neighbours} neighbours on the lattice"
         )
-        return [*rows(sizes, word, 26 + 2 * self.enclosed(basin), what, PAIR), pairs]
+        return [*rows(preflight, sizes, 26 + 2 * self.enclosed(basin), what, PAIR), pairs]
 
     def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "Dfsph":
         return Dfsph(self, basin, ledger, wind)

@@ -54,7 +54,7 @@ class Config(SphConfig):
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         sizes = self.sized(self.began(preflight), Momentum.row.size)
-        return rows(sizes, preflight.word, 9, "position, velocity, density, pressure, volume, number", PAIR)
+        return rows(preflight, sizes, 9, "position, velocity, density, pressure, volume, number", PAIR)
 
     def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "Mueller":
         return Mueller(self, basin, ledger, wind)

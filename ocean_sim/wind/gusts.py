@@ -71,6 +71,10 @@ class Config(WindConfig):
     shorter the step. The default, ours, is PhysX's usual step."""
 
     @property
+    def needs_area(self) -> bool:
+        return any(self.volumes[g].wind_speed > 0.0 for g in self.aimed("fluid"))
+
+    @property
     def stylised(self) -> bool:
         """Whether a force field acts that is no physical stress."""
         return any(any(v.acceleration) or any(v.noise) for v in self.volumes)

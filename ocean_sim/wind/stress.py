@@ -56,6 +56,10 @@ class Config(Scheduled, WindConfig):
     """What the wind acts on; on a ship it is the drag (2.22) of the wind relative to the hull, without the gain."""
 
     @property
+    def needs_area(self) -> bool:
+        return "fluid" in self.targets
+
+    @property
     def stylised(self) -> bool:
         """A physical stress, no force field."""
         return False

@@ -2,6 +2,7 @@
 
 import ast
 
+from ocean_sim.parts import SLOTS
 from tests.architecture.test_arrows import SOURCES, room
 
 MOST_ROOMS = 30
@@ -54,6 +55,17 @@ def test_there_are_few_rooms():
 
 def test_no_module_imports_one_that_imports_it():
     assert circles({module: targets(module) for module in SOURCES}) == []
+
+
+UP = {("parts", slot) for slot in SLOTS}  # arrows that run back up; CONTRIBUTING.md says why
+
+
+def test_no_room_imports_one_that_imports_it_but_for_the_arrows_that_contributing_names():
+    rooms: dict[str, set[str]] = {room(module): set() for module in SOURCES}
+    for module in SOURCES:
+        rooms[room(module)] |= {room(target) for target in targets(module)} - {room(module)}
+    assert all(up in rooms[low] for low, up in UP)
+    assert circles({name: {other for other in rooms[name] if (name, other) not in UP} for name in rooms}) == []
 
 
 def test_a_circle_would_be_found():

@@ -1,5 +1,8 @@
 """A physical wind: its laws, its load on water, and the momentum that water takes from it."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -322,3 +325,21 @@ def test_the_memory_of_exposed_areas_is_stated(water):
         taken.append(runtime.allocated_bytes() - before)
     own = 8 * ROW.size * 2  # the wind's, on water and ship
     assert taken[1] - taken[0] == pytest.approx(exposure_module.memory(fluid.particles.n, 8) + own, rel=0.01)
+
+
+AREAS = """
+from ocean_sim import runtime
+from ocean_sim.reading.scene import load
+from ocean_sim.simulation import Simulation
+basin = {"length": 40.0, "width": 40.0, "depth": 7.5}
+config = load({"basin": basin, "fluid": {"kind": "mueller", "spacing": 1.25}, "wind": {"kind": "stress"}})
+with Simulation(config):
+    print(runtime.allocated_bytes(), sum(row.bytes for row in config.ledger()))
+"""
+
+
+def test_the_ledger_of_a_stress_states_what_is_allocated():
+    """2.5 % of it are the exposed areas; in a process of its own, where nothing else has fields."""
+    child = subprocess.run([sys.executable, "-c", AREAS], capture_output=True, text=True, check=True)
+    allocated, stated = map(int, child.stdout.split()[-2:])
+    assert stated == pytest.approx(allocated, rel=0.01)

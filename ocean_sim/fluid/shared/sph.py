@@ -113,10 +113,10 @@ class SphConfig(WaterConfig):
         return found + super().statements(preflight)
 
 
-def rows(sizes: ListSize, word: int, numbers: int, what: str, pair: float) -> list[LedgerRow]:
+def rows(preflight: Preflight, sizes: ListSize, numbers: int, what: str, pair: float) -> list[LedgerRow]:
     """Ledger of a scheme that keeps so many numbers of each particle besides its number, and takes `pair` [s] for
     each of its neighbours in a step."""
-    n, support, lattice = sizes.grid.lattice.n, sizes.grid.support, sizes.grid.lattice
+    n, support, lattice, word = sizes.grid.lattice.n, sizes.grid.support, sizes.grid.lattice, preflight.word
     ratio = support / lattice.spacing
     neighbours = pi * ratio**2 if lattice.basin.dimension == 2 else 4.0 / 3.0 * pi * ratio**3
     each = PARTICLE + pair * neighbours
@@ -124,8 +124,18 @@ def rows(sizes: ListSize, word: int, numbers: int, what: str, pair: float) -> li
         LedgerRow("fluid", f"{n} particles", (numbers * word + 4) * n, what, n * each),
         LedgerRow("fluid", f"grid of {sizes.grid.cell_count} cells", sizes.grid.bytes(word), f"support {support:g} m"),
         LedgerRow("fluid", "candidate lists", sizes.bytes(word), "neighbours of every occupied cell"),
+        *_of_areas(preflight, n),
         *_of_bodies(sizes.grid, word, SAMPLE * each),
     ]
+
+
+def _of_areas(preflight: Preflight, n: int) -> list[LedgerRow]:
+    """The ledger of the exposed areas of n particles, where the wind asks for them."""
+    if not preflight.wind.needs_area:
+        return []
+    from ocean_sim.fluid.shared.exposure import memory
+
+    return [LedgerRow("fluid", "exposed areas", memory(n, preflight.word), f"wind.kind is {preflight.wind.kind}")]
 
 
 def _of_bodies(grid: GridSize, word: int, each: float) -> list[LedgerRow]:

@@ -57,6 +57,13 @@ class Motions(NamedTuple):
     roll: float  # about Z
 
 
+class Setting(NamedTuple):
+    """A number that may change while a simulation goes on, without anything being compiled."""
+
+    now: float
+    unit: str
+
+
 Frame = Literal["ship", "ned", "flu"]
 
 # Rows: the axes of a frame in ours (X to port, Y up, Z to the bow). All are right-handed, so what turns maps alike.

@@ -8,6 +8,8 @@ from typing import Any, Protocol
 import numpy as np
 import taichi as ti
 
+from ocean_sim.conventions import Setting
+
 
 @dataclass(frozen=True)
 class Limits:
@@ -269,8 +271,8 @@ class Fluid(Protocol):
         return {}
 
     @property
-    def adjustable(self) -> dict[str, str]:
-        """Attributes that `adjust` can change while the water moves, and their units."""
+    def adjustable(self) -> dict[str, Setting]:
+        """What `adjust` can change while the water moves."""
         return {}
 
     def adjust(self, **values: float) -> None:

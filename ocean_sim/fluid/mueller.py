@@ -14,6 +14,7 @@ from pydantic import model_validator
 
 from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns, vec3
+from ocean_sim.conventions import Setting
 from ocean_sim.fluid.shared.law import PositionLaw
 from ocean_sim.fluid.shared.pair_sph import MomentumLaw, PairSph
 from ocean_sim.fluid.shared.smoothing import positive
@@ -155,9 +156,12 @@ class Mueller(PairSph):
         self.begin()
 
     @property
-    def adjustable(self) -> dict[str, str]:
+    def adjustable(self) -> dict[str, Setting]:
         """What `adjust` takes, and its unit; without viscosity in the scene its term is not compiled."""
-        return {"stiffness": "m2/s2"} | ({"kinematic_viscosity": "m2/s"} if self.viscous else {})
+        found = {"stiffness": Setting(self.stiffness, "m2/s2")}
+        if self.viscous:
+            found["kinematic_viscosity"] = Setting(self.kinematic_viscosity, "m2/s")
+        return found
 
     def adjust(self, **values: float) -> None:
         """Go on with another k of (2.15), `stiffness` [m2/s2], or another nu, `kinematic_viscosity` [m2/s]."""

@@ -72,7 +72,7 @@ class Accuracy(Observer):
             self.driven = falls_around(simulation)
             self.at_start = self.potential_energy(simulation)
             self.energy_at_start = None
-            self.solvers = tuple(getattr(fluid, "solvers", {}))
+            self.solvers = tuple(fluid.solvers)
             between = BETWEEN_ENERGIES[: 1 if self.solvers else 2]  # what is not compressed stores nothing
             self.outer = [term for term in self.working if term not in between]
             meaning = self.meaning() | (self.surface.meaning if self.surface else {})

@@ -47,7 +47,7 @@ def controls(box: Any, panel: Panel, simulation: Subject, pace: float | None) ->
         box.text("Left, Right: port, starboard")
         box.text("x: rudder amidships")
     box.text("drag: orbit   q, e: nearer, away")
-    if simulation.scene.wind.kind != "still":
+    if not simulation.scene.wind.still:
         box.text("yellow: where it blows  red: push")
     if panel.message:
         for line in wrap(panel.message, WIDTH)[:LINES]:

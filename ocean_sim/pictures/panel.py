@@ -151,29 +151,30 @@ def after(name: str, names: Sequence[str], step: int = 1) -> str:
     return names[(names.index(name) + step) % len(names)] if name in names else names[0]
 
 
+WORDS = {"courant_number": ("Courant number", 1.0), "dt": ("time step [ms]", 1e-3)}  # and the unit that is shown
+
+
 def sliders_of(simulation: Subject) -> list[Slider]:
     """What may be moved in this simulation without building it anew."""
     found = []
-    scene, fluid, stepping = simulation.scene, simulation.fluid, simulation.time_step
-    if scene.wind.kind != "still":
+    fluid, time_step = simulation.fluid, simulation.time_step
+    if not simulation.scene.wind.still:
         found.append(Slider("wind strength, x the preset", 1.0, 0.0, 3.0, simulation.wind.strengthen))
-    for name, unit in getattr(fluid, "adjustable", {}).items():
-        now = float(getattr(fluid, name))
+    for name, (now, unit) in fluid.adjustable.items():
         ends = (0.25 * now, 4.0 * now) if name == "stiffness" else (0.0, max(4.0 * now, 1.0))
 
         def adjust(value: float, name: str = name) -> None:
-            others = {other: getattr(fluid, other) for other in fluid.adjustable}
-            fluid.adjust(**others | {name: value})
-            simulation.next_dt = stepping.next(simulation)
+            fluid.adjust(**{name: value})
+            simulation.next_dt = time_step.next(simulation)
 
         found.append(Slider(f"{name.replace('_', ' ')} [{unit}]", now, *ends, adjust))
-    for key, label, unit in (("courant_number", "Courant number", 1.0), ("dt", "time step [ms]", 1e-3)):
-        if hasattr(stepping.config, key):
-            given = float(getattr(stepping.config, key)) / unit
+    for name, (now, _) in time_step.adjustable.items():
+        label, shown = WORDS[name]
 
-            def pace(value: float, key: str = key, unit: float = unit) -> None:
-                stepping.config = stepping.config.model_copy(update={key: value * unit})
-                simulation.next_dt = stepping.next(simulation)
+        def pace(value: float, name: str = name, shown: float = shown) -> None:
+            time_step.adjust(**{name: value * shown})
+            simulation.next_dt = time_step.next(simulation)
 
-            found.append(Slider(label, given, 0.2 * given, 1.6 * given, pace))
+        given = now / shown
+        found.append(Slider(label, given, 0.2 * given, 1.6 * given, pace))
     return found

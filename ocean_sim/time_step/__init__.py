@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Protocol
 
+from ocean_sim.conventions import Setting
 from ocean_sim.fluid import Limits
 
 
@@ -28,6 +29,15 @@ class TimeStep(Protocol):
     """The length of the next step, and which limit set it."""
 
     limited_by: str  # the limit that ruled the last answer: "acoustic", "viscous", "force", "longest" or "fixed"
+
+    @property
+    def adjustable(self) -> dict[str, Setting]:
+        """What `adjust` can change while a simulation goes on."""
+        ...
+
+    def adjust(self, **values: float) -> None:
+        """Go on with other values of what is adjustable."""
+        ...
 
     def next(self, limited: Limited) -> float:
         """The next time step [s]."""

@@ -4,6 +4,7 @@ from dataclasses import asdict
 from math import isfinite
 from typing import Literal
 
+from ocean_sim.conventions import Setting
 from ocean_sim.fluid import Limits
 from ocean_sim.model import quantity
 from ocean_sim.parts import TimeStepConfig
@@ -43,6 +44,13 @@ class Courant:
     def __init__(self, config: Config) -> None:
         self.config = config
         self.limited_by = "acoustic"
+
+    @property
+    def adjustable(self) -> dict[str, Setting]:
+        return {"courant_number": Setting(self.config.courant_number, "1")}
+
+    def adjust(self, **values: float) -> None:
+        self.config = self.config.model_copy(update=values)
 
     def next(self, limited: Limited) -> float:
         dt, self.limited_by = self.config.shortest(limited.limits())

@@ -2,6 +2,7 @@
 
 from typing import Any, ClassVar, Literal
 
+from ocean_sim.conventions import Setting
 from ocean_sim.model import quantity
 from ocean_sim.parts import TimeStepConfig
 from ocean_sim.time_step import Limited
@@ -31,6 +32,13 @@ class Fixed:
 
     def __init__(self, config: Config) -> None:
         self.config = config
+
+    @property
+    def adjustable(self) -> dict[str, Setting]:
+        return {"dt": Setting(self.config.dt, "s")}
+
+    def adjust(self, **values: float) -> None:
+        self.config = self.config.model_copy(update=values)
 
     def next(self, limited: Limited) -> float:
         return self.config.dt

@@ -43,7 +43,7 @@ def report(shape: Any, mass: float | None, cells: float) -> tuple[dict[str, Any]
     from ocean_sim.ship.shared.voxels import voxels
 
     said, problems = [], []
-    solid = shape.shape.closed() if hasattr(shape.shape, "closed") else None
+    solid = shape.shape.closed() if shape.shape.is_mesh else None
     if solid is not None:
         from ocean_sim.ship.shared.mesh import guessed, read
 

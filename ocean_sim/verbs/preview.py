@@ -7,7 +7,7 @@ from typing import Any
 from ocean_sim import runtime
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError, read
-from ocean_sim.parts import library, named
+from ocean_sim.parts import WindConfig, library, named
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.reading.translation import validated
 from ocean_sim.simulation import Simulation
@@ -220,9 +220,9 @@ def built(config: SceneConfig) -> Simulation:
     return Simulation(config)
 
 
-def name_of(wind: Any) -> str:
+def name_of(wind: WindConfig) -> str:
     """The preset that a wind is, else that it is the scene's own."""
-    if wind.kind == "still":
+    if wind.still:
         return "still"
     for name in named("wind"):
         preset = read(library("configs") / "wind" / f"{name}.yaml")

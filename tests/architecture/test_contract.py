@@ -58,3 +58,24 @@ def test_nobody_asks_what_was_typed(word):
             assert not named and not (isinstance(node, ast.keyword) and node.arg == word), (
                 f"{module}: {FORBIDDEN[word]}"
             )
+
+
+FOREIGN = {  # what is asked there is no part of ours
+    "hasattr": {"ocean_sim.machine", "ocean_sim.runtime", "ocean_sim.state.walk"},
+    "getattr": {
+        "ocean_sim.runtime",
+        "ocean_sim.files.input_file",
+        "ocean_sim.ship.shared.mesh",
+        "ocean_sim.state.fields",
+    },
+}
+
+
+@pytest.mark.parametrize("name", FOREIGN)
+def test_nobody_asks_one_of_our_own_whether_it_has_something(name):
+    """A `getattr` without a default reads what has to be there."""
+    for module, tree in SOURCES.items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == name:
+                asks = name == "hasattr" or len(node.args) == 3
+                assert not asks or module in FOREIGN[name], f"{module}:{node.lineno}"

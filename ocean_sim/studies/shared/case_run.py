@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.conventions import Diverged
+from ocean_sim.fluid import Fluid
 from ocean_sim.studies.shared.clocked import BLOCK, PARTS, WARM_UP, Clocked
 from ocean_sim.studies.shared.scene_run import plain
 from ocean_sim.validation import problems
@@ -78,14 +79,15 @@ def row(problem: Problem, order: dict[str, Any], promise: Any, numbers: Any) -> 
     return {key: told[key] for key in kept} | plain({key: told[key] for key in ("value", "reference", "error")})
 
 
-def neighbours(fluid: Any) -> float | None:
+def neighbours(fluid: Fluid) -> float | None:
     """Mean number of others within a support at the end; None of water without particles, or lost."""
-    if fluid.particles is None or not hasattr(fluid, "smoothing"):
+    water = fluid.of_particles
+    if water is None:
         return None
     from scipy.spatial import cKDTree
 
-    x = fluid.positions()
+    x = water.positions()
     if not np.isfinite(x).all():
         return None
     tree = cKDTree(x)
-    return float(tree.count_neighbors(tree, fluid.smoothing.support)) / len(x) - 1.0
+    return float(tree.count_neighbors(tree, water.grid.support)) / len(x) - 1.0

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from ocean_sim.parts import compared
 from ocean_sim.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from ocean_sim.ship.shared.rigid_body import RigidBody
 
 G, DENSITY = 9.81, 1000.0
-OF_WATER = ("hydrostatic", "dynamic")
+OF_WATER = compared("ship")
 
 
 def at_sea(ship: dict[str, Any], size: float, dt: float, duration: float = 1.0, **waves: float) -> dict[str, Any]:

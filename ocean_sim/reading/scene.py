@@ -77,11 +77,11 @@ class SceneConfig(Heading):
     @property
     def preflight(self) -> Preflight:
         """What is known of the scene before anything is built; made once, and anew for a copy with other parts."""
-        made = preflight_of(self.parts(), self.basin.build(), self.runtime, self.duration)
-        if self._preflight != made:
-            self._preflight = made
-        assert self._preflight is not None
-        return self._preflight
+        known, facts = self._preflight, (self.parts(), self.basin, WORD[self.runtime.precision], self.duration)
+        if known is None or (known.parts, known.tank.config, known.word, known.duration) != facts:
+            parts, tank, word, duration = facts
+            known = self._preflight = Preflight(parts, tank.build(), word, duration)
+        return known
 
     def ledger(self) -> list[LedgerRow]:
         """What the scene will allocate and compile, and why; nothing is allocated to find out."""
@@ -114,12 +114,6 @@ class SceneConfig(Heading):
             data[slot] = part.model_dump(mode="json") if part is not None else None
         off = {name: None for name in always_on() if name not in self.observers}
         return data | off | {name: config.model_dump(mode="json") for name, config in self.observers.items()}
-
-
-def preflight_of(
-    parts: Mapping[str, PartConfig], tank: basin.Basin, runtime: RuntimeConfig, duration: float
-) -> Preflight:
-    return Preflight(parts, tank, WORD[runtime.precision], duration)
 
 
 def observer_names() -> tuple[str, ...]:
@@ -224,7 +218,7 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
     problems += _lacking(watching, there, wrong, data, root)
     problems += _unsuited(there, data)
     if tank_config is not None and tank is not None and runtime is not None and heading is not None:
-        preflight = preflight_of(there | watching, tank, runtime, heading.duration)
+        preflight = Preflight(there | watching, tank, WORD[runtime.precision], heading.duration)
         problems += _misplaced("basin", tank_config.problems(tank), data["basin"])
         for name, part in (there | watching).items():
             problems += _misplaced(name, part.problems(preflight), data.get(name, root))

@@ -134,7 +134,9 @@ def test_validation_reads_scene_and_simulation_and_only_what_stands_above_reads_
     for module in SOURCES:
         if room(module) == "validation":
             for other in ours(module):
-                assert room(other) in (*FOUNDATION, "reading", "simulation", "fluid", "validation"), f"{module} imports {other}"
+                assert room(other) in (*FOUNDATION, "reading", "simulation", "fluid", "validation"), (
+                    f"{module} imports {other}"
+                )
         elif room(module) not in above:
             assert not [name for name in ours(module) if room(name) == "validation"], module
 

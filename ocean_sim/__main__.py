@@ -38,7 +38,7 @@ def run(
     profile: Profile = None,
     sets: Sets = None,
     out: Out = None,
-    until: Annotated[float | None, typer.Option(help="Simulated time [s], in place of the scene's duration.")] = None,
+    until: Annotated[float | None, typer.Option(help="Simulated time [s], instead of the scene's duration.")] = None,
     overwrite: Annotated[bool, typer.Option(help="Write into --out even where there is a run already.")] = False,
     frame: Annotated[str | None, typer.Option(help="Axes of motion.csv: ship, ned or flu.")] = None,
     json: Json = False,
@@ -53,7 +53,7 @@ def run(
 @app.command()
 def resume(
     run: Annotated[Path, typer.Argument(help="A run folder with checkpoints.")],
-    until: Annotated[float | None, typer.Option(help="Simulated time [s], in place of the scene's duration.")] = None,
+    until: Annotated[float | None, typer.Option(help="Simulated time [s], instead of the scene's duration.")] = None,
     json: Json = False,
 ) -> None:
     """Go on with a run from its last checkpoint."""
@@ -178,7 +178,7 @@ def render(
     strip: Annotated[int, typer.Option(help="So many pictures side by side in strip.png.")] = 0,
     film: Annotated[bool, typer.Option("--film/--no-film", help="Make film.mp4.")] = True,
     fps: Annotated[float | None, typer.Option(help="Pictures a second of the film, which runs in real time.")] = None,
-    particles: Annotated[bool, typer.Option("--particles", help="Draw particles in place of the surface.")] = False,
+    particles: Annotated[bool, typer.Option("--particles", help="Draw particles instead of the surface.")] = False,
     eye: Annotated[str | None, typer.Option(help="X,Y,Z [m] of the fixed camera.")] = None,
     target: Annotated[str | None, typer.Option(help="X,Y,Z [m] at which the fixed camera looks.")] = None,
     out: Annotated[Path | None, typer.Option(help="By default the run folder.")] = None,
@@ -378,7 +378,7 @@ def reported(error: BaseException, as_json: bool) -> int:
 
 
 def meaning(error: BaseException) -> tuple[int, str, list[Any]]:
-    """Exit code, sentence, and the places in a scene that an error is about."""
+    """Exit code, sentence, and the locations in a scene that an error is about."""
     if isinstance(error, Failed):
         return error.exit_code, error.sentence, [*error.problems]
     if isinstance(error, ImportError | OSError) and "libX11" in str(error):

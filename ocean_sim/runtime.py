@@ -1,4 +1,4 @@
-"""The one place that starts Taichi: backend, precision, threads, and where compiled kernels are kept."""
+"""The only module that starts Taichi: backend, precision, threads, and where compiled kernels are kept."""
 
 import os
 import sys
@@ -65,14 +65,14 @@ class Backend:
 
 
 _started: tuple[RuntimeConfig, Backend] | None = None
-_placed: list["Placed"] = []  # the sets of fields that take memory now, in the order they were made
+_allocations: list["Allocation"] = []  # the sets of fields that take memory now, in the order they were made
 
 
-class Placed(NamedTuple):
+class Allocation(NamedTuple):
     """A set of fields that Taichi has given memory."""
 
     tree: SNodeTree
-    variables: list[Any]  # the expressions that its fields are known by
+    variables: list[Any]  # the expressions by which its fields are known
 
 
 def _noted(finalize: Any) -> Any:
@@ -82,7 +82,7 @@ def _noted(finalize: Any) -> Any:
     def noted(builder: FieldsBuilder, raise_warning: bool = True) -> SNodeTree:
         variables = [*impl.get_runtime().global_vars]
         tree = finalize(builder, raise_warning)
-        _placed.append(Placed(tree, variables))
+        _allocations.append(Allocation(tree, variables))
         return tree
 
     return noted
@@ -92,7 +92,7 @@ FieldsBuilder.finalize = _noted(FieldsBuilder.finalize)
 
 
 class Freed:
-    """What is left of a field in place of its memory."""
+    """What is left of a field instead of its memory."""
 
     def __getattr__(self, name: str) -> Any:
         raise RuntimeError(
@@ -105,21 +105,21 @@ class Fields:
     """The Taichi fields declared inside its `with` block; an error there frees them."""
 
     def __init__(self) -> None:
-        self.placed: list[Placed] = []
+        self.allocations: list[Allocation] = []
         self.freed = False
 
     def __enter__(self) -> "Fields":
-        self.place()
-        self.first = len(_placed)
+        self.allocate()
+        self.first = len(_allocations)
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *rest: object) -> None:
-        self.place()
-        self.placed = _placed[self.first :]
+        self.allocate()
+        self.allocations = _allocations[self.first :]
         if kind is not None:
             self.free()
 
-    def place(self) -> None:
+    def allocate(self) -> None:
         """Give memory to what is declared so far."""
         if not ti.root.empty:
             impl.get_runtime().materialize()
@@ -129,16 +129,16 @@ class Fields:
         those of these fields are found by the objects that own them, and never by others."""
         self.freed = True
         program = impl.get_runtime().prog
-        there = [placed for placed in self.placed if placed in _placed]  # none where Taichi was started afresh since
+        there = [one for one in self.allocations if one in _allocations]  # none where Taichi was started afresh since
         if there and _started is not None and _started[1].arch in FREEING:
             program.synchronize()  # a GPU may still be at work
-            for placed in there:
-                _placed.remove(placed)
-                placed.tree.ptr.destroy_snode_tree(program)
-        for placed in self.placed:
-            for variable in placed.variables:
+            for one in there:
+                _allocations.remove(one)
+                one.tree.ptr.destroy_snode_tree(program)
+        for one in self.allocations:
+            for variable in one.variables:
                 variable.ptr = Freed()
-        self.placed = []
+        self.allocations = []
 
 
 def cache_directory() -> Path:
@@ -157,7 +157,7 @@ def start(config: RuntimeConfig) -> Backend:
         return _started[1]
     threads = config.threads or cores()
     before = _thread_ids()
-    _placed.clear()
+    _allocations.clear()
     with redirect_stdout(StringIO()):  # Taichi announces itself
         ti.init(
             arch=BACKENDS[config.arch],
@@ -231,7 +231,7 @@ def kernels_in(module: str) -> list[str]:
 def allocated_bytes() -> int:
     """Bytes of all Taichi fields that are allocated now."""
     program = impl.get_runtime().prog
-    return sum(program.get_snode_root(placed.tree.id).cell_size_bytes for placed in _placed)
+    return sum(program.get_snode_root(one.tree.id).cell_size_bytes for one in _allocations)
 
 
 def _kernel_cache() -> Path:

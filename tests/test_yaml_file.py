@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ocean_sim.files.yaml_file import Place, SceneError, merged, node_of, parsed, read, setting
+from ocean_sim.files.yaml_file import Location, SceneError, merged, node_of, parsed, read, setting
 
-HERE = Place("f.yaml", 1, 1)
+HERE = Location("f.yaml", 1, 1)
 
 
 def complaints(text: str) -> list[str]:
@@ -21,9 +21,9 @@ def test_every_value_and_key_knows_its_place():
     root = parsed("a: 1\nb:\n  - {c: 2.5}\n  - x\nd:\n", HERE)
     assert root.plain() == {"a": 1, "b": [{"c": 2.5}, "x"], "d": None}
     c = root.data["b"].data[0].data["c"]
-    assert (c.key_place, c.place) == (Place("f.yaml", 3, 6), Place("f.yaml", 3, 9))
-    assert root.data["b"].data[1].place == Place("f.yaml", 4, 5)
-    assert root.data["d"].place == Place("f.yaml", 5, 1)  # a value that is not written stands where its key does
+    assert (c.key_location, c.location) == (Location("f.yaml", 3, 6), Location("f.yaml", 3, 9))
+    assert root.data["b"].data[1].location == Location("f.yaml", 4, 5)
+    assert root.data["d"].location == Location("f.yaml", 5, 1)  # a value that is not written stands where its key does
 
 
 @pytest.mark.parametrize(
@@ -104,7 +104,7 @@ def test_files_that_cannot_be_scenes(tmp_path):
 def test_settings_are_a_key_and_a_yaml_value():
     key, node = setting("wind.volumes.0.noise=[1, 2.0]")
     assert (key, node.plain()) == ("wind.volumes.0.noise", [1, 2.0])
-    assert node.place == Place("--set wind.volumes.0.noise=[1, 2.0]")
+    assert node.location == Location("--set wind.volumes.0.noise=[1, 2.0]")
     assert setting("ship=null")[1].data is None
     assert setting("title=a=b")[1].data == "a=b"
 
@@ -128,10 +128,10 @@ def test_settings_that_cannot_be_read(text, sentence):
 
 def test_merging_is_deep_for_mappings_and_replaces_lists():
     below, above = ({"a": {"x": 1, "y": [1, 2]}, "b": 1}, {"a": {"y": [3]}, "c": 2})
-    both = merged(node_of(below, Place("low")), node_of(above, Place("high")))
+    both = merged(node_of(below, Location("low")), node_of(above, Location("high")))
     assert both.plain() == {"a": {"x": 1, "y": [3]}, "b": 1, "c": 2}
-    assert both.data["a"].data["x"].place.file == "low"
-    assert both.data["a"].data["y"].place.file == "high"
+    assert both.data["a"].data["x"].location.file == "low"
+    assert both.data["a"].data["y"].location.file == "high"
 
 
 @given(

@@ -161,7 +161,7 @@ class Solid(Protocol):
         ...
 
     def carved(
-        self, places: np.ndarray, spacing: float, boxes: list[tuple[np.ndarray, np.ndarray]]
+        self, positions: np.ndarray, spacing: float, boxes: list[tuple[np.ndarray, np.ndarray]]
     ) -> tuple[np.ndarray, np.ndarray]:
         """(n,) which of (n, 3) lattice positions that fill boxes [m] make room, and (n, 3) where the others go."""
         ...
@@ -177,7 +177,7 @@ class Side:
 
     axis: int
     upper: bool
-    place: float  # [m] along the axis
+    position: float  # [m] along the axis
     slip: Slip
     velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [m/s]
     absorbing: bool = False  # the water in front of it is slowed down
@@ -249,10 +249,10 @@ class Basin:
             for upper, name in ((False, f"{'xyz'[axis]}_min"), (True, f"{'xyz'[axis]}_max")):
                 kind = self.walls.at(name)
                 if kind in ("reflecting", "no_slip", "absorbing"):
-                    place = (self.upper if upper else self.lower)[axis]
+                    position = (self.upper if upper else self.lower)[axis]
                     slip: Slip = "no_slip" if kind == "no_slip" else "free_slip"
                     piston = self.piston if self.config.wavemaker and self.config.wavemaker.wall == name else None
-                    found.append(Side(axis, upper, place, slip, absorbing=kind == "absorbing", piston=piston))
+                    found.append(Side(axis, upper, position, slip, absorbing=kind == "absorbing", piston=piston))
         if self.config.floor != "none":
             found.append(Side(1, False, self.lower[1], self.config.floor))
         if self.config.lid is not None:
@@ -277,5 +277,5 @@ class Basin:
         low, up = [-OPEN] * 3, [OPEN] * 3
         for side in self.sides:
             away = side.piston.reach if side.piston is not None else 0.0
-            (up if side.upper else low)[side.axis] = side.place + (away if side.upper else -away)
+            (up if side.upper else low)[side.axis] = side.position + (away if side.upper else -away)
         return tuple(low), tuple(up)  # type: ignore[return-value]

@@ -1,4 +1,4 @@
-"""CSV files: the only place that parses them.
+"""CSV files: the only module that parses them.
 
 Lines that begin with # are comments, some of them `key: value`; empty lines count for nothing. The first line that is
 left names the columns, and every further line is a row; a cell may stand in double quotes. An empty cell is NaN in a
@@ -62,11 +62,11 @@ def numbers(path: str | Path) -> dict[str, np.ndarray]:
 
 def finite(path: str | Path, names: list[str], rows: list[str], wanted: Sequence[str]) -> dict[str, np.ndarray]:
     """Some columns, (n,), by their names; raises ValueError with the first row in which one is no finite number."""
-    places = [names.index(name) for name in wanted]
+    indices = [names.index(name) for name in wanted]
     try:
-        table = parsed(rows, places)
+        table = parsed(rows, indices)
     except ValueError:
-        row = unparsed(rows, places) or 0
+        row = unparsed(rows, indices) or 0
         found = dict(zip(names, rows[row].split(",")))
         name = next((name for name in wanted if unparsed([f"{found[name]},"], [0]) == 0), wanted[0])
         raise ValueError(f"{path}: {name} is {described(found[name])} in row {row + 1}") from None
@@ -130,21 +130,21 @@ def cells(line: str) -> list[str]:
     return next(csv.reader([line])) if '"' in line else line.split(",")
 
 
-def parsed(rows: list[str], places: list[int] | None = None) -> np.ndarray:
+def parsed(rows: list[str], indices: list[int] | None = None) -> np.ndarray:
     """(n, columns) the numbers of each row, of some columns or of all; raises ValueError."""
-    return np.loadtxt(rows, delimiter=",", usecols=places, comments=None, ndmin=2)
+    return np.loadtxt(rows, delimiter=",", usecols=indices, comments=None, ndmin=2)
 
 
-def unparsed(rows: list[str], places: list[int]) -> int | None:
+def unparsed(rows: list[str], indices: list[int]) -> int | None:
     """Number of the first row that has no numbers in these columns: the half that holds it, and again."""
     try:
-        parsed(rows, places)
+        parsed(rows, indices)
     except ValueError:
         if len(rows) == 1:
             return 0
         half = len(rows) // 2
-        first = unparsed(rows[:half], places)
-        return first if first is not None else half + (unparsed(rows[half:], places) or 0)
+        first = unparsed(rows[:half], indices)
+        return first if first is not None else half + (unparsed(rows[half:], indices) or 0)
     return None
 
 

@@ -73,10 +73,10 @@ def arrays(path: str | Path) -> dict[str, np.ndarray]:
         raise Unreadable(path, "this is not a whole npz file of numbers") from None
 
 
-def beside_scene(name: str, info: ValidationInfo) -> str:
+def relative_to_scene(name: str, info: ValidationInfo) -> str:
     """A file's name as it is found from anywhere: from the folder of the scene that is being read."""
     folder = (info.context or {}).get(FOLDER)
     return name if folder is None or not name else str(Path(folder, name))
 
 
-FileName = Annotated[str, AfterValidator(beside_scene)]
+FileName = Annotated[str, AfterValidator(relative_to_scene)]

@@ -1,4 +1,4 @@
-"""YAML 1.2 with positions: the only place that reads it. Every value knows where it was written."""
+"""YAML 1.2 with locations: the only module that reads it. Every value knows where it was written."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +13,7 @@ LONGEST_KEY = 100  # characters
 MOST_VALUES = 200_000  # aliases of aliases can name more values than a machine can hold
 
 
-class Place(NamedTuple):
+class Location(NamedTuple):
     """Where something was written; line and column count from 1, and are absent for what came from no file."""
 
     file: str
@@ -45,9 +45,9 @@ class SceneError(Refused):
         super().__init__("\n".join(map(str, self.problems)))
 
 
-def problem(place: Place, key: str, message: str, suggestion: str | None = None) -> Problem:
-    """A problem at a place."""
-    return Problem(*place, key, message, suggestion)
+def problem(location: Location, key: str, message: str, suggestion: str | None = None) -> Problem:
+    """A problem at a location."""
+    return Problem(*location, key, message, suggestion)
 
 
 @dataclass(frozen=True)
@@ -55,8 +55,8 @@ class Node:
     """A value and where it was written: a mapping holds nodes by key, a list holds nodes, the rest are plain."""
 
     data: Any
-    place: Place
-    key_place: Place
+    location: Location
+    key_location: Location
 
     @property
     def is_mapping(self) -> bool:
@@ -71,7 +71,7 @@ class Node:
         return None
 
     def plain(self) -> Any:
-        """The value without positions."""
+        """The value without locations."""
         if isinstance(self.data, dict):
             return {key: node.plain() for key, node in self.data.items()}
         if isinstance(self.data, list):
@@ -79,19 +79,19 @@ class Node:
         return self.data
 
     def with_data(self, data: Any) -> "Node":
-        """Another value at the same place."""
-        return Node(data, self.place, self.key_place)
+        """Another value at the same location."""
+        return Node(data, self.location, self.key_location)
 
 
-def node_of(data: Any, place: Place) -> Node:
-    """Plain data as nodes that all say they come from `place`."""
+def node_of(data: Any, location: Location) -> Node:
+    """Plain data as nodes that all say they come from `location`."""
     if isinstance(data, Node):
         return data
     if isinstance(data, dict):
-        return Node({str(key): node_of(value, place) for key, value in data.items()}, place, place)
+        return Node({str(key): node_of(value, location) for key, value in data.items()}, location, location)
     if isinstance(data, list | tuple):
-        return Node([node_of(value, place) for value in data], place, place)
-    return Node(data, place, place)
+        return Node([node_of(value, location) for value in data], location, location)
+    return Node(data, location, location)
 
 
 def merged(below: Node, above: Node) -> Node:
@@ -108,29 +108,31 @@ def read(path: Path, name: str | None = None) -> Node:
     """The mapping in a file; raises SceneError naming the file as `name`."""
     name = name or shown(path)
     try:
-        node = parsed(text(path, MOST_BYTES), Place(name, 1, 1))
+        node = parsed(text(path, MOST_BYTES), Location(name, 1, 1))
     except Unreadable as error:
         raise SceneError([Problem(name, None, None, "", error.reason)]) from None
     if node.data is None:
-        raise SceneError([problem(Place(name, 1, 1), "", "this file is empty; a mapping was expected")])
+        raise SceneError([problem(Location(name, 1, 1), "", "this file is empty; a mapping was expected")])
     if not node.is_mapping:
-        raise SceneError([problem(node.place, "", f"expected a mapping of keys to values, got {described(node.data)}")])
+        raise SceneError(
+            [problem(node.location, "", f"expected a mapping of keys to values, got {described(node.data)}")]
+        )
     return node
 
 
 def setting(text: str) -> tuple[str, Node]:
     """A `--set key=value`: the dotted key, and the value read as YAML."""
     key, equals, value = text.partition("=")
-    place = Place(f"--set {text}")
+    location = Location(f"--set {text}")
     if not equals or not key.strip():
-        raise SceneError([problem(place, "", "expected key=value, as in fluid.spacing=0.8")])
+        raise SceneError([problem(location, "", "expected key=value, as in fluid.spacing=0.8")])
     if not value.strip():
-        raise SceneError([problem(place, key, f"there is no value; {key}=null removes it")])
-    return key.strip(), node_of(parsed(value, place).plain(), place)
+        raise SceneError([problem(location, key, f"there is no value; {key}=null removes it")])
+    return key.strip(), node_of(parsed(value, location).plain(), location)
 
 
-def parsed(text: str, start: Place) -> Node:
-    """YAML text as nodes; positions are kept where `start` has a line."""
+def parsed(text: str, start: Location) -> Node:
+    """YAML text as nodes; locations are kept where `start` has a line."""
     from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
     from ruamel.yaml.reader import ReaderError
@@ -143,9 +145,9 @@ def parsed(text: str, start: Place) -> Node:
         node = reader.node(tree)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        place = start if start.line is None or mark is None else Place(start.file, mark.line + 1, mark.column + 1)
+        location = start if start.line is None or mark is None else Location(start.file, mark.line + 1, mark.column + 1)
         sentence = " ".join(filter(None, [error.context, error.problem])) or "this is not YAML"
-        raise SceneError([problem(place, "", f"not valid YAML: {sentence}")]) from None
+        raise SceneError([problem(location, "", f"not valid YAML: {sentence}")]) from None
     except ReaderError as error:
         raise SceneError([unprintable(text, error, start)]) from None
     except YAMLError as error:
@@ -160,12 +162,12 @@ def parsed(text: str, start: Place) -> Node:
     return node
 
 
-def unprintable(text: str, error: Any, start: Place) -> Problem:
+def unprintable(text: str, error: Any, start: Location) -> Problem:
     """A character that YAML does not allow, and where it is."""
     character = text[error.position : error.position + 1] or "?"
     before = text[: error.position].splitlines() or [""]
-    place = start if start.line is None else Place(start.file, len(before), len(before[-1]) + 1)
-    return problem(place, "", f"not valid YAML: the character U+{ord(character):04X} is not allowed")
+    location = start if start.line is None else Location(start.file, len(before), len(before[-1]) + 1)
+    return problem(location, "", f"not valid YAML: the character U+{ord(character):04X} is not allowed")
 
 
 def described(value: Any) -> str:
@@ -188,29 +190,29 @@ def described(value: Any) -> str:
 class _Reader:
     """From ruamel's tree to nodes: scalars by the core schema of YAML 1.2, which knows no dates and no merge keys."""
 
-    def __init__(self, start: Place) -> None:
+    def __init__(self, start: Location) -> None:
         self.start = start
         self.problems: list[Problem] = []
         self.count = 0
         self.open: set[int] = set()
 
-    def place(self, tree: Any) -> Place:
+    def location(self, tree: Any) -> Location:
         if self.start.line is None:
             return self.start
-        return Place(self.start.file, tree.start_mark.line + 1, tree.start_mark.column + 1)
+        return Location(self.start.file, tree.start_mark.line + 1, tree.start_mark.column + 1)
 
     def refuse(self, tree: Any, key: str, message: str) -> Node:
-        self.problems.append(problem(self.place(tree), key, message))
-        return Node(None, self.place(tree), self.place(tree))
+        self.problems.append(problem(self.location(tree), key, message))
+        return Node(None, self.location(tree), self.location(tree))
 
     def node(self, tree: Any, key: Any = None, path: str = "") -> Node:
-        place = self.place(tree)
-        key_place = self.place(key) if key is not None else place
+        location = self.location(tree)
+        key_location = self.location(key) if key is not None else location
         if key is not None and tree.id == "scalar" and tree.value == "":
-            place = key_place  # a value that is not written stands where its key does
+            location = key_location  # a value that is not written stands where its key does
         self.count += 1
         if self.count > MOST_VALUES:
-            raise SceneError([*self.problems, problem(place, path, f"more than {MOST_VALUES} values")])
+            raise SceneError([*self.problems, problem(location, path, f"more than {MOST_VALUES} values")])
         if id(tree) in self.open:
             return self.refuse(tree, path, "this alias stands inside what it names")
         self.open.add(id(tree))
@@ -222,7 +224,7 @@ class _Reader:
         else:
             data = self.scalar(tree, path)
         self.open.discard(id(tree))
-        return Node(data, place, key_place)
+        return Node(data, location, key_location)
 
     def mapping(self, tree: Any, path: str) -> dict[str, Node]:
         data: dict[str, Node] = {}
@@ -232,7 +234,7 @@ class _Reader:
                 continue
             inside = f"{path}.{key.value}".lstrip(".")
             if key.value in data:
-                first = data[key.value].key_place
+                first = data[key.value].key_location
                 where = f" (first in line {first.line})" if first.line is not None else ""
                 self.refuse(key, inside, f"this key is given twice{where}")
                 continue

@@ -70,7 +70,7 @@ class Composition:
         if "" in path:
             meant = ".".join(filter(None, path)) or None
             end = f"; did you mean {meant!r}?" if meant else ""
-            self.problems.append(problem(value.place, key, f"a dot stands where a key should{end}", meant))
+            self.problems.append(problem(value.location, key, f"a dot stands where a key should{end}", meant))
             return
         slot = path[0] if path[0] in SLOTS else None
         if slot is None:
@@ -109,7 +109,7 @@ class Composition:
             message = f"{whole} is a list; its entries are numbered: {there}"
         else:
             message = f"{whole} is {described(data)}, which has no keys; set {whole} as a whole"
-        self.problems.append(problem(value.place, dotted((*above, *path)), message))
+        self.problems.append(problem(value.location, dotted((*above, *path)), message))
         return node
 
 
@@ -142,7 +142,7 @@ def composed(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> C
 def chosen(slot: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
     """What a name or a mapping with `kind` stands for; raises SceneError."""
     if not kinds(slot):
-        raise SceneError([problem(node.key_place, slot, f"there is no kind of {slot} yet")])
+        raise SceneError([problem(node.key_location, slot, f"there is no kind of {slot} yet")])
     if isinstance(node.data, str):
         name = node
         part_first = True
@@ -158,9 +158,9 @@ def chosen(slot: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
             else f"expected a name or a mapping with `kind`, got {described(node.data)}"
         )
         end = f"; there are {', '.join(known(slot))}"
-        raise SceneError([problem(node.place, f"{slot}.kind" if node.is_mapping else slot, wrong + end)])
+        raise SceneError([problem(node.location, f"{slot}.kind" if node.is_mapping else slot, wrong + end)])
     if not isinstance(name.data, str):
-        raise SceneError([problem(name.place, f"{slot}.kind", f"expected a name, got {described(name.data)}")])
+        raise SceneError([problem(name.location, f"{slot}.kind", f"expected a name, got {described(name.data)}")])
     if name.data in named(slot) and name.data not in within and (part_first or name.data not in kinds(slot)):
         part = read(library("configs") / slot / f"{name.data}.yaml")
         return Choice(chosen(slot, part, (*within, name.data)).whole(), own)
@@ -180,4 +180,4 @@ def unknown_name(what: str, name: Node, key: str, choices: Any = None) -> Proble
     end, suggestion = choice_sentence(name.data, choices)
     if suggestion is not None:
         end += f" there are {', '.join(choices)}"
-    return problem(name.place, key, f"no {what} {name.data!r}{end}", suggestion)
+    return problem(name.location, key, f"no {what} {name.data!r}{end}", suggestion)

@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import PrivateAttr
 
 from ocean_sim import basin
-from ocean_sim.files.yaml_file import Node, Place, Problem, SceneError, node_of, problem, read, shown
+from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of, problem, read, shown
 from ocean_sim.model import Model, quantity
 from ocean_sim.parts import (
     SLOTS,
@@ -136,7 +136,7 @@ def load(
     """
     try:
         folder = None if isinstance(source, dict) else scene_path(source).parent.absolute()
-        scene = node_of(source, Place("scene")) if isinstance(source, dict) else read(scene_path(source))
+        scene = node_of(source, Location("scene")) if isinstance(source, dict) else read(scene_path(source))
         layer, problems = profile_layer(profile)
         sets = {key: _override(key, value) for key, value in (overrides or {}).items()}
         composition = composed(scene, layer, sets)
@@ -171,13 +171,13 @@ def profile_layer(profile: str | None) -> tuple[Node | None, list[Problem]]:
     if profile is None:
         return None, []
     if profile not in named("run"):
-        name = node_of(profile, Place(f"--profile {profile}"))
+        name = node_of(profile, Location(f"--profile {profile}"))
         return None, [unknown_name("profile", name, "", named("run"))]
     node = read(library("configs") / "run" / f"{profile}.yaml")
     allowed = ("runtime", "time_step", "resolution", *observer_names())
     problems = [
         problem(
-            inner.key_place,
+            inner.key_location,
             key,
             f"a profile has no such key{choice_sentence(key, allowed)[0]}",
             likeliest(key, allowed),
@@ -189,7 +189,7 @@ def profile_layer(profile: str | None) -> tuple[Node | None, list[Problem]]:
 
 
 def _override(key: str, value: Any) -> Node:
-    return value if isinstance(value, Node) else node_of(value, Place(f"{OVERRIDE} {key}={_short(value)}"))
+    return value if isinstance(value, Node) else node_of(value, Location(f"{OVERRIDE} {key}={_short(value)}"))
 
 
 def _short(value: Any) -> str:
@@ -219,12 +219,12 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
     problems += _unsuited(there, data)
     if tank_config is not None and tank is not None and runtime is not None and heading is not None:
         preflight = Preflight(there | watching, tank, WORD[runtime.precision], heading.duration)
-        problems += _misplaced("basin", tank_config.problems(tank), data["basin"])
+        problems += _located("basin", tank_config.problems(tank), data["basin"])
         for name, part in (there | watching).items():
-            problems += _misplaced(name, part.problems(preflight), data.get(name, root))
+            problems += _located(name, part.problems(preflight), data.get(name, root))
         if not problems and not wrong:
             for name, part in (there | watching).items():
-                problems += _misplaced(name, part.mismatches(preflight), data.get(name, root))
+                problems += _located(name, part.mismatches(preflight), data.get(name, root))
         if not problems and not wrong:
             values = {key: getattr(heading, key) for key in headings}
             config = SceneConfig(**values, **parts, basin=tank_config, runtime=runtime, observers=watching, notes=notes)
@@ -239,7 +239,7 @@ def _unknown(root: Node, headings: tuple[str, ...]) -> list[Problem]:
     for key, node in root.data.items():
         if key not in known:
             end, suggestion = choice_sentence(key, known)
-            problems.append(problem(node.key_place, key, f"unknown key{end}", suggestion))
+            problems.append(problem(node.key_location, key, f"unknown key{end}", suggestion))
     return problems
 
 
@@ -252,7 +252,7 @@ def _model(
     if node is not None and node.data is not None:
         return validated(model or config_of(name, node.data["kind"].data), node, (name,), problems, folder)
     if name in ("basin", "fluid") and name not in composition.failed:
-        problems.append(problem(composition.root.place, name, "missing key"))
+        problems.append(problem(composition.root.location, name, "missing key"))
     return RuntimeConfig() if name == "runtime" else None
 
 
@@ -264,16 +264,16 @@ def _unsuited(parts: Mapping[str, PartConfig], data: dict[str, Node]) -> list[Pr
     problems, water = [], fluid.kind
     if surface is not None and not fluid.made_of_particles:
         sentence = f"a surface follows particles, and fluid.kind {water} has none; leave it out"
-        problems.append(problem(data["surface"].place, "surface", sentence))
+        problems.append(problem(data["surface"].location, "surface", sentence))
     if isinstance(ship, ShipConfig):
         kind = ship.kind
         if "surface" not in parts and fluid.made_of_particles and ship.needs_surface:
             sentence = f"a {kind} ship over particles asks a surface how high the water stands; give a `surface`"
-            problems.append(problem(data["ship"].place, "ship", sentence))
+            problems.append(problem(data["ship"].location, "ship", sentence))
         if ship.carried_as_body and not fluid.carries_bodies:
             carrying = " or ".join(name for name, config in water_schemes() if config.carries_bodies)
             sentence = f"water of kind {water} does not carry a ship of kind {kind}; take {carrying}"
-            problems.append(problem(data["ship"].place, "ship", sentence))
+            problems.append(problem(data["ship"].location, "ship", sentence))
     return problems
 
 
@@ -290,7 +290,7 @@ def _lacking(
         absent = [need for need in config.needs if need not in there]
         if absent:
             sentence = f"needs {', '.join(absent)}, which this scene does not have"
-            problems.append(problem(data.get(name, root).place, name, sentence))
+            problems.append(problem(data.get(name, root).location, name, sentence))
     return problems
 
 
@@ -304,7 +304,7 @@ def _observers(data: dict[str, Node], root: Node, problems: list[Problem]) -> di
         node = data.get(name, root.with_data({} if on else None))
         if node.data is None:
             if name == "manifest":
-                problems.append(problem(node.place, name, "a run always says what was run; this one cannot be null"))
+                problems.append(problem(node.location, name, "a run always says what was run; this one cannot be null"))
             continue
         config = validated(import_module(f"ocean_sim.observers.{name}").Config, node, (name,), problems)
         if config is not None:
@@ -336,12 +336,12 @@ def _scaled(root: Node, factor: float, dimension: int, notes: list[str]) -> Node
     return root.with_data(root.data | {slot: scaled(node, (slot,)) for slot, node in slots.items()})
 
 
-def _misplaced(name: str, found: Problems, node: Node) -> list[Problem]:
-    """What a part finds wrong with itself, at its place in the file."""
+def _located(name: str, found: Problems, node: Node) -> list[Problem]:
+    """What a part finds wrong with itself, at its location in the file."""
     problems = []
     for path, sentence in found:
         inner = node
         for step in path:
             inner = inner.child(step) or inner
-        problems.append(problem(inner.place, dotted((name, *path)), sentence))
+        problems.append(problem(inner.location, dotted((name, *path)), sentence))
     return problems

@@ -1,4 +1,4 @@
-"""What pydantic finds wrong, in the words of someone who writes scenes: at the place, with the bound and the unit."""
+"""What pydantic finds wrong, in the words of someone who writes scenes: with location, bound and unit."""
 
 from collections.abc import Iterator
 from difflib import get_close_matches
@@ -57,8 +57,8 @@ def absurd(node: Node, path: Path) -> Iterator[Problem]:
             yield from absurd(inner, (*path, key))
     elif isinstance(node.data, int | float) and node.data:
         if not LEAST <= abs(node.data) <= MOST and abs(node.data) < inf:
-            said = f"{described(node.data)} is no size of anything here: 0, or between {LEAST:g} and {MOST:g}"
-            yield problem(node.place, dotted(path), said)
+            message = f"{described(node.data)} is no size of anything here: 0, or between {LEAST:g} and {MOST:g}"
+            yield problem(node.location, dotted(path), message)
 
 
 def dotted(path: Path) -> str:
@@ -92,7 +92,7 @@ def translated(error: ValidationError, model: type[BaseModel], root: Node, prefi
 
 
 class _Found(NamedTuple):
-    """One pydantic error: where in the data it is, and what the models say about that place."""
+    """One pydantic error: where in the data it is, and what the models say about it."""
 
     kind: str
     message: str
@@ -100,7 +100,7 @@ class _Found(NamedTuple):
     path: Path  # keys and indices that exist in the data, then the missing key if one is missing
     node: Node  # the deepest node on that path
     field: FieldInfo | None  # the last field passed on the way
-    keys: tuple[str, ...]  # what could be written at an unknown key's place
+    keys: tuple[str, ...]  # what could be written instead of an unknown key
     union: Path | None  # the path of the first union on the way, and
     member: str  # which of its members complains
     shape: bool  # the value is of another shape than the member wants
@@ -112,10 +112,10 @@ def _located(error: Any, model: type[BaseModel], root: Node) -> _Found:
     union: Path | None = None
     field: FieldInfo | None = None
     member, keys = "", tuple[str, ...]()
-    location = error["loc"]
-    for k, step in enumerate(location):
+    steps = error["loc"]
+    for k, step in enumerate(steps):
         inner = node.child(step)
-        last = k == len(location) - 1
+        last = k == len(steps) - 1
         if inner is None and not (last and error["type"] in ("missing", "extra_forbidden")):
             if union is None:
                 union, member = path, str(step)
@@ -176,7 +176,7 @@ def _inside(types: list[Any], step: str | int, field: FieldInfo | None) -> tuple
 
 
 def _is_extra_item(found: _Found, all_found: list[_Found]) -> bool:
-    """A list that is too short is told once, not once for each entry that it lacks; nor for entries that are wrong."""
+    """A list that is too short is reported once, not once for each missing entry, nor for entries that are wrong."""
     if found.kind == "too_short" and len(found.node.data) >= found.context["min_length"]:
         return True
     return _is_short(found) and any(_is_short(f) and f.node is found.node and f.path > found.path for f in all_found)
@@ -197,7 +197,7 @@ def _of_union(found: list[_Found], prefix: Path) -> list[Problem]:
     wanted = list(dict.fromkeys(_wanted(errors[0]) for errors in members.values()))
     first = found[0]
     message = f"expected {' or '.join(wanted)}, got {described(first.node.plain())}"
-    return [problem(first.node.place, dotted(prefix + first.path), message)]
+    return [problem(first.node.location, dotted(prefix + first.path), message)]
 
 
 def _wanted(found: _Found) -> str:
@@ -206,15 +206,15 @@ def _wanted(found: _Found) -> str:
 
 def _sentence(found: _Found, prefix: Path) -> Problem:
     """One error as a problem."""
-    key, place = dotted(prefix + found.path), found.node.place
+    key, location = dotted(prefix + found.path), found.node.location
     value, context, suggestion = described(found.node.plain()), found.context, None
     bound = next((name for name in BOUNDS if name in context), None)
     if found.member == "[key]":
-        place = found.node.key_place
+        location = found.node.key_location
         message = f"{found.path[-1]!r} is not a name: {found.message.replace('String should', 'it should')}"
     elif found.kind == "extra_forbidden":
         message, suggestion = choice_sentence(str(found.path[-1]), found.keys)
-        message, place = f"unknown key{message}", found.node.key_place
+        message, location = f"unknown key{message}", found.node.key_location
     elif _is_short(found):
         key = dotted(prefix + found.path[:-1])
         message = f"expected {_entries(int(found.path[-1]) + 1)}, got {len(found.node.data)}"
@@ -238,7 +238,7 @@ def _sentence(found: _Found, prefix: Path) -> Problem:
         name = context["discriminator"].strip("'")
         choices = [word.strip("'") for word in context.get("expected_tags", "").split(", ") if word]
         key = f"{key}.{name}" if key else name
-        place = found.node.data[name].place if found.kind == "union_tag_invalid" else place
+        location = found.node.data[name].location if found.kind == "union_tag_invalid" else location
         end, suggestion = choice_sentence(str(context.get("tag", "")), choices)
         message = "missing key" if found.kind == "union_tag_not_found" else f"{context['tag']!r} is not a choice{end}"
     elif found.kind in SHAPES:
@@ -247,7 +247,7 @@ def _sentence(found: _Found, prefix: Path) -> Problem:
         message = str(context.get("error", found.message))
     else:
         message = found.message.replace("Input should be", "this should be")
-    return problem(place, key, message, suggestion)
+    return problem(location, key, message, suggestion)
 
 
 def _hint(found: _Found) -> str:

@@ -1,7 +1,7 @@
-"""Speed against accuracy of one scene: every setting beside the finest, by what a user sees, with several seeds.
+"""Speed against accuracy of one scene: every setting compared with the finest, by what a user sees, with several seeds.
 
 An error is the distance from the run with the finest setting and the same seed: of heights and periods of the waves at
-each gauge, and the rms of elevations, of the six motions and of leg lengths over time. The seeds tell its spread, and a
+each gauge, and the rms of elevations, of the six motions and of leg lengths over time. The seeds show its spread, and a
 setting is better than another only beyond that.
 """
 
@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.conventions import Motions
-from ocean_sim.files.yaml_file import Node, Place, Problem, SceneError, node_of, parsed, problem
+from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of, parsed, problem
 from ocean_sim.parts import SLOTS, from_coarse
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result
@@ -97,12 +97,12 @@ def varied(texts: list[str]) -> Varied:
     found: Varied = {}
     for text in texts:
         key, equals, values = text.partition("=")
-        place = Place(f"--vary {text}")
+        location = Location(f"--vary {text}")
         if not equals or not key.strip() or not values.strip():
-            raise SceneError([problem(place, "", "expected KEY=A,B,C, as in fluid.spacing=1.0,0.8,0.6")])
-        nodes = node_of(parsed(f"[{values}]", place).plain(), place).data
+            raise SceneError([problem(location, "", "expected KEY=A,B,C, as in fluid.spacing=1.0,0.8,0.6")])
+        nodes = node_of(parsed(f"[{values}]", location).plain(), location).data
         if not isinstance(nodes, list) or not nodes:
-            raise SceneError([problem(place, key, "there are no values")])
+            raise SceneError([problem(location, key, "there are no values")])
         found[key.strip()] = nodes
     return found
 
@@ -122,8 +122,8 @@ def settings(scene: str, profile: str | None, sets: dict[str, Node], vary: Varie
     """Every combination, each with a seed more than the study needs, for the trial of the answer; raises SceneError."""
     count = prod(map(len, vary.values()))
     if not 2 <= count <= MOST_SETTINGS:
-        place = Place("--vary")
-        raise SceneError([problem(place, "", f"there are {count} settings; 2 to {MOST_SETTINGS} can be compared")])
+        location = Location("--vary")
+        raise SceneError([problem(location, "", f"there are {count} settings; 2 to {MOST_SETTINGS} can be compared")])
     best = {key: finest(key, [node.plain() for node in nodes]) for key, nodes in vary.items()}
     found: list[Setting] = []
     problems: list[Problem] = []
@@ -218,7 +218,7 @@ def measures(rows: list[dict[str, Any]]) -> list[str]:
 
 
 def best(rows: list[dict[str, Any]], by: str, budget: Budget) -> dict[str, Any] | None:
-    """The most accurate row within the budget; of those that the spread of the seeds cannot tell from it, the
+    """The most accurate row within the budget; of those that differ from it by less than the spread of the seeds, the
     cheapest."""
     able = [row for row in rows if row.get(by) is not None and (budget.spent(row) or np.inf) <= budget.most]
     if not able:

@@ -1,6 +1,6 @@
 """Where water breaks: time steps and one more setting taken past their limits; every point ends with a verdict.
 
-stopped: `health`, or the scheme itself, ended the run and said why. degraded: it went on, but the water gained more
+stopped: `health`, or the scheme itself, ended the run with a reason. degraded: it went on, but the water gained more
 than 1 % of its mass times the square of its reference speed from nowhere (under a wind: beyond what the wind gave it),
 or its mean density rose too far above that at rest: 5 %, or three times the compression that the scene allows. stable:
 neither. A run whose process gave no answer has no verdict, which is a bug.
@@ -111,11 +111,11 @@ class Spot:
 
     def row(self, answer: dict[str, Any], result: Result) -> dict[str, Any]:
         """Its line in the table."""
-        said, why, numbers = verdict(answer, of(result, "accuracy"), self.scene, self.axis.name == "wind")
-        place = {"map": self.axis.name, "scheme": self.scheme, "key": self.axis.key, "value": self.value}
+        outcome, why, numbers = verdict(answer, of(result, "accuracy"), self.scene, self.axis.name == "wind")
+        point = {"map": self.axis.name, "scheme": self.scheme, "key": self.axis.key, "value": self.value}
         steps = {"dt_over_courant": self.factor, "dt_s": self.dt} | {f"{k}_s": v for k, v in self.limits.items()}
         clock = {"simulated_s": answer.get("simulated_s"), "wall_s": answer.get("wall_s")}
-        return place | steps | {"verdict": said, "reason": why} | numbers | clock
+        return point | steps | {"verdict": outcome, "reason": why} | numbers | clock
 
 
 def spots(quick: bool, scene: str | None = None) -> list[Spot]:
@@ -188,8 +188,8 @@ def gained(accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool) ->
     return float(excess.max()) / (mass * fluid.speed(tank) ** 2)
 
 
-def told(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """For every value of every map: the longest step that was stable, the shortest that was not, beside the limits."""
+def summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """For every value of every map: the longest step that was stable, the shortest that was not, and the limits."""
     found = []
     for key in dict.fromkeys((row["map"], row["scheme"], row["value"]) for row in rows):
         here = [row for row in rows if (row["map"], row["scheme"], row["value"]) == key]

@@ -7,7 +7,7 @@
     grid: {ship.kind: [hydrostatic, dynamic], ship.heading_deg: [0, 45]}  # every combination, in each group
     seeds: [1, 2, 3]                # each of these again with every seed
 
-What is said further down counts. Pictures and frames are made only where the plan asks for them.
+What stands further down takes precedence. Pictures and frames are made only where the plan asks for them.
 """
 
 from collections.abc import Iterator
@@ -17,7 +17,7 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
-from ocean_sim.files.yaml_file import Node, Place, Problem, SceneError, node_of, problem, read
+from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of, problem, read
 from ocean_sim.model import Model
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.reading.translation import validated
@@ -75,7 +75,7 @@ def planned(path: Path) -> list[Planned]:
         raise SceneError(problems)
     count = max(1, len(plan.list)) * prod(map(len, plan.grid.values())) * max(1, len(plan.seeds))
     if count > MOST_RUNS:
-        raise SceneError([problem(node.place, "", f"this plan has {count} runs; {MOST_RUNS} are the most")])
+        raise SceneError([problem(node.location, "", f"this plan has {count} runs; {MOST_RUNS} are the most")])
     shared = node.data["set"].data if "set" in node.data else {}
     runs = []
     for settings in _combinations(node):
@@ -94,11 +94,11 @@ def _empty(node: Node) -> list[Problem]:
     grid = node.child("grid")
     lists = [(f"grid.{key}", value) for key, value in grid.data.items()] if grid is not None and grid.is_mapping else []
     lists += [(key, node.data[key]) for key in ("list", "seeds") if key in node.data]
-    return [problem(inner.place, key, "this list is empty") for key, inner in lists if inner.data == []]
+    return [problem(inner.location, key, "this list is empty") for key, inner in lists if inner.data == []]
 
 
 def _combinations(node: Node) -> Iterator[Settings]:
-    """The settings of every run, each value with the place where it was written."""
+    """The settings of every run, each value with its location."""
     listed, grid, seeds = (node.child(key) for key in ("list", "grid", "seeds"))
     groups = [group.data for group in listed.data] if listed is not None else [{}]
     keys = list(grid.data) if grid is not None else []
@@ -109,20 +109,20 @@ def _combinations(node: Node) -> Iterator[Settings]:
 
 
 def _quiet(settings: Settings) -> Settings:
-    """No pictures, unless some setting speaks of them."""
-    spoken_of = {key.split(".")[0] for key in settings}
-    return {name: node_of(None, Place("sweep")) for name in PICTURES if name not in spoken_of}
+    """No pictures, unless a setting names them."""
+    named = {key.split(".")[0] for key in settings}
+    return {name: node_of(None, Location("sweep")) for name in PICTURES if name not in named}
 
 
 def _at(plan: Node, settings: Settings, found: Problem) -> Problem:
     """A problem of a scene: one that lies in no file is the plan's, and so is one of a part that the plan sets."""
     touched = [value for key, value in settings.items() if key.split(".")[0] == found.key.split(".")[0]]
-    if found.line is not None and found.file != plan.place.file and touched:
-        said = f"{found.message} (beside {found.file}:{found.line})"
-        return problem(touched[-1].place, found.key, said, found.suggestion)
+    if found.line is not None and found.file != plan.location.file and touched:
+        message = f"{found.message} (together with {found.file}:{found.line})"
+        return problem(touched[-1].location, found.key, message, found.suggestion)
     if found.line is not None:
         return found
     key = "profile" if found.file.startswith("--profile") else "scene"
-    place = plan.data[key].place
-    said = f"{found.file}: {found.message}" if key == "scene" else found.message
-    return problem(place, found.key or key, said, found.suggestion)
+    location = plan.data[key].location
+    message = f"{found.file}: {found.message}" if key == "scene" else found.message
+    return problem(location, found.key or key, message, found.suggestion)

@@ -185,7 +185,7 @@ def _differs(point: Point) -> bool:
 
 
 def clock(rows: list[dict[str, Any]]) -> str:
-    """The column to tell speed by: wall time, or processor time where a busy machine spoils the other."""
+    """The column by which speed is compared: wall time, or processor time where a busy machine spoils the other."""
     done = [row for row in rows if row.get("wall_per_s") and row.get("cpu_per_s")]
     shares = sorted(row["wall_per_s"] / row["cpu_per_s"] for row in done)
     return "cpu_per_s" if shares and shares[len(shares) // 2] > BUSY else "wall_per_s"
@@ -221,7 +221,7 @@ def equals(rows: list[dict[str, Any]], speed: str) -> list[dict[str, Any]]:
             for scheme in schemes:
                 own = [row for row in group if row["scheme"] == scheme]
                 best = min(own, key=lambda row: abs(row["error"]), default=None)
-                told = {"case": case, "at equal": name, "scheme": scheme}
+                group_of = {"case": case, "at equal": name, "scheme": scheme}
                 keys = ("error", "unit", speed, "particles", "changed")
-                found.append(told | {key: None if best is None else best[key] for key in keys})
+                found.append(group_of | {key: None if best is None else best[key] for key in keys})
     return found

@@ -9,7 +9,7 @@ import numpy as np
 from ocean_sim.parts import water_schemes
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
-from ocean_sim.validation.shared.state import place, shaken, state
+from ocean_sim.validation.shared.state import set_state, shaken, state
 
 SPEED = 0.1  # [m/s]
 STEPS = 50
@@ -50,7 +50,7 @@ def problem(precision: str, coarse: bool) -> Problem:
 def measure(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
     """The worst of a number of steps."""
     before = state(simulation)
-    place(simulation, before.position, shaken(simulation, before.position, SPEED))
+    set_state(simulation, before.position, shaken(simulation, before.position, SPEED))
     before = state(simulation)
     linear, angular = [], []
     for _ in range(STEPS):

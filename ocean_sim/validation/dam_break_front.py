@@ -4,13 +4,13 @@ Column a wide and 2 a high; Martin & Moyce (1952, Phil. Trans. A 244, 312-324) a
 Eng. 123, 421-434, who also computed it by MPS). The experiments differ among each other by 4 to 8 %, so a smaller error
 earns no credit.
 
-Water without friction that is let go at once runs ahead of every experiment, on whose clocks it seems to start late: a
-wall of water is held until a diaphragm or gate is out of its way, and nobody measured when that was. So the front is
-judged on the experiment's own clock; against Martin & Moyce also on the clock on which a finite-element program
-publishes its comparison with them, whose computed times are moved on by T = 0.175 (Lethe; Blais et al. 2020, SoftwareX
-12, 100579; examples/multiphysics/dam-break/dam-break-2d.py, `time_correction`, without a reason given); and it is told
-with the moment of release as the one unknown, where hardly any error is left; but then a wrong clock could hide as
-well, so that promises nothing. The front is that of water one spacing deep, the foremost particle with another within a
+Water without friction that is released at once runs ahead of every experiment, on whose clocks it seems to start late:
+a wall of water is held until a diaphragm or gate is out of its way, and the moment of that was not measured. So the
+front is judged on the experiment's own clock; against Martin & Moyce also on the clock on which a finite-element
+program publishes its comparison with them, whose computed times are shifted by T = 0.175 (Lethe; Blais et al. 2020,
+SoftwareX 12, 100579; examples/multiphysics/dam-break/dam-break-2d.py, `time_correction`, without a reason given). It is
+also reported with the moment of release as the one unknown, which leaves hardly any error; but that could hide a wrong
+clock, so it has no tolerance. The front is that of water one spacing deep, the foremost particle with another within a
 spacing behind it, not a drop that runs ahead.
 
 What was tried, at a / 30 under delta_sph; mean lead over Martin & Moyce's wider and narrower column, Koshizuka & Oka's

@@ -1,7 +1,7 @@
 """An imposed sea: random waves of a piston in a slice, at a gauge in the middle, against linear theory for the same
 amplitudes and phases there; and what the absorbing side sends back.
 
-The basin is four wavelengths of the peak long, the last of which absorbs. Waves that go to and fro are told apart by
+The basin is four wavelengths of the peak long, the last of which absorbs. Waves that go to and fro are distinguished by
 three gauges (Mansard & Funke 1980, by least squares). The spectrum ends at twice the peak frequency: shorter waves have
 too few particles to travel.
 
@@ -52,8 +52,8 @@ def problems(coarse: bool) -> list[Problem]:
     return [Problem(scene, PROMISES, measure, slow=not coarse)]
 
 
-def reflected(every: float, elevation: np.ndarray, places: np.ndarray, depth: float) -> float:
-    """Part of the height of the waves that comes back: records (n, 3) at three places (3,) [m] along the waves."""
+def reflected(every: float, elevation: np.ndarray, positions: np.ndarray, depth: float) -> float:
+    """Part of the height of the waves that comes back: records (n, 3) at three positions (3,) [m] along the waves."""
     n = len(elevation)
     frequency = np.fft.rfftfreq(n, every)
     window = np.hanning(n)[:, None]
@@ -62,7 +62,7 @@ def reflected(every: float, elevation: np.ndarray, places: np.ndarray, depth: fl
     for f, part in zip(frequency, parts):
         if 0.5 / PERIOD < f < 2.0 / PERIOD:
             k = float(waves.wavenumber(2.0 * pi * f, depth))
-            both = np.exp(np.outer(places, [-1j * k, 1j * k]))
+            both = np.exp(np.outer(positions, [-1j * k, 1j * k]))
             ahead, astern = np.linalg.lstsq(both, part, rcond=None)[0]
             there, back = there + abs(ahead) ** 2, back + abs(astern) ** 2
     return float((back / there) ** 0.5)

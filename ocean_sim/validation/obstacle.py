@@ -1,10 +1,10 @@
-"""A dam break that runs into a box: heights of the water at four places and pressures at eight on the box.
+"""A dam break that runs into a box: heights of the water at four positions and pressures at eight on the box.
 
 Measured at MARIN (Kleefsman, Fekken, Veldman, Iwanowski & Buchner 2005, J. Comput. Phys. 206; SPHERIC test 2) in a tank
 of 3.22 x 1 x 1 m: water 1.228 m long and 0.55 m deep behind a gate, and a box of 0.161 x 0.161 x 0.403 m 1.1675 m
-behind it. One run, of unknown uncertainty. Probes go by their place, not by their label: H4 is in the reservoir, H1, H2
-and H3 follow the wave. Arrivals are when 20 mm or 500 Pa are first passed in the record of every millisecond; the table
-of all channels holds means over 10 ms, in which a blow begins up to 10 ms early.
+behind it. One run, of unknown uncertainty. Probes are identified by their position, not by their label: H4 is in the
+reservoir, H1, H2 and H3 follow the wave. Arrivals are when 20 mm or 500 Pa are first passed in the record of every
+millisecond; the table of all channels holds means over 10 ms, in which a blow begins up to 10 ms early.
 
 Under `delta_sph` at H0 / 20, and at H0 / 30 with hardly a difference: the reservoir empties to 1.6 % of H0, P1 to P3
 begin within 3.4 % and their impulses are within 11 %. P4, 20 mm under the front edge, gains a third of 2 s rho g H0 too
@@ -66,7 +66,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def gauges() -> np.ndarray:
-    """(8, 3) places of P1 to P8 in the basin [m]."""
+    """(8, 3) positions of P1 to P8 in the basin [m]."""
     front = [(FACE, up, 0.0) for up in ALONG]
     top = [(FACE + behind, BOX, 0.0) for behind in ALONG]
     return np.array(front + top) - (LENGTH / 2, DEPTH, 0.0)

@@ -7,7 +7,7 @@ back can.
 
 Under `delta_sph` the piston gives what it should and little is lost on the way: at h / 20, where a wave is two spacings
 high, a line through H/S from half a wavelength on begins at 0.984 of the theory's at the piston and falls by 0.5 % in a
-wavelength; single places are up to 6 % below and 1 % above the theory (a tank of 12 m that ends in a wall: 0.978, less
+wavelength; single gauges are up to 6 % below and 1 % above the theory (a tank of 12 m that ends in a wall: 0.978, less
 than 0.1 %, 5 % below to 0). At h / 10, waves of one spacing, 0.986 and 4.4 %.
 
 What `mueller` shows here is no wave: in water of 1e-6 m2/s its H/S is 3 to 6, and as large with the piston at rest (6.5

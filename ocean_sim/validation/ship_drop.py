@@ -13,7 +13,7 @@ import numpy as np
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
 from ocean_sim.validation.shared.ship import at_sea, pose, ship_of, track
-from ocean_sim.validation.shared.tables import place, table
+from ocean_sim.validation.shared.tables import table, table_path
 
 MASS, STIFFNESS, PERIOD, SHARE = 261799.39, 770.475e3, 4.365, 0.0835  # [kg], [N/m] rho g pi R^2, [s], of critical
 ADDED = STIFFNESS * (PERIOD / 2.0 / pi) ** 2 * (1.0 - SHARE**2) - MASS  # [kg]
@@ -22,7 +22,7 @@ CONSTANT = {"added_mass": {"heave": ADDED}, "damping": {"heave": SHARE}}
 
 
 def problems(coarse: bool) -> list[Problem]:
-    memory = {"radiation": str(place("sphere_radiation"))}
+    memory = {"radiation": str(table_path("sphere_radiation"))}
     return [problem("constant", CONSTANT, SPREAD, coarse), problem("memory", memory, CLOSE, coarse)]
 
 

@@ -14,7 +14,7 @@ from ocean_sim import waves
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
 from ocean_sim.validation.shared.ship import G, at_sea, floating, pose, track
-from ocean_sim.validation.shared.tables import place, table
+from ocean_sim.validation.shared.tables import table, table_path
 
 LENGTH = {"barge20": 20.0, "wigley": 3.0}
 WAVES = {  # [rad/s]
@@ -37,7 +37,9 @@ def problems(coarse: bool) -> list[Problem]:
             few = omegas[1:3] if coarse else omegas
             found.append(problem(hull, sea, few, schemes, keys, 4 if coarse else 8))
         if hull == "barge20":
-            memory: dict[str, Any] = {"radiation": str(place("barge20_radiation"))} | (GIVEN if sea == "beam" else {})
+            memory: dict[str, Any] = {"radiation": str(table_path("barge20_radiation"))} | (
+                GIVEN if sea == "beam" else {}
+            )
             found.append(problem(hull, sea, few, ("dynamic",), memory, 4 if coarse else 8))
     return found
 

@@ -1,4 +1,4 @@
-"""Water in a tank that sways: the first mode rings with its own period, beside the answer to the motion.
+"""Water in a tank that sways: the first mode rings with its own period, next to the response to the motion.
 
 Linear theory in the axes of the tank, in which the water starts at rest: for a sway A sin(w t) the first mode of the
 potential, cos(pi x / L) cosh(pi (y + h) / L) with x from the left wall, is C (cos(w1 t) - cos(w t)), with

@@ -12,7 +12,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.state import place, state, watched
+from ocean_sim.validation.shared.state import set_state, state, watched
 
 G, DEPTH, LENGTH, AMPLITUDE = 1.0, 1.0, 2.0, 0.05
 K = 2.0 * pi / LENGTH  # [1/m]
@@ -72,7 +72,7 @@ def viscous_rate(viscosity: float) -> float:
 def measure(simulation: Simulation, promises: tuple[Promise, ...], viscosity: float) -> Finding:
     """The part of the velocity that is the wave's, over time."""
     start = state(simulation).position
-    place(simulation, start, AMPLITUDE * flow(start))
+    set_state(simulation, start, AMPLITUDE * flow(start))
     times, share = [], []
     for water in watched(simulation, simulation.scene.duration, PERIOD / 60):
         mode = flow(np.minimum(water.position, [np.inf, 0.0, np.inf]))

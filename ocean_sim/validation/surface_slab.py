@@ -14,7 +14,7 @@ import numpy as np
 from ocean_sim.fluid import with_particles
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.state import place, state
+from ocean_sim.validation.shared.state import set_state, state
 
 WAVELENGTH, AMPLITUDE, WAVES = 2.0, 0.1, 2  # [m], [m], along the slab
 DEPTH, WIDTH, WHOLE = 1.2, 0.8, 0.6  # [m]; the upper WHOLE moves as a whole
@@ -67,7 +67,7 @@ def wavy(position: np.ndarray) -> np.ndarray:
 def measure(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
     """The surface along the middle of the slab, when it has had time to settle on it."""
     start = state(simulation).position
-    place(simulation, wavy(start), np.zeros_like(start))
+    set_state(simulation, wavy(start), np.zeros_like(start))
     surface: Any = simulation.surface
     particles = with_particles(simulation.fluid).particles
     for _ in range(SETTLING):

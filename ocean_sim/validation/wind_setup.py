@@ -57,8 +57,8 @@ def problem(layers: int, slow: bool = False) -> Problem:
 
 
 def slopes(simulation: Simulation, begin: float, until: float) -> tuple[float, float, np.ndarray]:
-    """Mean slopes of the pressure on the bed (over rho g) and of the surface, and places and velocities of the middle
-    (n, 3): x, height above the bed, u."""
+    """Mean slopes of the pressure on the bed (over rho g) and of the surface, and (n, 3) x, height above the bed and
+    u of the particles in the middle."""
     x = np.linspace(-MIDDLE, MIDDLE, 21)
     bed = np.stack([x, np.full_like(x, -DEPTH), np.zeros_like(x)], axis=1)
     pressure, height, flow = [], [], []

@@ -45,7 +45,7 @@ def gained(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
 
 
 def measure(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
-    """The momentum over time, beside that of still air."""
+    """The momentum over time, compared with that of still air."""
     times, momentum = gained(simulation)
     water: Any = simulation.fluid  # of a kind that has exposed areas
     reached = np.count_nonzero(water.exposure.area.to_numpy()[:, 1])

@@ -27,7 +27,7 @@ def bench(
     cold: bool,
     as_json: bool,
 ) -> None:
-    """Measure scenes one after the other, and tell."""
+    """Measure scenes one after the other and report."""
     console.settings(sets)
     rows = []
     for scene in scenes or DEFAULT:

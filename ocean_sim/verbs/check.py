@@ -70,7 +70,7 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         "limited_by": time_step.limited_by,
         "stable_time_step": stable,
         "stable_limited_by": limit,
-        "estimated_wall_s": seconds if particles else None,  # nobody has measured closed forms
+        "estimated_wall_s": seconds if particles else None,  # the cost of closed forms is not measured
         "ledger": rows,
     }
 
@@ -82,13 +82,13 @@ def ledger(found: dict[str, Any], config: SceneConfig) -> list[dict[str, Any]]:
 
     parts, dt = config.parts(), found["time_step"]
     total = sum(row.a_step(dt) for row in found["ledger"])
-    told, rows = set(), []
+    listed, rows = set(), []
     for row in found["ledger"]:
         cells: dict[str, Any] = {key: getattr(row, key) for key in ("part", "what", "bytes", "why")}
-        first, own = row.part not in told, [other for other in found["ledger"] if other.part == row.part]
+        first, own = row.part not in listed, [other for other in found["ledger"] if other.part == row.part]
         cells["kernels"] = kernels_in(type(parts[row.part]).__module__) if first else None
         cells["share"] = (sum(other.a_step(dt) for other in own) / total or None) if first and total else None
-        told.add(row.part)
+        listed.add(row.part)
         rows.append(cells)
     return rows
 

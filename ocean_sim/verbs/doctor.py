@@ -28,7 +28,7 @@ PATIENCE = 90.0  # [s] for one probe
 
 
 def doctor(as_json: bool) -> None:
-    """Look, and tell; what is missing is no error."""
+    """Report what the machine can do; what is missing is not an error."""
     found = examined()
     if as_json:
         console.answer(found)
@@ -73,7 +73,7 @@ def examined() -> dict[str, Any]:
 
 
 def probed(script: str) -> dict[str, Any]:
-    """Whether a script ends well in a child process, and the last thing it said."""
+    """Whether a script ends well in a child process, and the last line that it printed."""
     try:
         child = subprocess.run(
             [sys.executable, "-c", script],
@@ -87,8 +87,8 @@ def probed(script: str) -> dict[str, Any]:
         return {"ok": False, "detail": f"no answer within {PATIENCE:.0f} s"}
     if child.returncode < 0:
         return {"ok": False, "detail": f"the process that tried it died (signal {-child.returncode})"}
-    said = (child.stdout if child.returncode == 0 else child.stderr).strip().splitlines()
-    last = said[-1] if said else ""
+    lines = (child.stdout if child.returncode == 0 else child.stderr).strip().splitlines()
+    last = lines[-1] if lines else ""
     if "libX11" in last:
         last = "Taichi needs the system library libX11: as root, apt-get install libx11-6"
     return {"ok": child.returncode == 0, "detail": re.sub(r"^[\w.]+Missing: ", "", last)}

@@ -16,7 +16,7 @@ from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.progress import Bar
 
-SHARE = re.compile(r" *(\d+)%  (.*)")  # how a script tells how far it is
+SHARE = re.compile(r" *(\d+)%  (.*)")  # how a script reports its progress
 ALL = "all"  # of the thesis, and its errata; our own studies are drawn by their names
 
 
@@ -33,15 +33,15 @@ class Outcome(NamedTuple):
 def scripts() -> dict[str, Path]:
     """The script of every figure, in the order of the thesis: `6-3` is figures/fig6_3.py, `errata` is errata.py."""
     found = {named(path.stem): path for path in library("figures").glob("[!_]*.py")}
-    return {name: found[name] for name in sorted(found, key=place)}
+    return {name: found[name] for name in sorted(found, key=order)}
 
 
 def named(stem: str) -> str:
     return re.sub(r"^fig(\d+)_(\d+)$", r"\1-\2", stem).replace("_", "-")
 
 
-def place(name: str) -> tuple[list[int], str]:
-    """Chapter and number; what has none comes last."""
+def order(name: str) -> tuple[list[int], str]:
+    """Sort key of a figure: chapter and number; what has none comes last."""
     return [int(part) if part.isdigit() else 99 for part in name.split("-")], name
 
 
@@ -52,7 +52,7 @@ def sentence(path: Path) -> str:
 
 
 def figure(names: list[str], fast: bool, out: Path, as_json: bool) -> int:
-    """Draw figures one after the other and tell; the exit code is 1 where one failed, and the others are there."""
+    """Draw figures one after the other and report; the exit code is 1 where one failed, and the others are there."""
     known = scripts()
     for name in names:
         if name not in known and name != ALL:
@@ -68,7 +68,7 @@ def figure(names: list[str], fast: bool, out: Path, as_json: bool) -> int:
                 console.say(f"[{len(done) + 1}/{len(wanted)}] {sentence(known[name])}")
             done.append(drawn(name, known[name], fast, out, lambda share, text: bar.show(len(done) + share, text)))
             if not as_json:
-                console.say(told(done[-1]))
+                console.say(report(done[-1]))
     finally:
         bar.close()
     failed = [outcome.figure for outcome in done if not outcome.ok]
@@ -79,7 +79,7 @@ def figure(names: list[str], fast: bool, out: Path, as_json: bool) -> int:
     return 1 if failed else 0
 
 
-def told(outcome: Outcome) -> str:
+def report(outcome: Outcome) -> str:
     """An outcome, for people."""
     what = ", ".join(map(str, outcome.files)) if outcome.ok else f"FAILED: {outcome.error}"
     return f"      {console.duration(outcome.wall_s)}  {what}"
@@ -93,7 +93,7 @@ def drawn(name: str, script: Path, fast: bool, out: Path, show: Callable[[float,
         command = [sys.executable, str(script), "--out", folder, *(["--fast"] if fast else [])]
         environment = os.environ | {"PYTHONPATH": paths}
         streams: Any = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
-        said = ""
+        last = ""
         with subprocess.Popen(command, text=True, errors="replace", env=environment, **streams) as child:
             try:
                 for line in child.stderr or ():
@@ -101,12 +101,12 @@ def drawn(name: str, script: Path, fast: bool, out: Path, show: Callable[[float,
                     if share is not None:
                         show(int(share[1]) / 100.0, f"{name}: {share[2]}")
                     elif line.strip():
-                        said = line.strip()
+                        last = line.strip()
             except BaseException:
                 child.kill()
                 raise
         code = child.returncode
         files = [path.replace(out / path.name) for path in sorted(Path(folder).iterdir())] if code == 0 else []
     ok = bool(files)
-    error = "" if ok else said or (f"its process died ({code})" if code else "it wrote nothing")
+    error = "" if ok else last or (f"its process died ({code})" if code else "it wrote nothing")
     return Outcome(name, ok, perf_counter() - began, files, error)

@@ -12,13 +12,13 @@ EMPTY = dict.fromkeys(("volume_m3", "displacement_kg", "draught_m", "kb_m", "bm_
 
 
 def hull(name: str, mass: float | None, cells: float, out: Path | None, as_json: bool) -> int:
-    """Tell what a hull is; the exit code is 2 where it is none."""
+    """Describe a hull; the exit code is 2 where it is not one."""
     from ocean_sim.ship.shared.hull import explained, hull_of
     from ocean_sim.ship.shared.mesh import BadMesh
 
     try:
         shape = hull_of(name)
-        found, said = report(shape, mass, cells)
+        found, notes = report(shape, mass, cells)
     except ValueError as error:
         problems = error.problems if isinstance(error, BadMesh) else [f"{name}: {explained(error)}"]
         if not as_json:
@@ -31,7 +31,7 @@ def hull(name: str, mass: float | None, cells: float, out: Path | None, as_json:
     if as_json:
         console.answer(found)
     else:
-        tell(name, found, said, picture)
+        show(name, found, notes, picture)
     return 0
 
 
@@ -42,29 +42,29 @@ def report(shape: Any, mass: float | None, cells: float) -> tuple[dict[str, Any]
     from ocean_sim.ship.shared.hydrostatics import HEELS
     from ocean_sim.ship.shared.voxels import voxels
 
-    said, problems = [], []
+    notes, problems = [], []
     solid = shape.shape.closed() if shape.shape.is_mesh else None
     if solid is not None:
         from ocean_sim.ship.shared.mesh import guessed, read
 
         guess = guessed(read(Path(shape.shape.file)), shape.shape)
-        said.append(f"watertight, {len(solid.faces)} faces; {guess.sentence()}")
+        notes.append(f"watertight, {len(solid.faces)} faces; {guess.sentence()}")
     weight = mass or shape.mass
     if weight is None:
         lower, upper = shape.shape.bounds()
         weight = HALF * WATER_DENSITY * voxels(shape.shape, float(upper[1] - lower[1]) / COARSE).volume
-        said.append(f"no mass is given: taken as {HALF:g} of the water's density (--mass says another)")
+        notes.append(f"no mass is given: taken as {HALF:g} of the water's density (--mass sets another)")
     afloat = shape.model_copy(update={"mass": weight}).afloat(cells, WATER_DENSITY, GRAVITY)
     cubes = afloat.voxels
     if solid is not None:
         off = cubes.volume / solid.volume - 1.0
-        said.append(f"{len(cubes.share)} cubes of {cubes.size[1]:.3g} m hold {off:+.2%} of the mesh's volume more")
+        notes.append(f"{len(cubes.share)} cubes of {cubes.size[1]:.3g} m hold {off:+.2%} of the mesh's volume more")
         if abs(off) > 0.02:
             problems.append(f"cubes of {cubes.size[1]:.3g} m miss the mesh's volume by {off:+.1%}; take more --cells")
     facts: dict[str, Any] = {"volume_m3": cubes.volume, "displacement_kg": weight}
     if isinf(afloat.draught):
         problems.append(f"{weight:.4g} kg is more than {cubes.volume:.4g} m3 can carry: it sinks")
-        return facts | {**EMPTY, **facts, "gz": [], "periods_s": {}, "problems": problems}, said
+        return facts | {**EMPTY, **facts, "gz": [], "periods_s": {}, "problems": problems}, notes
     gm, kb = afloat.metacentric_height(), afloat.kb
     if gm <= 0.0:
         problems.append(f"unstable upright: GM = {gm:.3g} m")
@@ -82,16 +82,16 @@ def report(shape: Any, mass: float | None, cells: float) -> tuple[dict[str, Any]
         "gz": [{"heel_deg": heel, "gz_m": afloat.gz(heel)} for heel in (0.0, *HEELS)],
         "periods_s": afloat.periods(extra),
         "dry_periods_s": afloat.periods(),
-        "notes": said,
+        "notes": notes,
         "problems": problems,
-    }, said
+    }, notes
 
 
-def tell(name: str, found: dict[str, Any], said: list[str], picture: Path | None) -> None:
-    """For people."""
+def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | None) -> None:
+    """What `hull` answers, for people."""
     console.say(name)
-    for sentence in said:
-        console.say(sentence)
+    for note in notes:
+        console.say(note)
     units = {"m3": "m3", "kg": "kg", "m2": "m2", "m": "m"}
     rows = []
     for key, value in found.items():
@@ -129,8 +129,8 @@ def draw(path: Path, shape: Any, found: dict[str, Any]) -> None:
         edges = [
             lower[a] + cubes.size[a] * np.arange(-1, (upper - lower)[a] / cubes.size[a] + 1.5) for a in (across, up)
         ]
-        places = cubes.centre[:, across], cubes.centre[:, up]
-        image, *_ = np.histogram2d(*places, bins=edges, weights=cubes.share)
+        positions = cubes.centre[:, across], cubes.centre[:, up]
+        image, *_ = np.histogram2d(*positions, bins=edges, weights=cubes.share)
         shown = np.where(image.T > 0.0, image.T, np.nan)
         axes.imshow(
             shown, origin="lower", extent=(*edges[0][[0, -1]], *edges[1][[0, -1]]), cmap="Greys", aspect="equal"

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.files.yaml_file import Node, Place, Problem, SceneError, node_of, read
+from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of, read
 from ocean_sim.observers.platform_log import heading
 from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.parts import library, named
@@ -61,7 +61,7 @@ def configured(geometry: str, washout: str) -> Config:
     """The platform of a geometry and a washout, each a name or a file; raises SceneError or Refused."""
     nodes = {"geometry": chosen("geometry", geometry), "washout": chosen("washout", washout)}
     problems: list[Problem] = []
-    config = validated(Config, node_of(nodes, Place("--geometry, --washout")), (), problems)
+    config = validated(Config, node_of(nodes, Location("--geometry, --washout")), (), problems)
     if config is None:
         raise SceneError(problems)
     return config

@@ -154,7 +154,7 @@ def differences(kept: Any, now: Any) -> str:
 
 
 def differing(kept: Any, now: Any, key: str) -> Any:
-    """Each place in which they differ."""
+    """Each key in which they differ."""
     if isinstance(kept, dict) and isinstance(now, dict):
         for name in sorted({*kept, *now}):
             yield from differing(kept.get(name), now.get(name), f"{key}.{name}".lstrip("."))

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ocean_sim.files.yaml_file import Node, Place, node_of
+from ocean_sim.files.yaml_file import Location, Node, node_of
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.result import Result
 from ocean_sim.result import run as run_scene
@@ -75,8 +75,8 @@ def stopped(progress: Progress, folder: Path) -> console.Stopped:
 
 
 def until_node(until: float) -> Node:
-    """`--until` in place of the scene's duration."""
-    return node_of(until, Place(f"--until {until:g}"))
+    """`--until` instead of the duration of the scene."""
+    return node_of(until, Location(f"--until {until:g}"))
 
 
 def run_folder(stem: str, out: Path | None, overwrite: bool) -> Path:

@@ -7,8 +7,7 @@ from ocean_sim.machine import cores
 from ocean_sim.result import Result
 from ocean_sim.studies.shared import maps, runs
 from ocean_sim.studies.shared import table as table_module
-from ocean_sim.studies.stability import AXES, LIMIT, VERDICTS, spots
-from ocean_sim.studies.stability import told as summarised
+from ocean_sim.studies.stability import AXES, LIMIT, VERDICTS, spots, summary
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.sweep import shown, text
 
@@ -27,7 +26,7 @@ def stability(scene: str | None, quick: bool, workers: int | None, out: Path, as
         rows[k] = plan[k].row(answer, Result(out / "runs" / runs.address(orders[k])))
         table_module.write(out / "stability.csv", [rows[n] for n in sorted(rows)])
     table = [rows[k] for k in sorted(rows)]
-    lines = summarised(table)
+    lines = summary(table)
     table_module.write(out / "limits.csv", lines)
     for axis in AXES:
         here = [row for row in table if row["map"] == axis.name]
@@ -52,5 +51,5 @@ def show(lines: list[dict[str, Any]], table: list[dict[str, Any]], out: Path) ->
             where = f"{row['map']} {row['value']:g}, {row['scheme']}, {row['dt_over_courant']:g} x the step"
             console.say(f"{'no verdict' if row['verdict'] == 'none' else row['verdict']}: {where}: {row['reason']}")
     counts = {name: sum(row["verdict"] == name for row in table) for name in VERDICTS}
-    said = ", ".join(f"{count} {name}" for name, count in counts.items() if name != "none")
-    console.say(f"{said}; {counts['none']} without a verdict; {out / 'stability.csv'}, limits.csv and pictures")
+    outcomes = ", ".join(f"{count} {name}" for name, count in counts.items() if name != "none")
+    console.say(f"{outcomes}; {counts['none']} without a verdict; {out / 'stability.csv'}, limits.csv and pictures")

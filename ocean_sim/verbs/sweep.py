@@ -48,8 +48,8 @@ def shown(
                 bar.show(done, f"{done} of {len(orders)} runs, {console.duration(perf_counter() - began)}")
             yield k, answer
     except KeyboardInterrupt:
-        said = f"stopped after {done} of {len(orders)} runs; the same command goes on from there"
-        raise console.Stopped(said) from None
+        message = f"stopped after {done} of {len(orders)} runs; the same command goes on from there"
+        raise console.Stopped(message) from None
     finally:
         bar.close()
 
@@ -68,9 +68,9 @@ def text(value: Any) -> str:
 def summary(rows: list[dict[str, Any]], folder: Path) -> str:
     """How many runs went how."""
     counts = {name: sum(row["outcome"] == name for row in rows) for name in ("done", "stopped", "failed")}
-    said = f"{counts['done']} of {len(rows)} runs done"
+    sentence = f"{counts['done']} of {len(rows)} runs done"
     if counts["stopped"]:
-        said += f", {counts['stopped']} stopped where they left the physical world"
+        sentence += f", {counts['stopped']} stopped where they left the physical world"
     if counts["failed"]:
-        said += f", {counts['failed']} failed (the same command tries them again)"
-    return f"{said}; {folder / 'results.csv'}"
+        sentence += f", {counts['failed']} failed (the same command tries them again)"
+    return f"{sentence}; {folder / 'results.csv'}"

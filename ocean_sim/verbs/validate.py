@@ -15,7 +15,7 @@ from ocean_sim.verbs.shared import console
 def validate(
     cases: list[str], schemes: list[str], slow: bool, coarse: bool, sets: list[str], out: Path, as_json: bool
 ) -> int:
-    """Run cases under schemes and tell; the exit code is 1 where a promise was missed."""
+    """Run cases under schemes and report; the exit code is 1 where a promise was missed."""
     wanted = cases or names()
     known_schemes = [*kinds("fluid"), *kinds("ship")]
     for what, given, known in (("case", wanted, names()), ("scheme", schemes, known_schemes)):
@@ -38,7 +38,7 @@ def validate(
         if not problems(case, slow=slow, coarse=coarse):
             raise console.Refused(f"{case} takes minutes: say --slow (or --coarse)")
     for problem, scheme in [pair for pairs in plan.values() for pair in pairs]:
-        problem.load(scheme, overrides)  # what is wrong is said before anything runs
+        problem.load(scheme, overrides)  # what is wrong is reported before anything runs
     out.mkdir(parents=True, exist_ok=True)
     rows: list[dict[str, Any]] = []
     for case, pairs in plan.items():
@@ -46,7 +46,7 @@ def validate(
             if not as_json:
                 console.say(f"\n{case}: nothing to run under these schemes, or only with --slow (minutes) or --coarse")
             continue
-        runs, told = [], len(rows)
+        runs, first = [], len(rows)
         for problem, scheme in pairs:
             found, finding = problem.run(case, scheme, overrides)
             rows += found
@@ -54,7 +54,7 @@ def validate(
         if runs:
             draw(out / f"{case}.png", case, runs)
         if runs and not as_json:
-            show(case, rows[told:])
+            show(case, rows[first:])
     write(out / "validate.csv", rows)
     missed = [row for row in rows if not row["ok"]]
     if as_json:

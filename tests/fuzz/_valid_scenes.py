@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.reading import schema
 from ocean_sim.reading.scene import SceneConfig, load
-from ocean_sim.validation.shared.tables import place
+from ocean_sim.validation.shared.tables import table_path
 
 SCHEMA = schema.schema()
 DEFINITIONS = SCHEMA["$defs"]
@@ -63,7 +63,7 @@ CHOICES: dict[str, st.SearchStrategy] = {
     "to": st.just("udp://127.0.0.1:5005"),
     "mass": st.sampled_from([50.0, 200.0]),
     "inertia": st.none() | st.sampled_from([[5.0, 6.0, 3.0], [20.0, 20.0, 1.0]]),
-    "radiation": st.none() | st.just(str(place("barge20_radiation"))),
+    "radiation": st.none() | st.just(str(table_path("barge20_radiation"))),
     "title": st.text(st.characters(codec="utf-8", exclude_categories=["C", "Z"]), max_size=8),
     "point": st.none() | st.sampled_from(NAMES),
     "hull": st.fixed_dictionaries(

@@ -12,7 +12,7 @@ from ocean_sim.pictures import vulkan
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.state import file
-from ocean_sim.validation.shared.tables import place
+from ocean_sim.validation.shared.tables import table_path
 from ocean_sim.verbs.resume import gone_on
 from ocean_sim.verbs.shared.progress import Progress
 
@@ -38,6 +38,7 @@ LEFT = {"fill": [{"min": [-1.0, -0.5], "max": [0.0, -0.2]}]}
 MOUTH = {"emitter": {"position": [0.0, 0.0], "velocity": [1.0, 1.0], "rate": 0.4, "cap": 300}}
 BOX = {"shape": {"kind": "box", "length": 2.0, "breadth": 1.0, "height": 0.6}, "mass": 400.0}
 HULL = {"hull": BOX | {"centre_of_mass": [0.0, 0.2, 0.0]}, "velocity": [0.0, 0.0, 0.5]}
+RADIATION = str(table_path("barge20_radiation"))
 AUTOPILOT = {"hull": "yacht", "controls": {"autopilot": {"heading_deg": 30.0, "throttle": 0.5}}}
 GAUGES = {"gauges": {"elevation": {"here": [0.1, 0.2]}, "pressure": {"bed": [0.1, -0.4, 0.2]}, "every": 0.02}}
 IN_SLICE = {"gauges": {"elevation": {"here": [0.1]}, "pressure": {"bed": [0.1, -0.4]}, "every": 0.02}}
@@ -72,7 +73,7 @@ CLOTH = {"surface": "cloth", "wind": "wide"}
 SCENES = {
     "mueller, cloth, hydrostatic ship, gusts, platform": afloat("mueller", "hydrostatic", **CLOTH, **TRACED),
     "ballistic, emitter, noise": {"basin": SLICE, **water("ballistic", 0.1, **LEFT, **MOUTH), "wind": "noise_only"},
-    "linear waves, dynamic ship, autopilot": sea("dynamic", AUTOPILOT | {"radiation": str(place("barge20_radiation"))}),
+    "linear waves, dynamic ship, autopilot": sea("dynamic", AUTOPILOT | {"radiation": RADIATION}),
 }  # fmt: skip
 MORE = {
     "dfsph, stress": {"basin": SQUARE, **water("dfsph"), "wind": {"kind": "stress"}, **GAUGES},

@@ -145,7 +145,7 @@ def test_no_direction_below_the_horizon_shows_the_nadir():
 @with_opengl
 def test_ripples_of_the_program_are_numpy_s(drawn):
     water = plane.water(np.array(plane.EYES["above"]))
-    points = plane.places().reshape(-1, 3)
+    points = plane.positions().reshape(-1, 3)
     footprint = plane.footprints(water)
     x, z, lost = ripples.slopes(points[:, 0], points[:, 2], 0.0, footprint, ripples.Wind(5.0, 0.0), 1.0, 0.03)
     water = water._replace(normal=ripples.tilted(water.normal, x, z), variance=water.variance + lost)
@@ -193,7 +193,7 @@ def test_the_cover_of_foam_is_the_one_asked_for(cover):
 @pytest.mark.parametrize("share", [0.1, 0.3, 0.7])
 def test_foam_of_the_program_is_numpy_s(drawn, share):
     water = plane.water(np.array(plane.EYES["above"]))
-    points = plane.places().reshape(-1, 3)
+    points = plane.positions().reshape(-1, 3)
     footprint = plane.footprints(water)
     white = foam_module.white(np.full(len(points), share), points[:, 0], points[:, 2], footprint)
     water = water._replace(foam=white)

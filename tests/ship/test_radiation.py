@@ -13,9 +13,9 @@ from ocean_sim.ship.shared.damping import BY_RULE, Damping, Resistance
 from ocean_sim.ship.shared.hull import hull_of
 from ocean_sim.ship.shared.radiation import Memory, Radiation
 from ocean_sim.validation.shared.ship import at_sea, pose, track
-from ocean_sim.validation.shared.tables import place
+from ocean_sim.validation.shared.tables import table_path
 
-SPHERE, BARGE = place("sphere_radiation"), place("barge20_radiation")
+SPHERE, BARGE = table_path("sphere_radiation"), table_path("barge20_radiation")
 HALF = 2.0 / 3.0 * pi * 1000.0 * 5.0**3  # [kg] of water that the sphere displaces
 
 

@@ -11,7 +11,7 @@ from ocean_sim.parts import compared
 from ocean_sim.reading.scene import load
 from ocean_sim.studies.shared import runs
 from ocean_sim.studies.shared import table as table_module
-from ocean_sim.studies.stability import AXES, COLUMN, spots, told, verdict
+from ocean_sim.studies.stability import AXES, COLUMN, spots, summary, verdict
 
 TANK = """basin: {length: 1.0, depth: 0.5}
 fluid: {kind: delta_sph, spacing: 0.1}
@@ -81,7 +81,7 @@ def test_the_longest_stable_step_is_the_one_before_the_first_that_is_not():
     place = {"map": "viscosity", "scheme": "mueller", "value": 1.0, "acoustic_s": 0.1}
     verdicts = {0.5: "stable", 1.0: "stable", 2.0: "degraded", 4.0: "stable"}
     rows = [place | {"dt_over_courant": k, "dt_s": 0.06 * k, "verdict": said} for k, said in verdicts.items()]
-    (line,) = told(rows)
+    (line,) = summary(rows)
     assert (line["stable_to"], line["first_break"], line["verdict"]) == (1.0, 2.0, "degraded")
     assert line["acoustic_number"] == pytest.approx(0.6) and line["viscous_number"] is None
 

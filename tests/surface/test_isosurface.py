@@ -40,7 +40,7 @@ def torus(x: np.ndarray) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def spheres(taichi_cpu) -> dict[int, Mesh]:
-    return {n: cut(cube(n, 1.25), ball(cube(n, 1.25).places())) for n in (8, 16, 32, 64)}
+    return {n: cut(cube(n, 1.25), ball(cube(n, 1.25).positions())) for n in (8, 16, 32, 64)}
 
 
 def test_area_and_volume_of_a_sphere_are_second_order(spheres):
@@ -62,10 +62,10 @@ def test_normals_of_a_sphere_are_within_two_degrees(spheres):
 def test_spheres_and_tori_have_their_euler_characteristic(spheres):
     assert topology(spheres[32]) == (True, 2)
     nodes = cube(40, 1.4)
-    ring = cut(nodes, torus(nodes.places()))
+    ring = cut(nodes, torus(nodes.positions()))
     assert topology(ring) == (True, 0)
     assert ring.area == pytest.approx(12.43570, rel=5e-3) and ring.volume() == pytest.approx(2.17625, rel=1e-2)
-    x = nodes.places()
+    x = nodes.positions()
     two = cut(nodes, np.maximum(ball(x, (-0.7, 0.0, 0.0), 0.5), ball(x, (0.6, 0.2, 0.1), 0.6)))
     assert topology(two) == (True, 4)
 
@@ -106,7 +106,7 @@ def test_flying_edges_of_vtk_has_the_same_vertices_area_and_volume(taichi_cpu):
     import pyvista
 
     nodes = cube(40, 1.4)
-    x = nodes.places()
+    x = nodes.positions()
     for field in (ball(x), torus(x), ball(x) + 0.1 * np.sin(7.0 * x[..., 0]) * np.cos(5.0 * x[..., 1])):
         mesh = cut(nodes, field)
         image = pyvista.ImageData(dimensions=nodes.shape, spacing=nodes.width, origin=tuple(x[0, 0, 0]))

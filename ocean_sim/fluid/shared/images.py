@@ -36,7 +36,7 @@ class Images:
             layers = 1 if side.piston is None else 1 + ceil(side.piston.reach / size.inner[side.axis][1])
             self.deepest = max(self.deepest, layers)
             near = (last + 1 - layers, last) if side.upper else (1, layers)
-            row = (side.axis, *near, side.place, side.slip == "no_slip", *(2.0 * v for v in side.velocity), 0.0)
+            row = (side.axis, *near, side.position, side.slip == "no_slip", *(2.0 * v for v in side.velocity), 0.0)
             rows.append(row)
         if rows:
             self.side = ti.field(float, shape=(self.sides, SIDE.size))
@@ -48,7 +48,7 @@ class Images:
         """Put the pistons where they are at a time [s]."""
         for s, side, piston in self.pistons:
             x, v, a = piston.at(time)
-            self.side[s, SIDE.position], self.side[s, SIDE.twice_velocity + side.axis] = side.place + x, 2.0 * v
+            self.side[s, SIDE.position], self.side[s, SIDE.twice_velocity + side.axis] = side.position + x, 2.0 * v
             self.side[s, SIDE.acceleration] = a
 
     @ti.func

@@ -22,7 +22,9 @@ def absorbing_zones(basin: Basin) -> tuple[tuple[int, float, float, float], ...]
     for side in basin.sides:
         if side.absorbing:
             length = ABSORBING_PART * (basin.upper[side.axis] - basin.lower[side.axis])
-            zones.append((side.axis, side.place - length if side.upper else side.place + length, side.place, rate))
+            zones.append(
+                (side.axis, side.position - length if side.upper else side.position + length, side.position, rate)
+            )
     return tuple(zones)
 
 

@@ -9,7 +9,7 @@ from pydantic import ValidationInfo, field_validator
 
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import WATER_DENSITY
-from ocean_sim.files.input_file import beside_scene
+from ocean_sim.files.input_file import relative_to_scene
 from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, named
@@ -60,7 +60,7 @@ class FloatingConfig(VesselConfig):
         if not isinstance(hull, str) or hull in named("hull"):
             return hull
         hull_of(hull)
-        return beside_scene(hull, info)
+        return relative_to_scene(hull, info)
 
     @cached_property
     def whole_hull(self) -> Hull:

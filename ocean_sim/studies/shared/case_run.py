@@ -38,15 +38,15 @@ def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
     problem = problem_of(order["case"], order["set_up"], order["coarse"], order["scheme"])
     scene = problem.load(order["scheme"], {"runtime.threads": 1} | WATCHED.get(problem.slot, {}) | dict(order["set"]))
     began = perf_counter()
-    told = measured(problem, order, scene)
-    costs, repeats = told.pop("costs"), 1
-    while told["outcome"] == "done" and repeats < REPEATS and process_time() < order["machine"]["patience"]:
+    run = measured(problem, order, scene)
+    costs, repeats = run.pop("costs"), 1
+    while run["outcome"] == "done" and repeats < REPEATS and process_time() < order["machine"]["patience"]:
         costs, repeats = costs + measured(problem, order, scene)["costs"], repeats + 1
     spent, cpu = ([cost[key] for cost in costs] for key in ("wall_per_s", "cpu_per_s"))
     clock = {"wall_per_s": median(spent), "wall_per_s_min": min(spent), "wall_per_s_max": max(spent)} if spent else {}
     clock |= {"cpu_per_s": median(cpu)} if cpu else {}
     clock |= {"repeats": repeats, "timings": len(costs)}
-    return told | clock | {"wall_s": perf_counter() - began, "processor_s": process_time()}
+    return run | clock | {"wall_s": perf_counter() - began, "processor_s": process_time()}
 
 
 def measured(problem: Problem, order: dict[str, Any], scene: Any) -> dict[str, Any]:
@@ -74,9 +74,9 @@ def measured(problem: Problem, order: dict[str, Any], scene: Any) -> dict[str, A
 
 def row(problem: Problem, order: dict[str, Any], promise: Any, numbers: Any) -> dict[str, Any]:
     """What became of a promise."""
-    told = promise.row(order["case"], order["scheme"], *(numbers or (None, None, None)))
+    found = promise.row(order["case"], order["scheme"], *(numbers or (None, None, None)))
     kept = ("quantity", "value", "reference", "error", "unit", "tolerance", "ok")
-    return {key: told[key] for key in kept} | plain({key: told[key] for key in ("value", "reference", "error")})
+    return {key: found[key] for key in kept} | plain({key: found[key] for key in ("value", "reference", "error")})
 
 
 def neighbours(fluid: Fluid) -> float | None:

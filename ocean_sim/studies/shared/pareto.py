@@ -10,7 +10,7 @@ from ocean_sim.studies.tradeoff import Trial, front
 MARKS = ("o", "s", "^", "D", "v", "P")
 SPEEDS = {"wall_per_s": "wall seconds", "cpu_per_s": "processor seconds (the machine was busy)"}
 CROWDED = 100.0  # ends of an axis so far apart need no number within a decade
-LEAST = 1e-6  # an error of nothing still has a place on a logarithmic axis
+LEAST = 1e-6  # an error of nothing still has a position on a logarithmic axis
 
 
 def draw(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> None:
@@ -92,9 +92,9 @@ def scattered(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> 
         axes.plot([row[key] for row in other], [height(row) for row in other], ls="none", ms=6, **look)
         for k, row in enumerate(sorted(other, key=lambda row: row[key]) if key in SPEEDS else ()):
             name, value = row["changed"].split("=")
-            said = f"{name.split('.')[-1]}={value}"
+            label = f"{name.split('.')[-1]}={value}"
             axes.annotate(
-                said,
+                label,
                 (row[key], height(row)),
                 (4, -7 if k % 2 else 4),
                 textcoords="offset points",
@@ -106,7 +106,7 @@ def scattered(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> 
 
 
 def failed(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict[str, Any]]) -> None:
-    """Crosses along the upper edge: there is no error to place them by."""
+    """Crosses along the upper edge: they have no error to be drawn at."""
     for n, scheme in enumerate(schemes):
         own = [row[key] for row in rows if row["scheme"] == scheme and row.get(key)]
         if own:
@@ -120,17 +120,17 @@ def margins(axes: Any, key: str, trial: Trial) -> None:
     if trial.scatter is not None:
         axes.axhspan(LEAST, trial.scatter, color="0.9", zorder=0, label="scatter of experiments")
     for peer in trial.peers:
-        said = f"{peer.program}, {peer.particles} particles"
+        label = f"{peer.program}, {peer.particles} particles"
         if key == "particles":
             axes.plot([peer.particles], [peer.error], "*", color="0.4", ms=9)
             low, high = axes.get_xlim()
             right = peer.particles**2 > low * high  # of the middle of a logarithmic axis: room is on the other side
-            place: dict[str, Any] = {"xytext": (-5, 5), "ha": "right"} if right else {"xytext": (5, 5), "ha": "left"}
-            axes.annotate(said, (peer.particles, peer.error), textcoords="offset points", fontsize=6, **place)
+            side: dict[str, Any] = {"xytext": (-5, 5), "ha": "right"} if right else {"xytext": (5, 5), "ha": "left"}
+            axes.annotate(label, (peer.particles, peer.error), textcoords="offset points", fontsize=6, **side)
         else:
             axes.axhline(peer.error, color="0.4", ls=":", lw=0.9)
             edge = axes.get_yaxis_transform()
-            axes.text(0.99, peer.error, said, transform=edge, ha="right", va="bottom", fontsize=6, color="0.3")
+            axes.text(0.99, peer.error, label, transform=edge, ha="right", va="bottom", fontsize=6, color="0.3")
 
 
 def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget: Budget | None) -> None:
@@ -152,10 +152,10 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
             colour, mark = (SERIES[1], "s") if row["reference"] else (SERIES[0], "o")
             at, spread = (row[key], row[name]), row[f"{name}_spread"] or 0.0
             axes.errorbar(*at, yerr=spread, fmt=mark, color=colour, capsize=3)
-            said = row["setting"].replace("--set ", "")
+            label = row["setting"].replace("--set ", "")
             side: dict[str, Any] = {"ha": "right"} if row["reference"] else {"ha": "left"}
             shift = (-5 if row["reference"] else 5, -10 if n % 2 else 5)
-            axes.annotate(said, at, shift, textcoords="offset points", fontsize=6, **side)
+            axes.annotate(label, at, shift, textcoords="offset points", fontsize=6, **side)
         edge = [done[i] for i in front([(row[key], row[name]) for row in done])]
         axes.step([r[key] for r in edge], [r[name] for r in edge], where="post", color="black", lw=0.8, zorder=1)
         failed(axes, key, ("settings",), [row | {"scheme": "settings"} for row in rows if row["outcome"] != "done"])
@@ -164,7 +164,7 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
             axes.axvline(most, color=SERIES[2], ls="--", lw=1.2, label=f"budget {budget.name}")
             axes.legend(fontsize="x-small")
         axes.set_xlabel("wall seconds of the run" if key == "wall_s" else "wall seconds per simulated second")
-        axes.set_ylabel(f"{name}, beside the reference (square)")
+        axes.set_ylabel(f"{name}, compared with the reference (square)")
         axes.grid(alpha=0.3)
         spaced(axes.xaxis)
     figure.savefig(path, dpi=110)

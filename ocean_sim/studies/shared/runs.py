@@ -50,15 +50,15 @@ def address(order: dict[str, Any]) -> str:
 def answers(
     orders: list[dict[str, Any]], out: Path, workers: int, scheduler: str | None = None, limit: float | None = None
 ) -> Iterator[tuple[int, dict[str, Any]]]:
-    """(place in the list, answer) of every order, as they are finished, those that were finished before at once.
+    """(index in the list, answer) of every order, as they are finished, those that were finished before at once.
 
     `limit`: wall time [s] after which a run is ended, and has failed. Equal orders are run once. Raises ClusterMissing.
     """
-    places: dict[str, list[int]] = {}
+    indices: dict[str, list[int]] = {}
     for k, order in enumerate(orders):
-        places.setdefault(address(order), []).append(k)
+        indices.setdefault(address(order), []).append(k)
     waiting = {}
-    for name, same in places.items():
+    for name, same in indices.items():
         kept = _kept(out / name)
         if kept is None:
             waiting[name] = orders[same[0]]
@@ -75,8 +75,8 @@ def answers(
             for future in as_completed(futures):
                 error = future.exception()
                 answer = future.result() if error is None else failure(f"{type(error).__name__}: {error}")
-                yield from ((k, answer) for k in places[futures[future]])
-        finally:  # somebody may have stopped listening
+                yield from ((k, answer) for k in indices[futures[future]])
+        finally:  # the caller may have stopped iterating
             _over.set()
             for future in futures:
                 future.cancel()
@@ -86,14 +86,14 @@ def answers(
 
 def performed(order: dict[str, Any], folder: str, limit: float | None = None) -> dict[str, Any]:
     """The answer of an order, worked out in a child of this process unless it is there already."""
-    place = Path(folder)
-    kept = _kept(place)
+    run = Path(folder)
+    kept = _kept(run)
     if kept is not None:
         return kept
     if _over.is_set():
         return failure("the study was stopped before")
-    place.mkdir(parents=True, exist_ok=True)
-    _write(place / ORDER, order)
+    run.mkdir(parents=True, exist_ok=True)
+    _write(run / ORDER, order)
     began = perf_counter()
     theirs, ours = os.pipe()  # nothing is ever written: it breaks when this process ends, and then the child ends, too
     path = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
@@ -108,8 +108,8 @@ def performed(order: dict[str, Any], folder: str, limit: float | None = None) ->
     os.close(theirs)
     _running.add(child)
     try:
-        _, said = child.communicate(timeout=limit)
-        reason = _why(child.returncode, said)
+        _, errors = child.communicate(timeout=limit)
+        reason = _why(child.returncode, errors)
     except subprocess.TimeoutExpired:
         child.kill()
         child.communicate()
@@ -117,7 +117,7 @@ def performed(order: dict[str, Any], folder: str, limit: float | None = None) ->
     finally:
         _running.discard(child)
         os.close(ours)
-    answer = _kept(place)
+    answer = _kept(run)
     return failure(reason, perf_counter() - began) if answer is None else answer
 
 
@@ -134,12 +134,12 @@ def _executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
     except ImportError:
         raise ClusterMissing("many runs need the package `distributed`: pip install distributed") from None
     with ExitStack() as stack:
-        place: Any = scheduler
+        cluster: Any = scheduler
         if scheduler is None:
             here = {"processes": False, "dashboard_address": None, "memory_limit": 0, "silence_logs": "CRITICAL"}
-            place = stack.enter_context(LocalCluster(n_workers=workers, threads_per_worker=1, **here))
+            cluster = stack.enter_context(LocalCluster(n_workers=workers, threads_per_worker=1, **here))
         try:
-            client = stack.enter_context(Client(place, timeout=PATIENCE))
+            client = stack.enter_context(Client(cluster, timeout=PATIENCE))
         except (OSError, ValueError) as error:
             raise ClusterMissing(f"no Dask scheduler answers at {scheduler}: {error}") from None
         yield client.get_executor(pure=False)
@@ -166,17 +166,17 @@ def _kept(folder: Path) -> dict[str, Any] | None:
 
 def _write(path: Path, data: dict[str, Any]) -> None:
     """A whole file or none."""
-    beside = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    beside.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
-    os.replace(beside, path)
+    draft = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    draft.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
+    os.replace(draft, path)
 
 
-def _why(code: int, said: str) -> str:
+def _why(code: int, errors: str) -> str:
     """Why a process left no answer."""
     if code < 0:
         hint = ", as happens where memory runs out" if -code == signal.SIGKILL else ""
         return f"its process was ended by {signal.Signals(-code).name}{hint}"
-    lines = [line for line in said.splitlines() if line.strip()]
+    lines = [line for line in errors.splitlines() if line.strip()]
     return lines[-1].strip() if lines else f"its process left with exit code {code}"
 
 

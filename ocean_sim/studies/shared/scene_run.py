@@ -33,7 +33,7 @@ def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
         except Diverged as failure:
             reason = str(failure)
         particles = simulation.fluid.particles
-        told = {
+        facts = {
             "outcome": simulation.outcome,
             "reason": reason,
             "simulated_s": simulation.time,
@@ -42,7 +42,7 @@ def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
             "threads": simulation.backend.threads,
             "precision": simulation.backend.precision,
         } | simulation.cost()
-    return told | {"wall_s": perf_counter() - began} | plain(seen(Result(folder)))
+    return facts | {"wall_s": perf_counter() - began} | plain(seen(Result(folder)))
 
 
 def seen(result: Result) -> dict[str, float | None]:

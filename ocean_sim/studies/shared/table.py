@@ -16,7 +16,7 @@ def columns(rows: list[dict[str, Any]]) -> list[str]:
 
 def write(path: Path, rows: list[dict[str, Any]]) -> None:
     """All rows, in whole or not at all; what is absent is empty, what is no number or word is JSON."""
-    with whole(path) as beside, beside.open("w", encoding="utf-8", newline="") as file:
+    with whole(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, columns(rows), lineterminator="\n")
         writer.writeheader()
         writer.writerows({key: cell(value) for key, value in row.items()} for row in rows)

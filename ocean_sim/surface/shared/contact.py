@@ -10,7 +10,7 @@ from math import ceil, pi
 import numpy as np
 import taichi as ti
 
-OFFSETS = 12  # places of a node between the particles of a lattice, along an axis
+OFFSETS = 12  # positions of a node between the particles of a lattice, along an axis
 HEIGHTS = 241
 
 
@@ -34,23 +34,23 @@ class Contact:
 
     @cached_property
     def over_a_lattice(self) -> tuple[np.ndarray, np.ndarray]:
-        """Heights above flat water [m] from the lowest, and shares there, (places between the particles, heights)."""
+        """Heights above flat water [m], rising, and shares there, (positions between the particles, heights)."""
         reach = self.thickness / self.spacing
         n = ceil(reach) + 1
         height = np.linspace(-n, n, HEIGHTS)
         offset = (np.arange(OFFSETS) + 0.5) / OFFSETS - 0.5
         across = np.arange(-n, n + 1)
         if self.dimension == 2:
-            beside = np.square(offset[:, None] - across)
+            across_squared = np.square(offset[:, None] - across)
         else:
             x = np.square(offset[:, None] - across)
-            beside = (x[:, None, :, None] + x[None, :, None, :]).reshape(OFFSETS**2, -1)
+            across_squared = (x[:, None, :, None] + x[None, :, None, :]).reshape(OFFSETS**2, -1)
         below = np.square(height[:, None] + 0.5 + np.arange(2 * n + 1))
-        w = np.maximum(reach**2 - beside[:, None, :, None] - below[None, :, None, :], 0.0)
+        w = np.maximum(reach**2 - across_squared[:, None, :, None] - below[None, :, None, :], 0.0)
         return height * self.spacing, self.constant * self.spacing**6 * np.sum(w**3, axis=(2, 3))
 
     def heights(self, share: float) -> np.ndarray:
-        """Where water on a lattice has this share, seen from above [m], at every place between the particles."""
+        """Where water on a lattice has this share, seen from above [m], at every position between the particles."""
         height, shares = self.over_a_lattice
         k = HEIGHTS - 1 - np.argmax(shares[:, ::-1] >= share, axis=1)
         k = np.minimum(k, HEIGHTS - 2)
@@ -59,7 +59,7 @@ class Contact:
 
     @cached_property
     def at_surface(self) -> float:
-        """The share that lies, on an average over all places, exactly at the surface of flat water on a lattice."""
+        """The share that lies, on an average over all positions, exactly at the surface of flat water on a lattice."""
         low, high = 0.05, 0.95
         for _ in range(40):
             middle = 0.5 * (low + high)

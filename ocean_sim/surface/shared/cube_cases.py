@@ -20,7 +20,7 @@ MIDDLES = np.array([CORNERS[list(edge)].mean(axis=0) for edge in EDGES])
 MOST = 5  # triangles of a case, at most
 
 Loop = list[int]  # edges that are cut, in order
-Cut = tuple[tuple[int, int, int], ...]  # triangles by places in a loop
+Cut = tuple[tuple[int, int, int], ...]  # triangles by indices in a loop
 
 
 def ring(axis: int, side: int) -> list[int]:

@@ -1,7 +1,7 @@
 """The smoothed share of water around a point, gathered from particles (thesis 5.2.1, Algorithm 3).
 
 1 in the water and 0 in the air, poly6 in shape (2.13). Flat walls and the bed are mirrors and periodic sides repeat the
-water, so it does not seem to thin out beside them: the point is mirrored or shifted, not the water.
+water, so it does not seem to thin out next to them: the point is mirrored or shifted, not the water.
 """
 
 from math import pi
@@ -40,9 +40,9 @@ def images(basin: Basin, nodes: Nodes) -> np.ndarray:
         if period > 0.0:
             found[k, 1:, 1] = [period, -period, 2.0 * period, -2.0 * period]
         else:
-            for n, (place, upper) in enumerate(((low, False), (up, True))):
+            for n, (position, upper) in enumerate(((low, False), (up, True))):
                 if (k, upper) in still:
-                    found[k, 1 + n] = -1.0, 2.0 * place
+                    found[k, 1 + n] = -1.0, 2.0 * position
             if {(k, False), (k, True)} <= still:
                 found[k, 3:, 1] = 2.0 * (up - low), 2.0 * (low - up)
     return found
@@ -79,7 +79,7 @@ class DensityMap:
         return (3 * word + 4) * n + 8 * (int(np.prod(cls.bins_of(nodes, radius))) + 1) + word * 6 * IMAGES
 
     @ti.func
-    def place(self, x):
+    def bin_of(self, x):
         """The bin of a point on each axis; a point beyond the box belongs to the bin at its side."""
         return ti.cast(tm.clamp((x - self.lower) * self.per_bin, 0.0, tm.vec3(self.bins) - 0.5), int)
 
@@ -98,9 +98,9 @@ class DensityMap:
                 self.next[c] = 0
             for i in range(self.particles.count.there()):
                 x = tm.vec3(p.x[i], p.y[i], p.z[i])
-                place = self.place(x)
+                cell = self.bin_of(x)
                 inside = (x >= self.lower).all() and (x <= self.upper).all()
-                c = ti.select(inside, tm.clamp(self.bin_at(place.x, place.y, place.z), 0, bins), bins)
+                c = ti.select(inside, tm.clamp(self.bin_at(cell.x, cell.y, cell.z), 0, bins), bins)
                 self.bin[i] = c
                 self.next[c] = self.next[c] + 1
             total = 0
@@ -135,7 +135,7 @@ class DensityMap:
 
     @ti.func
     def in_reach(self, first, last, axis: Template):
-        """Whether particles may be within a radius of what lies between two places on an axis."""
+        """Whether particles may be within a radius of what lies between two positions on an axis."""
         low, high = self.lower[axis] - self.radius, self.upper[axis] + self.radius
         return tm.max(first, last) > low and tm.min(first, last) < high
 
@@ -143,17 +143,17 @@ class DensityMap:
     def gathered(self, x, last, step, run: Template):
         """Sums of (radius^2 - r^2)^3 over the particles of the bins around the points from x to `last`; the inner loop
         does not branch."""
-        total, here, there = ti.Vector.zero(float, run), self.place(x), self.place(last)
+        total, here, there = ti.Vector.zero(float, run), self.bin_of(x), self.bin_of(last)
         low = tm.max(tm.min(here, there) - 1, 0)
         high = tm.min(tm.max(here, there) + 1, tm.ivec3(self.bins) - 1)
         for k in range(low.z, high.z + 1):
             for j in range(low.y, high.y + 1):
                 for n in range(self.start[self.bin_at(low.x, j, k)], self.start[self.bin_at(high.x, j, k) + 1]):
                     dx, dy, dz = self.x[n] - x.x, self.y[n] - x.y, self.z[n] - x.z
-                    beside = self.squared - (dy * dy + dz * dz)
+                    left = self.squared - (dy * dy + dz * dz)
                     for m in ti.static(range(run)):
                         along = dx - m * step
-                        w = beside - along * along
+                        w = left - along * along
                         w = ti.select(w > 0.0, w, 0.0)
                         total[m] += w * w * w
         return total
@@ -161,15 +161,15 @@ class DensityMap:
     @ti.kernel
     def mark(self, rows: Template):
         """The rows of nodes within a radius and a node of any particle that counts there, so that the next nodes around
-        every wet one are marked, too; a row beyond a side is as near as the row beside it."""
+        every wet one are marked, too; a row beyond a side is as near as the row next to it."""
         for row in rows.near:
             inner = tm.clamp(tm.ivec2(row % rows.across, row // rows.across) - 1, 0, tm.ivec2(self.nodes.inner[1:]) - 1)
             y = self.lower.y + self.width.y * (inner.x + 0.5)
             z = self.lower.z + self.width.z * (inner.y + 0.5)
-            rows.near[row] = int(self.beside(y, z))
+            rows.near[row] = int(self.particles_near(y, z))
 
     @ti.func
-    def beside(self, y, z):
+    def particles_near(self, y, z):
         """Whether there are particles in the bins around a row of nodes and the rows next to it, or their images."""
         found = 0
         for c in range(IMAGES):
@@ -179,8 +179,8 @@ class DensityMap:
                     up = self.image[1, b, 0] * y + self.image[1, b, 1]
                     if self.in_reach(up - self.width.y, up + self.width.y, 1):
                         margin = tm.vec3(0.0, self.width.y, self.width.z)
-                        low = tm.max(self.place(tm.vec3(self.lower.x, up, along) - margin) - 1, 0)
-                        high = self.place(tm.vec3(self.lower.x, up, along) + margin) + 1
+                        low = tm.max(self.bin_of(tm.vec3(self.lower.x, up, along) - margin) - 1, 0)
+                        high = self.bin_of(tm.vec3(self.lower.x, up, along) + margin) + 1
                         high = tm.min(high, tm.ivec3(self.bins) - 1)
                         for k in range(low.z, high.z + 1):
                             for j in range(low.y, high.y + 1):
@@ -202,7 +202,7 @@ class DensityMap:
         nx, ny, nz = ti.static(self.nodes.inner)
         for turn in range((rows.count[None] - group + GROUPS - 1) // GROUPS):
             n = group + turn * GROUPS
-            j, k = rows.place(n)
+            j, k = rows.indices(n)
             if 0 < j <= ny and 0 < k <= nz:
                 first = n * rows.length + 1
                 for part in range((nx + RUN - 1) // RUN):

@@ -74,13 +74,13 @@ class Isosurface:
         """The field beyond the sides of the box: the surface goes on through a side whose bit is set (2 * axis, + 1 for
         the upper one), level or into the next period, and closes at the others, where the field turns its sign."""
         for n in range(self.rows.count[None] * self.rows.length):
-            place = self.place(n)
-            inner = tm.clamp(place, 1, tm.ivec3(self.shape) - 2)
-            if (place != inner).any():
+            node = self.indices(n)
+            inner = tm.clamp(node, 1, tm.ivec3(self.shape) - 2)
+            if (node != inner).any():
                 closed, other = False, inner
                 for axis in ti.static(range(3)):
-                    if place[axis] != inner[axis]:
-                        closed |= (goes_on >> (2 * axis + int(place[axis] > 0)) & 1) == 0
+                    if node[axis] != inner[axis]:
+                        closed |= (goes_on >> (2 * axis + int(node[axis] > 0)) & 1) == 0
                         if ti.static(self.periodic[axis]):
                             other[axis] = self.shape[axis] - 1 - inner[axis]
                 ahead = self.at(inner.x, inner.y, inner.z), self.at(other.x, inner.y, inner.z)
@@ -110,9 +110,9 @@ class Isosurface:
         return i + self.rows.first[j + self.shape[1] * k]
 
     @ti.func
-    def place(self, n):
+    def indices(self, n):
         """The inverse of `at` for nodes that are kept."""
-        j, k = self.rows.place(n // self.rows.length)
+        j, k = self.rows.indices(n // self.rows.length)
         return tm.ivec3(n % self.rows.length, j, k)
 
     @ti.func
@@ -153,7 +153,7 @@ class Isosurface:
         nx, ny, nz = ti.static(self.shape)
         vertices, triangles, cut, ambiguous = 0, 0, 0, 0
         for n in range(self.first(slab), self.first(slab + 1)):
-            j, k = self.rows.place(n)
+            j, k = self.rows.indices(n)
             rows = self.edge_rows(j, k)
             front = self.across(rows, 0)
             for i in range(nx):
@@ -192,32 +192,32 @@ class Isosurface:
     @ti.func
     def write_vertices(self, n, vertices: Template, normals: Template):
         """Where the field is zero on the edges of a node, between its two ends in proportion, and the normal there."""
-        place = self.place(n)
+        node = self.indices(n)
         vertex, mask = self.owned[n] >> 3, self.owned[n] & 7
-        own, slope = self.value[n], self.gradient(place)
+        own, slope = self.value[n], self.gradient(node)
         for axis in ti.static(range(3)):
             if mask >> axis & 1:
                 step = tm.ivec3([int(axis == k) for k in range(3)])
-                there = self.value[self.at(place.x + step.x, place.y + step.y, place.z + step.z)]
+                there = self.value[self.at(node.x + step.x, node.y + step.y, node.z + step.z)]
                 along = own / (own - there)
-                x = self.lower + self.width * (ti.cast(place, float) - 0.5 + along * ti.cast(step, float))
+                x = self.lower + self.width * (ti.cast(node, float) - 0.5 + along * ti.cast(step, float))
                 x = tm.clamp(x, self.lower, self.upper)
-                normal = -tm.mix(slope, self.gradient(place + step), along)
-                if place[axis] == 0 or place[axis] == self.shape[axis] - 2:  # it closes here, on a side of the box
-                    normal = ti.cast(step, float) * ti.select(place[axis] == 0, -1.0, 1.0)
+                normal = -tm.mix(slope, self.gradient(node + step), along)
+                if node[axis] == 0 or node[axis] == self.shape[axis] - 2:  # it closes here, on a side of the box
+                    normal = ti.cast(step, float) * ti.select(node[axis] == 0, -1.0, 1.0)
                 normal /= tm.max(normal.norm(), 1.0e-30)
                 for k in ti.static(range(3)):
                     vertices[vertex, k], normals[vertex, k] = x[k], normal[k]
                 vertex += 1
 
     @ti.func
-    def gradient(self, place):
+    def gradient(self, node):
         """(3.2) to (3.4) by central differences, with the factor 1/2 that they leave out; one-sided at the rim."""
         gradient = tm.vec3(0.0)
         for axis in ti.static(range(3)):
             step = tm.ivec3([int(axis == k) for k in range(3)])
-            up = tm.min(place + step, tm.ivec3(self.shape) - 1)
-            down = tm.max(place - step, 0)
+            up = tm.min(node + step, tm.ivec3(self.shape) - 1)
+            down = tm.max(node - step, 0)
             rise = self.value[self.at(up.x, up.y, up.z)] - self.value[self.at(down.x, down.y, down.z)]
             gradient[axis] = rise / (self.width[axis] * (up[axis] - down[axis]))
         return gradient
@@ -227,7 +227,7 @@ class Isosurface:
         nx, ny, nz = ti.static(self.shape)
         written = self.counted[slab, TRIANGLES]
         for n in range(self.first(slab), self.first(slab + 1)):
-            j, k = self.rows.place(n)
+            j, k = self.rows.indices(n)
             if j < ny - 1 and k < nz - 1:
                 rows = self.edge_rows(j, k)
                 front = self.across(rows, 0)

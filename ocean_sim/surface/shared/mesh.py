@@ -42,9 +42,9 @@ def sheet(x: np.ndarray, z: np.ndarray, height: np.ndarray) -> Mesh:
     a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
     along = [np.gradient(height, at, axis=k) if len(at) > 1 else 0.0 * height for k, at in enumerate((x, z))]
     normals = np.stack([-along[0], np.ones_like(height), -along[1]], axis=-1).reshape(-1, 3)
-    places = np.meshgrid(x, z, indexing="ij")
+    positions = np.meshgrid(x, z, indexing="ij")
     return Mesh(
-        vertices=np.stack([places[0], height, places[1]], axis=-1).reshape(-1, 3),
+        vertices=np.stack([positions[0], height, positions[1]], axis=-1).reshape(-1, 3),
         triangles=np.concatenate([np.stack([a, d, b], axis=1), np.stack([b, d, c], axis=1)]),
         normals=normals / np.linalg.norm(normals, axis=1, keepdims=True),
     )

@@ -42,10 +42,10 @@ class Nodes:
         return tuple(np.subtract(self.upper, self.lower) / self.inner)
 
     def axis(self, k: int) -> np.ndarray:
-        """Places of all nodes along an axis [m]."""
+        """Positions of all nodes along an axis [m]."""
         return self.lower[k] + (np.arange(self.shape[k]) - 0.5) * self.width[k]
 
-    def places(self) -> np.ndarray:
+    def positions(self) -> np.ndarray:
         """(nz, ny, nx, 3) [m]: as the field is stored, x running fastest."""
         z, y, x = np.meshgrid(self.axis(2), self.axis(1), self.axis(0), indexing="ij")
         return np.stack([x, y, z], axis=-1)

@@ -57,7 +57,7 @@ class Rows:
         return wanted
 
     @ti.func
-    def place(self, n):
+    def indices(self, n):
         """j and k of the n-th row kept."""
         return self.row[n] % self.across, self.row[n] // self.across
 

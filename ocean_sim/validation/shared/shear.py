@@ -36,7 +36,7 @@ def couette(y: np.ndarray, time: float) -> np.ndarray:
 
 
 def problem(exact: Exact, column: str, lid: list[float], force: float, coarse: bool) -> Problem:
-    """A periodic stretch of the gap; `column` of the published table is shown beside it.
+    """A periodic stretch of the gap; `column` of the published table is shown with it.
 
     Compression follows the largest of V^2, nu V / L and F L, as Morris, Fox & Zhu (1997) advise.
     """

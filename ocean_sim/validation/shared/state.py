@@ -1,4 +1,4 @@
-"""Particles as arrays in the order of their ids: read, placed, and watched over time."""
+"""Particles as arrays in the order of their ids: read, set, and watched over time."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -58,10 +58,10 @@ def state(simulation: Simulation) -> State:
     return State(simulation.time, particles.mass, particles.spacing, water.positions()[order], *arrays)
 
 
-def place(
+def set_state(
     simulation: Simulation, position: np.ndarray, velocity: np.ndarray, pressure: np.ndarray | None = None
 ) -> None:
-    """Start from these places, velocities and, where a scheme steps its density, pressures, in the order of the ids."""
+    """Start from positions, velocities and, where a scheme steps its density, pressures, in the order of the ids."""
     water = with_particles(simulation.fluid)
     particles = water.particles
     order = particles.id.to_numpy()
@@ -74,7 +74,7 @@ def place(
 
 
 def shaken(simulation: Simulation, at: np.ndarray, size: float) -> np.ndarray:
-    """Vectors for the particles at these places: random within a cube of half-width `size`, flat in a slice."""
+    """Vectors for the particles at these positions: random within a cube of half-width `size`, flat in a slice."""
     random = size * numpy_uniform3(simulation.scene.seed, SHAKE, np.arange(len(at)), 0)
     random[:, simulation.basin.dimension :] = 0.0
     return random

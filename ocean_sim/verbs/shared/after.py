@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from ocean_sim.files.yaml_file import Node, Place, Problem, SceneError, node_of
+from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.progress import Drawing
 
@@ -18,9 +18,9 @@ def render(folder: Path, asked: dict[str, Any], fps: float | None, out: Path | N
     if fps is not None and not 0.1 <= fps <= 240.0:
         raise console.Refused(f"--fps {fps:g}: choose 0.1 to 240 pictures a second")
     given = {key: value for key, value in asked.items() if value is not None}
-    nodes = {key: node_of(value, Place(f"--{key} {shown(value)}")) for key, value in given.items()}
+    nodes = {key: node_of(value, Location(f"--{key} {shown(value)}")) for key, value in given.items()}
     problems: list[Problem] = []
-    config = validated(Config, Node(nodes, Place("--camera"), Place("--camera")), (), problems)
+    config = validated(Config, Node(nodes, Location("--camera"), Location("--camera")), (), problems)
     if config is None:
         raise SceneError(problems)
     finished(folder)

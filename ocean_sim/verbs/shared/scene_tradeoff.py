@@ -1,4 +1,4 @@
-"""`ocean-sim tradeoff SCENE`: settings of one scene beside the finest, and the best that a budget allows."""
+"""`ocean-sim tradeoff SCENE`: settings of one scene compared with the finest, and the best that a budget allows."""
 
 import shutil
 from pathlib import Path
@@ -43,10 +43,10 @@ def of_scene(
     seeds = SEEDS[quick]
     out.mkdir(parents=True, exist_ok=True)
     if not as_json:
-        said = next(setting for setting in plan if setting.finest).line()
-        console.say(f"{len(plan)} settings with {seeds} seeds each, one run at a time; the reference is {said}")
-    places = [(setting, k) for setting in plan for k in range(seeds)]
-    answers = made([setting.order(k) for setting, k in places], out, as_json)
+        finest = next(setting for setting in plan if setting.finest).line()
+        console.say(f"{len(plan)} settings with {seeds} seeds each, one run at a time; the reference is {finest}")
+    pairs = [(setting, k) for setting in plan for k in range(seeds)]
+    answers = made([setting.order(k) for setting, k in pairs], out, as_json)
     rows, single = compared(plan, seeds, answers, out)
     table.write(out / "seeds.csv", single)
     table.write(out / "tradeoff.csv", rows)
@@ -98,7 +98,7 @@ def compared(plan: list[Setting], seeds: int, answers: list[dict[str, Any]], out
 
 
 def distance(setting: Setting, reference: Setting, k: int, out: Path, again: bool = False) -> dict[str, float | None]:
-    """Errors of a finished run beside the reference's with the same seed."""
+    """Errors of a finished run against the reference with the same seed."""
     own, other = (Result(folder_of(out, one.order(k, again))) for one in (setting, reference))
     return errors(own, other)
 
@@ -106,7 +106,7 @@ def distance(setting: Setting, reference: Setting, k: int, out: Path, again: boo
 def answer(
     plan: list[Setting], rows: list[dict[str, Any]], judge: str, limit: Budget, seeds: int, out: Path, quiet: bool
 ) -> dict[str, Any] | None:
-    """The best setting within the budget that also holds it, and its error, with a seed that nobody has seen."""
+    """The best setting within the budget that also holds it, and its error, with a seed that was not used before."""
     left = list(rows)
     reference = next(setting for setting in plan if setting.finest)
     while (row := best(left, judge, limit)) is not None:

@@ -27,7 +27,7 @@ VARIANCE, PIXEL = 0.004, 0.0004  # of slopes; angle of a pixel [rad]
 FACES = {"+x": (1, 0, 0), "-x": (0, 1, 1), "+y": (0, 1, 0), "-y": (1, 0, 1), "+z": (0, 0, 1), "-z": (1, 1, 0)}
 
 
-def places() -> np.ndarray:
+def positions() -> np.ndarray:
     """(PIXELS, PIXELS, 3) of the middles of the pixels, row 0 at the top of the picture."""
     side = (np.arange(PIXELS) + 0.5) / PIXELS * 2.0 * HALF - HALF
     x, z = np.meshgrid(side, side)
@@ -57,7 +57,7 @@ def six_colours() -> sky_module.Sky:
 
 
 def water(eye: np.ndarray, foam: float = 0.0) -> w.Water:
-    points = places().reshape(-1, 3)
+    points = positions().reshape(-1, 3)
     away = points - eye
     distance = np.linalg.norm(away, axis=1)
     n = len(points)

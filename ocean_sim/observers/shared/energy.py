@@ -4,9 +4,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ocean_sim.fluid import with_particles
+
 if TYPE_CHECKING:
-    from ocean_sim.fluid import with_particles
-from ocean_sim.simulation import Simulation
+    from ocean_sim.simulation import Simulation
 
 
 def total(simulation: "Simulation") -> float:

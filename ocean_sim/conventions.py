@@ -89,7 +89,7 @@ class Failed(Exception):
     message is one sentence."""
 
     exit_code: ClassVar[int] = 1  # of the command line
-    problems: Sequence[Any] = ()  # places in a scene that it is about, with a message each
+    problems: Sequence[Any] = ()  # locations in a scene that it is about, with a message each
 
     @property
     def sentence(self) -> str:

@@ -1,6 +1,6 @@
 """A part is one file: "kind: gusts" under "wind:" is `ocean_sim/wind/gusts.py`, imported only when a scene names it.
 
-Here stands the whole contract of its `Config`: what a scene asks of a part between reading and building it. What is
+This is the whole contract of its `Config`: what a scene asks of a part between reading and building it. What is
 built of it has a protocol in the `__init__.py` of its slot.
 """
 
@@ -74,7 +74,7 @@ class PartConfig(Model):
     """What a user may write for one part, and what a scene asks of it before it is built.
 
     Every question comes with the one `Preflight` of the scene. `ledger` and, in each slot's own base class below,
-    `build` have no default: a kind that forgets them cannot be made.
+    `build` have no default: a kind without them cannot be instantiated.
     """
 
     def problems(self, preflight: "Preflight") -> Problems:
@@ -98,7 +98,7 @@ class KindConfig(PartConfig):
     """Keys of a part that is one of several kinds."""
 
     example: ClassVar[dict[str, Any]] = {}
-    """Keys without which the kind cannot be, with values that do in any basin of some metres."""
+    """The keys that have no default, with values that suit any basin a few metres in size."""
     compared: ClassVar[bool] = False
     """Whether studies compare it with others of its slot."""
     fineness: ClassVar[int] = 0
@@ -124,7 +124,7 @@ class WindConfig(KindConfig):
 
     @property
     def still(self) -> bool:
-        """Whether it is no wind at all."""
+        """Whether there is no wind."""
         return False
 
     @abstractmethod
@@ -148,7 +148,7 @@ class FluidConfig(KindConfig):
     wind_growth (still air; 32 and 64 spacings) and standing_wave (50 and 100). Steeper seas lose more (imposed_sea)."""
 
     def lattice(self, basin: Basin) -> "Lattice | None":
-        """The lattice that its particles start on; None of water in closed form, which has no particles."""
+        """The lattice that its particles start on; None for water in closed form."""
         return None
 
     def ratio(self, basin: Basin) -> float:
@@ -157,7 +157,7 @@ class FluidConfig(KindConfig):
 
     @property
     def support_asked(self) -> float | None:
-        """Support radius over spacing that its user has asked for, or what the scheme has everywhere."""
+        """Support radius over spacing that the user asks for, or the fixed one of the scheme."""
         return None
 
     def sound_speed(self, basin: Basin) -> float:
@@ -166,21 +166,21 @@ class FluidConfig(KindConfig):
 
     @property
     def viscosity_asked(self) -> float:
-        """Kinematic viscosity that its user has asked for [m2/s]."""
+        """Kinematic viscosity that the user asks for [m2/s]."""
         return 0.0
 
     @property
     def compression_asked(self) -> float:
-        """Rise of the density that its user has asked for or allows; 0 where none is named."""
+        """Compression that the user asks for or allows; 0 where none is given."""
         return 0.0
 
     def speed(self, basin: Basin) -> float:
-        """Reference speed [m/s]: of water in free fall over the depth, where no other is asked for."""
+        """Reference speed [m/s]; by default that of a free fall over the depth."""
         return (hypot(*basin.gravity) * basin.depth) ** 0.5
 
     @property
     def steady_force(self) -> tuple[float, float, float]:
-        """A constant acceleration besides gravity [m/s2]."""
+        """A constant acceleration in addition to gravity [m/s2]."""
         return (0.0, 0.0, 0.0)
 
     @property
@@ -201,18 +201,18 @@ class FluidConfig(KindConfig):
         """Limits of the time step in still water, before anything is allocated."""
 
     @abstractmethod
-    def build(self, basin: Basin, seed: int, *, ledger: bool, wind: "Wind") -> "Fluid":
-        """`ledger`: whether it sums the impulse and work of each term; `wind`: as the water feels it."""
+    def build(self, basin: Basin, seed: int, *, accounts: bool, wind: "Wind") -> "Fluid":
+        """`accounts`: whether it sums the impulse and work of each term; `wind`: as the water feels it."""
 
 
 class SurfaceConfig(KindConfig):
     """Keys of any surface. It follows particles."""
 
     when_read: ClassVar[bool] = False
-    """Whether it is made where something reads it, not in each step."""
+    """Whether it is built only when something reads it, not in each step."""
 
     def completed(self, preflight: "Preflight") -> Self:
-        """With what its user has left to the water."""
+        """A copy in which what the user left open follows from the water."""
         return self
 
     @abstractmethod
@@ -251,7 +251,7 @@ class TimeStepConfig(KindConfig):
 
     @abstractmethod
     def advice(self, limit: str, shortest: float) -> str:
-        """What to try where a run has left the physical world; `limit` rules in this water, and is `shortest` [s]."""
+        """What to try after a run has diverged; `limit` held the step in this water and was `shortest` [s] at least."""
 
     def ledger(self, preflight: "Preflight") -> list[LedgerRow]:
         return []
@@ -264,7 +264,7 @@ class TimeStepConfig(KindConfig):
 class Preflight:
     """What is known of a scene before anything is built, derived once and handed to every part that is asked.
 
-    A part that could not be read is not in it; who asks for it nevertheless gets a KeyError.
+    A part that could not be read is missing from it; asking for it raises KeyError.
     """
 
     parts: Mapping[str, PartConfig]  # by slot, or name of an observer
@@ -331,7 +331,7 @@ class Preflight:
 
 
 class Scene(Protocol):
-    """A checked scene, as what is built of it and who observes that know it."""
+    """A checked scene, as the parts built from it and their observers know it."""
 
     @property
     def title(self) -> str: ...

@@ -43,7 +43,7 @@ class BackendMissing(Lacking):
 
 
 class RuntimeConfig(Model):
-    """The machine's side of a run."""
+    """How a run uses the machine."""
 
     arch: Literal["cpu", "cuda", "vulkan", "metal", "gpu", "auto"] = "cpu"
     """Taichi backend; `gpu`: any graphics processor, `auto`: one if there is one, else the processor."""
@@ -52,7 +52,7 @@ class RuntimeConfig(Model):
     threads: int | None = quantity("threads", None, ge=1, le=1024)
     """Worker threads on the processor; null: all cores this process may use."""
     pin: bool = False
-    """Bind each worker thread to one core (Linux): steadier timings, bad company on a shared machine."""
+    """Bind each worker thread to one core (Linux): steadier timings, but a burden on a shared machine."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ FieldsBuilder.finalize = _noted(FieldsBuilder.finalize)
 
 
 class Freed:
-    """What is left of a field instead of its memory."""
+    """Stands in for a field whose memory is freed."""
 
     def __getattr__(self, name: str) -> Any:
         raise RuntimeError(
@@ -129,7 +129,7 @@ class Fields:
         those of these fields are found by the objects that own them, and never by others."""
         self.freed = True
         program = impl.get_runtime().prog
-        there = [one for one in self.allocations if one in _allocations]  # none where Taichi was started afresh since
+        there = [one for one in self.allocations if one in _allocations]  # none where Taichi has been restarted since
         if there and _started is not None and _started[1].arch in FREEING:
             program.synchronize()  # a GPU may still be at work
             for one in there:
@@ -148,7 +148,7 @@ def cache_directory() -> Path:
 
 def start(config: RuntimeConfig) -> Backend:
     """Start Taichi once; the same config again gives the running backend while it has room for more fields. Otherwise
-    Taichi starts afresh, and all fields are gone.
+    Taichi is restarted, and all fields are gone.
 
     Raises BackendMissing where the backend obtained is not the one asked for.
     """
@@ -173,8 +173,8 @@ def start(config: RuntimeConfig) -> Backend:
         ti.reset()
         _started = None
         raise BackendMissing(
-            f"runtime.arch: {config.arch} was asked for, this machine gave {arch}; "
-            "say runtime.arch=cpu, or auto to take what there is (`ocean-sim doctor` lists it)"
+            f"runtime.arch: {config.arch} was asked for, but this machine gave {arch}; "
+            "set runtime.arch=cpu, or auto to take what there is (`ocean-sim doctor` lists it)"
         )
     if config.pin and arch == "cpu":
         _pin(before)
@@ -183,16 +183,16 @@ def start(config: RuntimeConfig) -> Backend:
 
 
 def full() -> bool:
-    """Whether Taichi has too little room left for the fields of another simulation, so that `start` starts afresh."""
+    """Whether Taichi has too little room left for the fields of another simulation, so that `start` restarts it."""
     return _started is not None and impl.get_runtime().prog.get_snode_tree_size() > TREES - ROOM
 
 
 def must_run(backend: Backend) -> None:
-    """Raises RuntimeError where Taichi was started afresh since it gave this backend."""
+    """Raises RuntimeError where Taichi has been restarted since it gave this backend."""
     if _started is None or _started[1] is not backend:
         raise RuntimeError(
-            "the fields of this simulation are gone: a later one started Taichi afresh, for another runtime, or as "
-            "about a hundred were open; close one before you begin others, or give each a process of its own"
+            "the fields of this simulation are gone: a later one restarted Taichi, because its runtime differs or "
+            "about a hundred were open; close each before starting others, or run each in a process of its own"
         )
 
 

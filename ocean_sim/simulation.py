@@ -12,12 +12,12 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Limits, with_particles
 from ocean_sim.parts import LedgerRow, PartConfig, Preflight, Scene
 
-NOWHERE = Path()  # the folder that observers are given that write nothing
+NOWHERE = Path()  # given as folder to observers that write nothing
 Progress = Callable[[int, int], None]  # how many pieces of a long task are done, of how many
 
 
 class Observer:
-    """Someone watching: reads the simulation, writes files of its own, never changes the physics."""
+    """Reads a simulation and writes files of its own; never changes the physics."""
 
     every: float = 0.0
     """Simulated time between calls [s]; 0 is after every step."""
@@ -31,7 +31,7 @@ class Observer:
         """Called once a checkpoint has been restored, before the run goes on."""
 
     def show_progress(self, progress: Progress) -> None:
-        """Whom to call while a long task goes on."""
+        """Set the callback that shows the progress of a long task."""
 
     def close(self) -> None:
         """Called once, also after a run that failed."""
@@ -41,16 +41,16 @@ class ObserverConfig(PartConfig):
     """Keys of any observer; one with a schedule of its own derives from `PeriodicConfig`."""
 
     needs: ClassVar[tuple[str, ...]] = ()
-    """Slots and other observers without which there is nothing to watch."""
+    """Slots and other observers without which there is nothing to observe."""
     turn: ClassVar[int] = 0
     """Observers take turns in this order, those with the same number by name."""
     writes: ClassVar[bool] = True
-    """Whether it needs a run folder; one that does not also watches a bare Simulation."""
+    """Whether it needs a run folder; those that do not also observe a Simulation without one."""
     reads_surface: ClassVar[bool] = False
     leaves: ClassVar[str] = ""
     """The files it leaves, as the ledger states them."""
     takes: ClassVar[tuple[float, float]] = (0.0, 0.0)
-    """Processor time of one observation [s], and more for each particle; nobody has measured closed forms."""
+    """Processor time of one observation [s], and more for each particle; not measured for water in closed form."""
 
     @classmethod
     def name(cls) -> str:
@@ -85,8 +85,8 @@ class PeriodicConfig(ObserverConfig):
 class Simulation:
     """A scene that has been built and can be stepped; use it as a context manager.
 
-    Raises BackendMissing where the machine lacks what `runtime` asks for. Its fields are gone once it is closed, and
-    where another simulation is started with another `runtime`, or with about a hundred open.
+    Raises BackendMissing where the machine lacks what `runtime` asks for. Its fields are freed when it is closed, when
+    another simulation starts with a different `runtime`, and when about a hundred are open.
     """
 
     left_out = ("observers", "stage", "backend", "fields")  # what a checkpoint of it does not hold
@@ -99,11 +99,11 @@ class Simulation:
             self.build(scene, folder)
 
     def build(self, scene: Scene, folder: Path | None) -> None:
-        """Make the parts, in the order in which they read each other, and then the observers."""
+        """Build the parts, in the order in which they read each other, and then the observers."""
         self.basin = scene.preflight.basin
         self.wind = scene.wind.build(self.basin, scene.seed)
         accounts = "accuracy" in scene.observers  # whether the fluid sums the impulse of each term
-        self.fluid = scene.fluid.build(self.basin, scene.seed, ledger=accounts, wind=self.wind.on("fluid"))
+        self.fluid = scene.fluid.build(self.basin, scene.seed, accounts=accounts, wind=self.wind.on("fluid"))
         surface = scene.preflight.surface
         self.surface = surface.build(self.basin, self.fluid) if surface is not None else None
         self.ship = scene.ship.build(self.basin, self.fluid) if scene.ship is not None else None
@@ -151,11 +151,11 @@ class Simulation:
         try:
             if not self.begun:
                 self.begun = True
-                self._watch(self.observers)
+                self._observe(self.observers)
             while self.time < until * (1.0 - 1e-12):
                 before = self.time
                 self.step()
-                self._watch([o for o in self.observers if self._due(o.every, before)])
+                self._observe([o for o in self.observers if self._due(o.every, before)])
         except Diverged as failure:
             when = "" if "t = " in str(failure) else f"; t = {self.time:.4f} s, step {self.steps}"
             self.outcome, self.reason = "stopped", f"{failure}{when}"
@@ -170,14 +170,14 @@ class Simulation:
         of it are shown, and a sampled file can be interpolated onto it."""
         return every == 0.0 or floor((self.time + self.next_dt) / every) > floor(before / every)
 
-    def _watch(self, observers: list[Observer]) -> None:
+    def _observe(self, observers: list[Observer]) -> None:
         with self.stage("observers"):
             for observer in observers:
                 observer.observe(self)
 
     def close(self) -> None:
-        """Close all observers, and free the memory of all fields. Each observer gets its turn whatever another raises,
-        also an interrupt, and the first failure is raised at last."""
+        """Close all observers, and free the memory of all fields. Every observer is closed whatever another raises,
+        an interrupt included; the first failure is raised at the end."""
         failures: list[BaseException] = []
         for observer in self.observers:
             try:

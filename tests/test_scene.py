@@ -132,7 +132,7 @@ accuracy: 3
         ),
         (
             HEAD + "fluid: {kind: mueller, spacing: 1.25}\nmanifest: null",
-            "s.yaml:3:11: manifest: a run always says what was run; this one cannot be null",
+            "s.yaml:3:11: manifest: every run records what was run; this one cannot be null",
         ),
         (
             HEAD + "fluid: {kind: mueller, spacing: 1.25}\ngauges: {elevation: {far: [30, 0]}}",

@@ -112,7 +112,7 @@ class Config(Model):
             if self.lid is not None:
                 found.append((("lid",), "a basin that is periodic along y has no lid"))
             if self.floor != "none":
-                found.append((("floor",), "a basin that is periodic along y has no floor; say floor: none"))
+                found.append((("floor",), "a basin that is periodic along y has no floor; set floor: none"))
         if self.lid is not None and self.lid.velocity[1] != 0.0:
             found.append((("lid", "velocity"), "a lid slides in its own plane: its velocity along y must be 0"))
         found += blocked(self.obstacles, basin)

@@ -2,13 +2,13 @@
 
 Lines that begin with # are comments, some of them `key: value`; empty lines count for nothing. The first line that is
 left names the columns, and every further line is a row; a cell may stand in double quotes. An empty cell is NaN in a
-column of numbers and '' in a column of words. Who reads a table says what it should hold:
+column of numbers and '' in a column of words. The reader of a table states what it should hold:
 
 - `columns`, of a table that a run wrote: a column in which any cell is a word is a column of words, all others are
   numbers. A last line that a killed run did not finish is left out.
 - `numbers`, of a table that a person names: numbers alone; a word is NaN, and every row has to be whole.
-- `finite`, some columns by name, of which every cell has to be a finite number without quotes: the first that is none
-  is an error.
+- `finite`, some columns by name, of which every cell has to be a finite number without quotes: the first that is
+  not is an error.
 - `records`, every cell as text, row by row.
 """
 
@@ -51,7 +51,7 @@ def columns(path: str | Path) -> dict[str, np.ndarray]:
 
 
 def numbers(path: str | Path) -> dict[str, np.ndarray]:
-    """Each column, (n,), of a table that a person names, by its name; what is no number is NaN. Raises Unreadable, a
+    """Each column, (n,), of a table that a person names, by its name; what is not a number is NaN. Raises Unreadable, a
     ValueError, also where there is no row."""
     _, names, rows = lines(input_file.text(path))
     if not rows:
@@ -61,7 +61,7 @@ def numbers(path: str | Path) -> dict[str, np.ndarray]:
 
 
 def finite(path: str | Path, names: list[str], rows: list[str], wanted: Sequence[str]) -> dict[str, np.ndarray]:
-    """Some columns, (n,), by their names; raises ValueError with the first row in which one is no finite number."""
+    """Some columns, (n,), by their names; raises ValueError with the first row in which one is not a finite number."""
     indices = [names.index(name) for name in wanted]
     try:
         table = parsed(rows, indices)
@@ -91,7 +91,7 @@ def by_column(path: str | Path, names: list[str], rows: list[str]) -> dict[str, 
         table = parsed(rows) if rows else np.zeros((0, len(names)))
         if table.shape[1] == len(names):
             return dict(zip(names, table.T))
-    except ValueError:  # some cell is no number, or some row is not whole
+    except ValueError:  # some cell is not a number, or some row is not whole
         pass
     split = [cells(row) for row in rows]
     uneven = next((k for k, row in enumerate(split) if len(row) != len(names)), None)
@@ -112,7 +112,7 @@ def column(found: np.ndarray | list[str]) -> np.ndarray:
 
 
 def lenient(found: list[str]) -> np.ndarray:
-    """(n,) numbers, NaN where a cell is none."""
+    """(n,) numbers, NaN where a cell is not one."""
     values = np.full(len(found), np.nan)
     for k, cell in enumerate(found):
         with suppress(ValueError):
@@ -149,7 +149,7 @@ def unparsed(rows: list[str], indices: list[int]) -> int | None:
 
 
 def twice(names: list[str]) -> str | None:
-    """The first name that is there a second time."""
+    """The first name that occurs twice."""
     return next((name for k, name in enumerate(names) if name in names[:k]), None)
 
 

@@ -46,8 +46,8 @@ class Config(WaterConfig):
         basin = preflight.tank
         return force_limit(preflight.support, float(np.linalg.norm(np.add(basin.gravity, self.body_force))))
 
-    def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "Ballistic":
-        return Ballistic(self, basin, ledger, wind)
+    def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "Ballistic":
+        return Ballistic(self, basin, accounts, wind)
 
 
 def force_limit(support: float, acceleration: float) -> Limits:

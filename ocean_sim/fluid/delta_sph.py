@@ -82,8 +82,8 @@ class Config(SphConfig):
         what = "position, velocity, density, pressure, its deviation and rate, number"
         return rows(preflight, sizes, 12 + 3 * self.enclosed(preflight.tank), what, PAIR)
 
-    def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "DeltaSph":
-        return DeltaSph(self, basin, ledger, wind)
+    def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "DeltaSph":
+        return DeltaSph(self, basin, accounts, wind)
 
 
 @ti.data_oriented

@@ -107,8 +107,8 @@ class Config(SphConfig):
         )
         return [*rows(preflight, sizes, 26 + 2 * self.enclosed(basin), what, PAIR), pairs]
 
-    def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "Dfsph":
-        return Dfsph(self, basin, ledger, wind)
+    def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "Dfsph":
+        return Dfsph(self, basin, accounts, wind)
 
 
 @ti.data_oriented

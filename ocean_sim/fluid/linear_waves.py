@@ -77,7 +77,7 @@ class Config(waves.WaveTrain, FluidConfig):
             LedgerRow("fluid", f"{n} plane waves", 6 * word * n, "fluid.kind is linear_waves: no particles", ADVANCE)
         ]
 
-    def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "LinearWaves":
+    def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "LinearWaves":
         return LinearWaves(self, basin)
 
 

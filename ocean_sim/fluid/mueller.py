@@ -57,8 +57,8 @@ class Config(SphConfig):
         sizes = self.sized(self.began(preflight), Momentum.row.size)
         return rows(preflight, sizes, 9, "position, velocity, density, pressure, volume, number", PAIR)
 
-    def build(self, basin: Basin, seed: int, *, ledger: bool, wind: Wind) -> "Mueller":
-        return Mueller(self, basin, ledger, wind)
+    def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "Mueller":
+        return Mueller(self, basin, accounts, wind)
 
 
 @ti.data_oriented

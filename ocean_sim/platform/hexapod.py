@@ -26,7 +26,7 @@ WASHOUTS = sorted(path.stem for path in (Path(__file__).parent / "washout").glob
 GLIDE = 0.15  # [s] in which a platform that is to stop loses its speed
 CONFIGS = [import_module(f"ocean_sim.platform.washout.{name}").Config for name in WASHOUTS]
 AnyWashout: Any = reduce(or_, CONFIGS)
-if len(CONFIGS) > 1:  # pydantic tells one from another by its kind, and needs two for that
+if len(CONFIGS) > 1:  # pydantic selects one by its kind, which takes two or more
     AnyWashout = Annotated[AnyWashout, Field(discriminator="kind")]
 
 
@@ -42,14 +42,14 @@ class Config(PlatformConfig):
     @field_validator("geometry", "washout", mode="before")
     @classmethod
     def _named(cls, value: Any, info: Any) -> Any:
-        """What a name stands for."""
+        """The value that a name refers to."""
         return ready_made(info.field_name, value) if isinstance(value, str) else value
 
     def warnings(self, preflight: Preflight) -> list[str]:
         return ["platform: there is no ship whose motion it could follow"] if preflight.ship is None else []
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """It has no fields; `platform_log` says what its rows take."""
+        """It has no fields; the ledger of `platform_log` holds the cost of its rows."""
         washout: Any = self.washout
         return [LedgerRow("platform", f"{washout.kind} washout and six legs", 0, "platform_log asks for its rows")]
 

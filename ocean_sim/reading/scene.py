@@ -40,10 +40,10 @@ WORD = {"f32": 4, "f64": 8}  # bytes of a number
 
 
 class Heading(Model):
-    """What a scene says of itself."""
+    """What a scene states about itself."""
 
     title: str = ""
-    """One line that says what the experiment is."""
+    """The experiment in one line."""
     seed: int = quantity("1", 0, ge=0, lt=2**31)
     """Seed of every random number of the run."""
     duration: float = quantity("s", 10.0, gt=0.0)
@@ -101,7 +101,7 @@ class SceneConfig(Heading):
         return min((part.interval(self.preflight) for part in readers), default=inf)
 
     def warnings(self) -> list[str]:
-        """What every part has to say against the scene."""
+        """The warnings of every part."""
         preflight = self.preflight
         return [sentence for part in self.parts().values() for sentence in part.warnings(preflight)]
 
@@ -122,7 +122,7 @@ def observer_names() -> tuple[str, ...]:
 
 
 def always_on() -> tuple[str, ...]:
-    """The observers that watch unless a scene says null."""
+    """The observers that are on unless a scene sets them to null."""
     return tuple(name for name in ALWAYS_ON if name in kinds("observers"))
 
 
@@ -214,27 +214,29 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
     there = {slot: part for slot, part in parts.items() if isinstance(part, PartConfig)}
     named_in = {slot for slot in SLOTS if slot in data and data[slot].data is not None}
     wrong = composition.failed | named_in - set(there)
-    watching = _observers(data, root, problems)
-    problems += _lacking(watching, there, wrong, data, root)
+    observers = _observers(data, root, problems)
+    problems += _lacking(observers, there, wrong, data, root)
     problems += _unsuited(there, data)
     if tank_config is not None and tank is not None and runtime is not None and heading is not None:
-        preflight = Preflight(there | watching, tank, WORD[runtime.precision], heading.duration)
+        preflight = Preflight(there | observers, tank, WORD[runtime.precision], heading.duration)
         problems += _located("basin", tank_config.problems(tank), data["basin"])
-        for name, part in (there | watching).items():
+        for name, part in (there | observers).items():
             problems += _located(name, part.problems(preflight), data.get(name, root))
         if not problems and not wrong:
-            for name, part in (there | watching).items():
+            for name, part in (there | observers).items():
                 problems += _located(name, part.mismatches(preflight), data.get(name, root))
         if not problems and not wrong:
             values = {key: getattr(heading, key) for key in headings}
-            config = SceneConfig(**values, **parts, basin=tank_config, runtime=runtime, observers=watching, notes=notes)
+            config = SceneConfig(
+                **values, **parts, basin=tank_config, runtime=runtime, observers=observers, notes=notes
+            )
             config._preflight = preflight
             return config
     return None
 
 
 def _unknown(root: Node, headings: tuple[str, ...]) -> list[Problem]:
-    """Keys at the top level that are none of a scene's."""
+    """Unknown keys at the top level."""
     known, problems = (*headings, "basin", *SLOTS, "runtime", *observer_names()), []
     for key, node in root.data.items():
         if key not in known:
@@ -246,8 +248,7 @@ def _unknown(root: Node, headings: tuple[str, ...]) -> list[Problem]:
 def _model(
     name: str, model: type[Model] | None, composition: Composition, problems: list[Problem], folder: Path | None
 ) -> Any:
-    """What stands under a key as its model; by default, of a slot, that of its kind. None where there is nothing, or
-    where something is wrong."""
+    """The value of a key as its model, by default that of the kind in a slot; None where it is absent or wrong."""
     node = composition.root.data.get(name)
     if node is not None and node.data is not None:
         return validated(model or config_of(name, node.data["kind"].data), node, (name,), problems, folder)
@@ -268,7 +269,7 @@ def _unsuited(parts: Mapping[str, PartConfig], data: dict[str, Node]) -> list[Pr
     if isinstance(ship, ShipConfig):
         kind = ship.kind
         if "surface" not in parts and fluid.made_of_particles and ship.needs_surface:
-            sentence = f"a {kind} ship over particles asks a surface how high the water stands; give a `surface`"
+            sentence = f"a {kind} ship over particles reads the height of the water from a surface; add a `surface`"
             problems.append(problem(data["ship"].location, "ship", sentence))
         if ship.carried_as_body and not fluid.carries_bodies:
             carrying = " or ".join(name for name, config in water_schemes() if config.carries_bodies)
@@ -278,15 +279,15 @@ def _unsuited(parts: Mapping[str, PartConfig], data: dict[str, Node]) -> list[Pr
 
 
 def _lacking(
-    watching: Mapping[str, ObserverConfig],
+    observers: Mapping[str, ObserverConfig],
     parts: Mapping[str, PartConfig],
     wrong: set[str],
     data: dict[str, Node],
     root: Node,
 ) -> list[Problem]:
-    """Observers without what they watch; a part that is wrong is there."""
-    problems, there = [], {*watching, *parts, *wrong}
-    for name, config in watching.items():
+    """Observers that lack what they observe; a part with problems counts as present."""
+    problems, there = [], {*observers, *parts, *wrong}
+    for name, config in observers.items():
         absent = [need for need in config.needs if need not in there]
         if absent:
             sentence = f"needs {', '.join(absent)}, which this scene does not have"
@@ -296,20 +297,20 @@ def _lacking(
 
 def _observers(data: dict[str, Node], root: Node, problems: list[Problem]) -> dict[str, ObserverConfig]:
     """The observers that a scene names or does not switch off, in the order in which they take turns."""
-    watching: dict[str, ObserverConfig] = {}
+    observers: dict[str, ObserverConfig] = {}
     aboard = data.get("ship") is not None and data["ship"].data is not None
     unless_null = (*always_on(), *(("motion",) if aboard else ()))
     for name in observer_names():
-        on = name in unless_null or (name == "platform_log" and "platform" in data and "motion" in watching)
+        on = name in unless_null or (name == "platform_log" and "platform" in data and "motion" in observers)
         node = data.get(name, root.with_data({} if on else None))
         if node.data is None:
             if name == "manifest":
-                problems.append(problem(node.location, name, "a run always says what was run; this one cannot be null"))
+                problems.append(problem(node.location, name, "every run records what was run; this one cannot be null"))
             continue
         config = validated(import_module(f"ocean_sim.observers.{name}").Config, node, (name,), problems)
         if config is not None:
-            watching[name] = config
-    return dict(sorted(watching.items(), key=lambda item: (item[1].turn, item[0])))
+            observers[name] = config
+    return dict(sorted(observers.items(), key=lambda item: (item[1].turn, item[0])))
 
 
 def _scaled(root: Node, factor: float, dimension: int, notes: list[str]) -> Node:
@@ -337,7 +338,7 @@ def _scaled(root: Node, factor: float, dimension: int, notes: list[str]) -> Node
 
 
 def _located(name: str, found: Problems, node: Node) -> list[Problem]:
-    """What a part finds wrong with itself, at its location in the file."""
+    """The problems that a part reports, each at its location in the file."""
     problems = []
     for path, sentence in found:
         inner = node

@@ -57,7 +57,7 @@ def absurd(node: Node, path: Path) -> Iterator[Problem]:
             yield from absurd(inner, (*path, key))
     elif isinstance(node.data, int | float) and node.data:
         if not LEAST <= abs(node.data) <= MOST and abs(node.data) < inf:
-            message = f"{described(node.data)} is no size of anything here: 0, or between {LEAST:g} and {MOST:g}"
+            message = f"{described(node.data)} is out of range: 0, or between {LEAST:g} and {MOST:g}"
             yield problem(node.location, dotted(path), message)
 
 
@@ -83,7 +83,7 @@ def choice_sentence(word: str, choices: Any) -> tuple[str, str | None]:
 
 
 def translated(error: ValidationError, model: type[BaseModel], root: Node, prefix: Path) -> list[Problem]:
-    """Every problem in a validation error, of each union only what its likeliest member has to say."""
+    """Every problem in a validation error; of each union only those of its likeliest member."""
     found = [_located(e, model, root) for e in error.errors(include_url=False)]
     problems = [_sentence(f, prefix) for f in found if f.union is None and not _is_extra_item(f, found)]
     for union in dict.fromkeys(f.union for f in found if f.union is not None):

@@ -7,7 +7,7 @@ alone, too: what depends on a clock, and what belongs to the process. Anything e
 its name: what is neither known nor left out would be lost in silence.
 
 To put a state back, the same scene is built anew; objects that hold fields keep their identity, which compiled kernels
-know them by, and data is made afresh. No code of a file is run: data classes and tuples of this package alone are made,
+know them by, and data is made anew. No code of a file is run: data classes and tuples of this package alone are made,
 by name, without their initialisers.
 """
 
@@ -35,7 +35,7 @@ MISSING = object()
 NUMBERS = (int, float, np.number, np.bool_)
 KINDS: tuple[Any, ...] = (Path, TextIOWrapper, str, NUMBERS, list, tuple, dict, range, np.ndarray)
 FIELD, ARRAY, NUMBER, SAME, REST, VECTOR = "field", "array", "number", "same", "left", "vector"
-LIST, TUPLE, DICT, RANGE, FILE, LOCATION, OBJECT = "list", "tuple", "dict", "range", "file", "path", "of"
+LIST, TUPLE, DICT, RANGE, FILE, PATH, OBJECT = "list", "tuple", "dict", "range", "file", "path", "of"
 
 
 @runtime_checkable
@@ -91,7 +91,7 @@ class Taken:
             return {REST: type(value).__name__}
         if isinstance(value, Path):
             inside = value.is_relative_to(self.folder)
-            return {LOCATION: value.relative_to(self.folder).as_posix()} if inside else {REST: "Path"}
+            return {PATH: value.relative_to(self.folder).as_posix()} if inside else {REST: "Path"}
         if id(value) in self.seen:
             return {SAME: self.seen[id(value)][0]}
         self.seen[id(value)] = (path, value)  # and kept alive, so that no other takes its id
@@ -102,7 +102,7 @@ class Taken:
         return node
 
     def is_data(self, node: Any) -> bool:
-        """Whether it can be made afresh."""
+        """Whether it can be made anew."""
         if isinstance(node, list):
             return all(self.is_data(inner) for inner in node)
         if not isinstance(node, dict):
@@ -196,7 +196,7 @@ class Restoring:
         return np.dtype(dtype).type(value)
 
     def from_path(self, node: Any, fresh: Any, path: str) -> Path:
-        return self.folder / inside(node[LOCATION])
+        return self.folder / inside(node[PATH])
 
     def from_field(self, node: Any, fresh: Any, path: str) -> Any:
         values = self.arrays[node[FIELD]]
@@ -222,12 +222,12 @@ class Restoring:
         name, size = node[FILE]
         if type(size) is not int or size < 0:
             raise Differs(f"{name} cannot have {size!r:.60} bytes")
-        location = self.folder / inside(name)
-        if not location.is_file() or location.stat().st_size < size:
+        on_disk = self.folder / inside(name)
+        if not on_disk.is_file() or on_disk.stat().st_size < size:
             raise Differs(f"{name} is shorter than it was when the checkpoint was made")
         if isinstance(fresh, TextIOWrapper):
             fresh.close()
-        file = location.open("r+", encoding="utf-8", newline="\n")
+        file = on_disk.open("r+", encoding="utf-8", newline="\n")
         self.files.append((file, size))
         return file
 
@@ -261,7 +261,7 @@ class Restoring:
         return there if list(new) == list(there) and alike(new.values(), there.values()) else new
 
     def thing(self, node: Any, fresh: Any, path: str) -> Any:
-        """An object: data is made afresh, what holds fields stays itself."""
+        """An object: data is made anew, what holds fields stays itself."""
         made, data = class_of(node[OBJECT]), node["data"]
         if type(data) is not bool:
             raise Differs(f"its {path.lstrip('.')} is neither data nor not: {data!r:.60}")
@@ -285,7 +285,7 @@ class Restoring:
 
 
 def mistaken(found: Any, fresh: Any) -> bool:
-    """Whether what was kept is of another kind than what this program has just built in its place. What is null at the
+    """Whether what was kept is of another kind than what this program has just built. What is null at the
     start may be of any kind later; words and our own objects may become null."""
     if fresh is None or fresh is MISSING:
         return False

@@ -1,4 +1,4 @@
-"""Studies: many runs of scenes or of validation cases, and what they say together."""
+"""Studies: many runs of scenes or of validation cases, and their results taken together."""
 
 from ocean_sim.parts import config_of, kinds
 

@@ -51,11 +51,11 @@ class Budget:
 
     @classmethod
     def of(cls, text: str) -> "Budget":
-        """Raises ValueError where the text is no budget."""
+        """Raises ValueError where the text is not a budget."""
         found = re.fullmatch(r"(\d+(?:\.\d+)?)(ms|s)|realtime", text.strip())
         if found is None or (found[1] and float(found[1]) <= 0.0):
             raise ValueError(
-                f"--budget {text}: say realtime, or a time as in 16ms (of 1/60 s simulated) or 30s (in all)"
+                f"--budget {text}: give realtime, or a time as in 16ms (of 1/60 s simulated) or 30s (in all)"
             )
         return cls(text.strip(), float(found[1]) if found[1] else 1.0)
 
@@ -153,7 +153,7 @@ def _seeded(scene: str, profile: str | None, sets: dict[str, Node], count: int) 
 
 
 def errors(result: Result, reference: Result) -> dict[str, float | None]:
-    """What a user sees of a run, less what he sees of the reference."""
+    """What a user sees of a run, minus the same of the reference."""
     found: dict[str, float | None] = {}
     legs = []
     for table, columns in (

@@ -175,8 +175,8 @@ def verdict(
 
 
 def gained(accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool) -> float:
-    """Energy from nowhere over mass times the square of the reference speed; NaN of what is no number. Walls at rest
-    give none, whatever the books of a scheme say of its forces one by one."""
+    """Energy from nowhere over mass times the square of the reference speed; NaN where undefined. Walls at rest
+    give none, whatever a scheme's accounts hold of its single forces."""
     if not len(accuracy.get("kinetic_energy_J", ())):
         return 0.0
     names = ("kinetic_energy_J", "potential_energy_J", "internal_energy_J")

@@ -1,7 +1,7 @@
 """The surface around the smoothed share of water, by marching cubes (thesis 3.1 and 5.2.1, Algorithms 2 to 4).
 
-Follows the water wherever it goes: crests that break, drops, the bed where it falls dry. Nothing is built until someone
-reads it: the field when a mesh or a height is asked for, the heights from the first kernel on that calls `elevation`.
+Follows the water wherever it goes: crests that break, drops, the bed where it falls dry. Nothing is built until it
+is read: the field when a mesh or a height is asked for, the heights from the first kernel on that calls `elevation`.
 """
 
 from typing import ClassVar, Literal, Self
@@ -64,7 +64,7 @@ class Config(SurfaceConfig):
     def problems(self, preflight: Preflight) -> Problems:
         basin = preflight.tank
         if basin.dimension == 2:
-            return [(("kind",), "marching cubes need a basin with a width; over a slice say surface: cloth")]
+            return [(("kind",), "marching cubes need a basin with a width; over a slice use surface: cloth")]
         if basin.closed:
             return [(("kind",), "a basin without a free surface has none to draw; leave it out")]
         return []
@@ -73,14 +73,14 @@ class Config(SurfaceConfig):
         found, apart = Problems(), preflight.spacing
         assert apart is not None
         if self.radius is not None and not 1.2 * apart <= self.radius <= WIDEST * apart:
-            said = f"{self.radius:g} m must be 1.2 to {WIDEST:g} spacings of the particles, {apart:.4g} m: less shows "
-            found.append((("radius",), said + "them one by one, more smooths the waves away"))
+            span = f"{self.radius:g} m must be 1.2 to {WIDEST:g} spacings of the particles, {apart:.4g} m"
+            found.append((("radius",), f"{span}: less shows them one by one, more smooths the waves away"))
         if (count := self.completed(preflight).count(preflight.tank)) > MOST_NODES:
             found.append((("spacing",), f"makes {count:.3g} nodes, more than the {MOST_NODES} there can be"))
         fine = self.spacing or FINE * apart
         if (wet := preflight.particles * (apart / fine) ** 3) > self.most_nodes:
-            said = f"{self.most_nodes} is less than the about {wet:.3g} that the water at rest fills"
-            found.append((("most_nodes",), said))
+            message = f"{self.most_nodes} is less than the {wet:.3g} or so that the water at rest fills"
+            found.append((("most_nodes",), message))
         return found
 
     def nodes(self, basin: Basin) -> Nodes:
@@ -145,8 +145,8 @@ class MarchingCubes:
         )
 
     def follow(self, particles: Particles, dt: float) -> None:
-        """Take in that the particles have moved on by dt [s]; heights are made at once where a kernel reads them, and
-        in the first step, in which one may be compiled."""
+        """Take in that the particles have moved on by dt [s]; heights are computed at once if a kernel reads
+        them, and in the first step, in which one may be compiled."""
         self.moment += 1
         if self.felt or self.moment == 1:
             self.level()

@@ -1,7 +1,7 @@
 """Problems with known answers: every module of this folder without a leading underscore is a case.
 
-A case has `problems()`: set-ups to run, each with a scene that says geometry, fluid, resolution and duration and no
-number of a scheme, what to measure, and what every scheme promises.
+A case has `problems()`: set-ups to run, each with a scene that gives geometry, fluid, resolution and duration but no
+number of a scheme, what to measure, and the tolerances of each scheme.
 """
 
 from importlib import import_module

@@ -1,4 +1,4 @@
-"""Momentum and angular momentum of water that nothing acts on from outside: kept to round-off, step by step.
+"""Momentum and angular momentum of water without external forces: conserved to round-off, step by step.
 
 A square of water without walls, gravity or viscosity whose particles start with random velocities; every step is
 judged against the sum of m |a| dt, the impulse that its particles exchanged.

@@ -2,7 +2,7 @@
 
 Column a wide and 2 a high; Martin & Moyce (1952, Phil. Trans. A 244, 312-324) and Koshizuka & Oka (1996, Nucl. Sci.
 Eng. 123, 421-434, who also computed it by MPS). The experiments differ among each other by 4 to 8 %, so a smaller error
-earns no credit.
+means nothing.
 
 Water without friction that is released at once runs ahead of every experiment, on whose clocks it seems to start late:
 a wall of water is held until a diaphragm or gate is out of its way, and the moment of that was not measured. So the
@@ -13,9 +13,9 @@ also reported with the moment of release as the one unknown, which leaves hardly
 clock, so it has no tolerance. The front is that of water one spacing deep, the foremost particle with another within a
 spacing behind it, not a drop that runs ahead.
 
-What was tried, at a / 30 under delta_sph; mean lead over Martin & Moyce's wider and narrower column, Koshizuka & Oka's
-experiment, and their computation [%]. Only the last but one is within 8 of all, and nothing says that it was what the
-experimenters measured:
+Variants at a / 30 under delta_sph; mean lead over Martin & Moyce's wider and narrower column, Koshizuka & Oka's
+experiment, and their computation [%]. Only the last but one is within 8 of all, and there is no evidence that it is
+what the experimenters measured:
 
     as judged here                                +16.5 +14.7 +16.5  +0.6    (a / 15: +14.5 +12.8 +15.2 -0.7;
     dfsph, which has no sound                     +15.7 +13.9 +15.8   0.0     a / 60: +17.0 +15.2 +16.8 +0.9)
@@ -29,9 +29,9 @@ experimenters measured:
     no slip, 0.1 a deep                            +7.9  +5.9  +6.8  -7.4
     mueller                                       +20.0 +20.6 +24.7  +5.8
 
-Two schemes and the published computation agree to 1 %, at any resolution, and all are ahead; what friction a bed
-without slip has fades as the lattice gets finer, so it is the lattice's and not the water's. The front keeps Martin &
-Moyce's pace (dZ/dT is 1.36 from T = 1.5 to 3, theirs 1.37): it is its start that is early.
+Two schemes and the published computation agree to 1 %, at any resolution, and all are ahead; the friction of a bed
+without slip fades as the lattice gets finer, so it belongs to the lattice and not to the water. The front keeps Martin
+& Moyce's pace (dZ/dT is 1.36 from T = 1.5 to 3, theirs 1.37): it is its start that is early.
 """
 
 from math import sqrt

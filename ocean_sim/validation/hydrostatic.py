@@ -1,7 +1,7 @@
-"""Still water: the pressure is that of the depth, and nothing moves.
+"""Still water: hydrostatic pressure, and nothing moves.
 
 Set-up of Adami, Hu & Adams (2012, J. Comput. Phys. 231): 2 x 0.9 m, |g| = 1 m/s2, Re 100, sound ten times as fast as
-sqrt(g H). The slow set-up is a water tank that is left alone for a minute.
+sqrt(g H). The slow set-up is a tank of water at rest for a minute.
 """
 
 from math import sqrt
@@ -74,7 +74,7 @@ def compared(water: State, depth: float, g: float) -> Finding:
 
 
 def measure_long(simulation: Simulation) -> Finding:
-    """What still water does in a minute."""
+    """Motion of still water within a minute."""
     depth, g = simulation.basin.depth, -simulation.basin.gravity[1]
     low, up = np.array(simulation.basin.lower), np.array(simulation.basin.upper)
     times, energy, centre, outside = [], [], [], 0

@@ -1,16 +1,16 @@
 """An imposed sea: random waves of a piston in a slice, at a gauge in the middle, against linear theory for the same
 amplitudes and phases there; and what the absorbing side sends back.
 
-The basin is four wavelengths of the peak long, the last of which absorbs. Waves that go to and fro are distinguished by
+The basin is four wavelengths of the peak long, the last of which absorbs. Incident and reflected waves are separated by
 three gauges (Mansard & Funke 1980, by least squares). The spectrum ends at twice the peak frequency: shorter waves have
 too few particles to travel.
 
-What is missed is taken from the waves on their way to the middle, two wavelengths from the piston, and by the scheme
-itself: half of it is the diffusion of density. Measured under delta_sph, at spacings over the peak's wavelength of
+The missing height is lost on the way to the middle, two wavelengths from the piston, and to the scheme itself: half of
+it to the diffusion of density. Measured under delta_sph, at spacings over the peak's wavelength of
 - 1/40: 4 sqrt m0 31 % short, 4 to 5.5 % reflected;
-- 1/160: 4 sqrt m0 6.1 % short, T_m02 2.6 % long, for the short waves are taken first, 4.0 % reflected;
+- 1/160: 4 sqrt m0 6.1 % short, T_m02 2.6 % long, since short waves are damped first, 4.0 % reflected;
 - 1/200, the default: 4 sqrt m0 5.5 % short, past its limit of 5 %, T_m02 2.1 % long, 4.0 % reflected.
-So the height is missed, by the coarse set-up and, by a little, by the default.
+So the height misses its limit in the coarse set-up and, narrowly, in the default.
 """
 
 from math import pi
@@ -53,7 +53,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def reflected(every: float, elevation: np.ndarray, positions: np.ndarray, depth: float) -> float:
-    """Part of the height of the waves that comes back: records (n, 3) at three positions (3,) [m] along the waves."""
+    """Reflection coefficient of the wave height: records (n, 3) at three positions (3,) [m] along the waves."""
     n = len(elevation)
     frequency = np.fft.rfftfreq(n, every)
     window = np.hanning(n)[:, None]

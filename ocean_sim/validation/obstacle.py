@@ -1,4 +1,4 @@
-"""A dam break that runs into a box: heights of the water at four positions and pressures at eight on the box.
+"""A dam break that hits a box: heights of the water at four positions and pressures at eight on the box.
 
 Measured at MARIN (Kleefsman, Fekken, Veldman, Iwanowski & Buchner 2005, J. Comput. Phys. 206; SPHERIC test 2) in a tank
 of 3.22 x 1 x 1 m: water 1.228 m long and 0.55 m deep behind a gate, and a box of 0.161 x 0.161 x 0.403 m 1.1675 m
@@ -6,11 +6,11 @@ behind it. One run, of unknown uncertainty. Probes are identified by their posit
 reservoir, H1, H2 and H3 follow the wave. Arrivals are when 20 mm or 500 Pa are first passed in the record of every
 millisecond; the table of all channels holds means over 10 ms, in which a blow begins up to 10 ms early.
 
-Under `delta_sph` at H0 / 20, and at H0 / 30 with hardly a difference: the reservoir empties to 1.6 % of H0, P1 to P3
-begin within 3.4 % and their impulses are within 11 %. P4, 20 mm under the front edge, gains a third of 2 s rho g H0 too
-little: water that leaves the edge is held back by suction where air would come in. The front passes H1 in 0.24 s, as a
-sheet that is 20 mm thick at once, where the measured one has grown for 40 ms, and H3 is read off the jet over the box,
-of which a wire would feel only what wets it.
+Under `delta_sph` at H0 / 20, and almost the same at H0 / 30: the reservoir empties to 1.6 % of H0, P1 to P3 begin
+within 3.4 % and their impulses are within 11 %. P4, 20 mm under the front edge, has an impulse too small by a third of
+2 s rho g H0: water that leaves the edge is held back by suction where air would come in. The front passes H1 in 0.24 s,
+as a sheet that is 20 mm thick at once, where the measured one has grown for 40 ms, and H3 is read off the jet over the
+box, of which a wire would feel only what wets it.
 """
 
 import numpy as np

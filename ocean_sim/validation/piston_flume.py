@@ -1,18 +1,17 @@
 """Waves from a piston: their height over its stroke, one and two wavelengths away.
 
 H/S = 2 (cosh 2kh - 1) / (sinh 2kh + 2kh) of Biesel & Suquet (1951), far from the wall and in linear theory: 1.082 in
-water 0.5 m deep at a period of 1.5 s. The height is that of the first harmonic over whole periods, after the front
-of the waves has gone by and before anything that the far end sends back could be there; what the zone before it sends
-back can.
+water 0.5 m deep at a period of 1.5 s. The height is that of the first harmonic over whole periods, after the front of
+the waves has gone by and before a reflection from the far end could arrive; one from the absorbing zone before it can.
 
-Under `delta_sph` the piston gives what it should and little is lost on the way: at h / 20, where a wave is two spacings
-high, a line through H/S from half a wavelength on begins at 0.984 of the theory's at the piston and falls by 0.5 % in a
-wavelength; single gauges are up to 6 % below and 1 % above the theory (a tank of 12 m that ends in a wall: 0.978, less
-than 0.1 %, 5 % below to 0). At h / 10, waves of one spacing, 0.986 and 4.4 %.
+Under `delta_sph` the piston makes the right height and little is lost on the way: at h / 20, where a wave is two
+spacings high, a line through H/S from half a wavelength on begins at 0.984 of the theory's at the piston and falls by
+0.5 % in a wavelength; single gauges are up to 6 % below and 1 % above the theory (a tank of 12 m that ends in a wall:
+0.978, less than 0.1 %, 5 % below to 0). At h / 10, waves of one spacing, 0.986 and 4.4 %.
 
-What `mueller` shows here is no wave: in water of 1e-6 m2/s its H/S is 3 to 6, and as large with the piston at rest (6.5
-and 2.4). That its density is summed with one kernel while its pressure acts along the gradient of another, so that no
-energy belongs to the pressures, may be why the lattice boils once it gives way: in a still tank of 10 rows the
+Under `mueller` there is no wave here: in water of 1e-6 m2/s its H/S is 3 to 6, and as large with the piston at rest
+(6.5 and 2.4). That its density is summed with one kernel while its pressure acts along the gradient of another, so that
+no energy belongs to the pressures, may be why the lattice boils once it gives way: in a still tank of 10 rows the
 particles move at 0.1 m/s after 1 s, 2.7 after 3 s, as fast with steps a quarter as long (2.6) and nearly with a support
 of 3.0 spacings (1.9). Viscosity of 1e-3 m2/s slows that (1.1 at 3 s); 1e-2 stops it, but damps the waves to H/S = 0.58
 and 0.28.
@@ -68,7 +67,7 @@ def measure(simulation: Simulation) -> Finding:
 
 
 def first_harmonic(times: np.ndarray, signal: np.ndarray) -> complex:
-    """a of the Re(a exp(i w t)) nearest to a signal, besides a mean and a second harmonic."""
+    """a of the Re(a exp(i w t)) nearest to a signal, in addition to a mean and a second harmonic."""
     angle = OMEGA * times
     parts = np.stack([np.cos(angle), -np.sin(angle), np.cos(2 * angle), np.sin(2 * angle), np.ones_like(angle)], axis=1)
     found = np.linalg.lstsq(parts, signal, rcond=None)[0]

@@ -2,8 +2,8 @@
 
 Every kind's error is reported against the frequency; only `dynamic` promises, with coefficients by rule or the memory
 of a table from the same potential flow: heave 5 %, pitch 10 % up to 1.2 rad/s, where the barge is as long as half a
-wave, and roll 10 % outside 0.9 to 1.1 rad/s, where viscosity rules; waves longer than six hulls 3 %. Roll is compared
-with 5 % of critical damping added.
+wave, and roll 10 % outside 0.9 to 1.1 rad/s, where viscosity dominates; waves longer than six hulls 3 %. Roll is
+compared with 5 % of critical damping added.
 """
 
 from typing import Any

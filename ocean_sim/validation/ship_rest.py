@@ -1,4 +1,4 @@
-"""A yacht of 30 t left alone for a minute in calm water: it neither drifts nor rolls by itself."""
+"""A yacht of 30 t at rest in calm water for a minute: it neither drifts nor rolls by itself."""
 
 import numpy as np
 

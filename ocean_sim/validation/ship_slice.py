@@ -1,7 +1,7 @@
 """A ship of kind `pressure` in a slice: the draught of a box that the particles alone carry, and a half-immersed
-cylinder let go, against linear theory.
+cylinder released, against linear theory.
 
-A cylinder of 0.1524 m is let go 0.0254 m too high (Ito 1977; Yeung 1982): extrema by the multipoles of Ursell (1949).
+A cylinder of 0.1524 m is released 0.0254 m too high (Ito 1977; Yeung 1982): extrema by the multipoles of Ursell (1949).
 """
 
 from functools import partial
@@ -27,7 +27,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def box(density: float, coarse: bool) -> Problem:
-    """A box that draws ten spacings (coarse: five); it settles, and then is looked at for a period of its heave, with
+    """A box that draws ten spacings (coarse: five); it settles, and is then observed for a period of its heave, with
     the added mass of half a plate."""
     draught = SIDE * density
     period = 2.0 * np.pi * np.sqrt((density * SIDE**2 + np.pi / 8.0 * SIDE**2) / (G * SIDE))
@@ -54,7 +54,7 @@ def box(density: float, coarse: bool) -> Problem:
 
 def floating(simulation: Simulation, promise: Promise, exact: float) -> Finding:
     """Keel under the water's own level, from half a breadth next to the hull on. A level by the volume of the water at
-    rest density would be about 15 mm too high: 1.2 m of water that yields by 2 % at the bed is 12 mm lower."""
+    rest density would be about 15 mm too high: 1.2 m of water that is compressed by 2 % at the bed is 12 mm lower."""
     apart = np.linspace(SIDE, 0.5 * LENGTH - 0.1, 8)
     gauges = np.array([(x, 0.0) for x in (*-apart, *apart)])
     until = simulation.scene.duration

@@ -1,4 +1,4 @@
-"""Turning circle and zig-zag of the yacht: reported, as nobody has measured this one.
+"""Turning circle and zig-zag of the yacht: reported only, as there is no measurement of this one.
 
 Full ahead for 30 s, then 35 degrees of rudder to port; advance, transfer and tactical diameter as in IMO MSC.137(76):
 from where the rudder is ordered, at 90 and 180 degrees of turn. In the zig-zag the rudder is put over by 20 (10)

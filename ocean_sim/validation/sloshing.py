@@ -1,11 +1,11 @@
 """Water in a tank that sways: the first mode rings with its own period, next to the response to the motion.
 
 Linear theory in the axes of the tank, in which the water starts at rest: for a sway A sin(w t) the first mode of the
-potential, cos(pi x / L) cosh(pi (y + h) / L) with x from the left wall, is C (cos(w1 t) - cos(w t)), with
-C = 4 L / pi^2 A w^3 / (w1^2 - w^2) and w1^2 = g k tanh(k h) (Faltinsen & Timokha 2009, Sloshing, chapter 5).
-The slow set-up is series 5 of Bouscasse et al. (2013), shallow water in which a bore runs to and fro. Its time, though
-called seconds, is in periods of the sway: the bores of the table are 0.99 apart, the period is 3.0 s. The table does
-not say where the gauge stood nor how the motion began, so crest and arrival are only reported.
+potential, cos(pi x / L) cosh(pi (y + h) / L) with x from the left wall, is C (cos(w1 t) - cos(w t)), with C = 4 L /
+pi^2 A w^3 / (w1^2 - w^2) and w1^2 = g k tanh(k h) (Faltinsen & Timokha 2009, Sloshing, chapter 5). The slow set-up is
+series 5 of Bouscasse et al. (2013), shallow water in which a bore runs back and forth. Its time, though called seconds,
+is in periods of the sway: the bores of the table are 0.99 apart, the period is 3.0 s. The table does not say where the
+gauge was nor how the motion began, so crest and arrival are only reported.
 """
 
 from math import cosh, pi, sqrt, tanh

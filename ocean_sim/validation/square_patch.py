@@ -44,7 +44,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Set the patch spinning, and look for voids."""
+    """Set the patch spinning, and measure its voids."""
     start = state(simulation).position
     velocity = SPIN * np.stack([start[:, 1], -start[:, 0], 0.0 * start[:, 0]], axis=1)
     set_state(simulation, start, velocity, simulation.fluid.rest_density * SPIN**2 * first_pressure(start))

@@ -1,4 +1,4 @@
-"""A standing wave in a tank: its period, and how fast it dies away.
+"""A standing wave in a tank: its period, and how fast it decays.
 
 Set-up of Colagrossi, Souto-Iglesias, Antuono & Marrone (2013, Phys. Rev. E 87, 023302): g = 1 m/s2, H = 1 m, tank and
 wave 2 m long, amplitude 0.05 m, free slip. The amplitude falls as exp(-2 nu k^2 t) (Lamb, Hydrodynamics, art. 348).

@@ -1,4 +1,4 @@
-"""Decaying vortices in a periodic square, from a lattice that is disturbed: a regular one would flatter.
+"""Decaying vortices in a periodic square, from a disturbed lattice: a regular one would give too small an error.
 
 u = -U e^(bt) cos 2 pi x sin 2 pi y, v = U e^(bt) sin 2 pi x cos 2 pi y, b = -8 pi^2 / Re, in a square of 1 m, U =
 1 m/s, Re 100 (Taylor & Green 1937; set-up of Adami, Hu & Adams 2013, J. Comput. Phys. 241, 292-307). Peers with 50 x 50
@@ -52,7 +52,7 @@ def flow(position: np.ndarray, time: float) -> np.ndarray:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Disturb the lattice, set it in motion, and wait."""
+    """Disturb the lattice, set it in motion, and measure."""
     start = state(simulation)
     low, period = np.array(simulation.basin.lower), np.array(simulation.basin.periods)
     at = start.position + shaken(simulation, start.position, SHAKE * start.spacing)

@@ -1,14 +1,14 @@
-"""The pressure on a wall that a dam break runs into, at two heights: a measurement and a finer computation.
+"""The pressure of a dam break on a wall, at two heights: a measurement and a finer computation.
 
 Tank 5.366 H long, column 2 H x H, H = 0.6 m. Measured by Buchner (2002, thesis, TU Delft) around y = 0.2 H; computed
 by De Courcy et al. (2024, CMAME 420, 116700) with delta-SPH at H / 400, here the sensor at y = 0.05 H. Time is
-t* = t sqrt(g / H), pressure p* = p / (rho g H). Scored are arrival and impulse; a peak at one instant is chance.
+t* = t sqrt(g / H), pressure p* = p / (rho g H). Arrival and impulse are judged; a peak at one instant is chance.
 
-Only the computation's arrival is kept. The front reaches the wall at t* = 2.39 at H / 40, where the computation's
-sensor at the bed sees it at 2.41; at 0.2 H the water climbs by slowly, and what counts as arrival decides. A mean p*
-of 0.1 and 0.25 is passed there at 2.55 and 2.66, and 0.05 H lower 0.1, 0.25 and 0.5 at 2.50, 2.53 and 2.61; the
-measurement passes 0.25 and 0.5 at 2.55 and 2.62. So nothing would be missed with the sensor 3 cm lower, for which
-there is no source.
+Only the computation's arrival is within its tolerance. The front reaches the wall at t* = 2.39 at H / 40, where the
+computation's sensor at the bed sees it at 2.41; at 0.2 H the water climbs by slowly, and what counts as arrival
+decides. A mean p* of 0.1 and 0.25 is passed there at 2.55 and 2.66, and 0.05 H lower 0.1, 0.25 and 0.5 at 2.50, 2.53
+and 2.61; the measurement passes 0.25 and 0.5 at 2.55 and 2.62. So nothing would be missed with the sensor 3 cm lower,
+for which there is no source.
 """
 
 from dataclasses import dataclass

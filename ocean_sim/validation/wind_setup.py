@@ -6,12 +6,12 @@ surface tau h / (4 mu), at most tau h / (12 mu) the other way at z = h/3; the su
 slope is read from the pressure on the bed. The drift is that of the parabola through the water below a support
 from the surface: the wind is handed to particles that lie half a spacing and more below it.
 
-The viscosity is 0.01 m2/s, because delta_sph fails in thinner water at this spacing, and not by how far it is sheared:
+The viscosity is 0.01 m2/s, because delta_sph fails in thinner water at this spacing, and not because of the shear:
 with the stress lowered alike, so that the flow and its total shear are the same, 10 layers give
 - 0.01 m2/s: slope within 0.1 %, drift +2.4 %;
 - 0.003 m2/s: slope -5.7 %, drift -17 %;
 - 0.001 m2/s (0.5 Pa): slope twice its value, and hardly a flow. Under 5 Pa it is 2.7 times, and the drift below half.
-The limit is some 0.05 h c of h half the support and c the speed of sound: this case does not speak for winds over water
+The limit is some 0.05 h c of h half the support and c the speed of sound: this case does not cover winds over water
 that is thinner than that. Why the particles resist so small a shear is not known.
 """
 

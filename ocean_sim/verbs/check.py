@@ -13,7 +13,7 @@ NOTHING = dict.fromkeys(("particles", "memory_mb", "time_step", "limited_by", "e
 
 
 def check(scene: str, profile: str | None, sets: list[str], as_json: bool) -> None:
-    """Say what a scene would take, and what is wrong with it."""
+    """Report what a scene would take, and what is wrong with it."""
     import typer
 
     try:

@@ -73,7 +73,7 @@ def examined() -> dict[str, Any]:
 
 
 def probed(script: str) -> dict[str, Any]:
-    """Whether a script ends well in a child process, and the last line that it printed."""
+    """Whether a script succeeds in a child process, and the last line that it printed."""
     try:
         child = subprocess.run(
             [sys.executable, "-c", script],

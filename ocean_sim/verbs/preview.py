@@ -13,7 +13,7 @@ from ocean_sim.reading.translation import validated
 from ocean_sim.simulation import Simulation
 from ocean_sim.verbs.shared import console
 
-OWN = "of the scene"  # a wind that is no preset
+OWN = "of the scene"  # a wind that is not a preset
 BUDGET = 0.1  # [s] wall time for steps between two pictures of a window
 
 
@@ -36,9 +36,9 @@ def preview(
         raise console.Refused(f"--out {folder}: this is a file, not a folder")
     if frames is not None and (folder / picture(0)).exists():
         raise console.Refused(f"--out {folder}: pictures lie here already; name another folder")
-    from ocean_sim.observers import preview as watching
+    from ocean_sim.observers import preview as observer
 
-    watching.require(show=frames is None)
+    observer.require(show=frames is None)
     session = Session(config, folder, lambda wind: load(scene, with_wind(overrides, wind), profile))
     try:
         if frames is None:
@@ -145,7 +145,7 @@ class Session:
             self.rebuild(panel.wind)
 
     def rebuild(self, wind: str) -> None:
-        """The scene from its beginning, with this preset of wind; in a new window where Taichi has to start afresh."""
+        """The scene from its beginning, with this preset of wind; in a new window where Taichi has to restart."""
         panel = self.panel
         try:
             config = self.config if wind == self.playing else self.of_wind(wind)
@@ -154,11 +154,11 @@ class Session:
             return
         self.simulation.close()
         self.config, self.playing, panel.message = config, wind, ""
-        afresh = runtime.full()
-        if afresh:
+        restarted = runtime.full()
+        if restarted:
             self.screen.close()
         self.simulation = built(config)
-        if afresh:
+        if restarted:
             self.open(self.screen.shown)
         else:
             self.screen.watch(self.simulation, panel)
@@ -216,7 +216,7 @@ class Session:
 
 
 def built(config: SceneConfig) -> Simulation:
-    """The simulation, watched by those that write nothing."""
+    """The simulation, with the observers that write nothing."""
     return Simulation(config)
 
 

@@ -36,7 +36,7 @@ def validate(
     }
     for case in cases:
         if not problems(case, slow=slow, coarse=coarse):
-            raise console.Refused(f"{case} takes minutes: say --slow (or --coarse)")
+            raise console.Refused(f"{case} takes minutes: add --slow (or --coarse)")
     for problem, scheme in [pair for pairs in plan.values() for pair in pairs]:
         problem.load(scheme, overrides)  # what is wrong is reported before anything runs
     out.mkdir(parents=True, exist_ok=True)

@@ -254,7 +254,7 @@ class WaveTrain(Model):
     period: float | None = quantity("s", None, gt=0.0)
     """Of a regular wave."""
     spectrum: Spectrum | None = None
-    """Random waves, in place of `height` and `period`."""
+    """Random waves, instead of `height` and `period`."""
 
     @model_validator(mode="after")
     def _regular_or_random(self) -> "WaveTrain":

@@ -13,13 +13,15 @@ from ocean_sim.wind.still import Config as Still
 
 @pytest.fixture(scope="module")
 def water(taichi_cpu) -> Callable[..., Any]:
-    """Builds a fluid: `water(kind, basin={...}, wind=..., ledger=..., **keys of the fluid)`."""
+    """Builds a fluid: `water(kind, basin={...}, wind=..., accounts=..., **keys of the fluid)`."""
 
-    def build(kind: str = "mueller", *, basin: dict | None = None, wind: Any = None, ledger: bool = False, **keys: Any):
+    def build(
+        kind: str = "mueller", *, basin: dict | None = None, wind: Any = None, accounts: bool = False, **keys: Any
+    ):
         place = BasinConfig(**({"length": 1.0, "width": 1.0, "depth": 0.5} | (basin or {}))).build()
         air = (wind or Still()).build(place, 7)
         fluid = config_of("fluid", kind)(**(keys if "particles" in keys else {"spacing": 0.1} | keys)).build(
-            place, 7, ledger=ledger, wind=air
+            place, 7, accounts=accounts, wind=air
         )
         fluid.wind = air
         return fluid

@@ -33,7 +33,7 @@ def step_to(fluid, until: float, number: float = 0.4) -> int:
 def still(water):
     """Water around a box for 0.6 s, and the impulses on the box from 0.2 s on [N s]."""
     basin = {"width": None, "obstacles": [BOX]}
-    fluid = water("delta_sph", basin=basin, spacing=0.05, kinematic_viscosity=1e-3, ledger=True)
+    fluid = water("delta_sph", basin=basin, spacing=0.05, kinematic_viscosity=1e-3, accounts=True)
     step_to(fluid, 0.2)
     before = fluid.boundary.impulses()[0]
     step_to(fluid, 0.6)
@@ -81,7 +81,7 @@ def thrown(water, kind: str, **keys):
     basin = FREE | {"obstacles": [{"min": [0.0, -0.45], "max": [0.2, -0.2]}]}
     fill = [{"min": [-0.35, -0.4], "max": [-0.05, -0.2]}]
     keys = {"spacing": 0.05, "reference_speed": 2.0, "kinematic_viscosity": 0.01, "collision_distance": 0.001} | keys
-    fluid = water(kind, basin=basin, fill=fill, ledger=True, **keys)
+    fluid = water(kind, basin=basin, fill=fill, accounts=True, **keys)
     x = fluid.particles.position.to_numpy()
     put(fluid, by_id(fluid, x), np.tile([0.5, 0.1, 0.0], (len(x), 1)))
     return fluid

@@ -64,7 +64,7 @@ def still_water(fluid) -> float:
 
 def test_still_water_holds_its_pressure_into_the_corners(water):
     basin = {"length": 1.0, "width": None, "depth": 0.5}
-    fluid = water("delta_sph", basin=basin, spacing=0.05, kinematic_viscosity=0.01, ledger=True)
+    fluid = water("delta_sph", basin=basin, spacing=0.05, kinematic_viscosity=0.01, accounts=True)
     assert still_water(fluid) < 0.015
     weight = fluid.particles.mass * fluid.particles.n * GRAVITY
     assert fluid.impulse["walls"][1] == pytest.approx(weight, rel=0.01)
@@ -155,7 +155,7 @@ def test_energy_is_accounted_for(water):
     """Kinetic, potential and internal energy, less what walls, viscosity and diffusion took, stay as they were."""
     basin = {"length": 1.0, "width": None, "depth": 0.5}
     fill = [{"min": [-0.5, -0.5], "max": [0.0, 0.0]}]
-    fluid = water("delta_sph", basin=basin, spacing=0.05, fill=fill, kinematic_viscosity=1e-3, ledger=True)
+    fluid = water("delta_sph", basin=basin, spacing=0.05, fill=fill, kinematic_viscosity=1e-3, accounts=True)
 
     def energy() -> float:
         x, v = fluid.particles.position.to_numpy(), fluid.particles.velocity.to_numpy()

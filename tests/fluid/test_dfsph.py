@@ -61,7 +61,7 @@ def test_more_neighbours_than_there_are_slots_for_stop_the_run(water):
 def rushing_together(water, **keys):
     """A shaken block without gravity whose halves run into each other, after one step."""
     basin = OPEN | {"gravity": [0.0, 0.0, 0.0]}
-    fluid = water("dfsph", basin=basin, reference_speed=2.0, ledger=True, **keys, **box(6, 6, 6, spacing=0.05))
+    fluid = water("dfsph", basin=basin, reference_speed=2.0, accounts=True, **keys, **box(6, 6, 6, spacing=0.05))
     x = fluid.particles.position.to_numpy()
     x += 0.05 * fluid.particles.spacing * np.random.default_rng(3).uniform(-1.0, 1.0, x.shape)
     v = np.zeros_like(x)
@@ -106,7 +106,7 @@ def test_momentum_is_kept_to_rounding(water):
 @pytest.fixture(scope="module")
 def still(water):
     """A slice of inviscid water, left alone for 4 s, and the largest speed that it had [sqrt(g H)]."""
-    fluid = water("dfsph", basin={"length": 1.0, "width": None, "depth": 0.5}, spacing=0.05, ledger=True)
+    fluid = water("dfsph", basin={"length": 1.0, "width": None, "depth": 0.5}, spacing=0.05, accounts=True)
     fluid.fastest = 0.0
     while fluid.time < 4.0:
         fluid.advance(0.01)

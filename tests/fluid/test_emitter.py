@@ -22,7 +22,7 @@ def number(fluid) -> int:
 
 
 def test_as_much_water_leaves_as_the_rate_says_until_the_cap_and_no_more(water):
-    fluid = fountain(water, ledger=True)
+    fluid = fountain(water, accounts=True)
     volume = fluid.particles.mass / fluid.particles.rest_density
     assert volume == pytest.approx(0.1**3)
     assert number(fluid) == 4
@@ -83,7 +83,7 @@ def test_a_layer_lies_across_the_jet_as_dense_as_water(water):
 def test_water_of_any_scheme_pours_and_its_momentum_is_told(water, kind):
     basin = {"width": None, "walls": "none", "floor": "none"}
     emitter = {"position": [0.0, 0.2], "velocity": [1.5, 0.0], "rate": 0.3, "cap": 60}
-    fluid = fountain(water, kind, emitter=emitter, basin=basin, spacing=0.05, ledger=True)
+    fluid = fountain(water, kind, emitter=emitter, basin=basin, spacing=0.05, accounts=True)
     start = fluid.particles.mass * fluid.particles.velocity.to_numpy().astype(float).sum(axis=0)
     t = 0.0
     while t < 0.6:

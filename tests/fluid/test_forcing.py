@@ -138,7 +138,7 @@ def flume(water):
     """The thesis's water between a piston and an absorbing side, half a period on."""
     maker = {"wall": "x_min", "height": 0.08, "period": 0.8, "ramp": 0.0}
     basin = {"width": None, "length": 2.0, "walls": {"x_max": "absorbing"}, "wavemaker": maker}
-    fluid = water("mueller", basin=basin, spacing=0.05, kinematic_viscosity=1e-3, ledger=True)
+    fluid = water("mueller", basin=basin, spacing=0.05, kinematic_viscosity=1e-3, accounts=True)
     while fluid.time < 0.2:
         fluid.advance(0.5 * fluid.limits().acoustic)
     return fluid

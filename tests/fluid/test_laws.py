@@ -24,7 +24,7 @@ def test_a_law_has_a_column_for_each_field_it_reads(water, kind, enclosed):
     basin = {"width": None, "gravity": [0.0, 0.0 if enclosed else -9.81, 0.0]} | (ENCLOSED if enclosed else BOX)
     wind, viscosity = None if enclosed else Stress(u10=5.0), 0.01 if enclosed else 0.0
     keys = {"kinematic_viscosity": viscosity, "reference_speed": 1.0}
-    found = laws(water(kind, basin=basin, wind=wind, ledger=enclosed, **keys))
+    found = laws(water(kind, basin=basin, wind=wind, accounts=enclosed, **keys))
     assert len(found) == 2 + (not enclosed), "two laws of the scheme, and the exposed area under a wind"
     for law in found:
         assert len(law.reads) == law.row.size, type(law).__name__

@@ -26,7 +26,7 @@ def sea(taichi_cpu):
 
     def build(basin: dict, **keys):
         place = BasinConfig(**basin).build()
-        return Config(**keys).build(place, 7, ledger=True, wind=Still().build(place, 7))
+        return Config(**keys).build(place, 7, accounts=True, wind=Still().build(place, 7))
 
     return build
 

@@ -76,7 +76,7 @@ def internal_impulses(fluid) -> None:
 def free(water):
     """Water without walls, floor or gravity."""
     basin = OPEN | {"gravity": [0.0, 0.0, 0.0]}
-    return water(basin=basin, particles=300, reference_speed=2.0, kinematic_viscosity=0.1, ledger=True)
+    return water(basin=basin, particles=300, reference_speed=2.0, kinematic_viscosity=0.1, accounts=True)
 
 
 def test_internal_forces_obey_newtons_third_law(free):
@@ -144,7 +144,7 @@ def test_free_fall_to_the_order_of_the_integrator(water):
 
 
 def test_the_momentum_of_a_block_in_still_air_is_g_t(water):
-    fluid = water(basin=OPEN, particles=200, kinematic_viscosity=0.05, ledger=True)
+    fluid = water(basin=OPEN, particles=200, kinematic_viscosity=0.05, accounts=True)
     for _ in range(40):
         fluid.advance(5e-4)
     momentum = fluid.particles.mass * fluid.particles.velocity.to_numpy().sum(axis=0)
@@ -155,7 +155,7 @@ def test_the_momentum_of_a_block_in_still_air_is_g_t(water):
 
 
 def test_a_uniform_stream_has_no_viscous_force(water):
-    fluid = water(particles=200, kinematic_viscosity=10.0, ledger=True)
+    fluid = water(particles=200, kinematic_viscosity=10.0, accounts=True)
     x = fluid.particles.position.to_numpy()
     put(fluid, x, np.full_like(x, 1.7))
     fluid.advance(1e-4)
@@ -176,7 +176,7 @@ def test_changing_one_term_changes_only_its_impulse(water, term):
     """From the same state, one step; what the walls give is what is left of all terms."""
     impulses = []
     for change in ({}, CHANGES[term]):
-        keys = {"particles": 300, "kinematic_viscosity": 0.1, "ledger": True} | change
+        keys = {"particles": 300, "kinematic_viscosity": 0.1, "accounts": True} | change
         fluid = water(basin=OPEN, **keys)
         rng = np.random.default_rng(6)
         n = fluid.particles.n
@@ -200,7 +200,9 @@ def test_changing_one_term_changes_only_its_impulse(water, term):
 
 
 def test_walls_hold_still_water_and_carry_its_weight(water):
-    fluid = water(basin={"length": 0.6, "width": 0.6, "depth": 0.4}, spacing=0.1, kinematic_viscosity=0.02, ledger=True)
+    fluid = water(
+        basin={"length": 0.6, "width": 0.6, "depth": 0.4}, spacing=0.1, kinematic_viscosity=0.02, accounts=True
+    )
     for _ in range(1500):
         fluid.advance(1e-3)
     x = fluid.particles.position.to_numpy()
@@ -229,7 +231,7 @@ def test_a_bed_that_water_lies_on_does_no_work(water):
     """Each step gives a particle on the bed back some of the speed at which it would fall through, and it stays where
     it is: what images push times that speed, a work that nothing does, is over sixty times what is counted."""
     basin = {"restitution": 0.5}
-    fluid = water(basin=basin, kinematic_viscosity=0.05, compression=0.01, collision_distance=0.5, ledger=True)
+    fluid = water(basin=basin, kinematic_viscosity=0.05, compression=0.01, collision_distance=0.5, accounts=True)
     fluid.advance(dt := 0.2 * fluid.limits().acoustic)
     while fluid.time < 2.0:
         fluid.advance(dt)

@@ -140,7 +140,7 @@ def test_a_budget_is_a_time(text, most):
 
 @pytest.mark.parametrize("text", ["16", "fast", "-3s", "0ms", "ms", "1h"])
 def test_anything_else_is_no_budget(text):
-    with pytest.raises(ValueError, match="say realtime"):
+    with pytest.raises(ValueError, match="give realtime"):
         Budget.of(text)
     assert answered(["tradeoff", "sea.yaml", "--budget", text]) == 2
 
@@ -256,7 +256,7 @@ def test_the_study_of_a_scene_answers_with_a_line_to_paste_and_proves_it(capsys,
     assert answered([*asked, "--budget", "600s"]) == 0
     said = capsys.readouterr().out
     assert "the reference is --set fluid.height=0.1" in said
-    assert "most accurate within 600s, by centre_rms_m: --set fluid.height=0.1" in said and "run afresh" in said
+    assert "most accurate within 600s, by centre_rms_m: --set fluid.height=0.1" in said and "run again" in said
     assert {"tradeoff.csv", "seeds.csv", "tradeoff.png"} <= {path.name for path in Path("out").iterdir()}
     assert answered([*asked, "--budget", "0.001ms"]) == 0  # the runs are there already
     assert "nothing fits 0.001ms: the cheapest takes" in capsys.readouterr().out

@@ -1,4 +1,4 @@
-"""Poses of a platform as datagrams: two packet formats, a sender that keeps time, a receiver that never jerks.
+"""Poses of a platform as datagrams: two packet formats, a sender that keeps time, a receiver without jumps.
 
 `ocean_sim`, version 1, 120 bytes, little-endian: 4 bytes `OSPF`, uint16 version, uint16 frame (0 flu, 1 ned, 2 ship),
 uint32 sequence number, uint32 what was limited, float64 time [s], 6 float64 x, y, z [m] from neutral, roll, pitch, yaw
@@ -106,8 +106,8 @@ class Jitter(NamedTuple):
 
 
 class Sender:
-    """Sends rows at the pace of their own time. Raises ValueError where the address is none, OSError where nobody knows
-    the host.
+    """Sends rows at the pace of their own time. Raises ValueError where the address is malformed, OSError where the
+    host is unknown.
 
     A row that comes too late is sent at once and the clock is set by it: what follows keeps its pace, there is no
     burst.

@@ -3,7 +3,7 @@
 An order is plain data: a `task`, which is the name of a module with `answer(order, folder)`, and what that needs. Its
 run has a folder named by the hash of the order and of the package, and leaves its answer there; an order that has an
 answer is not run again. A process that dies leaves no answer: it is a failure with a reason, and the next call tries it
-afresh. No process of a run outlives the worker that waits for it, however that ends.
+again. No process of a run outlives the worker that waits for it, however that ends.
 """
 
 import hashlib
@@ -32,7 +32,7 @@ SOURCES = (".py", ".csv")  # suffixes of the package's files that an answer depe
 PATIENCE = 20.0  # to reach a scheduler [s]
 
 _running: set[subprocess.Popen] = set()
-_over = Event()  # nobody listens any more: start nothing
+_over = Event()  # the caller has stopped: start nothing
 
 
 class ClusterMissing(Lacking):
@@ -147,7 +147,7 @@ def _executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
 
 @cache
 def _sources() -> str:
-    """Hash of the package's files: what another program answered is no answer."""
+    """Hash of the package's files: an answer of another version does not count."""
     found = hashlib.sha256()
     for path in sorted(PACKAGE.rglob("*")):
         if path.suffix in SOURCES and path.is_file():

@@ -1,4 +1,4 @@
-"""The run of one scene as a task of a study: its whole run folder, and what a table says of it."""
+"""The run of one scene as a task of a study: its whole run folder, and its row in a table."""
 
 from pathlib import Path
 from time import perf_counter
@@ -22,7 +22,7 @@ def ordered(config: SceneConfig, threads: int | None = None) -> dict[str, Any]:
 
 
 def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Runs the scene; a run that left the physical world is `stopped`, and says why."""
+    """Runs the scene; a run that left the physical world is `stopped`, with the reason."""
     began, reason = perf_counter(), ""
     asked = order["machine"]["threads"]
     more = {"runtime.threads": asked} if asked and not order["scene"]["runtime"]["threads"] else {}

@@ -15,7 +15,7 @@ def columns(rows: list[dict[str, Any]]) -> list[str]:
 
 
 def write(path: Path, rows: list[dict[str, Any]]) -> None:
-    """All rows, in whole or not at all; what is absent is empty, what is no number or word is JSON."""
+    """All rows, in whole or not at all; what is absent is empty, what is neither a number nor a word is JSON."""
     with whole(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, columns(rows), lineterminator="\n")
         writer.writeheader()

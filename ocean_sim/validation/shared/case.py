@@ -79,7 +79,7 @@ class Problem:
     """Those that are run where nobody asks for others."""
 
     def load(self, scheme: str, overrides: Mapping[str, Any] | None = None) -> Any:
-        """The scene under a scheme, with nobody watching."""
+        """The scene under a scheme, without observers."""
         quiet = {name: None for name in observer_names() if name != "manifest"}
         part = self.scene[self.slot] | {"kind": scheme}
         return load(self.scene | quiet | {self.slot: part}, dict(overrides or {}))

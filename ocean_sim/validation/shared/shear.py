@@ -23,7 +23,7 @@ Exact = Callable[[np.ndarray, float], np.ndarray]
 
 
 def poiseuille(y: np.ndarray, time: float) -> np.ndarray:
-    """Speed over that in the middle in the end, at heights y [L] and a time [L^2 / nu], driven by a body force."""
+    """Speed over the final speed in the middle, at heights y [L] and a time [L^2 / nu], driven by a body force."""
     odd = 2.0 * TERMS - 1.0
     waves = np.sin(np.pi * np.outer(y, odd)) * np.exp(-((odd * np.pi) ** 2) * time) / odd**3
     return 4.0 * y * (1.0 - y) - 32.0 / np.pi**3 * waves.sum(axis=1)

@@ -1,4 +1,4 @@
-"""A ship in water in closed form: scenes, and what is done to the ship by hand."""
+"""A ship in water in closed form: scenes, and setting the ship's state by hand."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -41,7 +41,7 @@ def floating(simulation: Simulation) -> "FloatingShip":
 
 
 def pose(simulation: Simulation, **changes: Any) -> None:
-    """Give the ship other parts of its state, and no momentum unless that is given."""
+    """Replace parts of the ship's state; its momentum is 0 unless given."""
     ship = ship_of(simulation)
     still = {"velocity": np.zeros(3), "angular_momentum": np.zeros(3)}
     ship.body = replace(ship.body, **(still | changes))

@@ -33,7 +33,7 @@ class State:
 
     @property
     def momentum(self) -> np.ndarray:
-        """(3,) [N s], of sums without rounding: what is left of a momentum that cancels is far below a plain sum's."""
+        """(3,) [N s], summed exactly: the rest of a momentum that cancels is far below the rounding of a plain sum."""
         return self.mass * np.array([fsum(component) for component in self.velocity.T])
 
     @property
@@ -81,10 +81,10 @@ def shaken(simulation: Simulation, at: np.ndarray, size: float) -> np.ndarray:
 
 
 def watched(simulation: Simulation, until: float, every: float) -> Iterator[State]:
-    """The state now and about every so many seconds; raises Diverged where it is no longer one."""
+    """The state now and about every `every` seconds; raises Diverged where it is no longer finite."""
     yield state(simulation)
     for moment in np.arange(every, until + 0.5 * every, every):
         simulation.run(until=float(moment))
         if not simulation.fluid.status.finite:
-            raise Diverged(f"velocities or densities are no numbers any more; t = {simulation.time:.4g} s")
+            raise Diverged(f"velocities or densities are not finite; t = {simulation.time:.4g} s")
         yield state(simulation)

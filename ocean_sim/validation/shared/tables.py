@@ -1,4 +1,4 @@
-"""Reference tables of `data/`; each says in its first comment lines where it comes from."""
+"""Reference tables of `data/`; the comment lines at the head of each give its source."""
 
 from pathlib import Path
 

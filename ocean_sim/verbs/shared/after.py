@@ -83,7 +83,7 @@ def export(
 
 
 def finished(folder: Path) -> None:
-    """Refuses what is no run folder, or one that kept no frames."""
+    """Refuses what is not a run folder, or has kept no frames."""
     if not (folder / "manifest.json").is_file():
         raise console.Refused(f"{folder}: this is not a run folder (there is no manifest.json)")
     if not any((folder / "frames").glob("*")):

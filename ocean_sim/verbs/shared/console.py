@@ -46,7 +46,7 @@ def _plain(value: Any) -> Any:
 
 
 def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
-    """A table for people; numbers stand to the right."""
+    """A table for people; numbers are aligned to the right."""
     from rich.console import Console
     from rich.table import Table
 

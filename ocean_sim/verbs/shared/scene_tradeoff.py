@@ -113,7 +113,7 @@ def answer(
         setting = plan[next(n for n, one in enumerate(rows) if one is row)]
         orders = [one.order(seeds, again=True) for one in (setting, reference)]
         for order in orders:
-            shutil.rmtree(folder_of(out, order), ignore_errors=True)  # afresh, whatever lies there
+            shutil.rmtree(folder_of(out, order), ignore_errors=True)  # run again, whatever lies there
         runs = made(orders, out, quiet)
         done = all(run["outcome"] == "done" for run in runs)
         spent, error = limit.spent(runs[0]), distance(setting, reference, seeds, out, True).get(judge) if done else None
@@ -121,7 +121,7 @@ def answer(
         fits = spent is not None and spent <= limit.most
         if fits and error is not None and error <= bound * (1.0 + 1e-6):
             return {"setting": setting.line(), "spent": spent, "error": error, "bound": bound}
-        row["reason"] = f"run afresh it spent {text(spent)} and missed by {text(error)} (bound {bound:.4g})"
+        row["reason"] = f"run again it spent {text(spent)} and missed by {text(error)} (bound {bound:.4g})"
         left = [one for one in left if one is not row]
     return None
 
@@ -141,10 +141,10 @@ def verdict(found: dict[str, Any] | None, rows: list[dict[str, Any]], judge: str
     if found is not None:
         return (
             f"most accurate within {limit.name}, by {judge}: {found['setting']}\n"
-            f"  run afresh with another seed: {found['spent']:.3g} of {limit.most:g}, "
+            f"  run again with another seed: {found['spent']:.3g} of {limit.most:g}, "
             f"error {found['error']:.3g} (at most {found['bound']:.3g} expected)"
         )
-    tried = [row["reason"] for row in rows if row["reason"].startswith("run afresh")]
+    tried = [row["reason"] for row in rows if row["reason"].startswith("run again")]
     spent = [cost for row in rows if row["outcome"] == "done" and (cost := limit.spent(row)) is not None]
     cheapest = f"the cheapest takes {min(spent):.3g} of {limit.most:g}" if spent else "no setting ran to its end"
     return f"nothing fits {limit.name}: {'; '.join([cheapest, *tried])}"

@@ -296,13 +296,13 @@ def mistaken(found: Any, fresh: Any) -> bool:
 
 
 def fits(value: Any, declared: Any) -> bool:
-    """Whether a value is of a declared type; what is declared in words or as no class fits everything."""
+    """Whether a value is of a declared type; what is declared in words, as a protocol or as Any fits everything."""
     if get_origin(declared) is UnionType:
         return any(fits(value, one) for one in get_args(declared))
     if get_origin(declared) is tuple and get_args(declared)[-1] is ...:
         return isinstance(value, tuple) and all(fits(one, get_args(declared)[0]) for one in value)
     kind = NUMBERS if declared in (int, float, bool) else get_origin(declared) or declared
-    return not isinstance(kind, type | tuple) or isinstance(value, kind)
+    return isinstance(value, kind) if kind is NUMBERS or type(kind) is type else True
 
 
 def is_ours(value: Any) -> bool:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ocean_sim.fluid import Fluid, Lattice, Limits
     from ocean_sim.platform import Platform
     from ocean_sim.runtime import RuntimeConfig
-    from ocean_sim.ship import Ship
+    from ocean_sim.ship import Look, Ship
     from ocean_sim.surface import Surface
     from ocean_sim.time_step import TimeStep
     from ocean_sim.wind import Wind
@@ -233,6 +233,10 @@ class ShipConfig(KindConfig):
     def solids(self, preflight: "Preflight") -> tuple[Solid, ...]:
         """What the water is built around."""
         return ()
+
+    def look(self, preflight: "Preflight") -> "Look | None":
+        """What a picture needs besides its triangles; None where it has no shape."""
+        return None
 
     @abstractmethod
     def build(self, basin: Basin, fluid: "Fluid") -> "Ship": ...

@@ -9,6 +9,7 @@ import numpy as np
 import taichi as ti
 
 from ocean_sim.conventions import Setting
+from ocean_sim.waves import Components
 
 
 @dataclass(frozen=True)
@@ -252,6 +253,11 @@ class Fluid(Protocol):
     @property
     def of_particles(self) -> "ParticleFluid | None":
         """Itself where it is made of particles."""
+        return None
+
+    @property
+    def plane_waves(self) -> Components | None:
+        """The plane waves that it is the sum of, where it is a closed form."""
         return None
 
     @property

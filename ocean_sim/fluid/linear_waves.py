@@ -101,6 +101,10 @@ class LinearWaves(Fluid):
         self.amplitude, self.phase, self.k, self.kx, self.kz, self.speed = (ti.field(float, shape=n) for _ in range(6))
         self.begin(self.sea)
 
+    @property
+    def plane_waves(self) -> waves.Components:
+        return self.sea
+
     def begin(self, sea: waves.Components) -> None:
         """These waves from time 0 on; as many as there were, of the same depth."""
         self.sea, self.time = sea, 0.0

@@ -61,7 +61,7 @@ class Accuracy(Observer):
         self.gravity = np.array(simulation.basin.gravity)  # [m/s2]
         self.pushing: list[str] = []
         self.working: list[str] = []
-        self.surface = SurfaceFit(simulation) if simulation.surface is not None else None
+        self.surface = SurfaceFit(simulation.surface) if simulation.surface is not None else None
         self.outer: list[str] = []  # forces that give and take energy
         self.solvers: tuple[str, ...] = ()  # of a scheme that iterates
         meaning: dict[str, object] = {}

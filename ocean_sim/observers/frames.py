@@ -2,12 +2,13 @@
 where the ship is; one file a frame."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from ocean_sim.basin.points import grid, pairs
 from ocean_sim.files.whole_file import whole
+from ocean_sim.fluid import Fluid
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.sampled import Multiples
 from ocean_sim.parts import Preflight
@@ -115,22 +116,19 @@ class Frames(Observer):
 def looks(simulation: "Simulation") -> dict[str, object]:
     """What a picture of the ship needs apart from its hull: names of hull and shape, its helm from the centre of mass
     in body axes [m] (nothing where none is named), and the share of its volume that is under water at rest."""
-    ship: Any = simulation.ship
-    config: Any = simulation.scene.ship
-    still = config.afloat(-simulation.basin.gravity[1], simulation.scene.fluid.rest_density)
-    name = config.hull if isinstance(config.hull, str) else ""
-    return {
-        "ship_look": f"{name} {config.whole_hull.shape.kind}",
-        "ship_helm": ship.points.get("helm", np.zeros(0)),
-        "ship_submerged": min(1.0, still.wanted / still.voxels.volume),
-    }
-
-
-def plane_waves(fluid: Any) -> dict[str, np.ndarray]:
-    """The waves of water in closed form, by which a picture goes on with them beyond the basin."""
-    if fluid.particles is not None:
+    scene, ship = simulation.scene, simulation.ship
+    look = scene.ship.look(scene.preflight) if scene.ship is not None else None
+    if look is None or ship is None:
         return {}
-    sea = fluid.sea
+    helm = ship.points.get("helm", np.zeros(0))
+    return {"ship_look": look.name, "ship_helm": helm, "ship_submerged": look.submerged}
+
+
+def plane_waves(fluid: Fluid) -> dict[str, np.ndarray]:
+    """The waves of water in closed form, by which a picture goes on with them beyond the basin."""
+    sea = fluid.plane_waves
+    if sea is None:
+        return {}
     return {"sea_amplitude": sea.amplitude, "sea_wavevector": sea.wavevector, "sea_phase": sea.phase}
 
 

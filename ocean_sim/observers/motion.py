@@ -1,7 +1,7 @@
 """The ship's motion at a fixed rate: pose, rates, specific force at a point, and every part of (4.27)."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from ocean_sim.observers.shared.handed_on import TakesMotion, takers
 from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.parts import Preflight, Problems
 from ocean_sim.platform.shared.motion_log import ride_of
+from ocean_sim.ship import Ship
 from ocean_sim.simulation import Observer, PeriodicConfig
 
 if TYPE_CHECKING:
@@ -78,7 +79,8 @@ class Motion(Observer):
     before: np.ndarray | None
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
-        ship: Any = simulation.ship
+        ship = simulation.ship
+        assert ship is not None
         self.every, self.frame = config.every, config.frame
         self.arm = ship.points[config.point] if config.point else np.zeros(3)
         self.sampled, self.gravity = Sampled(config.every), np.array(simulation.basin.gravity)
@@ -98,6 +100,7 @@ class Motion(Observer):
 
     def observe(self, simulation: "Simulation") -> None:
         rows: list[list[float]] = []
+        assert simulation.ship is not None
         for time, values, _ in self.sampled.rows(simulation.time, self.continuous(self.row(simulation.ship))):
             angles, q = values[ANGLES], values[QUATERNION]
             values[ANGLES] = np.remainder(angles + np.pi, 2.0 * np.pi) - np.pi
@@ -115,7 +118,7 @@ class Motion(Observer):
             table = np.array([rounded(row) for row in rows]).T
             observer.take_motion(ride_of(dict(zip(self.columns, table)), self.frame))
 
-    def row(self, ship: Any) -> np.ndarray:
+    def row(self, ship: Ship) -> np.ndarray:
         """All columns but time and number."""
         body, load, turn = ship.body, ship.last, ship.body.matrix
         arm, omega = turn @ self.arm, body.angular_velocity

@@ -1,7 +1,7 @@
 """Ships: every module of this folder without a leading underscore is a kind a scene may name."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
@@ -41,6 +41,13 @@ class Load:
     def torque(self) -> np.ndarray:
         """Their sum, (3,), world axes [N m]."""
         return self.parts[:, 1].sum(axis=0)
+
+
+class Look(NamedTuple):
+    """What a picture needs of a ship besides its triangles."""
+
+    name: str  # of its hull, if it has one, and of its shape
+    submerged: float  # share of its volume that is under water at rest
 
 
 class Ship(Protocol):

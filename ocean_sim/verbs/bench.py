@@ -6,12 +6,16 @@ import resource
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from statistics import median
 from time import monotonic, perf_counter, process_time
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ocean_sim.files.yaml_file import Problem, SceneError
 from ocean_sim.verbs.shared import console
+
+if TYPE_CHECKING:
+    from ocean_sim.simulation import Simulation
 
 DEFAULT = ("bench/dam_break_6k", "bench/dam_break_50k")
 WARM_UP = 20  # steps
@@ -100,7 +104,7 @@ def bench_one(order: dict[str, Any]) -> None:
     )
 
 
-def block(simulation: Any, sync: Any) -> tuple[int, float, float, float]:
+def block(simulation: "Simulation", sync: Callable[[], None]) -> tuple[int, float, float, float]:
     """Steps, wall time [s], processor time [s] and simulated time [s] of at least BLOCK seconds of stepping."""
     steps, wall, cpu, simulated = 0, perf_counter(), process_time(), simulation.time
     while perf_counter() - wall < BLOCK:

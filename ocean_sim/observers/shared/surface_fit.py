@@ -1,12 +1,13 @@
 """How well a surface fits the particles under it: its distance from the highest of them, and what it
 measures of itself."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import with_particles
+from ocean_sim.surface import Surface
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -30,7 +31,7 @@ def highest(position: np.ndarray, basin: Basin, spacing: float) -> np.ndarray:
     return position[order[last]] + [0.0, 0.5 * spacing, 0.0]
 
 
-def fit(surface: Any, top: np.ndarray) -> tuple[float, float]:
+def fit(surface: Surface, top: np.ndarray) -> tuple[float, float]:
     """Mean and root mean square of the height of a surface over (m, 3) points [m]."""
     away = surface.elevations(top[:, [0, 2]]) - top[:, 1]
     return float(away.mean()), float(np.sqrt(np.square(away).mean()))
@@ -39,14 +40,14 @@ def fit(surface: Any, top: np.ndarray) -> tuple[float, float]:
 class SurfaceFit:
     """Numbers of a row of accuracy.csv: the fit, and what the surface measures of itself."""
 
-    def __init__(self, simulation: "Simulation") -> None:
-        surface: Any = simulation.surface
+    def __init__(self, surface: Surface) -> None:
         self.meaning = MEANING | {name.rsplit("_m", 1)[0]: meaning for name, meaning in surface.measured.items()}
         self.columns = ["surface_offset_m", "surface_fit_m", *surface.measured]
 
     def values(self, simulation: "Simulation") -> list[float]:
         """In the order of the columns."""
-        surface: Any = simulation.surface
+        surface = simulation.surface
+        assert surface is not None
         position = with_particles(simulation.fluid).particles.position.to_numpy().astype(float)
         top = highest(position, simulation.basin, simulation.fluid.spacing)
         return [*fit(surface, top), *surface.measures()]

@@ -13,6 +13,7 @@ from ocean_sim.files.input_file import relative_to_scene
 from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, named
+from ocean_sim.ship import Look
 from ocean_sim.ship.shared.cubes import Cubes, Wetted
 from ocean_sim.ship.shared.distance import MANY, memory
 from ocean_sim.ship.shared.hull import Hull, Inertia, explained, hull_of
@@ -72,6 +73,11 @@ class FloatingConfig(VesselConfig):
     def afloat(self, gravity: float, density: float) -> Hydrostatics:
         """The hull in still water; raises ValueError."""
         return self.whole_hull.afloat(self.cells_per_draught, density, gravity)
+
+    def look(self, preflight: Preflight) -> Look:
+        still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
+        name = self.hull if isinstance(self.hull, str) else ""
+        return Look(f"{name} {self.whole_hull.shape.kind}", min(1.0, still.wanted / still.voxels.volume))
 
     def solids(self, preflight: Preflight) -> tuple[Solid, ...]:
         if self.contact is None or preflight.spacing is None:

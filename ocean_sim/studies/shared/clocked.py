@@ -3,6 +3,7 @@
 from time import perf_counter, process_time
 from typing import Any
 
+from ocean_sim.fluid import with_particles
 from ocean_sim.simulation import Simulation
 
 WARM_UP = 3  # steps in which kernels are still compiled or loaded
@@ -27,9 +28,10 @@ class Clocked(Simulation):
 
     def frame(self) -> None:
         """Let the surface follow the water for a sixtieth of a second and make its triangles: counted like a step."""
-        surface: Any = self.surface
+        surface = self.surface
+        assert surface is not None
         wall, cpu = perf_counter(), process_time()
-        surface.follow(self.fluid.particles, FRAME)
+        surface.follow(with_particles(self.fluid).particles, FRAME)
         surface.mesh()
         self.spent.append((FRAME, perf_counter() - wall, process_time() - cpu))
 

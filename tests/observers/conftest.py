@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from ocean_sim import basin
+from ocean_sim.fluid import Fluid
 from ocean_sim.parts import LedgerRow
+from ocean_sim.time_step.courant import Config as Courant
 
 SPACING = 0.5
 
@@ -28,8 +30,15 @@ class Limits:
     force: float = 0.1
 
 
-class Sea:
+class Sea(Fluid):
     """Particles on a lattice under eta = slope * x + rise * t + waves; elevation and velocity are linear in time."""
+
+    impulse = work = None  # its own, not computed by anybody
+    rest_density, spacing = 1000.0, SPACING
+
+    @property
+    def of_particles(self):
+        return self
 
     def __init__(self, place):
         self.place, self.rise, self.time = place, 0.25, 0.0
@@ -89,11 +98,11 @@ class Watched:
         self.scene = SimpleNamespace(
             title="A computed sea",
             seed=7,
-            wind=None,
-            fluid=SimpleNamespace(kind="computed", body_force=(0.0, 0.0, 0.0)),
+            wind=SimpleNamespace(still=True),
+            fluid=SimpleNamespace(kind="computed", steady_force=(0.0, 0.0, 0.0), driven=False),
             surface=None,
             ship=None,
-            time_step=SimpleNamespace(kind="courant"),
+            time_step=Courant(),
             warnings=list,
             ledger=lambda: [LedgerRow("fluid", "particles", 1024, "a computed sea")],
             resolved=lambda: {"title": "A computed sea", "basin": {"length": place.config.length}},

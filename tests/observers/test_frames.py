@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from ocean_sim.observers import frames, manifest
+from ocean_sim.parts import Preflight
 
 
 def test_a_frame_is_the_first_state_at_or_after_its_time(tmp_path, watched):
@@ -52,10 +53,8 @@ def test_the_manifest_says_what_was_run_and_how_it_ended(tmp_path, watched):
 
 
 def test_frames_that_would_fill_a_disk_are_announced(watched):
-    simulation = watched()
-    scene, n = simulation.scene, 2_000_000
-    scene.basin, scene.duration = simulation.basin.config, 20.0
-    scene.fluid.lattice = lambda basin: SimpleNamespace(n=n, spacing=0.5)
+    water = SimpleNamespace(lattice=lambda basin: SimpleNamespace(n=2_000_000, spacing=0.5))
+    scene = Preflight({"fluid": water}, watched().basin, 4, 20.0)
     [sentence] = frames.Config().warnings(scene)
     assert sentence.startswith("frames: about 34.0 GB") and "frames.particles: false" in sentence
     assert frames.Config(particles=False).warnings(scene) == []

@@ -77,8 +77,8 @@ def test_a_pressure_gauge_may_be_on_a_wall_and_above_the_water_but_not_outside(w
             watched().basin
         )
     )
-    assert problems["pressure.deep"] == "y = -2.1 m is outside the basin, whose bed is at -2 m"
-    assert "z = 2.1 m is outside" in problems["pressure.far"] and "[x, y, z]" in problems["pressure.flat"]
+    assert problems["pressure", "deep"] == "y = -2.1 m is outside the basin, whose bed is at -2 m"
+    assert "z = 2.1 m is outside" in problems["pressure", "far"] and "[x, y, z]" in problems["pressure", "flat"]
     assert "slice" in gauges.Config(pressure={"a": [0.0, 0.0, 0.0]}).misplaced(watched(width=None).basin)[0][1]
     assert "outside" in gauges.Config(pressure={"a": [0.0, 0.1, 0.0]}).misplaced(watched(lid={}).basin)[0][1]
 

@@ -6,6 +6,7 @@ import pytest
 
 from ocean_sim.conventions import Diverged
 from ocean_sim.observers import health
+from ocean_sim.time_step.fixed import Config as Fixed
 
 
 def build(watched, folder=None, **config):
@@ -74,7 +75,7 @@ def test_what_is_not_physical_stops_the_run_with_a_sentence(watched, what, words
 
 
 def test_energy_from_nowhere_stops_the_run_and_energy_of_the_wind_does_not(watched):
-    for wind, stops in ((None, True), (SimpleNamespace(kind="gusts"), False)):
+    for wind, stops in ((SimpleNamespace(still=True), True), (SimpleNamespace(still=False), False)):
         simulation = watched()
         simulation.scene.wind = wind
         simulation.observers = [health.Config(max_energy_gain=0.001).build(None, simulation)]
@@ -145,7 +146,7 @@ def test_a_fluid_without_pressure_has_no_density_bound(watched):
 def test_the_advice_follows_the_cause(tmp_path, watched):
     simulation, observer = build(watched, tmp_path)
     assert "courant_number" in observer.advice()
-    simulation.scene.time_step.kind, simulation.scene.time_step.dt = "fixed", 0.05
+    simulation.scene.time_step = Fixed(dt=0.05)
     assert "below its acoustic limit (here 0.01 s)" in observer.advice()
     simulation.fluid.sound_speed = 20.0**0.5
     assert "stiffness 20 m^2/s^2 holds only 0.02 m of water" in observer.advice()

@@ -218,12 +218,12 @@ def test_the_ship_is_mirrored_in_a_final_picture(picture):
 
 def test_frames_keep_the_waves_of_a_sea_in_closed_form_and_nothing_of_particles():
     sea = spectrum()
-    assert set(frames.plane_waves(SimpleNamespace(particles=None, sea=sea))) == {
+    assert set(frames.plane_waves(SimpleNamespace(plane_waves=sea))) == {
         "sea_amplitude",
         "sea_wavevector",
         "sea_phase",
     }
-    assert frames.plane_waves(SimpleNamespace(particles=object(), sea=sea)) == {}
+    assert frames.plane_waves(SimpleNamespace(plane_waves=None)) == {}
 
 
 def test_foam_covers_what_is_asked_for():

@@ -1,4 +1,4 @@
-"""Keeps everything that a run needs to go on: at simulated and wall-clock intervals, at the end, and when it is
+"""Keeps everything that a run needs to continue: at simulated and wall-clock intervals, at the end, and when it is
 stopped; `ocean-sim resume` reads it."""
 
 import signal
@@ -38,7 +38,7 @@ class Config(PeriodicConfig):
 
 class Checkpoint(Observer):
     """checkpoint_<time>.h5, the newest two. Ctrl-C and SIGTERM let the step end, keep its state, then stop the run; a
-    second one stops it at once. It comes last: what others do in a step is then done."""
+    second one stops it at once. It takes the last turn, when the other observers have finished with the step."""
 
     left_out = ("contents", "written", "asked", "before")
 
@@ -77,7 +77,7 @@ class Checkpoint(Observer):
         self.written = perf_counter()
 
     def listen(self) -> None:
-        """From now on, take the signals that stop a run."""
+        """From now on, handle the signals that stop a run."""
         self.before = {}
         if threading.current_thread() is threading.main_thread():
             self.before = {number: signal.signal(number, self.stop) for number in STOPS}
@@ -105,7 +105,7 @@ def maker(simulation: "Simulation") -> dict[str, str | None]:
 
 
 def versions() -> dict[str, str | None]:
-    """Of the packages that compute."""
+    """Versions of the packages that compute."""
     return {name: installed(name) for name in ("ocean-sim", "taichi", "numpy", "scipy")}
 
 

@@ -36,7 +36,7 @@ class Config(PeriodicConfig):
     """Keep the positions and velocities of the particles, which `export` and pictures of particles need."""
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Says when the frames of a long or large run would fill a disk."""
+        """A warning where the frames of a long or large run would fill a disk."""
         x, z = grid(preflight.tank, self.spacing or preflight.spacing or preflight.tank.depth)
         kept = preflight.particles if self.particles else 0
         frame = 4 * len(x) * len(z) + BYTES_PER_PARTICLE * kept
@@ -65,7 +65,11 @@ class Frames(Observer):
         self.points = pairs(x, z)
         drawn = simulation.ship.drawn() if simulation.ship is not None else None
         self.ship = simulation.ship if drawn is not None else None
-        hull = {} if drawn is None else {"ship_vertices": drawn[0], "ship_triangles": drawn[1]} | looks(simulation)
+        hull = (
+            {}
+            if drawn is None
+            else {"ship_vertices": drawn[0], "ship_triangles": drawn[1]} | ship_appearance(simulation)
+        )
         self.write(
             "grid",
             x=x,
@@ -103,7 +107,7 @@ class Frames(Observer):
         self.count += 1
 
     def resumed(self) -> None:
-        """Deletes frames that were made after the state from which the run goes on."""
+        """Delete frames that were made after the state from which the run continues."""
         for path in self.folder.glob("frame_*.npz"):
             if int(path.stem.removeprefix("frame_")) >= self.count:
                 path.unlink()
@@ -113,7 +117,7 @@ class Frames(Observer):
             np.savez(file, **arrays)  # type: ignore[arg-type]
 
 
-def looks(simulation: "Simulation") -> dict[str, object]:
+def ship_appearance(simulation: "Simulation") -> dict[str, object]:
     """What a picture of the ship needs apart from its hull: names of hull and shape, its helm from the centre of mass
     in body axes [m] (nothing where none is named), and the share of its volume that is under water at rest."""
     scene, ship = simulation.scene, simulation.ship

@@ -18,15 +18,15 @@ from ocean_sim.simulation import Observer, PeriodicConfig
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
-POSITIONS_EVERY = 50  # steps between two looks at all positions, which are copied for it
-ENERGY_EVERY = 0.05  # [depth over reference speed] at most between two looks at the energy, however long the steps
-GAIN_REPORTED = 0.01  # of the same scale as `max_energy_gain`: less is not worth a word
+POSITIONS_EVERY = 50  # steps between two checks of all positions, which are copied for it
+ENERGY_EVERY = 0.05  # [depth over reference speed] at most between two checks of the energy, however long the steps
+GAIN_REPORTED = 0.01  # of the same scale as `max_energy_gain`: less is not reported
 QUIET = 0.5  # [s] at least between two events of one kind
 
 
 class Config(PeriodicConfig):
     turn: ClassVar[int] = -3
-    leaves: ClassVar[str] = "events.jsonl; looks at every particle"
+    leaves: ClassVar[str] = "events.jsonl; checks every particle"
     takes: ClassVar[tuple[float, float]] = (2.0e-5, 2.3e-9)
     writes: ClassVar[bool] = False
     every: float = quantity("s", 0.0, ge=0.0)
@@ -87,10 +87,10 @@ class Health(Observer):
             self.first_energy = total(simulation)
         if self.n > 0 and simulation.steps > 0:
             if self.suspicious() or simulation.steps % POSITIONS_EVERY == 0:
-                sentence = next(self.complaints(), None)
+                sentence = next(self.violations(), None)
             else:
                 due = self.judged and simulation.time >= self.energy_seen + self.energy_every
-                sentence = next(self.heated(), None) if due else None
+                sentence = next(self.energy_violations(), None) if due else None
             if sentence is not None:
                 raise Diverged(sentence)
         self.note_limit(simulation)
@@ -100,7 +100,7 @@ class Health(Observer):
     def suspicious(self) -> bool:
         """Whether the fluid's own summary of the last step is out of bounds; NaN counts as out of bounds."""
         status = self.simulation.fluid.status
-        dense = self.too_dense(status.max_density) or self.gone(status.min_density)
+        dense = self.too_dense(status.max_density) or self.without_density(status.min_density)
         return not status.finite or not status.max_speed <= self.max_speed or dense
 
     def too_dense(self, density: float) -> bool:
@@ -108,11 +108,11 @@ class Health(Observer):
         fluid = self.simulation.fluid
         return fluid.sound_speed > 0.0 and not density <= self.config.max_density_ratio * fluid.rest_density
 
-    def gone(self, density: float) -> bool:
+    def without_density(self, density: float) -> bool:
         """Whether water has no density left, which a scheme that carries it on from step to step can come to."""
         return self.simulation.fluid.sound_speed > 0.0 and not density > 0.0
 
-    def complaints(self) -> Iterator[str]:
+    def violations(self) -> Iterator[str]:
         """Sentences about what is out of bounds, worst kind first."""
         fluid = with_particles(self.simulation.fluid)
         particles, status = fluid.particles, fluid.status
@@ -129,8 +129,8 @@ class Health(Observer):
             ratio = status.max_density / particles.rest_density
             what = f"density reached {status.max_density:.4g} kg/m^3, {ratio:.3g} x the rest density"
             yield self.sentence(f"{what} (bound {self.config.max_density_ratio:g})", position, [density.argmax()])
-        if self.gone(status.min_density):
-            what = f"density fell to {status.min_density:.4g} kg/m^3, and water has some"
+        if self.without_density(status.min_density):
+            what = f"density fell to {status.min_density:.4g} kg/m^3; it must stay above 0"
             yield self.sentence(what, position, [int(density.argmin())])
         if not status.max_speed <= self.max_speed:
             what = f"a particle reached {status.max_speed:.4g} m/s (bound {self.max_speed:.4g} m/s)"
@@ -146,10 +146,10 @@ class Health(Observer):
             far = f"the farthest by {distance.max():.4g} m (bound {self.max_distance:.4g} m)"
             yield self.sentence(f"{what}, {far}", position, [distance.argmax()])
 
-        yield from self.heated()
+        yield from self.energy_violations()
 
-    def heated(self) -> Iterator[str]:
-        """Energy that came from nowhere: a scheme that is not stable makes it long before any one particle is odd."""
+    def energy_violations(self) -> Iterator[str]:
+        """Energy that no force has given: an unstable scheme creates it long before one particle is out of bounds."""
         if self.judged and self.first_energy is not None:
             fluid = self.simulation.fluid
             scale = with_particles(fluid).particles.mass * self.n * fluid.reference_speed**2
@@ -167,11 +167,11 @@ class Health(Observer):
                 )
 
     def moment(self) -> str:
-        """When."""
+        """Time and step of the simulation."""
         return f"t = {self.simulation.time:.4f} s, step {self.simulation.steps}"
 
     def sentence(self, what: str, position: np.ndarray, worst: Iterable[int]) -> str:
-        """What, where, when, what to try, and where the last good state lies."""
+        """What, where, when, what to try, and the file of the last good state."""
         where = "".join(f" at ({', '.join(f'{x:.4g}' for x in position[i])}) m" for i in worst)
         return f"{what}{where}, {self.moment()}; {self.advice()}{self.last_frame()}"
 

@@ -55,7 +55,7 @@ class Manifest(Observer):
         self.write()
 
     def resumed(self) -> None:
-        """Adds the time to the earlier ones at which the run was resumed."""
+        """Add the time at which the run was resumed to the earlier ones."""
         before = json.loads(self.path.read_text(encoding="utf-8")).get("resumed_s", [])
         self.facts["resumed_s"] = [*before, round(self.simulation.time, 9)]
         self.write()

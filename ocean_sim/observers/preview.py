@@ -21,7 +21,7 @@ from ocean_sim.pictures.controls import controls
 from ocean_sim.pictures.curves import KEPT, NAMES, Curves
 from ocean_sim.pictures.panel import HELM, Panel, after, sliders_of
 from ocean_sim.pictures.preview_eye import Eye, Orbit, View, seen
-from ocean_sim.pictures.preview_scene import SPEEDS, Balls, Sight, backdrop
+from ocean_sim.pictures.preview_scene import SPEEDS, Balls, PreviewScene, backdrop
 from ocean_sim.pictures.vulkan import ScreenMissing, VulkanMissing, require
 from ocean_sim.simulation import Observer, PeriodicConfig
 
@@ -120,9 +120,9 @@ class Screen:
         self.cursor: tuple[float, float] | None = None
 
     def watch(self, simulation: "Simulation", panel: Panel, config: Config | None = None) -> None:
-        """Look at another simulation from now on; the panel gets its sliders, cameras and contents."""
-        self.simulation, self.sight, panel.curves = simulation, Sight(simulation), Curves()
-        panel.cameras, panel.contents, panel.person = self.sight.cameras, self.sight.contents, None
+        """Show another simulation from now on; the panel gets its sliders, cameras and contents."""
+        self.simulation, self.scene, panel.curves = simulation, PreviewScene(simulation), Curves()
+        panel.cameras, panel.contents, panel.person = self.scene.cameras, self.scene.contents, None
         if config is not None:
             panel.camera, panel.content = config.camera, config.content
         panel.camera = panel.camera if panel.camera in panel.cameras else panel.cameras[0]
@@ -132,7 +132,7 @@ class Screen:
     def draw(self, panel: Panel, milliseconds: float | None, pace: float | None = None) -> None:
         """Make a picture of the simulation as it is; `milliseconds` the last one took, `pace` times real time it
         runs."""
-        heights = self.sight.heights()
+        heights = self.scene.heights()
         ship = self.simulation.ship
         roll = None if ship is None else float(ship.body.angles[2])
         panel.curves.add(self.simulation.time, heights, roll, milliseconds)
@@ -152,24 +152,24 @@ class Screen:
         self.behind_colours.put(colours)
         self.canvas.triangles(self.behind.field, per_vertex_color=self.behind_colours.field)
         water = (
-            self.sight.water(heights, eye.position, panel.content == "surface")
+            self.scene.water(heights, eye.position, panel.content == "surface")
             if panel.content != "particles"
             else None
         )
         if water is not None:
             self.water.put(water)
             self.water.show(self.plain, wires=panel.content == "both")
-        hull = self.sight.ship()
+        hull = self.scene.ship()
         if hull is not None:
             self.hull.put(hull)
             self.hull.show(self.plain)
-        ends, hues = self.sight.lines()
+        ends, hues = self.scene.lines()
         if len(ends):
             count = self.ends.put(ends.reshape(-1, 3))
             self.hues.put(np.repeat(hues, 2, axis=0))
             self.plain.lines(self.ends.field, 2.0, per_vertex_color=self.hues.field, vertex_count=count)
         self.canvas.scene(self.plain)
-        balls = self.sight.particles(panel.content == "both") if panel.content != "surface" else None
+        balls = self.scene.particles(panel.content == "both") if panel.content != "surface" else None
         if balls is not None and len(balls.positions):
             self.balls(balls, eye)
         self.charts(panel.curves)
@@ -181,8 +181,8 @@ class Screen:
         above = 3 * EDGE if panel.content == "surface" else 4 * EDGE + LABEL  # the legend of the particles
         free = (left, bottom, 1.0 - left - EDGE / width, 1.0 - bottom - above / height)
         orbit = Orbit(panel.azimuth, panel.height, panel.distance)
-        view = View(self.sight.box, free, width / height)
-        eye = seen(panel.camera, orbit, view, self.simulation.ship, self.sight.length)
+        view = View(self.scene.box, free, width / height)
+        eye = seen(panel.camera, orbit, view, self.simulation.ship, self.scene.length)
         self.camera.position(*eye.position)
         self.camera.lookat(*eye.target)
         self.camera.up(*eye.up)
@@ -218,7 +218,7 @@ class Screen:
                 self.canvas.lines(self.curves[name].field, width=0.0022, color=CURVE_COLOURS[name])
 
     def chart(self, k: int) -> tuple[float, float, float, float]:
-        """x, y, width and height of curve k, in parts of the picture, y upwards."""
+        """x, y, width and height of curve k, as shares of the picture, y upwards."""
         width, height = self.size
         each = (width - PANEL - (len(NAMES) + 2) * EDGE) / len(NAMES)
         return (PANEL + 2 * EDGE + k * (each + EDGE)) / width, EDGE / height, each / width, CHART / height
@@ -281,7 +281,7 @@ class Screen:
             self.window.show()
 
     def close(self) -> None:
-        """Let go of the window, the scenes first: they live on its graphics device."""
+        """Release the window, the scenes first: they live on its graphics device."""
         self.plain = self.lit = self.canvas = self.camera = None
         self.window.destroy()
         self.window = None

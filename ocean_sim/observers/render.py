@@ -46,7 +46,7 @@ class Config(PeriodicConfig):
     """`third_person` sees the whole basin, in a long one the ship; `follow` is behind the ship, `first_person` at its
     helm; `orbit` goes around in a film; `fixed` is at `eye`; `top`, `side`."""
     eye: Vector3 | None = quantity("m", None)
-    """Of the fixed camera."""
+    """Position of the fixed camera."""
     target: Vector3 | None = quantity("m", None)
     """What the fixed camera looks at."""
     size: tuple[int, int] = Field((960, 540), strict=False, json_schema_extra={"unit": "pixels"})
@@ -114,7 +114,7 @@ class Config(PeriodicConfig):
 
 
 class Render(Observer):
-    """Draws preview.png and film.mp4 when the run is over, from what `frames` kept; then the report is written anew,
+    """Draws preview.png and film.mp4 when the run is over, from what `frames` kept; then the report is written again,
     with the pictures."""
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
@@ -182,22 +182,22 @@ def draw_apart(orders: Sequence[Order], progress: Progress | None = None) -> Non
     if window is None:
         raise OpenGLMissing
     command = [sys.executable, "-m", "ocean_sim.observers.render", json.dumps([asdict(order) for order in orders])]
-    with tempfile.TemporaryFile("w+") as complaints:
+    with tempfile.TemporaryFile("w+") as errors_written:
         child = subprocess.Popen(
-            command, env=opengl.environment(window), stdout=subprocess.PIPE, stderr=complaints, text=True
+            command, env=opengl.environment(window), stdout=subprocess.PIPE, stderr=errors_written, text=True
         )
         try:
             follow(child, progress)
         finally:
             child.kill()
             child.wait()
-        complaints.seek(0)
-        errors = complaints.read().strip()
+        errors_written.seek(0)
+        errors = errors_written.read().strip()
     if child.returncode < 0:
         opengl.forget()
         raise RenderFailed(f"the drawing process died (signal {-child.returncode}); {OpenGLMissing()}")
     if child.returncode > 0:
-        raise RenderFailed(errors.splitlines()[-1] if errors else "the drawing process ended without a word")
+        raise RenderFailed(errors.splitlines()[-1] if errors else "the drawing process ended without a message")
 
 
 def impossible(folder: Path, camera: Name, stills: Sequence[float]) -> str | None:
@@ -222,7 +222,7 @@ def without_frame(files: Sequence[Path], stills: Sequence[float]) -> list[float]
 
 
 def no_picture(files: Sequence[Path], missing: Sequence[float]) -> str:
-    """Why there is none at the first of these times [s]."""
+    """Why there is no picture at the first of these times [s]."""
     start, end = Log([files[0], files[-1]]).span
     return f"there is no picture at {missing[0]:g} s; the frames of this run reach from {start:g} to {end:g} s"
 

@@ -41,8 +41,8 @@ class Config(ObserverConfig):
 
 
 class Stream(Observer, TakesCommands):
-    """Sends the rows of platform.csv. A run faster than time is held back to it; a slower one stalls, and the receiver
-    holds its pose. At the end the platform goes back to neutral."""
+    """Sends the rows of platform.csv. A run faster than real time is held back to it; a slower one stalls, and the
+    receiver holds its pose. At the end the platform returns to neutral."""
 
     def __init__(self, config: Config, every: float, platform: Platform) -> None:
         """`every`: time between rows [s]; `platform`: one at rest, which knows the way back to neutral."""

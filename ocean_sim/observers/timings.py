@@ -74,7 +74,7 @@ class Timings(Observer):
             self.taken[name] += perf_counter() - entered
 
     def warm_up(self, name: str, now: float) -> None:
-        """Finds the end of the first step, which is where means begin."""
+        """Mark the end of the first step, where means begin."""
         if self.began is not None and self.simulation.steps > self.first_step:
             self.first_step_s = now - self.began
             self.start = self.last = self.mark(now)

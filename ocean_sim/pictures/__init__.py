@@ -1,1 +1,1 @@
-"""Frames drawn from a finished run or from a simulation that goes on; nothing here imports a simulation."""
+"""Frames drawn from a finished run or from a running simulation; nothing here imports a simulation."""

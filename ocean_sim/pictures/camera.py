@@ -1,4 +1,4 @@
-"""Where the eye is: cameras that stand where they see the whole basin, and cameras that go with the ship."""
+"""Cameras: fixed ones that see the whole basin, and ones that move with the ship."""
 
 from typing import Any, Literal, NamedTuple
 
@@ -45,7 +45,7 @@ class Track(NamedTuple):
 
 
 class Vessel(NamedTuple):
-    """The ship that a camera goes with."""
+    """The ship that a camera follows."""
 
     length: float  # [m]
     helm: np.ndarray  # (3,) body axes from the centre of mass [m]
@@ -53,7 +53,7 @@ class Vessel(NamedTuple):
 
 
 class Operator:
-    """Holds a camera: where it is depends on nothing but the time and where the ship has been."""
+    """Moves a camera: its position depends on nothing but the time and the track of the ship."""
 
     def __init__(
         self, name: Name, lower: np.ndarray, upper: np.ndarray, aspect: float, span: tuple[float, float], **given: Any
@@ -90,7 +90,7 @@ class Operator:
         return Camera(position + turn @ vessel.helm, turn @ forward, turn @ up, None, WIDE_ANGLE, near)
 
     def near_ship(self, position: np.ndarray, length: float) -> Camera:
-        """The placed camera; where the basin is many times as long as the ship, one that moves with it."""
+        """The fixed camera; where the basin is many times as long as the ship, one that moves with it."""
         reach = SHIPS * length * np.array([1.0, 0.0, 1.0])
         lower, upper = np.maximum(self.lower, position - reach), np.minimum(self.upper, position + reach)
         lower[1], upper[1] = self.lower[1], self.upper[1]

@@ -1,4 +1,4 @@
-"""Curves that grow while one looks: wave height, roll, time per picture; as lines in the unit square of a picture."""
+"""Curves of a running simulation: wave height, roll, time per picture; as lines in the unit square of a picture."""
 
 from math import floor, log10, nan
 

@@ -34,14 +34,14 @@ def mirrored(nodes: np.ndarray, low: float, high: float) -> np.ndarray:
     return low + np.minimum(turned, 2.0 * (high - low) - turned)
 
 
-def belonging(nodes: np.ndarray, low: float, high: float, margin: float) -> np.ndarray:
+def blend_weight(nodes: np.ndarray, low: float, high: float, margin: float) -> np.ndarray:
     """1 from `low` to `high`, 0 beyond a margin [m] outside, smooth between."""
     out = np.clip(np.maximum(low - nodes, nodes - high) / margin, 0.0, 1.0)
     return 1.0 - out * out * (3.0 - 2.0 * out)
 
 
 @dataclass(frozen=True)
-class Raised:
+class SeaSample:
     """A sea at the nodes of a grid (nx, nz)."""
 
     height: np.ndarray  # [m]
@@ -61,7 +61,7 @@ class FarSea:
         drawn = (self.fade_x**2 * k2) @ (self.fade_z**2).T
         self.variance = 0.5 * np.maximum(k2.sum() - drawn, 0.0)
 
-    def at(self, time: float) -> Raised:
+    def at(self, time: float) -> SeaSample:
         """The sea at a time [s]."""
         turning = self.sea.amplitude * np.exp(1j * np.mod(self.sea.phase - self.sea.omega * time, 2.0 * pi))
         x = self.along_x * turning
@@ -70,7 +70,7 @@ class FarSea:
         height = x.real @ z.real - x.imag @ z.imag
         k = self.sea.wavenumber
         convergence = (x.real * k) @ z.real - (x.imag * k) @ z.imag
-        return Raised(height, convergence, self.variance)
+        return SeaSample(height, convergence, self.variance)
 
 
 def waves_along(nodes: np.ndarray, k: np.ndarray, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:

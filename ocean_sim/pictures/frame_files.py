@@ -33,7 +33,7 @@ class Frame:
 
 
 class Log:
-    """What is known of all frames of a run without reading them whole: their times, and where the ship was."""
+    """Times of all frames of a run and the positions of the ship in them; no frame is read whole."""
 
     def __init__(self, files: list[Path]) -> None:
         times, positions, turns = [], [], []

@@ -66,7 +66,7 @@ def forget() -> None:
 
 
 def draws(name: str) -> bool:
-    """Whether a child process lives to draw with this window; VTK may quietly take another, so its name is checked."""
+    """Whether a child process survives drawing with this window; VTK may use another, so its name is checked."""
     command = [sys.executable, "-c", PROBE]
     try:
         child = subprocess.run(command, env=environment(name), capture_output=True, text=True, timeout=120)
@@ -83,7 +83,7 @@ def recall(note: Path) -> dict[str, str]:
 
 
 def remember(note: Path, facts: dict[str, str]) -> None:
-    """A cache that cannot be written is done without."""
+    """Does nothing where the cache cannot be written."""
     try:
         note.parent.mkdir(parents=True, exist_ok=True)
         draft = note.with_name(f".{note.name}.{os.getpid()}")

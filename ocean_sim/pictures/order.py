@@ -1,4 +1,4 @@
-"""What to draw of a run, and the exception that it cannot be drawn."""
+"""What to draw of a run, and the exception where that fails."""
 
 from dataclasses import dataclass
 from typing import Literal

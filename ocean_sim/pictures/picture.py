@@ -1,4 +1,4 @@
-"""One picture after another: sky, water, ship, words."""
+"""One picture after another: sky, water, ship, text."""
 
 from pathlib import Path
 from typing import Any

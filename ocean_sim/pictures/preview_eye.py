@@ -1,4 +1,4 @@
-"""Where the eye of the preview is: around the ship or the basin, at the helm, above, at the side."""
+"""The eye of the preview: around the ship or the basin, at the helm, above, at the side."""
 
 from math import cos, radians, sin, tan
 from typing import NamedTuple
@@ -23,7 +23,7 @@ class Eye(NamedTuple):
 
 
 class View(NamedTuple):
-    """What a camera takes in, and the part of the picture it has for that."""
+    """What a camera shows, and the part of the picture that is free for it."""
 
     box: tuple[np.ndarray, np.ndarray]  # corners of the water [m]
     free: tuple[float, float, float, float]  # x, y, width and height, y upwards, where no panel is
@@ -31,7 +31,7 @@ class View(NamedTuple):
 
 
 class Orbit(NamedTuple):
-    """Where the eye is around what it looks at."""
+    """Position of the eye around its target."""
 
     azimuth: float  # [rad]
     height: float  # [rad] above the horizon

@@ -1,4 +1,4 @@
-"""What is to be seen of a simulation, as arrays: water, ship, particles, lines. It knows no window."""
+"""What a preview shows of a simulation, as arrays: water, ship, particles, lines. It knows no window."""
 
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ from ocean_sim.pictures.water_mesh import triangles as mesh_triangles
 
 NODES = 5_000  # of the drawn surface, about
 MOST = 60_000  # particles that are drawn: of more, every second, third, ...
-CALM = 0.5  # [m/s] the least speed that has the brightest colour
+LEAST_FASTEST = 0.5  # [m/s] the least speed that has the brightest colour
 TOP, BED = np.array([0.10, 0.40, 0.50]), np.array([0.02, 0.07, 0.12])  # the cut side of the water
 ZENITH, HORIZON, GROUND = np.array([0.25, 0.45, 0.70]), np.array([0.80, 0.87, 0.92]), np.array([0.34, 0.40, 0.45])
 HULL, DECK = np.array([0.81, 0.29, 0.20]), np.array([0.93, 0.89, 0.80])
@@ -41,7 +41,7 @@ class Balls(NamedTuple):
     fastest: float  # [m/s] the speed of the last colour
 
 
-class Sight:
+class PreviewScene:
     """The arrays of one simulation; what never changes is made once."""
 
     def __init__(self, simulation: Subject) -> None:
@@ -61,7 +61,7 @@ class Sight:
         drawn = None if simulation.ship is None else simulation.ship.drawn()
         self.hull = None if drawn is None else ShadedHull(*drawn[:2])
         self.length = 0.0 if drawn is None else float(np.ptp(drawn[0], axis=0).max())  # [m] of the ship
-        self.fastest = CALM
+        self.fastest = LEAST_FASTEST
 
     @property
     def contents(self) -> tuple[str, ...]:
@@ -76,7 +76,7 @@ class Sight:
 
     @property
     def cameras(self) -> tuple[str, ...]:
-        """The cameras there are: a helm needs a ship, a slice is seen from the side."""
+        """The available cameras: a helm needs a ship, a slice is seen from the side."""
         helm = ("helm",) if self.simulation.ship is not None else ()
         return ("side",) if self.flat else ("third_person", *helm, "top", "side")
 
@@ -136,8 +136,8 @@ class Sight:
         return self.hull.posed(body.position, body.matrix)
 
     def particles(self, small: bool) -> Balls | None:
-        """Where the particles are, and how fast, `small` under a net; the colours' scale grows with the fastest and
-        never shrinks."""
+        """Positions of the particles, coloured by speed, `small` under a net; the scale of the colours grows with the
+        fastest and never shrinks."""
         particles = self.simulation.fluid.particles
         if particles is None:
             return None

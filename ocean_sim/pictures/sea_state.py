@@ -1,4 +1,4 @@
-"""What is known from a run of the sea around its basin: its waves, its wind, and its level."""
+"""The sea around the basin of a run: its waves, its wind and its level."""
 
 import json
 from pathlib import Path
@@ -18,7 +18,7 @@ DRY = 0.5  # share of the depth below which the water of a sea never falls
 
 
 class SeaState(NamedTuple):
-    """Of one run."""
+    """The sea of one run."""
 
     exact: Components | None  # the waves themselves, where water is a closed form
     estimated: Components  # plane waves with the spectrum of the basin

@@ -29,30 +29,30 @@ class SeaSurface:
         self.x, self.z = (far_sea.axis(nodes, self.margin) for nodes in inner)
         if state.exact is None:
             self.own = [self.stretched(spline(n, factor), k) for k, n in enumerate(cells)]
-            self.share = np.outer(self.belonging(0), self.belonging(1))
+            self.share = np.outer(self.blend_weight(0), self.blend_weight(1))
             self.far = far_sea.FarSea(state.estimated, self.x, self.z, self.lower, self.lower)
         else:
             self.far = far_sea.FarSea(state.exact, self.x, self.z, self.lower, self.upper)
         self.nodes = np.stack(np.meshgrid(self.x, self.z, indexing="ij"), axis=-1).reshape(-1, 2)
         self.triangles = triangles(len(self.x), len(self.z))
-        self.near = np.ix_(self.belonging(0) > 0.0, self.belonging(1) > 0.0)
+        self.near = np.ix_(self.blend_weight(0) > 0.0, self.blend_weight(1) > 0.0)
         gathered = noise(self.nodes[:, 0] / GRAIN, self.nodes[:, 1] / GRAIN)[0]
         self.grain = 0.5 + gathered.reshape(len(self.x), len(self.z))
 
-    def belonging(self, k: int) -> np.ndarray:
+    def blend_weight(self, k: int) -> np.ndarray:
         """Share of the basin's own waves at the nodes along one side."""
-        return far_sea.belonging((self.x, self.z)[k], self.lower[k], self.upper[k], self.margin)
+        return far_sea.blend_weight((self.x, self.z)[k], self.lower[k], self.upper[k], self.margin)
 
     def stretched(self, inner: np.ndarray, k: int) -> np.ndarray:
         """(nodes, cells): from the heights of cells to all nodes along one side, mirrored in the walls and zero beyond
         the margin."""
         nodes, low, high = (self.x, self.z)[k], self.lower[k], self.upper[k]
-        place = (far_sea.mirrored(nodes, low, high) - low) / (high - low) * (len(inner) - 1)
-        left = np.clip(np.floor(place + 1e-9).astype(int), 0, len(inner) - 2)
-        share = np.clip(place - left, 0.0, 1.0)[:, None]
-        return ((1.0 - share) * inner[left] + share * inner[left + 1]) * (self.belonging(k) > 0.0)[:, None]
+        index = (far_sea.mirrored(nodes, low, high) - low) / (high - low) * (len(inner) - 1)
+        left = np.clip(np.floor(index + 1e-9).astype(int), 0, len(inner) - 2)
+        share = np.clip(index - left, 0.0, 1.0)[:, None]
+        return ((1.0 - share) * inner[left] + share * inner[left + 1]) * (self.blend_weight(k) > 0.0)[:, None]
 
-    def at(self, frame: Frame) -> far_sea.Raised:
+    def at(self, frame: Frame) -> far_sea.SeaSample:
         """Heights, convergence and lost slopes at all nodes (nx, nz)."""
         far = self.far.at(frame.time)
         if self.state.exact is not None:
@@ -64,7 +64,7 @@ class SeaSurface:
         mine = self.share / np.hypot(self.share, 1.0 - self.share)
         rest = (1.0 - self.share) / np.hypot(self.share, 1.0 - self.share)
         level = self.state.level
-        return far_sea.Raised(
+        return far_sea.SeaSample(
             level + mine * (x @ (frame.elevation - level) @ z.T) + rest * far.height,
             mine * (x @ drawn_together @ z.T) + rest * far.convergence,
             rest**2 * far.variance,

@@ -1,4 +1,4 @@
-"""The hull of a drawn ship: the very triangles that the physics has, painted by their height over the still water."""
+"""The hull of a drawn ship: the same triangles as in the physics, painted by their height over the still water."""
 
 from typing import Any
 
@@ -172,7 +172,7 @@ def settled(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
     """The still water at rest in body axes: (3,) its normal n and d [m], so that n . x + d is the height of x over it.
 
     A `share` of the volume is under water, its centre of buoyancy under the centre of mass, the origin; a hull that
-    finds no such place within 30 degrees is taken as upright, awash at most.
+    finds no such position within 30 degrees is taken as upright, awash at most.
     """
     from scipy.optimize import brentq, root
 

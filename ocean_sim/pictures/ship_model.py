@@ -34,9 +34,9 @@ def modelled(vertices: np.ndarray, triangles: np.ndarray, submerged: float, look
     `look`: name of the hull, then its kind of shape; `helm`: a named point, or nothing.
     """
     hull = Hull(np.asarray(vertices, dtype=float), np.asarray(triangles, dtype=int), submerged)
-    build = next((made for word, made in MODELS.items() if word in look.lower()), tested)
+    build = next((made for word, made in MODELS.items() if word in look.lower()), test_body)
     if build is not plain and not hull.has_deck:
-        build = tested
+        build = test_body
     given = np.asarray(helm, dtype=float) if np.isfinite(helm).all() and np.size(helm) else None
     return build(hull, given)
 
@@ -163,7 +163,7 @@ def tug(hull: Hull, helm: np.ndarray | None) -> Model:
         sheer.bulwark(GREEN, CREAM, BLACK, 0.12 * u),
         both(path(fender, 0.20 * u, RUBBER, 8)),
         path(across, 0.20 * u, RUBBER, 8),
-        both(merged(tyre(place + [0.14 * u, -0.75 * u, 0.0], 0.46 * u, 0.17 * u) for place in top)),
+        both(merged(tyre(point + [0.14 * u, -0.75 * u, 0.0], 0.46 * u, 0.17 * u) for point in top)),
         house.mesh(CREAM, OXIDE),
         *(house.panes(k, 6, 0.48, 0.74, GLASS, 0.55) for k in (0, 4)),
         house.panes(2, 2, 0.45, 0.75, GLASS, 0.5),
@@ -238,7 +238,7 @@ def plain(hull: Hull, helm: np.ndarray | None) -> Model:
     return Model(hull.painted(OXIDE, WHITE, NAVY, TEAK), eye, hull.length)
 
 
-def tested(hull: Hull, helm: np.ndarray | None) -> Model:
+def test_body(hull: Hull, helm: np.ndarray | None) -> Model:
     """A body of a test: yellow above the waterline at rest, dark below, and white at the waterline, a mark at half
     its freeboard and one at half its draught; a deck of another colour."""
     deck = hull.values[hull.is_deck]
@@ -275,13 +275,13 @@ def rubbing(sheer: Sheer, radius: float, colour: Any) -> Mesh:
     )
 
 
-def portholes(hull: Hull, y: float, places: np.ndarray, radius: float) -> Mesh:
+def portholes(hull: Hull, y: float, stations: np.ndarray, radius: float) -> Mesh:
     """Round windows with rims in the sides."""
     parts = []
-    for z in places:
-        place, out = hull.side(y, float(z))
-        parts.append(tube(place - 0.1 * radius * out, place + 0.12 * radius * out, 1.25 * radius, STEEL, 16))
-        parts.append(tube(place - 0.1 * radius * out, place + 0.20 * radius * out, radius, GLASS, 16))
+    for z in stations:
+        point, out = hull.side(y, float(z))
+        parts.append(tube(point - 0.1 * radius * out, point + 0.12 * radius * out, 1.25 * radius, STEEL, 16))
+        parts.append(tube(point - 0.1 * radius * out, point + 0.20 * radius * out, radius, GLASS, 16))
     return both(merged(parts))
 
 
@@ -347,8 +347,8 @@ def house_rail(roof: np.ndarray, height: float, radius: float) -> list[Mesh]:
     parts = [path(line + [0.0, share * height, 0.0], radius, STEEL) for share in (0.5, 1.0)]
     for a, b in pairwise(line):
         count = max(1, round(float(np.linalg.norm(b - a)) / height))
-        for place in a + (b - a) * (np.arange(count) / count)[:, None]:
-            parts.append(tube(place, place + [0.0, height, 0.0], radius, STEEL, 6))
+        for point in a + (b - a) * (np.arange(count) / count)[:, None]:
+            parts.append(tube(point, point + [0.0, height, 0.0], radius, STEEL, 6))
     return parts
 
 

@@ -82,13 +82,13 @@ class Block:
         out *= np.sign(out @ (0.25 * (a + b + c + d) - self.middle)) / np.linalg.norm(out)
         lift = 0.008 * float(np.linalg.norm(d - a)) * out
 
-        def place(u: np.ndarray, v: float) -> np.ndarray:
+        def point(u: np.ndarray, v: float) -> np.ndarray:
             u = u[:, None]
             return (1.0 - v) * ((1.0 - u) * a + u * b) + v * ((1.0 - u) * d + u * c) + lift
 
         left = (np.arange(count) + 0.5 * post) / count
         right = (np.arange(count) + 1.0 - 0.5 * post) / count
-        shape = quads(place(left, low), place(right, low), place(right, high), place(left, high))
+        shape = quads(point(left, low), point(right, low), point(right, high), point(left, high))
         return faceted(shape, colour, gloss, self.middle)
 
 

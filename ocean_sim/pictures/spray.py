@@ -6,7 +6,7 @@ from ocean_sim.pictures.far_sea import OUT
 from ocean_sim.pictures.stage import Stage
 from ocean_sim.random_numbers import numpy_uniform
 
-NEIGHBOURHOOD, FEW = 1.6, 3  # [spacings], and the most neighbours that a lonely particle has in it
+NEIGHBOURHOOD, FEW = 1.6, 3  # [spacings], and the most neighbours that a isolated particle has in it
 ABOVE = 0.6  # [spacings] over the water
 DROP = 0.009  # [spacings] radius of a drop
 PUFF, DROPS = 0.30, 24  # [spacings] radius of a puff, in which so many drops fly
@@ -14,7 +14,7 @@ MOST = 300  # puffs in a picture
 OFFSETS = 0x5_0003  # stream of random numbers
 
 
-def lonely(position: np.ndarray, spacing: float) -> np.ndarray:
+def isolated(position: np.ndarray, spacing: float) -> np.ndarray:
     """(n,) which particles (n, 3) have left the water, by how few others are near."""
     from scipy.spatial import cKDTree
 
@@ -48,7 +48,7 @@ class Spray:
 
     def show(self, position: np.ndarray, heights: np.ndarray) -> None:
         """Particles (n, 3) and the heights (n,) of the water below them [m]."""
-        flying = position[lonely(position, self.spacing) & (position[:, 1] > heights + ABOVE * self.spacing)][:MOST]
+        flying = position[isolated(position, self.spacing) & (position[:, 1] > heights + ABOVE * self.spacing)][:MOST]
         positions = self.positions.copy()
         positions[: len(flying) * DROPS] = (flying[:, None] + self.offsets).reshape(-1, 3)
         self.drawn.points = positions

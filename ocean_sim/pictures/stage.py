@@ -7,7 +7,7 @@ from ocean_sim.pictures.camera import Camera
 
 
 class Stage:
-    """Handed to everything that stands in a picture, which adds itself to the plotter."""
+    """Handed to everything in a picture, which adds itself to the plotter."""
 
     def __init__(self, size: tuple[int, int], camera: Camera) -> None:
         """`size`: width and height [pixels]."""

@@ -42,7 +42,7 @@ class ScreenMissing(Lacking):
 
 
 def draws(show: bool) -> bool:
-    """Whether a child process lives to draw, on a screen or without one."""
+    """Whether a child process survives drawing, on a screen or without one."""
     if show and sys.platform == "linux" and not any(os.environ.get(name) for name in SCREENS):
         return False
     command = [sys.executable, "-c", PROBE.format(show=show)]

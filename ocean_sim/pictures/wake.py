@@ -1,4 +1,4 @@
-"""The white wake that a ship leaves: drawn where its stern has been. The water of a run knows nothing of it."""
+"""The white wake of a ship: drawn along the track of its stern, without effect on the water of the run."""
 
 import numpy as np
 

@@ -1,7 +1,7 @@
 """The formulas of `water_shading`, `ripples` and `foam` for a graphics processor, as replacements in VTK's shaders.
 
-Numbers come from those files, so that a law has one place; the tests compare the colours. Traps of VTK: it declares
-uniforms and samplers itself; a mistake in a shader only logs and draws nothing.
+Numbers come from those files, so that each law is written once; the tests compare the colours. Traps of VTK: it
+declares uniforms and samplers itself; a mistake in a shader only logs and draws nothing.
 """
 
 from typing import Any
@@ -132,9 +132,9 @@ WATER = f"""
   vec3 e = -away, n = normalize(nrmW);
   float share = attW.x, variance = attW.z;
   if (useHull > 0.5) {{
-    vec2 place = (posW.xz - hullBox.xy) / hullSize.xy;
-    if (all(greaterThan(place, vec2(0.0))) && all(lessThan(place, vec2(1.0)))) {{
-      float gap = textureLod(hull, place, 0.0).r;
+    vec2 uv = (posW.xz - hullBox.xy) / hullSize.xy;
+    if (all(greaterThan(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)))) {{
+      float gap = textureLod(hull, uv, 0.0).r;
       if (gap < -0.12) discard;
       share = max(share, hullFoam.x * exp(-max(gap, 0.0) / hullFoam.y));
     }}
@@ -160,9 +160,9 @@ WATER = f"""
   if (useMirror > 0.5) {{
     float reach = dot(mirrorAt.xz - posW.xz, normalize(straight.xz));
     vec4 seen = mirrorView * vec4(posW + straight * max(reach, 1.0), 1.0);
-    vec2 place = 0.5 + 0.5 * seen.xy / seen.w;
-    if (reach > -mirrorSize && seen.w > 0.0 && all(greaterThan(place, vec2(0.0))) && all(lessThan(place, vec2(1.0)))) {{
-      vec4 ship = textureLod(mirror, place, clamp(log2(2.0 * blur * max(reach, 1.0) / (dist * mirrorPixel)), 0.0, 4.0));
+    vec2 uv = 0.5 + 0.5 * seen.xy / seen.w;
+    if (reach > -mirrorSize && seen.w > 0.0 && all(greaterThan(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)))) {{
+      vec4 ship = textureLod(mirror, uv, clamp(log2(2.0 * blur * max(reach, 1.0) / (dist * mirrorPixel)), 0.0, 4.0));
       hidden = ship.a * smoothstep(-mirrorSize, 0.0, reach);
       if (hidden > 0.0) mirrored = mix(mirrored, radiance(min(ship.rgb / max(ship.a, 0.01), vec3(1.0))), hidden);
     }}

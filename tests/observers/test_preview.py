@@ -20,7 +20,7 @@ from ocean_sim.pictures import preview_eye, vulkan
 from ocean_sim.pictures.controls import controls
 from ocean_sim.pictures.curves import KEPT, Curves
 from ocean_sim.pictures.panel import Panel, Slider, sliders_of
-from ocean_sim.pictures.preview_scene import Sight, backdrop, speed_colours
+from ocean_sim.pictures.preview_scene import PreviewScene, backdrop, speed_colours
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.verbs import preview as verb
@@ -150,30 +150,30 @@ def test_the_whole_basin_is_in_the_part_of_the_picture_that_no_panel_covers(came
 
 def test_the_eye_at_the_helm_moves_with_the_ship_and_looks_over_the_bow(coarse):
     ship = coarse.ship
-    view = preview_eye.View(Sight(coarse).box, (0.0, 0.0, 1.0, 1.0), 1.5)
+    view = preview_eye.View(PreviewScene(coarse).box, (0.0, 0.0, 1.0, 1.0), 1.5)
     eye = preview_eye.seen("helm", preview_eye.Orbit(0.0, 0.4, 1.0), view, ship, 15.0)
     np.testing.assert_allclose(eye.position, ship.body.position + ship.body.matrix @ ship.points["helm"])
     assert (eye.target - eye.position) @ ship.body.matrix[:, 2] == pytest.approx(1.0)
 
 
 def test_what_is_seen_lies_where_the_simulation_has_it(coarse):
-    sight = Sight(coarse)
-    heights = sight.heights()
-    water = sight.water(heights, np.array([40.0, 20.0, 40.0]), solid=True)
+    scene = PreviewScene(coarse)
+    heights = scene.heights()
+    water = scene.water(heights, np.array([40.0, 20.0, 40.0]), solid=True)
     assert np.isfinite(water.colours).all() and water.colours.min() >= 0.0 and water.colours.max() <= 1.0
     assert water.triangles.max() < len(water.vertices)
     # the drawn surface goes through the surface of the simulation
-    net = sight.water(heights, np.array([40.0, 20.0, 40.0]), solid=False)
+    net = scene.water(heights, np.array([40.0, 20.0, 40.0]), solid=False)
     assert net.vertices[:, 1].mean() == pytest.approx(heights.mean(), abs=0.02)
-    balls = sight.particles(small=False)
+    balls = scene.particles(small=False)
     assert len(balls.positions) == coarse.fluid.particles.n and balls.every == 1
-    hull = sight.ship()
+    hull = scene.ship()
     low, high = hull.vertices.min(axis=0), hull.vertices.max(axis=0)
     assert (low < coarse.ship.body.position).all() and (coarse.ship.body.position < high).all()
-    ends, colours = sight.lines()
+    ends, colours = scene.lines()
     assert len(ends) == len(colours) and np.isfinite(ends).all()
-    assert ends[..., 1].min() >= sight.lower[1] - 1e-9  # no volume is drawn below the bed
-    assert sight.contents == ("surface", "particles", "both") and "helm" in sight.cameras
+    assert ends[..., 1].min() >= scene.lower[1] - 1e-9  # no volume is drawn below the bed
+    assert scene.contents == ("surface", "particles", "both") and "helm" in scene.cameras
 
 
 def test_colours_of_speed_brighten_evenly():

@@ -130,10 +130,10 @@ def test_distance_to_the_waterline_of_a_box():
     assert not len(foam.waterline(vertices, ConvexHull(vertices).simplices, vertices[:, 1] + 9.0))
 
 
-def test_a_drop_is_lonely_and_water_is_not():
+def test_a_drop_is_isolated_and_water_is_not():
     block = np.stack(np.meshgrid(*[np.arange(6) * 1.0] * 3), axis=-1).reshape(-1, 3)
     drops = np.array([[2.0, 9.0, 2.0], [4.0, 12.0, 4.0]])
-    found = spray.lonely(np.concatenate([block, drops]), 1.0)
+    found = spray.isolated(np.concatenate([block, drops]), 1.0)
     assert found.sum() == 2 and found[-2:].all()
 
 

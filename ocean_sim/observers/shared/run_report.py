@@ -23,7 +23,7 @@ Table = dict[str, np.ndarray]
 
 
 def write(folder: Path) -> Path:
-    """report.html of a run folder, whatever became of the run."""
+    """Write report.html of a run folder, however the run ended."""
     run = Run(folder)
     path = folder / "report.html"
     with whole(path) as draft:
@@ -209,7 +209,7 @@ class Run:
         )
 
     def happened(self) -> Iterator[str]:
-        """What happened on the way."""
+        """The events of the run."""
         if not self.events:
             return
         yield "<h2>Events</h2>"

@@ -31,7 +31,7 @@ def span(values: np.ndarray) -> tuple[float, float]:
 
 
 def thinned(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """At most POINTS points of a curve that keep its crests: the least and the greatest of each stretch."""
+    """At most POINTS points of a curve that keep its crests: the least and the greatest of each interval."""
     if len(time) <= POINTS:
         return time, values
     kept = []

@@ -63,7 +63,7 @@ class Sea:
 def elevations(path: Path, begin: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Times (n,) [s] of a gauges.csv from `begin` on, and the heights (n,) [m] of each elevation gauge; raises
     ValueError."""
-    table = csv_file.columns(path)
+    table = csv_file.numbers(path)
     if "time_s" not in table:
         raise ValueError(f"{path}: has no column time_s")
     heights = {name.removesuffix(SUFFIX): column for name, column in table.items() if name.endswith(SUFFIX)}

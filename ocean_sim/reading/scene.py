@@ -76,7 +76,7 @@ class SceneConfig(Heading):
 
     @property
     def preflight(self) -> Preflight:
-        """What is known of the scene before anything is built; made once, and anew for a copy with other parts."""
+        """What is known of the scene before anything is built; made once, and again for a copy with other parts."""
         made = preflight_of(self.parts(), self.basin.build(), self.runtime, self.duration)
         if self._preflight != made:
             self._preflight = made

@@ -104,8 +104,8 @@ def another_tree(data, kept) -> None:
         checkpoint = checkpoint._replace(tree=broken(data, checkpoint.tree))
     there = copy_of(kept)
     before = {path.name: path.read_bytes() for path in there.iterdir()}
-    with TemporaryDirectory() as beside:
-        simulation = Simulation(load(SEA), Path(beside))
+    with TemporaryDirectory() as scratch:
+        simulation = Simulation(load(SEA), Path(scratch))
         files = [*simulation.observers]
         try:
             restore(simulation, checkpoint, there)
@@ -165,8 +165,8 @@ def test_words_for_numbers_and_nothing_for_a_path_are_no_state(kept, unfilled, n
     spots = [path for path in paths(checkpoint.tree) if path[-2:] == ("at", name)]
     assert spots
     tree = changed(checkpoint.tree, spots[0], lambda at, key: at.__setitem__(key, value))
-    with TemporaryDirectory() as beside:
-        simulation = Simulation(load(SEA), Path(beside))
+    with TemporaryDirectory() as scratch:
+        simulation = Simulation(load(SEA), Path(scratch))
         files = [*simulation.observers]
         with pytest.raises(Mismatch, match=f"its .*{name} is"):
             restore(simulation, checkpoint._replace(tree=tree), copy_of(kept))
@@ -241,8 +241,8 @@ def test_a_file_of_no_size_is_no_state(kept, unfilled, size):
     checkpoint, there = file.read(kept[0]), copy_of(kept)
     spot = next(path for path in paths(checkpoint.tree) if path[-3:] == ("file", "file", 1))
     tree = changed(checkpoint.tree, spot, lambda at, key: at.__setitem__(key, size))
-    with TemporaryDirectory() as beside:
-        simulation = Simulation(load(SEA), Path(beside))
+    with TemporaryDirectory() as scratch:
+        simulation = Simulation(load(SEA), Path(scratch))
         files = [*simulation.observers]
         with pytest.raises(Mismatch, match=r"cannot have .* bytes"):
             restore(simulation, checkpoint._replace(tree=tree), there)

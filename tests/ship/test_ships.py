@@ -318,7 +318,7 @@ def test_what_cannot_be_is_refused_with_a_sentence(ship, keys, sentence):
 def test_motion_without_a_ship_is_refused():
     without = calm({"kind": "dynamic", **BARGE}, motion={})
     del without["ship"]
-    with pytest.raises(SceneError, match="there is no ship whose motion could be told"):
+    with pytest.raises(SceneError, match="there is no ship whose motion could be logged"):
         load(without)
 
 

@@ -74,7 +74,7 @@ def edit(folder: Path, **facts) -> None:
     path.write_text(json.dumps(json.loads(path.read_text()) | facts))
 
 
-def told(folder: Path) -> dict[str, bytes]:
+def contents(folder: Path) -> dict[str, bytes]:
     """What a run folder holds, but for what says when it was stopped."""
     own = ("manifest.json", "timings.csv")
     files = [path for path in folder.rglob("*") if path.is_file() and path.suffix != ".h5" and path.name not in own]
@@ -99,7 +99,7 @@ def test_a_finished_run_goes_on_when_asked(run, there, ask, tmp_path):
     assert (code, err) == (0, "") and "going on from t = 0.4" in out
     (tmp_path / "long.yaml").write_text(SEA.replace("0.4", "0.6"))
     assert ask("run", tmp_path / "long.yaml", "--out", tmp_path / "long", *QUIET)[0] == 0
-    assert told(there) == told(tmp_path / "long")
+    assert contents(there) == contents(tmp_path / "long")
     manifest = json.loads((there / "manifest.json").read_text())
     assert manifest["outcome"] == "done" and manifest["scene"]["duration"] == 0.6 and len(manifest["resumed_s"]) == 1
 
@@ -119,15 +119,15 @@ def test_a_damaged_checkpoint_gives_way_to_the_one_before(run, there, ask):
         torn.write("0.42,0.1\n0.44,")
     code, _, err = ask("resume", there)
     assert (code, err.count("\n")) == (0, 1) and f"{damaged} is damaged or no checkpoint" in err and "taking" in err
-    assert told(there) == told(run)
+    assert contents(there) == contents(run)
 
 
 def test_what_cannot_be_resumed_is_refused_in_a_sentence(there, ask, tmp_path):
     def refused(*words: object) -> str:
-        before = told(there)
+        before = contents(there)
         code, out, err = ask("resume", *words)
         assert (code, err.count("\n")) == (2, 1) and out.count("\n") in (0, 2), (code, out, err)
-        assert told(there) == before
+        assert contents(there) == before
         return err
 
     assert "this is not a run folder" in refused(tmp_path / "nothing")
@@ -199,7 +199,7 @@ def test_a_run_that_is_told_to_stop_keeps_its_state_first(number, run, ask, tmp_
     assert (manifest["outcome"], manifest["reason"]) == ("stopped", "interrupted")
     assert kept.steps == manifest["steps"] == 8
     assert ask("resume", folder)[0] == 0
-    assert told(folder) == told(run)
+    assert contents(folder) == contents(run)
 
 
 @pytest.mark.slow
@@ -264,5 +264,5 @@ def test_a_run_that_is_killed_again_and_again_leaves_the_bytes_of_one_that_is_no
     _, err = child.communicate()
     assert child.returncode == 0, err
     whole.communicate()
-    assert told(folder) == told(tmp_path / "whole")
+    assert contents(folder) == contents(tmp_path / "whole")
     assert count > 0.5 * kills, f"only {count} of {kills} came before the end"

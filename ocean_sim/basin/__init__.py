@@ -21,7 +21,7 @@ ROUNDING = 1e-9  # [m] by which a box may reach over a side or into another one
 
 
 class Walls(Model):
-    """One kind of wall a side; `x` stands for both `x_min` and `x_max`, `z` likewise."""
+    """The kind of wall on each side; `x` stands for both `x_min` and `x_max`, and so does `z`."""
 
     x: Wall = "reflecting"
     z: Wall = "reflecting"

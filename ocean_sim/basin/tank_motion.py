@@ -94,7 +94,7 @@ class WalledTank(waves.Tank, Protocol):
 
 
 class Tank(Model):
-    """What every motion of the tank says."""
+    """The keys of every motion of the tank."""
 
     about: Point | None = quantity("m", None)
     """The point about which it rolls; in a slice [x, y]; by default the centre of the still surface."""
@@ -107,7 +107,7 @@ class Tank(Model):
 
 
 def unmoved(axis: str, basin: waves.Tank) -> Problems:
-    """Why the tank cannot move so."""
+    """The reason why the tank cannot move along or about an axis."""
     if basin.dimension == 2 and axis not in SLICE_AXES:
         return [(("axis",), f"a slice in x-y moves along x or y or about z ({', '.join(SLICE_AXES)}), not {axis!r}")]
     return []
@@ -213,7 +213,7 @@ class TankMotion:
 
 
 class Wavemaker(waves.WaveTrain):
-    """A wall that moves to and fro as a whole, a piston; its stroke follows from the waves that it is to make."""
+    """A wall that moves back and forth as a whole, a piston; its stroke follows from the waves asked for."""
 
     wall: Literal["x_min", "x_max", "z_min", "z_max"] = "x_min"
     """The wall that moves; its waves go into the basin."""

@@ -1,6 +1,6 @@
 """CSV files: the only module that parses them.
 
-Lines that begin with # are comments, some of them `key: value`; empty lines count for nothing. The first line that is
+Lines that begin with # are comments, some of them `key: value`; empty lines are skipped. The first line that is
 left names the columns, and every further line is a row; a cell may stand in double quotes. An empty cell is NaN in a
 column of numbers and '' in a column of words. The reader of a table states what it should hold:
 
@@ -24,7 +24,7 @@ from ocean_sim.files import input_file
 
 
 class Lines(NamedTuple):
-    """A CSV file as text: what its comments say, the names of its columns, and its rows."""
+    """A CSV file as text: the keys of its comments, the names of its columns, and its rows."""
 
     head: dict[str, str]
     names: list[str]
@@ -32,7 +32,7 @@ class Lines(NamedTuple):
 
 
 def lines(text: str) -> Lines:
-    """The parts of the text of a CSV file; without names where nothing but comments is there."""
+    """The parts of the text of a CSV file; without names where there are only comments."""
     written = [line for line in text.splitlines() if line.strip()]
     comments = [line[1:].partition(":") for line in written if line[0] == "#"]
     names, *rows = [line for line in written if line[0] != "#"] or [""]

@@ -71,7 +71,7 @@ class Node:
         return None
 
     def plain(self) -> Any:
-        """The value without locations."""
+        """The value without its locations."""
         if isinstance(self.data, dict):
             return {key: node.plain() for key, node in self.data.items()}
         if isinstance(self.data, list):
@@ -84,7 +84,7 @@ class Node:
 
 
 def node_of(data: Any, location: Location) -> Node:
-    """Plain data as nodes that all say they come from `location`."""
+    """Plain data as nodes that all have one location."""
     if isinstance(data, Node):
         return data
     if isinstance(data, dict):
@@ -188,7 +188,7 @@ def described(value: Any) -> str:
 
 
 class _Reader:
-    """From ruamel's tree to nodes: scalars by the core schema of YAML 1.2, which knows no dates and no merge keys."""
+    """From ruamel's tree to nodes: scalars by the core schema of YAML 1.2, which has no dates and no merge keys."""
 
     def __init__(self, start: Location) -> None:
         self.start = start

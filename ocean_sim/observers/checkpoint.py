@@ -14,7 +14,7 @@ from ocean_sim.observers.shared.sampled import Multiples
 from ocean_sim.simulation import Observer, PeriodicConfig
 from ocean_sim.state import file
 from ocean_sim.state.fields import Contents
-from ocean_sim.state.walk import Restoring, Taken
+from ocean_sim.state.walk import Restorer, Snapshot
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -66,7 +66,7 @@ class Checkpoint(Observer):
         simulation = self.simulation
         name = file.name(simulation.time)
         self.names = [*(kept for kept in self.names if kept != name), name][-KEPT:]
-        taken = Taken(roots(simulation), self.folder, self.contents)
+        taken = Snapshot(roots(simulation), self.folder, self.contents)
         made, scene = maker(simulation), simulation.scene.resolved()
         file.written(
             file.Checkpoint(simulation.time, simulation.steps, scene, made, taken.tree, taken.arrays), self.folder
@@ -112,11 +112,11 @@ def versions() -> dict[str, str | None]:
 def restore(simulation: "Simulation", kept: file.Checkpoint, folder: Path) -> None:
     """Put a simulation that was built of the same scene into the state of a checkpoint, its files in `folder`.
 
-    Raises Differs; then nothing in the folder has changed, and the simulation is of no use.
+    Raises Mismatch; then nothing in the folder has changed, and the simulation is of no use.
     """
     named = dict(zip(simulation.scene.observers, simulation.observers))
     try:
-        state = Restoring(roots(simulation), kept.tree, kept.arrays, folder)
+        state = Restorer(roots(simulation), kept.tree, kept.arrays, folder)
     except BaseException:
         simulation.observers.clear()  # they may know the folder by now, and must not write to it
         raise

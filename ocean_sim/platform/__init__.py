@@ -29,7 +29,7 @@ LIMITS = {
 
 
 class Cue(NamedTuple):
-    """What a washout wants of a platform, row by row, along FLU: x forward, y left, z up."""
+    """What a washout asks of a platform, row by row, along FLU: x forward, y left, z up."""
 
     pose: np.ndarray  # (n, 6) x, y, z [m] from neutral, roll, pitch, yaw [rad]: Rz(yaw) Ry(pitch) Rx(roll)
     limited: np.ndarray  # (n,) sum of what held it back

@@ -76,7 +76,7 @@ class SceneConfig(Heading):
 
     @property
     def preflight(self) -> Preflight:
-        """What is known of the scene before anything is built; made once, and anew for a copy with other parts."""
+        """What is known of the scene before anything is built; made once, and again for a copy with other parts."""
         known, facts = self._preflight, (self.parts(), self.basin, WORD[self.runtime.precision], self.duration)
         if known is None or (known.parts, known.tank.config, known.word, known.duration) != facts:
             parts, tank, word, duration = facts

@@ -38,8 +38,8 @@ Path = tuple[str | int, ...]
 def validated(
     model: type[Model], node: Node, path: Path, problems: list[Problem], folder: Folder | None = None
 ) -> Model | None:
-    """The model of what a node says; where it cannot be, None, and `problems` grows. `folder`: where the names of files
-    begin, by default where the user is."""
+    """The model of a node, or None, and then `problems` grows. `folder`: to which names of files are relative, by
+    default the working directory."""
     beyond = list(absurd(node, path))
     problems.extend(beyond)
     try:
@@ -92,7 +92,7 @@ def translated(error: ValidationError, model: type[BaseModel], root: Node, prefi
 
 
 class _Found(NamedTuple):
-    """One pydantic error: where in the data it is, and what the models say about it."""
+    """One pydantic error: where in the data it is, and the parts of the models that it concerns."""
 
     kind: str
     message: str
@@ -102,8 +102,8 @@ class _Found(NamedTuple):
     field: FieldInfo | None  # the last field passed on the way
     keys: tuple[str, ...]  # what could be written instead of an unknown key
     union: Path | None  # the path of the first union on the way, and
-    member: str  # which of its members complains
-    shape: bool  # the value is of another shape than the member wants
+    member: str  # which of its members reports it
+    shape: bool  # the value has another shape than the member expects
 
 
 def _located(error: Any, model: type[BaseModel], root: Node) -> _Found:

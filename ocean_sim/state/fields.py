@@ -1,5 +1,5 @@
-"""What Taichi fields hold, many at a time: a kernel of its own for each would take longer to compile than a run to
-begin."""
+"""What Taichi fields hold, many at a time: one kernel for each would take longer to compile than a run to
+start."""
 
 from math import prod
 
@@ -21,7 +21,7 @@ class Bundle:
         self.row = np.zeros(sum(sizes), dtype=to_numpy_type(fields[0].dtype))
 
     def read(self) -> list[np.ndarray]:
-        """Of each field an array of its shape."""
+        """An array for each field, of its shape."""
         self.copy_to(self.row)
         ends = [*self.firsts[1:], len(self.row)]
         rows = [self.row[first:end].copy() for first, end in zip(self.firsts, ends, strict=True)]
@@ -89,6 +89,6 @@ class Contents:
 
 
 def shape(field: ti.Field) -> tuple[int, ...]:
-    """Of the array that holds what a field holds."""
+    """The shape of the array that holds the values of a field."""
     own = getattr(field, "n", None), getattr(field, "m", None)
     return (*field.shape, *(() if isinstance(field, ti.ScalarField) else own[: field.ndim]))

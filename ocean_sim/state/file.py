@@ -18,7 +18,7 @@ import numpy as np
 
 from ocean_sim.files.whole_file import whole
 
-HEAD = 512  # bytes, the least that HDF5 leaves to others
+HEAD = 512  # bytes, the least block that HDF5 leaves to its user
 MAGIC = "ocean-sim checkpoint 1"
 LARGE = 4096  # numbers that are worth packing
 PATTERN = "checkpoint_*.h5"
@@ -40,12 +40,12 @@ class Checkpoint(NamedTuple):
 
 
 def name(time: float) -> str:
-    """Of the checkpoint at a time [s]."""
+    """The file name of the checkpoint at a time [s]."""
     return f"checkpoint_{time:013.6f}.h5"
 
 
 def written(checkpoint: Checkpoint, folder: Path) -> Path:
-    """The file of a checkpoint: it appears whole or not at all; raises OSError where there is no room for it."""
+    """The file of a checkpoint: it appears whole or not at all; raises OSError where the disk is full."""
     import h5py
 
     content = BytesIO()
@@ -94,7 +94,7 @@ def read(path: Path) -> Checkpoint:
 
 
 def mapping(value: Any) -> dict[str, Any]:
-    """What must have keys; raises TypeError."""
+    """The value, which has to be a mapping; raises TypeError."""
     if not isinstance(value, dict):
         raise TypeError
     return value

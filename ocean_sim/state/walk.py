@@ -45,7 +45,7 @@ class Partial(Protocol):
     left_out: ClassVar[tuple[str, ...]]
 
 
-class Differs(Exception):
+class Mismatch(Exception):
     """A state does not fit what it is to be put into; the message names where."""
 
 
@@ -64,7 +64,7 @@ def is_named(value: Any) -> bool:
     return isinstance(value, tuple) and hasattr(value, "_fields")
 
 
-class Taken:
+class Snapshot:
     """The state of what can be reached from `root`: a `tree` that is plain data, and the `arrays` it refers to.
 
     Raises TypeError where something is met that is neither known nor left out.
@@ -94,7 +94,7 @@ class Taken:
             return {PATH: value.relative_to(self.folder).as_posix()} if inside else {REST: "Path"}
         if id(value) in self.seen:
             return {SAME: self.seen[id(value)][0]}
-        self.seen[id(value)] = (path, value)  # and kept alive, so that no other takes its id
+        self.seen[id(value)] = (path, value)  # and kept alive, so that its id is not reused
         self.stays.add(path)  # until it is known
         node = self.structure(value, path)
         if self.is_data(node):
@@ -143,10 +143,10 @@ class Taken:
         raise TypeError(f"a checkpoint cannot keep {path.lstrip('.')}, a {type(value).__module__}.{name_of(value)}")
 
 
-class Restoring:
+class Restorer:
     """Puts a state back into `root`, which the same scene was built into.
 
-    Raises Differs where they do not fit. Files are opened where they lie in `folder` and cut to their length then when
+    Raises Mismatch where they do not fit. Files are opened in `folder` and truncated to their length at the time when
     `cut` is called, so that a state that does not fit changes nothing on disk.
     """
 
@@ -159,13 +159,13 @@ class Restoring:
         try:
             self.root = self.value(tree, root, "")
             Contents().write(self.fields, self.arrays)
-        except Differs:
+        except Mismatch:
             raise
         except Exception as error:  # a tree that no run has written can be wrong in any way
-            raise Differs(f"what it holds is no state of a run ({type(error).__name__})") from error
+            raise Mismatch(f"what it holds is no state of a run ({type(error).__name__})") from error
 
     def cut(self) -> None:
-        """Take away what was written to files after the state was taken."""
+        """Remove what was written to files after the state was taken."""
         for file, size in self.files:
             file.seek(size)
             file.truncate()
@@ -174,7 +174,7 @@ class Restoring:
         """The value that a node stands for, in which what must stay itself of the `fresh` one does."""
         found = self.stands_for(node, fresh, path) if isinstance(node, dict) else node
         if mistaken(found, fresh):
-            raise Differs(f"its {path.lstrip('.')} is {found!r:.60}")
+            raise Mismatch(f"its {path.lstrip('.')} is {found!r:.60}")
         return found
 
     def stands_for(self, node: Any, fresh: Any, path: str) -> Any:
@@ -184,7 +184,7 @@ class Restoring:
             return self.made[node[SAME]]
         if kind == REST:
             if fresh is MISSING:
-                raise Differs(f"it has {path.lstrip('.')}, which this program does not make")
+                raise Mismatch(f"it has {path.lstrip('.')}, which this program does not make")
             return fresh
         if kind == OBJECT:
             return self.thing(node, fresh, path)
@@ -205,7 +205,7 @@ class Restoring:
             or shape(fresh) != values.shape
             or to_numpy_type(fresh.dtype) != values.dtype
         ):
-            raise Differs(f"its {path.lstrip('.')} has {values.shape} numbers of type {values.dtype}")
+            raise Mismatch(f"its {path.lstrip('.')} has {values.shape} numbers of type {values.dtype}")
         self.fields[node[FIELD]] = fresh
         return fresh
 
@@ -215,16 +215,16 @@ class Restoring:
     def from_vector(self, node: Any, fresh: Any, path: str) -> Any:
         """Kernels hold it as a constant."""
         if not isinstance(fresh, ti.Matrix) or fresh.to_numpy().tolist() != node[VECTOR]:
-            raise Differs(f"its {path.lstrip('.')} is {node[VECTOR]}")
+            raise Mismatch(f"its {path.lstrip('.')} is {node[VECTOR]}")
         return fresh
 
     def from_file(self, node: Any, fresh: Any, path: str) -> TextIOWrapper:
         name, size = node[FILE]
         if type(size) is not int or size < 0:
-            raise Differs(f"{name} cannot have {size!r:.60} bytes")
+            raise Mismatch(f"{name} cannot have {size!r:.60} bytes")
         on_disk = self.folder / inside(name)
         if not on_disk.is_file() or on_disk.stat().st_size < size:
-            raise Differs(f"{name} is shorter than it was when the checkpoint was made")
+            raise Mismatch(f"{name} is shorter than it was when the checkpoint was made")
         if isinstance(fresh, TextIOWrapper):
             fresh.close()
         file = on_disk.open("r+", encoding="utf-8", newline="\n")
@@ -264,11 +264,11 @@ class Restoring:
         """An object: data is made anew, what holds fields stays itself."""
         made, data = class_of(node[OBJECT]), node["data"]
         if type(data) is not bool:
-            raise Differs(f"its {path.lstrip('.')} is neither data nor not: {data!r:.60}")
+            raise Mismatch(f"its {path.lstrip('.')} is neither data nor not: {data!r:.60}")
         stays = type(fresh) is made and not data
         value = fresh if stays else object.__new__(made)
         if self.used.setdefault(id(value), path) != path:
-            raise Differs(
+            raise Mismatch(
                 f"its {path.lstrip('.')} and {self.used[id(value)].lstrip('.')} are one thing in this program"
             )
         self.made[path] = value
@@ -279,9 +279,9 @@ class Restoring:
         return value
 
     def judge(self, value: Any, made: type, name: str, path: str) -> None:
-        """Raises Differs where an attribute is not of the type that the body of its class declares."""
+        """Raises Mismatch where an attribute is not of the type that the body of its class declares."""
         if not fits(value, get_annotations(made).get(name, object)):
-            raise Differs(f"its {path.lstrip('.')}.{name} is {value!r:.60}")
+            raise Mismatch(f"its {path.lstrip('.')}.{name} is {value!r:.60}")
 
 
 def mistaken(found: Any, fresh: Any) -> bool:
@@ -327,7 +327,7 @@ def class_of(name: str) -> type:
     for step in qualified.split("."):
         found = vars(found).get(step) if found is not None else None
     if not isinstance(found, type):
-        raise Differs(f"it has a {name}, which this program does not make")
+        raise Mismatch(f"it has a {name}, which this program does not make")
     return found
 
 
@@ -335,5 +335,5 @@ def inside(name: str) -> Path:
     """A name that does not lead out of its folder."""
     path = Path(name)
     if path.is_absolute() or ".." in path.parts:
-        raise Differs(f"it names a file outside its folder: {name}")
+        raise Mismatch(f"it names a file outside its folder: {name}")
     return path

@@ -79,7 +79,7 @@ class Setting:
     finest: bool
 
     def line(self) -> str:
-        """As it is pasted behind `ocean-sim run SCENE`."""
+        """As options of `ocean-sim run SCENE`."""
         words = [f"--profile {self.values['profile']}"] if "profile" in self.values else []
         for key, value in self.values.items():
             if key != "profile":
@@ -88,7 +88,7 @@ class Setting:
         return " ".join(words)
 
     def order(self, k: int, again: bool = False) -> dict[str, Any]:
-        """Its run with the k-th seed; `again`: one apart from those that were made before."""
+        """Its run with the k-th seed; `again`: a run of its own, not one made before."""
         return ordered(self.scenes[k]) | ({"again": True} if again else {})
 
 
@@ -108,7 +108,7 @@ def varied(texts: list[str]) -> Varied:
 
 
 def finest(key: str, values: list[Any]) -> Any:
-    """The value that costs most and misses least: by its name, or the smallest, or for some keys the greatest."""
+    """The value that costs most and errs least: by its name, or the smallest, or for some keys the greatest."""
     slot, _, name = key.partition(".")
     if key in FROM_COARSE or (slot in SLOTS and name == "kind"):
         order = FROM_COARSE.get(key) or from_coarse(slot)
@@ -210,7 +210,7 @@ def summary(setting: Setting, answers: list[dict[str, Any]], apart: list[dict[st
 
 
 def measures(rows: list[dict[str, Any]]) -> list[str]:
-    """The errors there are, what is felt before what is seen: leg lengths, motions, elevations, heights, periods."""
+    """The names of all errors, felt ones before seen ones: leg lengths, motions, elevations, heights, periods."""
     names = [name.removesuffix("_spread") for row in rows for name in row if name.endswith("_spread")]
     motions = [f"{name}_rms" for name in ("heave", "pitch", "roll", "surge", "sway", "yaw")]
     order = ["legs_rms", *motions, "_rms_", "_hs_", "_hm0_", "_tz_"]
@@ -232,5 +232,5 @@ def best(rows: list[dict[str, Any]], by: str, budget: Budget) -> dict[str, Any] 
 
 
 def folder_of(out: Path, order: dict[str, Any]) -> Path:
-    """Where the run of an order lies."""
+    """The run folder of an order."""
     return out / "runs" / address(order)

@@ -126,7 +126,7 @@ def spots(quick: bool, scene: str | None = None) -> list[Spot]:
 def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
     afloat, theirs = axis.of == "ship", None if scene is None else load(scene).fluid
     if theirs is not None and (afloat or not theirs.made_of_particles):
-        return  # a hull has its own mass, and water without particles nothing that breaks
+        return  # a hull has a mass of its own, and water without particles cannot become unstable
     schemes = ("delta_sph",) if afloat else compared("fluid") if theirs is None else (theirs.kind,)
     for scheme in (scheme for scheme in schemes if heeds(scheme, axis.key)):
         base: Any = scene or (AFLOAT if afloat else COLUMN | {"fluid": COLUMN["fluid"] | {"kind": scheme}})

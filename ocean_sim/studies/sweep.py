@@ -49,7 +49,7 @@ class PlanConfig(Model):
 
 @dataclass(frozen=True)
 class Planned:
-    """One run of a plan: what sets it apart, and its scene."""
+    """One run of a plan: its own settings, and its scene."""
 
     settings: dict[str, Any]
     scene: SceneConfig
@@ -90,7 +90,7 @@ def planned(path: Path) -> list[Planned]:
 
 
 def _empty(node: Node) -> list[Problem]:
-    """Lists without entries would silently mean no run at all."""
+    """Problems of lists without entries, which would silently mean no run at all."""
     grid = node.child("grid")
     lists = [(f"grid.{key}", value) for key, value in grid.data.items()] if grid is not None and grid.is_mapping else []
     lists += [(key, node.data[key]) for key in ("list", "seeds") if key in node.data]
@@ -115,7 +115,7 @@ def _quiet(settings: Settings) -> Settings:
 
 
 def _at(plan: Node, settings: Settings, found: Problem) -> Problem:
-    """A problem of a scene: one that lies in no file is the plan's, and so is one of a part that the plan sets."""
+    """A problem of a scene: without a file, or in a part that the plan sets, it is a problem of the plan."""
     touched = [value for key, value in settings.items() if key.split(".")[0] == found.key.split(".")[0]]
     if found.line is not None and found.file != plan.location.file and touched:
         message = f"{found.message} (together with {found.file}:{found.line})"

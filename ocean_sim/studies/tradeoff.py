@@ -40,7 +40,7 @@ QUICK_VALUES: dict[str, tuple] = {
     "surface.spacing": (0.1, 0.2),
 }
 PATIENCE = {True: 4.0, False: 120.0}  # quick or not: processor time [s] after which a run is not timed again
-BUSY = 1.3  # wall over processor time of one thread beyond which others had the cores, too
+BUSY = 1.3  # wall over processor time of one thread beyond which the machine was busy
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Trial:
 
     @property
     def peers(self) -> list["Peer"]:
-        """What other programs reached, measured for this project on another day."""
+        """The errors that other programs reached, measured separately."""
         return [peer for peer in peers() if peer.case == self.case]
 
 
@@ -174,7 +174,7 @@ def _levels(trial: Trial, quick: bool) -> list[tuple[bool, float]]:
 
 
 def _differs(point: Point) -> bool:
-    """Whether the scheme knows the setting, heeds it, and has another value by itself."""
+    """Whether the scheme has the setting, heeds it, and has another default."""
     if not all(heeds(point.scheme, key) for key in point.settings):
         return False
     problem = problem_of(point.trial.case, point.trial.set_up, point.coarse, point.scheme)
@@ -192,7 +192,7 @@ def clock(rows: list[dict[str, Any]]) -> str:
 
 
 def front(pairs: list[tuple[float, float]]) -> list[int]:
-    """Which of (cost, error) are bettered by none: no other is as cheap and as accurate, and better in one."""
+    """The Pareto front of (cost, error): no other is as cheap and as accurate, and better in one."""
     order = sorted(range(len(pairs)), key=lambda k: pairs[k])
     kept: list[int] = []
     for k in order:

@@ -41,7 +41,7 @@ class Config(SurfaceConfig):
     stretching_stiffness: float = quantity("1/s2", 18.0, ge=0.0)
     """Of stretch and shear springs: spring constant over mass of a node."""
     bending_stiffness: float = quantity("1/s2", 18.0, ge=0.0)
-    """Of bend springs, likewise."""
+    """The same for bend springs."""
     damping: float = quantity("1/s", 0.06, ge=0.0)
     """Rate at which the speed of a node decays."""
     response: float = quantity("1", 1.0, ge=0.0, le=1.0)

@@ -119,7 +119,7 @@ class Config(SurfaceConfig):
 
 @ti.data_oriented
 class MarchingCubes:
-    """The field on the grid, its surface and the heights of its columns, each made anew when it is read."""
+    """The field on the grid, its surface and the heights of its columns, each computed when it is read."""
 
     def __init__(self, config: Config, basin: Basin, particles: Particles) -> None:
         assert config.radius is not None
@@ -172,7 +172,7 @@ class MarchingCubes:
         return self.cut(0)[0]
 
     def free_surface(self) -> Mesh:
-        """What faces the air: the skin without what lies along walls and bed, open there."""
+        """The side that faces the air: the skin without its parts along walls and bed, open there."""
         return self.cut(self.goes_on)[0]
 
     def measures(self) -> list[float]:

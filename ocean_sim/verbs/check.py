@@ -76,8 +76,8 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
 
 
 def ledger(found: dict[str, Any], config: SceneConfig) -> list[dict[str, Any]]:
-    """The ledger by rows; kernels, and the share of a step's processor time, are those of a whole part and stand in its
-    first row. A part that takes nothing of a step has no share."""
+    """The ledger by rows; kernels, and the share of a step's processor time, belong to a whole part and stand in its
+    first row. A part that takes no time of a step has no share."""
     from ocean_sim.runtime import kernels_in
 
     parts, dt = config.parts(), found["time_step"]

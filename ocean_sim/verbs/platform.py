@@ -159,7 +159,7 @@ def streamed(sender: datagrams.Sender, done: Commands, machine: Moving, frame: s
 
 
 def show(done: Commands, found: list[Metric], files: list[Path]) -> None:
-    """What people want to know of a ride."""
+    """The summary of a ride, for people."""
     value = {metric.quantity: metric.value for metric in found}
     kinds = ("scaled_rms", "felt_rms", "error_rms", "correlation", "delay", "false_cue")
     numbers = [[value[f"{name}_{kind}"] for kind in kinds] for name in WITHIN]

@@ -46,7 +46,7 @@ def gone_on(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: 
     """The run from a checkpoint on. Its parts are built in another folder: its own stays as it is until all fits."""
     from ocean_sim.observers.checkpoint import restore
     from ocean_sim.simulation import Simulation
-    from ocean_sim.state.walk import Differs
+    from ocean_sim.state.walk import Mismatch
 
     def restored(simulation: "Simulation") -> None:
         if kept.made.get("backend") != simulation.backend.arch:
@@ -54,14 +54,14 @@ def gone_on(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: 
             raise console.Refused(f"{folder}: the checkpoint was made on {backends}")
         try:
             restore(simulation, kept, folder)
-        except Differs as problem:
+        except Mismatch as problem:
             raise console.Refused(f"{folder}: the checkpoint does not fit this program: {problem}") from None
 
     with TemporaryDirectory(prefix="ocean-sim-") as away, Simulation(config, Path(away)) as simulation:
         try:
             restored(simulation)
         except BaseException:
-            simulation.observers.clear()  # there is nothing that they could write
+            simulation.observers.clear()  # they have nothing to write
             raise
         simulation.observers.append(progress)
         simulation.run(config.duration)
@@ -93,7 +93,7 @@ def scene_of(folder: Path, manifest: dict[str, Any], until: float | None) -> Sce
 
 
 def finished(folder: Path, manifest: dict[str, Any], as_json: bool) -> None:
-    """Print that there is nothing left to do."""
+    """Print that the run is finished already."""
     facts = {key: manifest.get(key) for key in ("outcome", "steps", "simulated_s")} | {"folder": str(folder)}
     if as_json:
         console.answer(facts)
@@ -141,13 +141,13 @@ def check(folder: Path, kept: file.Checkpoint, scene: dict[str, Any], until: flo
         raise console.Refused(f"{folder}: the checkpoint is of another version: {other}")
     other = differences(kept.scene | {"duration": None}, scene | {"duration": None})
     if other:
-        raise console.Refused(f"{folder}: the checkpoint is of another scene than manifest.json: {other}")
+        raise console.Refused(f"{folder}: the checkpoint belongs to another scene than manifest.json: {other}")
     if until is not None and until < kept.time:
         raise console.Refused(f"--until {until:g}: the last checkpoint is at t = {kept.time:.3f} s already")
 
 
 def differences(kept: Any, now: Any) -> str:
-    """What two descriptions differ in, in words; empty where they do not."""
+    """The differences of two descriptions in words; empty where there are none."""
     found = list(differing(kept, now, ""))
     more = f", and {len(found) - SHOWN} more" if len(found) > SHOWN else ""
     return ", ".join(found[:SHOWN]) + more

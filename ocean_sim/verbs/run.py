@@ -44,7 +44,7 @@ def run(
 
 
 def film(config: SceneConfig) -> None:
-    """Print what the film will take, and how to leave it out; once its first pictures are drawn, the time is known."""
+    """Print the estimated time of the film, and how to leave it out; its first pictures give a better estimate."""
     render: Any = config.observers.get("render")
     pictures = 0 if render is None else render.film_pictures(config.duration)
     if pictures:
@@ -53,7 +53,7 @@ def film(config: SceneConfig) -> None:
 
 
 def report(made: Callable[[], Result], progress: Progress, config: SceneConfig, folder: Path, as_json: bool) -> None:
-    """Run, and print what came of it; raises Stopped where the run was interrupted."""
+    """Run, and print the outcome; raises Stopped where the run was interrupted."""
     try:
         result = made()
     except KeyboardInterrupt:
@@ -66,7 +66,7 @@ def report(made: Callable[[], Result], progress: Progress, config: SceneConfig, 
 
 
 def stopped(progress: Progress, folder: Path) -> console.Stopped:
-    """The message about a run that was interrupted."""
+    """The message for a run that was interrupted."""
     progress.close()
     if progress.time >= progress.duration * (1.0 - 1e-12):
         return console.Stopped(f"stopped while its pictures were drawn; {folder} holds all else of the run")
@@ -80,7 +80,7 @@ def until_node(until: float) -> Node:
 
 
 def run_folder(stem: str, out: Path | None, overwrite: bool) -> Path:
-    """Where a run is written: never over another one, unless that is asked for."""
+    """The folder of a run: never that of another one, unless overwriting is asked for."""
     if out is None:
         k, folder = 1, Path("runs") / stem
         while (folder / "manifest.json").exists():

@@ -1,4 +1,4 @@
-"""`ocean-sim stability`: where it breaks, and how it says so."""
+"""`ocean-sim stability`: where water becomes unstable, and how the run ends there."""
 
 from pathlib import Path
 from typing import Any
@@ -40,7 +40,7 @@ def stability(scene: str | None, quick: bool, workers: int | None, out: Path, as
 
 
 def show(lines: list[dict[str, Any]], table: list[dict[str, Any]], out: Path) -> None:
-    """What is stable up to where, and how many points ended how."""
+    """The limits of stability, and the number of points of each verdict."""
     names = list(lines[0])
     title = (
         "steps over courant's own in still water; numbers: the longest stable step over h / c, h^2 / nu, sqrt(h / a)"

@@ -1,4 +1,4 @@
-"""`ocean-sim tradeoff`: what a setting costs, and what it buys."""
+"""`ocean-sim tradeoff`: the cost of a setting, and the accuracy it gives."""
 
 from pathlib import Path
 from typing import Any
@@ -67,7 +67,7 @@ def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None
     lines = [[text(row[key]) for key in keys] for row in fair]
     console.table("\nat equal time, and at equal number", list(keys), lines)
     if speed != "wall_per_s":
-        console.say("others had the cores, too, so processor time is compared; run it again on an idle machine")
+        console.say("the cores were busy, so processor time is compared; run it again on an idle machine")
     console.say(f"{out / 'tradeoff.csv'}, equal.csv, pictures; wall_per_s: wall seconds of steps per simulated second")
 
 

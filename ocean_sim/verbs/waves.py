@@ -91,7 +91,7 @@ def orbits(path: Path, folder: Path, begin: float, period: float | None) -> list
     """The orbits of tagged particles under waves of a period [s], shown, and left in orbits.csv; a sentence, and no
     file, where there is no period or there are no orbits."""
     if period is None:
-        console.say(f"{path}: no orbits, for the record of no gauge resolves a peak period")
+        console.say(f"{path}: no orbits, since no gauge's record resolves a peak period")
         return []
     try:
         names, found = tracer_motion(path, begin, period)
@@ -136,13 +136,13 @@ def wind_config(path: Path) -> dict[str, Any] | None:
 
 
 def gain(path: Path) -> dict[str, float]:
-    """How many times a real wind it was, where it was a physical stress."""
+    """The gain of a wind that is a physical stress."""
     wind = wind_config(path) or {}
     return {"wind_gain": wind["gain"]} if wind.get("kind") == "stress" else {}
 
 
 def wind_of(path: Path) -> str | None:
-    """What blew over these waves, with its gain."""
+    """The wind over these waves, with its gain."""
     wind = wind_config(path)
     if wind is None:
         return None
@@ -166,7 +166,7 @@ def show(found: dict[str, Sea], path: Path, samples: int, time: np.ndarray) -> N
 
 
 def shortcomings(sea: Sea) -> list[str]:
-    """What a record is too short for."""
+    """Sentences on what a record is too short for."""
     if not sea.waves:
         why = "constant" if sea.hm0_m == 0.0 else "shorter than a wave: it does not cross its mean upwards twice"
         return [f"the record is {why}, so no wave is counted"]

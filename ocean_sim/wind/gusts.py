@@ -84,7 +84,9 @@ class Config(WindConfig):
         return [g for g, v in enumerate(self.volumes) if target in (self.targets if v.targets is None else v.targets)]
 
     def problems(self, preflight: Preflight) -> Problems:
-        return [(("volumes", g, *path), said) for g, v in enumerate(self.volumes) for path, said in v.unscheduled()]
+        return [
+            (("volumes", g, *path), message) for g, v in enumerate(self.volumes) for path, message in v.unscheduled()
+        ]
 
     def build(self, basin: Basin, seed: int) -> "Gusts":
         return Gusts(self, basin, seed)

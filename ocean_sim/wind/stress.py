@@ -90,8 +90,10 @@ class Config(Scheduled, WindConfig):
             found.append((("kind",), "a stress acts on a free surface; this basin has none"))
         if self.schedule is None and basin.dimension == 2 and self.heading_deg is not None:
             if abs(cos(radians(self.heading_deg))) > 1e-9:
-                said = f"in a slice the wind goes along +x (heading 90 degrees) or -x (270), got {self.heading_deg:g}"
-                found.append((("heading_deg",), said))
+                message = (
+                    f"in a slice the wind goes along +x (heading 90 degrees) or -x (270), got {self.heading_deg:g}"
+                )
+                found.append((("heading_deg",), message))
         return found
 
     def build(self, basin: Basin, seed: int) -> "Stress":
@@ -104,8 +106,10 @@ class Config(Scheduled, WindConfig):
         u10 = self.strongest
         sheltered = f", pressure on waves {self.sheltered(u10):.3g} Pa times their slope" if self.sheltering else ""
         gain = "a real wind (gain 1)" if self.gain == 1.0 else f"{self.gain:g} times a real wind (gain)"
-        said = f"wind: a physical stress of {self.tau(u10):.3g} Pa at U10 = {u10:g} m/s by {self.drag_law}{sheltered}"
-        return [f"{said}: {gain}", *out_of_range(u10, self.drag_law), *unresolved(self, u10, preflight)]
+        message = (
+            f"wind: a physical stress of {self.tau(u10):.3g} Pa at U10 = {u10:g} m/s by {self.drag_law}{sheltered}"
+        )
+        return [f"{message}: {gain}", *out_of_range(u10, self.drag_law), *unresolved(self, u10, preflight)]
 
 
 @ti.data_oriented

@@ -56,7 +56,7 @@ SCENES = {
 FEW = ("mueller, cloth, hydrostatic",)
 
 
-def told(keys: dict, threads: int, folder: Path) -> dict[str, bytes]:
+def contents(keys: dict, threads: int, folder: Path) -> dict[str, bytes]:
     """What a run with so many threads leaves, by name; manifest.json tells clock and threads."""
     folder.mkdir()
     scene = load({key: value for key, value in keys.items() if value is not None or key in PLAIN})
@@ -69,7 +69,7 @@ def told(keys: dict, threads: int, folder: Path) -> dict[str, bytes]:
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=() if n in FEW else pytest.mark.slow) for n in SCENES])
 def test_threads_and_repetition_change_no_byte(name, tmp_path):
-    once, two, again = (told(SCENES[name], n, tmp_path / str(k)) for k, n in enumerate((1, 2, 2)))
+    once, two, again = (contents(SCENES[name], n, tmp_path / str(k)) for k, n in enumerate((1, 2, 2)))
     assert {"accuracy.csv", "gauges.csv", "events.jsonl"} <= set(once)
     assert ("motion.csv" in once and "platform.csv" in once) or "no ship" in name
     assert [key for key in once if once[key] != two.get(key)] == [] and set(two) == set(once)

@@ -67,11 +67,11 @@ def test_no_name_is_a_question_of_use(capsys):
 def test_all_goes_on_past_a_figure_that_fails_and_leaves_nothing_half(scripts, tmp_path, capsys):
     out = tmp_path / "out"
     assert answered(["figure", "all", "--fast", "--out", str(out)]) == 1
-    told = capsys.readouterr()
-    assert "[1/3] Figure 1-1: a dot." in told.out and "FAILED: ValueError: no ink" in told.out
-    assert "1 of 3 figures failed: 1-2" in told.err
+    printed = capsys.readouterr()
+    assert "[1/3] Figure 1-1: a dot." in printed.out and "FAILED: ValueError: no ink" in printed.out
+    assert "1 of 3 figures failed: 1-2" in printed.err
     assert sorted(path.name for path in out.iterdir()) == ["fig1_1.csv", "fig1_1.png"]
-    assert (out / "fig1_1.csv").read_text() == "fast\n" and "noise" not in told.out
+    assert (out / "fig1_1.csv").read_text() == "fast\n" and "noise" not in printed.out
 
 
 def test_json_tells_files_and_failures(scripts, tmp_path, capsys):

@@ -21,7 +21,7 @@ from ocean_sim.result import run as run_scene
 from ocean_sim.simulation import Simulation
 from ocean_sim.state import file
 from ocean_sim.state.fields import Contents
-from ocean_sim.state.walk import Differs, Restoring, is_ours
+from ocean_sim.state.walk import Mismatch, Restorer, is_ours
 
 SEA = {
     "duration": 0.1,
@@ -104,12 +104,12 @@ def another_tree(data, kept) -> None:
         checkpoint = checkpoint._replace(tree=broken(data, checkpoint.tree))
     there = copy_of(kept)
     before = {path.name: path.read_bytes() for path in there.iterdir()}
-    with TemporaryDirectory() as beside:
-        simulation = Simulation(load(SEA), Path(beside))
+    with TemporaryDirectory() as scratch:
+        simulation = Simulation(load(SEA), Path(scratch))
         files = [*simulation.observers]
         try:
             restore(simulation, checkpoint, there)
-        except Differs as said:
+        except Mismatch as said:
             assert str(said) and not any(talk in str(said) for talk in TALK)
             assert {path.name: path.read_bytes() for path in there.iterdir()} == before
         finally:
@@ -165,10 +165,10 @@ def test_words_for_numbers_and_nothing_for_a_path_are_no_state(kept, unfilled, n
     spots = [path for path in paths(checkpoint.tree) if path[-2:] == ("at", name)]
     assert spots
     tree = changed(checkpoint.tree, spots[0], lambda at, key: at.__setitem__(key, value))
-    with TemporaryDirectory() as beside:
-        simulation = Simulation(load(SEA), Path(beside))
+    with TemporaryDirectory() as scratch:
+        simulation = Simulation(load(SEA), Path(scratch))
         files = [*simulation.observers]
-        with pytest.raises(Differs, match=f"its .*{name} is"):
+        with pytest.raises(Mismatch, match=f"its .*{name} is"):
             restore(simulation, checkpoint._replace(tree=tree), copy_of(kept))
         closed(files)
 
@@ -199,8 +199,8 @@ def test_no_number_of_a_state_may_be_of_another_kind(kept, unfilled, value):
         for path in numbers:
             tree = changed(checkpoint.tree, path, lambda inner, key: inner.__setitem__(key, value))
             try:
-                Restoring(parts, tree, checkpoint.arrays, there)
-            except Differs as refused:
+                Restorer(parts, tree, checkpoint.arrays, there)
+            except Mismatch as refused:
                 assert str(refused) and not any(talk in str(refused) for talk in TALK)
             else:
                 held = path[-3:-1] == (2, "tuple") and value == "x"  # a word is as good as a number there
@@ -241,10 +241,10 @@ def test_a_file_of_no_size_is_no_state(kept, unfilled, size):
     checkpoint, there = file.read(kept[0]), copy_of(kept)
     spot = next(path for path in paths(checkpoint.tree) if path[-3:] == ("file", "file", 1))
     tree = changed(checkpoint.tree, spot, lambda at, key: at.__setitem__(key, size))
-    with TemporaryDirectory() as beside:
-        simulation = Simulation(load(SEA), Path(beside))
+    with TemporaryDirectory() as scratch:
+        simulation = Simulation(load(SEA), Path(scratch))
         files = [*simulation.observers]
-        with pytest.raises(Differs, match=r"cannot have .* bytes"):
+        with pytest.raises(Mismatch, match=r"cannot have .* bytes"):
             restore(simulation, checkpoint._replace(tree=tree), there)
         closed(files)
 

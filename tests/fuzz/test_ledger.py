@@ -1,4 +1,4 @@
-"""Model only what a scene requires: the ledger tells it, and a part that is left out leaves no trace in the numbers."""
+"""Model only what a scene requires: the ledger lists it, and a part that is left out leaves no trace in the numbers."""
 
 import json
 import subprocess
@@ -49,7 +49,7 @@ def test_the_shares_of_a_step_are_whole_and_each_part_says_its_own():
     found = preflight(config)
     rows = ledger(found, config)
     shares = {row["part"]: row["share"] for row in rows if row["share"] is not None}
-    idle = {"platform", "manifest"}  # what they take is told beside platform_log, or is nothing of a step
+    idle = {"platform", "manifest"}  # what they take is stated with platform_log, or is nothing of a step
     assert set(shares) == set(config.parts()) - {"basin", "time_step"} - idle
     assert sum(shares.values()) == pytest.approx(1.0)
     assert found["estimated_wall_s"] == pytest.approx(10 * sum(row.a_step(0.004) for row in found["ledger"]))
@@ -115,17 +115,17 @@ def test_samples_of_solid_bodies_are_rows_of_what_they_belong_to(slot, name):
     box = {"min": [0.5, -1.0], "max": [1.0, -0.5]}
     body = {"ship": FLOATING} if slot == "ship" else {"basin": SLAB["basin"] | {"obstacles": [box]}}
     scenes = {"with": load(SLAB | body), "without": load(SLAB)}
-    told, rest, samples = {}, {}, 0
+    of_samples, rest, samples = {}, {}, 0
     for key, scene in scenes.items():
-        told[key] = {row.what: row for row in scene.ledger() if "samples" in row.what}
+        of_samples[key] = {row.what: row for row in scene.ledger() if "samples" in row.what}
         start(scene.runtime)
         before = allocated_bytes()
         with Simulation(scene) as simulation:
-            own = sum(row.bytes for row in scene.ledger() if row not in told[key].values())
+            own = sum(row.bytes for row in scene.ledger() if row not in of_samples[key].values())
             rest[key] = allocated_bytes() - before - own
             samples = samples or simulation.fluid.boundary.n
-    assert not told["without"]
-    (row,) = told["with"].values()
+    assert not of_samples["without"]
+    (row,) = of_samples["with"].values()
     assert (row.part, row.what) == (slot, f"{samples} samples of solid bodies") and row.why.startswith(name)
     assert row.bytes == pytest.approx(rest["with"] - rest["without"], rel=0.1) and row.seconds > 0.0
 

@@ -22,8 +22,8 @@ def events(folder):
 def test_a_quiet_run_has_a_quiet_diary(tmp_path, watched):
     simulation, _ = build(watched, tmp_path)
     simulation.run(until=1.0)
-    told = ["start", "limit", "energy from nowhere", "done"]  # this sea rises, and nothing lifts it
-    assert [event["event"] for event in events(tmp_path)] == told
+    reported = ["start", "limit", "energy from nowhere", "done"]  # this sea rises, and nothing lifts it
+    assert [event["event"] for event in events(tmp_path)] == reported
     assert events(tmp_path)[-1]["time_s"] == 1.0
 
 
@@ -100,8 +100,8 @@ def test_energy_from_nowhere_is_seen_between_the_looks_at_positions_and_told_bef
                 observer.observe(simulation)
         else:
             observer.observe(simulation)
-    told = [event for event in events(tmp_path) if event["event"] == "energy from nowhere"]
-    assert len(told) == 1 and told[0]["over_m_v2"] == pytest.approx(0.03, rel=0.01)
+    reported = [event for event in events(tmp_path) if event["event"] == "energy from nowhere"]
+    assert len(reported) == 1 and reported[0]["over_m_v2"] == pytest.approx(0.03, rel=0.01)
 
 
 def test_a_side_that_is_open_lets_particles_go_a_diagonal_far(watched):
@@ -162,7 +162,7 @@ def test_clipping_is_summed_up_not_repeated(tmp_path, watched):
         observer.observe(simulation)
     simulation.outcome, simulation.reason = "stopped", "too hot"
     observer.close()
-    told = [event for event in events(tmp_path) if event["event"] == "clipped"]
-    assert len(told) <= 3 and told[-1]["since_start"] == 200
-    assert sum(event["particles"] for event in told) == 200
+    reported = [event for event in events(tmp_path) if event["event"] == "clipped"]
+    assert len(reported) <= 3 and reported[-1]["since_start"] == 200
+    assert sum(event["particles"] for event in reported) == 200
     assert events(tmp_path)[-1] == {"time_s": 1.0, "step": 100, "event": "stopped", "reason": "too hot"}

@@ -10,13 +10,13 @@ from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.platform.washout.classical import Filter
 from ocean_sim.ship.shared.rigid_body import RigidBody
-from ocean_sim.state.walk import Differs, Restoring, Taken
+from ocean_sim.state.walk import Mismatch, Restorer, Snapshot
 
 
 def through(root, fresh, folder=Path("/nowhere")):
     """`fresh` in the state of `root`, by way of JSON as in a file."""
-    taken = Taken(root, folder)
-    restoring = Restoring(fresh, json.loads(json.dumps(taken.tree)), taken.arrays, folder)
+    taken = Snapshot(root, folder)
+    restoring = Restorer(fresh, json.loads(json.dumps(taken.tree)), taken.arrays, folder)
     restoring.cut()
     return restoring.root
 
@@ -55,7 +55,7 @@ def test_a_file_goes_on_where_it_was(tmp_path):
     """Rows that came later, whole or torn, are cut; nothing is cut before all fits."""
     csv = CsvFile(tmp_path / "a.csv", {"seed": 1}, ["time_s", "x"])
     csv.row([0.0, 1.0])
-    taken = Taken({"csv": csv, "path": tmp_path / "a.csv", "n": 3}, tmp_path)
+    taken = Snapshot({"csv": csv, "path": tmp_path / "a.csv", "n": 3}, tmp_path)
     before = (tmp_path / "a.csv").read_bytes()
     csv.row([0.1, 2.0])
     csv.file.write("0.2,3.")
@@ -63,7 +63,7 @@ def test_a_file_goes_on_where_it_was(tmp_path):
     late = (tmp_path / "a.csv").read_bytes()
     (tmp_path / "beside").mkdir()
     fresh = {"csv": CsvFile(tmp_path / "beside" / "a.csv", {"seed": 1}, ["time_s", "x"]), "path": None, "n": 0}
-    restoring = Restoring(fresh, taken.tree, taken.arrays, tmp_path)
+    restoring = Restorer(fresh, taken.tree, taken.arrays, tmp_path)
     assert (tmp_path / "a.csv").read_bytes() == late
     restoring.cut()
     assert restoring.root["path"] == tmp_path / "a.csv" and restoring.root["n"] == 3
@@ -71,13 +71,13 @@ def test_a_file_goes_on_where_it_was(tmp_path):
     restoring.root["csv"].close()
     assert (tmp_path / "a.csv").read_bytes() == before + b"0.1,5\n"
     (tmp_path / "a.csv").write_bytes(before[:-3])
-    with pytest.raises(Differs, match=r"a\.csv is shorter than it was"):
-        Restoring(fresh, taken.tree, taken.arrays, tmp_path)
+    with pytest.raises(Mismatch, match=r"a\.csv is shorter than it was"):
+        Restorer(fresh, taken.tree, taken.arrays, tmp_path)
 
 
 def test_what_is_not_known_is_refused_with_its_name():
     with pytest.raises(TypeError, match=r"cannot keep part\.b, a builtins\.builtins:set"):
-        Taken({"part": {"a": 1, "b": {1, 2}}}, Path("/nowhere"))
+        Snapshot({"part": {"a": 1, "b": {1, 2}}}, Path("/nowhere"))
 
 
 @pytest.mark.parametrize(
@@ -93,5 +93,5 @@ def test_what_is_not_known_is_refused_with_its_name():
     ],
 )
 def test_a_state_makes_nothing_but_data_of_this_package(tree, sentence, tmp_path):
-    with pytest.raises(Differs, match=sentence):
-        Restoring({}, {"dict": [["part", tree]]}, {}, tmp_path)
+    with pytest.raises(Mismatch, match=sentence):
+        Restorer({}, {"dict": [["part", tree]]}, {}, tmp_path)

@@ -66,7 +66,7 @@ def test_a_stream_on_loopback_loses_nothing_and_keeps_its_pace():
     for k in range(150):
         sender.send(packet(k))
     sender.close()
-    assert [told.seq for told in listener.packets()] == list(range(150))
+    assert [packet.seq for packet in listener.packets()] == list(range(150))
     jitter = sender.jitter()
     assert jitter.packets == 150 and jitter.interval == pytest.approx(0.01, rel=0.5)
     assert "150 packets, every" in str(jitter)
@@ -74,8 +74,8 @@ def test_a_stream_on_loopback_loses_nothing_and_keeps_its_pace():
 
 def test_the_receiver_tells_what_came_and_counts():
     """The one that `python -m ocean_sim.platform.shared.datagrams` runs."""
-    url, told, seen = f"udp://127.0.0.1:{free_port()}", [], []
-    thread = threading.Thread(target=lambda: seen.append(received(url, 3.0, told.append)))
+    url, arrivals, seen = f"udp://127.0.0.1:{free_port()}", [], []
+    thread = threading.Thread(target=lambda: seen.append(received(url, 3.0, arrivals.append)))
     thread.start()
     time.sleep(0.3)
     sender = Sender(url)
@@ -84,19 +84,19 @@ def test_the_receiver_tells_what_came_and_counts():
         sender.send(packet(k, every=0.0))
     sender.close()
     thread.join()
-    assert (seen[0].came, seen[0].lost, seen[0].reordered, seen[0].strange, len(told)) == (4, 2, 1, 1, 4)
+    assert (seen[0].came, seen[0].lost, seen[0].reordered, seen[0].strange, len(arrivals)) == (4, 2, 1, 1, 4)
 
 
 def test_the_receiver_waits_for_a_first_packet_and_says_what_is_wrong(capsys):
-    url, told = f"udp://127.0.0.1:{free_port()}", []
-    thread = threading.Thread(target=received, args=(url, 0.2, told.append))
+    url, arrivals = f"udp://127.0.0.1:{free_port()}", []
+    thread = threading.Thread(target=received, args=(url, 0.2, arrivals.append))
     thread.start()
     time.sleep(1.0)  # longer than its patience
     sender = Sender(url)
     sender.send(packet(0))
     sender.close()
     thread.join()
-    assert [seen.seq for seen in told] == [0]
+    assert [seen.seq for seen in arrivals] == [0]
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         other.bind(("127.0.0.1", 0))
         for wrong in ("tcp://there", f"udp://127.0.0.1:{other.getsockname()[1]}"):
@@ -169,7 +169,7 @@ def test_a_run_streams_what_its_platform_does(tmp_path, capsys):
         observer.observe(simulation)
     observer.close()
     seen = listener.packets()
-    assert [told.seq for told in seen] == list(range(130)) and not any(seen[-1].pose) and seen[0].limited == 1
+    assert [packet.seq for packet in seen] == list(range(130)) and not any(seen[-1].pose) and seen[0].limited == 1
     np.testing.assert_allclose(seen[0].pose, [0.1, -0.2, -0.3, 0.01, -0.02, -0.03])
     assert "130 packets" in capsys.readouterr().err
     with pytest.raises(ValidationError, match="is not like udp://"):

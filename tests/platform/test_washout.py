@@ -118,9 +118,9 @@ def test_a_platform_at_the_end_of_its_travel_comes_back_when_the_motion_turns():
     """Without the cut the filter is full, and keeps the platform beyond its end long after the push has gone."""
     every = 0.01
     push = np.concatenate([np.full(400, 3.0), np.full(300, -1.0), np.zeros(300)])
-    cut, told = Travel(0.4, 0.7, 0.04, every, (-0.6, 0.6)).of(push)
+    cut, was_limited = Travel(0.4, 0.7, 0.04, every, (-0.6, 0.6)).of(push)
     free, _ = Travel(0.4, 0.7, 0.04, every).of(push)
-    assert told.any() and free.max() > 5.0
+    assert was_limited.any() and free.max() > 5.0
     assert (cut > 0.6).sum() < 0.6 * (free > 0.6).sum()
     assert np.flatnonzero(cut > 0.6).max() < np.flatnonzero(free > 0.6).max() - 150
 

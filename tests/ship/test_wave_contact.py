@@ -313,9 +313,7 @@ def test_a_hull_thinner_than_a_spacing_floats():
 def test_a_hull_that_is_lost_between_particles_is_refused():
     """Its lattice of distances would have 1e10 nodes; a tenth of a spacing is enough."""
     cube = {"shape": dict.fromkeys(("length", "breadth", "height"), 1e-4) | {"kind": "box"}, "mass": 5e-10}
-    with pytest.raises(
-        SceneError, match=r"ship.hull: a hull of 0.0001 x .* m is too small beside particles .* m apart"
-    ):
+    with pytest.raises(SceneError, match=r"ship.hull: a hull of 0.0001 x .* m is too small for particles .* m apart"):
         load(floating(hull=cube), QUIET)
     small = {"shape": dict.fromkeys(("length", "breadth", "height"), 0.01) | {"kind": "box"}, "mass": 5e-4}
     load(floating(hull=small), QUIET)

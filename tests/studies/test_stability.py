@@ -35,8 +35,8 @@ def table(gain: float = 0.0, dense: float = 0.0, given: float = 0.0) -> dict[str
     """Energies that grow by a share of m v^2 = 250 kg x 9.81 m/s2 x 0.5 m, or a density that does."""
     scale, rise = 250.0 * 9.81 * 0.5, np.linspace(0.0, 1.0, 11)
     still = np.zeros(11)
-    told = {"kinetic_energy_J": gain * scale * rise, "potential_energy_J": still, "internal_energy_J": still}
-    return told | {"compression_mean": dense * rise, "work_wind_J": given * scale * rise}
+    energies = {"kinetic_energy_J": gain * scale * rise, "potential_energy_J": still, "internal_energy_J": still}
+    return energies | {"compression_mean": dense * rise, "work_wind_J": given * scale * rise}
 
 
 def test_every_verdict_can_be_given(scene):

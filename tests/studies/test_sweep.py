@@ -34,7 +34,7 @@ grid:
   duration: [0.3, 0.4]
 seeds: [1, 2]
 """
-TASK = '''"""A run that writes what it was told, waits where it was told to, or falls."""
+TASK = '''"""A run that writes what its order holds, waits where that asks for it, or fails."""
 import os, sys, time
 def answer(order, folder):
     (folder / "begun.tmp").write_text(str(os.getpid()))
@@ -229,10 +229,10 @@ def test_a_sweep_leaves_a_table_whose_failures_are_rows(capsys):
     plan = "scene: sea.yaml\ngrid: {fluid.height: [0.5, 1.0]}\n"
     Path("plan.yaml").write_text(plan)
     assert answered(["sweep", "plan.yaml", "--workers", "2", "--out", "out", "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
+    shown = json.loads(capsys.readouterr().out)
     rows = list(csv.DictReader(Path("out/results.csv").open()))
     assert [row["fluid.height"] for row in rows] == ["0.5", "1.0"] and [row["outcome"] for row in rows] == 2 * ["done"]
-    assert [row["run"] for row in told] == [row["run"] for row in rows]
+    assert [row["run"] for row in shown] == [row["run"] for row in rows]
     assert float(rows[1]["centre_hm0_m"]) == pytest.approx(2.0 * float(rows[0]["centre_hm0_m"]), rel=1e-4)
     assert (Path("out") / rows[0]["run"] / "manifest.json").exists()
     before = Path("out/results.csv").read_bytes()

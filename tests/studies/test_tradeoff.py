@@ -66,11 +66,11 @@ def test_no_setting_is_varied_that_changes_no_number():
 @pytest.mark.parametrize("scheme", ["dfsph", pytest.param("delta_sph", marks=pytest.mark.slow)])
 def test_a_wanted_compression_changes_no_number_of_water_that_has_none(scheme):
     """And those of other water: the negative control."""
-    told = set()
+    tables = set()
     for compression in (0.0025, 0.04):
         run(load(FALL, {"fluid.kind": scheme, "fluid.compression": compression}), f"{compression}")
-        told.add(Path(f"{compression}/accuracy.csv").read_bytes())
-    assert len(told) == 1 + heeds(scheme, "fluid.compression") == (1 if scheme == "dfsph" else 2)
+        tables.add(Path(f"{compression}/accuracy.csv").read_bytes())
+    assert len(tables) == 1 + heeds(scheme, "fluid.compression") == (1 if scheme == "dfsph" else 2)
 
 
 def test_every_trial_draws_an_error_that_its_case_promises():
@@ -86,8 +86,8 @@ def test_every_trial_draws_an_error_that_its_case_promises():
 
 
 def row(scheme: str, wall: float, error: float | None, particles: int = 100, changed: str = "") -> dict:
-    told = {"case": "a", "quantity": "q", "scheme": scheme, "wall_per_s": wall, "cpu_per_s": wall, "unit": "%"}
-    return told | {"error": error, "particles": particles, "changed": changed, "outcome": "done", "reason": ""}
+    facts = {"case": "a", "quantity": "q", "scheme": scheme, "wall_per_s": wall, "cpu_per_s": wall, "unit": "%"}
+    return facts | {"error": error, "particles": particles, "changed": changed, "outcome": "done", "reason": ""}
 
 
 def test_schemes_are_compared_at_equal_time_and_at_equal_number():
@@ -244,8 +244,8 @@ def test_a_setting_is_better_only_beyond_the_spread():
 def test_a_setting_that_failed_once_has_no_error():
     plan = settings("sea.yaml", None, {}, varied(["fluid.height=0.2,0.1"]), True)
     done = {"outcome": "done", "reason": "", "wall_per_s": 1.0, "wall_s": 2.0}
-    told = summary(plan[0], [done, done | {"wall_per_s": 3.0}], [{"e": 1.0}, {"e": 2.0}])
-    assert (told["e"], told["wall_per_s"]) == (1.5, 2.0) and told["e_spread"] == pytest.approx(np.sqrt(0.5))
+    whole = summary(plan[0], [done, done | {"wall_per_s": 3.0}], [{"e": 1.0}, {"e": 2.0}])
+    assert (whole["e"], whole["wall_per_s"]) == (1.5, 2.0) and whole["e_spread"] == pytest.approx(np.sqrt(0.5))
     lost = summary(plan[0], [done, {"outcome": "stopped", "reason": "too fast"}], [{"e": 1.0}, {}])
     assert (lost["e"], lost["outcome"], lost["reason"]) == (None, "stopped", "too fast")
 

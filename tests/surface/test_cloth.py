@@ -196,8 +196,8 @@ def test_a_drop_a_hole_and_a_dry_place(pond, lattice, sheet):
     x[hole, 1] = -0.79
     put(pond, x)
     sheet.lay(pond.particles)
-    drop, middle, beside = sheet.elevations(np.array([[0.5, 0.0], [-0.4, 0.0], [0.8, 0.5]]))
-    assert abs(drop) < 0.2 * H and abs(beside) < 0.02 * H
+    drop, middle, next_to_it = sheet.elevations(np.array([[0.5, 0.0], [-0.4, 0.0], [0.8, 0.5]]))
+    assert abs(drop) < 0.2 * H and abs(next_to_it) < 0.02 * H
     assert middle < -0.5
     x[:, 0] = -1.0 + (x[:, 0] + 1.0) / 2.0  # all of it in the lower half of x
     put(pond, x)

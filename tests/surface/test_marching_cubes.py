@@ -131,8 +131,8 @@ def test_flat_water_lies_at_zero_up_to_the_walls_and_fills_the_basin(sea):
     assert mesh.volume() == pytest.approx(2.0 * 1.2 * 0.6, rel=0.01)
     np.testing.assert_allclose(mesh.vertices.min(axis=0), [-1.0, -0.6, -0.6], atol=1e-12)
     np.testing.assert_allclose(mesh.vertices.max(axis=0)[[0, 2]], [1.0, 0.6], atol=1e-12)
-    beside = np.isclose(mesh.vertices[:, 0], -1.0)
-    np.testing.assert_array_equal(mesh.normals[beside], np.broadcast_to([-1.0, 0.0, 0.0], (beside.sum(), 3)))
+    on_wall = np.isclose(mesh.vertices[:, 0], -1.0)
+    np.testing.assert_array_equal(mesh.normals[on_wall], np.broadcast_to([-1.0, 0.0, 0.0], (on_wall.sum(), 3)))
     assert free.area == pytest.approx(2.0 * 1.2, rel=0.005)
     assert free.volume(bed=-0.6) == pytest.approx(2.0 * 1.2 * 0.6, rel=0.002)
     assert free.normals[:, 1].min() > 0.99
@@ -306,9 +306,9 @@ def test_the_ledger_tells_what_is_allocated(taichi_cpu):
     surface = built(STILL, basin(2.0, 1.2, 0.6))
     put(surface, STILL).mesh()
     allocated = runtime.allocated_bytes() - before - 3 * 8 * len(STILL)  # the particles are the water's
-    told = surface.config.ledger(Preflight({"fluid": water(STILL)}, surface.basin, 8, 1.0))
-    assert {row.part for row in told} == {"surface"}
-    assert allocated == pytest.approx(sum(row.bytes for row in told), rel=0.01)
+    ledger_rows = surface.config.ledger(Preflight({"fluid": water(STILL)}, surface.basin, 8, 1.0))
+    assert {row.part for row in ledger_rows} == {"surface"}
+    assert allocated == pytest.approx(sum(row.bytes for row in ledger_rows), rel=0.01)
 
 
 @pytest.mark.parametrize(

@@ -39,7 +39,7 @@ class GridSize:
         return nx * ny * nz
 
     def quantum(self, eps: float) -> float:
-        """Distance of the positions that numbers of a relative spacing `eps` can tell apart everywhere in the basin
+        """Distance of the positions that numbers of a relative spacing `eps` can distinguish everywhere in the basin
         [m]: a power of two."""
         basin = self.lattice.basin
         return eps * 2.0 ** floor(log2(max(map(abs, (*basin.lower, *basin.upper)))))

@@ -152,8 +152,8 @@ class Sender:
 class Smooth:
     """The pose that a platform is driven to by packets that come as they come.
 
-    It lies on the line between the last two packets, one interval behind. When packets stay away it is held, and when
-    they come back it goes over to them within `ramp` [s], also to those of a stream that begins anew. Packets that are
+    It lies on the line between the last two packets, one interval behind. Without packets it is held, and when
+    they return it moves over to them within `ramp` [s], also to those of a new stream. Packets that are
     out of order are dropped and counted.
     """
 

@@ -1,4 +1,4 @@
-"""How much of a ride a platform gives, how late, what it makes up, and how sick it makes."""
+"""How well a platform reproduces a ride: gain, delay, false cues, and motion sickness."""
 
 from typing import NamedTuple
 
@@ -20,7 +20,7 @@ class Metric(NamedTuple):
 
 
 def metrics(ride: Ride, done: Commands, hexapod: Hexapod, every: float) -> list[Metric]:
-    """Of a whole ride and of what the platform did with it; felt against the scaled motion of the ship."""
+    """The metrics of a ride and of the platform's commands; felt against the scaled motion of the ship."""
     felt, scaled = np.hstack([done.felt_force, done.felt_rate]), np.hstack([done.cue.force, done.cue.rate])
     names = [f"force_{axis}" for axis in "xyz"] + [f"rate_{axis}" for axis in "xyz"]
     found = []

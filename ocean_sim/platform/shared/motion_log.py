@@ -132,7 +132,7 @@ def spacing(path: Path, table: dict[str, np.ndarray]) -> float:
 
 
 def believable(path: Path, table: dict[str, np.ndarray], ride: Ride, frame: str) -> None:
-    """Refuse what no ship does: jumps, other units, gravity along another axis."""
+    """Refuse what no ship can do: jumps, other units, gravity along another axis."""
     time = ride.time
     position = np.column_stack([table[name] for name in MOTIONS[:3]])
     jump = np.linalg.norm(np.diff(position, axis=0), axis=1)

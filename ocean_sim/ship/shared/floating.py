@@ -92,8 +92,8 @@ class FloatingConfig(VesselConfig):
         for solid in own(preflight):
             if memory(solid.shape, spacing / FINE, max(solid.reach, RIM * spacing), 8)[0] > MANY:
                 size = " x ".join(f"{x:.3g}" for x in np.ptp(solid.shape.bounds(), axis=0))
-                said = f"a hull of {size} m is too small beside particles {spacing:g} m apart"
-                found.append((("hull",), f"{said}; take a smaller fluid.spacing"))
+                message = f"a hull of {size} m is too small for particles {spacing:g} m apart"
+                found.append((("hull",), f"{message}; take a smaller fluid.spacing"))
                 continue
             for axis, _, depth in Sides(solid.shape, solid.centre, basin).beyond(solid.body):
                 if depth.max() > 1e-6:
@@ -111,8 +111,8 @@ class FloatingConfig(VesselConfig):
         except ValueError as error:
             return [*found, (("hull",), explained(error))]
         if not isinf(hull.draught) and hull.draught > basin.depth:
-            said = f"the ship draws {hull.draught:.3g} m, the water is {basin.depth:g} m deep"
-            found.append((("hull",), said))
+            message = f"the ship draws {hull.draught:.3g} m, the water is {basin.depth:g} m deep"
+            found.append((("hull",), message))
         return found
 
     def warnings(self, preflight: Preflight) -> list[str]:
@@ -127,8 +127,8 @@ class FloatingConfig(VesselConfig):
             found.append(f"the ship is unstable upright: GM = {hull.metacentric_height():.3g} m; it will heel")
         spacing = preflight.spacing
         if spacing and hull.draught < FEW * spacing:
-            said = f"the draught of {hull.draught:.3g} m is {hull.draught / spacing:.2g} spacings; below {FEW:g}"
-            found.append(f"{said} the water does not resolve the ship")
+            message = f"the draught of {hull.draught:.3g} m is {hull.draught / spacing:.2g} spacings; below {FEW:g}"
+            found.append(f"{message} the water does not resolve the ship")
         return found
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:

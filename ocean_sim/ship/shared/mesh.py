@@ -115,7 +115,7 @@ def flaws(mesh: Any) -> list[str]:
             position = mesh.vertices[edges[wrong]].reshape(-1, 3).mean(axis=0)
             found.append(f"not watertight: {np.count_nonzero(wrong)} edges bound {what}, around {spot(position)}")
     if not found and not mesh.is_winding_consistent:
-        found.append("its faces do not all turn the same way, so inside and outside are not told apart")
+        found.append("its faces do not all turn the same way, so inside and outside cannot be distinguished")
     if not found and abs(mesh.volume) <= 1e-9 * float(np.prod(mesh.extents)):
         found.append("it holds no volume")
     return found

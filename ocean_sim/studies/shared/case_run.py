@@ -1,4 +1,4 @@
-"""The run of a validation case as a task of a study: how far it misses, in the case's own units, and what it costs."""
+"""The run of a validation case as a task of a study: its errors, in the case's own units, and its cost."""
 
 from pathlib import Path
 from statistics import median
@@ -34,7 +34,7 @@ def problem_of(case: str, set_up: str, coarse: bool, scheme: str) -> Problem:
 
 
 def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Runs the set-up and measures it, on one thread; the errors are those of the first run, for all are the same."""
+    """Runs the set-up and measures it, on one thread; the errors are those of the first run, since all are the same."""
     problem = problem_of(order["case"], order["set_up"], order["coarse"], order["scheme"])
     scene = problem.load(order["scheme"], {"runtime.threads": 1} | WATCHED.get(problem.slot, {}) | dict(order["set"]))
     began = perf_counter()
@@ -73,14 +73,14 @@ def measured(problem: Problem, order: dict[str, Any], scene: Any) -> dict[str, A
 
 
 def row(problem: Problem, order: dict[str, Any], promise: Any, numbers: Any) -> dict[str, Any]:
-    """What became of a promise."""
+    """The outcome of a promise."""
     found = promise.row(order["case"], order["scheme"], *(numbers or (None, None, None)))
     kept = ("quantity", "value", "reference", "error", "unit", "tolerance", "ok")
     return {key: found[key] for key in kept} | plain({key: found[key] for key in ("value", "reference", "error")})
 
 
 def neighbours(fluid: Fluid) -> float | None:
-    """Mean number of others within a support at the end; None of water without particles, or lost."""
+    """Mean number of neighbours at the end; None for water without particles, or where it diverged."""
     water = fluid.of_particles
     if water is None:
         return None

@@ -1,4 +1,4 @@
-"""A simulation with a clock: what its steps cost, compilation left out."""
+"""A simulation with a clock: the cost of its steps, without compilation."""
 
 from time import perf_counter, process_time
 from typing import Any
@@ -37,17 +37,17 @@ class Clocked(Simulation):
 
     def costs(self) -> list[dict[str, float]]:
         """Wall and processor seconds per simulated second, and the mean time step [s], of each part of the run: as many
-        timings of the same work, for what disturbs one seldom disturbs two. None of too short a run."""
+        timings of the same work, since a disturbance rarely hits two. None for too short a run."""
         parts = [[step for k, step in enumerate(self.spent[WARM_UP:]) if k // BLOCK % PARTS == n] for n in range(PARTS)]
         return [cost(steps) for steps in parts if steps]
 
     def cost(self) -> dict[str, float | None]:
-        """The same of the run as a whole; None of too short a run."""
+        """The same for the whole run; None for too short a run."""
         steps = self.spent[WARM_UP:]
         return cost(steps) if steps else dict.fromkeys(("wall_per_s", "cpu_per_s", "time_step_s"))  # type: ignore[return-value]
 
 
 def cost(steps: list[tuple[float, float, float]]) -> dict[str, float]:
-    """Of steps with their simulated, wall and processor time."""
+    """The cost of steps, each with its simulated, wall and processor time."""
     simulated, wall, cpu = (sum(column) for column in zip(*steps))
     return {"wall_per_s": wall / simulated, "cpu_per_s": cpu / simulated, "time_step_s": simulated / len(steps)}

@@ -55,7 +55,7 @@ def panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None
 
 
 def spaced(axis: Any) -> None:
-    """Few numbers along a logarithmic axis whose ends are set, as people write them, however short it is."""
+    """A few readable numbers along a logarithmic axis with fixed ends, however short it is."""
     from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
     low, high = axis.get_view_interval()
@@ -116,7 +116,7 @@ def failed(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict[str, A
 
 
 def margins(axes: Any, key: str, trial: Trial) -> None:
-    """The scatter of the experiments, and what peers reached."""
+    """The scatter of the experiments, and the errors of peers."""
     if trial.scatter is not None:
         axes.axhspan(LEAST, trial.scatter, color="0.9", zorder=0, label="scatter of experiments")
     for peer in trial.peers:

@@ -27,7 +27,7 @@ from ocean_sim.machine import installed
 from ocean_sim.parts import PACKAGE
 
 ORDER, ANSWER = "order.json", "answer.json"
-MACHINE = "machine"  # what an order says under this key changes no number of its answer but those of a clock
+MACHINE = "machine"  # what stands under this key of an order changes only timings in its answer
 SOURCES = (".py", ".csv")  # suffixes of the package's files that an answer depends on; a scene is in its order
 PATIENCE = 20.0  # to reach a scheduler [s]
 
@@ -85,7 +85,7 @@ def answers(
 
 
 def performed(order: dict[str, Any], folder: str, limit: float | None = None) -> dict[str, Any]:
-    """The answer of an order, worked out in a child of this process unless it is there already."""
+    """The answer of an order, computed in a child of this process unless it exists already."""
     run = Path(folder)
     kept = _kept(run)
     if kept is not None:
@@ -122,7 +122,7 @@ def performed(order: dict[str, Any], folder: str, limit: float | None = None) ->
 
 
 def failure(reason: str, wall: float | None = None) -> dict[str, Any]:
-    """The answer of a run that gave none."""
+    """The answer for a run that left none."""
     return {"outcome": "failed", "reason": reason, "wall_s": wall}
 
 
@@ -156,7 +156,7 @@ def _sources() -> str:
 
 
 def _kept(folder: Path) -> dict[str, Any] | None:
-    """The answer that lies in a folder, if there is a whole one."""
+    """The answer in a folder, if there is a complete one."""
     try:
         answer = json.loads((folder / ANSWER).read_text(encoding="utf-8"))
     except (OSError, ValueError):

@@ -17,7 +17,7 @@ PICTURES = ("render", "frames", "report")  # a study makes none unless it is ask
 
 
 def ordered(config: SceneConfig, threads: int | None = None) -> dict[str, Any]:
-    """The order of a scene's run; `threads` where the scene does not say how many."""
+    """The order of a scene's run; `threads` where the scene leaves them open."""
     return {"task": __name__, "scene": config.resolved(), "machine": {"threads": threads}}
 
 
@@ -46,7 +46,7 @@ def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def seen(result: Result) -> dict[str, float | None]:
-    """What the files of a run say: waves at each elevation gauge, energies at the end, motions, leg lengths."""
+    """Measures from the files of a run: waves at each elevation gauge, energies at the end, motions, leg lengths."""
     found: dict[str, float | None] = {}
     gauges = of(result, "gauges")
     for name, height in gauges.items():

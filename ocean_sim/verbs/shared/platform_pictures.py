@@ -37,7 +37,7 @@ def draw(folder: Path, done: Commands, config: Config, machine: Moving, film: bo
 
 
 def liveliest(done: Commands, machine: Moving, seconds: float) -> slice:
-    """The rows of the span of so many seconds in which the legs move most."""
+    """The rows of the `seconds` long span in which the legs move most."""
     moved = np.concatenate([[0.0], np.cumsum(np.abs(done.leg_velocity).sum(axis=1))])
     rows = min(len(done.time), round(seconds / machine.every))
     first = int(np.argmax(moved[rows:] - moved[: len(moved) - rows]))
@@ -64,7 +64,7 @@ def in_degrees(pose: np.ndarray) -> np.ndarray:
 
 
 def motion(done: Commands) -> Any:
-    """Poses, what is felt against what is wanted, and where the platform was limited."""
+    """Poses, felt against wanted motion, and where the platform was limited."""
     picture, axes = figure(4, 1, (10, 11.5), sharex=True)
     pose, resting = in_degrees(done.pose), [0.0, 0.0, GRAVITY]
     for axis, columns in ((axes[0, 0], range(3)), (axes[1, 0], range(3, 6))):
@@ -196,7 +196,7 @@ def stand(axis: Any, hexapod: Hexapod, pose: np.ndarray, offset: float = 0.0) ->
 
 
 def cylinder(hexapod: Hexapod, leg: np.ndarray) -> np.ndarray:
-    """(6, 3) the part of each leg that does not slide: most of what is left of it when it is all the way in."""
+    """(6, 3) the part of each leg that does not slide, drawn as most of its shortest length."""
     return leg * (0.8 * hexapod.low / np.linalg.norm(leg, axis=1))[:, None]
 
 

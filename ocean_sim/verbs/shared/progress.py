@@ -28,7 +28,7 @@ class Bar:
         self.rich: Any = None
 
     def due(self, now: float) -> bool:
-        """Whether the bar would be drawn anew; asked after every step, so it must cost nothing."""
+        """Whether the bar is to be redrawn; called after every step, so it must be cheap."""
         return not self.quiet and now - self.shown >= BAR_EVERY
 
     def show(self, done: float, text: str) -> None:
@@ -61,7 +61,7 @@ class Drawing:
     """Shows how many pictures of a film are drawn, of how many; and once, what the film will take."""
 
     def __init__(self, quiet: bool, cure: str = "") -> None:
-        """`cure`: how to do without, printed with the estimate."""
+        """`cure`: how to do without it, printed with the estimate."""
         self.bar, self.cure = Bar(1.0, quiet), cure
         self.first: tuple[float, int] | None = None  # wall time [s], and pictures that were drawn by then
         self.estimated = quiet

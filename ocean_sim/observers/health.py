@@ -13,7 +13,7 @@ from ocean_sim.fluid import with_particles
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.energy import driven, total
 from ocean_sim.observers.shared.escaped import beyond
-from ocean_sim.simulation import Observer, PeriodicConfig
+from ocean_sim.simulation import NOWHERE, Observer, PeriodicConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -42,8 +42,8 @@ class Config(PeriodicConfig):
     """Energy that water may gain which nothing but gravity drives, over its mass times the square of the fluid's
     reference speed."""
 
-    def build(self, folder: Path | None, simulation: "Simulation") -> "Health":
-        return Health(self, folder, simulation)
+    def build(self, folder: Path, simulation: "Simulation") -> "Health":
+        return Health(self, None if folder is NOWHERE else folder, simulation)
 
 
 class Health(Observer):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.sampled import Multiples
-from ocean_sim.simulation import Observer, PeriodicConfig
+from ocean_sim.simulation import NOWHERE, Observer, PeriodicConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -24,8 +24,8 @@ class Config(PeriodicConfig):
     every: float = quantity("s", 0.5, gt=0.0)
     """Simulated time between rows."""
 
-    def build(self, folder: Path | None, simulation: "Simulation") -> "Timings":
-        return Timings(self, folder, simulation)
+    def build(self, folder: Path, simulation: "Simulation") -> "Timings":
+        return Timings(self, None if folder is NOWHERE else folder, simulation)
 
 
 class Mark(NamedTuple):

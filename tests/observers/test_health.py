@@ -4,6 +4,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from ocean_sim import simulation as loop
 from ocean_sim.conventions import Diverged
 from ocean_sim.observers import health
 from ocean_sim.time_step.fixed import Config as Fixed
@@ -27,9 +28,11 @@ def test_a_quiet_run_has_a_quiet_diary(tmp_path, watched):
     assert events(tmp_path)[-1]["time_s"] == 1.0
 
 
-def test_it_needs_no_folder(watched):
-    simulation, _ = build(watched)
+def test_it_needs_no_folder_and_writes_nothing_without_one(watched, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    simulation, _ = build(watched, loop.NOWHERE)
     simulation.run(until=0.1)
+    assert not list(tmp_path.iterdir())
 
 
 def upset(simulation, what):

@@ -1,8 +1,8 @@
 """Files that a user names: which are read, and where their names lead from.
 
 A name in a scene is relative to the scene's file, and may climb out of its folder or be absolute: it is the user's own
-machine. What is no regular file (a folder, a pipe, a device) is refused before it is opened: reading it could last for
-ever.
+machine. What is not a regular file (a folder, a pipe, a device) is refused before it is opened: reading it might never
+end.
 """
 
 import os

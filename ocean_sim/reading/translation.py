@@ -1,4 +1,4 @@
-"""What pydantic finds wrong, in the words of someone who writes scenes: with location, bound and unit."""
+"""Errors of pydantic in the words of scenes: with location, bound and unit."""
 
 from collections.abc import Iterator
 from difflib import get_close_matches

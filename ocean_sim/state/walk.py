@@ -6,8 +6,8 @@ Configs, functions and types are left alone: the same scene builds them again. A
 alone, too: what depends on a clock, and what belongs to the process. Anything else of an unknown kind is refused with
 its name: what is neither known nor left out would be lost in silence.
 
-To put a state back, the same scene is built anew; objects that hold fields keep their identity, which compiled kernels
-know them by, and data is made anew. No code of a file is run: data classes and tuples of this package alone are made,
+To put a state back, the same scene is built again; objects that hold fields keep their identity, which compiled kernels
+know them by, and data is created. No code of a file is run: data classes and tuples of this package alone are made,
 by name, without their initialisers.
 """
 
@@ -102,7 +102,7 @@ class Snapshot:
         return node
 
     def is_data(self, node: Any) -> bool:
-        """Whether it can be made anew."""
+        """Whether it is data, to be created when it is put back."""
         if isinstance(node, list):
             return all(self.is_data(inner) for inner in node)
         if not isinstance(node, dict):
@@ -261,7 +261,7 @@ class Restorer:
         return there if list(new) == list(there) and alike(new.values(), there.values()) else new
 
     def thing(self, node: Any, fresh: Any, path: str) -> Any:
-        """An object: data is made anew, what holds fields stays itself."""
+        """An object: data is created, what holds fields keeps its identity."""
         made, data = class_of(node[OBJECT]), node["data"]
         if type(data) is not bool:
             raise Mismatch(f"its {path.lstrip('.')} is neither data nor not: {data!r:.60}")

@@ -135,7 +135,7 @@ class MarchingCubes:
         self.bed, self.top = self.nodes.lower[1], self.nodes.upper[1]
         self.outside = 0  # particles that the grid does not reach, in the field that was built last
         self.moment, self.sampled, self.levelled = 0, -1, -1  # steps taken; those that field and heights show
-        self.felt = False  # whether a kernel reads the heights
+        self.read_by_kernel = False  # whether a kernel reads the heights
         self.measured = MEASURED
         self.goes_on = sum(
             1 << 2 * axis + side
@@ -148,7 +148,7 @@ class MarchingCubes:
         """Take in that the particles have moved on by dt [s]; heights are computed at once if a kernel reads
         them, and in the first step, in which one may be compiled."""
         self.moment += 1
-        if self.felt or self.moment == 1:
+        if self.read_by_kernel or self.moment == 1:
             self.level()
 
     def sample(self) -> None:
@@ -228,7 +228,7 @@ class MarchingCubes:
 
     def read_by_a_kernel(self) -> bool:
         """Called while a kernel is compiled that reads the heights; raises RuntimeError where they are out of date."""
-        self.felt = True
+        self.read_by_kernel = True
         if self.levelled != self.moment:
             raise RuntimeError("the heights are out of date: call `level` before the first kernel that reads them")
         return True

@@ -41,7 +41,7 @@ import numpy as np
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
-from ocean_sim.validation.shared.state import watched
+from ocean_sim.validation.shared.state import sampled
 from ocean_sim.validation.shared.tables import table
 
 WIDTH = 1.0  # a [m]
@@ -102,7 +102,7 @@ def measure(simulation: Simulation) -> Finding:
     """The front over time."""
     left = simulation.basin.lower[0]
     times, seen = [], []
-    for water in watched(simulation, simulation.scene.duration, simulation.scene.duration / 60):
+    for water in sampled(simulation, simulation.scene.duration, simulation.scene.duration / 60):
         times.append(water.time)
         seen.append((front(water.position, water.spacing) - left) / WIDTH)
     return compared(scaled_time(np.array(times), GRAVITY, WIDTH), np.array(seen))

@@ -11,7 +11,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.state import State, set_state, state, watched
+from ocean_sim.validation.shared.state import State, sampled, set_state, state
 
 RATE = 100.0  # A0 [1/s]
 END = 0.76  # A0 t
@@ -75,7 +75,7 @@ def measure(simulation: Simulation) -> Finding:
     start = state(simulation).position
     density, radius2 = simulation.fluid.rest_density, (start**2).sum(axis=1)
     set_state(simulation, start, RATE * start * [-1.0, 1.0, 0.0], 0.5 * density * RATE**2 * (1.0 - radius2))
-    return compared(list(watched(simulation, END / RATE, END / RATE / 20)))
+    return compared(list(sampled(simulation, END / RATE, END / RATE / 20)))
 
 
 def compared(drops: list[State]) -> Finding:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
-from ocean_sim.validation.shared.state import State, watched
+from ocean_sim.validation.shared.state import State, sampled
 
 DENSITY = 1000.0  # [kg/m3]
 SOURCE = "p = rho g (H - z); Adami, Hu & Adams 2012"
@@ -45,7 +45,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 def measure_adami(simulation: Simulation) -> Finding:
     """The pressure, at the end of the run."""
-    *_, last = watched(simulation, simulation.scene.duration, simulation.scene.duration / 8)
+    *_, last = sampled(simulation, simulation.scene.duration, simulation.scene.duration / 8)
     return compared(last, depth=0.9, g=1.0)
 
 
@@ -78,7 +78,7 @@ def measure_long(simulation: Simulation) -> Finding:
     depth, g = simulation.basin.depth, -simulation.basin.gravity[1]
     low, up = np.array(simulation.basin.lower), np.array(simulation.basin.upper)
     times, energy, centre, outside = [], [], [], 0
-    for water in watched(simulation, simulation.scene.duration, 1.0):
+    for water in sampled(simulation, simulation.scene.duration, 1.0):
         times.append(water.time)
         energy.append(water.kinetic_energy / (water.mass * len(water.position) * g * depth))
         centre.append(water.position[:, 1].mean())

@@ -20,7 +20,7 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.state import watched
+from ocean_sim.validation.shared.state import sampled
 from ocean_sim.waves.record import measured
 
 DEPTH, HEIGHT, PERIOD, SEED = 0.5, 0.04, 1.5, 3  # [m], [m], [s]
@@ -71,7 +71,7 @@ def reflected(every: float, elevation: np.ndarray, positions: np.ndarray, depth:
 def measure(simulation: Simulation) -> Finding:
     """Records of the gauges, from when the shortest waves have arrived on."""
     points, times, rows = np.stack([GAUGES, 0.0 * GAUGES], axis=1), [], []
-    for water in watched(simulation, simulation.scene.duration, EVERY):
+    for water in sampled(simulation, simulation.scene.duration, EVERY):
         times.append(water.time)
         rows.append(simulation.fluid.elevations(points))
     piston = simulation.basin.piston

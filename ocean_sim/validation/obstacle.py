@@ -17,7 +17,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.state import watched
+from ocean_sim.validation.shared.state import sampled
 from ocean_sim.validation.shared.tables import table
 
 LENGTH, WIDTH, DEPTH, RESERVOIR = 3.22, 1.0, 0.55, 1.228  # [m]
@@ -76,7 +76,7 @@ def measure(simulation: Simulation) -> Finding:
     """All channels over time."""
     fluid, times, heights, pressures = simulation.fluid, [], [], []
     probes = np.array([(away - LENGTH / 2, 0.0) for away in HEIGHTS.values()])
-    for water in watched(simulation, simulation.scene.duration, EVERY):
+    for water in sampled(simulation, simulation.scene.duration, EVERY):
         times.append(water.time)
         heights.append(fluid.elevations(probes) + DEPTH)
         pressures.append(fluid.pressures(gauges()))

@@ -24,7 +24,7 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.state import watched
+from ocean_sim.validation.shared.state import sampled
 
 DEPTH, HEIGHT, PERIOD, LENGTH = 0.5, 0.05, 1.5, 9.5  # [m], [m], [s], [m]
 OMEGA = 2.0 * pi / PERIOD
@@ -59,7 +59,7 @@ def measure(simulation: Simulation) -> Finding:
     """The elevation at both gauges over time."""
     gauges = np.array([[simulation.basin.lower[0] + n * WAVELENGTH, 0.0] for n in AWAY])
     times, elevation = [], []
-    for water in watched(simulation, END, PERIOD / 40):
+    for water in sampled(simulation, END, PERIOD / 40):
         times.append(water.time)
         elevation.append(simulation.fluid.elevations(gauges))
     assert simulation.basin.piston is not None

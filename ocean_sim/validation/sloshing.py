@@ -15,7 +15,7 @@ import numpy as np
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.state import State, watched
+from ocean_sim.validation.shared.state import State, sampled
 from ocean_sim.validation.shared.tables import table
 
 LENGTH, DEPTH, SWAY = 1.0, 0.5, 0.01  # [m]
@@ -79,7 +79,7 @@ def share(water: State) -> float:
 
 def measure(simulation: Simulation) -> Finding:
     """The first mode over time."""
-    seen = [(water.time, share(water)) for water in watched(simulation, simulation.scene.duration, PERIOD / 40)]
+    seen = [(water.time, share(water)) for water in sampled(simulation, simulation.scene.duration, PERIOD / 40)]
     times, signal = np.array(seen).T
     return compared(times, signal)
 
@@ -111,7 +111,7 @@ def measure_series(simulation: Simulation) -> Finding:
     gauge = np.array([[simulation.basin.lower[0] + GAUGE, 0.0]])
     seen = [
         (water.time, simulation.fluid.elevations(gauge)[0])
-        for water in watched(simulation, simulation.scene.duration, SHALLOW_PERIOD / 100)
+        for water in sampled(simulation, simulation.scene.duration, SHALLOW_PERIOD / 100)
     ]
     times, elevation = np.array(seen).T
     return compared_series(times / SHALLOW_PERIOD, elevation)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
-from ocean_sim.validation.shared.state import State, set_state, state, watched
+from ocean_sim.validation.shared.state import State, sampled, set_state, state
 
 SIDE, SPIN, END = 1.0, 1.0, 2.0  # L [m], w [1/s], w t
 CORE = 0.25  # [L] radius around the centre in which voids are sought
@@ -48,7 +48,7 @@ def measure(simulation: Simulation) -> Finding:
     start = state(simulation).position
     velocity = SPIN * np.stack([start[:, 1], -start[:, 0], 0.0 * start[:, 0]], axis=1)
     set_state(simulation, start, velocity, simulation.fluid.rest_density * SPIN**2 * first_pressure(start))
-    return compared(list(watched(simulation, END / SPIN, END / SPIN / 40)))
+    return compared(list(sampled(simulation, END / SPIN, END / SPIN / 40)))
 
 
 def first_pressure(position: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.state import set_state, state, watched
+from ocean_sim.validation.shared.state import sampled, set_state, state
 
 G, DEPTH, LENGTH, AMPLITUDE = 1.0, 1.0, 2.0, 0.05
 K = 2.0 * pi / LENGTH  # [1/m]
@@ -74,7 +74,7 @@ def measure(simulation: Simulation, promises: tuple[Promise, ...], viscosity: fl
     start = state(simulation).position
     set_state(simulation, start, AMPLITUDE * flow(start))
     times, share = [], []
-    for water in watched(simulation, simulation.scene.duration, PERIOD / 60):
+    for water in sampled(simulation, simulation.scene.duration, PERIOD / 60):
         mode = flow(np.minimum(water.position, [np.inf, 0.0, np.inf]))
         times.append(water.time)
         share.append(float((water.velocity * mode).sum() / (mode * mode).sum()) / AMPLITUDE)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.state import State, set_state, shaken, state, watched
+from ocean_sim.validation.shared.state import State, sampled, set_state, shaken, state
 
 SPEED, REYNOLDS = 1.0, 100.0  # [m/s], 1
 DECAY = 8.0 * pi**2 / REYNOLDS  # [1/s] of the speed
@@ -59,7 +59,7 @@ def measure(simulation: Simulation) -> Finding:
     at[:, :2] = low[:2] + np.mod(at[:, :2] - low[:2], period[:2])
     waves = np.cos(4.0 * pi * at[:, 0]) + np.cos(4.0 * pi * at[:, 1])
     set_state(simulation, at, flow(at, 0.0), -0.25 * simulation.fluid.rest_density * SPEED**2 * waves)
-    return compared(list(watched(simulation, simulation.scene.duration, simulation.scene.duration / 20)))
+    return compared(list(sampled(simulation, simulation.scene.duration, simulation.scene.duration / 20)))
 
 
 def compared(waters: list[State]) -> Finding:

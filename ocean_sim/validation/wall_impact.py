@@ -18,7 +18,7 @@ import numpy as np
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.state import watched
+from ocean_sim.validation.shared.state import sampled
 from ocean_sim.validation.shared.tables import table
 
 HEIGHT, TANK = 0.6, 5.366  # H [m], [H]
@@ -75,7 +75,7 @@ def measure(simulation: Simulation) -> Finding:
     heights = np.stack([np.linspace(sensor.low, sensor.high, POINTS) for sensor in SENSORS]) * HEIGHT
     points = np.stack([np.full(heights.size, wall), heights.ravel() - HEIGHT, np.zeros(heights.size)], axis=1)
     times, pressures = [], []
-    for water in watched(simulation, duration, duration / 800):
+    for water in sampled(simulation, duration, duration / 800):
         times.append(water.time)
         pressures.append(simulation.fluid.pressures(points).reshape(heights.shape).mean(axis=1))
     scale = DENSITY * GRAVITY * HEIGHT

@@ -13,7 +13,7 @@ from ocean_sim import waves
 from ocean_sim.conventions import AIR_DENSITY, GRAVITY, WATER_DENSITY
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.state import watched
+from ocean_sim.validation.shared.state import sampled
 from ocean_sim.validation.shared.wind import REAL, U10, blowing, stilled
 
 WAVELENGTH, DEPTH, STEEPNESS, PERIODS = 1.0, 0.5, 0.06, 8  # [m], [m], ka at the start, periods
@@ -60,7 +60,7 @@ def amplitudes(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
     """Times [s] and the amplitude [m] of the wave at each."""
     seen = [
         (water.time, amplitude(water.position, water.velocity))
-        for water in watched(simulation, PERIODS * PERIOD, PERIOD / 20)
+        for water in sampled(simulation, PERIODS * PERIOD, PERIOD / 20)
     ]
     times, sizes = np.array(seen).T
     return times, sizes

@@ -21,7 +21,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.state import watched
+from ocean_sim.validation.shared.state import sampled
 from ocean_sim.validation.shared.wind import blowing, stilled
 
 LENGTH, DEPTH, VISCOSITY, STRESS = 1.0, 0.1, 1e-2, 5.0  # [m], [m], [m2/s], [Pa]
@@ -62,7 +62,7 @@ def slopes(simulation: Simulation, begin: float, until: float) -> tuple[float, f
     x = np.linspace(-MIDDLE, MIDDLE, 21)
     bed = np.stack([x, np.full_like(x, -DEPTH), np.zeros_like(x)], axis=1)
     pressure, height, flow = [], [], []
-    for water in watched(simulation, until, 0.1):
+    for water in sampled(simulation, until, 0.1):
         if water.time >= begin:
             pressure.append(simulation.fluid.pressures(bed) / (DENSITY * G))
             height.append(simulation.fluid.elevations(bed[:, ::2]))

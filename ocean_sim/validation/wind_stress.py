@@ -9,7 +9,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
-from ocean_sim.validation.shared.state import watched
+from ocean_sim.validation.shared.state import sampled
 from ocean_sim.validation.shared.wind import blowing, stilled
 
 LENGTH, DEPTH, STRESS, DURATION = 1.0, 0.5, 5.0, 0.5  # [m], [m], [Pa], [s]
@@ -39,7 +39,7 @@ def problem(spacing: float) -> Problem:
 
 def gained(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
     """Times [s] and momentum along x [N s] since the start."""
-    states = list(watched(simulation, DURATION, DURATION / 20))
+    states = list(sampled(simulation, DURATION, DURATION / 20))
     momentum = np.array([water.momentum[0] for water in states])
     return np.array([water.time for water in states]), momentum - momentum[0]
 

@@ -1,4 +1,4 @@
-"""`ocean-sim bench`: speed alone, each scene in a process of its own, with nothing watching but the clock."""
+"""`ocean-sim bench`: speed alone, each scene in a process of its own, with a clock as the only observer."""
 
 import json
 import os

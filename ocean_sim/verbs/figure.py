@@ -86,7 +86,7 @@ def report(outcome: Outcome) -> str:
 
 
 def drawn(name: str, script: Path, fast: bool, out: Path, show: Callable[[float, str], None]) -> Outcome:
-    """One figure, in a child process, so that Taichi starts anew; its files are moved to `out` when all are whole."""
+    """One figure, in a child process, so that Taichi starts fresh; its files are moved to `out` when all are whole."""
     began = perf_counter()
     paths = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
     with TemporaryDirectory(prefix=".figure-", dir=out) as folder:

@@ -174,7 +174,7 @@ class Session:
                 if single or perf_counter() - begin > BUDGET:
                     break
         except Diverged as failure:
-            panel.paused, panel.message = True, f"diverged: {failure}. Reset begins anew."
+            panel.paused, panel.message = True, f"diverged: {failure}. Reset starts again."
 
     def record(self) -> None:
         """One more picture of a recording; each recording is a folder of its own."""

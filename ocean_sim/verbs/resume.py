@@ -33,7 +33,7 @@ def resume(folder: Path, until: float | None, as_json: bool) -> None:
         check(folder, kept, manifest["scene"], until)
     progress = Progress(config.duration, as_json)
     if not as_json:
-        start = "nothing was kept yet: it begins anew" if kept is None else f"going on from t = {kept.time:.3f} s"
+        start = "nothing was kept yet: it starts again" if kept is None else f"going on from t = {kept.time:.3f} s"
         console.say(f"{folder}: {start}\n{kernels()}")
 
     def made() -> Result:

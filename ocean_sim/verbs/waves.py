@@ -78,12 +78,12 @@ def surface_of(folder: Path, begin: float, quiet: bool) -> SurfaceRecord | None:
 
 def surface_sentence(surface: SurfaceRecord) -> str:
     """Means over time, for people."""
-    cover = f"white caps on {100.0 * surface.cover.mean():.3g} % of the surface in the mean, "
+    cover = f"white caps on {100.0 * surface.cover.mean():.3g} % of the surface on average, "
     cover += f"{100.0 * surface.cover.max():.3g} % at most: where it falls faster than {BREAKING:g} g"
     turn = surface.circulation
     if turn is None:
         return cover
-    mean = f"circulation about the vertical {turn.mean():.3g} m2/s in the mean, standard deviation {turn.std():.2g}"
+    mean = f"circulation about the vertical {turn.mean():.3g} m2/s on average, standard deviation {turn.std():.2g}"
     return f"{mean}, on a circle of {surface.radius:.3g} m about the middle\n{cover}"
 
 

@@ -43,7 +43,7 @@ BAD = {
     ),
     "forces in mm/s2": (
         columns() | {name: 1000.0 * columns()[name] for name in FORCES},
-        "is its unit another?",
+        "is it in another unit?",
     ),
     "forces in g": (columns() | {name: columns()[name] / G for name in FORCES}, "is it in g?"),
     "rates in degrees": (
@@ -66,7 +66,7 @@ def test_a_log_that_cannot_be_is_refused_with_a_sentence(tmp_path, what):
 def test_other_units_and_frames_are_named(tmp_path):
     table = columns()
     in_degrees = {("roll_deg" if name == "roll_rad" else name): column for name, column in table.items()}
-    with pytest.raises(ValueError, match="has no column roll_rad, but roll_deg: its unit is another"):
+    with pytest.raises(ValueError, match="has no column roll_rad, but roll_deg: it has another unit"):
         read(write(tmp_path / "a.csv", in_degrees))
     with pytest.raises(ValueError, match="frame 'enu'; a frame is one of"):
         read(write(tmp_path / "b.csv", table, frame="enu"))

@@ -285,7 +285,7 @@ def test_heights_are_kept_current_once_a_kernel_reads_them(taichi_cpu):
 def test_a_kernel_never_reads_old_heights_unsaid(sea):
     with pytest.raises(Exception, match="the heights are out of date: call `level`"):
         Reader(sea).height()
-    sea.felt = False
+    sea.read_by_kernel = False
 
 
 def test_flat_water_is_half_full_at_its_surface():

@@ -105,7 +105,7 @@ def checked(path: Path, names: list[str], lines: list[str]) -> None:
         unit = next(unit for unit in UNITS if missing[0].endswith(unit))
         words = [name for name in names if name.isidentifier() and name not in REQUIRED]
         other = [name for name in words if name.startswith(missing[0].removesuffix(unit) + "_")]
-        found = f", but {other[0]}: its unit is another" if other else ""
+        found = f", but {other[0]}: it has another unit" if other else ""
         raise ValueError(f"{path} has no column {missing[0]}{found}")
     uneven = next((k for k, line in enumerate(lines) if line.count(",") != len(names) - 1), None)
     if uneven is not None:
@@ -157,7 +157,7 @@ def believable(path: Path, table: dict[str, np.ndarray], ride: Ride, frame: str)
         raise ValueError(f"{path}: its specific force is about {felt:.2g} m/s2, at rest {GRAVITY} m/s2; is it in g?")
     if felt > MOST_FELT:
         raise ValueError(
-            f"{path}: its specific force is about {felt:.3g} m/s2, at rest {GRAVITY}; is its unit another?"
+            f"{path}: its specific force is about {felt:.3g} m/s2, at rest {GRAVITY}; is it in another unit?"
         )
     if felt > 5.0 and up < 0.5 * felt:
         means = f"frame {frame}, {AXES_IN_WORDS['ship' if frame == 'world' else frame]}"

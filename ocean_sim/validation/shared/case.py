@@ -76,7 +76,7 @@ class Problem:
     slot: str = "fluid"
     """What a scheme is a kind of."""
     schemes: tuple[str, ...] = ("delta_sph",)
-    """Those that are run where nobody asks for others."""
+    """Those that are run by default."""
 
     def load(self, scheme: str, overrides: Mapping[str, Any] | None = None) -> Any:
         """The scene under a scheme, without observers."""

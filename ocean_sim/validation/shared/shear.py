@@ -10,7 +10,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
-from ocean_sim.validation.shared.state import watched
+from ocean_sim.validation.shared.state import sampled
 from ocean_sim.validation.shared.tables import table
 
 FASTEST = 0.0125  # [m/s] of the water, in the end
@@ -73,7 +73,7 @@ def measure(
     numbers, measured, expected = {}, [], []
     data = table("analytic_poiseuille_couette")
     for promise, time in zip(promises, times, strict=True):
-        *_, water = watched(simulation, time, time)
+        *_, water = sampled(simulation, time, time)
         y, speed = water.position[:, 1] + 1.0, water.velocity[:, 0] / FASTEST
         wanted = exact(y, water.time)
         worst = int(np.argmax(np.abs(speed - wanted)))

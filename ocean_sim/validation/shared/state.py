@@ -1,4 +1,4 @@
-"""Particles as arrays in the order of their ids: read, set, and watched over time."""
+"""Particles as arrays in the order of their ids: read, set, and sampled over time."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -80,7 +80,7 @@ def shaken(simulation: Simulation, at: np.ndarray, size: float) -> np.ndarray:
     return random
 
 
-def watched(simulation: Simulation, until: float, every: float) -> Iterator[State]:
+def sampled(simulation: Simulation, until: float, every: float) -> Iterator[State]:
     """The state now and about every `every` seconds; raises Diverged where it is no longer finite."""
     yield state(simulation)
     for moment in np.arange(every, until + 0.5 * every, every):

@@ -241,10 +241,13 @@ class Forces(Force):
         dt, x, v = fluid.dt[None], vec3(own, self.row.position), tm.vec3(u.x[i], u.y[i], u.z[i])
         if ti.static(fluid.bodies):
             beyond += self.solid.total(x, own)
-        a_wind, a_pull, a_hull = fluid.driven(i, x, v, 0.0)
-        a, v_new = a_wind + a_pull + a_hull, fluid.pushed(group, WIND, v, dt * a_wind)
+        a_wind = fluid.blown(i, x, v)
+        v_new = fluid.pushed(group, WIND, v, dt * a_wind)
+        a_pull = fluid.pull.at(x, v)
         v_new = fluid.pushed(group, GRAVITY, v_new, dt * a_pull)
+        a_hull = fluid.hull_push(x, 0.0)
         v_new = fluid.pushed(group, SHIP, v_new, dt * a_hull)
+        a = a_wind + a_pull + a_hull
         if ti.static(self.viscous):
             rub, rub_walls = vec3(total, self.terms.rub), vec3(beyond, self.terms.rub)
             v_new = fluid.pushed(group, VISCOSITY, v_new, dt * self.rubbing * rub)

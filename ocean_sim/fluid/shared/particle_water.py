@@ -72,11 +72,21 @@ class ParticleWater(ParticleFluid):
     def driven(self, i, x, v, ahead):
         """Accelerations [m/s2] of particle i by the wind, by gravity (with body force and the motion of the tank) and
         by a hull, `ahead` [s] of the beginning of the step."""
+        return self.blown(i, x, v), self.pull.at(x, v), self.hull_push(x, ahead)
+
+    @ti.func
+    def blown(self, i, x, v):
+        """Acceleration [m/s2] of particle i by the wind."""
         m = ti.static(self.particles.mass)
-        wind, hull = self.wind.force(self.particles.id[i], x, v, self.area(i), m) / m, tm.vec3(0.0)
+        return self.wind.force(self.particles.id[i], x, v, self.area(i), m) / m
+
+    @ti.func
+    def hull_push(self, x, ahead):
+        """Acceleration [m/s2] by a hull of what is at x [m], `ahead` [s] of the beginning of the step."""
+        a = tm.vec3(0.0)
         if ti.static(self.meeting_hull):
-            hull = self.contact.hull.push(x, ahead)
-        return wind, self.pull.at(x, v), hull
+            a = self.contact.hull.push(x, ahead)
+        return a
 
     @ti.func
     def leave(self, i, x, v):

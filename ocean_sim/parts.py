@@ -4,6 +4,8 @@ This is the whole contract of its `Config`: what a scene asks of a part between 
 built of it has a protocol in the `__init__.py` of its slot.
 """
 
+from __future__ import annotations
+
 from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -14,11 +16,11 @@ from math import hypot
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, Self, cast
 
-from ocean_sim import basin as basin_module
-from ocean_sim.basin import Basin, Solid
 from ocean_sim.model import Model
 
 if TYPE_CHECKING:
+    from ocean_sim import basin as basin_module
+    from ocean_sim.basin import Basin, Solid
     from ocean_sim.fluid import Fluid, Lattice, Limits
     from ocean_sim.platform import Platform
     from ocean_sim.runtime import RuntimeConfig
@@ -77,20 +79,20 @@ class PartConfig(Model):
     `build` have no default: a kind without them cannot be instantiated.
     """
 
-    def problems(self, preflight: "Preflight") -> Problems:
+    def problems(self, preflight: Preflight) -> Problems:
         """What is wrong with these keys in this basin, whatever the other parts are: they may be wrong themselves."""
         return []
 
-    def mismatches(self, preflight: "Preflight") -> Problems:
+    def mismatches(self, preflight: Preflight) -> Problems:
         """What is wrong with these keys next to the other parts; asked where no part has a problem of its own."""
         return []
 
-    def warnings(self, preflight: "Preflight") -> list[str]:
+    def warnings(self, preflight: Preflight) -> list[str]:
         """What a reader of the results should know."""
         return []
 
     @abstractmethod
-    def ledger(self, preflight: "Preflight") -> list[LedgerRow]:
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         """What it will allocate or compile, and take of a step."""
 
 
@@ -128,7 +130,7 @@ class WindConfig(KindConfig):
         return False
 
     @abstractmethod
-    def build(self, basin: Basin, seed: int) -> "Wind": ...
+    def build(self, basin: Basin, seed: int) -> Wind: ...
 
 
 class FluidConfig(KindConfig):
@@ -147,7 +149,7 @@ class FluidConfig(KindConfig):
     empty where it has not been measured. Measured by the decay of small waves in a slice, in the validation cases
     wind_growth (still air; 32 and 64 spacings) and standing_wave (50 and 100). Steeper seas lose more (imposed_sea)."""
 
-    def lattice(self, basin: Basin) -> "Lattice | None":
+    def lattice(self, basin: Basin) -> Lattice | None:
         """The lattice that its particles start on; None for water in closed form."""
         return None
 
@@ -188,20 +190,20 @@ class FluidConfig(KindConfig):
         """Whether new water or a force of its own may give it energy."""
         return False
 
-    def viscosity_added(self, preflight: "Preflight", length: float) -> float:
+    def viscosity_added(self, preflight: Preflight, length: float) -> float:
         """Viscosity [m2/s] that the scheme adds to waves of a length [m], as it was measured; 0 where it was not."""
         return 0.0
 
-    def statements(self, preflight: "Preflight") -> list[str]:
+    def statements(self, preflight: Preflight) -> list[str]:
         """What the water does that a reader of its results should know."""
         return []
 
     @abstractmethod
-    def still_limits(self, preflight: "Preflight") -> "Limits":
+    def still_limits(self, preflight: Preflight) -> Limits:
         """Limits of the time step in still water, before anything is allocated."""
 
     @abstractmethod
-    def build(self, basin: Basin, seed: int, *, accounts: bool, wind: "Wind") -> "Fluid":
+    def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> Fluid:
         """`accounts`: whether it sums the impulse and work of each term; `wind`: as the water feels it."""
 
 
@@ -211,12 +213,12 @@ class SurfaceConfig(KindConfig):
     when_read: ClassVar[bool] = False
     """Whether it is built only when something reads it, not in each step."""
 
-    def completed(self, preflight: "Preflight") -> Self:
+    def completed(self, preflight: Preflight) -> Self:
         """A copy in which what the user left open follows from the water."""
         return self
 
     @abstractmethod
-    def build(self, basin: Basin, fluid: "Fluid") -> "Surface":
+    def build(self, basin: Basin, fluid: Fluid) -> Surface:
         """Of a completed config."""
 
 
@@ -230,23 +232,23 @@ class ShipConfig(KindConfig):
 
     points: dict[str, tuple[float, float, float]] = {}
 
-    def solids(self, preflight: "Preflight") -> tuple[Solid, ...]:
+    def solids(self, preflight: Preflight) -> tuple[Solid, ...]:
         """What the water is built around."""
         return ()
 
-    def look(self, preflight: "Preflight") -> "Look | None":
+    def look(self, preflight: Preflight) -> Look | None:
         """What a picture needs besides its triangles; None where it has no shape."""
         return None
 
     @abstractmethod
-    def build(self, basin: Basin, fluid: "Fluid") -> "Ship": ...
+    def build(self, basin: Basin, fluid: Fluid) -> Ship: ...
 
 
 class PlatformConfig(KindConfig):
     """Keys of any motion platform."""
 
     @abstractmethod
-    def build(self, every: float) -> "Platform":
+    def build(self, every: float) -> Platform:
         """`every`: time between the rows of motion that it will follow [s]."""
 
 
@@ -257,11 +259,11 @@ class TimeStepConfig(KindConfig):
     def advice(self, limit: str, shortest: float) -> str:
         """What to try after a run has diverged; `limit` held the step in this water and was `shortest` [s] at least."""
 
-    def ledger(self, preflight: "Preflight") -> list[LedgerRow]:
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         return []
 
     @abstractmethod
-    def build(self) -> "TimeStep": ...
+    def build(self) -> TimeStep: ...
 
 
 @dataclass(frozen=True)
@@ -299,12 +301,12 @@ class Preflight:
         return cast(TimeStepConfig, self.parts["time_step"])
 
     @cached_property
-    def untouched(self) -> "Lattice | None":
+    def untouched(self) -> Lattice | None:
         """The lattice of the water before anything afloat makes room for itself; None without particles."""
         return self.fluid.lattice(self.tank)
 
     @cached_property
-    def lattice(self) -> "Lattice | None":
+    def lattice(self) -> Lattice | None:
         """The lattice that the particles start on; None without particles."""
         return self.fluid.lattice(self.basin) if self.solids else self.untouched
 
@@ -358,7 +360,7 @@ class Scene(Protocol):
     @property
     def time_step(self) -> TimeStepConfig: ...
     @property
-    def runtime(self) -> "RuntimeConfig": ...
+    def runtime(self) -> RuntimeConfig: ...
     @property
     def observers(self) -> Mapping[str, PartConfig]: ...
     @property

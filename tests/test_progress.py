@@ -6,8 +6,10 @@ import pytest
 
 from ocean_sim.reading.scene import load
 from ocean_sim.verbs import run as run_verb
+from ocean_sim.verbs.shared import bar as bar_module
 from ocean_sim.verbs.shared import progress as progress_module
-from ocean_sim.verbs.shared.progress import FILM, MEASURED, Drawing, Progress
+from ocean_sim.verbs.shared.bar import FILM, MEASURED, Drawing
+from ocean_sim.verbs.shared.progress import Progress
 
 SEA = {
     "basin": {"length": 20.0, "width": 20.0, "depth": 5.0, "walls": "none"},
@@ -22,6 +24,7 @@ def clock(monkeypatch):
     """A clock that is set by hand."""
     now = SimpleNamespace(wall=100.0)
     monkeypatch.setattr(progress_module, "perf_counter", lambda: now.wall)
+    monkeypatch.setattr(bar_module, "perf_counter", lambda: now.wall)
     return now
 
 

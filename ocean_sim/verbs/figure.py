@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from ocean_sim.parts import PACKAGE, library
 from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.progress import Bar
+from ocean_sim.verbs.shared.bar import Bar
 
 SHARE = re.compile(r" *(\d+)%  (.*)")  # how a script reports its progress
 ALL = "all"  # of the thesis, and its errata; our own studies are drawn by their names

@@ -10,7 +10,7 @@ from ocean_sim.studies.shared import runs as runs_module
 from ocean_sim.studies.shared import table as table_module
 from ocean_sim.studies.sweep import planned
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.progress import Bar
+from ocean_sim.verbs.shared.bar import Bar
 
 SHOWN = ("outcome", "simulated_s", "particles", "wall_s", "reason")
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.progress import Drawing
+from ocean_sim.verbs.shared.bar import Drawing
 
 PARTICLES, SURFACES = ("vtkhdf",), ("ply", "vtp", "vtkhdf")
 

@@ -1,0 +1,83 @@
+"""How far something long is: a bar on a terminal, plain lines elsewhere."""
+
+import sys
+from time import perf_counter
+from typing import Any
+
+from ocean_sim.verbs.shared import console
+
+BAR_EVERY = 0.1  # wall time between two pictures of the bar [s]
+LINE_EVERY = 0.05  # share of the whole between two plain lines
+LINES_APART = 2.0  # and at least this much wall time between them [s]
+MEASURED = 3  # pictures from which the time that a film takes is estimated
+FILM = "; Ctrl-C leaves it out, and so does --set render=null from the start"
+
+
+class Bar:
+    """How far something is, from 0 to `total`."""
+
+    def __init__(self, total: float, quiet: bool) -> None:
+        self.total, self.quiet = total, quiet
+        self.shown = perf_counter()
+        self.next_line = LINE_EVERY
+        self.rich: Any = None
+
+    def due(self, now: float) -> bool:
+        """Whether the bar is to be redrawn; called after every step, so it must be cheap."""
+        return not self.quiet and now - self.shown >= BAR_EVERY
+
+    def show(self, done: float, text: str) -> None:
+        """Draw the bar, or print a line when enough has happened since the last."""
+        now, share = perf_counter(), min(1.0, done / self.total)
+        if sys.stdout.isatty():
+            self.shown = now
+            self.rich = self.rich or self.begun()
+            self.rich.update(self.rich.task_ids[0], completed=done, text=text)
+        elif share >= self.next_line and now - self.shown >= LINES_APART:
+            self.shown, self.next_line = now, share + LINE_EVERY
+            console.say(f"{share:4.0%}  {text}")
+
+    def begun(self) -> Any:
+        from rich.progress import BarColumn, TextColumn
+        from rich.progress import Progress as RichProgress
+
+        bar = RichProgress(BarColumn(), TextColumn("{task.percentage:3.0f} %  {task.fields[text]}"))
+        bar.add_task("", total=self.total, text="")
+        bar.start()
+        return bar
+
+    def close(self) -> None:
+        if self.rich is not None:
+            self.rich.stop()
+            self.rich = None
+
+
+class Drawing:
+    """Shows how many pictures of a film are drawn, of how many; and once, what the film will take."""
+
+    def __init__(self, quiet: bool, cure: str = "") -> None:
+        """`cure`: how to do without it, printed with the estimate."""
+        self.bar, self.cure = Bar(1.0, quiet), cure
+        self.first: tuple[float, int] | None = None  # wall time [s], and pictures that were drawn by then
+        self.estimated = quiet
+
+    def __call__(self, done: int, total: int) -> None:
+        now = perf_counter()
+        self.first = self.first or (now, done)
+        left = self.left(now, done, total)
+        if not self.estimated and left is not None and done - self.first[1] >= MEASURED:
+            self.estimated = True
+            self.bar.close()
+            console.say(f"drawing a film of {total} pictures, about {console.duration(left)} more{self.cure}")
+        if not self.bar.quiet and (done == total or self.bar.due(now)):
+            time = "" if left is None else f", {console.duration(left)} left"
+            self.bar.show(done / max(1, total), f"drawing picture {done} of {total}{time}")
+
+    def left(self, now: float, done: int, total: int) -> float | None:
+        """Wall time [s], estimated from the pictures since the first; None before there are two."""
+        if self.first is None or done == self.first[1]:
+            return None
+        return (total - done) * (now - self.first[0]) / (done - self.first[1])
+
+    def close(self) -> None:
+        self.bar.close()

@@ -33,7 +33,7 @@ def at(time: float, steps: int) -> SimpleNamespace:
         time=time,
         steps=steps,
         observers=[],
-        fluid=SimpleNamespace(particles=None),
+        fluid=SimpleNamespace(count=0),
         time_step=SimpleNamespace(limited_by="acoustic"),
     )
 

@@ -155,11 +155,15 @@ def test_on_a_stall_the_pose_holds_and_then_ramps():
 def test_a_run_streams_what_its_platform_does(tmp_path, capsys):
     from types import SimpleNamespace
 
+    from ocean_sim.basin import Config as BasinConfig
+    from ocean_sim.observers import motion
+    from ocean_sim.parts import Preflight
     from ocean_sim.platform.hexapod import Config
 
     listener = Listener(130)
-    scene = SimpleNamespace(platform=Config(ramp=1.0), observers={"motion": SimpleNamespace(every=0.01)})
-    simulation = SimpleNamespace(scene=scene)
+    tank = BasinConfig(length=9.0, width=9.0, depth=2.0).build()
+    preflight = Preflight({"motion": motion.Config(every=0.01)}, tank, 4, 1.0)
+    simulation = SimpleNamespace(scene=SimpleNamespace(platform=Config(ramp=1.0), preflight=preflight))
     observer = stream.Config(to=listener.url, frame="ned").build(tmp_path, simulation)
     pose, still = np.array([[0.1, 0.2, 0.3, 0.01, 0.02, 0.03]]), np.zeros((1, 3))
     cue = Cue(pose, np.zeros(1, dtype=int), still, still)

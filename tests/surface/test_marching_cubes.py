@@ -39,7 +39,9 @@ def water(places: np.ndarray, spacing: float = SPACING) -> Any:
     n = len(places)
     lattice = SimpleNamespace(spacing=spacing, n=n)
     particles = SimpleNamespace(n=n, count=Count(n, n), position=position, **volume)
-    return SimpleNamespace(particles=particles, lattice=lambda _: lattice, ratio=lambda _: 2.0)
+    fluid = SimpleNamespace(particles=particles, lattice=lambda _: lattice, ratio=lambda _: 2.0)
+    fluid.of_particles = fluid
+    return fluid
 
 
 def built(places: np.ndarray, place: Basin, apart: float = SPACING, **keys: Any) -> MarchingCubes:

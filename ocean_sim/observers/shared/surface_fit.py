@@ -7,10 +7,10 @@ import numpy as np
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import with_particles
-from ocean_sim.surface import Surface
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
+    from ocean_sim.surface import Surface
 
 COLUMN = 2.0  # [spacings] least width of a column in which the highest particle is looked for
 MEANING = {
@@ -31,7 +31,7 @@ def highest(position: np.ndarray, basin: Basin, spacing: float) -> np.ndarray:
     return position[order[last]] + [0.0, 0.5 * spacing, 0.0]
 
 
-def fit(surface: Surface, top: np.ndarray) -> tuple[float, float]:
+def fit(surface: "Surface", top: np.ndarray) -> tuple[float, float]:
     """Mean and root mean square of the height of a surface over (m, 3) points [m]."""
     away = surface.elevations(top[:, [0, 2]]) - top[:, 1]
     return float(away.mean()), float(np.sqrt(np.square(away).mean()))
@@ -40,7 +40,7 @@ def fit(surface: Surface, top: np.ndarray) -> tuple[float, float]:
 class SurfaceFit:
     """Numbers of a row of accuracy.csv: the fit, and what the surface measures of itself."""
 
-    def __init__(self, surface: Surface) -> None:
+    def __init__(self, surface: "Surface") -> None:
         self.meaning = MEANING | {name.rsplit("_m", 1)[0]: meaning for name, meaning in surface.measured.items()}
         self.columns = ["surface_offset_m", "surface_fit_m", *surface.measured]
 

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import ocean_sim
-from ocean_sim import runtime
 from ocean_sim.conventions import AIR_DENSITY, Diverged
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid.shared import exposure as exposure_module
@@ -16,7 +15,6 @@ from ocean_sim.reading.scene import observer_names
 from ocean_sim.validation.shared.state import state
 from ocean_sim.wind.shared.air_load import DRAG_LAWS, stress
 from ocean_sim.wind.shared.warnings import fetch_limited, growth_rate, overdamped, plant
-from ocean_sim.wind.stress import ROW
 
 UP = (0.0, 1.0, 0.0)
 # 1000 C_d at 10 m wind speed by Wu (1982), Garratt (1977) and Zijlema, van Vledder & Holthuijsen (2012).
@@ -313,18 +311,6 @@ def test_fetch_and_growth_laws_as_published():
 
 def test_a_stress_is_no_force_field():
     assert not config_of("wind", "stress")().stylised
-
-
-def test_the_memory_of_exposed_areas_is_stated(water):
-    """What a wind that reads areas adds to the water's fields, in words of the tests' double precision."""
-    keys = {"basin": {"length": 2.0, "width": 2.0, "depth": 1.0}, "spacing": 0.1}
-    taken = []
-    for kind in ("still", "stress"):
-        before = runtime.allocated_bytes()
-        fluid = water("mueller", wind=config_of("wind", kind)(), **keys)
-        taken.append(runtime.allocated_bytes() - before)
-    own = 8 * ROW.size * 2  # the wind's, on water and ship
-    assert taken[1] - taken[0] == pytest.approx(exposure_module.memory(fluid.particles.n, 8) + own, rel=0.01)
 
 
 AREAS = """

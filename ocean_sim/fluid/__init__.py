@@ -310,8 +310,8 @@ class Fluid(Protocol):
         ...
 
     def internal_energy(self) -> float:
-        """Energy of compression [J]."""
-        return 0.0
+        """Energy of compression [J]; 0 where nothing is compressed."""
+        ...
 
 
 class ParticleFluid(Fluid, Protocol):

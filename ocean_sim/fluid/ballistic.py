@@ -127,3 +127,7 @@ class Ballistic(ParticleWater):
 
     def limits(self) -> Limits:
         return force_limit(self.grid.support, self.status.max_acceleration)
+
+    def internal_energy(self) -> float:
+        """0: nothing is compressed [J]."""
+        return 0.0

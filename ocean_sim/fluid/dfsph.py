@@ -458,3 +458,7 @@ class Dfsph(Sph):
     def limits(self) -> Limits:
         """The acceleration is that of all forces but pressure."""
         return self.config.limited(self.basin, self.status.max_speed, self.status.max_acceleration)
+
+    def internal_energy(self) -> float:
+        """0: nothing is compressed [J]."""
+        return 0.0

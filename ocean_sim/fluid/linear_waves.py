@@ -127,6 +127,10 @@ class LinearWaves(Fluid):
     def limits(self) -> Limits:
         return self.still
 
+    def internal_energy(self) -> float:
+        """0: nothing is compressed [J]."""
+        return 0.0
+
     @ti.func
     def elevation(self, x, z):
         eta = 0.0

@@ -53,7 +53,11 @@ class Look(NamedTuple):
 class Ship(Protocol):
     """A floating body; `shared.vessel.Vessel` is the base class that has all of this."""
 
-    parts: tuple[str, ...]  # of its load: PARTS first, then what a kind adds; columns of motion.csv
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """Of its load: PARTS first, then what a kind adds; columns of motion.csv."""
+        ...
+
     body: "RigidBody"
     points: dict[str, np.ndarray]  # named points, body axes from the centre of mass [m]
     last: Load  # what acted in the last step

@@ -10,6 +10,7 @@ import numpy as np
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Fluid
+from ocean_sim.ship import Ship
 from ocean_sim.ship.shared.damping import Damping, Resistance
 from ocean_sim.ship.shared.floating import FloatingConfig
 from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
@@ -23,7 +24,7 @@ class Config(FloatingConfig):
     kind: Literal["hydrostatic"] = "hydrostatic"
     damping: Damping = Damping(heave=0.05, pitch=0.05, roll=0.05)
 
-    def build(self, basin: Basin, fluid: Fluid) -> "Hydrostatic":
+    def build(self, basin: Basin, fluid: Fluid) -> Ship:
         return Hydrostatic(self, basin, fluid)
 
 

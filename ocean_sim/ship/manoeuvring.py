@@ -14,7 +14,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.conventions import from_frame, to_frame
 from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.parts import LedgerRow, Preflight, Problems
-from ocean_sim.ship import Load
+from ocean_sim.ship import Load, Ship
 from ocean_sim.ship.shared.hydrostatics import Matter
 from ocean_sim.ship.shared.rigid_body import oriented
 from ocean_sim.ship.shared.vessel import Actuators, Vessel, VesselConfig
@@ -54,7 +54,7 @@ class Config(VesselConfig):
         """It has no fields."""
         return [LedgerRow("ship", "the matrices of the Otter's model", 0, "ship.kind is manoeuvring", STEP)]
 
-    def build(self, basin: Basin, fluid: Fluid) -> "Manoeuvring":
+    def build(self, basin: Basin, fluid: Fluid) -> Ship:
         return Manoeuvring(self, basin)
 
 

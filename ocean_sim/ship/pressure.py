@@ -13,7 +13,7 @@ import numpy as np
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Fluid, with_particles
 from ocean_sim.parts import LedgerRow, Preflight
-from ocean_sim.ship import Load
+from ocean_sim.ship import Load, Ship
 from ocean_sim.ship.shared.floating import FloatingConfig, afloat_pose
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics, Matter
 from ocean_sim.ship.shared.rigid_body import RigidBody, held
@@ -63,7 +63,7 @@ class Config(FloatingConfig):
         """Nothing of its own: the water keeps the samples."""
         return []
 
-    def build(self, basin: Basin, fluid: Fluid) -> "Pressure":
+    def build(self, basin: Basin, fluid: Fluid) -> Ship:
         return Pressure(self, basin, fluid)
 
 

@@ -16,7 +16,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Fluid
 from ocean_sim.model import quantity
 from ocean_sim.runtime import Template
-from ocean_sim.ship import Load
+from ocean_sim.ship import Load, Ship
 from ocean_sim.ship.shared.floating import FloatingConfig
 from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
@@ -36,7 +36,7 @@ class Config(FloatingConfig):
     angular_damping: float = quantity("1/s", 0.4, ge=0.0)
     """Share of the angular velocity that is lost a second."""
 
-    def build(self, basin: Basin, fluid: Fluid) -> "Thesis":
+    def build(self, basin: Basin, fluid: Fluid) -> Ship:
         return Thesis(self, basin, fluid)
 
 

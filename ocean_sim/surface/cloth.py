@@ -16,6 +16,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Fluid, Particles, with_particles
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
+from ocean_sim.surface import Surface
 from ocean_sim.surface.shared.contact import Contact
 from ocean_sim.surface.shared.heights import Heights, columns
 from ocean_sim.surface.shared.mesh import AREA_AND_VOLUME, Mesh
@@ -91,7 +92,7 @@ class Config(SurfaceConfig):
         size, why = 3 * preflight.word * nx * nz, "surface.kind is cloth"
         return [LedgerRow("surface", f"{nx} x {nz} nodes", size, why, NODE * nx * nz, self.every)]
 
-    def build(self, basin: Basin, fluid: Fluid) -> "Cloth":
+    def build(self, basin: Basin, fluid: Fluid) -> Surface:
         return Cloth(self, basin, fluid)
 
 

@@ -16,6 +16,7 @@ from ocean_sim.fluid import Fluid, Particles, with_particles
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
 from ocean_sim.runtime import Array
+from ocean_sim.surface import Surface
 from ocean_sim.surface.shared.density_map import DensityMap, flat_share
 from ocean_sim.surface.shared.heights import Heights
 from ocean_sim.surface.shared.isosurface import Counts, Isosurface
@@ -113,7 +114,7 @@ class Config(SurfaceConfig):
             LedgerRow("surface", f"{particles} particles in bins", bins, f"surface.radius {self.radius:g} m"),
         ]
 
-    def build(self, basin: Basin, fluid: Fluid) -> "MarchingCubes":
+    def build(self, basin: Basin, fluid: Fluid) -> Surface:
         return MarchingCubes(self, basin, with_particles(fluid).particles)
 
 

@@ -17,6 +17,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
+from ocean_sim.wind import Wind
 from ocean_sim.wind.shared.air_load import drag, lift
 from ocean_sim.wind.shared.clock import RESTART, DeviceRow
 from ocean_sim.wind.shared.drawing import Drawing, joined
@@ -88,7 +89,7 @@ class Config(WindConfig):
             (("volumes", g, *path), message) for g, v in enumerate(self.volumes) for path, message in v.unscheduled()
         ]
 
-    def build(self, basin: Basin, seed: int) -> "Gusts":
+    def build(self, basin: Basin, seed: int) -> Wind:
         return Gusts(self, basin, seed)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:

@@ -7,6 +7,7 @@ import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.parts import LedgerRow, Preflight, WindConfig
+from ocean_sim.wind import Wind
 from ocean_sim.wind.shared.drawing import NOTHING, Drawing
 
 
@@ -26,7 +27,7 @@ class Config(WindConfig):
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         return []
 
-    def build(self, basin: Basin, seed: int) -> "Still":
+    def build(self, basin: Basin, seed: int) -> Wind:
         return Still()
 
 

@@ -18,6 +18,7 @@ from ocean_sim.columns import Columns
 from ocean_sim.conventions import AIR_DENSITY
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
+from ocean_sim.wind import Wind
 from ocean_sim.wind.shared.air_load import DragLaw, drag, stress
 from ocean_sim.wind.shared.clock import DeviceRow
 from ocean_sim.wind.shared.drawing import Drawing
@@ -96,7 +97,7 @@ class Config(Scheduled, WindConfig):
                 found.append((("heading_deg",), message))
         return found
 
-    def build(self, basin: Basin, seed: int) -> "Stress":
+    def build(self, basin: Basin, seed: int) -> Wind:
         return Stress(self, basin)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:

@@ -15,6 +15,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns
 from ocean_sim.model import Vector2, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
+from ocean_sim.wind import Wind
 from ocean_sim.wind.shared.clock import RESTART, DeviceRow
 from ocean_sim.wind.shared.drawing import Drawing
 from ocean_sim.wind.shared.noise import DRAWS, EVERY, Noise, NoiseSize
@@ -68,7 +69,7 @@ class Config(Timed, WindConfig):
         """Integral of the acceleration at the still surface along a circle about the axis [m2/s2]."""
         return 2.0 * pi * self.acceleration * min(radius**2 / self.core_radius, self.core_radius)
 
-    def build(self, basin: Basin, seed: int) -> "Vortex":
+    def build(self, basin: Basin, seed: int) -> Wind:
         return Vortex(self, basin, seed)
 
     def problems(self, preflight: Preflight) -> Problems:

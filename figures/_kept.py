@@ -50,7 +50,7 @@ def still_sea(sea: Components, side: float, folder: Path) -> Path:
 
 def shots(folder: Path, time: float, switched: Sequence[dict[str, Any]], **options: Any) -> np.ndarray:
     """(n, height, width, 3) pictures of a run at a time [s], one for each set of switches; grey ones where OpenGL is
-    missing, which is told."""
+    missing, which is reported."""
     try:
         return render.variants(folder, time, switched, caption=False, **options)
     except render.OpenGLMissing as missing:

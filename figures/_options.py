@@ -1,4 +1,4 @@
-"""What every script of a figure takes on its command line, and how it tells how far it is."""
+"""What every script of a figure takes on its command line, and how it reports its progress."""
 
 import argparse
 import sys

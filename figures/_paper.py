@@ -1,4 +1,4 @@
-"""The paper that figures are drawn on, and the table beside each."""
+"""The paper that figures are drawn on, and the table next to each."""
 
 import csv
 from collections.abc import Iterable, Sequence

@@ -484,8 +484,8 @@ def drawn(rows: list[Erratum], path: Path) -> None:
 def main() -> None:
     out = options(__doc__, "nothing here takes long").out
     rows = errata()
-    told = [[f"{value:.9g}" if isinstance(value, float) else value for value in row] for row in rows]
-    table(out / "errata.csv", [], Erratum._fields, told)
+    texts = [[f"{value:.9g}" if isinstance(value, float) else value for value in row] for row in rows]
+    table(out / "errata.csv", [], Erratum._fields, texts)
     drawn(rows, out / "errata.png")
     stdout.write((out / "errata.csv").read_text(encoding="utf-8"))
 

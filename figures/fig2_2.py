@@ -1,7 +1,7 @@
 """Figure 2-2: one moment of a standing wave, known on a grid (Euler) and on the particles that carry it (Lagrange): CSV
 and PNG.
 
-The grid's numbers are sums over the particles around each of its places, as (2.5); beside each the closed form.
+The grid's numbers are sums over the particles around each of its places, as (2.5); next to each the closed form.
 
 python figures/fig2_2.py [--fast] [--out DIR]
 """
@@ -38,8 +38,8 @@ def drawn(grid: np.ndarray, water: np.ndarray, moment: float, fit: float, path: 
     """Arrows in cells, and arrows on particles."""
     figure = paper(11.0, 6.4)
     panels = figure.subplots(2, 1, sharex=True, sharey=True)
-    said = ("Euler: numbers at fixed places of a grid", "Lagrange: numbers on particles that move with the water")
-    for axes, rows, what in zip(panels, (grid, water), said):
+    titles = ("Euler: numbers at fixed places of a grid", "Lagrange: numbers on particles that move with the water")
+    for axes, rows, what in zip(panels, (grid, water), titles):
         x, y, u, v = rows.T
         speed = np.hypot(u, v)
         arrows = axes.quiver(x, y, u, v, speed, cmap="viridis_r", scale=9.0, width=0.0022, clim=(0.0, water_top(water)))
@@ -51,7 +51,9 @@ def drawn(grid: np.ndarray, water: np.ndarray, moment: float, fit: float, path: 
         panels[0].plot([-LENGTH / 2, LENGTH / 2], [edge, edge], color=GREY, lw=0.4, zorder=0)
     panels[1].set_xlabel("x [m]")
     figure.colorbar(arrows, ax=panels.tolist(), label="speed [m/s]", shrink=0.75)
-    text = f"{len(grid)} cells beside {len(water)} particles at {moment:.3f} s; the grid differs from linear theory by "
+    text = (
+        f"{len(grid)} cells next to {len(water)} particles at {moment:.3f} s; the grid differs from linear theory by "
+    )
     figure.supxlabel(text + f"{100.0 * fit:.1f} % (RMS)", fontsize=9, color=INK)
     keep(figure, path)
 

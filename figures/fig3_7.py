@@ -60,8 +60,8 @@ def drawn(degrees: np.ndarray, path: Path) -> None:
     for angle in MARKED:
         value = float(fresnel(np.cos(np.radians(angle))))
         right.plot(angle, value, "o", color=INK, ms=4, clip_on=False, zorder=5)
-        beside = (-44, 5) if angle == 45.0 else (4, -13)
-        right.annotate(f"{value:.4f}", (angle, value), beside, textcoords="offset points", fontsize=9, color=INK)
+        shift = (-44, 5) if angle == 45.0 else (4, -13)
+        right.annotate(f"{value:.4f}", (angle, value), shift, textcoords="offset points", fontsize=9, color=INK)
     right.set(
         xlabel="angle of incidence [°]", ylabel="reflectance", title="share of unpolarised light that is mirrored"
     )

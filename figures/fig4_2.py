@@ -129,12 +129,12 @@ def drawn(places: np.ndarray, rows: list[tuple], course: list[tuple], path: Path
     left.set_title(f"impulses on {len(rows)} particles of all layers (the longest {size / 1e3:.2g} kN s)")
     left.legend(loc="upper right")
     columns = np.array(course).T
-    said = (
+    series = (
         ("velocity upwards\n[m/s]", 1.0, BLUE),
         ("momentum made\n[kN s]", 1e3, RED),
         ("energy lost\n[kJ]", 1e3, GREEN),
     )
-    for k, (label, unit, colour) in enumerate(said):
+    for k, (label, unit, colour) in enumerate(series):
         axes = figure.add_subplot(grid[k, 1])
         axes.plot(columns[0], columns[k + 1] / unit, color=colour, lw=2.0, label="one by one")
         axes.plot(columns[0], columns[k + 4] / unit, color=colour, lw=2.0, ls="--", label="solved together")

@@ -96,7 +96,7 @@ def turning(axes: Any, axis: int, radius: float, at: float) -> None:
 
 
 def drawn(points: np.ndarray, triangles: np.ndarray, centre: np.ndarray, path: Path) -> None:
-    """The axes on the hull at rest; beside it every motion, the hull at rest behind it."""
+    """The axes on the hull at rest; next to it every motion, the hull at rest behind it."""
     figure = paper(14.0, 6.4)
     grid = figure.add_gridspec(2, 5, width_ratios=(1.0, 1.0, 1.0, 1.0, 1.0))
     axes = figure.add_subplot(grid[:, :2], projection="3d", computed_zorder=False)

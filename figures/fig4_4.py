@@ -37,9 +37,9 @@ def boxes(axes: Any, corner: np.ndarray, size: np.ndarray, colours: list[str]) -
     for number, place, colour in zip(key, corner, colours):
         for axis in range(3):
             for way in (0, 1):
-                beside = number.copy()
-                beside[axis] += 2 * way - 1
-                if tuple(beside.tolist()) in there:
+                neighbour = number.copy()
+                neighbour[axis] += 2 * way - 1
+                if tuple(neighbour.tolist()) in there:
                     continue
                 one, other = [k for k in range(3) if k != axis]
                 square = np.repeat(place[None], 4, axis=0)

@@ -16,11 +16,11 @@ from ocean_sim.simulation import Simulation
 SCENE, MOMENT = "thesis/fig6_3c_wide", 6.0  # [s]
 
 
-def drawn(position: np.ndarray, mesh, said: str, path: Path) -> None:
+def drawn(position: np.ndarray, mesh, caption: str, path: Path) -> None:
     """Particles alone, and with the cloth over them."""
     figure = paper(13.0, 4.8)
     size = np.ptp(position, axis=0)
-    for k, title in enumerate(("particles", f"and the cloth on them: {said}")):
+    for k, title in enumerate(("particles", f"and the cloth on them: {caption}")):
         axes = figure.add_subplot(1, 2, k + 1, projection="3d", computed_zorder=False)
         x, y, z = position.T
         axes.scatter(x, z, y, s=5.0, c=y, cmap="cividis", depthshade=False)

@@ -19,7 +19,7 @@ GEOMETRY = "hexapod_a"
 MOTIONS = {"pitch": 4, "roll": 3, "yaw": 5}  # their place in a pose
 SWING, PERIOD, STEPS = np.radians(12.0), 6.0, 120  # [rad], [s], rows of a swing
 SHOWN = np.arange(0, STEPS, STEPS // 4)  # rows that are drawn
-CLOSE = 0.06  # [m] legs that are told together
+CLOSE = 0.06  # [m] legs that share one label
 LEGS = (BLUE, ORANGE, GREEN, RED, SKY, PURPLE)
 
 
@@ -43,7 +43,7 @@ def alike(lengths: np.ndarray) -> list[list[int]]:
 
 
 def drawn(hexapod: Hexapod, ends: tuple[float, float], rides: dict[str, tuple], path: Path) -> None:
-    """A strip a motion, and its legs beside it."""
+    """A strip a motion, and its legs next to it."""
     figure = paper(14.0, 8.6)
     apart = 2.5 * float(np.abs(hexapod.base).max())
     for row, (name, (time, pose, legs)) in enumerate(rides.items()):
@@ -51,8 +51,8 @@ def drawn(hexapod: Hexapod, ends: tuple[float, float], rides: dict[str, tuple], 
         for k, at in enumerate(SHOWN):
             stand(strip, hexapod, pose[at], k * apart)
             angle = round(float(np.degrees(pose[at, MOTIONS[name]])))
-            said = f"{angle:+d}°, {time[at]:.1f} s" if angle else f"0°, {time[at]:.1f} s"
-            strip.text(k * apart, 1.42 * hexapod.neutral_height, said, ha="center", fontsize=9, color=INK)
+            caption = f"{angle:+d}°, {time[at]:.1f} s" if angle else f"0°, {time[at]:.1f} s"
+            strip.text(k * apart, 1.42 * hexapod.neutral_height, caption, ha="center", fontsize=9, color=INK)
         strip.set_title(name, loc="left", fontsize=12, pad=20)
         curve = figure.add_subplot(3, 5, (5 * row + 4, 5 * row + 5))
         for k, colour in enumerate(LEGS):
@@ -64,8 +64,8 @@ def drawn(hexapod: Hexapod, ends: tuple[float, float], rides: dict[str, tuple], 
         curve.set(ylabel="leg [m]", xlim=(0, PERIOD), ylim=(ends[0] - 0.1, ends[1] + 0.15))
         curve.grid(color=PALE, lw=0.7)
         for same in alike(legs[-1]):
-            told = ", ".join(str(k + 1) for k in same)
-            curve.text(PERIOD + 0.06, legs[-1, same].mean(), told, fontsize=8, va="center", color=INK)
+            numbers = ", ".join(str(k + 1) for k in same)
+            curve.text(PERIOD + 0.06, legs[-1, same].mean(), numbers, fontsize=8, va="center", color=INK)
         if row == 0:
             curve.set_title("legs 1 to 6", loc="left")
             curve.legend(ncols=6, loc="lower center", bbox_to_anchor=(0.6, 1.0), columnspacing=1.0, handlelength=1.6)

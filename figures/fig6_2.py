@@ -1,4 +1,5 @@
-"""Figure 6-2: the cloth beside marching cubes on the same water: milliseconds, triangles, distance, topology: CSV, PNG.
+"""Figure 6-2: the cloth next to marching cubes on the same water: milliseconds, triangles, distance, topology: CSV and
+PNG.
 
 python figures/fig6_2.py [--fast] [--out DIR]
 
@@ -50,7 +51,7 @@ def flying_edges(cubes: Any) -> Callable[[], Any]:
     return lambda: image.contour([0.0], values, method="flying_edges")
 
 
-def drawn(meshes: dict[str, Mesh], said: dict[str, str], path: Path) -> None:
+def drawn(meshes: dict[str, Mesh], captions: dict[str, str], path: Path) -> None:
     """Both surfaces, seen from the same place."""
     figure = paper(14.0, 5.0)
     for k, (name, mesh) in enumerate(meshes.items()):
@@ -58,7 +59,7 @@ def drawn(meshes: dict[str, Mesh], said: dict[str, str], path: Path) -> None:
         x, y, z = mesh.vertices.T
         axes.plot_trisurf(x, z, y, triangles=mesh.triangles, color="#8cc4e0", linewidth=0.12, edgecolor=INK)
         axes.set_box_aspect((np.ptp(x), np.ptp(z), 20.0), zoom=1.05)  # heights larger
-        axes.set_title(f"{name.replace('_', ' ')}: {said[name]}", y=0.97)
+        axes.set_title(f"{name.replace('_', ' ')}: {captions[name]}", y=0.97)
         axes.set(xlabel="x [m]", ylabel="z [m]", zlabel="y [m]", zlim=(-4.0, 4.0), zticks=(-4, -2, 0, 2, 4))
         axes.set(xticks=(-20, -10, 0, 10, 20), yticks=(-20, -10, 0, 10, 20))
         axes.view_init(elev=24.0, azim=-60.0)
@@ -99,8 +100,8 @@ def main() -> None:
     table(asked.out / "fig6_2.csv", head, columns, counted)
     timed = [(name, round(ms, 4)) for name, ms, *_ in rows] + [("step of the water", round(step, 4))]
     table(asked.out / "fig6_2_timings.csv", [f"medians of {ROUNDS} [ms]"], ["surface", "ms"], timed)
-    said = {name: f"{ms:.2f} ms, {count} triangles, {rms:.3f} spacings" for name, ms, count, _, rms, _ in rows}
-    drawn(meshes, said, asked.out / "fig6_2.png")
+    captions = {name: f"{ms:.2f} ms, {count} triangles, {rms:.3f} spacings" for name, ms, count, _, rms, _ in rows}
+    drawn(meshes, captions, asked.out / "fig6_2.png")
 
 
 if __name__ == "__main__":

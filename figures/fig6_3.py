@@ -1,9 +1,9 @@
-"""Figure 6-3 as trends: what range, speed, duration and fetch of a stylised wind do to the waves, beside still air; the
-circulation of its presets; and a picture of the sea that each raises, together and one by one: CSV and PNG.
+"""Figure 6-3 as trends: what range, speed, duration and fetch of a stylised wind do to the waves, next to still air;
+the circulation of its presets; and a picture of the sea that each raises, together and one by one: CSV and PNG.
 
 Coarse water, 2.5 m apart: three whole layers, which lie still where no wind blows. Heights are 4 sqrt m0 over time at
 25 gauges from SETTLED s on, when the lattice has settled; the gusts of the trends begin then, the presets at once.
-Fetch is told apart, in a slice of water 1.25 m apart: gust after gust goes over the fetch and over a beach behind it
+Fetch is studied alone, in a slice of water 1.25 m apart: gust after gust goes over the fetch and over a beach behind it
 that absorbs, so every place of every basin is blown on as often; they go at 8 m/s, slower than the longest wave of this
 depth (8.6 m/s), for waves do not grow under a gust that outruns them; and heights are those of the last quarter of the
 fetch from when the first gusts have passed. The slice moves by delta_sph, with the viscosity of thesis_6000, whose own
@@ -159,11 +159,11 @@ def drawn(seas: dict[str, tuple], trends: dict[str, list[tuple]], path: Path) ->
     """The sea under each preset from above, and the four trends."""
     figure = paper(15.0, 11.2)
     axes = figure.subplots(3, 4, height_ratios=(1.15, 1.15, 1.0))
-    for panel, (name, (chart, said)) in zip(axes[:2].ravel(), seas.items()):
+    for panel, (name, (chart, caption)) in zip(axes[:2].ravel(), seas.items()):
         x, z, top = chart
         image = panel.pcolormesh(x, z, top, vmin=-1.5, vmax=1.5, cmap="RdBu_r", shading="auto", rasterized=True)
         letter = PRINTED.get(name, "")
-        panel.set_title(f"{letter}{name.replace('_', ' ')}\n{said}", fontsize=9.5, loc="left")
+        panel.set_title(f"{letter}{name.replace('_', ' ')}\n{caption}", fontsize=9.5, loc="left")
         panel.set(aspect="equal", xlabel="x [m]", ylabel="z [m]")
     figure.colorbar(image, ax=axes[:2].ravel().tolist(), label="elevation [m]", shrink=0.6)
     for panel, (what, rows) in zip(axes[2], trends.items()):
@@ -193,7 +193,7 @@ def pictured(chart: tuple[np.ndarray, np.ndarray, np.ndarray], path: Path) -> No
     keep(figure, path)
 
 
-def told(runs: list[Waves]) -> str:
+def summary(runs: list[Waves]) -> str:
     """Height, period and circulation of a wind with their spread over seeds, for a picture."""
     rows = [spread([getattr(run, name) for run in runs]) for name in ("hs", "tz", "circulation")]
     (hs, hs_sd), (tz, tz_sd), (turn, turn_sd) = rows
@@ -231,7 +231,7 @@ def main() -> None:
         numbers += (turn, scatter, sigmas, *spread([run.hs for run in runs]), *spread([run.tz for run in runs]))
         rows.append((what, value, length, len(seeds), *(f"{number:.4g}" for number in numbers)))
         if what == "preset":
-            seas[value] = runs[0].chart, told(runs)
+            seas[value] = runs[0].chart, summary(runs)
             pictured(runs[0].chart, asked.out / f"fig6_3_{value}.png")
         else:
             trends.setdefault(what, []).append((value, mean, deviation, still))

@@ -30,7 +30,7 @@ PHILLIPS, PEAK = 0.0081, 0.13  # of the spectrum; peak frequency times wind over
 FULL = 0.8  # [m] height at which the thesis's foam is whole
 DEPTH, SIDE, POINTS = 500.0, 6.0, 512  # [m], [peak wavelengths], along a side
 SHORTEST, SHORTEST_SEEN = 6.0, 10.0  # [peak frequencies] of the waves that are reckoned with, and drawn
-PATCH = 160.0  # [m] side of the sea on which the drawn foam is told
+PATCH = 160.0  # [m] side of the sea on which the drawn foam is measured
 VIEW = {"camera": "fixed", "eye": (-40.0, 30.0, 70.0), "target": (10.0, 0.0, 5.0)}
 
 

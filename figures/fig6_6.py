@@ -1,5 +1,5 @@
 """Figure 6-6: the sea from the helm: one picture, and a clip of it, of a yacht that steams through waves of 1.5 m; what
-the helmsman feels beside it: CSV, PNG and MP4.
+the helmsman feels next to it: CSV, PNG and MP4.
 
 The eye is at the helm and goes with the ship. fig6_6_bare.png is the same view with nothing drawn that the run does not
 know: no far sea, ripples, foam or scattered sky.

@@ -136,8 +136,8 @@ def drawn(found: dict[str, tuple], moments: np.ndarray, pictures: np.ndarray, pa
             turn = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
             shape = place[k] + large * outline @ turn.T
             track.fill(*shape.T, facecolor=ORANGE, edgecolor=INK, lw=0.8, alpha=0.75, zorder=3)
-            beside = place[k] - (0.035 * span + large * float(np.ptp(outline[:, 0]))) * turn[:, 0]
-            track.text(*beside, f"{time[k]:.0f} s", fontsize=8, ha="center", va="center", color=INK, zorder=4)
+            label_at = place[k] - (0.035 * span + large * float(np.ptp(outline[:, 0]))) * turn[:, 0]
+            track.text(*label_at, f"{time[k]:.0f} s", fontsize=8, ha="center", va="center", color=INK, zorder=4)
         if large > 1.0:
             track.text(
                 0.98, 0.02, f"boat drawn {large:.1f} times as large", transform=track.transAxes, ha="right", fontsize=8

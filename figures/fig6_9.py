@@ -93,7 +93,7 @@ def arrow(axes: Any, begin: tuple[float, float], end: tuple[float, float], text:
 
 
 def drawn(found: list[Stage], path: Path) -> None:
-    """Three rows, as in the thesis: vehicle dynamics, washout, platform; what watches them beside."""
+    """Three rows, as in the thesis: vehicle dynamics, washout, platform; what watches them next to it."""
     figure = paper(13.5, 7.4)
     axes = figure.add_subplot()
     axes.set(xlim=(-0.2, 14.9), ylim=(-0.2, 8.2))
@@ -123,16 +123,16 @@ def drawn(found: list[Stage], path: Path) -> None:
     order = [stage.name for stage in found]
     for stage in found:
         for other in stage.reads:
-            apart, said = order.index(stage.name) - order.index(other), PASSED.get((other, stage.name), "")
+            apart, caption = order.index(stage.name) - order.index(other), PASSED.get((other, stage.name), "")
             if apart == 1:
-                arrow(axes, (place[other] + wide, 5.6), (place[stage.name], 5.6), said)
+                arrow(axes, (place[other] + wide, 5.6), (place[stage.name], 5.6), caption)
                 continue
             level = 6.85 + 0.28 * apart if apart > 0 else 3.75
             side = 6.75 if apart > 0 else 4.5
             begin, end = place[other] + wide * 0.62, place[stage.name] + wide * (0.1 + 0.16 * abs(apart))
             axes.plot([begin, begin, end], [side, level, level], color=INK, lw=1.3)
             arrow(axes, (end, level), (end, side + 0.01), "")
-            axes.text((begin + end) / 2, level + 0.04, said, ha="center", va="bottom", fontsize=8.5, color=INK)
+            axes.text((begin + end) / 2, level + 0.04, caption, ha="center", va="bottom", fontsize=8.5, color=INK)
     ship = place["ship"]
     box(axes, ship, 1.0, wide, 1.55, "motion log", ["pose, rates, specific force", "at a fixed rate"], GREEN)
     arrow(axes, (ship + wide / 2, 3.9), (ship + wide / 2, 2.56), "")

@@ -1,4 +1,4 @@
-"""Where water breaks: every setting of `stability` taken to its extremes, beside the theoretical limits: CSV and PNGs.
+"""Where water breaks: every setting of `stability` taken to its extremes, next to the theoretical limits: CSV and PNGs.
 
 python figures/stability.py [--fast] [--study runs/stability/stability.csv] [--out DIR]
 """

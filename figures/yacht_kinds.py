@@ -74,7 +74,7 @@ def still(lasts: float) -> dict[str, Any]:
     }
 
 
-def ridden(keys: dict[str, Any], lasts: float, folder: Path | None, told: Any) -> np.ndarray:
+def ridden(keys: dict[str, Any], lasts: float, folder: Path | None, report: Any) -> np.ndarray:
     """Time [s], heave from the start [m], roll and pitch [deg], of a run."""
     rows = []
     with Simulation(load(keys), folder) as simulation:
@@ -84,7 +84,7 @@ def ridden(keys: dict[str, Any], lasts: float, folder: Path | None, told: Any) -
             simulation.run(until=float(time))
             pitch, _, roll = np.degrees(ship.body.angles)
             rows.append((simulation.time, float(ship.body.position[1]) - start, float(roll), float(pitch)))
-            told(time / lasts)
+            report(time / lasts)
     return np.array(rows)
 
 
@@ -145,9 +145,9 @@ def main() -> None:
     times, share = np.arange(0.0, lasts + 1e-9, EVERY * (4 if asked.fast else 1)), 1.0 / (len(KINDS) + 0.1)
     rides, pictures = {}, {}
     for number, kind in enumerate(KINDS):
-        told = lambda part, number=number, kind=kind: progress(share * (number + 0.6 * part), f"{kind}: the run")
+        report = lambda part, number=number, kind=kind: progress(share * (number + 0.6 * part), f"{kind}: the run")
         with TemporaryDirectory() as folder:
-            rides[kind] = ridden(scene(kind, spacing, lasts), lasts, Path(folder), told)
+            rides[kind] = ridden(scene(kind, spacing, lasts), lasts, Path(folder), report)
             progress(share * (number + 0.6), f"{kind}: pictures")
             pictures[kind] = images(Path(folder), times.tolist(), size=SIZE, camera="third_person", caption=True)
     rides["manoeuvring"] = ridden(still(lasts), lasts, None, lambda part: None)

@@ -4,7 +4,7 @@ from functools import reduce
 from importlib import import_module
 from operator import or_
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
+from typing import Annotated, Any, Literal, cast
 
 import numpy as np
 from pydantic import Field, field_validator
@@ -17,9 +17,6 @@ from ocean_sim.platform import SINGULAR, Commands, Cue, WashoutConfig
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, rates_to_turn, rotation
 from ocean_sim.platform.shared.limits import SAME, Legs, Workspace
 from ocean_sim.platform.shared.motion_log import Ride
-
-if TYPE_CHECKING:
-    pass
 
 # A washout is one file, washout/<kind>.py: a Config with its `kind`, which builds what follows a ride.
 WASHOUTS = sorted(path.stem for path in (Path(__file__).parent / "washout").glob("[!_]*.py"))
@@ -50,8 +47,8 @@ class Config(PlatformConfig):
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         """It has no fields; the ledger of `platform_log` holds the cost of its rows."""
-        washout: Any = self.washout
-        return [LedgerRow("platform", f"{washout.kind} washout and six legs", 0, "platform_log asks for its rows")]
+        kind = cast(WashoutConfig, self.washout).kind
+        return [LedgerRow("platform", f"{kind} washout and six legs", 0, "platform_log asks for its rows")]
 
     def build(self, every: float) -> "Moving":
         """`every`: time between the rows that it will follow [s]."""

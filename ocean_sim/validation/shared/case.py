@@ -8,7 +8,7 @@ import numpy as np
 
 from ocean_sim.conventions import Diverged
 from ocean_sim.parts import kinds
-from ocean_sim.reading.scene import load, observer_names
+from ocean_sim.reading.scene import SceneConfig, load, observer_names
 from ocean_sim.simulation import Simulation
 
 KEYS = ("case", "scheme", "quantity", "value", "reference", "error", "unit", "tolerance", "ok", "source")
@@ -78,7 +78,7 @@ class Problem:
     schemes: tuple[str, ...] = ("delta_sph",)
     """Those that are run by default."""
 
-    def load(self, scheme: str, overrides: Mapping[str, Any] | None = None) -> Any:
+    def load(self, scheme: str, overrides: Mapping[str, Any] | None = None) -> SceneConfig:
         """The scene under a scheme, without observers."""
         quiet = {name: None for name in observer_names() if name != "manifest"}
         part = self.scene[self.slot] | {"kind": scheme}

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from functools import cached_property
-from typing import Any
+from typing import Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -27,7 +27,7 @@ class Timed(Model):
     """Time in which it rises after `start`, and in which it falls before `stop`."""
 
     @model_validator(mode="after")
-    def _one_end(self) -> Any:
+    def _one_end(self) -> Self:
         if self.stop is not None and self.duration is not None:
             raise ValueError("give either stop [s] or duration [s], not both")
         if self.stop is not None and self.stop <= self.start:

@@ -9,6 +9,7 @@ import pytest
 from ocean_sim import load, run
 from ocean_sim.__main__ import answered
 from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.parts import compared
 from ocean_sim.result import Result
 from ocean_sim.studies import heeds, tradeoff
 from ocean_sim.studies.scene_tradeoff import SEEDS, Budget, best, errors, finest, settings, summary, varied
@@ -46,11 +47,11 @@ def test_the_front_is_what_nobody_betters():
     assert front([]) == []
 
 
-def test_the_study_has_three_schemes_on_six_cases_and_every_setting_is_another():
+def test_the_study_has_every_compared_scheme_on_six_cases_and_every_setting_is_another():
     plan = points(quick=True)
     of_water = [point for point in plan if point.trial.slot == "fluid"]
     assert len({point.trial.case for point in of_water}) == 6
-    assert {point.scheme for point in of_water} == {"mueller", "delta_sph", "dfsph"}
+    assert {point.scheme for point in of_water} == set(compared("fluid")) >= {"mueller", "delta_sph", "dfsph"}
     addresses = [runs.address(point.order()) for point in points(quick=False)]
     assert len(set(addresses)) == len(addresses) > len(plan)
     changed = {(point.scheme, point.changed) for point in plan if point.trial.case == "standing_wave"}
@@ -60,7 +61,9 @@ def test_the_study_has_three_schemes_on_six_cases_and_every_setting_is_another()
 
 def test_no_setting_is_varied_that_changes_no_number():
     for plan in (points(quick=True), points(quick=False)):
-        assert {p.scheme for p in plan if "fluid.compression" in p.settings} == {"mueller", "delta_sph"}
+        varied = {p.scheme for p in plan if "fluid.compression" in p.settings}
+        assert varied == {scheme for scheme in compared("fluid") if heeds(scheme, "fluid.compression")}
+        assert {"mueller", "delta_sph"} <= varied and "dfsph" not in varied
 
 
 @pytest.mark.parametrize("scheme", ["dfsph", pytest.param("delta_sph", marks=pytest.mark.slow)])

@@ -56,7 +56,7 @@ def stages() -> list[Stage]:
     """The stages of `Simulation.step` in their order; what each reads, there and where it is built."""
     source = methods("simulation", "Simulation")
     built: dict[str, set[str]] = {}
-    for node in ast.walk(source["__init__"]):
+    for node in ast.walk(source["build"]):
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]).removeprefix("self.") in SLOTS:
             built[ast.unparse(node.targets[0]).removeprefix("self.")] = own(node.value)
     found = []
@@ -65,7 +65,7 @@ def stages() -> list[Stage]:
             name = ast.literal_eval(node.items[0].context_expr.args[0])
             calls = [ast.unparse(n.func).removeprefix("self.") for n in ast.walk(node) if isinstance(n, ast.Call)]
             reads = set().union(*(own(line) for line in node.body)) | built.get(name, set())
-            calls = [call for call in calls if call != "stage"]
+            calls = [call for call in calls if call.split(".")[0] in SLOTS]
             before = [slot for slot in SLOTS if slot in reads and slot != name]
             found.append(Stage(name, calls, before, kinds(name) if name in SLOTS else ()))
     return sorted(found, key=lambda stage: SLOTS.index(stage.name) if stage.name in SLOTS else len(SLOTS))

@@ -11,7 +11,6 @@ from ocean_sim.observers.shared.csv_rows import CsvFile, heading, rounded
 from ocean_sim.observers.shared.handed_on import TakesMotion, takers
 from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.parts import Preflight, Problems
-from ocean_sim.platform.shared.motion_log import ride_of
 from ocean_sim.ship import Ship
 from ocean_sim.simulation import Observer, PeriodicConfig
 
@@ -116,7 +115,7 @@ class Motion(Observer):
         them then is what they would make of the file."""
         for observer in takers(simulation, TakesMotion):
             table = np.array([rounded(row) for row in rows]).T
-            observer.take_motion(ride_of(dict(zip(self.columns, table)), self.frame))
+            observer.take_motion(dict(zip(self.columns, table)), self.frame)
 
     def row(self, ship: Ship) -> np.ndarray:
         """All columns but time and number."""

@@ -3,10 +3,12 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
+import numpy as np
+
 from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.observers.shared.handed_on import TakesCommands, TakesMotion, takers
 from ocean_sim.platform import COLUMNS, LIMITS, Platform
-from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, Ride, joined
+from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, Ride, joined, ride_of
 from ocean_sim.simulation import Observer, ObserverConfig
 
 if TYPE_CHECKING:
@@ -53,8 +55,8 @@ class PlatformLog(Observer, TakesMotion):
         self.csv, self.every, self.platform, self.simulation = csv, every, platform, simulation
         self.new: list[Ride] = []  # rows that are not answered yet
 
-    def take_motion(self, rows: Ride) -> None:
-        self.new.append(rows)
+    def take_motion(self, rows: dict[str, np.ndarray], frame: str) -> None:
+        self.new.append(ride_of(rows, frame))
 
     def observe(self, simulation: "Simulation") -> None:
         self.answer()

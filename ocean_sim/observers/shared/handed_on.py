@@ -5,16 +5,17 @@ Who takes rows says so by its base class, so observers need not know one another
 
 from typing import TYPE_CHECKING, TypeVar
 
+import numpy as np
+
 if TYPE_CHECKING:
     from ocean_sim.platform import Commands
-    from ocean_sim.platform.shared.motion_log import Ride
     from ocean_sim.simulation import Simulation
 
 
 class TakesMotion:
-    """An observer that is handed the rows of motion.csv, each once, in the order of time."""
+    """An observer that is handed the columns of new rows of motion.csv, each once, in the order of time."""
 
-    def take_motion(self, rows: "Ride") -> None:
+    def take_motion(self, rows: dict[str, np.ndarray], frame: str) -> None:
         raise NotImplementedError
 
 

@@ -193,7 +193,7 @@ def test_two_workers_of_a_real_cluster_one_of_which_is_killed():
 def test_no_run_outlives_the_study(sign, tmp_path):
     script = f"""
 from pathlib import Path
-from ocean_sim.studies import runs_module
+from ocean_sim.studies.shared import runs as runs_module
 list(runs_module.answers({orders(5, wait=60.0)!r}, Path("out"), workers=2))
 """
     path = os.pathsep.join([str(PACKAGE.parent), str(tmp_path)])

@@ -98,11 +98,14 @@ def test_the_thesis_scenes_have_a_cloth_and_a_part_has_the_numbers_of_the_listin
     assert listing.damping * dt == pytest.approx(0.001)
 
 
-def test_a_scene_that_leaves_numbers_to_the_water_says_them_when_resolved():
+def test_a_scene_that_leaves_numbers_to_the_water_is_built_with_them_and_dumped_without():
     config = load(SEA | QUIET, {"resolution": 2.0})
-    assert config.surface.spacing == config.fluid.spacing == 2.5
-    assert config.surface.thickness == 5.0
-    assert load(config.resolved()).surface == config.surface
+    built = config.preflight.surface
+    assert built.spacing == config.fluid.spacing == 2.5
+    assert built.thickness == 5.0
+    assert config.surface.spacing is None and config.surface.thickness is None
+    again = load(config.resolved())
+    assert again.surface == config.surface and again.preflight.surface == built
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,7 @@ import pytest
 from ocean_sim import waves
 from ocean_sim.files.csv_file import columns
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.observers import frames
-from ocean_sim.parts import PartConfig
+from ocean_sim.parts import SurfaceConfig
 from ocean_sim.pictures.export import NothingToExport, export_run
 from ocean_sim.reading import composition, scene
 from ocean_sim.reading.scene import load
@@ -77,12 +76,18 @@ def test_a_check_counts_no_particles_and_estimates_no_wall_time():
     assert found["ok"] and found["particles"] == 0 and found["estimated_wall_s"] is None
     assert "0 particles" in short(found, config) and "no estimate" in short(found, config)
     wide = load("linear_sea", {**OVER, "frames.spacing": 0.01, "frames.every": 0.01})
-    assert "frames: about" in " ".join(frames.Config.warnings(wide.observers["frames"], wide))
+    assert "frames: about" in " ".join(wide.observers["frames"].warnings(wide.preflight))
 
 
 def test_a_surface_that_would_follow_particles_is_refused(monkeypatch):
-    class Drape(PartConfig):
+    class Drape(SurfaceConfig):
         kind: str = "drape"
+
+        def ledger(self, preflight):
+            return []
+
+        def build(self, basin, fluid):
+            raise NotImplementedError
 
     config_of, kinds = scene.config_of, composition.kinds
     of = lambda slot, kind: Drape if slot == "surface" else config_of(slot, kind)

@@ -70,7 +70,7 @@ def main() -> None:
     asked = options(__doc__, "coarse and short")
     coarse = {"resolution": 2.0} if asked.fast else {}
     config = load(SCENE, {"render": None, "frames": None, "accuracy": None, "surface": "cloth", **coarse})
-    other = load(SCENE, {"surface": "marching_cubes", **coarse}).surface
+    other = load(SCENE, {"surface": "marching_cubes", **coarse}).preflight.surface
     with Simulation(config) as simulation:
         simulation.run(until=0.2 if asked.fast else MOMENT)
         cloth, fluid = simulation.surface, simulation.fluid

@@ -85,10 +85,8 @@ class SceneConfig(Heading):
 
     def ledger(self) -> list[LedgerRow]:
         """What the scene will allocate and compile, and why; nothing is allocated to find out."""
-        preflight, rows = self.preflight, []
-        for name, part in self.parts().items():
-            completed = preflight.surface if name == "surface" else part
-            rows += completed.ledger(preflight) if completed is not None else []
+        preflight = self.preflight
+        rows = [row for part in self.parts().values() for row in part.ledger(preflight)]
         if self.surface is not None and self.surface.when_read:
             rows = [row._replace(every=self.reading()) if row.part == "surface" else row for row in rows]
         return rows

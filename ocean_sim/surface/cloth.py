@@ -88,7 +88,7 @@ class Config(SurfaceConfig):
         return columns(basin, self.spacing)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        nx, nz = self.nodes(preflight.tank)
+        nx, nz = self.completed(preflight).nodes(preflight.tank)
         size, why = 3 * preflight.word * nx * nz, "surface.kind is cloth"
         return [LedgerRow("surface", f"{nx} x {nz} nodes", size, why, NODE * nx * nz, self.every)]
 

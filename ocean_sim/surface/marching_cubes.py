@@ -102,16 +102,17 @@ class Config(SurfaceConfig):
         return float(np.prod(extents / self.spacing + 2.0))
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        nodes, word, particles = self.nodes(preflight.tank), preflight.word, preflight.particles
-        assert self.radius is not None and preflight.spacing is not None
+        completed, word, particles = self.completed(preflight), preflight.word, preflight.particles
+        assert completed.radius is not None and preflight.spacing is not None
+        nodes = completed.nodes(preflight.tank)
         wet = particles * preflight.spacing**3  # [m3]
         grid = Isosurface.bytes(nodes, self.most_nodes, word) + word * nodes.inner[0] * nodes.inner[2]
-        bins = DensityMap.bytes(particles, nodes, self.radius, word)
+        bins = DensityMap.bytes(particles, nodes, completed.radius, word)
         why, most = f"surface.spacing {nodes.cell:g} m", min(nodes.count, self.most_nodes)
         seconds = NODE * nodes.count + WET * wet / nodes.cell**3
         return [
             LedgerRow("surface", f"at most {most} of {nodes.count} nodes", grid, why, seconds),
-            LedgerRow("surface", f"{particles} particles in bins", bins, f"surface.radius {self.radius:g} m"),
+            LedgerRow("surface", f"{particles} particles in bins", bins, f"surface.radius {completed.radius:g} m"),
         ]
 
     def build(self, basin: Basin, fluid: Fluid) -> Surface:

@@ -1,5 +1,6 @@
 """What the laws have in common that push particles: solid bodies are pushed back by them."""
 
+from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any
 
 import taichi as ti
@@ -12,7 +13,7 @@ if TYPE_CHECKING:  # it is imported only where there are bodies
 
 
 @ti.data_oriented
-class Force:
+class Force(ABC):
     """A law that pushes particles and, as strongly, the samples of solid bodies: it has `sample` and `acceleration`."""
 
     row: Columns
@@ -40,11 +41,14 @@ class Force:
         if ti.static(self.fluid.bodies):
             self.boundary.react(self.reaction, dt)
 
+    @abstractmethod
     def sample(self, own: Any, s: Any, d: Any, mirror: Any) -> Any:
-        raise NotImplementedError
+        """As `SampledLaw` has it."""
 
+    @abstractmethod
     def pair(self, own: Any, other: Any) -> Any:
-        raise NotImplementedError
+        """As `SampledLaw` has it."""
 
+    @abstractmethod
     def acceleration(self, own: Any, total: Any) -> Any:
-        raise NotImplementedError
+        """As `PushingLaw` has it."""

@@ -1,6 +1,7 @@
 """What all water made of particles has, whatever moves them: a grid, walls, a surface, an emitter, accounts, and the
 frame of a step."""
 
+from abc import abstractmethod
 from dataclasses import replace
 
 import numpy as np
@@ -106,13 +107,13 @@ class ParticleWater(ParticleFluid):
         self.status = self.accounts.status(self.summary, self.grid)
         self.emit()
 
+    @abstractmethod
     def arrive(self) -> None:
         """Sort the particles where they are now, make all that is known of them current, and sum it up."""
-        raise NotImplementedError
 
+    @abstractmethod
     def step(self, dt: float) -> None:
         """The same after they have moved for dt [s]."""
-        raise NotImplementedError
 
     def drive(self, dt: float) -> None:
         """Put tank and wavemaker where they are in the middle of a step of dt [s]."""

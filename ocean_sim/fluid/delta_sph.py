@@ -30,6 +30,7 @@ from ocean_sim.fluid.shared.pair_sph import MomentumLaw
 from ocean_sim.fluid.shared.particles import Components
 from ocean_sim.fluid.shared.smoothing import Smoothing, positive
 from ocean_sim.fluid.shared.sph import Sph, SphConfig, limits, rows
+from ocean_sim.fluid.shared.stencil import of_rigidity
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.runtime import Array
@@ -76,6 +77,11 @@ class Config(SphConfig):
     def still_limits(self, preflight: Preflight) -> Limits:
         smoothing = Smoothing(preflight.tank.dimension, preflight.support)
         return self.limited(smoothing, self.sound_speed(preflight.tank), 0.0, 0.0)
+
+    def statements(self, preflight: Preflight) -> list[str]:
+        basin = preflight.tank
+        notable = [] if self.enclosed(basin) else of_rigidity(basin.dimension, self.ratio(basin))
+        return super().statements(preflight) + notable
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         sizes = self.sized(self.began(preflight), Momentum.row.size, CARRIED)

@@ -40,7 +40,7 @@ from ocean_sim.fluid.shared.particles import Components
 from ocean_sim.fluid.shared.pressure_solver import REPORT, TOO_DENSE, UPHILL, Solver
 from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.sph import Sph, SphConfig, limits, rows
-from ocean_sim.fluid.shared.stencil import Stencil
+from ocean_sim.fluid.shared.stencil import Stencil, of_rigidity
 from ocean_sim.fluid.shared.tasks import TASK
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
@@ -96,6 +96,11 @@ class Config(SphConfig):
     def still_limits(self, preflight: Preflight) -> Limits:
         basin = preflight.tank
         return self.limited(basin, 0.0, float(np.linalg.norm(np.add(basin.gravity, self.body_force))))
+
+    def statements(self, preflight: Preflight) -> list[str]:
+        basin = preflight.tank
+        notable = [] if self.enclosed(basin) else of_rigidity(basin.dimension, self.ratio(basin))
+        return super().statements(preflight) + notable
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         basin, word = preflight.tank, preflight.word

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 ORDER = (
     "hydrostatic",
     "standing_wave",
+    "standing_wave_3d",
     "dam_break_front",
     "elliptical_drop",
     "square_patch",

@@ -131,3 +131,26 @@ def test_the_lattice_that_water_starts_from_is_stable_at_the_default_supports(sc
 @pytest.mark.parametrize(("dimension", "ratio"), [(2, 3.6), (2, 3.0), (2, 2.6), (3, 2.6), (3, 2.4), (3, 3.2)])
 def test_it_is_not_at_others(dimension, ratio):
     assert Stencil(Smoothing(dimension, ratio * 0.1), 0.1).softest < -0.01
+
+
+@pytest.mark.parametrize("dimension, ratio, share", [(3, 2.82, 0.0456), (3, 2.0, 0.1114), (2, 4.0, 0.0066)])
+def test_the_rigidity_is_what_shear_adds_to_the_sum_of_the_kernel(dimension, ratio, share):
+    """Second differences of the sum over a lattice that is sheared along its axes and along its diagonals; the kernel's
+    slope along an axis is the pressure's."""
+    stencil, small = Stencil(Smoothing(dimension, ratio), 1.0), 1e-3
+
+    def density(along: np.ndarray, across: np.ndarray, shear: float) -> float:
+        places = stencil.offsets + shear * (stencil.offsets @ across)[:, None] * along
+        q = np.maximum(1.0 - np.linalg.norm(places, axis=1) / ratio, 0.0)
+        return float((q**4 * (5.0 - 4.0 * q)).sum())
+
+    x, y = np.eye(dimension)[:2]
+    pairs = (x, y), ((x + y) / np.sqrt(2.0), (x - y) / np.sqrt(2.0))
+    curved = [(density(*p, small) - 2.0 * density(*p, 0.0) + density(*p, -small)) / small**2 for p in pairs]
+    pressure = 20.0 / ratio**2 * float(stencil.q**3 @ stencil.offsets[:, 0] ** 2)
+    assert stencil.rigidity == pytest.approx(np.mean(curved) / pressure, rel=1e-3)
+    assert stencil.rigidity == pytest.approx(share, abs=1e-4)
+
+
+def test_much_support_makes_a_lattice_water():
+    assert abs(Stencil(Smoothing(3, 6.0), 1.0).rigidity) < 0.002

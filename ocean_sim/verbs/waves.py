@@ -22,6 +22,7 @@ from ocean_sim.verbs.shared.wave_files import (
 from ocean_sim.waves.orbits import BREAKING, tracer_motion
 from ocean_sim.waves.record import CUT_OFF, RESOLVED, STEADY, Sea, Unmeasurable, elevations, measured, spectra
 from ocean_sim.waves.surface_record import Grid, SurfaceRecord, surface_record
+from ocean_sim.wind.shared.air_load import stated_speed
 
 
 def waves(run: Path, begin: float, out: Path | None, as_json: bool) -> None:
@@ -147,8 +148,11 @@ def wind_of(path: Path) -> str | None:
     if wind is None:
         return None
     if wind["kind"] == "stress":
-        speed = "by a schedule" if wind["schedule"] is not None else f"{wind['u10']:g} m/s"
-        return f"wind: a physical stress, U10 {speed}, law {wind['drag_law']}, times a gain of {wind['gain']:g}"
+        if wind.get("tau") is not None:
+            return f"wind: a physical stress of {wind['tau']:g} Pa, times a gain of {wind['gain']:g}"
+        speed = f"{stated_speed(wind['u10'], None):g} m/s" if wind["schedule"] is None else "by a schedule"
+        law = wind["drag_law"] or "wu"
+        return f"wind: a physical stress, U10 {speed}, law {law}, times a gain of {wind['gain']:g}"
     return "no wind" if wind["kind"] == "still" else f"wind: {wind['kind']}, a stylised force field"
 
 

@@ -302,9 +302,17 @@ def test_the_command_reports_circulation_white_caps_and_the_gain(tmp_path, capsy
     assert rows[0] == "time_s,circulation_m2_s,white_cap_cover" and rows[1].startswith("0,0,") and len(rows) == 5
     assert answered(["waves", str(run)]) == 0
     said = capsys.readouterr().out
-    assert "gain of 300" in said and "on a circle of 10 m about the middle" in said and "white caps on" in said
+    assert (
+        "U10 10 m/s, law wu, times a gain of 300" in said
+        and "on a circle of 10 m about the middle" in said
+        and "white caps on" in said
+    )
     (run / "frames" / "frame_00002.npz").write_bytes(b"PK\x03\x04")
     assert answered(["waves", str(run)]) == 0 and "cannot be read" in capsys.readouterr().out
+    for keys, sentence in (({}, "U10 10 m/s, law wu, times"), ({"tau": 2.5}, "a physical stress of 2.5 Pa, times")):
+        left_open = wind | {"u10": None, "drag_law": None, **keys}
+        (run / "manifest.json").write_text(json.dumps({"scene": {"wind": left_open}}))
+        assert answered(["waves", str(run)]) == 0 and sentence in capsys.readouterr().out
 
 
 def test_waves_that_are_not_steep_or_too_short_to_count_are_not_white(tmp_path):

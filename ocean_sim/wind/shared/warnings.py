@@ -7,9 +7,8 @@ from ocean_sim import waves
 from ocean_sim.conventions import AIR_DENSITY, GRAVITY, WATER_DENSITY
 from ocean_sim.model import Vector3
 from ocean_sim.parts import Preflight
-from ocean_sim.wind.shared.air_load import DRAG_LAWS, RANGES, DragLaw, stress
+from ocean_sim.wind.shared.air_load import DRAG_LAWS, RANGES, U10, DragLaw, stress
 
-U10 = 10.0  # [m/s] the real wind that force fields are compared with
 FEWEST = 10.0  # spacings that a wave must be long to travel well
 
 

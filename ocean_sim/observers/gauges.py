@@ -181,6 +181,15 @@ def read_at(sensor: Sensor, points: int) -> str:
     return f"mean pressure over {sensor.diameter:g} m about {list(sensor.at)} m, of {points} points"
 
 
+def lowered(simulation: "Simulation") -> dict[str, object]:
+    """How far the water's own weight lowers what the gauges read, for the heading of the table; nothing where it does
+    not."""
+    if not simulation.fluid.sunk:
+        return {}
+    by = f"{simulation.fluid.sunk:.4g} m where it is deepest, g h^2 / (2 c^2) of a column of height h"
+    return {"hydrostatic_offset": f"the water's own weight lowers its level by {by}"}
+
+
 class Gauges(Observer):
     """gauges.csv: one column a gauge."""
 
@@ -195,7 +204,7 @@ class Gauges(Observer):
         meaning |= {f"{name}_Pa": read_at(config.sensors[name], len(face)) for name, face in faces.items()}
         self.csv = CsvFile(
             folder / "gauges.csv",
-            heading(simulation, f"every {config.every:g} s, linear between steps", **meaning),
+            heading(simulation, f"every {config.every:g} s, linear between steps", **lowered(simulation), **meaning),
             ["time_s", *meaning],
         )
 

@@ -2,8 +2,10 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+import ocean_sim
 from ocean_sim.files.csv_file import columns
 from ocean_sim.observers import gauges
+from ocean_sim.reading.scene import observer_names
 
 
 @pytest.mark.parametrize("steps_of", [(0.01,), (0.013, 0.002, 0.031), (0.12,)])
@@ -81,6 +83,22 @@ def test_a_pressure_gauge_may_be_on_a_wall_and_above_the_water_but_not_outside(w
     assert "z = 2.1 m is outside" in problems["pressure", "far"] and "[x, y, z]" in problems["pressure", "flat"]
     assert "slice" in gauges.Config(pressure={"a": [0.0, 0.0, 0.0]}).misplaced(watched(width=None).basin)[0][1]
     assert "outside" in gauges.Config(pressure={"a": [0.0, 0.1, 0.0]}).misplaced(watched(lid={}).basin)[0][1]
+
+
+@pytest.mark.parametrize("kind", ["delta_sph", "dfsph", "linear_waves"])
+def test_the_level_that_water_loses_to_its_own_weight_is_in_the_heading(tmp_path, kind):
+    """g h2 / (2 c2) of the depth, in the scheme whose column is pressed together, and not a word in the others."""
+    quiet = {name: None for name in observer_names() if name not in ("manifest", "gauges")}
+    sea = {"height": 0.02, "period": 1.0} if kind == "linear_waves" else {"spacing": 0.02}
+    scene = {"basin": {"length": 0.4, "depth": 0.4}, "fluid": {"kind": kind, **sea}, "duration": 0.01} | quiet
+    config = ocean_sim.load(scene | {"runtime": {"threads": 1}, "gauges": {"elevation": {"mid": [0.0]}, "every": 0.01}})
+    first = ocean_sim.run(config, tmp_path).gauges["mid_m"][0]
+    (line,) = [x for x in (tmp_path / "gauges.csv").read_text().splitlines() if "hydrostatic_offset" in x] or [None]
+    assert (line is not None) == (kind == "delta_sph")
+    if line is not None:
+        lower = 9.81 * 0.4**2 / (2.0 * config.fluid.sound_speed(config.preflight.tank) ** 2)
+        assert float(line.split("lowers its level by ")[1].split(" m ")[0]) == pytest.approx(lower, rel=2e-3)
+        assert first == pytest.approx(-lower, abs=0.1 * lower)
 
 
 def face(place, **keys) -> np.ndarray:

@@ -158,9 +158,12 @@ def wind_config(path: Path) -> dict[str, Any] | None:
 
 
 def gain(path: Path) -> dict[str, float]:
-    """The gain of a wind that is a physical stress."""
+    """The gain of a wind that is a physical stress, and that of its pressure where it has its own."""
     wind = wind_config(path) or {}
-    return {"wind_gain": wind["gain"]} if wind.get("kind") == "stress" else {}
+    if wind.get("kind") != "stress":
+        return {}
+    own = wind.get("pressure_gain")
+    return {"wind_gain": wind["gain"]} | ({} if own is None else {"wind_pressure_gain": own})
 
 
 def wind_of(path: Path) -> str | None:
@@ -169,11 +172,13 @@ def wind_of(path: Path) -> str | None:
     if wind is None:
         return None
     if wind["kind"] == "stress":
+        own = wind.get("pressure_gain")
+        gain = f"{wind['gain']:g}" + ("" if own is None else f", its pressure on waves times {own:g}")
         if wind.get("tau") is not None:
-            return f"wind: a physical stress of {wind['tau']:g} Pa, times a gain of {wind['gain']:g}"
+            return f"wind: a physical stress of {wind['tau']:g} Pa, times a gain of {gain}"
         speed = f"{stated_speed(wind['u10'], None):g} m/s" if wind["schedule"] is None else "by a schedule"
         law = wind["drag_law"] or "wu"
-        return f"wind: a physical stress, U10 {speed}, law {law}, times a gain of {wind['gain']:g}"
+        return f"wind: a physical stress, U10 {speed}, law {law}, times a gain of {gain}"
     return "no wind" if wind["kind"] == "still" else f"wind: {wind['kind']}, a stylised force field"
 
 

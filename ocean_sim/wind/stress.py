@@ -54,6 +54,8 @@ class Config(Scheduled, WindConfig):
     """Drag coefficient by wind speed: `wu` (1982, (2.21)), the default, `garratt` (1977) or `zijlema` (2012)."""
     gain: float = quantity("1", 1.0, ge=0.0)
     """Factor on stress and pressure: 1 is a real wind."""
+    pressure_gain: float | None = quantity("1", None, ge=0.0)
+    """Factor on the pressure on waves alone; by default as `gain`, which then is that of the stress alone."""
     sheltering: float = quantity("1", 0.0, ge=0.0, le=1.0)
     """s of Jeffreys, who found 0.27: pressure on waves is s rho_air (U10 - c)^2 times their slope; 0: none."""
     wave_speed: float = quantity("m/s", 0.0)
@@ -95,10 +97,15 @@ class Config(Scheduled, WindConfig):
         """Stress on the water [Pa] of a wind of this U10 [m/s], the gain included."""
         return self.gain * stress(u10, self.law)
 
+    @property
+    def gain_of_pressure(self) -> float:
+        """The factor on the pressure on waves that is at work."""
+        return self.gain if self.pressure_gain is None else self.pressure_gain
+
     def sheltered(self, u10: float) -> float:
-        """P [Pa]: pressure on the waves over their slope along the wind, the gain included."""
+        """P [Pa]: pressure on the waves over their slope along the wind, its gain included."""
         relative = u10 - self.wave_speed
-        return self.gain * self.sheltering * AIR_DENSITY * relative * abs(relative)
+        return self.gain_of_pressure * self.sheltering * AIR_DENSITY * relative * abs(relative)
 
     def problems(self, preflight: Preflight) -> Problems:
         basin, found = preflight.tank, list(self.unscheduled())
@@ -127,6 +134,8 @@ class Config(Scheduled, WindConfig):
         u10 = self.strongest
         sheltered = f", pressure on waves {self.sheltered(u10):.3g} Pa times their slope" if self.sheltering else ""
         gain = "a real wind (gain 1)" if self.gain == 1.0 else f"{self.gain:g} times a real wind (gain)"
+        if self.sheltering and self.pressure_gain is not None:
+            gain += f", its pressure {self.pressure_gain:g} times (pressure_gain)"
         at = f"at U10 = {u10:g} m/s by {self.law}" if self.tau is None else f"by tau, U10 = {u10:.3g} m/s by {self.law}"
         message = f"wind: a physical stress of {self.on_water(u10):.3g} Pa {at}{sheltered}"
         return [f"{message}: {gain}", *out_of_range(u10, self.law), *unresolved(self, u10, preflight)]

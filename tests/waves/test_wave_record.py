@@ -392,7 +392,11 @@ def test_the_command_reports_circulation_white_caps_and_the_gain(tmp_path, capsy
     )
     (run / "frames" / "frame_00002.npz").write_bytes(b"PK\x03\x04")
     assert answered(["waves", str(run)]) == 0 and "cannot be read" in capsys.readouterr().out
-    for keys, sentence in (({}, "U10 10 m/s, law wu, times"), ({"tau": 2.5}, "a physical stress of 2.5 Pa, times")):
+    for keys, sentence in (
+        ({}, "U10 10 m/s, law wu, times"),
+        ({"tau": 2.5}, "a physical stress of 2.5 Pa, times"),
+        ({"pressure_gain": 2.0}, "times a gain of 300, its pressure on waves times 2"),
+    ):
         left_open = wind | {"u10": None, "drag_law": None, **keys}
         (run / "manifest.json").write_text(json.dumps({"scene": {"wind": left_open}}))
         assert answered(["waves", str(run)]) == 0 and sentence in capsys.readouterr().out

@@ -63,6 +63,23 @@ def test_sheltering_presses_on_the_windward_side_of_a_wave(build, force):
     assert np.abs(steep - tau).max() == pytest.approx(50.0 * pressure)
 
 
+def test_pressure_may_have_a_gain_of_its_own(build, force):
+    """What the shear gives and what the waves take are set apart: half of one, nothing of the other, and both."""
+    keys = {"u10": 10.0, "heading_deg": 90.0, "sheltering": 0.27, "wave_speed": 2.0}
+    area = (-0.1, 1.0, 0.0)
+
+    def felt(**gains):
+        return force(build("stress", **keys, **gains), [0.0, 0.0, 0.0], area=area)[0]
+
+    shear = np.array([stress(10.0), 0.0, 0.0])
+    pressed = felt() - shear
+    assert np.abs(pressed).max() > 0.1
+    np.testing.assert_allclose(felt(gain=3.0), 3.0 * (shear + pressed), rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(felt(gain=3.0, pressure_gain=0.5), 3.0 * shear + 0.5 * pressed, rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(felt(gain=0.0, pressure_gain=2.0), 2.0 * pressed, rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(felt(pressure_gain=0.0), shear, rtol=1e-9, atol=1e-15)
+
+
 def test_waves_that_outrun_the_wind_are_pressed_the_other_way(build, force):
     wind = build("stress", u10=1.0, heading_deg=90.0, sheltering=0.27, wave_speed=5.0)
     assert force(wind, [0.0, 0.0, 0.0], area=(-0.1, 1.0, 0.0))[0, 1] > 0.0
@@ -323,6 +340,10 @@ def test_growth_that_the_measured_viscosity_eats_is_said_with_the_gain_that_woul
     (said,) = overdamped(weak.wind, 10.0, k, weak.preflight)
     assert "damping exceeds growth" in said and "0.00038 that delta_sph adds" in said
     assert f"a gain of {0.123 * 4.0 * nu * k**2 / (0.1 * beta):.2g}" in said
+    own = scene(basin=basin, fluid=water, wind=growing | {"gain": 0.0, "pressure_gain": 0.123})
+    (said,) = overdamped(own.wind, 10.0, k, own.preflight)
+    assert f"a pressure_gain of {0.123 * 4.0 * nu * k**2 / (0.1 * beta):.2g}" in said
+    assert "0 times a real wind (gain), its pressure 0.123 times (pressure_gain)" in " ".join(own.warnings())
     assert growth_rate(scene(wind={"kind": "stress", "gain": 9.0}).wind, 10.0, k, 50.0, 9.81) == 9.0 * plant(
         10.0, k, 9.81
     )

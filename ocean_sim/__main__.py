@@ -241,6 +241,10 @@ def preview(
 def waves(
     run: Annotated[Path, typer.Argument(help="A run folder, or its gauges.csv.")],
     begin: Annotated[float, typer.Option(help="Leave out the record before this time [s].")] = 0.0,
+    detrend: Annotated[bool, typer.Option("--detrend", help="Take off the straight line through each record.")] = False,
+    hysteresis: Annotated[
+        float, typer.Option(min=0.0, help="Count a wave only if it goes this far below and above zero [m].")
+    ] = 0.0,
     out: Annotated[
         Path | None, typer.Option(help="Where the plot and the spectra go; by default next to the record.")
     ] = None,
@@ -248,8 +252,9 @@ def waves(
 ) -> None:
     """Waves from the gauges of a run: heights, periods, spectrum, zero crossings."""
     from ocean_sim.verbs.waves import waves
+    from ocean_sim.waves.record import Treatment
 
-    waves(run, begin, out, json)
+    waves(run, begin, Treatment(detrend, hysteresis), out, json)
 
 
 @app.command()

@@ -1,15 +1,17 @@
 """Prescribed motion: derivatives that belong together, free water on straight lines, strokes from tables."""
 
-from math import pi
+from math import cos, pi, sin
 
 import numpy as np
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
+import ocean_sim
 from ocean_sim import waves
 from ocean_sim.basin import Config as BasinConfig
 from ocean_sim.basin.tank_motion import Frame, Motion, TankMotion, Wavemaker, apparent_acceleration, turned
 from ocean_sim.conventions import GRAVITY
+from ocean_sim.files.yaml_file import SceneError
 
 SLICE = BasinConfig(length=10.0, depth=0.5).build()
 BAY = BasinConfig(length=10.0, width=5.0, depth=0.5).build()
@@ -34,6 +36,54 @@ def test_harmonic_motion_has_its_derivatives_and_its_amplitude(ramp):
     assert_derivatives(law, np.linspace(0.1, 6.0, 40))
     assert law(4.5) == pytest.approx((0.1, 0.0, -0.1 * pi**2))
     assert law(0.0) == pytest.approx((0.0, 0.1 * pi if ramp == 0.0 else 0.0, 0.0), abs=1e-15)
+
+
+@pytest.mark.parametrize("phase", [90.0, -37.0, 180.0, 400.0])
+def test_a_phase_is_a_shift_in_time_that_starts_without_a_jump(phase):
+    keys = {"kind": "harmonic", "axis": "roll_z", "amplitude": 0.1, "period": 2.0}
+    law, steady = motion(phase_deg=phase, **keys).build().law, motion(ramp=0.0, **keys).build().law
+    assert_derivatives(law, np.linspace(0.1, 6.0, 40))
+    for t in (2.0, 3.3, 7.9):  # the motion has grown after one period
+        assert law(t) == pytest.approx(steady(t + 2.0 * phase / 360.0), abs=1e-12)
+    assert law(0.0) == (0.0, 0.0, 0.0) and max(map(abs, law(1e-4))) < 1e-3 * 0.1 * pi**2
+    at_once = motion(phase_deg=90.0, ramp=0.0, **keys).build().law
+    assert at_once(0.0) == pytest.approx((0.1, 0.0, -0.1 * pi**2), abs=1e-15)
+
+
+def test_a_motion_without_a_phase_is_to_the_bit_what_it_was():
+    law = motion(kind="harmonic", axis="x", amplitude=0.1, period=1.7, ramp=0.0).build().law
+    omega = 2.0 * pi / 1.7
+    for t in np.linspace(0.0, 20.0, 1001):
+        assert law(t)[:2] == (0.1 * sin(omega * t), 0.1 * omega * cos(omega * t))
+
+
+HARMONIC = {"axis": "x", "amplitude": 0.1, "period": 2.0}
+
+
+def test_what_moves_a_tank_is_named_or_told_by_its_keys():
+    assert motion(**HARMONIC) == motion(kind="harmonic", **HARMONIC)
+    assert motion(file="sway.csv") == motion(kind="file", file="sway.csv")
+    for built in (motion(**HARMONIC), motion(file="sway.csv", axis="x")):
+        assert motion(**built.model_dump()) == built  # as a scene is dumped and read again
+
+
+@pytest.mark.parametrize(
+    "keys, key, said",
+    [
+        (HARMONIC | {"file": "a.csv"}, "basin.motion", "the motion of a file has no amplitude and no period"),
+        ({"kind": "file", "file": "a.csv", "ramp": 1.0}, "basin.motion", "has no ramp; those are of kind: harmonic"),
+        ({"kind": "harmonic", "file": "a.csv"}, "basin.motion", "a harmonic motion has no file"),
+        ({"kind": "harmonc", **HARMONIC}, "basin.motion.kind", "did you mean 'harmonic'?"),
+        ({"kind": "shaken", **HARMONIC}, "basin.motion.kind", "there are harmonic, file"),
+        ({"kind": "file"}, "basin.motion.file", "missing key"),
+    ],
+)
+def test_a_motion_that_contradicts_itself_gets_one_sentence(keys, key, said):
+    basin = {"length": 1.0, "depth": 0.4, "motion": keys}
+    with pytest.raises(SceneError) as error:
+        ocean_sim.load({"basin": basin, "fluid": {"kind": "delta_sph", "spacing": 0.05}})
+    (problem,) = error.value.problems
+    assert problem.key == key and said in problem.message
 
 
 def test_motion_from_a_file_is_smooth_and_has_its_derivatives(tmp_path):

@@ -94,7 +94,7 @@ class Config(Model):
     obstacles: Annotated[tuple[Obstacle, ...], Field(strict=False)] = ()
     """Fixed boxes, which the water flows around."""
     motion: Motion | None = None
-    """How the whole tank moves; what is measured is measured in its axes."""
+    """How the whole tank moves: `harmonic`, or as recorded in a `file`; what is measured is measured in its axes."""
     wavemaker: Wavemaker | None = None
     """A wall that makes waves."""
 

@@ -7,11 +7,11 @@ results are given in the axes of the tank.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from math import cos, pi, sin
-from typing import Annotated, Literal, Protocol
+from math import cos, pi, radians, sin
+from typing import Annotated, Any, Literal, Protocol
 
 import numpy as np
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from ocean_sim import waves
 from ocean_sim.files import csv_file
@@ -114,7 +114,7 @@ def unmoved(axis: str, basin: waves.Tank) -> Problems:
 
 
 class Harmonic(Tank):
-    """amplitude sin(2 pi t / period), along an axis or about it."""
+    """amplitude sin(2 pi t / period + phase), along an axis or about it."""
 
     kind: Literal["harmonic"] = "harmonic"
     axis: Axis
@@ -123,19 +123,21 @@ class Harmonic(Tank):
     """Half the distance, or half the angle, from end to end."""
     period: float = quantity("s", gt=0.0)
     """Period."""
+    phase_deg: float = quantity("deg", 0.0)
+    """Phase at time 0; with 90 a cosine."""
     ramp: float | None = quantity("s", None, ge=0.0)
-    """Time over which the motion grows to its amplitude; by default one period. With 0 the tank has its full speed at
-    once, and the water with it."""
+    """Time over which the motion grows to its amplitude, from rest at the middle whatever its phase; by default one
+    period. With 0 the tank is where its phase has it and has its full speed at once, and the water with it."""
 
     def problems(self, basin: waves.Tank) -> Problems:
         return super().problems(basin) + unmoved(self.axis, basin)
 
     def build(self) -> "TankMotion":
-        omega = 2.0 * pi / self.period
+        omega, phase = 2.0 * pi / self.period, radians(self.phase_deg)
 
         def law(t: float) -> tuple[float, float, float]:
-            x = self.amplitude * sin(omega * t)
-            return x, self.amplitude * omega * cos(omega * t), -(omega**2) * x
+            x = self.amplitude * sin(omega * t + phase)
+            return x, self.amplitude * omega * cos(omega * t + phase), -(omega**2) * x
 
         return TankMotion(self.axis, self.about, ramped(law, self.period if self.ramp is None else self.ramp))
 
@@ -143,6 +145,7 @@ class Harmonic(Tank):
 class Recorded(Tank):
     """The motion in a file, smooth between its rows (a cubic spline); the tank stands still before and after them."""
 
+    kind: Literal["file"] = "file"
     file: FileName
     """CSV with columns `time_s` and that of an axis, with its unit or without: `x_m`, `y_m`, `z_m`, `roll_x_rad`,
     `roll_y_rad` or `roll_z_rad`."""
@@ -187,7 +190,21 @@ class Recorded(Tank):
         return TankMotion(axis, self.about, law)
 
 
-Motion = Harmonic | Recorded
+def with_its_kind(written: Any) -> Any:
+    """What is written of a motion, with the kind that its keys tell where none is named; raises ValueError where they
+    tell of two."""
+    if not isinstance(written, dict):
+        return written
+    foreign = [key for key in written if key in Harmonic.model_fields and key not in Recorded.model_fields]
+    kind = written.get("kind", "file" if "file" in written else "harmonic")
+    if kind == "file" and foreign:
+        raise ValueError(f"the motion of a file has no {' and no '.join(foreign)}; those are of kind: harmonic")
+    if kind == "harmonic" and "file" in written:
+        raise ValueError("a harmonic motion has no file; that is of kind: file")
+    return written | {"kind": kind}
+
+
+Motion = Annotated[Harmonic | Recorded, Field(discriminator="kind"), BeforeValidator(with_its_kind)]
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,21 @@
-"""Gauges: the height of the water and its pressure at fixed points, read from the fluid, never from a drawn surface."""
+"""Gauges: the height of the water and its pressure at fixed points, read from the fluid, never from a drawn surface.
 
+A pressure sensor may have a face: what it reads then is the mean over a disc, in a slice over a segment. The mean is
+that of SEGMENT equal parts of the segment, by their middles: exact for what is linear along it. In space it is that of
+the DISC points of two rings, each of which stands for an equal area of the disc and lies at the root mean square
+radius of its ring's area: exact for what is quadratic across it, too. Points that are dry read 0: times the area of the
+face the mean is the force on it.
+"""
+
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from ocean_sim.basin import Basin
-from ocean_sim.model import quantity
+from ocean_sim.basin import ROUNDING, Basin
+from ocean_sim.model import Model, quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.parts import Key, Preflight, Problems
@@ -20,6 +28,70 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 Column = Annotated[tuple[float, ...], Field(strict=False, min_length=1, max_length=2)]
 Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 
+SEGMENT = 9  # points of a sensor in a slice
+RINGS = (6, 12)  # points on the rings of a sensor in space
+DISC = sum(RINGS)
+
+
+class Sensor(Model):
+    """A pressure sensor with a face of some size, flush with a wall."""
+
+    at: Point = quantity("m")
+    """The middle of its face [x, y, z]; in a slice [x, y]."""
+    diameter: float | None = quantity("m", None, ge=0.0)
+    """Of its face, over which it takes the mean; null or 0: a point."""
+    normal: Point | None = quantity("1", None)
+    """Where its face looks to, of any length; by default straight away from the nearest side, bed, lid or face of an
+    obstacle, so that the sensor is flush with it."""
+
+    def facing(self, basin: Basin) -> np.ndarray | None:
+        """(3,) unit vector across its face; None where nothing says."""
+        if self.normal is not None:
+            across = np.array((*self.normal, 0.0)[:3])
+            return across / np.linalg.norm(across) if across.any() else None
+        flats = [(side.axis, side.position) for side in basin.sides]
+        axis = nearest(np.array((*self.at, 0.0)[:3]), flats, basin.obstacles)
+        return None if axis is None else np.eye(3)[axis]
+
+    def points(self, basin: Basin) -> np.ndarray:
+        """(n, 3) whose mean it reads [m]: its middle alone where it has no size."""
+        middle, across = np.array((*self.at, 0.0)[:3]), self.facing(basin)
+        if not self.diameter or across is None:
+            return middle[None]
+        if basin.dimension == 2:
+            along = np.array([-across[1], across[0], 0.0])
+            return middle + self.diameter * ((np.arange(SEGMENT) + 0.5) / SEGMENT - 0.5)[:, None] * along
+        first = np.cross(across, np.eye(3)[np.abs(across).argmin()])
+        first /= np.linalg.norm(first)
+        return middle + 0.5 * self.diameter * disc() @ np.stack([first, np.cross(across, first)])
+
+
+def disc() -> np.ndarray:
+    """(DISC, 2) points whose mean is that over a disc of radius 1."""
+    rings, within = [], 0
+    for count in RINGS:
+        radius = ((within + 0.5 * count) / DISC) ** 0.5  # of the ring's share of the area, in the root mean square
+        angle = 2.0 * np.pi * (np.arange(count) + 0.5) / count
+        rings.append(radius * np.stack([np.cos(angle), np.sin(angle)], axis=1))
+        within += count
+    return np.concatenate(rings)
+
+
+def nearest(
+    point: np.ndarray,
+    flats: Sequence[tuple[int, float]],
+    boxes: Sequence[tuple[tuple[float, ...], tuple[float, ...]]],
+) -> int | None:
+    """The axis across the nearest of flat sides (axis and position [m]) and of the faces of boxes; of several equally
+    near the first; None where there are none."""
+    found = [(abs(point[axis] - position), axis) for axis, position in flats]
+    for low, high in boxes:
+        beyond = np.maximum(np.maximum(np.array(low) - point, point - np.array(high)), 0.0)
+        inside = np.minimum(np.abs(point - low), np.abs(point - high))
+        axis = int(beyond.argmax()) if beyond.any() else int(inside.argmin())
+        found.append((float(np.linalg.norm(beyond)) if beyond.any() else float(inside[axis]), axis))
+    return min(found, key=lambda one: one[0])[1] if found else None
+
 
 class Config(PeriodicConfig):
     turn: ClassVar[int] = -1
@@ -27,8 +99,9 @@ class Config(PeriodicConfig):
     takes: ClassVar[tuple[float, float]] = (3.4e-4, 4.3e-9)
     elevation: dict[Name, Column] = {}
     """Height of the water at points [x, z] in metres; in a slice [x]."""
-    pressure: dict[Name, Point] = {}
-    """Pressure of the water at points [x, y, z] in metres, also on bed and walls; in a slice [x, y]; 0 where dry."""
+    pressure: dict[Name, Point | Sensor] = {}
+    """Pressure of the water at points [x, y, z] in metres, also on bed and walls; in a slice [x, y]; 0 where dry. A
+    sensor with a face is {at: [x, y, z], diameter: 0.09}."""
     every: float = quantity("s", 0.05, gt=0.0)
     """Simulated time between rows."""
 
@@ -45,11 +118,19 @@ class Config(PeriodicConfig):
         """What is wrong with the points in this basin."""
         points: dict[Key, tuple[tuple[float, ...], str]]
         points = {("elevation", name): (point, "xz") for name, point in self.elevation.items()}
-        points |= {("pressure", name): (point, "xyz") for name, point in self.pressure.items()}
+        points |= {("pressure", name): (sensor.at, "xyz") for name, sensor in self.sensors.items()}
         found = [(key, misplaced(point, axes, basin)) for key, (point, axes) in points.items()]
+        right = {key for key, sentence in found if sentence is None}
+        sensors = [(("pressure", name), sensor) for name, sensor in self.sensors.items()]
+        found += [(key, ill_faced(sensor, basin)) for key, sensor in sensors if key in right]
         if self.elevation and basin.periods[1] > 0.0:
             found.append((("elevation",), "a basin that is periodic along y has no surface"))
         return [(key, sentence) for key, sentence in found if sentence is not None]
+
+    @property
+    def sensors(self) -> dict[str, Sensor]:
+        """Those of pressure, a point as one without size."""
+        return {n: s if isinstance(s, Sensor) else Sensor(at=s) for n, s in self.pressure.items()}
 
     def build(self, folder: Path, simulation: "Simulation") -> "Gauges":
         problems = self.misplaced(simulation.basin)
@@ -74,19 +155,56 @@ def misplaced(point: tuple[float, ...], axes: str, basin: Basin) -> str | None:
     return None
 
 
+def ill_faced(sensor: Sensor, basin: Basin) -> str | None:
+    """Why the face of a sensor, whose middle is in the basin, cannot be there, or None."""
+    wanted = "xyz"[: basin.dimension]
+    if sensor.normal is not None and len(sensor.normal) != len(wanted):
+        return f"the normal {list(sensor.normal)} should be [{', '.join(wanted)}]"
+    if sensor.normal is not None and not any(sensor.normal):
+        return "a normal of length 0 points nowhere"
+    if not sensor.diameter:
+        return None
+    across = sensor.facing(basin)
+    if across is None:
+        return "no wall is near that the sensor could be flush with; give its normal"
+    reach = np.maximum(0.5 * sensor.diameter * np.sqrt(np.maximum(1.0 - across**2, 0.0)) - ROUNDING, 0.0)
+    ends = [np.array((*sensor.at, 0.0)[:3]) + way * reach for way in (-1.0, 1.0)]
+    if any(misplaced(tuple(end[: basin.dimension].tolist()), "xyz", basin) for end in ends):
+        return f"the face of {sensor.diameter:g} m about {list(sensor.at)} reaches out of the basin"
+    return None
+
+
+def read_at(sensor: Sensor, points: int) -> str:
+    """Where a sensor reads so many points, for the heading of the table."""
+    if points == 1:
+        return f"pressure at {list(sensor.at)} m"
+    return f"mean pressure over {sensor.diameter:g} m about {list(sensor.at)} m, of {points} points"
+
+
+def lowered(simulation: "Simulation") -> dict[str, object]:
+    """How far the water's own weight lowers what the gauges read, for the heading of the table; nothing where it does
+    not."""
+    if not simulation.fluid.sunk:
+        return {}
+    by = f"{simulation.fluid.sunk:.4g} m where it is deepest, g h^2 / (2 c^2) of a column of height h"
+    return {"hydrostatic_offset": f"the water's own weight lowers its level by {by}"}
+
+
 class Gauges(Observer):
     """gauges.csv: one column a gauge."""
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
         self.every = config.every
         self.columns = np.array([(*point, 0.0)[:2] for point in config.elevation.values()]).reshape(-1, 2)  # x, z [m]
-        self.points = np.array([(*point, 0.0)[:3] for point in config.pressure.values()]).reshape(-1, 3)  # [m]
+        faces = {name: sensor.points(simulation.basin) for name, sensor in config.sensors.items()}
+        self.points = np.concatenate([np.zeros((0, 3)), *faces.values()])  # [m]
+        self.sizes = np.array([len(face) for face in faces.values()], dtype=int)  # how many of them are of each sensor
         self.sampled = Sampled(config.every)
         meaning = {f"{name}_m": f"elevation at {list(point)} m" for name, point in config.elevation.items()}
-        meaning |= {f"{name}_Pa": f"pressure at {list(point)} m" for name, point in config.pressure.items()}
+        meaning |= {f"{name}_Pa": read_at(config.sensors[name], len(face)) for name, face in faces.items()}
         self.csv = CsvFile(
             folder / "gauges.csv",
-            heading(simulation, f"every {config.every:g} s, linear between steps", **meaning),
+            heading(simulation, f"every {config.every:g} s, linear between steps", **lowered(simulation), **meaning),
             ["time_s", *meaning],
         )
 
@@ -95,7 +213,8 @@ class Gauges(Observer):
         if len(self.columns):
             parts.append(fluid.elevations(self.columns))
         if len(self.points):
-            parts.append(fluid.pressures(self.points))
+            begins = np.cumsum(self.sizes) - self.sizes
+            parts.append(np.add.reduceat(fluid.pressures(self.points), begins) / self.sizes)
         for time, values, _ in self.sampled.rows(simulation.time, np.concatenate(parts)):
             self.csv.row([time, *values])
 

@@ -10,6 +10,7 @@ from ocean_sim.pictures import far_sea
 from ocean_sim.pictures.frame_files import Frame, frame_files
 from ocean_sim.pictures.ripples import Wind
 from ocean_sim.waves import Components
+from ocean_sim.wind.shared.air_load import stated_speed
 
 FRAMES = 24  # of a run, from which its spectrum is taken
 GENTLEST, STRONGEST = 2.0, 14.0  # [m/s] wind that ripples follow
@@ -65,7 +66,8 @@ def scene_of(folder: Path) -> dict[str, Any]:
 def wind_of(scene: dict[str, Any], sea: Components | None, height: float) -> Wind:
     """The scene's wind where it has one with a speed and a heading; else that which raises such a sea."""
     wind = scene.get("wind") or {}
-    speed = wind.get("u10") or far_sea.wind_speed_of(height)
+    stated = stated_speed(wind["u10"], wind.get("tau")) if "u10" in wind else 0.0
+    speed = stated or far_sea.wind_speed_of(height)
     angle = heading(wind)
     if angle is None:
         going = np.array([1.0, 0.6]) if sea is None else (sea.amplitude[:, None] ** 2 * sea.wavevector).sum(axis=0)

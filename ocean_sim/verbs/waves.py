@@ -20,17 +20,30 @@ from ocean_sim.verbs.shared.wave_files import (
     write_table,
 )
 from ocean_sim.waves.orbits import BREAKING, tracer_motion
-from ocean_sim.waves.record import CUT_OFF, RESOLVED, STEADY, Sea, Unmeasurable, elevations, measured, spectra
+from ocean_sim.waves.record import (
+    CUT_OFF,
+    RESOLVED,
+    STEADY,
+    Sea,
+    Treatment,
+    Unmeasurable,
+    elevations,
+    evenly,
+    measured,
+    spectra,
+    trend,
+)
 from ocean_sim.waves.surface_record import Grid, SurfaceRecord, surface_record
+from ocean_sim.wind.shared.air_load import stated_speed
 
 
-def waves(run: Path, begin: float, out: Path | None, as_json: bool) -> None:
+def waves(run: Path, begin: float, treatment: Treatment, out: Path | None, as_json: bool) -> None:
     """Measures every elevation gauge; leaves waves.csv, spectra.csv, waves.png, of frames surface.csv, and of tracers
     orbits.csv."""
     path = record(run)
     try:
         time, heights = elevations(path, begin)
-        found = {name: measured_as(name, time, height) for name, height in heights.items()}
+        found = {name: measured_as(name, time, height, treatment) for name, height in heights.items()}
     except Unmeasurable as why:
         raise console.Refused(f"{path}: {why}") from None
     except ValueError as error:
@@ -38,8 +51,8 @@ def waves(run: Path, begin: float, out: Path | None, as_json: bool) -> None:
     folder = path.parent if out is None else out
     folder.mkdir(parents=True, exist_ok=True)
     files = [folder / "waves.csv", folder / "spectra.csv", folder / "waves.png"]
-    write_table(files[0], found)
-    frequency, densities = spectra(time, heights)
+    write_table(files[0], found, treatment.notes())
+    frequency, densities = spectra(time, heights, treatment)
     write_columns(files[1], {"frequency_Hz": frequency} | {f"{name}_m2_s": d for name, d in densities.items()})
     draw(files[2], time, heights, frequency, densities)
     surface = surface_of(path.parent, begin, quiet=as_json)
@@ -49,9 +62,12 @@ def waves(run: Path, begin: float, out: Path | None, as_json: bool) -> None:
         write_columns(files[-1], {name: values for name, values in columns.items() if values is not None})
     if as_json:
         whole_run = ({} if surface is None else surface.means()) | gain(path)
-        console.answer({name: sea.numbers() | whole_run for name, sea in found.items()})
+        treated = {name: treatment_of(treatment, time, height) for name, height in heights.items()}
+        console.answer({name: sea.numbers() | treated[name] | whole_run for name, sea in found.items()})
         return
-    show(found, path, len(time), time)
+    show(found, path, treatment, time)
+    for name, height in heights.items() if treatment.detrended else ():
+        console.say(f"{name}: less a trend of {trend(*evenly(time, height)):.3g} m/s")
     if surface is not None:
         console.say(surface_sentence(surface))
     tracers = path.parent / "tracers.csv"
@@ -118,10 +134,16 @@ def record(run: Path) -> Path:
     return path
 
 
-def measured_as(name: str, time: np.ndarray, height: np.ndarray) -> Sea:
+def treatment_of(treatment: Treatment, time: np.ndarray, height: np.ndarray) -> dict[str, float]:
+    """What was done to a record, in numbers; nothing of one as it was."""
+    found = {"trend_m_s": trend(*evenly(time, height))} if treatment.detrended else {}
+    return found | ({"hysteresis_m": treatment.hysteresis} if treatment.hysteresis else {})
+
+
+def measured_as(name: str, time: np.ndarray, height: np.ndarray, treatment: Treatment) -> Sea:
     """The waves of a gauge; raises Unmeasurable with its name."""
     try:
-        return measured(time, height)
+        return measured(time, height, treatment)
     except Unmeasurable as why:
         raise Unmeasurable(f"the record of gauge {name!r} {why}") from None
 
@@ -136,9 +158,12 @@ def wind_config(path: Path) -> dict[str, Any] | None:
 
 
 def gain(path: Path) -> dict[str, float]:
-    """The gain of a wind that is a physical stress."""
+    """The gain of a wind that is a physical stress, and that of its pressure where it has its own."""
     wind = wind_config(path) or {}
-    return {"wind_gain": wind["gain"]} if wind.get("kind") == "stress" else {}
+    if wind.get("kind") != "stress":
+        return {}
+    own = wind.get("pressure_gain")
+    return {"wind_gain": wind["gain"]} | ({} if own is None else {"wind_pressure_gain": own})
 
 
 def wind_of(path: Path) -> str | None:
@@ -147,27 +172,35 @@ def wind_of(path: Path) -> str | None:
     if wind is None:
         return None
     if wind["kind"] == "stress":
-        speed = "by a schedule" if wind["schedule"] is not None else f"{wind['u10']:g} m/s"
-        return f"wind: a physical stress, U10 {speed}, law {wind['drag_law']}, times a gain of {wind['gain']:g}"
+        own = wind.get("pressure_gain")
+        gain = f"{wind['gain']:g}" + ("" if own is None else f", its pressure on waves times {own:g}")
+        if wind.get("tau") is not None:
+            return f"wind: a physical stress of {wind['tau']:g} Pa, times a gain of {gain}"
+        speed = f"{stated_speed(wind['u10'], None):g} m/s" if wind["schedule"] is None else "by a schedule"
+        law = wind["drag_law"] or "wu"
+        return f"wind: a physical stress, U10 {speed}, law {law}, times a gain of {gain}"
     return "no wind" if wind["kind"] == "still" else f"wind: {wind['kind']}, a stylised force field"
 
 
-def show(found: dict[str, Sea], path: Path, samples: int, time: np.ndarray) -> None:
+def show(found: dict[str, Sea], path: Path, treatment: Treatment, time: np.ndarray) -> None:
     """The table for people."""
     rows = [[name, *(cell(getattr(sea, key)) for key in COLUMNS.values())] for name, sea in found.items()]
     heads = [f"{head} [{key.split('_')[-1]}]" if "_" in key else head for head, key in COLUMNS.items()]
-    console.table(f"{path}: {samples} samples from {time[0]:g} to {time[-1]:g} s", ["gauge", *heads], rows)
+    console.table(f"{path}: {len(time)} samples from {time[0]:g} to {time[-1]:g} s", ["gauge", *heads], rows)
     for name, sea in found.items():
-        for sentence in shortcomings(sea):
+        for sentence in shortcomings(sea, treatment):
             console.say(f"{name}: {sentence}")
-    console.say(f"moments up to {CUT_OFF:g} peak frequencies; H1/3, Tz and Hmax between zero up-crossings")
+    beyond = f" of waves that go {treatment.hysteresis:g} m below and above" if treatment.hysteresis else ""
+    console.say(f"moments up to {CUT_OFF:g} peak frequencies; H1/3, Tz and Hmax between zero up-crossings{beyond}")
     if (wind := wind_of(path)) is not None:
         console.say(wind)
 
 
-def shortcomings(sea: Sea) -> list[str]:
+def shortcomings(sea: Sea, treatment: Treatment) -> list[str]:
     """Sentences on what a record is too short for."""
     if not sea.waves:
+        if sea.hm0_m and treatment.hysteresis:
+            return [f"the record holds no wave that goes {treatment.hysteresis:g} m below and above zero"]
         why = "constant" if sea.hm0_m == 0.0 else "shorter than a wave: it does not cross its mean upwards twice"
         return [f"the record is {why}, so no wave is counted"]
     found = []

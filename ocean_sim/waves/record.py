@@ -1,9 +1,10 @@
 """Waves in a record of the water's height at one point: their heights and periods, and their spectrum.
 
 Waves are counted between zero up-crossings of the record less its mean, as in IAHR (1989), List of Sea-State
-Parameters; crests and troughs between samples are those of the parabola through the three nearest. Spectral moments
-are those of the whole record under a Hann window, scaled to the record's own variance, up to five peak frequencies:
-the second moment of a sea grows with where it is cut off.
+Parameters; on request less the straight line through it, and with a hysteresis. Crests and troughs between samples are
+those of the parabola through the three nearest. Spectral moments are those of the whole record under a Hann window,
+scaled to the record's own variance, up to five peak frequencies: the second moment of a sea grows with where it is cut
+off.
 
 The peak is found in Welch's estimate (1967), by Hann segments which overlap by half: as many, up to eight, as leave
 each of them several periods of the peak. A record too short to be divided is one segment, and one too short even for
@@ -92,9 +93,50 @@ def evenly(time: np.ndarray, height: np.ndarray) -> tuple[float, np.ndarray]:
     return float((time[-1] - time[0]) / (len(time) - 1)), np.asarray(height, dtype=float)
 
 
-def crossings(interval: float, deviation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Times [s] of the zero up-crossings since the first sample, and the last sample before each."""
+def about_the_middle(interval: float, samples: int) -> np.ndarray:
+    """(n,) times [s] of the samples of a record from its middle on."""
+    return interval * (np.arange(samples) - 0.5 * (samples - 1))
+
+
+def trend(interval: float, values: np.ndarray) -> float:
+    """Slope [m/s] of the straight line through a record, by least squares."""
+    t = about_the_middle(interval, len(values))
+    return float(t @ values / (t @ t))
+
+
+@dataclass(frozen=True)
+class Treatment:
+    """What is done to a record before its waves are counted."""
+
+    detrended: bool = False
+    """Whether the straight line through it is taken off, not its mean alone: where a tank fills, or a gauge drifts."""
+    hysteresis: float = 0.0
+    """How far the record must fall below zero, and then rise above it, for an up-crossing to count [m]: noise of less
+    than that makes no waves."""
+
+    def deviation(self, interval: float, values: np.ndarray) -> np.ndarray:
+        """(n,) a record less its level [m]."""
+        level = values.mean()
+        if self.detrended:
+            level = level + trend(interval, values) * about_the_middle(interval, len(values))
+        return np.asarray(values - level)
+
+    def notes(self) -> dict[str, str]:
+        """What the tables say of it; nothing of a record as it was."""
+        found = {"detrended": "less the straight line through each record"} if self.detrended else {}
+        return found | ({"hysteresis": f"{self.hysteresis:g} m"} if self.hysteresis else {})
+
+
+AS_IT_WAS = Treatment()
+
+
+def crossings(interval: float, deviation: np.ndarray, hysteresis: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """Times [s] of the zero up-crossings since the first sample, and the last sample before each: of those on the way
+    from below -`hysteresis` to above it [m] the last."""
     before = np.flatnonzero((deviation[:-1] < 0.0) & (deviation[1:] >= 0.0))
+    beyond = np.flatnonzero((deviation < -hysteresis) | (deviation >= hysteresis))
+    risen = beyond[1:][(deviation[beyond[:-1]] < 0.0) & (deviation[beyond[1:]] >= 0.0)]
+    before = before[np.searchsorted(before, risen) - 1]
     low, high = deviation[before], deviation[before + 1]
     return interval * (before - low / (high - low)), before
 
@@ -109,9 +151,11 @@ def highest(values: np.ndarray) -> float:
     return float(top - (right - left) ** 2 / (8.0 * bend)) if bend < 0.0 else float(top)
 
 
-def zero_crossing_waves(interval: float, deviation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def zero_crossing_waves(
+    interval: float, deviation: np.ndarray, hysteresis: float = 0.0
+) -> tuple[np.ndarray, np.ndarray]:
     """Heights [m] from trough to crest, and periods [s], of the waves between zero up-crossings."""
-    times, before = crossings(interval, deviation)
+    times, before = crossings(interval, deviation, hysteresis)
     heights = [
         highest(deviation[begin : end + 2]) + highest(-deviation[begin : end + 2]) for begin, end in pairwise(before)
     ]
@@ -153,11 +197,13 @@ def peak_frequency(interval: float, deviation: np.ndarray) -> float | None:
     return found if found >= RESOLVED * frequency[1] else None
 
 
-def spectra(time: np.ndarray, heights: Mapping[str, np.ndarray]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+def spectra(
+    time: np.ndarray, heights: Mapping[str, np.ndarray], treatment: Treatment = AS_IT_WAS
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Frequencies [Hz], and the spectral density [m2 s] of each of several records at the same times: all by the
     segments of that record which needs the longest."""
     even = {name: evenly(time, height) for name, height in heights.items()}
-    records = {name: (interval, values - values.mean()) for name, (interval, values) in even.items()}
+    records = {name: (interval, treatment.deviation(interval, values)) for name, (interval, values) in even.items()}
     moving = [record for record in records.values() if np.ptp(record[1]) > STILL]
     count = min((segments(*record) for record in moving), default=SEGMENTS)
     estimates = {name: welch(*record, count) for name, record in records.items()}
@@ -178,17 +224,17 @@ def moments(interval: float, deviation: np.ndarray, up_to: float) -> tuple[float
     return m0, m1, m2
 
 
-def measured(time: np.ndarray, height: np.ndarray) -> Sea:
+def measured(time: np.ndarray, height: np.ndarray, treatment: Treatment = AS_IT_WAS) -> Sea:
     """The waves of a record: times (n,) [s] and heights (n,) [m]; raises Unmeasurable where it is no record.
 
     A constant record is one of still water: nothing is high, and there are no waves. One without a whole wave between
     two zero up-crossings has a deviation, and nothing else.
     """
     interval, values = evenly(time, height)
-    if np.ptp(values) <= STILL:
+    deviation = treatment.deviation(interval, values)
+    if np.ptp(deviation) <= STILL:
         return Sea(0.0, 0.0, None, None, None, None, 0, 0.0)
-    deviation = values - values.mean()
-    heights, periods = zero_crossing_waves(interval, deviation)
+    heights, periods = zero_crossing_waves(interval, deviation, treatment.hysteresis)
     if not len(heights):
         return Sea(None, 4.0 * float(deviation.std()), None, None, None, None, 0, None)
     f_peak = peak_frequency(interval, deviation)

@@ -1,4 +1,5 @@
-"""A physical wind: the stress rho C_d U10^2 (2.20) on the plan area of the free surface, and pressure on its waves.
+"""A physical wind: the stress rho C_d U10^2 (2.20), or one that was measured, on the plan area of the free surface, and
+pressure on its waves.
 
 The stress acts along the wind on what is seen of the surface from above; so momentum grows by stress times plan area,
 whatever the resolution. Pressure on waves is Jeffreys's (1925, Proc. R. Soc. A 107): s rho_air (U10 - c)^2 times the
@@ -6,6 +7,7 @@ slope along the wind, higher on the windward side, which makes waves grow. In li
 frequency w grows at the rate P w / (rho c^2), P = s rho_air (U10 - c)^2.
 """
 
+from functools import cached_property
 from math import cos, hypot, radians, sin
 from typing import ClassVar, Literal
 
@@ -19,7 +21,7 @@ from ocean_sim.conventions import AIR_DENSITY
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
 from ocean_sim.wind import Wind
-from ocean_sim.wind.shared.air_load import DragLaw, drag, stress
+from ocean_sim.wind.shared.air_load import DragLaw, drag, stated_speed, stress
 from ocean_sim.wind.shared.clock import DeviceRow
 from ocean_sim.wind.shared.drawing import Drawing
 from ocean_sim.wind.shared.schedule import Scheduled
@@ -41,14 +43,19 @@ class Config(Scheduled, WindConfig):
     """The stress of a real wind on the surface, times `gain`."""
 
     kind: Literal["stress"] = "stress"
-    u10: float = quantity("m/s", 10.0, ge=0.0, le=200.0)
-    """Wind speed 10 m above the water."""
+    u10: float | None = quantity("m/s", None, ge=0.0, le=200.0)
+    """Wind speed 10 m above the water; by default 10, or that to which Wu's law gives the stress `tau`."""
+    tau: float | None = quantity("Pa", None, ge=0.0)
+    """The stress itself, as it was measured, in place of `u10`, `drag_law` and `schedule`; what needs a speed of the
+    wind, which is drag on a ship and sheltering, then takes the U10 to which Wu's law gives it."""
     heading_deg: float | None = quantity("deg", None)
     """Where the wind goes to: 0 along +z, 90 along +x; by default 0, in a slice 90."""
-    drag_law: DragLaw = "wu"
-    """Drag coefficient by wind speed: `wu` (1982, (2.21)), `garratt` (1977) or `zijlema` (2012)."""
+    drag_law: DragLaw | None = None
+    """Drag coefficient by wind speed: `wu` (1982, (2.21)), the default, `garratt` (1977) or `zijlema` (2012)."""
     gain: float = quantity("1", 1.0, ge=0.0)
     """Factor on stress and pressure: 1 is a real wind."""
+    pressure_gain: float | None = quantity("1", None, ge=0.0)
+    """Factor on the pressure on waves alone; by default as `gain`, which then is that of the stress alone."""
     sheltering: float = quantity("1", 0.0, ge=0.0, le=1.0)
     """s of Jeffreys, who found 0.27: pressure on waves is s rho_air (U10 - c)^2 times their slope; 0: none."""
     wave_speed: float = quantity("m/s", 0.0)
@@ -69,24 +76,44 @@ class Config(Scheduled, WindConfig):
         """U10 [m/s] and heading [deg] at a time [s]; the ramp acts on the stress."""
         if self.course is not None:
             return self.course.at(time)
-        return self.u10, (90.0 if dimension == 2 else 0.0) if self.heading_deg is None else self.heading_deg
+        return self.speed, (90.0 if dimension == 2 else 0.0) if self.heading_deg is None else self.heading_deg
+
+    @cached_property
+    def speed(self) -> float:
+        """U10 [m/s] of a wind without a schedule."""
+        return stated_speed(self.u10, self.tau)
+
+    @property
+    def law(self) -> DragLaw:
+        """The drag law at work."""
+        return "wu" if self.drag_law is None else self.drag_law
 
     @property
     def strongest(self) -> float:
         """The greatest U10 [m/s] that it ever has."""
-        return self.u10 if self.course is None else float(self.course.speed.max())
+        return self.speed if self.course is None else float(self.course.speed.max())
 
-    def tau(self, u10: float) -> float:
-        """Stress on the water [Pa], the gain included."""
-        return self.gain * stress(u10, self.drag_law)
+    def on_water(self, u10: float) -> float:
+        """Stress on the water [Pa] of a wind of this U10 [m/s], the gain included."""
+        return self.gain * stress(u10, self.law)
+
+    @property
+    def gain_of_pressure(self) -> float:
+        """The factor on the pressure on waves that is at work."""
+        return self.gain if self.pressure_gain is None else self.pressure_gain
 
     def sheltered(self, u10: float) -> float:
-        """P [Pa]: pressure on the waves over their slope along the wind, the gain included."""
+        """P [Pa]: pressure on the waves over their slope along the wind, its gain included."""
         relative = u10 - self.wave_speed
-        return self.gain * self.sheltering * AIR_DENSITY * relative * abs(relative)
+        return self.gain_of_pressure * self.sheltering * AIR_DENSITY * relative * abs(relative)
 
     def problems(self, preflight: Preflight) -> Problems:
         basin, found = preflight.tank, list(self.unscheduled())
+        stated = {"u10": self.u10, "drag_law": self.drag_law, "schedule": self.schedule}
+        others = [key for key, value in stated.items() if value is not None]
+        if self.tau is not None and others:
+            message = f"tau gives the stress that {' and '.join(others)} would; leave out one or the other (null)"
+            found.append((("tau",), message))
         if basin.closed:
             found.append((("kind",), "a stress acts on a free surface; this basin has none"))
         if self.schedule is None and basin.dimension == 2 and self.heading_deg is not None:
@@ -107,10 +134,11 @@ class Config(Scheduled, WindConfig):
         u10 = self.strongest
         sheltered = f", pressure on waves {self.sheltered(u10):.3g} Pa times their slope" if self.sheltering else ""
         gain = "a real wind (gain 1)" if self.gain == 1.0 else f"{self.gain:g} times a real wind (gain)"
-        message = (
-            f"wind: a physical stress of {self.tau(u10):.3g} Pa at U10 = {u10:g} m/s by {self.drag_law}{sheltered}"
-        )
-        return [f"{message}: {gain}", *out_of_range(u10, self.drag_law), *unresolved(self, u10, preflight)]
+        if self.sheltering and self.pressure_gain is not None:
+            gain += f", its pressure {self.pressure_gain:g} times (pressure_gain)"
+        at = f"at U10 = {u10:g} m/s by {self.law}" if self.tau is None else f"by tau, U10 = {u10:.3g} m/s by {self.law}"
+        message = f"wind: a physical stress of {self.on_water(u10):.3g} Pa {at}{sheltered}"
+        return [f"{message}: {gain}", *out_of_range(u10, self.law), *unresolved(self, u10, preflight)]
 
 
 @ti.data_oriented
@@ -159,7 +187,7 @@ class Stress:
         u10 *= self.gain
         part = self.config.blowing(self.time, dt)
         ahead = sin(radians(heading)), 0.0 if self.dimension == 2 else cos(radians(heading))
-        along = part * self.config.tau(u10)
+        along = part * self.config.on_water(u10)
         numbers = along * ahead[0], along * ahead[1], part * self.config.sheltered(u10), *ahead, part * u10
         for column, number in enumerate(numbers):
             self.row.set(column, number)

@@ -2,8 +2,10 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+import ocean_sim
 from ocean_sim.files.csv_file import columns
 from ocean_sim.observers import gauges
+from ocean_sim.reading.scene import observer_names
 
 
 @pytest.mark.parametrize("steps_of", [(0.01,), (0.013, 0.002, 0.031), (0.12,)])
@@ -81,6 +83,121 @@ def test_a_pressure_gauge_may_be_on_a_wall_and_above_the_water_but_not_outside(w
     assert "z = 2.1 m is outside" in problems["pressure", "far"] and "[x, y, z]" in problems["pressure", "flat"]
     assert "slice" in gauges.Config(pressure={"a": [0.0, 0.0, 0.0]}).misplaced(watched(width=None).basin)[0][1]
     assert "outside" in gauges.Config(pressure={"a": [0.0, 0.1, 0.0]}).misplaced(watched(lid={}).basin)[0][1]
+
+
+@pytest.mark.parametrize("kind", ["delta_sph", "dfsph", "linear_waves"])
+def test_the_level_that_water_loses_to_its_own_weight_is_in_the_heading(tmp_path, kind):
+    """g h2 / (2 c2) of the depth, in the scheme whose column is pressed together, and not a word in the others."""
+    quiet = {name: None for name in observer_names() if name not in ("manifest", "gauges")}
+    sea = {"height": 0.02, "period": 1.0} if kind == "linear_waves" else {"spacing": 0.02}
+    scene = {"basin": {"length": 0.4, "depth": 0.4}, "fluid": {"kind": kind, **sea}, "duration": 0.01} | quiet
+    config = ocean_sim.load(scene | {"runtime": {"threads": 1}, "gauges": {"elevation": {"mid": [0.0]}, "every": 0.01}})
+    first = ocean_sim.run(config, tmp_path).gauges["mid_m"][0]
+    (line,) = [x for x in (tmp_path / "gauges.csv").read_text().splitlines() if "hydrostatic_offset" in x] or [None]
+    assert (line is not None) == (kind == "delta_sph")
+    if line is not None:
+        lower = 9.81 * 0.4**2 / (2.0 * config.fluid.sound_speed(config.preflight.tank) ** 2)
+        assert float(line.split("lowers its level by ")[1].split(" m ")[0]) == pytest.approx(lower, rel=2e-3)
+        assert first == pytest.approx(-lower, abs=0.1 * lower)
+
+
+def face(place, **keys) -> np.ndarray:
+    """(n, 3) points [m] of a sensor from its middle."""
+    sensor = gauges.Sensor(**keys)
+    return sensor.points(place) - np.array((*sensor.at, 0.0)[:3])
+
+
+def test_the_points_of_a_sensor_have_the_moments_of_its_face(watched):
+    """Of a disc of radius R the mean of u2 is R2 / 4, of a segment of length D it is D2 / 12."""
+    points = face(watched().basin, at=[3.0, -1.0, 0.0], diameter=0.4)
+    assert len(points) == 18 and not points[:, 0].any()
+    np.testing.assert_allclose(points.mean(axis=0), 0.0, atol=1e-15)
+    np.testing.assert_allclose(points[:, 1:].T @ points[:, 1:] / 18, 0.2**2 / 4.0 * np.eye(2), atol=1e-15)
+    assert np.linalg.norm(points, axis=1).max() < 0.2
+    points = face(watched(width=None).basin, at=[3.0, -1.0], diameter=0.4)
+    assert len(points) == 9 and not points[:, [0, 2]].any() and abs(points.mean()) < 1e-15
+    assert (points[:, 1] ** 2).mean() == pytest.approx(0.4**2 / 12.0, rel=1.0 / 80.0)
+
+
+@pytest.mark.parametrize("width", [4.0, None])
+def test_a_sensor_in_waves_reads_less_the_larger_it_is(tmp_path, watched, width):
+    """The mean of cos kx over a segment of length D is sin(kD/2) / (kD/2) of that at its middle, over a disc
+    2 J1(kR) / (kR)."""
+    from scipy.special import j1
+
+    simulation, k = watched(width=width), 3.0
+    simulation.fluid.pressures = lambda points: 500.0 * np.cos(k * np.asarray(points)[:, 0] - 0.4)
+    sensors, flat = {"point": [0.3, -2.0, 0.0][: 3 if width else 2]}, [0.0] if width else []
+    for n, diameter in enumerate((0.0, 0.1, 0.5, 0.9)):
+        sensors[f"s{n}"] = {"at": [0.3, -2.0, *flat], "diameter": diameter}
+    simulation.observers = [gauges.Config.model_validate({"pressure": sensors}).build(tmp_path, simulation)]
+    simulation.run(until=0.05)
+    table = {name: column[0] for name, column in columns(tmp_path / "gauges.csv").items()}
+    assert table["s0_Pa"] == table["point_Pa"] == pytest.approx(500.0 * np.cos(0.5), rel=1e-8)
+    for name, diameter in (("s1", 0.1), ("s2", 0.5), ("s3", 0.9)):
+        half = 0.5 * k * diameter
+        share = 2.0 * j1(half) / half if width else np.sin(half) / half
+        assert table[f"{name}_Pa"] == pytest.approx(share * table["point_Pa"], rel=0.006), diameter
+    points = 18 if width else 9
+    place = [0.3, -2.0, *flat]
+    head = (tmp_path / "gauges.csv").read_text()
+    assert f"# s2_Pa: mean pressure over 0.5 m about {place} m, of {points} points\n" in head
+    assert f"# s0_Pa: pressure at {place} m\n" in head
+
+
+def test_a_sensor_half_out_of_the_water_reads_the_force_on_it(tmp_path, watched):
+    """Half wet in still water a segment of length D reads rho g D / 8, to the 1/81 of nine points."""
+    simulation = watched(width=None)
+    simulation.fluid.pressures = lambda points: np.maximum(-9810.0 * np.asarray(points)[:, 1], 0.0)
+    sensors = {"wall": {"at": [3.0, 0.0], "diameter": 0.2}}
+    simulation.observers = [gauges.Config.model_validate({"pressure": sensors}).build(tmp_path, simulation)]
+    simulation.run(until=0.05)
+    assert columns(tmp_path / "gauges.csv")["wall_Pa"][0] == pytest.approx(9810.0 * 0.2 / 8.0, rel=1.0 / 80.0)
+
+
+def test_a_sensor_is_flush_with_what_is_nearest_or_as_it_is_turned(watched):
+    place = watched(obstacles=[{"min": [0.0, -2.0, -1.0], "max": [1.0, -1.0, 1.0]}]).basin
+    for at, axis in (
+        ([2.9, -1.5, 0.0], 0),
+        ([2.0, -1.95, 0.0], 1),
+        ([-2.0, -1.0, -1.9], 2),
+        ([-0.1, -1.5, 0.0], 0),  # in front of the box
+        ([0.5, -1.0, 0.0], 1),  # on its top
+        ([0.5, -1.5, 1.0], 2),  # on its side
+    ):
+        points = face(place, at=at, diameter=0.05)
+        assert not points[:, axis].any() and np.ptp(points, axis=0).min() == 0.0 < np.median(np.ptp(points, axis=0))
+    points = face(place, at=[0.0, -0.5, 0.0], diameter=0.2, normal=[1.0, 1.0, 0.0])
+    np.testing.assert_allclose(points @ [1.0, 1.0, 0.0], 0.0, atol=1e-15)
+    np.testing.assert_allclose((points**2).sum(axis=1).mean(), 0.1**2 / 2.0)
+
+
+@pytest.mark.parametrize(
+    "sensor, said",
+    [
+        (
+            {"at": [3.0, -1.9, 0.0], "diameter": 0.3},
+            "the face of 0.3 m about [3.0, -1.9, 0.0] reaches out of the basin",
+        ),
+        ({"at": [2.9, -1.0, 0.0], "diameter": 0.3, "normal": [0.0, 1.0, 0.0]}, "reaches out of the basin"),
+        ({"at": [3.0, -1.0, 0.0], "diameter": 0.3, "normal": [0.0, 1.0]}, "should be [x, y, z]"),
+        ({"at": [3.0, -1.0, 0.0], "diameter": 0.3, "normal": [0.0, 0.0, 0.0]}, "points nowhere"),
+        ({"at": [3.1, -1.0, 0.0], "diameter": 0.3}, "x = 3.1 m is outside the basin"),
+    ],
+)
+def test_a_face_that_cannot_be_there_is_refused(watched, sensor, said):
+    config = gauges.Config.model_validate({"pressure": {"a": sensor}})
+    ((key, sentence),) = config.misplaced(watched().basin)
+    assert key == ("pressure", "a") and said in sentence
+
+
+def test_a_face_may_touch_the_bed_and_needs_a_wall_or_a_normal(watched):
+    touching = gauges.Config.model_validate({"pressure": {"a": {"at": [3.0, -1.9, 0.0], "diameter": 0.2}}})
+    assert touching.misplaced(watched().basin) == []
+    alone = watched(walls="none", floor="none").basin
+    assert "give its normal" in touching.misplaced(alone)[0][1]
+    turned = {"at": [0.0, -1.0, 0.0], "diameter": 0.2, "normal": [1.0, 0.0, 0.0]}
+    assert gauges.Config.model_validate({"pressure": {"a": turned}}).misplaced(alone) == []
 
 
 def test_a_basin_without_a_surface_has_no_elevation(watched):

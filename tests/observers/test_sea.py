@@ -157,6 +157,8 @@ def test_the_wind_of_a_scene_leads_the_ripples():
     assert sea_state.heading(gust) == pytest.approx(-np.pi / 2) and sea_state.heading({"kind": "still"}) is None
     wind = sea_state.wind_of({"wind": {"u10": 9.0}}, None, 0.2)
     assert wind.speed == 9.0
+    assert sea_state.wind_of({"wind": {"u10": None, "tau": None}}, None, 0.2).speed == 10.0
+    assert sea_state.wind_of({"wind": {"u10": None, "tau": 0.177625}}, None, 0.2).speed == pytest.approx(10.0)
     assert far_sea.wind_speed_of(0.21 * 10.0**2 / 9.80665) == pytest.approx(10.0, rel=2e-3)
 
 

@@ -17,7 +17,7 @@ def test_the_tabulated_stress_is_that_of_the_wind():
         for problem in problems(case, slow=True):
             assert problem.load("delta_sph").wind.kind == "stress"
     scene = problems("wind_stress")[0].load("delta_sph")
-    assert scene.wind.tau(10.0) == pytest.approx(wind_stress.STRESS, rel=1e-9)
+    assert scene.wind.on_water(10.0) == pytest.approx(wind_stress.STRESS, rel=1e-9)
 
 
 def test_the_laminar_profile_satisfies_bed_stress_and_flux():

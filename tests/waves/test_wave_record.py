@@ -8,7 +8,17 @@ import pytest
 from ocean_sim import waves
 from ocean_sim.__main__ import answered
 from ocean_sim.waves.orbits import breaking_cover, falling
-from ocean_sim.waves.record import Unmeasurable, measured, segments, spectra, welch, zero_crossing_waves
+from ocean_sim.waves.record import (
+    Treatment,
+    Unmeasurable,
+    crossings,
+    measured,
+    segments,
+    spectra,
+    trend,
+    welch,
+    zero_crossing_waves,
+)
 
 # A known-answer record: a [m], f [Hz], phase [rad] of six cosines over 2000 s. Its moments are closed forms; the
 # numbers of its zero up-crossings come from a script of its own, at 200 Hz.
@@ -162,6 +172,79 @@ def test_gaussian_waves_of_a_narrow_band():
     assert measured(interval * np.arange(n), record).hs_m == pytest.approx(4.004, rel=0.03)
 
 
+def test_a_trend_is_taken_off_on_request():
+    """Six cosines on a level that rises by 2 m: what is known of them again; without, the standard deviation of the
+    rise alone is 2 / sqrt 12 m, and waves are missed where the record is far from its mean."""
+    time, record = six_cosines(0.1)
+    rising = record + 1e-3 * time - 0.7
+    found = measured(time, rising, Treatment(detrended=True))
+    for key, value in KNOWN.items():
+        assert found.numbers()[key] == pytest.approx(value, rel=1e-3), key
+    assert trend(0.1, rising) == pytest.approx(1e-3, abs=3e-5)  # what cosines cut short leave of a slope
+    left = measured(time, rising)
+    assert left.hm0_m == pytest.approx(4.0 * (record.var() + 4.0 / 12.0) ** 0.5, rel=5e-3) and left.waves < 290
+    low = spectra(time, {"a": rising}, Treatment(detrended=True))[1]["a"][1]
+    assert low < 0.01 * spectra(time, {"a": rising})[1]["a"][1]
+
+
+def test_a_level_that_rises_evenly_is_still_water_less_its_trend():
+    time = np.arange(200) * 0.1
+    assert measured(time, 3.0 + 0.02 * time, Treatment(detrended=True)).numbers()["hm0_m"] == 0.0
+    assert measured(time, 3.0 + 0.02 * time).hm0_m == pytest.approx(4.0 * 0.02 * 20.0 / 12.0**0.5, rel=1e-3)
+
+
+def test_noise_about_zero_makes_no_waves_with_hysteresis():
+    """Sines of 4 s and 0.2 m under noise of 4 mm: 74 waves between their own crossings, whatever the noise."""
+    time = np.arange(0.0, 300.0, 0.01)
+    sine = -0.1 * np.cos(2.0 * np.pi * time / 4.0)
+    noisy = sine + 0.004 * np.random.default_rng(4).normal(size=len(time))
+    clean, counted = measured(time, sine), measured(time, noisy, Treatment(hysteresis=0.03))
+    assert clean.waves == counted.waves == 74 and measured(time, noisy).waves > 150
+    assert counted.tz_s == pytest.approx(4.0, abs=2.0 * 0.026 / 74)  # noise over the slope at a crossing is 26 ms
+    assert counted.hs_m == pytest.approx(0.2, abs=6.0 * 0.004)  # the greatest of noise on crest and trough
+    assert measured(time, sine, Treatment(hysteresis=0.0999)).waves == 74
+    assert measured(time, sine, Treatment(hysteresis=0.1001)).waves == 0
+
+
+def test_hysteresis_leaves_out_what_stays_within_it():
+    """Every third wave is 0.1 m high, the others 1 m: with 0.06 m two of three are counted, and the times of their
+    crossings stay; a threshold below the small ones changes nothing."""
+    time = np.arange(0.0, 90.0, 0.01)
+    size = np.where((time // 2.0).astype(int) % 3 == 2, 0.05, 0.5)
+    record = size * np.sin(np.pi * time - 1e-6)
+    all_times, _ = crossings(0.01, record)
+    some_times, before = crossings(0.01, record, 0.06)
+    assert len(all_times) == 45 and len(some_times) == 29  # before the first the record has not been below -0.06 m
+    assert set(some_times) <= set(all_times) and (record[before] < 0.0).all()
+    np.testing.assert_array_equal(crossings(0.01, record, 0.04)[0], all_times[1:])
+    heights, periods = zero_crossing_waves(0.01, record, 0.06)
+    assert heights == pytest.approx(1.0, rel=1e-6) and sorted(set(periods.round(3))) == [2.0, 4.0]
+
+
+def test_the_command_takes_off_a_trend_and_noise(tmp_path, capsys):
+    time = np.arange(0.0, 200.0, 0.02)
+    record = -0.1 * np.cos(2.0 * np.pi * time / 4.0) + 0.002 * time
+    record += 0.004 * np.random.default_rng(4).normal(size=len(time))
+    run = gauges_file(tmp_path / "run", {"time_s": time, "mid_m": record})
+    assert answered(["waves", str(run), "--json", "--detrend", "--hysteresis", "0.03"]) == 0
+    found = json.loads(capsys.readouterr().out)["mid"]
+    assert found["waves"] == 49 and found["hm0_m"] == pytest.approx(0.2 * 2.0**0.5, rel=0.01)
+    assert found["trend_m_s"] == pytest.approx(0.002, rel=0.01) and found["hysteresis_m"] == 0.03
+    notes = (run / "waves.csv").read_text().splitlines()[:2]
+    assert notes == ["# detrended: less the straight line through each record", "# hysteresis: 0.03 m"]
+    assert answered(["waves", str(run), "--detrend", "--hysteresis", "0.5"]) == 0
+    said = capsys.readouterr().out
+    assert (
+        "mid: less a trend of 0.002 m/s" in said
+        and "the record holds no wave that goes 0.5 m below and above zero" in said
+    )
+    assert answered(["waves", str(run), "--hysteresis", "-1"]) == 2
+    assert answered(["waves", str(run), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["mid"]
+    assert "trend_m_s" not in found and "hysteresis_m" not in found
+    assert (run / "waves.csv").read_text().startswith("gauge,")
+
+
 def test_the_spectrum_holds_the_variance():
     _, record = six_cosines(0.25)
     frequency, density = welch(0.25, record)
@@ -302,9 +385,21 @@ def test_the_command_reports_circulation_white_caps_and_the_gain(tmp_path, capsy
     assert rows[0] == "time_s,circulation_m2_s,white_cap_cover" and rows[1].startswith("0,0,") and len(rows) == 5
     assert answered(["waves", str(run)]) == 0
     said = capsys.readouterr().out
-    assert "gain of 300" in said and "on a circle of 10 m about the middle" in said and "white caps on" in said
+    assert (
+        "U10 10 m/s, law wu, times a gain of 300" in said
+        and "on a circle of 10 m about the middle" in said
+        and "white caps on" in said
+    )
     (run / "frames" / "frame_00002.npz").write_bytes(b"PK\x03\x04")
     assert answered(["waves", str(run)]) == 0 and "cannot be read" in capsys.readouterr().out
+    for keys, sentence in (
+        ({}, "U10 10 m/s, law wu, times"),
+        ({"tau": 2.5}, "a physical stress of 2.5 Pa, times"),
+        ({"pressure_gain": 2.0}, "times a gain of 300, its pressure on waves times 2"),
+    ):
+        left_open = wind | {"u10": None, "drag_law": None, **keys}
+        (run / "manifest.json").write_text(json.dumps({"scene": {"wind": left_open}}))
+        assert answered(["waves", str(run)]) == 0 and sentence in capsys.readouterr().out
 
 
 def test_waves_that_are_not_steep_or_too_short_to_count_are_not_white(tmp_path):

@@ -13,7 +13,7 @@ from ocean_sim.fluid.shared import exposure as exposure_module
 from ocean_sim.parts import config_of
 from ocean_sim.reading.scene import observer_names
 from ocean_sim.validation.shared.state import state
-from ocean_sim.wind.shared.air_load import DRAG_LAWS, stress
+from ocean_sim.wind.shared.air_load import DRAG_LAWS, speed_under, stress
 from ocean_sim.wind.shared.warnings import fetch_limited, growth_rate, overdamped, plant
 
 UP = (0.0, 1.0, 0.0)
@@ -63,6 +63,23 @@ def test_sheltering_presses_on_the_windward_side_of_a_wave(build, force):
     assert np.abs(steep - tau).max() == pytest.approx(50.0 * pressure)
 
 
+def test_pressure_may_have_a_gain_of_its_own(build, force):
+    """What the shear gives and what the waves take are set apart: half of one, nothing of the other, and both."""
+    keys = {"u10": 10.0, "heading_deg": 90.0, "sheltering": 0.27, "wave_speed": 2.0}
+    area = (-0.1, 1.0, 0.0)
+
+    def felt(**gains):
+        return force(build("stress", **keys, **gains), [0.0, 0.0, 0.0], area=area)[0]
+
+    shear = np.array([stress(10.0), 0.0, 0.0])
+    pressed = felt() - shear
+    assert np.abs(pressed).max() > 0.1
+    np.testing.assert_allclose(felt(gain=3.0), 3.0 * (shear + pressed), rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(felt(gain=3.0, pressure_gain=0.5), 3.0 * shear + 0.5 * pressed, rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(felt(gain=0.0, pressure_gain=2.0), 2.0 * pressed, rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(felt(pressure_gain=0.0), shear, rtol=1e-9, atol=1e-15)
+
+
 def test_waves_that_outrun_the_wind_are_pressed_the_other_way(build, force):
     wind = build("stress", u10=1.0, heading_deg=90.0, sheltering=0.27, wave_speed=5.0)
     assert force(wind, [0.0, 0.0, 0.0], area=(-0.1, 1.0, 0.0))[0, 1] > 0.0
@@ -75,6 +92,50 @@ def test_a_ship_feels_the_drag_of_the_relative_wind_without_the_gain(build, forc
     np.testing.assert_allclose(found, [2.0 * stress(10.0), 0.0, 0.0], atol=1e-12)
     deaf = build("stress", u10=12.0, targets=["fluid"])
     assert np.all(force(deaf.on("ship"), [0.0, 3.0, 0.0], area=UP) == 0.0) and deaf.on("fluid") is deaf
+
+
+@pytest.mark.parametrize(
+    "tau, u10", [(0.0, 0.0), (0.00630875, 2.0), (0.177625, 10.0), (1.029, 20.0), (12.403125, 50.0)]
+)
+def test_the_speed_that_a_stress_stands_for_is_wus(tau, u10):
+    assert speed_under(tau) == pytest.approx(u10, rel=1e-9)
+    assert stress(speed_under(3.7 * tau)) == pytest.approx(3.7 * tau, rel=1e-12)
+
+
+def test_a_stress_that_is_given_is_what_the_water_feels(build, force):
+    """And a ship feels the wind to which Wu's law gives it: 20 m/s."""
+    wind = build("stress", tau=1.029, heading_deg=90.0, sheltering=0.27)
+    felt = force(wind, [0.0, 0.0, 0.0], area=(0.3, 2.0, -0.7), velocity=(5.0, 0.0, 0.0))[0]
+    slope = -0.15
+    pressed = -0.27 * AIR_DENSITY * 20.0**2 * slope * np.array([0.3, 2.0, -0.7])
+    np.testing.assert_allclose(felt, np.array([2.0 * 1.029, 0.0, 0.0]) + pressed, rtol=1e-9)
+    aboard = force(wind.on("ship"), [0.0, 3.0, 0.0], area=(0.0, 0.0, 2.0))[0]
+    np.testing.assert_allclose(aboard, [2.0 * 1.029, 0.0, 0.0], atol=1e-12)
+    wind.strengthen(0.5)
+    assert wind.stress == pytest.approx(stress(10.0), rel=1e-9)
+
+
+def test_a_stress_is_given_once():
+    for keys in ({"u10": 10.0}, {"drag_law": "wu"}, {"schedule": [{"time": 0.0, "speed": 1.0, "heading_deg": 90.0}]}):
+        with pytest.raises(SceneError) as error:
+            scene(wind={"kind": "stress", "tau": 2.5, **keys})
+        (problem,) = error.value.problems
+        assert problem.key == "wind.tau"
+        assert (
+            problem.message == f"tau gives the stress that {next(iter(keys))} would; leave out one or the other (null)"
+        )
+
+
+@pytest.mark.parametrize("keys", [{}, {"tau": 2.5}, {"u10": 10.0, "drag_law": "wu"}])
+def test_what_the_scene_left_open_is_null_in_its_dump(keys):
+    config = scene(wind={"kind": "stress", **keys})
+    dumped = config.resolved()
+    assert {key: dumped["wind"][key] for key in ("u10", "tau", "drag_law")} == {
+        "u10": None, "tau": None, "drag_law": None, **keys
+    }  # fmt: skip
+    again = ocean_sim.load(dumped)
+    assert again.wind == config.wind and again.wind.blows(0.0, 2) == config.wind.blows(0.0, 2)
+    assert again.wind.on_water(again.wind.speed) == pytest.approx(keys.get("tau", stress(10.0)), rel=1e-12)
 
 
 def test_it_follows_a_schedule_in_a_file(build, force, tmp_path):
@@ -140,7 +201,7 @@ def under_waves():
     config = scene(fluid=WAVE, wind={"kind": "stress", "gain": 30.0}, accuracy={})
     with ocean_sim.Simulation(config) as simulation:
         gained, time = momentum(simulation, 60)
-        wanted = time * config.wind.tau(10.0)
+        wanted = time * config.wind.on_water(10.0)
         yield simulation.fluid.impulse["wind"][0] / wanted, gained / wanted, simulation
 
 
@@ -176,8 +237,14 @@ def test_momentum_is_the_same_however_much_counts_as_surface(monkeypatch):
     with ocean_sim.Simulation(config) as simulation:
         gained, time = momentum(simulation, 60)
         exposed = np.count_nonzero(simulation.fluid.exposure.area.to_numpy()[:, 1])
-        assert gained / time == pytest.approx(config.wind.tau(10.0), rel=1e-5)
+        assert gained / time == pytest.approx(config.wind.on_water(10.0), rel=1e-5)
         assert exposed == 60  # three layers, where it is two
+
+
+def test_momentum_grows_by_the_stress_that_is_given():
+    with ocean_sim.Simulation(scene(wind={"kind": "stress", "tau": 5.0})) as simulation:
+        gained, time = momentum(simulation, 60)
+        assert gained / time == pytest.approx(5.0, rel=1e-5)  # on 1 m of a slice, as in the test before
 
 
 @pytest.mark.parametrize("wind", ["stress", pytest.param("gusts", marks=pytest.mark.slow)])
@@ -273,6 +340,10 @@ def test_growth_that_the_measured_viscosity_eats_is_said_with_the_gain_that_woul
     (said,) = overdamped(weak.wind, 10.0, k, weak.preflight)
     assert "damping exceeds growth" in said and "0.00038 that delta_sph adds" in said
     assert f"a gain of {0.123 * 4.0 * nu * k**2 / (0.1 * beta):.2g}" in said
+    own = scene(basin=basin, fluid=water, wind=growing | {"gain": 0.0, "pressure_gain": 0.123})
+    (said,) = overdamped(own.wind, 10.0, k, own.preflight)
+    assert f"a pressure_gain of {0.123 * 4.0 * nu * k**2 / (0.1 * beta):.2g}" in said
+    assert "0 times a real wind (gain), its pressure 0.123 times (pressure_gain)" in " ".join(own.warnings())
     assert growth_rate(scene(wind={"kind": "stress", "gain": 9.0}).wind, 10.0, k, 50.0, 9.81) == 9.0 * plant(
         10.0, k, 9.81
     )
@@ -297,6 +368,8 @@ def test_warnings_of_a_real_wind():
     long = {"basin": {"length": 1.0, "depth": 0.4}, "fluid": {"kind": "delta_sph", "spacing": 0.01}}
     assert "shorter than two of them" not in " ".join(scene(wind={"kind": "stress", "u10": 5.0}, **long).warnings())
     assert "a real wind (gain 1)" in " ".join(scene(wind={"kind": "stress"}).warnings())
+    said = " ".join(scene(wind={"kind": "stress", "tau": 1.029}).warnings())
+    assert "a physical stress of 1.03 Pa by tau, U10 = 20 m/s by wu: a real wind (gain 1)" in said
 
 
 def test_fetch_and_growth_laws_as_published():

@@ -1,7 +1,7 @@
 """What `ocean-sim waves` leaves next to the record: tables and a plot."""
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -27,9 +27,10 @@ def cell(value: float | None) -> str:
     return "-" if value is None else f"{value:d}" if isinstance(value, int) else f"{value:.4g}"
 
 
-def write_table(path: Path, found: dict[str, Sea]) -> None:
-    """A row a gauge."""
+def write_table(path: Path, found: dict[str, Sea], notes: Mapping[str, str]) -> None:
+    """A row a gauge, under comment lines with notes."""
     with path.open("w", encoding="utf-8", newline="") as file:
+        file.writelines(f"# {key}: {note}\n" for key, note in notes.items())
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(["gauge", *COLUMNS.values()])
         for name, sea in found.items():

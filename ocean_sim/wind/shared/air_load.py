@@ -14,6 +14,8 @@ from ocean_sim.conventions import AIR_DENSITY
 
 DragLaw = Literal["wu", "garratt", "zijlema"]
 
+U10 = 10.0  # [m/s] of a wind whose speed is left open, and of the real wind that force fields are compared with
+
 
 def drag_coefficient(u10):
     """Drag coefficient of the sea surface at 10 m wind speed u10 [m/s] (2.21); its branches meet at 7.5 m/s."""
@@ -40,6 +42,22 @@ RANGES = {"wu": (0.0, 20.0), "garratt": (4.0, 21.0), "zijlema": (0.0, 50.0)}
 def stress(u10: float, law: DragLaw = "wu") -> float:
     """Stress of the wind on the sea surface [Pa] (2.20)."""
     return AIR_DENSITY * DRAG_LAWS[law](u10) * u10**2
+
+
+def speed_under(tau: float) -> float:
+    """U10 [m/s] to which Wu's law gives this stress [Pa], the inverse of `stress`: no C_d is below his least one, so no
+    wind is stronger than with that."""
+    from scipy.optimize import brentq
+
+    strongest = (tau / (AIR_DENSITY * drag_coefficient(0.0))) ** 0.5
+    return float(brentq(lambda u10: stress(u10) - tau, 0.0, 1.001 * strongest)) if tau > 0.0 else 0.0
+
+
+def stated_speed(u10: float | None, tau: float | None) -> float:
+    """U10 [m/s] of a wind that a scene states by U10, by its stress [Pa], or by neither."""
+    if tau is not None:
+        return speed_under(tau)
+    return U10 if u10 is None else u10
 
 
 C_d = ti.func(drag_coefficient)

@@ -7,9 +7,8 @@ from ocean_sim import waves
 from ocean_sim.conventions import AIR_DENSITY, GRAVITY, WATER_DENSITY
 from ocean_sim.model import Vector3
 from ocean_sim.parts import Preflight
-from ocean_sim.wind.shared.air_load import DRAG_LAWS, RANGES, DragLaw, stress
+from ocean_sim.wind.shared.air_load import DRAG_LAWS, RANGES, U10, DragLaw, stress
 
-U10 = 10.0  # [m/s] the real wind that force fields are compared with
 FEWEST = 10.0  # spacings that a wave must be long to travel well
 
 
@@ -17,10 +16,16 @@ class PhysicalWind(Protocol):
     """A wind that is a stress, as its effect on waves needs it."""
 
     gain: float
+    pressure_gain: float | None
     sheltering: float
 
+    @property
+    def gain_of_pressure(self) -> float:
+        """The factor on the pressure on waves that is at work."""
+        ...
+
     def sheltered(self, u10: float) -> float:
-        """Pressure on the waves over their slope along the wind [Pa], the gain included."""
+        """Pressure on the waves over their slope along the wind [Pa], its gain included."""
         ...
 
 
@@ -95,7 +100,10 @@ def overdamped(wind: PhysicalWind, u10: float, k: float, preflight: Preflight) -
     lost = 4.0 * (own + added) * k**2
     if lost <= beta:
         return []
-    needed = f"; a gain of {wind.gain * lost / beta:.2g} would balance it" if beta > 0.0 else ""
+    key, gain = "gain", wind.gain
+    if wind.sheltering and wind.pressure_gain is not None:
+        key, gain = "pressure_gain", wind.gain_of_pressure
+    needed = f"; a {key} of {gain * lost / beta:.2g} would balance it" if beta > 0.0 else ""
     return [
         f"wind: damping exceeds growth: waves of {length:.3g} m grow at {beta:.2g} /s, and 4 nu k^2 is {lost:.2g} /s, "
         f"of a viscosity of {own:g} m2/s and {added:.2g} that {fluid.kind} adds, as measured{needed}"

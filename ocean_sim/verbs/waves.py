@@ -1,6 +1,7 @@
 """`ocean-sim waves`: the records of a run's gauges, as waves."""
 
 import json
+from math import isfinite
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -40,6 +41,8 @@ from ocean_sim.wind.shared.air_load import stated_speed
 def waves(run: Path, begin: float, treatment: Treatment, out: Path | None, as_json: bool) -> None:
     """Measures every elevation gauge; leaves waves.csv, spectra.csv, waves.png, of frames surface.csv, and of tracers
     orbits.csv."""
+    if not isfinite(treatment.hysteresis):
+        raise console.Refused(f"--hysteresis is a height in metres, not {treatment.hysteresis:g}")
     path = record(run)
     try:
         time, heights = elevations(path, begin)

@@ -239,6 +239,7 @@ def test_the_command_takes_off_a_trend_and_noise(tmp_path, capsys):
         and "the record holds no wave that goes 0.5 m below and above zero" in said
     )
     assert answered(["waves", str(run), "--hysteresis", "-1"]) == 2
+    assert answered(["waves", str(run), "--hysteresis", "nan"]) == 2
     assert answered(["waves", str(run), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)["mid"]
     assert "trend_m_s" not in found and "hysteresis_m" not in found

@@ -96,6 +96,7 @@ class MomentumLaw(Force):
         fluid.accounts.count_motion(group, v_new, a, fast)
         if ti.static(self.apart):
             a_pressure, mean = self.scale(own) * vec3(total, self.terms.push), 0.5 * (v + v_new)
+            rubbed = a_water - a_pressure
             # What walls change: two forms of one difference, which round differently.
             kept = v_new - free + dt * a_walls if ti.static(self.passed == 0.0) else v_new - v - dt * (a - a_walls)
             if ti.static(self.passed == 0.0):
@@ -103,7 +104,6 @@ class MomentumLaw(Force):
                     far = (x_new - x) / dt
                     fluid.accounts.count_work(group, WALLS, m * (v_new - v).dot(mean - far))
                     mean = far
-            rubbed = a_water - a_pressure
             fluid.accounts.count_step(group, m * dt, a_pressure, rubbed, a_wind, a_pull, a_hull, m * kept, mean)
             self.account(beyond, mean, dt, group)
 

@@ -100,7 +100,7 @@ class Ballistic(ParticleWater):
         """Move particle i."""
         p, u, m = self.particles.position, self.particles.velocity, ti.static(self.particles.mass)
         x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
-        a_wind, a_pull, a_hull = self.driven(i, x, v, 0.0)
+        a_wind, a_pull, a_hull = self.blown(i, x, v), self.pull.at(x, v), self.hull_push(x, 0.0)
         a = a_wind + a_pull + a_hull
         mean, fast = self.walls.held_back(v + 0.5 * dt * a, dt)  # of the step; x + v dt + a dt^2 / 2 is exact
         x_new, v_new = self.walls.bounced(x + dt * mean, mean + 0.5 * dt * a)

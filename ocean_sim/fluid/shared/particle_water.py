@@ -70,12 +70,6 @@ class ParticleWater(ParticleFluid):
         return tm.vec3(0.0)
 
     @ti.func
-    def driven(self, i, x, v, ahead):
-        """Accelerations [m/s2] of particle i by the wind, by gravity (with body force and the motion of the tank) and
-        by a hull, `ahead` [s] of the beginning of the step."""
-        return self.blown(i, x, v), self.pull.at(x, v), self.hull_push(x, ahead)
-
-    @ti.func
     def blown(self, i, x, v):
         """Acceleration [m/s2] of particle i by the wind."""
         m = ti.static(self.particles.mass)

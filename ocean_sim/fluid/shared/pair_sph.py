@@ -86,7 +86,9 @@ class MomentumLaw(Force):
         if ti.static(fluid.bodies):
             beyond += self.solid.total(x, own)
         a_water, a_walls = self.acceleration(own, total), self.acceleration(own, beyond)
-        a_wind, a_pull, a_hull = fluid.blown(i, x, v), fluid.pull.at(x, v), fluid.hull_push(x, self.passed * dt)
+        a_wind = fluid.blown(i, x, v)
+        a_pull = fluid.pull.at(x, v)
+        a_hull = fluid.hull_push(x, self.passed * dt)
         a = a_water + a_walls + a_wind + a_pull + a_hull  # (2.25)
         free = v + dt * a
         pushed, fast = walls.held_back(walls.relaxed(x, free, dt), dt)

@@ -4,6 +4,7 @@ import ast
 import json
 import subprocess
 import sys
+from functools import cache
 
 import pytest
 
@@ -45,6 +46,7 @@ def walked(node: ast.AST):
         yield from walked(child)
 
 
+@cache
 def imports(module: str) -> set[str]:
     """What a module imports, here and inside its functions; `from a import b` counts as a.b where that is a module."""
     found = set()
@@ -71,6 +73,7 @@ def is_kind(module: str) -> bool:
     return room(module) in ROOMS and module.count(".") > 1 and module.split(".")[-1] not in OPEN
 
 
+@cache
 def calls(module: str) -> set[str]:
     """What a module calls, as it is written: `ti.init`, `open`, `.write_text` where the owner is an expression."""
     return {ast.unparse(node.func) for node in walked(SOURCES[module]) if isinstance(node, ast.Call)}

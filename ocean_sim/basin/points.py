@@ -1,8 +1,15 @@
-"""Points of the basin at which the height of the water is asked for."""
+"""Points of the basin at which the water is asked for something."""
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from ocean_sim.basin import Basin
+
+
+def in_space(vector: Sequence[float]) -> np.ndarray:
+    """(3,) what is written of a point or a direction; one of a slice has no z."""
+    return np.array((*vector, 0.0)[:3])
 
 
 def middles(low: float, high: float, spacing: float) -> np.ndarray:

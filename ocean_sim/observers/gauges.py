@@ -15,6 +15,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ocean_sim.basin import ROUNDING, Basin
+from ocean_sim.basin.points import in_space
 from ocean_sim.model import Model, quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.sampled import Sampled
@@ -47,15 +48,15 @@ class Sensor(Model):
     def facing(self, basin: Basin) -> np.ndarray | None:
         """(3,) unit vector across its face; None where nothing says."""
         if self.normal is not None:
-            across = np.array((*self.normal, 0.0)[:3])
+            across = in_space(self.normal)
             return across / np.linalg.norm(across) if across.any() else None
         flats = [(side.axis, side.position) for side in basin.sides]
-        axis = nearest(np.array((*self.at, 0.0)[:3]), flats, basin.obstacles)
+        axis = nearest(in_space(self.at), flats, basin.obstacles)
         return None if axis is None else np.eye(3)[axis]
 
     def points(self, basin: Basin) -> np.ndarray:
         """(n, 3) whose mean it reads [m]: its middle alone where it has no size."""
-        middle, across = np.array((*self.at, 0.0)[:3]), self.facing(basin)
+        middle, across = in_space(self.at), self.facing(basin)
         if not self.diameter or across is None:
             return middle[None]
         if basin.dimension == 2:
@@ -118,11 +119,11 @@ class Config(PeriodicConfig):
         """What is wrong with the points in this basin."""
         points: dict[Key, tuple[tuple[float, ...], str]]
         points = {("elevation", name): (point, "xz") for name, point in self.elevation.items()}
-        points |= {("pressure", name): (sensor.at, "xyz") for name, sensor in self.sensors.items()}
+        sensors: dict[Key, Sensor] = {("pressure", name): sensor for name, sensor in self.sensors.items()}
+        points |= {key: (sensor.at, "xyz") for key, sensor in sensors.items()}
         found = [(key, misplaced(point, axes, basin)) for key, (point, axes) in points.items()]
         right = {key for key, sentence in found if sentence is None}
-        sensors = [(("pressure", name), sensor) for name, sensor in self.sensors.items()]
-        found += [(key, ill_faced(sensor, basin)) for key, sensor in sensors if key in right]
+        found += [(key, ill_faced(sensor, basin)) for key, sensor in sensors.items() if key in right]
         if self.elevation and basin.periods[1] > 0.0:
             found.append((("elevation",), "a basin that is periodic along y has no surface"))
         return [(key, sentence) for key, sentence in found if sentence is not None]
@@ -168,7 +169,7 @@ def ill_faced(sensor: Sensor, basin: Basin) -> str | None:
     if across is None:
         return "no wall is near that the sensor could be flush with; give its normal"
     reach = np.maximum(0.5 * sensor.diameter * np.sqrt(np.maximum(1.0 - across**2, 0.0)) - ROUNDING, 0.0)
-    ends = [np.array((*sensor.at, 0.0)[:3]) + way * reach for way in (-1.0, 1.0)]
+    ends = [in_space(sensor.at) + way * reach for way in (-1.0, 1.0)]
     if any(misplaced(tuple(end[: basin.dimension].tolist()), "xyz", basin) for end in ends):
         return f"the face of {sensor.diameter:g} m about {list(sensor.at)} reaches out of the basin"
     return None
@@ -196,12 +197,13 @@ class Gauges(Observer):
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
         self.every = config.every
         self.columns = np.array([(*point, 0.0)[:2] for point in config.elevation.values()]).reshape(-1, 2)  # x, z [m]
-        faces = {name: sensor.points(simulation.basin) for name, sensor in config.sensors.items()}
+        sensors = config.sensors
+        faces = {name: sensor.points(simulation.basin) for name, sensor in sensors.items()}
         self.points = np.concatenate([np.zeros((0, 3)), *faces.values()])  # [m]
         self.sizes = np.array([len(face) for face in faces.values()], dtype=int)  # how many of them are of each sensor
         self.sampled = Sampled(config.every)
         meaning = {f"{name}_m": f"elevation at {list(point)} m" for name, point in config.elevation.items()}
-        meaning |= {f"{name}_Pa": read_at(config.sensors[name], len(face)) for name, face in faces.items()}
+        meaning |= {f"{name}_Pa": read_at(sensors[name], len(face)) for name, face in faces.items()}
         self.csv = CsvFile(
             folder / "gauges.csv",
             heading(simulation, f"every {config.every:g} s, linear between steps", **lowered(simulation), **meaning),

@@ -6,15 +6,12 @@ That is the leading order for small viscosity; at Re 250 the full relation (art.
 The set-up with nominal viscosity 0 measures the viscosity that a scheme adds by itself.
 """
 
-from math import sqrt
-
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.standing import StandingWave
+from ocean_sim.validation.shared.case import Finding, Problem, Promise, relative
+from ocean_sim.validation.shared.standing import DEEP
 
-WAVE = StandingWave(length=2.0, depth=1.0, mode=2, amplitude=0.05, gravity=1.0)
 SOURCE = "Colagrossi et al. 2013"
 LAMB = f"exp(-2 nu k^2 t), Lamb art. 348; {SOURCE}"
 FULL = "viscous dispersion relation, Lamb art. 349"
@@ -31,10 +28,10 @@ def problems(coarse: bool) -> list[Problem]:
 def problem(reynolds: float | None, coarse: bool, decay: dict[str, float], slow: bool = False) -> Problem:
     """The wave at a Reynolds number sqrt(g H) H / nu; None: without viscosity."""
     name = f"Re {reynolds:g}" if reynolds else "nu 0"
-    viscosity = sqrt(WAVE.gravity * WAVE.depth) * WAVE.depth / reynolds if reynolds else 0.0
+    viscosity = DEEP.viscosity(reynolds) if reynolds else 0.0
     scene = {
-        "duration": 4.0 * WAVE.period,
-        "basin": {"length": WAVE.length, "depth": WAVE.depth, "gravity": [0.0, -WAVE.gravity, 0.0]},
+        "duration": 4.0 * DEEP.period,
+        "basin": {"length": DEEP.length, "depth": DEEP.depth, "gravity": [0.0, -DEEP.gravity, 0.0]},
         "fluid": {"spacing": 0.04 if coarse else 0.02, "kinematic_viscosity": viscosity},
     }
     promises = (
@@ -49,25 +46,20 @@ def problem(reynolds: float | None, coarse: bool, decay: dict[str, float], slow:
 
 def measure(simulation: Simulation, promises: tuple[Promise, ...], viscosity: float) -> Finding:
     """The part of the velocity that is the wave's, over time."""
-    return compared(*WAVE.run(simulation), promises, viscosity)
+    return compared(*DEEP.run(simulation), promises, viscosity)
 
 
 def compared(times: np.ndarray, share: np.ndarray, promises: tuple[Promise, ...], viscosity: float) -> Finding:
     """Period and decay rate of a signal that should be cos(w t) exp(-2 nu k^2 t)."""
-    period, rate = WAVE.damped_cosine(times, share)
-    expected, full = WAVE.leading_rate(viscosity), WAVE.viscous_rate(viscosity)
-    effective = rate / WAVE.leading_rate(1.0)
-    per_period, wanted = WAVE.amplitude_kept(rate), WAVE.amplitude_kept(expected)
+    period, rate = DEEP.damped_cosine(times, share)
+    expected, full = DEEP.leading_rate(viscosity), DEEP.viscous_rate(viscosity)
+    effective = rate / DEEP.leading_rate(1.0)
+    per_period, wanted = DEEP.amplitude_kept(rate), DEEP.amplitude_kept(expected)
     numbers = (
-        relative(period, WAVE.period),
+        relative(period, DEEP.period),
         relative(rate, full) if viscosity else (rate, 0.0, rate),
         relative(rate, expected) if viscosity else (rate, 0.0, rate),
         relative(per_period, wanted),
         (effective, viscosity, effective - viscosity),
     )
-    return Finding(
-        {promise.quantity: number for promise, number in zip(promises, numbers, strict=True)},
-        [Curve("wave", times / WAVE.period, share)],
-        [Curve("linear theory", times / WAVE.period, WAVE.signal(times, expected))],
-        ("t / T", "velocity over its first amplitude"),
-    )
+    return DEEP.finding(promises, numbers, times, share, expected)

@@ -6,14 +6,11 @@ lattice under the pressure p written as kappa p, the period falls by the share k
 kappa rho g |y| (2 k a exp(k y))^2 / 2 of energy a volume at the depth |y|, twice kappa times what gravity takes up.
 """
 
-from math import sqrt
-
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.standing import StandingWave
+from ocean_sim.validation.shared.case import Finding, Problem, Promise, relative
+from ocean_sim.validation.shared.standing import DEEP, StandingWave
 
 SHALLOW = StandingWave(length=1.0, depth=0.32, mode=1, amplitude=0.015, gravity=9.81)  # k h = 1.005
-DEEP = StandingWave(length=2.0, depth=1.0, mode=2, amplitude=0.05, gravity=1.0)  # k h = pi
 LAYERS_ACROSS = 6  # of the tank
 DISPERSION, LAMB = "w^2 = g k tanh(k h)", "2 nu k^2, Lamb, Hydrodynamics, art. 348"
 
@@ -40,7 +37,7 @@ def problem(
     decay: dict[str, float],
 ) -> Problem:
     """A wave at a Reynolds number sqrt(g h) h / nu on so many layers of particles, for so many periods."""
-    spacing, viscosity = wave.depth / layers, sqrt(wave.gravity * wave.depth) * wave.depth / reynolds
+    spacing, viscosity = wave.depth / layers, wave.viscosity(reynolds)
     width = LAYERS_ACROSS * spacing
     scene = {
         "duration": periods * wave.period,
@@ -61,9 +58,4 @@ def measure(simulation: Simulation, wave: StandingWave, promises: tuple[Promise,
     period, rate = wave.damped_cosine(times, share)
     expected = wave.leading_rate(viscosity)
     numbers = (relative(period, wave.period), relative(rate, expected))
-    return Finding(
-        {promise.quantity: number for promise, number in zip(promises, numbers, strict=True)},
-        [Curve("wave", times / wave.period, share)],
-        [Curve("linear theory", times / wave.period, wave.signal(times, expected))],
-        ("t / T", "velocity over its first amplitude"),
-    )
+    return wave.finding(promises, numbers, times, share, expected)

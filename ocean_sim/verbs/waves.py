@@ -35,7 +35,7 @@ from ocean_sim.waves.record import (
     trend,
 )
 from ocean_sim.waves.surface_record import Grid, SurfaceRecord, surface_record
-from ocean_sim.wind.shared.air_load import stated_speed
+from ocean_sim.wind.shared.air_load import LAW, stated_speed
 
 
 def waves(run: Path, begin: float, treatment: Treatment, out: Path | None, as_json: bool) -> None:
@@ -180,7 +180,7 @@ def wind_of(path: Path) -> str | None:
         if wind.get("tau") is not None:
             return f"wind: a physical stress of {wind['tau']:g} Pa, times a gain of {gain}"
         speed = f"{stated_speed(wind['u10'], None):g} m/s" if wind["schedule"] is None else "by a schedule"
-        law = wind["drag_law"] or "wu"
+        law = wind["drag_law"] or LAW
         return f"wind: a physical stress, U10 {speed}, law {law}, times a gain of {gain}"
     return "no wind" if wind["kind"] == "still" else f"wind: {wind['kind']}, a stylised force field"
 

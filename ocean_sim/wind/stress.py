@@ -21,7 +21,7 @@ from ocean_sim.conventions import AIR_DENSITY
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
 from ocean_sim.wind import Wind
-from ocean_sim.wind.shared.air_load import DragLaw, drag, stated_speed, stress
+from ocean_sim.wind.shared.air_load import LAW, DragLaw, drag, stated_speed, stress
 from ocean_sim.wind.shared.clock import DeviceRow
 from ocean_sim.wind.shared.drawing import Drawing
 from ocean_sim.wind.shared.schedule import Scheduled
@@ -86,7 +86,7 @@ class Config(Scheduled, WindConfig):
     @property
     def law(self) -> DragLaw:
         """The drag law at work."""
-        return "wu" if self.drag_law is None else self.drag_law
+        return self.drag_law or LAW
 
     @property
     def strongest(self) -> float:

@@ -21,9 +21,9 @@ from ocean_sim.validation import (
 )
 from ocean_sim.validation.shared import shear
 from ocean_sim.validation.shared.case import Finding, Promise
+from ocean_sim.validation.shared.standing import DEEP
 from ocean_sim.validation.shared.state import State
 from ocean_sim.validation.shared.tables import table
-from ocean_sim.validation.standing_wave import WAVE
 
 QUICK = {"runtime.threads": 1}
 
@@ -66,37 +66,37 @@ def test_the_ellipse_is_that_of_the_table():
 def test_the_wave_is_that_of_the_table_and_of_the_paper():
     data = table("analytic_standing_wave")
     row = (data["L"] == 2.0) & (data["h"] == 1.0) & (data["n"] == 2.0)
-    assert WAVE.k == pytest.approx(data["k"][row][0], rel=1e-5)
-    assert WAVE.omega * np.sqrt(9.81) == pytest.approx(data["omega"][row][0], rel=1e-5)
-    assert WAVE.period == pytest.approx(3.5515, abs=1e-4)
+    assert DEEP.k == pytest.approx(data["k"][row][0], rel=1e-5)
+    assert DEEP.omega * np.sqrt(9.81) == pytest.approx(data["omega"][row][0], rel=1e-5)
+    assert DEEP.period == pytest.approx(3.5515, abs=1e-4)
     for reynolds, ratio in ((250.0, 0.7555), (2500.0, 0.9723)):
-        assert np.exp(-2.0 / reynolds * WAVE.k**2 * WAVE.period) == pytest.approx(ratio, abs=1e-4)
+        assert np.exp(-2.0 / reynolds * DEEP.k**2 * DEEP.period) == pytest.approx(ratio, abs=1e-4)
 
 
 def test_the_viscous_relation_has_the_published_decay_as_its_leading_order():
     """The next order is sqrt(nu k^2 / 2 w) below it."""
     for viscosity in (1e-4, 1e-5, 1e-6):
-        leading = 2.0 * viscosity * WAVE.k**2
-        next_order = 1.0 - np.sqrt(viscosity * WAVE.k**2 / (2.0 * WAVE.omega))
-        assert WAVE.viscous_rate(viscosity) / leading == pytest.approx(next_order, abs=30.0 * viscosity)
+        leading = 2.0 * viscosity * DEEP.k**2
+        next_order = 1.0 - np.sqrt(viscosity * DEEP.k**2 / (2.0 * DEEP.omega))
+        assert DEEP.viscous_rate(viscosity) / leading == pytest.approx(next_order, abs=30.0 * viscosity)
 
 
 def test_the_wave_flows_without_divergence_along_walls_and_bed():
     at, d = np.array([[0.3, -0.4, 0.0]]), 1e-5
-    slope = [(WAVE.flow(at + d * e) - WAVE.flow(at - d * e))[0] / (2 * d) for e in np.eye(3)]
+    slope = [(DEEP.flow(at + d * e) - DEEP.flow(at - d * e))[0] / (2 * d) for e in np.eye(3)]
     assert slope[0][0] + slope[1][1] == pytest.approx(0.0, abs=1e-8)
     assert slope[0][1] - slope[1][0] == pytest.approx(0.0, abs=1e-8)
-    walls = WAVE.flow(np.array([[1.0, -0.3, 0.0], [-1.0, -0.3, 0.0]]))
+    walls = DEEP.flow(np.array([[1.0, -0.3, 0.0], [-1.0, -0.3, 0.0]]))
     assert walls[:, 0] == pytest.approx([0.0, 0.0], abs=1e-12)
-    assert WAVE.flow(np.array([[0.2, -1.0, 0.0]]))[0, 1] == pytest.approx(0.0, abs=1e-12)
+    assert DEEP.flow(np.array([[0.2, -1.0, 0.0]]))[0, 1] == pytest.approx(0.0, abs=1e-12)
 
 
 def wave(g_factor: float = 1.0, rate_factor: float = 1.0) -> list[bool]:
     """What becomes of a signal whose frequency squared and decay are off by these factors."""
     problem = standing_wave.problem(250.0, True, {"delta_sph": 10.0})
-    times = np.arange(0.0, 4.0 * WAVE.period, 0.05)
-    rate = rate_factor * WAVE.viscous_rate(1.0 / 250.0)
-    signal = np.cos(WAVE.omega * np.sqrt(g_factor) * times) * np.exp(-rate * times)
+    times = np.arange(0.0, 4.0 * DEEP.period, 0.05)
+    rate = rate_factor * DEEP.viscous_rate(1.0 / 250.0)
+    signal = np.cos(DEEP.omega * np.sqrt(g_factor) * times) * np.exp(-rate * times)
     return kept(problem.promises, standing_wave.compared(times, signal, problem.promises, 1.0 / 250.0))
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from pydantic import Field
 
 from ocean_sim.basin import Basin
+from ocean_sim.basin.points import in_space
 from ocean_sim.model import Model, quantity
 
 Vector = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
@@ -56,7 +57,7 @@ class Jet:
     @property
     def velocity(self) -> np.ndarray:
         """(3,) [m/s]"""
-        return np.array((*self.config.velocity, 0.0)[:3])
+        return in_space(self.config.velocity)
 
     @property
     def area(self) -> float:
@@ -69,7 +70,7 @@ class Jet:
         ahead = self.velocity / np.linalg.norm(self.velocity)
         apart = self.spacing ** (self.dimension - 1)
         k = max(1, round(self.area / apart))
-        middle = np.array((*self.config.position, 0.0)[:3])
+        middle = in_space(self.config.position)
         if self.dimension == 2:
             across = np.array([-ahead[1], ahead[0], 0.0])
             return middle + self.area / k * (np.arange(k) - 0.5 * (k - 1))[:, None] * across

@@ -1,5 +1,6 @@
 """Shapes of hulls. Axes of a hull: x to port, y up from the keel, z to the bow, origin amidships at the keel."""
 
+from abc import abstractmethod
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -20,9 +21,9 @@ class HullShape(Model):
         """What its voxels depend on."""
         return self.model_dump_json().encode()
 
+    @abstractmethod
     def bounds(self) -> Box3:
         """Corners of the box around it [m]."""
-        raise NotImplementedError
 
     def inside(self, x: np.ndarray) -> np.ndarray:
         """Whether points (..., 3) [m] lie inside."""

@@ -1,5 +1,6 @@
 """What every kind of ship has: its keys, propeller and rudder with who orders them, and its motion step by step."""
 
+from abc import ABC, abstractmethod
 from dataclasses import replace
 from math import radians, sqrt
 from typing import Annotated, ClassVar
@@ -122,7 +123,7 @@ class Actuators:
         return found
 
 
-class Vessel:
+class Vessel(ABC):
     """A ship on its way: body, actuators, what acted last, and the points that are named on it. A kind gives `load`."""
 
     parts: ClassVar[tuple[str, ...]] = PARTS
@@ -159,9 +160,9 @@ class Vessel:
         vertices, triangles = drawn(self.shape)
         return vertices - self.actuators.centre, triangles
 
+    @abstractmethod
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
         """(4.27), now."""
-        raise NotImplementedError
 
     def limits(self) -> Limits:
         """What the time step must stay a fraction of."""

@@ -6,6 +6,7 @@ from math import exp, pi, sqrt, tanh
 import numpy as np
 
 from ocean_sim.simulation import Simulation
+from ocean_sim.validation.shared.case import Curve, Finding, Promise
 from ocean_sim.validation.shared.state import sampled, set_state, state
 
 
@@ -33,6 +34,10 @@ class StandingWave:
     def period(self) -> float:
         """[s]"""
         return 2.0 * pi / self.omega
+
+    def viscosity(self, reynolds: float) -> float:
+        """nu [m2/s] at a Reynolds number sqrt(g h) h / nu."""
+        return sqrt(self.gravity * self.depth) * self.depth / reynolds
 
     def leading_rate(self, viscosity: float) -> float:
         """Decay rate [1/s] to leading order in the viscosity [m2/s]: 2 nu k^2 (Lamb, Hydrodynamics, art. 348)."""
@@ -64,6 +69,22 @@ class StandingWave:
         """Amplitude over that of a period before, with a decay rate [1/s]."""
         return exp(-rate * self.period)
 
+    def finding(
+        self,
+        promises: tuple[Promise, ...],
+        numbers: tuple[tuple[float, float, float], ...],
+        times: np.ndarray,
+        share: np.ndarray,
+        rate: float,
+    ) -> Finding:
+        """What was promised of a run, and its curve next to that of a decay rate [1/s]."""
+        return Finding(
+            {promise.quantity: number for promise, number in zip(promises, numbers, strict=True)},
+            [Curve("wave", times / self.period, share)],
+            [Curve("linear theory", times / self.period, self.signal(times, rate))],
+            ("t / T", "velocity over its first amplitude"),
+        )
+
     def run(self, simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
         """Start the wave in water at rest: times [s], and the part of the velocity that is the wave's, over its first
         amplitude."""
@@ -87,3 +108,7 @@ class StandingWave:
         settled = times > 0.25 * self.period
         (_, _, omega, rate), _ = curve_fit(model, times[settled], signal[settled], p0=(1.0, 0.0, self.omega, 0.01))
         return 2.0 * pi / abs(omega), rate
+
+
+DEEP = StandingWave(length=2.0, depth=1.0, mode=2, amplitude=0.05, gravity=1.0)
+"""Colagrossi, Souto-Iglesias, Antuono & Marrone (2013, Phys. Rev. E 87, 023302): k h is pi."""

@@ -14,6 +14,7 @@ from ocean_sim.conventions import AIR_DENSITY
 
 DragLaw = Literal["wu", "garratt", "zijlema"]
 
+LAW: DragLaw = "wu"  # where a scene leaves it open
 U10 = 10.0  # [m/s] of a wind whose speed is left open, and of the real wind that force fields are compared with
 
 
@@ -39,7 +40,7 @@ RANGES = {"wu": (0.0, 20.0), "garratt": (4.0, 21.0), "zijlema": (0.0, 50.0)}
 """Winds [m/s] that each law is good for: Wu's overestimates above 20 m/s (SWAN technical manual)."""
 
 
-def stress(u10: float, law: DragLaw = "wu") -> float:
+def stress(u10: float, law: DragLaw = LAW) -> float:
     """Stress of the wind on the sea surface [Pa] (2.20)."""
     return AIR_DENSITY * DRAG_LAWS[law](u10) * u10**2
 

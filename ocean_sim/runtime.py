@@ -2,6 +2,7 @@
 
 import os
 import sys
+import time
 from contextlib import redirect_stdout, suppress
 from dataclasses import dataclass
 from io import StringIO
@@ -20,6 +21,8 @@ from ocean_sim.model import Model, quantity
 BACKENDS = {"cpu": ti.cpu, "cuda": ti.cuda, "vulkan": ti.vulkan, "metal": ti.metal, "gpu": ti.gpu, "auto": ti.gpu}
 BASE_MEMORY, COPIES = 160_000_000, 100  # [bytes], [bytes a particle]
 TREES, ROOM = 512, 128  # sets of fields that Taichi 1.7 holds, beyond which it crashes, and the most of a simulation
+CACHE_SIZE = 1 << 30  # [bytes] of compiled kernels kept, the least recently used given up
+LOCKED = 30.0  # [s] that a process may keep the kernel cache locked; it takes well under a second
 FREEING = ("cpu", "cuda", "vulkan")  # backends on which Taichi 1.7 can give the memory of fields back
 GRAPHICS = {ti.cuda: "cuda", ti.vulkan: "vulkan", ti.metal: "metal", ti.opengl: "opengl", ti.gles: "gles"}
 
@@ -165,6 +168,7 @@ def start(config: RuntimeConfig) -> Backend:
             cpu_max_num_threads=threads,
             offline_cache=True,
             offline_cache_file_path=str(_kernel_cache()),
+            offline_cache_max_size_of_files=CACHE_SIZE,
             log_level=ti.ERROR,
         )
     obtained = impl.current_cfg().arch
@@ -240,7 +244,16 @@ def _kernel_cache() -> Path:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise BackendMissing(f"the kernel cache {path} cannot be written: {error}; set XDG_CACHE_HOME") from error
+    _unlock(path / "ticache.lock")
     return path
+
+
+def _unlock(lock: Path) -> None:
+    """Remove the cache's lock where the process that made it was killed: Taichi would wait for nobody, and compile
+    everything anew in every process from then on, without a word."""
+    with suppress(OSError):  # there is none, or another process has removed it
+        if time.time() - lock.stat().st_mtime > LOCKED:
+            lock.unlink()
 
 
 def _thread_ids() -> set[int]:

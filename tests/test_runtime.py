@@ -1,7 +1,9 @@
 """Taichi is started once, and afresh before its room for fields runs out."""
 
+import os
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -34,6 +36,30 @@ print(len(begun))
 
 def test_the_same_config_gives_what_runs(taichi_cpu):
     assert runtime.start(runtime.RuntimeConfig(precision="f64", threads=1)) is taichi_cpu
+
+
+KERNEL = """
+import taichi as ti
+from ocean_sim import runtime
+runtime.start(runtime.RuntimeConfig(threads=1))
+@ti.kernel
+def double(x: ti.f32) -> ti.f32:
+    return 2.0 * x
+double(1.0)
+"""
+
+
+@pytest.mark.parametrize(("age", "kept"), [(0.0, False), (60.0, True)])
+def test_the_lock_of_a_killed_process_does_not_cost_the_kernel_cache(tmp_path, age, kept):
+    cache, script = tmp_path / "ocean-sim" / "kernels", tmp_path / "kernel.py"
+    cache.mkdir(parents=True)
+    lock = cache / "ticache.lock"
+    lock.touch()
+    os.utime(lock, (time.time() - age,) * 2)
+    script.write_text(KERNEL)
+    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}
+    subprocess.run([sys.executable, str(script)], check=True, env=environment)
+    assert bool(list(cache.glob("*.tic"))) is kept and lock.exists() is not kept
 
 
 def test_a_simulation_whose_fields_are_gone_says_so(monkeypatch):

@@ -9,8 +9,10 @@ under a free surface that of a Riemann problem between particles that meet (Zhan
 335, 605), which is quadratic in their speed. Steps are drift, kick, drift.
 What is stored is the deviation from the rest density, which single precision would lose in the density itself.
 
-Still water without viscosity stays on the lattice that it starts from where that is stable under the kernel
-(Stencil.softest): in a slice from 3.95 to 4.03 spacings of support and near 2.77, in space from 2.78 to 2.92.
+The kernel is one under which the lattice that water starts from is as water is (smoothing.NEUTRAL): where a lattice
+bears shear waves run fast, however fine it is, and where it is unstable still water stirs. Where the surface cuts the
+kernel, rows of particles rest under a pressure that is not smooth; diffusion would flatten it for ever, and take its
+share of each wave that passes. So it is graded: next to a free surface none takes part but in water that is sheared.
 """
 
 from typing import ClassVar, Literal
@@ -26,11 +28,13 @@ from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.accounts import DIFFUSION, PRESSURE, VISCOSITY, WALLS
 from ocean_sim.fluid.shared.grid import STATE
 from ocean_sim.fluid.shared.images import displaced, hydrostatic_offset, reflected_free_slip
+from ocean_sim.fluid.shared.neighbours import ListSize
 from ocean_sim.fluid.shared.pair_sph import MomentumLaw
 from ocean_sim.fluid.shared.particles import Components
-from ocean_sim.fluid.shared.smoothing import Smoothing, positive
+from ocean_sim.fluid.shared.smoothing import NEUTRAL, NEUTRAL_RATIO, Kernel, Smoothing, positive
 from ocean_sim.fluid.shared.sph import Sph, SphConfig, limits, rows
-from ocean_sim.fluid.shared.stencil import of_rigidity
+from ocean_sim.fluid.shared.stencil import Stencil, of_rigidity
+from ocean_sim.fluid.shared.water import Lattice
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.runtime import Array
@@ -41,9 +45,13 @@ TENSION = 0.3  # of the artificial stress that keeps water under tension togethe
 CROWDING = 0.2  # weight of near neighbours in a shift (Sun et al. 2017)
 DAMPER = 0.7  # bulk viscosity over h c; at the default Courant number 1 is stable and 2 is not
 LAG = 0.42  # bulk viscosity over h^2 / dt at most: longer steps than the default damp less, and stay stable
+CUT, WHOLE = 0.90, 0.97  # share of a kernel that is filled at which nothing and everything diffuses
+STRETCHED, SHEARED = 0.1, 0.6  # spin over strain, both squared, from and up to which diffusion comes back there
+MEMORY = 3.0  # [depth over reference speed] over which spin and strain are remembered
+CALM = 1e-4  # [c / h] strain below which water is still
 IMPACT = 1.0  # of the dissipation between particles that meet, over their density and the square of their speed
-CARRIED = 2  # deviation of the density, and damped pressure over density squared
-FLAT, SOLID = 4.0, 2.82  # [spacings] support in a slice (50 neighbours) and in space (94), where a lattice is stable
+CARRIED, GRADED = 2, 3  # deviation of the density, damped pressure over density squared; share, spin, strain
+NEAR = 4.0  # [spacings] support of the kernel by which particles are found to be too near to each other
 
 
 class Config(SphConfig):
@@ -52,11 +60,12 @@ class Config(SphConfig):
     carries_bodies: ClassVar[bool] = True
     fineness: ClassVar[int] = 3
     added_viscosity: ClassVar = ((32.0, 8.8e-4), (64.0, 5.5e-4), (100.0, 2.2e-4))
-    default_ratio: ClassVar[tuple[float, float]] = (FLAT, SOLID)
+    default_ratio: ClassVar[tuple[float, float]] = (NEUTRAL_RATIO, NEUTRAL_RATIO)
+    kernel: ClassVar[Kernel] = NEUTRAL
     kind: Literal["delta_sph"] = "delta_sph"
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
-    """Support radius of the smoothing kernel over the spacing; by default 4.0 in a slice and 2.82 in space.
-    There the lattice that water starts from is elastically stable (Stencil.softest): still water stays still."""
+    """Support radius of the smoothing kernel over the spacing; by default 3.6. There the lattice that water starts
+    from neither bears shear nor gives way: waves run at their speed, and still water stays still."""
     exponent: int = quantity("1", 1, ge=1, le=9)
     """gamma of p = c^2 rho0 / gamma ((rho / rho0)^gamma - 1): 1 is linear, 7 is Tait's."""
     density_diffusion: float = quantity("1", 0.1, ge=0.0, le=0.5)
@@ -69,24 +78,31 @@ class Config(SphConfig):
     def limited(self, smoothing: Smoothing, sound_speed: float, speed: float, acceleration: float) -> Limits:
         """Limits of the time step. Pairs rub at rates of up to 14 nu / h^2 (twice that of the Laplacian's sum), so
         viscosity counts twice; artificial viscosity counts with it."""
-        h, d = smoothing.support / 2.0, smoothing.dimension
+        h, d = smoothing.length, smoothing.dimension
         artificial = self.artificial_viscosity * h * sound_speed / (2.0 * (d + 2.0))
         nu = 2.0 * (self.kinematic_viscosity + artificial)
-        return limits(smoothing.support, sound_speed, nu, speed, acceleration)
+        return limits(smoothing, sound_speed, nu, speed, acceleration)
 
     def still_limits(self, preflight: Preflight) -> Limits:
-        smoothing = Smoothing(preflight.tank.dimension, preflight.support)
-        return self.limited(smoothing, self.sound_speed(preflight.tank), 0.0, 0.0)
+        return self.limited(self.smoothing(preflight.tank), self.sound_speed(preflight.tank), 0.0, 0.0)
 
     def statements(self, preflight: Preflight) -> list[str]:
         basin = preflight.tank
-        notable = [] if self.enclosed(basin) else of_rigidity(basin.dimension, self.ratio(basin))
+        notable = [] if self.enclosed(basin) else of_rigidity(self.smoothing(basin), self.lattice(basin).spacing)
         return super().statements(preflight) + notable
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        sizes = self.sized(self.began(preflight), Momentum.row.size, CARRIED)
         what = "position, velocity, density, pressure, its deviation and rate, number"
-        return rows(preflight, sizes, 12 + 3 * self.enclosed(preflight.tank), what, PAIR)
+        if not self.enclosed(preflight.tank):
+            what += "; share of diffusion, spin, strain"
+        numbers = 15 if self.enclosed(preflight.tank) else 12 + 2 * GRADED
+        return rows(preflight, self.sizes(self.began(preflight)), numbers, what, PAIR)
+
+    def sizes(self, lattice: Lattice) -> ListSize:
+        """How large grid and lists are."""
+        if self.enclosed(lattice.basin):
+            return self.sized(lattice, Momentum.row.size, CARRIED)
+        return self.sized(lattice, Continuity.row.size, CARRIED + GRADED)
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "DeltaSph":
         return DeltaSph(self, basin, accounts, wind)
@@ -109,7 +125,7 @@ class Momentum(MomentumLaw):
 
     def __init__(self, fluid: "DeltaSph") -> None:
         self.reads = (*fluid.particles.position, *fluid.particles.velocity, fluid.pressing)
-        config, h = fluid.config, fluid.smoothing.support / 2.0
+        config, h = fluid.config, fluid.smoothing.length
         self.laminar = 2.0 * config.kinematic_viscosity / fluid.rest_density
         self.central = fluid.smoothing.dimension + 2.0  # of the central form, over that of the sum of all components
         self.inside = fluid.shifting  # whether there is no free surface
@@ -134,7 +150,7 @@ class Momentum(MomentumLaw):
         x_ij = self.fluid.smoothing.between(own, other, self.row.position)
         r2 = x_ij.dot(x_ij)
         r = ti.sqrt(r2)
-        weight = self.fluid.smoothing.shape_grad_wendland(r)
+        weight = self.fluid.smoothing.shape_gradient(r)
         near, p_i, p_j = self.fluid.closeness(r), own[self.row.pressure], other[self.row.pressure]
         pull = positive(-p_i) + positive(-p_j)
         push, rub = (p_i + p_j + TENSION * near * near * near * near * pull) * x_ij, tm.vec3(0.0)
@@ -165,18 +181,28 @@ class Momentum(MomentumLaw):
 class Continuity:
     """Rate of the density: sum m v_ij . grad W, and diffusion by delta h c; in a closed basin, shift.
 
-    Read are the positions and velocities at the end of the step and the deviation in its middle.
+    Read are the positions and velocities at the end of the step, the deviation in its middle, and the share of
+    diffusion at the end of the last one. Of a pair the smaller share counts, so that no mass is made.
     """
 
-    row, apart = Columns(position=3, velocity=3, deviation=1), False
+    row, apart = Columns(position=3, velocity=3, deviation=1, share=1), False
 
     def __init__(self, fluid: "DeltaSph") -> None:
         self.fluid = fluid
         self.reads = (*fluid.grid.moved[: STATE.id], fluid.deviation)
-        h, rho_0 = fluid.smoothing.support / 2.0, fluid.rest_density
+        if fluid.shifting:
+            self.row = Columns(position=3, velocity=3, deviation=1)
+        else:
+            self.reads = (*self.reads, fluid.share)
+        h, rho_0 = fluid.smoothing.length, fluid.rest_density
         self.diffusion = 2.0 * fluid.config.density_diffusion * h * fluid.sound_speed / rho_0
         self.heavier = rho_0 / fluid.sound_speed**2  # density [kg/m3] over p / rho [m2/s2]
-        self.terms = Columns(rate=1, diffusion=1, **({"crowding": 3} if fluid.shifting else {}))
+        self.flat = fluid.smoothing.dimension == 2
+        graded = {"filled": 1, "spin": 1, "strain": 2} if self.flat else {"filled": 1, "spin": 3, "strain": 6}
+        self.terms = Columns(rate=1, diffusion=1, **({"crowding": 3} if fluid.shifting else graded))
+        # What `filled` sums up to on a lattice [kg/m3], times slope.
+        whole = Stencil(fluid.smoothing, fluid.spacing).filled
+        self.whole = whole * fluid.smoothing.dimension * rho_0
         if fluid.boundary is not None:
             self.boundary, self.solid = fluid.boundary, fluid.boundary.summed(self)
 
@@ -209,18 +235,57 @@ class Continuity:
         x_ij = smoothing.between(own, other, self.row.position)
         v_ij = smoothing.between(own, other, self.row.velocity)
         r = ti.sqrt(x_ij.dot(x_ij))
-        weight = smoothing.shape_grad_wendland(r)
+        weight = smoothing.shape_gradient(r)
         total = ti.Vector.zero(float, self.terms.size)
         total[self.terms.rate] = -weight * v_ij.dot(x_ij)
         still = self.heavier * self.fluid.pull.at_rest(x_own)  # gradient of the density at rest [kg/m4]
         more = other[self.row.deviation] - own[self.row.deviation] + still.dot(x_ij)
         total[self.terms.diffusion] = weight * self.diffusion * more
+        if ti.static(not self.fluid.shifting):
+            total[self.terms.diffusion] *= tm.min(own[self.row.share], other[self.row.share])
+            total[self.terms.filled] = weight * r * r
+            turn = tm.cross(x_ij, v_ij)
+            if ti.static(self.flat):
+                total[self.terms.spin] = weight * turn.z
+                total[self.terms.strain] = weight * (x_ij.x * v_ij.x - x_ij.y * v_ij.y)
+                total[self.terms.strain + 1] = weight * (x_ij.x * v_ij.y + x_ij.y * v_ij.x)
+            else:
+                for k in ti.static(range(3)):
+                    a, b = ti.static((k + 1) % 3, (k + 2) % 3)
+                    total[self.terms.spin + k] = weight * turn[k]
+                    total[self.terms.strain + k] = weight * x_ij[k] * v_ij[k]
+                    total[self.terms.strain + 3 + k] = weight * (x_ij[a] * v_ij[b] + x_ij[b] * v_ij[a])
         if ti.static(self.fluid.shifting):
             near = self.fluid.closeness(r)
             weight *= 1.0 + CROWDING * near * near * near * near
             for k in ti.static(range(3)):
                 total[self.terms.crowding + k] = -weight * x_ij[k]
         return total
+
+    @ti.func
+    def grade(self, i, total, dt):
+        """Find which share of the diffusion particle i takes part in: all where its kernel is filled; none next to a
+        free surface, but for water that is sheared there (spin as great as strain) and not merely stretched, as by
+        waves (a switch as that of Balsara 1995, J. Comput. Phys. 121)."""
+        fluid, per_density = self.fluid, self.fluid.slope / self.fluid.rest_density
+        spin, strain = 0.0, 0.0  # squared, times (rest density / slope)^2; both the same in shear
+        if ti.static(self.flat):
+            spin = total[self.terms.spin] ** 2
+            strain = total[self.terms.strain] ** 2 + total[self.terms.strain + 1] ** 2
+        else:
+            along = vec3(total, self.terms.strain)
+            mean = along.sum() / 3.0
+            for k in ti.static(range(3)):
+                spin += total[self.terms.spin + k] ** 2
+                strain += 2.0 * (along[k] - mean) ** 2 + total[self.terms.strain + 3 + k] ** 2
+        lately = tm.min(1.0, dt / fluid.memory)
+        spin = tm.mix(fluid.spin[i], per_density * per_density * spin, lately)
+        strain = tm.mix(fluid.strain[i], per_density * per_density * strain, lately)
+        filled = fluid.slope * total[self.terms.filled] / self.whole
+        inside = tm.clamp((filled - CUT) / (WHOLE - CUT), 0.0, 1.0)
+        sheared = tm.clamp((spin / (strain + fluid.calm) - STRETCHED) / (SHEARED - STRETCHED), 0.0, 1.0)
+        for k, value in ti.static(enumerate((inside + (1.0 - inside) * sheared, spin, strain))):
+            fluid.fresh[k][i] = value
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
@@ -242,6 +307,8 @@ class Continuity:
             gradient = fluid.slope / rho_0 * vec3(total, self.terms.crowding)  # of the share of water [1/m]
             for k, component in ti.static(enumerate(fluid.shift)):
                 component[i] = -gradient[k]
+        else:
+            self.grade(i, total, dt)
         fluid.accounts.count_density(group, rho_0 + excess)
         if ti.static(fluid.accounts.impulses):
             closer, p = particles.mass * dt * fluid.slope, fluid.pressure_of(deviation) / (rho_0 + deviation) ** 2
@@ -263,19 +330,24 @@ class DeltaSph(Sph):
     config: Config
 
     def __init__(self, config: Config, basin: Basin, accounts: bool, wind: Wind) -> None:
-        sizes = config.sized(config.lattice(basin), Momentum.row.size, CARRIED)
+        sizes = config.sizes(config.lattice(basin))
         super().__init__(config, basin, sizes, accounts, wind)
         particles, self.closed = self.particles, basin.closed
-        self.deviation, self.pressing = self.carried  # in mid-step: [kg/m3], and (p + bulk rate) / rho^2
-        self.next_deviation, self.next_pressing = self.grid.carried  # the same before the sort of a step
+        self.deviation, self.pressing = self.carried[:CARRIED]  # in mid-step: [kg/m3], and (p + bulk rate) / rho^2
+        self.next_deviation, self.next_pressing = self.grid.carried[:CARRIED]  # the same before the sort of a step
         self.excess, self.rate = (ti.field(float, shape=particles.n) for _ in range(2))  # [kg/m3] at its end, and rate
-        self.slope = particles.mass * self.smoothing.wendland_slope  # -m grad W / x_ij over its shape
+        self.slope = particles.mass * self.smoothing.slope  # -m grad W / x_ij over its shape
         self.clamped, self.shifting = config.minimum_pressure is not None, config.enclosed(basin)
         if self.shifting:
             self.shift = Components(particles.n)  # [1/m] where to
+        else:
+            self.share, self.spin, self.strain = self.carried[CARRIED:]  # of diffusion, and squares [1/s2]
+            self.fresh = tuple(ti.field(float, shape=particles.n) for _ in range(GRADED))  # the same at its end
+            self.memory = MEMORY * basin.depth / self.reference_speed  # [s]
+            self.calm = (CALM * self.sound_speed / self.smoothing.length) ** 2  # [1/s2]
         self.per_density = 1.0 / particles.rest_density  # [m3/kg]
-        self.per_reach = 1.0 / (FLAT * particles.spacing)  # [1/m]
-        q = 1.0 - 1.0 / FLAT
+        self.per_reach = 1.0 / (NEAR * particles.spacing)  # [1/m]
+        q = 1.0 - 1.0 / NEAR
         self.per_W_spacing = 1.0 / (q**4 * (5.0 - 4.0 * q))
         self.momentum, self.continuity = Momentum(self), Continuity(self)
         self.compress(sizes.grid.lattice.ends()[0])
@@ -313,7 +385,7 @@ class DeltaSph(Sph):
 
     @ti.func
     def closeness(self, r):
-        """W(r) / W(spacing), of a kernel FLAT spacings wide: a narrow one would make near neighbours explode."""
+        """W(r) / W(spacing), of Wendland's kernel NEAR spacings wide: a narrow one makes near neighbours explode."""
         q = positive(1.0 - r * self.per_reach)
         return self.per_W_spacing * q * q * q * q * (5.0 - 4.0 * q)
 
@@ -355,7 +427,7 @@ class DeltaSph(Sph):
         """Drift half a step, sort, kick, drift to the end, find the rate of the density there."""
         self.dt[None] = dt
         self.wind.set_clock(since, dt)
-        h = 0.5 * self.smoothing.support
+        h = self.smoothing.length
         bulk = tm.min(DAMPER * self.sound_speed * h, LAG * h * h / dt)  # [m2/s]
         for i in range(self.particles.count.there()):
             p, u = self.particles.position, self.particles.velocity
@@ -369,6 +441,9 @@ class DeltaSph(Sph):
             self.next_deviation[i] = middle
             pressed = self.pressure_of(middle) + bulk * self.rate[i]
             self.next_pressing[i] = pressed / (self.particles.rest_density + middle) ** 2
+            if ti.static(not self.shifting):
+                for k, fresh in ti.static(enumerate(self.fresh)):
+                    self.grid.carried[CARRIED + k][i] = fresh[i]
         self.grid.sort()
         self.momentum.react(dt)
         self.neighbours.walk(self.momentum, True)

@@ -38,7 +38,6 @@ from ocean_sim.fluid.shared.pairs import Pairs
 from ocean_sim.fluid.shared.pairs import size as size_of_pairs
 from ocean_sim.fluid.shared.particles import Components
 from ocean_sim.fluid.shared.pressure_solver import REPORT, TOO_DENSE, UPHILL, Solver
-from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.sph import Sph, SphConfig, limits, rows
 from ocean_sim.fluid.shared.stencil import Stencil, of_rigidity
 from ocean_sim.fluid.shared.tasks import TASK
@@ -82,16 +81,15 @@ class Config(SphConfig):
 
     def viscosity(self, basin: Basin) -> float:
         """Kinematic viscosity, the artificial one included [m2/s]."""
-        half = 0.5 * self.ratio(basin) * self.lattice(basin).spacing
-        artificial = 0.0 if self.enclosed(basin) else self.artificial_viscosity * half * self.speed(basin)
+        h = self.smoothing(basin).length
+        artificial = 0.0 if self.enclosed(basin) else self.artificial_viscosity * h * self.speed(basin)
         return self.kinematic_viscosity + artificial
 
     def limited(self, basin: Basin, speed: float, acceleration: float) -> Limits:
         """Nothing has to wait for sound, but a particle under a pressure p is held by its neighbours as by springs,
         whose frequency is about sqrt(p / density) / spacing. Pairs rub at up to twice the rate of the sum."""
-        support = self.ratio(basin) * self.lattice(basin).spacing
         speed = max(speed, SLOW * self.speed(basin))
-        return limits(support, 0.0, 2.0 * self.viscosity(basin), speed, acceleration)
+        return limits(self.smoothing(basin), 0.0, 2.0 * self.viscosity(basin), speed, acceleration)
 
     def still_limits(self, preflight: Preflight) -> Limits:
         basin = preflight.tank
@@ -99,14 +97,14 @@ class Config(SphConfig):
 
     def statements(self, preflight: Preflight) -> list[str]:
         basin = preflight.tank
-        notable = [] if self.enclosed(basin) else of_rigidity(basin.dimension, self.ratio(basin))
+        notable = [] if self.enclosed(basin) else of_rigidity(self.smoothing(basin), self.lattice(basin).spacing)
         return super().statements(preflight) + notable
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         basin, word = preflight.tank, preflight.word
         what = "position, velocity, density, pressure, number; predicted velocity, way and two solvers' fields"
         sizes = self.sized(self.began(preflight), VISCOUS_ROW.size, 1)
-        n, neighbours = sizes.grid.lattice.n, Stencil(Smoothing(basin.dimension, self.ratio(basin)), 1.0).neighbours
+        n, neighbours = sizes.grid.lattice.n, Stencil(self.smoothing(basin), self.lattice(basin).spacing).neighbours
         pairs = LedgerRow(
             "fluid", "pairs", size_of_pairs(n, neighbours, word), f"{neighbours} neighbours on the lattice"
         )
@@ -127,7 +125,8 @@ class Density(PositionLaw):
         self.fluid = fluid
         self.reads = tuple(fluid.particles.position)
         stencil, m = fluid.stencil, fluid.particles.mass
-        self.slope, self.square, self.mass = -stencil.slope, stencil.slope**2, m * stencil.constant
+        self.slope, self.square = -stencil.slope, stencil.slope**2
+        self.mass = m * stencil.slope * fluid.smoothing.support**2
         self.scale, self.least, self.volume = m * fluid.weight, LEAST * stencil.squares, stencil.volume
         self.lacking = stencil.lacking
         if fluid.boundary is not None:
@@ -142,9 +141,9 @@ class Density(PositionLaw):
     def pair(self, own, other):
         x_ij = own - other
         r2 = x_ij.dot(x_ij)
-        q = self.fluid.smoothing.share(ti.sqrt(r2))
-        q3 = q * q * q
-        return ti.Vector([q3 * q * (5.0 - 4.0 * q), q3 * x_ij[0], q3 * x_ij[1], q3 * x_ij[2], q3 * q3 * r2])
+        r, smoothing = ti.sqrt(r2), self.fluid.smoothing
+        w = smoothing.shape_gradient(r)
+        return ti.Vector([smoothing.shape_value(r), w * x_ij[0], w * x_ij[1], w * x_ij[2], w * w * r2])
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
@@ -235,7 +234,7 @@ class Forces(Force):
             r2 = x_ij.dot(x_ij)
             rub = self.central * v_ij.dot(x_ij) / (r2 + self.tiny) * gradient
             if ti.static(self.fluid.closed):
-                rub = smoothing.shape_grad_wendland(ti.sqrt(r2)) * v_ij
+                rub = smoothing.shape_gradient(ti.sqrt(r2)) * v_ij
             for k in ti.static(range(3)):
                 total[self.terms.rub + k] = -rub[k]
         return total
@@ -297,7 +296,7 @@ class Dfsph(Sph):
         self.momentum, self.level = (ti.field(float, shape=()) for _ in range(2))  # how far an iteration is carried
         self.level[None] = particles.rest_density  # on; density that is sought [kg/m3]
         self.rows = ti.field(float, shape=(self.accounts.groups, REPORT))
-        calm, brief = CALM["divergence"], BRIEF * 0.5 * self.smoothing.support / self.reference_speed
+        calm, brief = CALM["divergence"], BRIEF * self.smoothing.length / self.reference_speed
         if self.closed:
             calm, brief = 1.0, 0.0  # without a surface less would damp the flow
         limits = config.divergence_tolerance, config.max_divergence_iterations, calm

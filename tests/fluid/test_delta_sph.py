@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.fluid.delta_sph import DAMPER, IMPACT, SOLID
+from ocean_sim.fluid.delta_sph import DAMPER, IMPACT
+from ocean_sim.fluid.shared.smoothing import NEUTRAL, NEUTRAL_RATIO
 from ocean_sim.fluid.shared.stencil import Stencil
 from tests.fluid.conftest import box, by_id, put
 
@@ -226,10 +227,9 @@ def pair(water):
 
 
 def test_particles_that_meet_lose_speed_with_its_square(pair):
-    """Beside what the bulk viscosity takes, which is linear: m IMPACT u^2 / rho |W'(r)| at a relative speed u, with
-    Wendland's W in space."""
-    h, r, u = 0.05 * SOLID, 0.1, 2.0  # spacing 0.1 m
-    slope = 21.0 / (16.0 * np.pi * h**4) * 5.0 * (r / h) * (1.0 - 0.5 * r / h) ** 3  # [1/m4]
+    """Beside what the bulk viscosity takes, which is linear: m IMPACT u^2 / rho |W'(r)| at a relative speed u."""
+    r, u, support = 0.1, 2.0, 0.1 * NEUTRAL_RATIO  # spacing 0.1 m
+    slope = r * NEUTRAL.slope(3, support) * NEUTRAL.gradient(1.0 - r / support)  # [1/m4]
     assert pair(u) - 2.0 * pair(0.5 * u) == pytest.approx(0.5 * 1e-7 * 1e-3 * IMPACT * (2.0 * u) ** 2 * slope, rel=1e-3)
 
 

@@ -189,8 +189,8 @@ def test_still_water_is_green_and_red_with_gravity_turned_round():
 
 def test_water_under_the_kernel_of_another_dimension_is_red(monkeypatch):
     """The constant of three dimensions in a slice."""
-    wrong = property(lambda smoothing: 21.0 / (2.0 * np.pi * smoothing.support**3))
-    monkeypatch.setattr(Smoothing, "wendland_constant", wrong)
+    wrong = property(lambda smoothing: smoothing.kernel.slope(3, smoothing.support))
+    monkeypatch.setattr(Smoothing, "slope", wrong)
     short = QUICK | {"duration": 0.2, "time_step": {"kind": "fixed", "dt": 5e-3}}
     rows, _ = problems("hydrostatic", coarse=True)[0].run("hydrostatic", "delta_sph", short)
     assert [row["ok"] for row in rows[:2]] == [False, False]

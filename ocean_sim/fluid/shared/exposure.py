@@ -44,7 +44,7 @@ class Exposure(PositionLaw):
         known."""
         self.particles, self.smoothing, self.neighbours = particles, smoothing, neighbours
         self.plan_area, self.reads = plan_area, positions
-        self.constant = -2.0 * (particles.mass / particles.rest_density) ** 2 * smoothing.wendland_slope
+        self.constant = -2.0 * (particles.mass / particles.rest_density) ** 2 * smoothing.slope
         self.least = EXPOSED * particles.spacing ** (smoothing.dimension - 1)  # [m2]
         self.area = Components(particles.n)  # by the number of the particle [m2]
         self.level = ti.field(ti.f64, shape=-(-particles.n // BLOCK))

@@ -42,7 +42,7 @@ class ParticleWater(ParticleFluid):
         lattice = size.lattice
         self.particles = seeded(lattice)
         self.rest_density, self.spacing = self.particles.rest_density, self.particles.spacing
-        self.smoothing = Smoothing(basin.dimension, size.support)
+        self.smoothing = Smoothing(basin.dimension, size.support, config.kernel)
         self.carried = tuple(ti.field(float, shape=self.particles.n) for _ in range(size.carried))
         self.grid = Grid(self.particles, size, self.carried)
         self.accounts = Accounts(size.groups, accounts)

@@ -1,13 +1,14 @@
-"""Smoothing kernels of Mueller, Charypar & Gross (2003), eqs. 20-22, and of Wendland (1995), C2, normalised in two and
-three dimensions.
+"""Smoothing kernels of Mueller, Charypar & Gross (2003), eqs. 20-22, and kernels whose gradient is a polynomial, that
+of Wendland (1995), C2, among them; normalised in two and three dimensions.
 
 `support` is the distance at which a kernel ends, h in that paper. Each kernel is a constant times a shape; pair laws
 sum shapes, and the constant is multiplied in once, when the sum is finished.
 """
 
 from dataclasses import dataclass
-from math import pi
+from math import factorial, pi
 
+import numpy as np
 import taichi as ti
 import taichi.math as tm
 
@@ -20,13 +21,75 @@ def positive(x):
     return ti.select(x > 0.0, x, 0.0)
 
 
+@ti.func
+def polynomial(t, power: Template, terms: Template):
+    """t^power (terms[0] + terms[1] t + ...)."""
+    total = float(terms[-1])
+    for term in ti.static(terms[-2::-1]):
+        total = total * t + term
+    for _ in ti.static(range(power)):
+        total *= t
+    return total
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """A kernel with grad W = -slope t^power (terms[0] + terms[1] t + ...) x, t = 1 - r/support inside the support."""
+
+    power: int
+    terms: tuple[float, ...]
+    length: float = 0.5
+    """Smoothing length h over support: that of limits of the time step and of what damps. Between kernels it is as the
+    shortest waves are that they resolve, so that the same steps and constants are stable."""
+
+    def gradient(self, t: np.ndarray) -> np.ndarray:
+        """grad W over -slope x."""
+        return t**self.power * np.polynomial.Polynomial(self.terms)(t)
+
+    @property
+    def value_terms(self) -> tuple[float, ...]:
+        """Of W = slope support^2 t^(power + 1) (value_terms[0] + value_terms[1] t + ...): the integral of (1 - t) times
+        `gradient` from the end of the support inwards."""
+        inwards = np.polynomial.Polynomial(self.terms) * np.polynomial.Polynomial([1.0, -1.0])
+        return tuple(float(term) / (self.power + k + 1) for k, term in enumerate(inwards.coef))
+
+    def value(self, t: np.ndarray) -> np.ndarray:
+        """W over slope support^2."""
+        return t ** (self.power + 1) * np.polynomial.Polynomial(self.value_terms)(t)
+
+    def bent(self, t: np.ndarray) -> np.ndarray:
+        """W'' over slope: with r = h (1 - t), W' is -r `gradient`."""
+        polynomial = np.polynomial.Polynomial(self.terms)
+        falls = self.power * t ** (self.power - 1) * polynomial(t) + t**self.power * polynomial.deriv()(t)
+        return (1.0 - t) * falls - self.gradient(t)
+
+    def slope(self, dimension: int, support: float) -> float:
+        """That with which W integrates to 1 [m^-5], in a slice [m^-4]: the integral of -r W' is the dimension."""
+        d = dimension
+        moments = (
+            term * factorial(self.power + k) * factorial(d + 1) / factorial(self.power + k + d + 2)
+            for k, term in enumerate(self.terms)
+        )
+        return d / ({2: 2.0 * pi, 3: 4.0 * pi}[d] * support ** (d + 2) * sum(moments))
+
+
+WENDLAND = Kernel(3, (1.0,))
+"""W = constant (1 - r/support)^4 (1 + 4 r/h), Wendland's C2."""
+NEUTRAL = Kernel(5, (2.95, 10.5, -12.45), length=0.42)
+"""Under which a lattice of particles is as water is: at a support of NEUTRAL_RATIO spacings it bears no shear, along
+its axes or their diagonals, and no pattern of particles lies lower, in a slice and in space. Fitted so that both shear
+moduli and the softest mode vanish (Stencil.rigidity, Stencil.softest)."""
+NEUTRAL_RATIO = 3.6  # [spacings] 36 neighbours in a slice, 178 in space
+
+
 @ti.data_oriented
 @dataclass(frozen=True, eq=False)
 class Smoothing:
-    """The three kernels for one dimension (2 or 3) and support [m]."""
+    """The kernels for one dimension (2 or 3) and support [m]; that of the gradient of pressure is the scheme's."""
 
     dimension: int
     support: float
+    kernel: Kernel = WENDLAND
 
     @property
     def poly6_constant(self) -> float:
@@ -44,14 +107,14 @@ class Smoothing:
         return {2: 40.0 / (pi * self.support**5), 3: 45.0 / (pi * self.support**6)}[self.dimension]
 
     @property
-    def wendland_constant(self) -> float:
-        """W_wendland = constant (1 - r/h)^4 (1 + 4 r/h); integrates to 1 [m^-3 in 3-D]."""
-        return {2: 7.0 / (pi * self.support**2), 3: 21.0 / (2.0 * pi * self.support**3)}[self.dimension]
+    def length(self) -> float:
+        """Smoothing length h [m]: see Kernel.length."""
+        return self.kernel.length * self.support
 
     @property
-    def wendland_slope(self) -> float:
-        """grad W_wendland = -slope (1 - r/h)^3 x_ij [m^-5 in 3-D]."""
-        return 20.0 * self.wendland_constant / self.support**2
+    def slope(self) -> float:
+        """grad W = -slope shape_gradient x_ij [m^-5 in 3-D]."""
+        return self.kernel.slope(self.dimension, self.support)
 
     @ti.func
     def between(self, own, other, first: Template):
@@ -61,25 +124,25 @@ class Smoothing:
         )
 
     @ti.func
-    def W_wendland(self, r):
-        q = positive(1.0 - r / self.support)
-        return self.wendland_constant * q * q * q * q * (5.0 - 4.0 * q)
-
-    @ti.func
     def share(self, r):
-        """1 - r/h within the support, else 0."""
+        """1 - r/support within the support, else 0."""
         return positive(1.0 - r / self.support)
 
     @ti.func
-    def shape_grad_wendland(self, r):
-        """(1 - r/h)^3 of the distance: no division by r, so two particles in one position are no trouble."""
-        q = self.share(r)
-        return q * q * q
+    def shape_gradient(self, r):
+        """grad W over -slope x_ij, of the distance: no division by r, so two particles in one position are no
+        trouble."""
+        return polynomial(self.share(r), self.kernel.power, self.kernel.terms)
+
+    @ti.func
+    def shape_value(self, r):
+        """W over slope support^2."""
+        return polynomial(self.share(r), self.kernel.power + 1, self.kernel.value_terms)
 
     @ti.func
     def pair_gradient(self, x_ij):
-        """x_ij times the shape of grad W_wendland."""
-        return self.shape_grad_wendland(ti.sqrt(x_ij.dot(x_ij))) * x_ij
+        """x_ij times the shape of grad W."""
+        return self.shape_gradient(ti.sqrt(x_ij.dot(x_ij))) * x_ij
 
     @ti.func
     def shape_poly6(self, r2):

@@ -13,6 +13,7 @@ from ocean_sim.fluid.shared.field import Field
 from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.neighbours import ListSize, Neighbours
 from ocean_sim.fluid.shared.particle_water import ParticleWater
+from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.water import Lattice, WaterConfig, free_fall_speed
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems
@@ -56,6 +57,10 @@ class SphConfig(WaterConfig):
         """Support over spacing."""
         return self.support_ratio or self.default_ratio[basin.dimension - 2]
 
+    def smoothing(self, basin: Basin) -> Smoothing:
+        """The kernels of a support."""
+        return Smoothing(basin.dimension, self.ratio(basin) * self.lattice(basin).spacing, self.kernel)
+
     def enclosed(self, basin: Basin) -> bool:
         """Whether the water has no free surface."""
         return basin.closed and self.fill is None
@@ -92,14 +97,15 @@ class SphConfig(WaterConfig):
         return ListSize(GridSize(lattice, self.ratio(lattice.basin) * lattice.spacing, carried), reads)
 
     def still_limits(self, preflight: Preflight) -> Limits:
-        return limits(preflight.support, self.sound_speed(preflight.tank), self.kinematic_viscosity, 0.0, 0.0)
+        smoothing = self.smoothing(preflight.tank)
+        return limits(smoothing, self.sound_speed(preflight.tank), self.kinematic_viscosity, 0.0, 0.0)
 
     def viscosity_added(self, preflight: Preflight, length: float) -> float:
         if not self.added_viscosity or preflight.spacing is None:
             return 0.0
         spacings, shares = zip(*self.added_viscosity)
         share = np.exp(np.interp(np.log(length / preflight.spacing), np.log(spacings), np.log(shares)))
-        return float(share * 0.5 * self.ratio(preflight.tank) * preflight.spacing * self.sound_speed(preflight.tank))
+        return float(share * self.smoothing(preflight.tank).length * self.sound_speed(preflight.tank))
 
     def statements(self, preflight: Preflight) -> list[str]:
         c, speed = self.sound_speed(preflight.tank), self.speed(preflight.tank)
@@ -158,9 +164,9 @@ def _of_bodies(grid: GridSize, word: int, each: float) -> list[LedgerRow]:
     return rows
 
 
-def limits(support: float, sound_speed: float, viscosity: float, speed: float, acceleration: float) -> Limits:
-    """See Limits; h is half the support."""
-    h = support / 2.0
+def limits(smoothing: Smoothing, sound_speed: float, viscosity: float, speed: float, acceleration: float) -> Limits:
+    """See Limits; h is the smoothing length."""
+    h = smoothing.length
     return Limits(
         acoustic=h / (sound_speed + speed),
         viscous=h * h / viscosity if viscosity > 0.0 else inf,
@@ -214,7 +220,7 @@ class Sph(ParticleWater):
 
     def limits(self) -> Limits:
         status, nu = self.status, self.kinematic_viscosity
-        return limits(self.smoothing.support, self.sound_speed, nu, status.max_speed, status.max_acceleration)
+        return limits(self.smoothing, self.sound_speed, nu, status.max_speed, status.max_acceleration)
 
     @property
     def impulse(self) -> dict[str, np.ndarray]:

@@ -1,4 +1,4 @@
-"""What Wendland's kernel makes of a lattice of particles, by which a scheme can be made exact on it."""
+"""What a kernel makes of a lattice of particles, by which a scheme can be made exact on it."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,7 +13,7 @@ NOTABLE = 0.01  # share of a wave's period that is worth saying
 
 @dataclass(frozen=True)
 class Stencil:
-    """What Wendland's kernel makes of a lattice of particles; its constant is such that their density is at rest."""
+    """What a kernel makes of a lattice of particles; its constant is such that their density is at rest."""
 
     smoothing: Smoothing
     spacing: float  # [m]
@@ -25,14 +25,19 @@ class Stencil:
         return self.spacing * np.array(list(product(range(-last, last + 1), repeat=self.smoothing.dimension)), float)
 
     @cached_property
-    def q(self) -> np.ndarray:
-        """1 - r/h of each of them, where it is positive."""
+    def t(self) -> np.ndarray:
+        """1 - r/support of each of them, where it is positive."""
         return np.maximum(1.0 - np.linalg.norm(self.offsets, axis=1) / self.smoothing.support, 0.0)
 
-    @property
-    def shape(self) -> np.ndarray:
-        """The kernel over its constant."""
-        return self.q**4 * (5.0 - 4.0 * self.q)
+    @cached_property
+    def value(self) -> np.ndarray:
+        """W over slope support^2."""
+        return self.smoothing.kernel.value(self.t)
+
+    @cached_property
+    def gradient(self) -> np.ndarray:
+        """grad W over -slope x."""
+        return self.smoothing.kernel.gradient(self.t)
 
     @property
     def volume(self) -> float:
@@ -40,52 +45,51 @@ class Stencil:
         return self.spacing**self.smoothing.dimension
 
     @property
-    def constant(self) -> float:
-        """[m^-3], in a slice [m^-2]."""
-        return 1.0 / (self.volume * float(self.shape.sum()))
+    def slope(self) -> float:
+        """grad W over -x `gradient` [m^-5], in a slice [m^-4]."""
+        return 1.0 / (self.smoothing.support**2 * self.volume * float(self.value.sum()))
 
     @property
-    def slope(self) -> float:
-        """grad W = -slope (1 - r/h)^3 x [m^-5], in a slice [m^-4]."""
-        return 20.0 * self.constant / self.smoothing.support**2
+    def filled(self) -> float:
+        """What the lattice makes of a gradient of one where W integrates to 1: about 1, and less next to a surface."""
+        return self.gain * self.smoothing.slope / self.slope
 
     @property
     def gain(self) -> float:
         """What the lattice makes of a gradient of one; forces are divided by it."""
-        return self.slope * self.volume * float(self.q**3 @ self.offsets[:, 0] ** 2)
+        return self.slope * self.volume * float(self.gradient @ self.offsets[:, 0] ** 2)
 
     @property
     def lacking(self) -> float:
         """What the top row of a lattice lacks of its density, over the gradient of the share of water there [m]."""
         above = self.offsets[:, 1] > 0.5 * self.spacing
-        lack = self.constant * float(self.shape[above].sum())
-        return lack / (self.slope * float(self.q[above] ** 3 @ self.offsets[above, 1]))
+        lack = self.smoothing.support**2 * float(self.value[above].sum())
+        return lack / float(self.gradient[above] @ self.offsets[above, 1])
 
     @property
     def neighbours(self) -> int:
         """How many there are."""
-        return int((self.q > 0.0).sum()) - 1
+        return int((self.t > 0.0).sum()) - 1
 
     @property
     def squares(self) -> float:
         """Sum of the squared gradients [m^-8], in a slice [m^-6]."""
-        return self.slope**2 * float(self.q**6 @ (self.offsets**2).sum(axis=1))
+        return self.slope**2 * float(self.gradient**2 @ (self.offsets**2).sum(axis=1))
 
     @property
     def stiffest(self) -> float:
         """Largest eigenvalue of A / A_ii, of plane waves along the axes of the lattice and its diagonals."""
         largest = 0.0
         for wave in product(np.linspace(0.0, np.pi, 13), repeat=self.smoothing.dimension):
-            gradients = (self.slope * self.q**3 * np.sin(self.offsets @ wave / self.spacing)) @ self.offsets
+            gradients = (self.slope * self.gradient * np.sin(self.offsets @ wave / self.spacing)) @ self.offsets
             largest = max(largest, float(gradients @ gradients) / self.squares)
         return largest
 
     @property
     def bonds(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Places of the neighbours over the spacing, and W'' and W' / r there, in the kernel's own unit."""
-        there = (self.q > 0.0) & (self.q < 1.0)
-        q = self.q[there]
-        return self.offsets[there] / self.spacing, q**2 * (3.0 - 4.0 * q), -(q**3)
+        there = (self.t > 0.0) & (self.t < 1.0)
+        return self.offsets[there] / self.spacing, self.smoothing.kernel.bent(self.t[there]), -self.gradient[there]
 
     @property
     def rigidity(self) -> float:
@@ -121,9 +125,9 @@ class Stencil:
         return float(scaled.min() / np.median(scaled[:, -1]))
 
 
-def of_rigidity(dimension: int, ratio: float) -> list[str]:
-    """What to know of waves in water that starts on a lattice, under a support of so many spacings."""
-    share = Stencil(Smoothing(dimension, ratio), 1.0).rigidity
+def of_rigidity(smoothing: Smoothing, spacing: float) -> list[str]:
+    """What to know of waves in water that starts on a lattice of this spacing [m]."""
+    share, ratio = Stencil(smoothing, spacing).rigidity, smoothing.support / spacing
     if abs(share) < NOTABLE:
         return []
     way = "fast: the lattice that the water starts from bears shear" if share > 0.0 else "slow: the lattice is unstable"

@@ -13,6 +13,7 @@ from ocean_sim.fluid.shared.emitter import MOST_PARTICLES, Emitter
 from ocean_sim.fluid.shared.emitter import problems as mouth_problems
 from ocean_sim.fluid.shared.initial import Initial
 from ocean_sim.fluid.shared.lattice import Lattice, inside
+from ocean_sim.fluid.shared.smoothing import WENDLAND, Kernel
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import FluidConfig, Preflight, Problems
 
@@ -22,6 +23,8 @@ class WaterConfig(FluidConfig):
 
     made_of_particles: ClassVar[bool] = True
     example: ClassVar[dict[str, Any]] = {"spacing": 2.5}
+    kernel: ClassVar[Kernel] = WENDLAND
+    """Of the gradient of pressure, and of exposed areas."""
 
     spacing: float | None = quantity("m", None, gt=0.0)
     """Distance between particles at rest."""

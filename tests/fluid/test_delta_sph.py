@@ -201,7 +201,7 @@ def kept_of_a_wave(fluid, axis: int) -> float:
 
 def test_sound_is_damped_by_the_bulk_viscosity_and_the_diffusion_of_density(endless):
     """exp(-(nu_b + D) k^2 t) of its energy is kept, nu_b = DAMPER c h, D = delta c h (Landau & Lifshitz, §79)."""
-    h, k = 0.05, 2.0 * np.pi
+    h, k = endless.smoothing.length, 2.0 * np.pi
     expected = np.exp(-(DAMPER + 0.1) * h * 10.0 * k**2 * 0.1)
     assert np.log(kept_of_a_wave(endless, 0)) == pytest.approx(np.log(expected), rel=0.1)
 

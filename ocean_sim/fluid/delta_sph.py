@@ -51,7 +51,7 @@ MEMORY = 3.0  # [depth over reference speed] over which spin and strain are reme
 CALM = 1e-4  # [c / h] strain below which water is still
 IMPACT = 1.0  # of the dissipation between particles that meet, over their density and the square of their speed
 CARRIED, GRADED = 2, 3  # deviation of the density, damped pressure over density squared; share, spin, strain
-NEAR = 4.0  # [spacings] support of the kernel by which particles are found to be too near to each other
+NEAR = 3.5  # [spacings] support of the kernel by which particles are found to be too near to each other
 
 
 class Config(SphConfig):
@@ -64,7 +64,7 @@ class Config(SphConfig):
     kernel: ClassVar[Kernel] = NEUTRAL
     kind: Literal["delta_sph"] = "delta_sph"
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
-    """Support radius of the smoothing kernel over the spacing; by default 3.6. There the lattice that water starts
+    """Support radius of the smoothing kernel over the spacing; by default 4.0. There the lattice that water starts
     from neither bears shear nor gives way: waves run at their speed, and still water stays still."""
     exponent: int = quantity("1", 1, ge=1, le=9)
     """gamma of p = c^2 rho0 / gamma ((rho / rho0)^gamma - 1): 1 is linear, 7 is Tait's."""

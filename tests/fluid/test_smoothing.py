@@ -156,7 +156,7 @@ def test_the_lattice_that_water_starts_from_is_as_water_is_under_the_neutral_ker
     """Where it is stable it is rigid, under other kernels, and where it bears no shear it gives way."""
     basin = BasinConfig(length=1.0, width=width, depth=0.5).build()
     stencil = Stencil(delta_sph.Config(spacing=0.1).smoothing(basin), 0.1)
-    assert abs(stencil.softest) < 0.002 and abs(stencil.rigidity) < 0.002
+    assert abs(stencil.softest) < 0.006 and abs(stencil.rigidity) < 0.001
     assert stencil.filled == pytest.approx(1.0, abs=0.002)
     for ratio in np.arange(2.0, 4.1, 0.1):
         other = Stencil(Smoothing(basin.dimension, ratio * 0.1), 0.1)

@@ -75,11 +75,13 @@ class Kernel:
 
 WENDLAND = Kernel(3, (1.0,))
 """W = constant (1 - r/support)^4 (1 + 4 r/h), Wendland's C2."""
-NEUTRAL = Kernel(5, (2.95, 10.5, -12.45), length=0.42)
-"""Under which a lattice of particles is as water is: at a support of NEUTRAL_RATIO spacings it bears no shear, along
-its axes or their diagonals, and no pattern of particles lies lower, in a slice and in space. Fitted so that both shear
-moduli and the softest mode vanish (Stencil.rigidity, Stencil.softest)."""
-NEUTRAL_RATIO = 3.6  # [spacings] 36 neighbours in a slice, 178 in space
+NEUTRAL = Kernel(5, (1.0, 11.0, -11.0), length=0.4)
+"""grad W = -slope (1 - q)^5 (1 + 11 q (1 - q)) x, under which a lattice of particles is as water is: at supports of 3.8
+to 4.2 spacings it bears no shear, along its axes or their diagonals, and hardly a pattern of particles lies lower, in
+a slice and in space. Fitted so that both shear moduli and the softest mode vanish (Stencil.rigidity, Stencil.softest)
+while waves of two spacings are smoothed to 2 %: the less they are, the more room water takes that has lost its
+lattice."""
+NEUTRAL_RATIO = 4.0  # [spacings] 44 neighbours in a slice, 250 in space
 
 
 @ti.data_oriented

@@ -72,17 +72,19 @@ def test_still_water_holds_its_pressure_into_the_corners(water):
     assert np.abs(fluid.impulse["pressure"]).max() < 1e-12 * weight
 
 
-@pytest.mark.parametrize(("support_ratio", "stable"), [(None, True), (2.6, False)])
-def test_water_in_space_that_is_hardly_moved_stays_so_on_a_stable_lattice_alone(water, support_ratio, stable):
-    """Without any viscosity, which could calm it. At 2.6 spacings, the control, the lattice gives way."""
+@pytest.mark.parametrize(("support_ratio", "stable"), [(None, True), (3.0, False)])
+def test_water_in_space_that_is_hardly_moved_stays_so_on_its_lattice_at_the_default_support(
+    water, support_ratio, stable
+):
+    """For 2 s, without any viscosity, which could calm it. At 3 spacings, the control, the lattice gives way at once."""
     fluid = water("delta_sph", basin={"length": 0.5, "width": 0.5, "depth": 0.5}, support_ratio=support_ratio)
-    assert (Stencil(fluid.smoothing, fluid.particles.spacing).softest > 0.0) == stable
+    assert (Stencil(fluid.smoothing, fluid.particles.spacing).softest > -0.006) == stable
     kicks = np.random.default_rng(5).normal(0.0, KICK, (fluid.particles.n, 3))
     fluid.particles.velocity.from_numpy(kicks)
     fluid.begin()
     advance(fluid, 2.0)
     speed = float(np.sqrt((fluid.particles.velocity.to_numpy() ** 2).mean()))
-    assert speed < 1.2 * KICK if stable else speed > 5.0 * KICK, speed
+    assert speed < KICK if stable else speed > 2.5 * KICK, speed
 
 
 def test_water_that_is_not_held_by_the_floor_does_not(water):

@@ -43,16 +43,17 @@ class StandingWave:
         """Decay rate [1/s] to leading order in the viscosity [m2/s]: 2 nu k^2 (Lamb, Hydrodynamics, art. 348)."""
         return 2.0 * viscosity * self.k**2
 
-    def viscous_rate(self, viscosity: float) -> float:
-        """Decay rate [1/s] of (n + 2 nu k^2)^2 + w^2 = 4 nu^2 k^4 sqrt(1 + n / (nu k^2)), the root near n = i w: deep
-        water (Lamb, art. 349)."""
+    def viscous_root(self, viscosity: float) -> complex:
+        """n [1/s] of a wave exp(n t) in deep water of a viscosity [m2/s]: the root near i w of (n + 2 nu k^2)^2 + w^2 =
+        4 nu^2 k^4 sqrt(1 + n / (nu k^2)) (Lamb, art. 349). -1 / real part is its decay time, 2 pi / imaginary part its
+        period."""
         if viscosity == 0.0:
-            return 0.0
+            return 1j * self.omega
         shear = viscosity * self.k**2
         n = 1j * self.omega
         for _ in range(100):
             n = -2.0 * shear + 1j * np.sqrt(self.omega**2 - 4.0 * shear**2 * np.sqrt(1.0 + n / shear))
-        return -float(n.real)
+        return complex(n)
 
     def flow(self, position: np.ndarray) -> np.ndarray:
         """Velocity of the wave of amplitude 1 m as it passes through the level, in linear theory [m/s]."""

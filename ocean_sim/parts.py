@@ -145,7 +145,7 @@ class FluidConfig(KindConfig):
     carries_bodies: ClassVar[bool] = False
     """Whether it answers to a body within a step, so that a ship of kind `pressure` may float on it."""
     added_viscosity: ClassVar[tuple[tuple[float, float], ...]] = ()
-    """Viscosity that the scheme adds to a wave so many spacings long, over h c (half its support, its sound speed);
+    """Viscosity that the scheme adds to a wave so many spacings long, over h c (its smoothing length and sound speed);
     empty where it has not been measured. Measured by the decay of small waves in a slice, in the validation cases
     wind_growth (still air; 32 and 64 spacings) and standing_wave (50 and 100). Steeper seas lose more (imposed_sea)."""
 

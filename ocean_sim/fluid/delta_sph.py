@@ -59,7 +59,7 @@ class Config(SphConfig):
 
     carries_bodies: ClassVar[bool] = True
     fineness: ClassVar[int] = 3
-    added_viscosity: ClassVar = ((32.0, 8.8e-4), (64.0, 5.5e-4), (100.0, 2.2e-4))
+    added_viscosity: ClassVar = ((32.0, 1.44e-4), (64.0, 9.9e-5), (100.0, 8.5e-5))
     default_ratio: ClassVar[tuple[float, float]] = (NEUTRAL_RATIO, NEUTRAL_RATIO)
     kernel: ClassVar[Kernel] = NEUTRAL
     kind: Literal["delta_sph"] = "delta_sph"

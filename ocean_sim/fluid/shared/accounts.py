@@ -10,8 +10,8 @@ from ocean_sim.fluid import Status
 from ocean_sim.fluid.shared.grid import Grid
 from ocean_sim.runtime import Template
 
-TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "diffusion")
-PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS, SHIP, DIFFUSION = range(len(TERMS))
+TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "bed", "diffusion")
+PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS, SHIP, BED, DIFFUSION = range(len(TERMS))
 SUMMARY = 7  # numbers that a step reports
 DENSE = 1.0e30  # [kg/m3] more than any density
 

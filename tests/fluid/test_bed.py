@@ -134,7 +134,7 @@ def accuracy(tmp_path, scheme: str, **basin: object) -> dict:
 
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_its_impulse_and_work_are_told_and_all_closes(tmp_path, scheme):
-    """Momentum to the digits of the file, and energy as well as over a bed that does not rub, which is no column: within
+    """Momentum to the digits of the file, and energy as well as over a bed that does not rub and is no column: within
     3e-5 of what the bed takes, but for `mueller`, whose boiling takes another course (1.5e-3)."""
     rough, smooth = (accuracy(tmp_path / name, scheme, floor=floor) for name, floor in BEDS.items())
     for table in (rough, smooth):

@@ -50,12 +50,12 @@ class ParticleWater(ParticleFluid):
         self.smoothing = Smoothing(basin.dimension, size.support, config.kernel)
         self.carried = tuple(ti.field(float, shape=self.particles.n) for _ in range(size.carried))
         self.grid = Grid(self.particles, size, self.carried)
-        self.accounts = Accounts(size.groups, accounts)
+        self.rubs = basin.rough_bed is not None
+        self.accounts = Accounts(size.groups, accounts, self.rubs)
         self.surface = FreeSurface(self.particles, self.grid, self.smoothing)
         self.around = self.surface.around
         self.walls = Walls(lattice, self.grid.images)
         self.pull = Pull(basin, config.body_force)
-        self.rubs = basin.rough_bed is not None
         if basin.rough_bed is not None:
             from ocean_sim.fluid.shared.bed import Bed
 
@@ -179,8 +179,6 @@ class ParticleWater(ParticleFluid):
             total["ship"] += self.contact.given
         elif total:
             del total["ship"]
-        if total and not self.rubs:
-            del total["bed"]
         return total
 
     @property
@@ -194,8 +192,6 @@ class ParticleWater(ParticleFluid):
             total["ship"] += self.contact.work
         elif total:
             del total["ship"]
-        if total and not self.rubs:
-            del total["bed"]
         return total
 
     @ti.func

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import log
 from typing import Annotated, Literal, Protocol
 
 import numpy as np
@@ -17,6 +18,9 @@ SIDES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
 Wall = Literal["none", "reflecting", "no_slip", "periodic", "absorbing"]
 Slip = Literal["free_slip", "no_slip"]
 Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
+KARMAN = 0.41  # of the logarithmic law
+GRAINS = 30.0  # sand roughness over z0, where that law comes to rest (Nikuradse 1933, VDI-Forschungsheft 361)
+LOWEST = 0.25  # [rows] above the bed: the height that what lies lower is taken to have in it
 ROUNDING = 1e-9  # [m] by which a box may reach over a side or into another one
 
 
@@ -43,6 +47,61 @@ class Lid(Model):
     slip: Slip = "no_slip"
     velocity: Vector3 = quantity("m/s", (0.0, 0.0, 0.0))
     """It slides in its own plane."""
+
+
+class RoughBed(Model):
+    """A bed that rubs: a mirror of free slip and a shear stress tau on the water next to it, opposite to its velocity u
+    along the bed. What moves with a tank is measured in its axes, and there the bed rests."""
+
+    roughness: float | None = quantity("m", None, gt=0.0)
+    """Nikuradse's sand roughness k_s: tau = rho (kappa u / ln(z / z0))^2 with u at the height z, z0 = k_s / 30 (Fredsoe
+    & Deigaard 1992, Mechanics of coastal sediment transport; Nielsen 1992, Coastal bottom boundary layers)."""
+    friction_factor: float | None = quantity("1", None, gt=0.0)
+    """f of tau = rho f |u| u / 2, as for waves (Jonsson 1966): a quarter of that of Darcy and Weisbach."""
+
+    @model_validator(mode="after")
+    def _one_law(self) -> "RoughBed":
+        if (self.roughness is None) == (self.friction_factor is None):
+            raise ValueError("give either roughness [m] or friction_factor")
+        return self
+
+    @property
+    def z0(self) -> float:
+        """Height at which the logarithmic law comes to rest [m]; 0 where a friction factor stands in its place."""
+        return (self.roughness or 0.0) / GRAINS
+
+    def problems(self, row: float) -> list[str]:
+        """What is wrong with it under water whose lowest row of particles is so high [m]."""
+        if self.z0 < LOWEST * row:
+            return []
+        return [
+            f"the bed's z0 of {self.z0:.3g} m, a thirtieth of its roughness, is not below a quarter of the lowest row "
+            f"of particles, {row:g} m high; take coarser particles or a friction_factor"
+        ]
+
+    def warnings(self, row: float) -> list[str]:
+        """What a reader of the results should know."""
+        if (self.roughness or 0.0) <= 0.5 * row:
+            return []
+        return [
+            f"the bed's grains of {self.roughness:g} m reach above the middle of the lowest row of particles, "
+            f"{0.5 * row:g} m, where the logarithmic law takes u; take coarser particles or a friction_factor"
+        ]
+
+    def statements(self, row: float) -> list[str]:
+        """What it does to the water."""
+        height = 0.5 * row
+        factor = f"friction factor of {2.0 * self.drag(height):.4g} (tau = rho f |u| u / 2)"
+        if self.roughness is None:
+            return [f"the bed rubs with a {factor}, u that of the lowest row of particles"]
+        return [
+            f"the bed rubs: roughness {self.roughness:g} m, z0 {self.z0:.3g} m; u is that of the lowest row of "
+            f"particles, {height:g} m or {height / self.z0:.3g} z0 above it, where the logarithmic law is a {factor}"
+        ]
+
+    def drag(self, height: float) -> float:
+        """tau / (rho |u| u) for u at a height above the bed [m]."""
+        return 0.5 * self.friction_factor if self.friction_factor is not None else (KARMAN / log(height / self.z0)) ** 2
 
 
 class Box(Model):
@@ -82,8 +141,8 @@ class Config(Model):
     walls: Wall | Walls = "reflecting"
     """`reflecting` (free slip), `no_slip`, `periodic`, `absorbing` or `none`, for all sides or per side; walls rise
     without limit."""
-    floor: Literal["free_slip", "no_slip", "none"] = "free_slip"
-    """The bed."""
+    floor: Literal["free_slip", "no_slip", "none"] | RoughBed = "free_slip"
+    """The bed; between free slip and no slip it has a `roughness` or a `friction_factor`."""
     lid: Lid | None = None
     """A lid on the still water; none: a free surface."""
     restitution: float = quantity("1", 0.0, ge=0.0, le=1.0)
@@ -254,10 +313,16 @@ class Basin:
                     piston = self.piston if self.config.wavemaker and self.config.wavemaker.wall == name else None
                     found.append(Side(axis, upper, position, slip, absorbing=kind == "absorbing", piston=piston))
         if self.config.floor != "none":
-            found.append(Side(1, False, self.lower[1], self.config.floor))
+            held = self.config.floor == "no_slip"
+            found.append(Side(1, False, self.lower[1], "no_slip" if held else "free_slip"))
         if self.config.lid is not None:
             found.append(Side(1, True, 0.0, self.config.lid.slip, self.config.lid.velocity))
         return tuple(found)
+
+    @property
+    def rough_bed(self) -> RoughBed | None:
+        """The bed where it rubs."""
+        return self.config.floor if isinstance(self.config.floor, RoughBed) else None
 
     @cached_property
     def obstacles(self) -> list[tuple[tuple[float, ...], tuple[float, ...]]]:

@@ -13,7 +13,7 @@ from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.particle_water import ParticleWater
 from ocean_sim.fluid.shared.tasks import TASK
 from ocean_sim.fluid.shared.water import WaterConfig, free_fall_speed
-from ocean_sim.parts import LedgerRow, Preflight
+from ocean_sim.parts import LedgerRow, Preflight, Problems
 from ocean_sim.runtime import Array
 from ocean_sim.wind import Wind
 
@@ -25,6 +25,14 @@ class Config(WaterConfig):
     """Particles without interaction."""
 
     kind: Literal["ballistic"] = "ballistic"
+
+    def problems(self, preflight: Preflight) -> Problems:
+        found = super().problems(preflight)
+        if preflight.tank.rough_bed is not None:
+            found.append(
+                (("kind",), "particles that ignore each other form no layer for a bed to rub on; leave basin.floor out")
+            )
+        return found
 
     def size(self, basin: Basin) -> GridSize:
         lattice = self.lattice(basin)

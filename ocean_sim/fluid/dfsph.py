@@ -30,7 +30,7 @@ import taichi.math as tm
 from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid import Limits
-from ocean_sim.fluid.shared.accounts import GRAVITY, PRESSURE, SHIP, VISCOSITY, WALLS, WIND
+from ocean_sim.fluid.shared.accounts import BED, GRAVITY, PRESSURE, SHIP, VISCOSITY, WALLS, WIND
 from ocean_sim.fluid.shared.force import Force
 from ocean_sim.fluid.shared.images import hydrostatic_offset, mirrored, turned
 from ocean_sim.fluid.shared.law import PositionLaw
@@ -257,6 +257,10 @@ class Forces(Force):
             v_new = fluid.pushed(group, VISCOSITY, v_new, dt * self.rubbing * rub)
             v_new = fluid.pushed(group, WALLS, v_new, dt * self.rubbing * rub_walls)
             a += self.rubbing * (rub + rub_walls)
+        if ti.static(fluid.rubs):
+            a_bed = fluid.bed.push(x, v_new, dt)
+            v_new = fluid.pushed(group, BED, v_new, dt * a_bed)
+            a += a_bed
         v_new = fluid.pushed(group, WALLS, v_new, fluid.walls.relaxed(x, v_new, dt) - v_new)
         v_new = fluid.pressed(group, v_new, dt, vec3(total, self.terms.push), vec3(beyond, self.terms.push))
         for k, component in ti.static(enumerate(fluid.predicted)):

@@ -56,6 +56,8 @@ class Config(waves.WaveTrain, FluidConfig):
         found = found or [(key, sentence) for sentence in waves.unsuited(basin, *self.scale)]
         if basin.obstacles:
             found.append((("kind",), "a sea in closed form goes through obstacles; leave basin.obstacles out"))
+        if basin.rough_bed is not None:
+            found.append((("kind",), "a sea in closed form knows no friction; leave basin.floor out"))
         return found + [(path, sentence) for sentence in waves.misdirected(self.heading, basin)]
 
     def warnings(self, preflight: Preflight) -> list[str]:

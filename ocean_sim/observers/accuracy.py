@@ -17,7 +17,19 @@ from ocean_sim.simulation import Observer, PeriodicConfig
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
-TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "obstacles", "ship", "emitter", "diffusion", "shifting")
+TERMS = (
+    "pressure",
+    "viscosity",
+    "wind",
+    "gravity",
+    "walls",
+    "bed",
+    "obstacles",
+    "ship",
+    "emitter",
+    "diffusion",
+    "shifting",
+)
 BETWEEN_ENERGIES = ("gravity", "pressure")  # their work turns one energy into another; pressure's where water stores it
 SOLVED_FOR = {
     "density": "mean error of the density over the rest density",

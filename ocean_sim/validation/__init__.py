@@ -31,6 +31,7 @@ ORDER = (
     "wind_stress",
     "wind_growth",
     "wind_setup",
+    "rough_channel",
 )
 
 

@@ -34,6 +34,7 @@ def test_the_cases_asked_for_are_there():
         "wind_stress",
         "wind_setup",
         "wind_growth",
+        "rough_channel",
     } <= set(names())
 
 

@@ -101,6 +101,12 @@ class Lattice:
         return self.config.rest_density * self.volume / (total(self.counts) if self.given is None else len(self.given))
 
     @property
+    def row(self) -> float:
+        """Height of the lowest row of particles [m]."""
+        rows = [(low[1], (up[1] - low[1]) / count[1]) for (low, up), count in zip(self.boxes, self.counts, strict=True)]
+        return float(min(rows)[1]) if rows else self.spacing
+
+    @property
     def plan_area(self) -> float | None:
         """Area of the still surface [m2], in a slice its length [m]; None where water does not fill the basin."""
         filled = self.config.fill is None and self.given is None and not self.basin.closed

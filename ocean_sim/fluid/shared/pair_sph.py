@@ -4,9 +4,10 @@ adds, and, where the density is a sum, the whole step."""
 from typing import ClassVar
 
 import taichi as ti
+import taichi.math as tm
 
 from ocean_sim.columns import Columns, vec3
-from ocean_sim.fluid.shared.accounts import WALLS
+from ocean_sim.fluid.shared.accounts import BED, WALLS
 from ocean_sim.fluid.shared.force import Force
 from ocean_sim.fluid.shared.images import displaced, hydrostatic_offset, reflected
 from ocean_sim.fluid.shared.law import Law
@@ -16,7 +17,7 @@ from ocean_sim.runtime import Array
 
 @ti.data_oriented
 class MomentumLaw(Force):
-    """What pushes particles and moves them: neighbours, wind, gravity (2.25), a hull, and walls.
+    """What pushes particles and moves them: neighbours, wind, gravity (2.25), a hull, a bed, and walls.
 
     A scheme adds what is read (`row`, which begins with `position` and `velocity` and has a `pressure` in a form of its
     own, and `reads`), what a pair adds (`pair`, by way of `added`), and by how much a pressure rises (`risen`).
@@ -90,6 +91,10 @@ class MomentumLaw(Force):
         a_pull = fluid.pull.at(x, v)
         a_hull = fluid.hull_push(x, self.passed * dt)
         a = a_water + a_walls + a_wind + a_pull + a_hull  # (2.25)
+        a_bed = tm.vec3(0.0)
+        if ti.static(fluid.rubs):
+            a_bed = fluid.bed.push(x, v + dt * a, dt)
+            a += a_bed
         free = v + dt * a
         pushed, fast = walls.held_back(walls.relaxed(x, free, dt), dt)
         x_free = x + fluid.grid.gone(i, ti.static(1.0 - self.passed) * dt * pushed)
@@ -107,6 +112,8 @@ class MomentumLaw(Force):
                     fluid.accounts.count_work(group, WALLS, m * (v_new - v).dot(mean - far))
                     mean = far
             fluid.accounts.count_step(group, m * dt, a_pressure, rubbed, a_wind, a_pull, a_hull, m * kept, mean)
+            if ti.static(fluid.rubs):
+                fluid.accounts.count_impulse(group, BED, m * dt * a_bed, mean)
             self.account(beyond, mean, dt, group)
 
     @ti.func

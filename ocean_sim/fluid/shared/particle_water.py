@@ -3,6 +3,7 @@ frame of a step."""
 
 from abc import abstractmethod
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import taichi as ti
@@ -24,6 +25,9 @@ from ocean_sim.fluid.shared.water import WaterConfig
 from ocean_sim.runtime import Array2
 from ocean_sim.wind import Wind
 
+if TYPE_CHECKING:  # it is imported only where it rubs
+    from ocean_sim.fluid.shared.bed import Bed
+
 
 @ti.data_oriented
 class ParticleWater(ParticleFluid):
@@ -36,6 +40,7 @@ class ParticleWater(ParticleFluid):
     walls: Walls
     field: Field
     contact: Contact
+    bed: "Bed"
 
     def __init__(self, config: WaterConfig, basin: Basin, size: GridSize, accounts: bool, wind: Wind) -> None:
         self.config, self.wind = config, wind
@@ -45,11 +50,16 @@ class ParticleWater(ParticleFluid):
         self.smoothing = Smoothing(basin.dimension, size.support, config.kernel)
         self.carried = tuple(ti.field(float, shape=self.particles.n) for _ in range(size.carried))
         self.grid = Grid(self.particles, size, self.carried)
-        self.accounts = Accounts(size.groups, accounts)
+        self.rubs = basin.rough_bed is not None
+        self.accounts = Accounts(size.groups, accounts, self.rubs)
         self.surface = FreeSurface(self.particles, self.grid, self.smoothing)
         self.around = self.surface.around
         self.walls = Walls(lattice, self.grid.images)
         self.pull = Pull(basin, config.body_force)
+        if basin.rough_bed is not None:
+            from ocean_sim.fluid.shared.bed import Bed
+
+            self.bed = Bed(basin.rough_bed, lattice)
         self.jet = lattice.jet
         self.time = 0.0  # [s]
         self.emitted_impulse, self.emitted_work = np.zeros(3), 0.0  # [N s], [J]

@@ -90,6 +90,14 @@ class SphConfig(WaterConfig):
                         f"a period of {period:g} m along {axis} is shorter than two supports of {support:g} m",
                     )
                 )
+        if basin.rough_bed is not None:
+            found += [(("spacing",), s) for s in basin.rough_bed.problems(self.lattice(basin).row)]
+        return found
+
+    def warnings(self, preflight: Preflight) -> list[str]:
+        found, basin = super().warnings(preflight), preflight.tank
+        if basin.rough_bed is not None:
+            found += basin.rough_bed.warnings(self.lattice(basin).row)
         return found
 
     def sized(self, lattice: Lattice, reads: int, carried: int = 0) -> ListSize:
@@ -108,7 +116,8 @@ class SphConfig(WaterConfig):
         return float(share * self.smoothing(preflight.tank).length * self.sound_speed(preflight.tank))
 
     def statements(self, preflight: Preflight) -> list[str]:
-        c, speed = self.sound_speed(preflight.tank), self.speed(preflight.tank)
+        basin = preflight.tank
+        c, speed = self.sound_speed(basin), self.speed(basin)
         found = [
             f"sound speed {c:.4g} m/s, stiffness {c * c:.4g} m2/s2: compression (reference speed {speed:.4g} m/s / "
             f"sound speed)^2 = {(speed / c) ** 2:.2%}"
@@ -116,6 +125,8 @@ class SphConfig(WaterConfig):
         if self.minimum_pressure is not None:
             least = f"{self.minimum_pressure:g}"
             found.append(f"pressures below {least} Pa are set to {least} (minimum_pressure)")
+        if basin.rough_bed is not None:
+            found += basin.rough_bed.statements(self.lattice(basin).row)
         return found + super().statements(preflight)
 
 

@@ -1,0 +1,109 @@
+"""Uniform flow down a rough channel of slope S, driven by g S along it: the stress of the bed, and the speed.
+
+In the steady state the bed bears the weight along the slope whatever its law is: tau = rho g S h, u* = sqrt(g S h). The
+law says how fast the water next to it then is, at the height z1 of half a spacing in the middle of the lowest row:
+
+    u(z1) = u* / kappa ln(z1 / z0),   z0 = k_s / 30.
+
+The water is laminar, of constant viscosity and without stress on its surface, so that its profile is a parabola,
+
+    u(z) = u_b + g S / nu (h z - z^2 / 2),   with u_b by u(z1),
+
+and its mean U = u_b + g S h^2 / (3 nu), nine tenths of which are u_b. It starts from 0.8 of the profile. Since the
+stress rises as the square of the speed, the mean comes near U as U tanh(t / T + artanh 0.8), T = U / (g S), 15 s; the
+shape of the profile is settled sooner, in h^2 / nu.
+
+The stress of the bed is what the momentum of the water lacks: its weight along the slope less what it gains.
+"""
+
+from math import atanh, log, sqrt
+
+import numpy as np
+
+from ocean_sim.basin import GRAINS, KARMAN
+from ocean_sim.simulation import Simulation
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation.shared.state import sampled, set_state, state
+
+LENGTH, DEPTH, VISCOSITY, ROUGHNESS = 0.2, 0.1, 2e-3, 3e-3  # [m], [m], [m2/s], [m]
+DENSITY, ALONG = 1000.0, 0.05  # [kg/m3], g S [m/s2]: a slope of 0.0051
+STRESS = DENSITY * ALONG * DEPTH  # [Pa]
+FIRST = 0.8  # of the steady speed, at which it starts
+UNTIL = 45.0  # [s]
+LAST = 5.0  # [s] that are looked at
+FLOW, LAW = "a parabola on the logarithmic law", "rho (kappa u / ln(z / z0))^2, u and z means of the lowest row"
+PROMISES = (
+    Promise("stress of the bed, of that by its law [Pa]", "%", LAW, {"delta_sph": 5.0, "dfsph": 5.0}),
+    Promise("stress of the bed [Pa]", "%", "rho g S h", {"delta_sph": 2.0, "dfsph": 2.0}),
+    Promise("mean speed [m/s]", "%", f"u_b + g S h^2 / (3 nu); {FLOW}", {"delta_sph": 3.0, "dfsph": 3.0}),
+    Promise("speed of the lowest row [m/s]", "%", "u* / kappa ln(z1 / z0)"),
+    Promise("speed of the uppermost row [m/s]", "%", FLOW),
+    Promise("mean speed on its way, worst [U]", "%", "tanh(t / T + artanh 0.8): as if it kept its profile"),
+)
+
+
+def problems(coarse: bool) -> list[Problem]:
+    layers = 5 if coarse else 10
+    spacing = DEPTH / layers
+    scene = {
+        "duration": UNTIL,
+        "basin": {"length": LENGTH, "depth": DEPTH, "walls": {"x": "periodic"}, "floor": {"roughness": ROUGHNESS}},
+        "fluid": {"spacing": spacing, "kinematic_viscosity": VISCOSITY, "body_force": [ALONG, 0.0, 0.0]},
+    }
+    return [Problem(scene, PROMISES, lambda simulation: measure(simulation, spacing), schemes=("delta_sph", "dfsph"))]
+
+
+def by_law(speed: float, height: float) -> float:
+    """Stress of the bed [Pa] by the logarithmic law of a speed [m/s] at a height [m]."""
+    return DENSITY * (KARMAN * speed / log(GRAINS * height / ROUGHNESS)) ** 2
+
+
+def profile(z: np.ndarray | float, spacing: float) -> np.ndarray:
+    """Speed [m/s] of the steady flow at heights z [m], where the lowest row has half a spacing [m]."""
+    z, lowest = np.asarray(z, dtype=float), 0.5 * spacing
+    there = sqrt(STRESS / DENSITY) / KARMAN * log(GRAINS * lowest / ROUGHNESS)
+    return there + ALONG / VISCOSITY * (DEPTH * (z - lowest) - 0.5 * (z**2 - lowest**2))
+
+
+def mean_speed(spacing: float) -> float:
+    """U [m/s]."""
+    return float(profile(0.0, spacing)) + ALONG * DEPTH**2 / (3.0 * VISCOSITY)
+
+
+def measure(simulation: Simulation, spacing: float) -> Finding:
+    """Start the flow too slow, and look at the last seconds of the run."""
+    start = state(simulation).position
+    set_state(simulation, start, FIRST * np.outer(profile(start[:, 1] + DEPTH, spacing), [1.0, 0.0, 0.0]))
+    times, means, rows, seen = [], [], [], []
+    for water in sampled(simulation, UNTIL, 0.5):
+        z, u = water.position[:, 1] + DEPTH, water.velocity[:, 0]
+        lowest, uppermost = z < spacing, z > DEPTH - spacing
+        times.append(water.time)
+        means.append(u.mean())
+        rows.append([u[lowest].mean(), z[lowest].mean(), u[uppermost].mean()])
+        if water.time > UNTIL - LAST:
+            seen.append(np.stack([u, z], axis=1))
+    t, mean = np.array(times), np.array(means)
+    last = t > UNTIL - LAST
+    gained = (mean[last][-1] - mean[last][0]) / (t[last][-1] - t[last][0])  # [m/s2]
+    stress = STRESS - DENSITY * DEPTH * gained
+    next_to_it, height, on_top = np.array(rows)[last].mean(axis=0)
+    steady = mean_speed(spacing)
+    way = np.tanh(t * ALONG / steady + atanh(FIRST))
+    worst = int(np.argmax(np.abs(mean / steady - way)))
+    numbers = (
+        relative(stress, by_law(next_to_it, height)),
+        relative(stress, STRESS),
+        relative(mean[last].mean(), steady),
+        relative(next_to_it, float(profile(0.5 * spacing, spacing))),
+        relative(on_top, float(profile(DEPTH - 0.5 * spacing, spacing))),
+        (mean[worst] / steady, way[worst], 100.0 * (mean[worst] / steady - way[worst])),
+    )
+    u, z = np.concatenate(seen).T
+    order, depths = np.argsort(z), np.linspace(0.0, DEPTH, 41)
+    return Finding(
+        {promise.quantity: number for promise, number in zip(PROMISES, numbers, strict=True)},
+        [Curve("last seconds", u[order], z[order] / DEPTH, points=True)],
+        [Curve(FLOW, profile(depths, spacing), depths / DEPTH)],
+        ("u [m/s]", "z / h"),
+    )

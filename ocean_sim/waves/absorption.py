@@ -10,11 +10,12 @@ an exponential along the zone times a profile over the depth (for r = 0 the wave
 a wall), found by Galerkin's method with the first MODES Legendre polynomials. Pressure and flux are matched from layer
 to layer, beginning at the wall.
 
-The zone is best when a wave loses little on any piece of it over which it would notice the change, and nearly all on
-the way to the wall and back: exp(-(integral of r s^PROFILE dx) / group speed). For zones of 1 to 2 wavelengths and k h
-of 0.5 to 3, reflection is least near r = 2 k group speed, whatever the length: 1.1 % at most of a regular wave from
-one wavelength, 0.5 % of a JONSWAP sea from two (2.3 % from one). With s^2 the best r leaves 1.9 % and 0.2 %, with s
-4.7 % and 1.9 % at r = 2 k group speed and 1.3 % and 1 % at 1.2, but with more of every other frequency.
+The zone is best when no wave notices where it begins, and nearly all of it is gone on the way to the wall and back: its
+height falls by exp(-(integral of r s^PROFILE dx) / group speed). In zones of one wavelength and more least comes back
+near r = 2 k times the group speed, whatever their length. For k h from 0.5 to 3 that is at most 1.1 % of a regular wave
+from one wavelength and 0.45 % from two, and 0.5 % of a JONSWAP sea from two (2.3 % from one). A damping with s^2 leaves
+1.9 % from one wavelength and 0.2 % from two, at its best rate for all of these, 2.4 k times the group speed; with s it
+is 1.9 % and 1.0 %, at 1.2.
 """
 
 import numpy as np

@@ -178,8 +178,8 @@ class Recorded(Tank):
     @property
     def mean_frequency(self) -> float:
         """[rad/s] Standard deviation of the velocity over that of the displacement; 0 where it does not move."""
-        _, times, _ = self.rows()
-        found = np.array([self.build().law(t) for t in np.linspace(times[0], times[-1], SAMPLES)])
+        (_, times, _), law = self.rows(), self.build().law
+        found = np.array([law(t) for t in np.linspace(times[0], times[-1], SAMPLES)])
         moved, speed = found.std(axis=0)[:2]
         return float(speed / moved) if moved > 0.0 else 0.0
 

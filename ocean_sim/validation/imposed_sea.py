@@ -42,7 +42,7 @@ PROMISES = (
 def problems(coarse: bool) -> list[Problem]:
     spectrum = {"significant_wave_height": HEIGHT, "peak_period": PERIOD, "seed": SEED, "cut_off": 2.0}
     scene = {
-        "duration": BEGIN + (10.0 if coarse else 20.0) * PERIOD,
+        "duration": BEGIN + 20.0 * PERIOD,
         "basin": {
             "length": LENGTH,
             "depth": DEPTH,

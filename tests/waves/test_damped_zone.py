@@ -75,6 +75,16 @@ def test_the_chosen_rate_is_near_the_best(kh, wavelengths, most):
     assert chosen < most and chosen - best < 0.006
 
 
+@pytest.mark.parametrize("kh", [0.5, 1.1, 3.0])
+@pytest.mark.parametrize("wavelengths, most", [(0.1, 0.7), (0.25, 0.35), (0.35, 0.18), (0.5, 0.035)])
+def test_and_so_it_is_in_a_zone_that_is_short(kh, wavelengths, most):
+    k = kh / DEPTH
+    share = damping_rate(k, DEPTH, GRAVITY, wavelengths * 2.0 * np.pi / k) / (k * float(group_speed(k, DEPTH)))
+    chosen = sent_back(kh, wavelengths, share)
+    best = min(sent_back(kh, wavelengths, rate) for rate in np.geomspace(1.0, 40.0, 30))
+    assert share > RATE and chosen < most and chosen - best < 0.03
+
+
 def test_layers_and_modes_are_enough(monkeypatch):
     coarse = sent_back(1.1, 1.0, RATE)
     monkeypatch.setattr(absorption, "LAYERS", 240)
@@ -84,8 +94,9 @@ def test_layers_and_modes_are_enough(monkeypatch):
 
 def test_of_a_sea_it_tells_the_highest_wave_and_all_of_them():
     sea = Spectrum(significant_wave_height=0.04, peak_period=1.5).components(np.array([1.0, 0.0]), DEPTH)
-    rate = damping_rate(float(sea.wavenumber[sea.highest]), DEPTH, GRAVITY)
-    length = 1.5 * 2.0 * np.pi / float(sea.wavenumber[sea.highest])
+    k = float(sea.wavenumber[sea.highest])
+    length = 1.5 * 2.0 * np.pi / k
+    rate = damping_rate(k, DEPTH, GRAVITY, length)
     peak, whole = reflected(sea, length, rate)
     each = reflection(sea.omega, DEPTH, GRAVITY, length, rate)
     assert peak == pytest.approx(each[sea.highest], rel=1e-6)

@@ -111,8 +111,8 @@ def zone(side: Side, basin: Basin, of_scene: waves.Components | None, absorbing:
     if sea is not None:
         k = float(sea.wavenumber[sea.highest])
         wanted = (RANDOM if sea.random else REGULAR) * 2.0 * pi / k
-        length = min(wanted, MOST * size / sum(other.axis == axis for other in absorbing))
-        rate = damping_rate(k, sea.depth, sea.gravity)
+        length = asked.length or min(wanted, MOST * size / sum(other.axis == axis for other in absorbing))
+        rate = damping_rate(k, sea.depth, sea.gravity, length)
     length, rate = asked.length or length, asked.rate or rate
     begin = side.position - length if side.upper else side.position + length
     current = (0.0, 0.0, 0.0) if target is None else target.current

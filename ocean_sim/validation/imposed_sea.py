@@ -5,10 +5,10 @@ The basin is five wavelengths of the peak long, the last two of which absorb. In
 by three gauges. The spectrum ends at twice the peak frequency: shorter waves have too few particles to travel.
 
 What height is missing is lost on the way to the gauge, to the scheme itself: under delta_sph 4 sqrt m0 is 8.7 % short
-and T_m02 8.0 % long at a spacing of 1/40 of the peak's wavelength. At 1/80 1.1 % comes back (1.1 to 1.4 % where else the
-gauges may stand, 1.2 to 2.3 % in half the record), in linear theory 0.3 %; from a zone of 1.5 wavelengths at 1/60 1.4 to
-2.5 %, in theory 0.5 %; from one wavelength damped with 2.5 sqrt(g / h) at the side and the square of the distance 2.8 to
-3.8 %, in theory 2.7 %. What is more than the theory's may be bound waves, which no linear waves are.
+and T_m02 8.0 % long at a spacing of 1/40 of the peak's wavelength. At 1/80 1.1 % comes back (1.1 to 1.4 % elsewhere in
+the basin, 1.2 to 2.3 % in half the record), in linear theory 0.3 %; from a zone of 1.5 wavelengths at 1/60 1.4 to 2.5 %,
+in theory 0.5 %; from one wavelength damped with 2.5 sqrt(g / h) at the side and the square of the distance 2.8 to 3.8 %,
+in theory 2.7 %. What is more than the theory's may be bound waves, which no linear waves are.
 """
 
 from math import pi

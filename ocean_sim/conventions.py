@@ -23,7 +23,7 @@ observer      who watches a simulation and writes files
 part          what fills a slot: its keys (a Config) and what they build
 position      where something is in space [m]
 preflight     what is known of a scene before it is built
-relaxed       slowed down towards rest near an absorbing side
+relaxed       brought towards rest, or another target, near an absorbing side
 report        to hand a fact to a person or a program; `report.html` is one
 row, column   of a table, in a file or on the device
 run folder    the files that a run leaves

@@ -3,11 +3,13 @@
 from dataclasses import dataclass
 from functools import cached_property
 from math import log
-from typing import Annotated, Literal, Protocol
+from typing import Annotated, Any, Literal, Protocol
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
+from ocean_sim import waves
+from ocean_sim.basin.absorbing import Absorbing
 from ocean_sim.basin.tank_motion import Motion, Piston, Wavemaker
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.model import Model, Vector3, quantity
@@ -24,21 +26,53 @@ LOWEST = 0.25  # [rows] above the bed: the height that what lies lower is taken 
 ROUNDING = 1e-9  # [m] by which a box may reach over a side or into another one
 
 
+def with_what_is_open(written: Any) -> Any:
+    """An absorbing side as a mapping, so that its dump shows what is left open."""
+    return {"kind": "absorbing"} if written == "absorbing" else written
+
+
+def with_each_side(written: Any) -> Any:
+    """All sides absorbing, one by one."""
+    return {"x": written, "z": written} if written == "absorbing" else written
+
+
+def word_or_mapping(written: Any) -> str:
+    """Which of the two a side is written as."""
+    return "Absorbing" if isinstance(written, dict | Absorbing) else "Wall"
+
+
+OneSide = Annotated[
+    Annotated[Wall, Tag("Wall")] | Annotated[Absorbing, Tag("Absorbing")],
+    Discriminator(word_or_mapping),
+    BeforeValidator(with_what_is_open),
+]
+
+
 class Walls(Model):
     """The kind of wall on each side; `x` stands for both `x_min` and `x_max`, and so does `z`."""
 
-    x: Wall = "reflecting"
-    z: Wall = "reflecting"
-    x_min: Wall | None = None
-    x_max: Wall | None = None
-    z_min: Wall | None = None
-    z_max: Wall | None = None
+    x: OneSide = "reflecting"
+    z: OneSide = "reflecting"
+    x_min: OneSide | None = None
+    x_max: OneSide | None = None
+    z_min: OneSide | None = None
+    z_max: OneSide | None = None
     y: Literal["periodic"] | None = None
     """`periodic`: what leaves through the bed comes in at the still surface; there is neither then."""
 
+    def key(self, side: str) -> str:
+        """Where the wall at `x_min`, `x_max`, `z_min` or `z_max` is written."""
+        return side if getattr(self, side) is not None else side[0]
+
     def at(self, side: str) -> Wall:
-        """The kind of wall at `x_min`, `x_max`, `z_min` or `z_max`."""
-        return getattr(self, side) or getattr(self, side[0])
+        """The kind of wall at a side."""
+        wall: OneSide = getattr(self, self.key(side))
+        return wall.kind if isinstance(wall, Absorbing) else wall
+
+    def absorbing(self, side: str) -> Absorbing | None:
+        """What is said of an absorbing side; None of any other."""
+        wall: OneSide = getattr(self, self.key(side))
+        return wall if isinstance(wall, Absorbing) else None
 
 
 class Lid(Model):
@@ -138,9 +172,9 @@ class Config(Model):
     """Depth of the still water."""
     gravity: Vector3 = quantity("m/s2", (0.0, -GRAVITY, 0.0))
     """Acceleration of gravity."""
-    walls: Wall | Walls = "reflecting"
+    walls: Annotated[Wall | Walls, BeforeValidator(with_each_side)] = "reflecting"
     """`reflecting` (free slip), `no_slip`, `periodic`, `absorbing` or `none`, for all sides or per side; walls rise
-    without limit."""
+    without limit. Per side also {kind: absorbing, length: 2.0, rate: 3.0}."""
     floor: Literal["free_slip", "no_slip", "none"] | RoughBed = "free_slip"
     """The bed; between free slip and no slip it has a `roughness` or a `friction_factor`."""
     lid: Lid | None = None
@@ -175,8 +209,13 @@ class Config(Model):
         if self.lid is not None and self.lid.velocity[1] != 0.0:
             found.append((("lid", "velocity"), "a lid slides in its own plane: its velocity along y must be 0"))
         found += blocked(self.obstacles, basin)
-        for key, part in (("motion", self.motion), ("wavemaker", self.wavemaker)):
-            found += [((key, *path), sentence) for path, sentence in part.problems(basin)] if part is not None else []
+        for side in basin.sides:
+            if side.absorbing is not None:
+                size = basin.upper[side.axis] - basin.lower[side.axis]
+                key = ("walls", walls.key(side.name))
+                found += [((*key, *path), sentence) for path, sentence in side.absorbing.problems(basin, size)]
+        for name, part in (("motion", self.motion), ("wavemaker", self.wavemaker)):
+            found += [((name, *path), sentence) for path, sentence in part.problems(basin)] if part is not None else []
         return found
 
 
@@ -239,8 +278,13 @@ class Side:
     position: float  # [m] along the axis
     slip: Slip
     velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [m/s]
-    absorbing: bool = False  # the water in front of it is slowed down
+    absorbing: Absorbing | None = None  # how the water in front of it is relaxed
     piston: Piston | None = None  # how it moves along its axis
+
+    @property
+    def name(self) -> str:
+        """`x_min` and so on."""
+        return f"{'xyz'[self.axis]}_{'max' if self.upper else 'min'}"
 
 
 @dataclass(frozen=True)
@@ -311,7 +355,7 @@ class Basin:
                     position = (self.upper if upper else self.lower)[axis]
                     slip: Slip = "no_slip" if kind == "no_slip" else "free_slip"
                     piston = self.piston if self.config.wavemaker and self.config.wavemaker.wall == name else None
-                    found.append(Side(axis, upper, position, slip, absorbing=kind == "absorbing", piston=piston))
+                    found.append(Side(axis, upper, position, slip, absorbing=self.walls.absorbing(name), piston=piston))
         if self.config.floor != "none":
             held = self.config.floor == "no_slip"
             found.append(Side(1, False, self.lower[1], "no_slip" if held else "free_slip"))
@@ -335,6 +379,14 @@ class Basin:
         """The wavemaker at work."""
         maker = self.config.wavemaker
         return maker.build(self.depth, -self.gravity[1]) if maker is not None else None
+
+    @cached_property
+    def swung(self) -> waves.Components | None:
+        """A wave as long as those that a moving tank sets going, of no certain height; None where it stands still."""
+        motion = self.config.motion
+        if motion is None or (omega := motion.mean_frequency) == 0.0:
+            return None
+        return waves.regular(1.0, 2.0 * np.pi / omega, np.array([1.0, 0.0]), self.depth, waves.pull(self))
 
     def stops(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         """Where walls, floor and lid stand on each axis [m], lower and upper, a piston as far out as it goes; OPEN

@@ -23,6 +23,7 @@ Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_lengt
 Law = Callable[[float], tuple[float, float, float]]  # time [s] -> displacement, velocity, acceleration
 Problems = list[tuple[tuple[str, ...], str]]  # path below the config, sentence
 
+SAMPLES = 4000  # of a recorded motion, for its mean frequency
 SLICE_AXES = ("x", "y", "roll_z")  # along and about which a vertical slice can move
 
 
@@ -129,6 +130,11 @@ class Harmonic(Tank):
     """Time over which the motion grows to its amplitude, from rest at the middle whatever its phase; by default one
     period. With 0 the tank is where its phase has it and has its full speed at once, and the water with it."""
 
+    @property
+    def mean_frequency(self) -> float:
+        """[rad/s]"""
+        return 2.0 * pi / self.period
+
     def problems(self, basin: waves.Tank) -> Problems:
         return super().problems(basin) + unmoved(self.axis, basin)
 
@@ -168,6 +174,14 @@ class Recorded(Tank):
         if len(times) < 4 or not np.isfinite([times, moved]).all() or not (np.diff(times) > 0.0).all():
             raise Unreadable(self.file, "needs at least four rows of numbers, in the order of time")
         return axes[0], times, moved
+
+    @property
+    def mean_frequency(self) -> float:
+        """[rad/s] Standard deviation of the velocity over that of the displacement; 0 where it does not move."""
+        (_, times, _), law = self.rows(), self.build().law
+        found = np.array([law(t) for t in np.linspace(times[0], times[-1], SAMPLES)])
+        moved, speed = found.std(axis=0)[:2]
+        return float(speed / moved) if moved > 0.0 else 0.0
 
     def problems(self, basin: waves.Tank) -> Problems:
         try:
@@ -239,8 +253,7 @@ class Wavemaker(waves.WaveTrain):
 
     def problems(self, basin: WalledTank) -> Problems:
         """What is wrong with this wavemaker in this basin."""
-        key: tuple[str, ...] = ("height",) if self.spectrum is None else ("spectrum", "significant_wave_height")
-        found = [(key, sentence) for sentence in waves.unsuited(basin, *self.scale)]
+        found = [(self.height_key, sentence) for sentence in waves.unsuited(basin, *self.scale)]
         if self.spectrum is not None and self.spectrum.heading_deg is not None:
             found.append((("spectrum", "heading_deg"), "the waves of a piston go away from its wall: leave this out"))
         if basin.dimension == 2 and self.wall.startswith("z"):

@@ -27,6 +27,7 @@ ORDER = (
     "sloshing",
     "piston_flume",
     "obstacle",
+    "absorbing_side",
     "imposed_sea",
     "wind_stress",
     "wind_growth",

@@ -107,6 +107,16 @@ class Components:
         """(n,) [rad/s]."""
         return angular_frequency(self.wavenumber, self.depth, self.gravity)
 
+    @property
+    def highest(self) -> int:
+        """Number of the highest of them."""
+        return int(np.argmax(self.amplitude))
+
+    @property
+    def random(self) -> bool:
+        """Whether they have more than one frequency."""
+        return bool(np.ptp(self.omega) > 0.0)
+
     def angles(self, points: np.ndarray, time: float) -> Iterator[tuple[int, np.ndarray]]:
         """Number of each component, and its k . (x, z) - omega t + phase [rad] at points whose first column is x and
         last is z."""
@@ -271,11 +281,43 @@ class WaveTrain(Model):
         assert self.height is not None and self.period is not None
         return self.height, self.period
 
+    @property
+    def height_key(self) -> tuple[str, ...]:
+        """Where the height is written."""
+        return ("height",) if self.spectrum is None else ("spectrum", "significant_wave_height")
+
     def train(self, towards: np.ndarray, depth: float, gravity: float) -> Components:
         """The waves, going along a unit vector in x and z."""
         if self.spectrum is not None:
             return self.spectrum.components(towards, depth, gravity)
         return regular(*self.scale, towards, depth, gravity)
+
+
+class HeadedTrain(WaveTrain):
+    """Waves that go somewhere."""
+
+    heading_deg: float | None = quantity("deg", None)
+    """Where regular waves go to: 0 along +z, 90 along +x; by default 0, in a slice 90."""
+
+    @model_validator(mode="after")
+    def _one_heading(self) -> "HeadedTrain":
+        if self.spectrum is not None and self.heading_deg is not None:
+            raise ValueError("the heading of random waves is spectrum.heading_deg")
+        return self
+
+    @property
+    def heading(self) -> float | None:
+        """Where the waves go to [deg]."""
+        return self.heading_deg if self.spectrum is None else self.spectrum.heading_deg
+
+    @property
+    def heading_key(self) -> tuple[str, ...]:
+        """Where the heading is written."""
+        return ("heading_deg",) if self.spectrum is None else ("spectrum", "heading_deg")
+
+    def sea(self, basin: "Tank") -> Components:
+        """The waves of a basin."""
+        return self.train(direction(self.heading, basin.dimension), basin.depth, pull(basin))
 
 
 class Tank(Protocol):

@@ -33,6 +33,14 @@ WAVEMAKER = {
     "wavemaker": {"wall": "x_min", "height": 0.05, "period": 1.0, "ramp": 0.5},
     "walls": {"x_max": "absorbing"},
 }
+DRIFTING = {
+    "walls": {
+        "x_min": {
+            "kind": "absorbing",
+            "target": {"current": [0.1, 0.0, 0.0], "waves": {"height": 0.05, "period": 1.0}},
+        }
+    }
+}
 ROLLS = {"motion": {"kind": "harmonic", "axis": "roll_z", "amplitude": 0.1, "period": 1.0}}
 LEFT = {"fill": [{"min": [-1.0, -0.5], "max": [0.0, -0.2]}]}
 MOUTH = {"emitter": {"position": [0.0, 0.0], "velocity": [1.0, 1.0], "rate": 0.4, "cap": 300}}
@@ -78,6 +86,7 @@ SCENES = {
 MORE = {
     "dfsph, stress": {"basin": SQUARE, **water("dfsph"), "wind": {"kind": "stress"}, **GAUGES},
     "delta_sph, wavemaker": {"basin": SLICE | WAVEMAKER, **water("delta_sph", 0.1), **IN_SLICE},
+    "delta_sph, absorbed towards a sea": {"basin": SLICE | DRIFTING, **water("delta_sph", 0.1), **IN_SLICE},
     "delta_sph, marching cubes, pressure ship, vortex": afloat(
         "delta_sph", "pressure", wind="vortex", surface="marching_cubes"
     ),

@@ -31,7 +31,15 @@ FEWEST = 4.0  # spacings that a wave must be long to be there
 STEEPEST_STANDING = 0.218  # height over wavelength, over tanh(kh), of a standing wave that breaks (Wiegel 1964)
 
 
-class StandingWave(Model):
+class Start(Model):
+    """The keys of every initial state."""
+
+    def sea(self, basin: Basin) -> waves.Components | None:
+        """The waves that it is made of; None where there are none."""
+        return None
+
+
+class StandingWave(Start):
     """A standing wave along x; its crest or trough stands at both ends of the basin."""
 
     kind: Literal["standing_wave"] = "standing_wave"
@@ -76,7 +84,7 @@ class StandingWave(Model):
         return carried(self.sea(basin), positions, basin, density)
 
 
-class RegularWave(Model):
+class RegularWave(Start):
     """A regular wave that travels through periodic sides."""
 
     kind: Literal["regular_wave"] = "regular_wave"
@@ -114,7 +122,7 @@ class RegularWave(Model):
         return carried(fitted(self.sea(basin), basin), positions, basin, density)
 
 
-class RandomWaves(Model):
+class RandomWaves(Start):
     """Random waves that travel through periodic sides; each of their components is made to fit the basin."""
 
     kind: Literal["spectrum"] = "spectrum"
@@ -136,22 +144,11 @@ class RandomWaves(Model):
             yield from ((heading, sentence) for sentence in walled(self.sea(basin).wavevector[0], basin))
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
-        sea, height = self.sea(basin), self.spectrum.significant_wave_height
-        # Waves shorter than a few spacings cannot be there; those beyond k = 2 / Hs ride on the others and are no
-        # linear waves of their own (Stansberg et al. 2008, Marine Structures 21). The rest carry their variance.
-        there = sea.wavenumber < min(2.0 / height, 2.0 * pi / (FEWEST * apart(positions, basin)))
-        there[np.argmin(sea.wavenumber)] = True
-        share = np.linalg.norm(sea.amplitude) / np.linalg.norm(sea.amplitude[there])
-        kept = replace(
-            sea,
-            amplitude=share * sea.amplitude[there],
-            wavevector=sea.wavevector[there],
-            phase=sea.phase[there],
-        )
+        kept = borne(self.sea(basin), self.spectrum.significant_wave_height, apart(positions, basin))
         return carried(fitted(kept, basin), positions, basin, density)
 
 
-class TaylorGreen(Model):
+class TaylorGreen(Start):
     """The vortices of Taylor & Green (1937), one period in x and y, uniform along z."""
 
     kind: Literal["taylor_green"] = "taylor_green"
@@ -178,7 +175,7 @@ class TaylorGreen(Model):
         return placed, self.speed * np.stack([u, v, np.zeros_like(u)], axis=1), pressure
 
 
-class FromFile(Model):
+class FromFile(Start):
     """Particles as a file has them, as many as there are; they replace the lattice."""
 
     kind: Literal["file"] = "file"
@@ -272,6 +269,18 @@ def carried(sea: waves.Components, positions: np.ndarray, basin: Basin, density:
     rise = waves.displacement(sea, positions)[:, 1]
     head = waves.pressure_head(sea, positions) - rise - positions[:, 1]
     return wrapped(placed, basin), waves.linear_velocity(sea, placed), density * sea.gravity * head
+
+
+def borne(sea: waves.Components, height: float, spacing: float) -> waves.Components:
+    """What particles so far apart [m] bear of random waves of a significant height [m]. Waves shorter than a few
+    spacings cannot be there; those beyond k = 2 / Hs ride on the others and are no linear waves of their own (Stansberg
+    et al. 2008, Marine Structures 21). The rest carry their variance."""
+    there = sea.wavenumber < min(2.0 / height, 2.0 * pi / (FEWEST * spacing))
+    there[np.argmin(sea.wavenumber)] = True
+    share = np.linalg.norm(sea.amplitude) / np.linalg.norm(sea.amplitude[there])
+    return replace(
+        sea, amplitude=share * sea.amplitude[there], wavevector=sea.wavevector[there], phase=sea.phase[there]
+    )
 
 
 def fitted(sea: waves.Components, basin: Basin) -> waves.Components:

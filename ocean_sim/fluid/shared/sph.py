@@ -9,6 +9,8 @@ import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
+from ocean_sim.fluid.shared.absorption import warnings as of_zones
+from ocean_sim.fluid.shared.absorption import zones
 from ocean_sim.fluid.shared.field import Field
 from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.neighbours import ListSize, Neighbours
@@ -127,7 +129,11 @@ class SphConfig(WaterConfig):
             found.append(f"pressures below {least} Pa are set to {least} (minimum_pressure)")
         if basin.rough_bed is not None:
             found += basin.rough_bed.statements(self.lattice(basin).row)
+        found += [zone.statement for zone in zones(self.began(preflight))]
         return found + super().statements(preflight)
+
+    def warnings(self, preflight: Preflight) -> list[str]:
+        return [*super().warnings(preflight), *of_zones(zones(self.began(preflight)))]
 
 
 def rows(preflight: Preflight, sizes: ListSize, numbers: int, what: str, pair: float) -> list[LedgerRow]:
@@ -142,6 +148,7 @@ def rows(preflight: Preflight, sizes: ListSize, numbers: int, what: str, pair: f
         LedgerRow("fluid", f"grid of {sizes.grid.cell_count} cells", sizes.grid.bytes(word), f"support {support:g} m"),
         LedgerRow("fluid", "candidate lists", sizes.bytes(word), "neighbours of every occupied cell"),
         *_of_areas(preflight, n),
+        *_of_targets(lattice, word),
         *_of_bodies(sizes.grid, word, SAMPLE * each),
     ]
 
@@ -153,6 +160,12 @@ def _of_areas(preflight: Preflight, n: int) -> list[LedgerRow]:
     from ocean_sim.fluid.shared.exposure import memory
 
     return [LedgerRow("fluid", "exposed areas", memory(n, preflight.word), f"wind.kind is {preflight.wind.kind}")]
+
+
+def _of_targets(lattice: Lattice, word: int) -> list[LedgerRow]:
+    """The ledger of the waves that absorbing sides let pass."""
+    n = sum(len(zone.given.amplitude) for zone in zones(lattice) if zone.given is not None)
+    return [LedgerRow("fluid", f"{n} plane waves", 6 * word * n, "basin.walls: target of a side")] if n else []
 
 
 def _of_bodies(grid: GridSize, word: int, each: float) -> list[LedgerRow]:

@@ -5,27 +5,36 @@ import taichi as ti
 import taichi.math as tm
 from taichi.lang.util import to_numpy_type
 
-from ocean_sim.basin import OPEN, Basin
+from ocean_sim.basin import OPEN
+from ocean_sim.fluid.shared.absorption import Zone, zones
 from ocean_sim.fluid.shared.images import SIDE, Images
 from ocean_sim.fluid.shared.lattice import Lattice
-from ocean_sim.fluid.shared.water import free_fall_speed
+from ocean_sim.fluid.shared.plane_waves import PlaneWaves
 from ocean_sim.runtime import Template
-
-ABSORBING_PART = 0.25  # of the basin that the zone before an absorbing side takes
-ABSORBING_RATE = 2.5  # [sqrt(|g| / depth)] at the side; falls with the square of the distance, to 0 at the zone's end
+from ocean_sim.waves.absorption import PROFILE
 
 
-def absorbing_zones(basin: Basin) -> tuple[tuple[int, float, float, float], ...]:
-    """Of each absorbing side: axis, where its zone begins and ends [m], and the damping rate at its end [1/s]."""
-    rate = ABSORBING_RATE * free_fall_speed(basin) / basin.depth
-    zones = []
-    for side in basin.sides:
-        if side.absorbing:
-            length = ABSORBING_PART * (basin.upper[side.axis] - basin.lower[side.axis])
-            zones.append(
-                (side.axis, side.position - length if side.upper else side.position + length, side.position, rate)
-            )
-    return tuple(zones)
+@ti.data_oriented
+class Target:
+    """The motion that the water of a zone is relaxed towards."""
+
+    def __init__(self, zone: Zone) -> None:
+        self.current, self.waving = tm.vec3(zone.current), zone.given is not None
+        if zone.given is not None:
+            self.waves = PlaneWaves(zone.given)
+
+    def turn(self, time: float) -> None:
+        """Take it at a time [s]."""
+        if self.waving:
+            self.waves.turn(time)
+
+    @ti.func
+    def velocity(self, x):
+        """[m/s] at x [m]."""
+        v = self.current
+        if ti.static(self.waving):
+            v += self.waves.velocity(x)
+        return v
 
 
 @ti.data_oriented
@@ -47,9 +56,14 @@ class Walls:
             grown = np.array(lattice.basin.obstacles) + np.array([[-gap], [gap]])
             self.faces.from_numpy(grown.astype(to_numpy_type(self.faces.dtype)))
         limit = lattice.config.motion_limit
-        self.zones = absorbing_zones(lattice.basin)
+        self.zones = tuple((zone.axis, zone.begin, zone.end, zone.rate, Target(zone)) for zone in zones(lattice))
         self.limited = limit is not None
         self.limit = (limit or 0.0) * lattice.spacing  # [m]
+
+    def turn(self, time: float) -> None:
+        """Take the targets of the zones at a time [s]."""
+        for *_, target in self.zones:
+            target.turn(time)
 
     @ti.func
     def bounced(self, x, v):
@@ -109,11 +123,12 @@ class Walls:
 
     @ti.func
     def relaxed(self, x, v, dt):
-        """Velocity after dt in the zones before absorbing sides: dv/dt = -rate s^2 v, s from 0 where a zone begins to 1
-        at its side, stepped backwards in time."""
-        for axis, begin, end, rate in ti.static(self.zones):
-            s = tm.clamp((x[axis] - begin) / (end - begin), 0.0, 1.0)
-            v /= 1.0 + dt * rate * s * s
+        """Velocity after dt in the zones before absorbing sides: dv/dt = rate s^PROFILE (target - v), s from 0 where a
+        zone begins to 1 at its side, solved over dt."""
+        for axis, begin, end, rate, target in ti.static(self.zones):
+            s = (x[axis] - begin) / (end - begin)
+            if s > 0.0:
+                v += (1.0 - ti.exp(-dt * rate * tm.min(s, 1.0) ** PROFILE)) * (target.velocity(x) - v)
         return v
 
     @ti.func

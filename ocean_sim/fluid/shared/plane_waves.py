@@ -1,0 +1,89 @@
+"""Plane waves of linear theory as kernels read them: the formulae of `ocean_sim.waves`, on the device."""
+
+import numpy as np
+import taichi as ti
+import taichi.math as tm
+
+from ocean_sim import waves
+
+
+@ti.data_oriented
+class PlaneWaves:
+    """A sea at one time; what it does follows from it."""
+
+    def __init__(self, sea: waves.Components) -> None:
+        n = len(sea.amplitude)
+        self.amplitude, self.phase, self.k, self.kx, self.kz, self.speed = (ti.field(float, shape=n) for _ in range(6))
+        self.begin(sea)
+
+    def begin(self, sea: waves.Components) -> None:
+        """These waves from time 0 on; as many as there were, of the same depth."""
+        self.sea = sea
+        self.take(self.amplitude, sea.amplitude)
+        self.take(self.k, sea.wavenumber)
+        self.take(self.kx, sea.wavevector[:, 0])
+        self.take(self.kz, sea.wavevector[:, 1])
+        self.take(self.speed, sea.amplitude * sea.gravity * sea.wavenumber / sea.omega)
+        self.turn(0.0)
+
+    def take(self, field: ti.Field, values: np.ndarray) -> None:
+        """Numbers into a field of its own precision."""
+        field.from_numpy(np.ascontiguousarray(values, dtype=field.to_numpy().dtype))
+
+    def turn(self, time: float) -> None:
+        """The waves at a time [s]; phases are kept in f64 and small, whatever the precision and length of the run."""
+        self.take(self.phase, np.mod(self.sea.phase - self.sea.omega * time, 2.0 * np.pi))
+
+    @ti.func
+    def elevation(self, x, z):
+        """[m]"""
+        eta = 0.0
+        for i in range(self.amplitude.shape[0]):
+            eta += self.amplitude[i] * ti.cos(self.kx[i] * x + self.kz[i] * z + self.phase[i])
+        return eta
+
+    @ti.func
+    def stretched(self, position, eta):
+        """Wheeler's y' [m] of a position under an elevation."""
+        h = ti.static(self.sea.depth)
+        return ti.min(h * (position.y - eta) / ti.max(h + eta, 1e-6 * h), 0.0)
+
+    @ti.func
+    def velocity(self, position):
+        """[m/s]; above the water that of its surface."""
+        y = self.stretched(position, self.elevation(position.x, position.z))
+        h = ti.static(self.sea.depth)
+        v = tm.vec3(0.0)
+        for i in range(self.amplitude.shape[0]):
+            k, angle = self.k[i], self.kx[i] * position.x + self.kz[i] * position.z + self.phase[i]
+            scale = self.speed[i] * ti.exp(k * y) / (1.0 + ti.exp(-2.0 * k * h))
+            mirrored = ti.exp(-2.0 * k * (y + h))
+            along = scale * (1.0 + mirrored) * ti.cos(angle) / k
+            v += tm.vec3(self.kx[i] * along, scale * (1.0 - mirrored) * ti.sin(angle), self.kz[i] * along)
+        return v
+
+    @ti.func
+    def acceleration(self, position):
+        """[m/s2] by linear theory, -grad p / rho less gravity: what a body that is small against the waves feels."""
+        y = self.stretched(position, self.elevation(position.x, position.z))
+        h, g = ti.static(self.sea.depth), ti.static(self.sea.gravity)
+        a = tm.vec3(0.0)
+        for i in range(self.amplitude.shape[0]):
+            k, angle = self.k[i], self.kx[i] * position.x + self.kz[i] * position.z + self.phase[i]
+            scale = g * self.amplitude[i] * ti.exp(k * y) / (1.0 + ti.exp(-2.0 * k * h))
+            mirrored = ti.exp(-2.0 * k * (y + h))
+            along = scale * (1.0 + mirrored) * ti.sin(angle)
+            a += tm.vec3(self.kx[i] * along, -k * scale * (1.0 - mirrored) * ti.cos(angle), self.kz[i] * along)
+        return a
+
+    @ti.func
+    def head(self, position, eta):
+        """Pressure over rho g [m] under an elevation, hydrostatic and that of the waves."""
+        y = self.stretched(position, eta)
+        h = ti.static(self.sea.depth)
+        head = -position.y
+        for i in range(self.amplitude.shape[0]):
+            k, angle = self.k[i], self.kx[i] * position.x + self.kz[i] * position.z + self.phase[i]
+            profile = ti.exp(k * y) * (1.0 + ti.exp(-2.0 * k * (y + h))) / (1.0 + ti.exp(-2.0 * k * h))
+            head += self.amplitude[i] * profile * ti.cos(angle)
+        return head

@@ -1,0 +1,64 @@
+"""What an absorbing side sends back of regular waves of a piston, against linear theory for its zone.
+
+The zone is that which a side gets of which no more is said: one wavelength long. Incident and reflected waves are
+separated by three gauges, when the waves have gone there and back. Measured under delta_sph: 1.0 % at a spacing of 1/80
+of a wavelength, 1.7 % at 1/40; theory has 1.1 %. A zone whose rate is 2.5 sqrt(g / h) at the side and falls with the
+square of the distance sends 2.0 % back at 1/80, in theory 2.1 %.
+"""
+
+from math import pi
+
+import numpy as np
+
+from ocean_sim import waves
+from ocean_sim.conventions import GRAVITY
+from ocean_sim.simulation import Simulation
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
+from ocean_sim.validation.shared.reflection import reflected
+from ocean_sim.validation.shared.state import sampled
+from ocean_sim.waves import absorption
+
+DEPTH, HEIGHT, PERIOD = 0.5, 0.03, 1.5  # [m], [m], [s]
+K = float(waves.wavenumber(2.0 * pi / PERIOD, DEPTH))
+WAVELENGTH = 2.0 * pi / K  # 2.827 m
+LENGTH = 4.0 * WAVELENGTH
+GAUGES = np.array([0.0, 0.35, 0.6])  # [m] from two wavelengths before the piston
+BEGIN, EVERY = 16.0, 0.05  # [s]
+PROMISES = (Promise("reflection", "%", "three gauges; 2 %, linear theory", {"delta_sph": 2.0}),)
+
+
+def problems(coarse: bool) -> list[Problem]:
+    scene = {
+        "duration": BEGIN + 8.0 * PERIOD,
+        "basin": {
+            "length": LENGTH,
+            "depth": DEPTH,
+            "walls": {"x_max": "absorbing"},
+            "wavemaker": {"wall": "x_min", "height": HEIGHT, "period": PERIOD},
+        },
+        "fluid": {"spacing": WAVELENGTH / (40 if coarse else 80), "kinematic_viscosity": 1e-6},
+    }
+    return [Problem(scene, PROMISES, measure, slow=not coarse)]
+
+
+def theory() -> float:
+    """What linear theory has the zone send back."""
+    rate = absorption.damping_rate(K, DEPTH, GRAVITY, WAVELENGTH)
+    return float(absorption.reflection(np.array([2.0 * pi / PERIOD]), DEPTH, GRAVITY, WAVELENGTH, rate)[0])
+
+
+def measure(simulation: Simulation) -> Finding:
+    """Records of the gauges, once what comes back has come back."""
+    points, times, rows = np.stack([GAUGES, 0.0 * GAUGES], axis=1), [], []
+    for water in sampled(simulation, simulation.scene.duration, EVERY):
+        times.append(water.time)
+        rows.append(simulation.fluid.elevations(points))
+    time = np.arange(BEGIN, times[-1], EVERY)
+    found = np.stack([np.interp(time, times, column) for column in np.array(rows).T], axis=1)
+    back = reflected(EVERY, found, GAUGES, DEPTH, (0.7 / PERIOD, 1.3 / PERIOD))
+    return Finding(
+        {PROMISES[0].quantity: (back, theory(), 100.0 * back)},
+        [Curve(f"{x:g} m", time, column) for x, column in zip(GAUGES, found.T)],
+        [],
+        ("time [s]", "elevation [m]"),
+    )

@@ -1,5 +1,7 @@
 """What holds the water in: sides that particles bounce from, zones that absorb waves, a limit of what a step moves."""
 
+from itertools import product
+
 import numpy as np
 import taichi as ti
 import taichi.math as tm
@@ -13,6 +15,7 @@ from ocean_sim.runtime import Template
 
 ABSORBING_PART = 0.25  # of the basin that the zone before an absorbing side takes
 ABSORBING_RATE = 2.5  # [sqrt(|g| / depth)] at the side; falls with the square of the distance, to 0 at the zone's end
+GONE = np.array([3 * [OPEN], 3 * [-OPEN]])  # lowest and highest corner [m] of what is not there
 
 
 def absorbing_zones(basin: Basin) -> tuple[tuple[int, float, float, float], ...]:
@@ -41,15 +44,28 @@ class Walls:
         self.axes = range(lattice.basin.dimension)
         self.restitution = lattice.basin.config.restitution
         self.friction = lattice.basin.config.friction
-        self.obstacles = len(lattice.basin.obstacles)
+        self.obstacles, self.gates = len(lattice.basin.obstacles), lattice.basin.gates
         if self.obstacles:
             self.faces = ti.field(float, shape=(self.obstacles, 2, 3))
-            grown = np.array(lattice.basin.obstacles) + np.array([[-gap], [gap]])
-            self.faces.from_numpy(grown.astype(to_numpy_type(self.faces.dtype)))
+            self.first = np.array(lattice.basin.obstacles) + np.array([[-gap], [gap]])  # (n, 2, 3) at time 0 [m]
+            self.faces.from_numpy(self.first.astype(to_numpy_type(self.faces.dtype)))
+        if self.gates:
+            self.speed = ti.field(float, shape=(self.obstacles, 3))  # [m/s]
+            self.advance(0.0)
         limit = lattice.config.motion_limit
         self.zones = absorbing_zones(lattice.basin)
         self.limited = limit is not None
         self.limit = (limit or 0.0) * lattice.spacing  # [m]
+
+    def advance(self, time: float) -> None:
+        """Put the faces of obstacles that move where they are at a time [s]; one that has left stops nothing."""
+        for b, gate in self.gates:
+            moved = gate.at(time)
+            faces = GONE if moved is None else self.first[b] + moved.way
+            for side, k in product(range(2), range(3)):
+                self.faces[b, side, k] = faces[side, k]
+            for k in range(3):
+                self.speed[b, k] = 0.0 if moved is None else moved.velocity[k]
 
     @ti.func
     def bounced(self, x, v):
@@ -103,7 +119,10 @@ class Walls:
         if least > 0.0:
             for k in ti.static(self.axes):
                 if face == k:
-                    v = self.returned(v, k, 0.0, ti.select(across > x[k], -1.0, 1.0))
+                    wall = 0.0
+                    if ti.static(len(self.gates) > 0):
+                        wall = self.speed[b, k]
+                    v = self.returned(v, k, wall, ti.select(across > x[k], -1.0, 1.0))
                     x[k] = across
         return x, v
 

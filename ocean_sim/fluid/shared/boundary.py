@@ -8,6 +8,11 @@ body keep their own pressure, and still water is exact. Its velocity is the body
 that which a mirror there would show where it rubs. A sample is pushed as strongly as it pushes. Flat sides mirror
 samples as they mirror particles: what an image of a sample presses across its side is that side's, all else is the
 body's.
+
+A gate is a body that moves as the scene says, whatever the water does to it; once it has left, its samples are in no
+cell. A step takes it where it is when the step ends. Its work is that of its force along its way; what bounces from its
+faces is put to walls. Samples hold up part of the weight of the water next to them, as walls do: of a gate that slides
+along water that is work, which the water does not gain; it shows in the residual of the energy.
 """
 
 from collections.abc import Sequence

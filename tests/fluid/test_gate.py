@@ -1,9 +1,12 @@
 """Obstacles that move and leave: what a gate gives the water gets, and what it holds back stays until it has gone."""
 
+import json
+
 import numpy as np
 import pytest
 
 from ocean_sim import load
+from ocean_sim.__main__ import answered
 from ocean_sim.basin.gate import Gate
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.fluid.shared.boundary import MOTION
@@ -204,6 +207,13 @@ def test_check_says_when_a_gate_is_gone_and_that_one_is_too_thin():
     thin = load(scene(), {"fluid.spacing": 0.04})
     assert [w for w in thin.warnings() if w.startswith("obstacles.0 is 1 spacings thin")]
     assert [w for w in load(scene(velocity=[0.0, 9.0, 0.0])).warnings() if "faster than the reference speed" in w]
+
+
+def test_check_answers_for_a_scene_with_a_gate(tmp_path, capsys):
+    (tmp_path / "gate.yaml").write_text(json.dumps(scene()))
+    assert answered(["check", str(tmp_path / "gate.yaml")]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "samples of solid bodies" in said and "has left at 0.3 s" in said
 
 
 def test_a_run_shows_its_gate_in_accounts_and_frames_and_reloads_to_the_same_bytes(tmp_path):

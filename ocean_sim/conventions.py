@@ -11,6 +11,7 @@ accounts      sums of impulse and work, term by term, which `accuracy.csv` shows
 cell          of the grid that finds neighbours, or of a CSV file
 compression   rise of the density over the rest density
 free surface  the upper boundary of the water
+gate          an obstacle that moves, or leaves
 hydrostatic offset  how far the water's own weight, or a step through a mirror, changes level or pressure
 image         what a side shows of a particle: reflected, seen as its mirror image
 kind          a module of a slot's folder, which a scene names as `kind:`

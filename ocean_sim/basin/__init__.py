@@ -1,5 +1,6 @@
 """The basin: its size, walls, floor and lid; three-dimensional, or a vertical slice in x-y where no width is given."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import log
@@ -10,8 +11,10 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from ocean_sim import waves
 from ocean_sim.basin.absorbing import Absorbing
+from ocean_sim.basin.gate import STILL, Gate
 from ocean_sim.basin.tank_motion import Motion, Piston, Wavemaker
 from ocean_sim.conventions import GRAVITY
+from ocean_sim.files.input_file import Unreadable
 from ocean_sim.model import Model, Vector3, quantity
 
 OPEN = 1.0e30  # [m] where a side that is open would stand
@@ -23,6 +26,7 @@ Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_lengt
 KARMAN = 0.41  # of the logarithmic law
 GRAINS = 30.0  # sand roughness over z0, where that law comes to rest (Nikuradse 1933, VDI-Forschungsheft 361)
 LOWEST = 0.25  # [rows] above the bed: the height that what lies lower is taken to have in it
+Corners = tuple[tuple[float, ...], tuple[float, ...]]
 ROUNDING = 1e-9  # [m] by which a box may reach over a side or into another one
 
 
@@ -154,11 +158,13 @@ class Box(Model):
 
 
 class Obstacle(Box):
-    """A fixed box in the water. One that is thinner than the support of the smoothing kernel lets the water on both
-    sides feel each other through it."""
+    """A box in the water, fixed unless it has a `motion`. One that is thinner than the support of the smoothing kernel
+    lets the water on both sides feel each other through it."""
 
     slip: Slip = "free_slip"
-    """`no_slip`: water that touches it rests."""
+    """`no_slip`: water that touches it moves with it."""
+    motion: Gate | None = None
+    """How it moves and when it has left, as a gate does; null: it is fixed."""
 
 
 class Config(Model):
@@ -185,7 +191,7 @@ class Config(Model):
     """Coulomb friction at walls and floor: tangential over normal impulse, at most."""
 
     obstacles: Annotated[tuple[Obstacle, ...], Field(strict=False)] = ()
-    """Fixed boxes, which the water flows around."""
+    """Boxes that the water flows around, fixed or moving as gates do."""
     motion: Motion | None = None
     """How the whole tank moves: `harmonic`, or as recorded in a `file`; what is measured is measured in its axes."""
     wavemaker: Wavemaker | None = None
@@ -194,8 +200,8 @@ class Config(Model):
     def build(self) -> "Basin":
         return Basin(self)
 
-    def problems(self, basin: "Basin") -> list[tuple[tuple[str | int, ...], str]]:
-        """What contradicts itself: (path below `basin`, sentence)."""
+    def problems(self, basin: "Basin", duration: float) -> list[tuple[tuple[str | int, ...], str]]:
+        """What contradicts itself in a run of `duration` [s]: (path below `basin`, sentence)."""
         found: list[tuple[tuple[str | int, ...], str]] = []
         walls = basin.walls
         for axis in "xz" if basin.dimension == 3 else "x":
@@ -208,7 +214,7 @@ class Config(Model):
                 found.append((("floor",), "a basin that is periodic along y has no floor; set floor: none"))
         if self.lid is not None and self.lid.velocity[1] != 0.0:
             found.append((("lid", "velocity"), "a lid slides in its own plane: its velocity along y must be 0"))
-        found += blocked(self.obstacles, basin)
+        found += blocked(self.obstacles, basin) or astray(self.obstacles, basin, duration)
         for side in basin.sides:
             if side.absorbing is not None:
                 size = basin.upper[side.axis] - basin.lower[side.axis]
@@ -227,11 +233,7 @@ def blocked(obstacles: tuple[Obstacle, ...], basin: "Basin") -> list[tuple[tuple
         if len(box.min) != basin.dimension:
             found.append((key, f"a point of this basin has {basin.dimension} numbers, got {len(box.min)}"))
             continue
-        out = [
-            axis
-            for axis, low, up, least, most in zip("xyz", box.min, box.max, basin.lower, basin.upper)
-            if low < least - ROUNDING or (up > most + ROUNDING and (axis != "y" or basin.closed))
-        ]
+        out = beyond(box.min, box.max, basin)
         if out:
             found.append((key, f"the box reaches out of the basin along {' and '.join(out)}"))
         for other in obstacles[:k]:
@@ -239,6 +241,60 @@ def blocked(obstacles: tuple[Obstacle, ...], basin: "Basin") -> list[tuple[tuple
             if len(other.min) == basin.dimension and min(common) > ROUNDING:
                 found.append((key, "the box overlaps an earlier one"))
     return found
+
+
+def beyond(low: Sequence[float], up: Sequence[float], basin: "Basin") -> list[str]:
+    """The axes along which a box from `low` to `up` [m] reaches out of the basin; an open one has no upper end."""
+    return [
+        axis
+        for axis, a, b, least, most in zip("xyz", low, up, basin.lower, basin.upper)
+        if a < least - ROUNDING or (b > most + ROUNDING and (axis != "y" or basin.closed))
+    ]
+
+
+def astray(obstacles: tuple[Obstacle, ...], basin: "Basin", duration: float) -> list[tuple[tuple[str | int, ...], str]]:
+    """What is wrong with the ways of obstacles that lie well at first, in a run of `duration` [s]."""
+    found: list[tuple[tuple[str | int, ...], str]] = []
+    for k, box in enumerate(obstacles):
+        gate, key = box.motion, ("obstacles", k, "motion")
+        if gate is None:
+            continue
+        if gate.file is not None:
+            try:
+                gate.rows()
+            except Unreadable as error:
+                found.append(((*key, "file"), f"{error}"))
+                continue
+        d = basin.dimension
+        met: set[str] = set()
+        for time in gate.moments(duration).tolist():
+            moved = gate.at(time)
+            assert moved is not None
+            if d == 2 and moved.velocity[2] != 0.0:
+                met.add("a slice in x-y has no motion along z")
+                break
+            low, up = np.array(box.min) + moved.way[:d], np.array(box.max) + moved.way[:d]
+            out = beyond(low.tolist(), up.tolist(), basin)
+            if out:
+                met.add(f"it reaches out of the basin along {' and '.join(out)} at {time:.3g} s; let it `end` before")
+                break
+            for j, other in enumerate(obstacles):
+                there = other.motion.at(time) if other.motion is not None else STILL
+                if j == k or (other.motion is not None and j > k) or there is None:
+                    continue
+                common = np.minimum(up, other.max + there.way[:d]) - np.maximum(low, other.min + there.way[:d])
+                if common.min() > ROUNDING:
+                    met.add(f"its way crosses obstacles.{j} at {time:.3g} s; let it `end` before")
+            if met:
+                break
+        found += [(key, sentence) for sentence in sorted(met)]
+    return found
+
+
+def corners(box: Box) -> Corners:
+    """Lowest and highest corner of a box in space [m]; of one in a slice without ends along z."""
+    flat = 3 - len(box.min)
+    return (*box.min, *flat * (-OPEN,)), (*box.max, *flat * (OPEN,))
 
 
 class Solid(Protocol):
@@ -369,10 +425,33 @@ class Basin:
         return self.config.floor if isinstance(self.config.floor, RoughBed) else None
 
     @cached_property
-    def obstacles(self) -> list[tuple[tuple[float, ...], tuple[float, ...]]]:
-        """Lowest and highest corner of each obstacle [m]; a slice has no ends along z."""
-        flat, boxes = 3 - self.dimension, (box for box in self.config.obstacles if len(box.min) == self.dimension)
-        return [((*box.min, *flat * (-OPEN,)), (*box.max, *flat * (OPEN,))) for box in boxes]
+    def obstacles(self) -> list[Corners]:
+        """Lowest and highest corner of each obstacle at time 0 [m]; a slice has no ends along z."""
+        return [corners(box) for box in self.config.obstacles if len(box.min) == self.dimension]
+
+    @cached_property
+    def fixed(self) -> list[Corners]:
+        """The same of those that never move."""
+        return [corners(box) for box in self.config.obstacles if box.motion is None]
+
+    def obstacles_at(self, time: float) -> list[Corners]:
+        """The same of all that are there at a time [s]."""
+        return self.fixed + self.gates_at(time)
+
+    def gates_at(self, time: float) -> list[Corners]:
+        """The same of those that move."""
+        found = []
+        for k, gate in self.gates:
+            moved = gate.at(time)
+            if moved is not None:
+                low, up = np.array(corners(self.config.obstacles[k])) + moved.way
+                found.append((tuple(low.tolist()), tuple(up.tolist())))
+        return found
+
+    @property
+    def gates(self) -> list[tuple[int, Gate]]:
+        """The numbers of the obstacles that move or leave, and how they do."""
+        return [(k, box.motion) for k, box in enumerate(self.config.obstacles) if box.motion is not None]
 
     @cached_property
     def piston(self) -> Piston | None:

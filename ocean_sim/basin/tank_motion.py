@@ -79,6 +79,20 @@ def ramped(law: Law, ramp: float) -> Law:
     return grown
 
 
+def splined(times: np.ndarray, moved: np.ndarray) -> Law:
+    """The law of rows of times [s] and displacements: a cubic spline, at rest before and after them."""
+    from scipy.interpolate import CubicSpline
+
+    spline = CubicSpline(times, moved)
+
+    def law(t: float) -> tuple[float, float, float]:
+        if not times[0] <= t <= times[-1]:
+            return float(moved[0 if t < times[0] else -1]), 0.0, 0.0
+        return float(spline(t)), float(spline(t, 1)), float(spline(t, 2))
+
+    return law
+
+
 class Sides(Protocol):
     """The walls of a basin."""
 
@@ -191,17 +205,8 @@ class Recorded(Tank):
         return super().problems(basin) + unmoved(axis, basin)
 
     def build(self) -> "TankMotion":
-        from scipy.interpolate import CubicSpline
-
         axis, times, moved = self.rows()
-        spline = CubicSpline(times, moved)
-
-        def law(t: float) -> tuple[float, float, float]:
-            if not times[0] <= t <= times[-1]:
-                return float(moved[0 if t < times[0] else -1]), 0.0, 0.0
-            return float(spline(t)), float(spline(t, 1)), float(spline(t, 2))
-
-        return TankMotion(axis, self.about, law)
+        return TankMotion(axis, self.about, splined(times, moved))
 
 
 def with_its_kind(written: Any) -> Any:

@@ -169,6 +169,11 @@ class Momentum(MomentumLaw):
         return self.added(weight, push, rub)
 
     @ti.func
+    def worked(self, own, total):
+        """What rubs: what presses becomes internal energy."""
+        return self.fluid.slope * vec3(total, self.terms.rub)
+
+    @ti.func
     def account(self, beyond, mean, dt, group):
         """What images press becomes internal energy."""
         fluid = self.fluid
@@ -451,8 +456,7 @@ class DeltaSph(Sph):
         self.accounts.summarise(summary)
 
     def limits(self) -> Limits:
-        status = self.status
-        return self.config.limited(self.smoothing, self.sound_speed, status.max_speed, status.max_acceleration)
+        return self.config.limited(self.smoothing, self.sound_speed, self.max_speed, self.status.max_acceleration)
 
     def internal_energy(self) -> float:
         """Work of compression, m times the integral of p / rho^2 from the rest density [J]; raises Diverged where there

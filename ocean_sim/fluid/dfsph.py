@@ -224,6 +224,10 @@ class Forces(Force):
         return a
 
     @ti.func
+    def worked(self, own, total):
+        return self.acceleration(own, total)
+
+    @ti.func
     def pair(self, own, other):
         x_ij, smoothing = vec3(own, self.row.position) - vec3(other, self.row.position), self.fluid.smoothing
         gradient, total = smoothing.pair_gradient(x_ij), ti.Vector.zero(float, self.terms.size)
@@ -465,7 +469,7 @@ class Dfsph(Sph):
 
     def limits(self) -> Limits:
         """The acceleration is that of all forces but pressure."""
-        return self.config.limited(self.basin, self.status.max_speed, self.status.max_acceleration)
+        return self.config.limited(self.basin, self.max_speed, self.status.max_acceleration)
 
     def internal_energy(self) -> float:
         """0: nothing is compressed [J]."""

@@ -171,7 +171,7 @@ class Accuracy(Observer):
         counts: tuple[float, ...] = ()
         if fluid.particles is not None:
             values = self.balances(simulation) + (self.surface.values(simulation) if self.surface else [])
-            outside = beyond(fluid.particles.position.to_numpy(), simulation.basin)
+            outside = beyond(fluid.particles.position.to_numpy(), simulation.basin, simulation.time)
             counts = (int(np.count_nonzero(outside)), fluid.status.clipped)
             for name in self.solvers:
                 s = fluid.solvers[name]

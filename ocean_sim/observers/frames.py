@@ -79,7 +79,7 @@ class Frames(Observer):
             depth=basin.depth,
             spacing=fluid.spacing,
             every=config.every,
-            obstacles=np.array(basin.obstacles).reshape(-1, 2, 3),
+            obstacles=np.array(basin.fixed).reshape(-1, 2, 3),
             **hull,
             **plane_waves(fluid),
             has_surface=basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0),
@@ -90,10 +90,12 @@ class Frames(Observer):
             return
         particles = simulation.fluid.particles
         shown = simulation.surface or simulation.fluid
-        frame = {"elevation": shown.elevations(self.points).reshape(self.shape)}
+        frame: dict[str, np.ndarray] = {"elevation": shown.elevations(self.points).reshape(self.shape)}
         if simulation.surface is not None:
             mesh = simulation.surface.mesh()
             frame |= {"vertices": mesh.vertices, "triangles": mesh.triangles, "normals": mesh.normals}
+        if simulation.basin.gates:
+            frame["gates"] = np.array(simulation.basin.gates_at(simulation.time)).reshape(-1, 2, 3)
         if self.ship is not None:
             body = self.ship.body
             frame |= {"ship_position": body.position, "ship_turn": body.matrix}  # body to world

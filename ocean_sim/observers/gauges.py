@@ -42,8 +42,8 @@ class Sensor(Model):
     diameter: float | None = quantity("m", None, ge=0.0)
     """Of its face, over which it takes the mean; null or 0: a point."""
     normal: Point | None = quantity("1", None)
-    """Where its face looks to, of any length; by default straight away from the nearest side, bed, lid or face of an
-    obstacle, so that the sensor is flush with it."""
+    """Where its face looks to, of any length; by default straight away from the nearest side, bed, lid or face of a
+    fixed obstacle, so that the sensor is flush with it."""
 
     def facing(self, basin: Basin) -> np.ndarray | None:
         """(3,) unit vector across its face; None where nothing says."""
@@ -51,7 +51,7 @@ class Sensor(Model):
             across = in_space(self.normal)
             return across / np.linalg.norm(across) if across.any() else None
         flats = [(side.axis, side.position) for side in basin.sides]
-        axis = nearest(in_space(self.at), flats, basin.obstacles)
+        axis = nearest(in_space(self.at), flats, basin.fixed)
         return None if axis is None else np.eye(3)[axis]
 
     def points(self, basin: Basin) -> np.ndarray:

@@ -135,7 +135,7 @@ class Health(Observer):
         if not status.max_speed <= self.max_speed:
             what = f"a particle reached {status.max_speed:.4g} m/s (bound {self.max_speed:.4g} m/s)"
             yield self.sentence(what, position, [int(np.square(velocity).sum(axis=1).argmax())])
-        through = beyond(position, self.simulation.basin)
+        through = beyond(position, self.simulation.basin, self.simulation.time)
         if through.any():
             what = f"{np.count_nonzero(through)} of {len(through)} particles are outside the walls"
             far = f"the farthest by {through.max():.4g} m (none may be)"

@@ -21,6 +21,7 @@ class Frame:
             self.position = file["position"] if "position" in file else None
             self.velocity = file["velocity"] if "velocity" in file else None
             self.ship = (file["ship_position"], file["ship_turn"]) if "ship_position" in file else None
+            self.gates = file["gates"].astype(np.float64) if "gates" in file else np.zeros((0, 2, 3))
             self.mesh = [file[name] for name in ("vertices", "triangles", "normals")] if "vertices" in file else None
 
     @property

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ocean_sim.pictures import water_shading
+from ocean_sim.pictures.frame_files import Frame
 from ocean_sim.pictures.light import lit
 from ocean_sim.pictures.stage import Stage
 
@@ -26,16 +27,36 @@ def faces(low: np.ndarray, up: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 class Obstacles:
-    """Fixed, so that they are drawn once."""
+    """Those that are fixed are drawn once, gates anew in every picture."""
 
-    def __init__(self, stage: Stage, boxes: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> None:
+    def __init__(self, stage: Stage, fixed: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> None:
         """Lower and upper corners (n, 2, 3) [m] in a basin from `lower` to `upper` [m]."""
         inset = INSET * (upper - lower)
-        highest = np.array([upper[0] - inset[0], np.inf, upper[2] - inset[2]])  # it may stand out of the water
-        found = [faces(np.maximum(low, lower + inset), np.minimum(up, highest)) for low, up in boxes]
-        points, normals = (np.concatenate(part) for part in zip(*found))
-        quads = np.arange(len(points)).reshape(-1, 4)
-        shape = stage.pyvista.PolyData.from_regular_faces(points.astype(np.float32), quads)
-        paint = np.broadcast_to(CONCRETE, points.shape)
-        shape["colour"] = water_shading.display(lit(normals, paint, np.zeros((len(points), 1))))
-        stage.plotter.add_mesh(shape, scalars="colour", rgb=True, lighting=False, smooth_shading=False)
+        self.stage, self.lower = stage, lower + inset
+        self.upper = np.array([upper[0] - inset[0], np.inf, upper[2] - inset[2]])  # it may stand out of the water
+        self.add("obstacles", fixed)
+
+    def show(self, frame: Frame) -> None:
+        self.add("gates", frame.gates)
+
+    def add(self, name: str, boxes: np.ndarray) -> None:
+        """Draw these boxes (n, 2, 3) [m] in place of those that were drawn under this name."""
+        plotter = self.stage.plotter
+        plotter.remove_actor(name, render=False)
+        if len(boxes):
+            found = [faces(np.maximum(low, self.lower), np.minimum(up, self.upper)) for low, up in boxes]
+            points, normals = (np.concatenate(part) for part in zip(*found))
+            quads = np.arange(len(points)).reshape(-1, 4)
+            shape = self.stage.pyvista.PolyData.from_regular_faces(points.astype(np.float32), quads)
+            paint = np.broadcast_to(CONCRETE, points.shape)
+            shape["colour"] = water_shading.display(lit(normals, paint, np.zeros((len(points), 1))))
+            plotter.add_mesh(
+                shape,
+                scalars="colour",
+                rgb=True,
+                lighting=False,
+                smooth_shading=False,
+                name=name,
+                reset_camera=False,
+                render=False,
+            )

@@ -56,8 +56,8 @@ class Picture:
             self.content = Shell(stage, self.lower, self.upper, float(grid["depth"]))
         else:
             self.content = Water(stage, grid, NODES[order.quality])
-        if len(grid.get("obstacles", ())):
-            Obstacles(stage, grid["obstacles"], self.lower, self.upper)
+        fixed = grid.get("obstacles", np.zeros((0, 2, 3)))
+        self.obstacles = Obstacles(stage, fixed, self.lower, self.upper)
         before = set(self.plotter.actors)
         self.ship = DrawnShip(stage, model) if model is not None else None
         if isinstance(self.content, Sea) and order.quality == "final":
@@ -117,6 +117,7 @@ class Picture:
             self.ship.show(*frame.ship)
         self.move(self.operator.at(frame.time))
         self.content.show(frame)
+        self.obstacles.show(frame)
         self.caption.input = f"t = {frame.time:.2f} s" if self.order.caption else ""
         self.plotter.render()
         return self.plotter.screenshot(None, return_img=True)

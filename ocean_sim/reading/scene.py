@@ -217,7 +217,7 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
     problems += _unsuited(there, data)
     if tank_config is not None and tank is not None and runtime is not None and heading is not None:
         preflight = Preflight(there | observers, tank, WORD[runtime.precision], heading.duration)
-        problems += _located("basin", tank_config.problems(tank), data["basin"])
+        problems += _located("basin", tank_config.problems(tank, heading.duration), data["basin"])
         for name, part in (there | observers).items():
             problems += _located(name, part.problems(preflight), data.get(name, root))
         if not problems and not wrong:

@@ -80,7 +80,7 @@ def ledger(found: dict[str, Any], config: SceneConfig) -> list[dict[str, Any]]:
     first row. A part that takes no time of a step has no share."""
     from ocean_sim.runtime import kernels_in
 
-    parts, dt = config.parts(), found["time_step"]
+    parts, dt = {"basin": config.basin} | config.parts(), found["time_step"]
     total = sum(row.a_step(dt) for row in found["ledger"])
     listed, rows = set(), []
     for row in found["ledger"]:

@@ -76,7 +76,7 @@ def test_still_water_holds_its_pressure_into_the_corners(water):
 def test_water_in_space_that_is_hardly_moved_stays_so_on_its_lattice_at_the_default_support(
     water, support_ratio, stable
 ):
-    """For 2 s, without any viscosity, which could calm it. At 3 spacings, the control, the lattice gives way at once."""
+    """For 2 s, without any viscosity, which could calm it. At 3 spacings, the control, it gives way at once."""
     fluid = water("delta_sph", basin={"length": 0.5, "width": 0.5, "depth": 0.5}, support_ratio=support_ratio)
     assert (Stencil(fluid.smoothing, fluid.particles.spacing).softest > -0.006) == stable
     kicks = np.random.default_rng(5).normal(0.0, KICK, (fluid.particles.n, 3))

@@ -8,17 +8,24 @@ body keep their own pressure, and still water is exact. Its velocity is the body
 that which a mirror there would show where it rubs. A sample is pushed as strongly as it pushes. Flat sides mirror
 samples as they mirror particles: what an image of a sample presses across its side is that side's, all else is the
 body's.
+
+A gate is a body that moves as the scene says, whatever the water does to it; once it has left, its samples are in no
+cell. A step takes it where it is when the step ends. Its work is that of its force along its way; what bounces from its
+faces is put to walls. Samples hold up part of the weight of the water next to them, as walls do: of a gate that slides
+along water that is work, which the water does not gain; it shows in the residual of the energy.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
+from math import ceil
 
 import numpy as np
 import taichi as ti
 import taichi.math as tm
 from numpy.typing import ArrayLike
 
+from ocean_sim.basin.gate import Gate
 from ocean_sim.columns import Columns
 from ocean_sim.fluid.shared.around import Around
 from ocean_sim.fluid.shared.grid import Grid
@@ -32,7 +39,7 @@ from ocean_sim.fluid.shared.tasks import TASK
 from ocean_sim.runtime import Doubles2, Doubles3, Template
 
 BLOCK = 32  # samples of a task
-MOTION = Columns(position=3, rotation=9, velocity=3, angular_velocity=3, acceleration=3, angular_acceleration=3)
+MOTION = Columns(position=3, rotation=9, velocity=3, angular_velocity=3, acceleration=3, angular_acceleration=3, gone=1)
 UPRIGHT = np.eye(3)
 ZERO = np.zeros(3)
 
@@ -45,6 +52,28 @@ class Body:
     volume: np.ndarray  # (m,) [m3]; in a slice [m2]
     no_slip: bool
     origin: np.ndarray  # (3,) where it is at first [m]
+    gate: Gate | None = None  # how it moves, where that is given
+    across: tuple[int, float] = (0, 0.0)  # of a gate: layers of samples across it, and how far they are apart [m]
+
+    def strength(self, smoothing: Smoothing, spacing: float) -> float:
+        """What its samples count for in the water's laws: of a gate that is thinner than the support so much more than
+        their volume that the first row of water before it is held as by solid ground; 1 of anything else."""
+        count, apart = self.across
+        if count == 0:
+            return 1.0
+        rows = np.arange(1, ceil(smoothing.support / spacing) + 1) * spacing  # of solid ground, from the first of water
+        layers = 0.5 * spacing + (np.arange(count) + 0.5) * apart
+        return pressing(rows, smoothing, spacing) / (pressing(layers, smoothing, spacing) * apart / spacing)
+
+
+def pressing(away: np.ndarray, smoothing: Smoothing, spacing: float) -> float:
+    """What planes of particles press on a particle so far away [m], over what a pair presses: sum of -grad W / slope
+    across the planes."""
+    last = ceil(smoothing.support / spacing)
+    along = spacing * np.array(list(product(range(-last, last + 1), repeat=smoothing.dimension - 1)), dtype=float)
+    r = np.sqrt(away[:, None] ** 2 + (along**2).sum(axis=1))
+    weights = smoothing.kernel.gradient(np.maximum(1.0 - r / smoothing.support, 0.0))
+    return float((away[:, None] * weights).sum())
 
 
 def boxes(lattice: Lattice, support: float) -> list[Body]:
@@ -61,7 +90,10 @@ def boxes(lattice: Lattice, support: float) -> list[Body]:
         position[:, :d] = (index[felt] + 0.5) * apart - 0.5 * (up - low)
         origin = np.zeros(3)
         origin[:d] = 0.5 * (low + up)
-        bodies.append(Body(position, np.full(len(position), apart.prod()), obstacle.slip == "no_slip", origin))
+        volume, no_slip = np.full(len(position), apart.prod()), obstacle.slip == "no_slip"
+        thin = int(np.argmin(up - low))
+        across = (int(count[thin]), float(apart[thin])) if obstacle.motion is not None else (0, 0.0)
+        bodies.append(Body(position, volume, no_slip, origin, obstacle.motion, across))
     return bodies
 
 
@@ -75,9 +107,9 @@ def floating(lattice: Lattice, support: float) -> list[Body]:
     return bodies
 
 
-def memory(samples: int, bodies: int, cells: int, word: int) -> int:
-    """Bytes of the fields of a Boundary, where `word` is the size of a `float` [bytes]."""
-    return samples * (20 * word + 20 + 24) + 6 * word * bodies + 4 * (cells + 1)
+def memory(samples: int, bodies: int, cells: int, word: int, working: bool) -> int:
+    """Bytes of the fields of a Boundary, where `word` is the size of a `float` [bytes] and work is summed or not."""
+    return samples * (20 * word + 20 + 24 + 16 * working) + 6 * word * bodies + 4 * (cells + 1)
 
 
 @ti.func
@@ -104,16 +136,34 @@ class Boundary:
     """All solid bodies in the water: `place` them, `sort`, `react`; then `forces` says what they feel."""
 
     def __init__(
-        self, bodies: Sequence[Body], particles: Particles, grid: Grid, pull: Pull, smoothing: Smoothing
+        self,
+        bodies: Sequence[Body],
+        particles: Particles,
+        grid: Grid,
+        pull: Pull,
+        smoothing: Smoothing,
+        accounts: bool,
     ) -> None:
+        """`accounts`: whether it sums the work of bodies that move as given."""
         self.bodies, self.mass, self.grid, self.pull = bodies, particles.mass, grid, pull
         self.owners = np.repeat(np.arange(len(bodies)), [len(body.position) for body in bodies])
         self.n = n = len(self.owners)
         self.blocks = -(-n // BLOCK)
         self.motion = np.zeros((len(bodies), MOTION.size))  # where they are and how they move
+        self.moved = True  # whether they have, since they were sorted
+        self.gates = [(k, body.gate) for k, body in enumerate(bodies) if body.gate is not None]
+        self.moving, self.working = bool(self.gates), bool(self.gates) and accounts
+        self.speed = 0.0  # [m/s] of the fastest gate
         # In the order of the bodies; positions are from the origin [m], in the body's axes and in those of the tank.
         self.local, self.arm, self.force = Components(n), Components(n), Components(n)
         self.impulse = ti.field(ti.f64, shape=(n, 3))
+        if self.moving:
+            self.strength = ti.field(float, shape=len(bodies))
+            self.strength.from_numpy(
+                np.array([body.strength(smoothing, particles.spacing) for body in bodies], dtype=self.arm.precision)
+            )
+        if self.working:
+            self.work = ti.field(ti.f64, shape=(n, 2))  # [J] on the water, and what its law has put under walls
         self.shares, self.slips = ti.field(float, shape=n), ti.field(int, shape=n)
         self.owner, self.cell = ti.field(int, shape=n), ti.field(int, shape=n)
         # In the order of the cells, whose `name` is the number in the other.
@@ -132,7 +182,21 @@ class Boundary:
         self.owner.from_numpy(self.owners.astype(np.int32))
         for k, body in enumerate(bodies):
             self.place(k, body.origin)
+        self.advance(0.0)
         self.sort()
+
+    def advance(self, time: float) -> None:
+        """Put gates where they are at a time [s], that at which the next step ends, and take those away that have
+        left."""
+        self.speed = 0.0
+        for k, gate in self.gates:
+            moved = gate.at(time)
+            if moved is None:
+                self.moved = self.moved or not self.motion[k, MOTION.gone]
+                self.motion[k, MOTION.gone] = 1.0
+            else:
+                self.speed = max(self.speed, float(np.linalg.norm(moved.velocity)))
+                self.place(k, self.bodies[k].origin + moved.way, UPRIGHT, moved.velocity, ZERO, moved.acceleration)
 
     def place(
         self,
@@ -148,8 +212,9 @@ class Boundary:
         tank; it moves with `velocity` [m/s], `angular_velocity` [rad/s] and their rates. The next step takes it over:
         say where it is when that step ends."""
         rates = (velocity, angular_velocity, acceleration, angular_acceleration)
-        self.motion[body] = np.concatenate([position, np.ravel(rotation), *rates])  # as MOTION has them
-        self.moved = True
+        row = np.concatenate([position, np.ravel(rotation), *rates, [0.0]])  # as MOTION has them
+        self.moved = self.moved or bool((row != self.motion[body]).any())
+        self.motion[body] = row
 
     def sort(self) -> None:
         """Take over where the bodies are, if they have moved."""
@@ -169,6 +234,10 @@ class Boundary:
             for s in range(self.n):
                 self.turn(s, motion)
                 c = self.grid.cell_at(self.grid.indices_at(self.where(s, motion)))
+                if ti.static(self.moving):
+                    if motion[self.owner[s], MOTION.gone] > 0.0:
+                        c = self.grid.cell_count  # after all cells
+                        store(self.force, s, tm.vec3(0.0))
                 self.cell[s], self.start[c] = c, self.start[c] + 1
             for c in range(self.grid.cell_count):
                 self.start[c + 1] = self.start[c + 1] + self.start[c]  # where a cell ends
@@ -181,6 +250,9 @@ class Boundary:
                 up, low = self.box[b, 0, k], self.box[b, 1, k]
                 self.box[b, 0, k] = 0.5 * (up - low) + self.grid.support
                 self.box[b, 1, k] = ti.cast(motion[b, MOTION.position + k], float) + 0.5 * (up + low)
+                if ti.static(self.moving):
+                    if motion[b, MOTION.gone] > 0.0:
+                        self.box[b, 0, k] = -tm.inf  # near nothing
 
     @ti.func
     def turn(self, s, motion: Template):
@@ -254,12 +326,33 @@ class Boundary:
         """Forces on the samples; call it at the top of a kernel."""
         for b in range(self.blocks * TASK):
             if b % TASK == 0:
-                for s in range(b // TASK * BLOCK, ti.min((b // TASK + 1) * BLOCK, self.n)):
+                for s in range(b // TASK * BLOCK, ti.min((b // TASK + 1) * BLOCK, self.there())):
                     x = tm.vec3(self.position.x[s], self.position.y[s], self.position.z[s])
                     force, name = self.water.total(x, law, s), self.name[s]
-                    self.force.x[name], self.force.y[name], self.force.z[name] = force.x, force.y, force.z
+                    self.force.x[name], self.force.y[name], self.force.z[name] = force[0], force[1], force[2]
                     for k in ti.static(range(3)):
                         self.impulse[name, k] += ti.cast(dt * force[k], ti.f64)
+                    if ti.static(self.working):
+                        v = vector(self.velocity, s) - 0.5 * dt * vector(self.acceleration, s)  # mean of the step
+                        for k in ti.static(range(3)):
+                            self.work[name, 0] -= ti.cast(dt * force[k] * v[k], ti.f64)
+                            self.work[name, 1] -= ti.cast(dt * force[3 + k] * v[k], ti.f64)
+
+    @ti.func
+    def counted(self, s):
+        """How many particles sample s counts for."""
+        share = self.share[s]
+        if ti.static(self.moving):
+            share *= self.strength[self.owner[self.name[s]]]
+        return share
+
+    @ti.func
+    def there(self):
+        """How many samples are there: those of bodies that have left come last."""
+        n = self.n
+        if ti.static(self.moving):
+            n = self.start[self.grid.cell_count]
+        return n
 
     @ti.func
     def solid(self, x):
@@ -295,6 +388,13 @@ class Boundary:
                 borne[0, b, k] = borne[0, b, k] + force[k]
                 borne[1, b, k] = borne[1, b, k] + torque[k]
 
+    def works(self) -> tuple[float, float]:
+        """Work [J] of all gates on the water since the start, and what of it the law of the water has put under
+        walls."""
+        gate = np.isin(self.owners, [k for k, _ in self.gates])
+        done, counted = self.work.to_numpy()[gate].sum(axis=0).tolist()
+        return done, counted
+
     def impulses(self) -> np.ndarray:
         """Impulse (k, 3) of the water on each body since the start [N s]."""
         each = self.impulse.to_numpy()
@@ -325,7 +425,7 @@ class SampleSum:
 
     @ti.func
     def term(self, own, s, d, mirror):
-        return self.boundary.share[s] * self.law.pair(own, self.law.sample(own, s, d, mirror))
+        return self.boundary.counted(s) * self.law.pair(own, self.law.sample(own, s, d, mirror))
 
     @ti.func
     def total(self, x, own):
@@ -337,19 +437,25 @@ class SampleSum:
 
 @ti.data_oriented
 class Reaction:
-    """Force [N] on a sample, number `own`, by the pair law that pushes the water. Across a side, what an image does is
-    the side's."""
-
-    sums = 3
+    """Force [N] on a sample, number `own`, by the pair law that pushes the water, and where work is summed the part of
+    it that the law puts under walls. Across a side, what an image does is the side's."""
 
     def __init__(self, boundary: Boundary, law: PushingLaw) -> None:
         self.boundary, self.law, self.mass = boundary, law, boundary.mass
+        self.sums = 6 if boundary.working else 3
 
     @ti.func
     def term(self, own, j, d, mirror):
         law = self.law
         here = ti.Vector([field[j] for field in ti.static(law.reads)])
         away = tm.vec3([-mirror[SIGN, k] * d[k] for k in ti.static(range(3))])
-        push = self.boundary.share[own] * law.pair(here, law.sample(here, own, away, mirror))
+        push = self.boundary.counted(own) * law.pair(here, law.sample(here, own, away, mirror))
         force = -self.mass * law.acceleration(here, push)
-        return ti.Vector([ti.select(mirror[SIGN, k] > 0.0, force[k], 0.0) for k in ti.static(range(3))])
+        total = ti.Vector.zero(float, self.sums)
+        for k in ti.static(range(3)):
+            total[k] = ti.select(mirror[SIGN, k] > 0.0, force[k], 0.0)
+        if ti.static(self.boundary.working):
+            force = -self.mass * law.worked(here, push)
+            for k in ti.static(range(3)):
+                total[3 + k] = ti.select(mirror[SIGN, k] > 0.0, force[k], 0.0)
+        return total

@@ -52,3 +52,7 @@ class Force(ABC):
     @abstractmethod
     def acceleration(self, own: Any, total: Any) -> Any:
         """As `PushingLaw` has it."""
+
+    @abstractmethod
+    def worked(self, own: Any, total: Any) -> Any:
+        """As `PushingLaw` has it."""

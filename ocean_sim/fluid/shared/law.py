@@ -60,6 +60,10 @@ class PushingLaw(SampledLaw, Protocol):
         """Of a particle [m/s2], by its sum."""
         ...
 
+    def worked(self, own: Any, total: Any) -> Any:
+        """The part of it whose work the law puts under walls, where accounts are kept."""
+        ...
+
 
 @ti.data_oriented
 class PositionLaw:

@@ -79,6 +79,11 @@ class MomentumLaw(Force):
         return self.scale(own) * both
 
     @ti.func
+    def worked(self, own, total):
+        """Whose work on the water stands under walls: all, unless a scheme puts what presses elsewhere."""
+        return self.acceleration(own, total)
+
+    @ti.func
     def finish(self, i, own, total, beyond, group):
         """Kick the particle and move it on, as far as walls, absorbing zones and the motion limit let it."""
         fluid, walls, m = self.fluid, self.fluid.walls, ti.static(self.fluid.particles.mass)

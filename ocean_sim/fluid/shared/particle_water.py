@@ -120,12 +120,12 @@ class ParticleWater(ParticleFluid):
         """The same after they have moved for dt [s]."""
 
     def drive(self, dt: float) -> None:
-        """Put tank and wavemaker where they are in the middle of a step of dt [s], what zones relax the water towards
-        where it is at its end."""
+        """Put tank and wavemaker where they are in the middle of a step of dt [s], gates and what zones relax the water
+        towards where they are at its end."""
         self.pull.advance(self.time + 0.5 * dt)
         self.grid.images.advance(self.time + 0.5 * dt)
         self.time += dt
-        self.walls.turn(self.time)
+        self.walls.advance(self.time)
 
     def emit(self) -> None:
         """Add what has left the emitter by now, at the end of a step."""

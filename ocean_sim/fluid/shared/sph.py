@@ -100,7 +100,7 @@ class SphConfig(WaterConfig):
         found, basin = super().warnings(preflight), preflight.tank
         if basin.rough_bed is not None:
             found += basin.rough_bed.warnings(self.lattice(basin).row)
-        return found
+        return [*found, *of_zones(zones(self.began(preflight)))]
 
     def sized(self, lattice: Lattice, reads: int, carried: int = 0) -> ListSize:
         """How large grid and lists are for laws that read so many fields."""
@@ -132,9 +132,6 @@ class SphConfig(WaterConfig):
         found += [zone.statement for zone in zones(self.began(preflight))]
         return found + super().statements(preflight)
 
-    def warnings(self, preflight: Preflight) -> list[str]:
-        return [*super().warnings(preflight), *of_zones(zones(self.began(preflight)))]
-
 
 def rows(preflight: Preflight, sizes: ListSize, numbers: int, what: str, pair: float) -> list[LedgerRow]:
     """Ledger of a scheme that keeps so many numbers of each particle besides its number, and takes `pair` [s] for
@@ -149,7 +146,7 @@ def rows(preflight: Preflight, sizes: ListSize, numbers: int, what: str, pair: f
         LedgerRow("fluid", "candidate lists", sizes.bytes(word), "neighbours of every occupied cell"),
         *_of_areas(preflight, n),
         *_of_targets(lattice, word),
-        *_of_bodies(sizes.grid, word, SAMPLE * each),
+        *_of_bodies(sizes.grid, word, SAMPLE * each, "accuracy" in preflight.parts),
     ]
 
 
@@ -168,9 +165,9 @@ def _of_targets(lattice: Lattice, word: int) -> list[LedgerRow]:
     return [LedgerRow("fluid", f"{n} plane waves", 6 * word * n, "basin.walls: target of a side")] if n else []
 
 
-def _of_bodies(grid: GridSize, word: int, each: float) -> list[LedgerRow]:
+def _of_bodies(grid: GridSize, word: int, each: float, accounts: bool) -> list[LedgerRow]:
     """The ledger of the solid bodies in the water, whose samples take `each` [s] a step; the first row holds where
-    every cell's begin."""
+    every cell's begin. `accounts`: whether the work of gates is summed."""
     lattice, basin = grid.lattice, grid.lattice.basin
     rows: list[LedgerRow] = []
     if not (basin.obstacles or any(solid.felt for solid in basin.afloat)):
@@ -183,7 +180,8 @@ def _of_bodies(grid: GridSize, word: int, each: float) -> list[LedgerRow]:
         if part == "ship":
             why = "ship.kind is pressure: the water feels the hull"
         if bodies:
-            size = memory(count, len(bodies), 0 if rows else grid.cell_count, word)
+            working = accounts and any(body.gate is not None for found in of_parts.values() for body in found)
+            size = memory(count, len(bodies), 0 if rows else grid.cell_count, word, working)
             rows.append(LedgerRow(part, f"{count} samples of solid bodies", size, why, count * each))
     return rows
 
@@ -217,7 +215,7 @@ class Sph(ParticleWater):
 
             lattice, support = sizes.grid.lattice, sizes.grid.support
             bodies = [*boxes(lattice, support), *floating(lattice, support)]
-            self.boundary = Boundary(bodies, self.particles, self.grid, self.pull, self.smoothing)
+            self.boundary = Boundary(bodies, self.particles, self.grid, self.pull, self.smoothing, accounts)
         self.field = Field(
             self.particles, self.grid, self.smoothing, self.pull.constant, self.pull, boundary=self.boundary
         )
@@ -240,11 +238,17 @@ class Sph(ParticleWater):
             self.exposure.renew(dt, self.status.max_speed + self.reference_speed)
         super().drive(dt)
         if self.boundary is not None:
+            self.boundary.advance(self.time)
             self.boundary.sort()
 
     def limits(self) -> Limits:
-        status, nu = self.status, self.kinematic_viscosity
-        return limits(self.smoothing, self.sound_speed, nu, status.max_speed, status.max_acceleration)
+        nu, acceleration = self.kinematic_viscosity, self.status.max_acceleration
+        return limits(self.smoothing, self.sound_speed, nu, self.max_speed, acceleration)
+
+    @property
+    def max_speed(self) -> float:
+        """Of the water and of the gates in it, in the last step [m/s]."""
+        return self.status.max_speed if self.boundary is None else max(self.status.max_speed, self.boundary.speed)
 
     @property
     def impulse(self) -> dict[str, np.ndarray]:
@@ -254,6 +258,14 @@ class Sph(ParticleWater):
             total["obstacles"] = given[:fixed].sum(axis=0)
             total["ship"] = given[fixed:].sum(axis=0) + total.get("ship", 0.0)
             total["walls"] = total["walls"] - given.sum(axis=0)  # the laws count all as walls
+        return total
+
+    @property
+    def work(self) -> dict[str, float]:
+        total = super().work
+        if total and self.boundary is not None and self.boundary.working:
+            total["obstacles"], counted = self.boundary.works()
+            total["walls"] -= counted  # the laws count all as walls
         return total
 
     @ti.func

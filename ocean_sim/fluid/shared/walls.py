@@ -1,5 +1,7 @@
 """What holds the water in: sides that particles bounce from, zones that absorb waves, a limit of what a step moves."""
 
+from itertools import product
+
 import numpy as np
 import taichi as ti
 import taichi.math as tm
@@ -12,6 +14,8 @@ from ocean_sim.fluid.shared.lattice import Lattice
 from ocean_sim.fluid.shared.plane_waves import PlaneWaves
 from ocean_sim.runtime import Template
 from ocean_sim.waves.absorption import PROFILE
+
+GONE = np.array([3 * [OPEN], 3 * [-OPEN]])  # lowest and highest corner [m] of what is not there
 
 
 @ti.data_oriented
@@ -50,20 +54,31 @@ class Walls:
         self.axes = range(lattice.basin.dimension)
         self.restitution = lattice.basin.config.restitution
         self.friction = lattice.basin.config.friction
-        self.obstacles = len(lattice.basin.obstacles)
+        self.obstacles, self.gates = len(lattice.basin.obstacles), lattice.basin.gates
         if self.obstacles:
             self.faces = ti.field(float, shape=(self.obstacles, 2, 3))
-            grown = np.array(lattice.basin.obstacles) + np.array([[-gap], [gap]])
-            self.faces.from_numpy(grown.astype(to_numpy_type(self.faces.dtype)))
+            self.first = np.array(lattice.basin.obstacles) + np.array([[-gap], [gap]])  # (n, 2, 3) at time 0 [m]
+            self.faces.from_numpy(self.first.astype(to_numpy_type(self.faces.dtype)))
+        if self.gates:
+            self.speed = ti.field(float, shape=(self.obstacles, 3))  # [m/s]
         limit = lattice.config.motion_limit
         self.zones = tuple((zone.axis, zone.begin, zone.end, zone.rate, Target(zone)) for zone in zones(lattice))
         self.limited = limit is not None
         self.limit = (limit or 0.0) * lattice.spacing  # [m]
+        self.advance(0.0)
 
-    def turn(self, time: float) -> None:
-        """Take the targets of the zones at a time [s]."""
+    def advance(self, time: float) -> None:
+        """Put the faces of obstacles that move where they are at a time [s], and the targets of zones; an obstacle that
+        has left stops nothing."""
         for *_, target in self.zones:
             target.turn(time)
+        for b, gate in self.gates:
+            moved = gate.at(time)
+            faces = GONE if moved is None else self.first[b] + moved.way
+            for side, k in product(range(2), range(3)):
+                self.faces[b, side, k] = faces[side, k]
+            for k in range(3):
+                self.speed[b, k] = 0.0 if moved is None else moved.velocity[k]
 
     @ti.func
     def bounced(self, x, v):
@@ -117,7 +132,10 @@ class Walls:
         if least > 0.0:
             for k in ti.static(self.axes):
                 if face == k:
-                    v = self.returned(v, k, 0.0, ti.select(across > x[k], -1.0, 1.0))
+                    wall = 0.0
+                    if ti.static(len(self.gates) > 0):
+                        wall = self.speed[b, k]
+                    v = self.returned(v, k, wall, ti.select(across > x[k], -1.0, 1.0))
                     x[k] = across
         return x, v
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from ocean_sim.basin import Basin, Box
+from ocean_sim.basin import ROUNDING, Basin, Box
 from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.fluid.shared import initial as initial_module
 from ocean_sim.fluid.shared.emitter import MOST_PARTICLES, Emitter
@@ -16,6 +16,8 @@ from ocean_sim.fluid.shared.lattice import Lattice, inside
 from ocean_sim.fluid.shared.smoothing import WENDLAND, Kernel
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import FluidConfig, Preflight, Problems
+
+TIGHT = 2.0  # [spacings] thickness of a gate that holds still water back as a wall does
 
 
 class WaterConfig(FluidConfig):
@@ -61,11 +63,33 @@ class WaterConfig(FluidConfig):
         return self
 
     def statements(self, preflight: Preflight) -> list[str]:
-        if self.motion_limit is None:
-            return []
-        return [
-            f"no particle moves further than {self.motion_limit:g} spacings in a step; what is held back is counted"
-        ]
+        found = []
+        if self.motion_limit is not None:
+            limit = f"{self.motion_limit:g}"
+            found.append(f"no particle moves further than {limit} spacings in a step; what is held back is counted")
+        for k, gate in preflight.tank.gates:
+            moves = f"moves from {gate.start:g} s on, at up to {gate.fastest(preflight.duration):.3g} m/s, and "
+            leaves = "stays" if gate.end is None else f"has left at {gate.end:g} s"
+            found.append(f"obstacles.{k} {moves if gate.moves else ''}{leaves}")
+        return found
+
+    def warnings(self, preflight: Preflight) -> list[str]:
+        found, tank, spacing = super().warnings(preflight), preflight.tank, preflight.spacing
+        for k, gate in tank.gates:
+            box = tank.config.obstacles[k]
+            thin = min(up - low for low, up in zip(box.min, box.max))
+            if spacing is not None and thin < TIGHT * spacing - ROUNDING:
+                found.append(
+                    f"obstacles.{k} is {thin / spacing:.2g} spacings thin: water that it holds back is not at rest; "
+                    f"take {TIGHT:g} spacings, or a smaller fluid.spacing"
+                )
+            fastest, speed = gate.fastest(preflight.duration), self.speed(tank)
+            if fastest > speed and self.sound_speed(tank) > 0.0:
+                found.append(
+                    f"obstacles.{k} moves at up to {fastest:.3g} m/s, faster than the reference speed of {speed:.3g} "
+                    "m/s: water that it runs into is compressed by more than asked for"
+                )
+        return found
 
     @property
     def steady_force(self) -> Vector3:

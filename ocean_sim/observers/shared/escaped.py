@@ -7,11 +7,11 @@ from ocean_sim.basin import Basin
 ROUNDING = 1.0e-6  # of the basin's largest coordinate: a few roundings of a float32
 
 
-def beyond(position: np.ndarray, basin: Basin) -> np.ndarray:
-    """How far each particle is beyond the walls, floor and lid that there are, or in an obstacle, (n,) [m]; 0 in the
-    water and at open sides."""
+def beyond(position: np.ndarray, basin: Basin, time: float) -> np.ndarray:
+    """How far each particle is at a time [s] beyond the walls, floor and lid that there are, or in an obstacle, (n,)
+    [m]; 0 in the water and at open sides."""
     low, up = (np.array(stop) for stop in basin.stops())
     distance = np.linalg.norm(position - np.clip(position, low, up), axis=1)
-    for least, most in basin.obstacles:
+    for least, most in basin.obstacles_at(time):
         distance = np.maximum(distance, np.minimum(position - least, np.array(most) - position).min(axis=1))
     return np.where(distance > ROUNDING * np.abs([basin.lower, basin.upper]).max(), distance, 0.0)

@@ -1,0 +1,241 @@
+"""Obstacles that move and leave: what a gate gives the water gets, and what it holds back stays until it has gone."""
+
+import json
+
+import numpy as np
+import pytest
+
+from ocean_sim import load
+from ocean_sim.__main__ import answered
+from ocean_sim.basin.gate import Gate
+from ocean_sim.conventions import GRAVITY
+from ocean_sim.fluid.shared.boundary import MOTION
+from ocean_sim.observers.shared.escaped import beyond
+from ocean_sim.reading.scene import SceneError
+from ocean_sim.simulation import Simulation
+from tests.fluid.conftest import by_id, put
+from tests.fluid.test_boundary import FREE, step_to
+
+PLATE = {"min": [0.05, -0.4], "max": [0.25, -0.1]}
+SPEED = np.array([-1.0, 0.3, 0.0])
+QUIET = dict.fromkeys(("render", "report", "timings", "preview"))
+
+
+def swept(water, kind: str, slip: str = "free_slip", drift: np.ndarray | None = None, steps: int = 100):
+    """A block of water at rest into which a plate has run for 0.1 s, away from all sides and without gravity; seen
+    from axes that `drift` [m/s]."""
+    way = np.zeros(3) if drift is None else drift
+    motion = {"velocity": (SPEED - way).tolist()}
+    basin = FREE | {"obstacles": [PLATE | {"slip": slip, "motion": motion}]}
+    keys = {"spacing": 0.05, "reference_speed": 4.0, "kinematic_viscosity": 0.005, "collision_distance": 0.001}
+    fluid = water(kind, basin=basin, accounts=True, fill=[{"min": [-0.35, -0.4], "max": [0.0, -0.1]}], **keys)
+    fluid.particles.pressure.fill(0.0)
+    x = by_id(fluid, fluid.particles.position.to_numpy())
+    put(fluid, x, np.tile(-way, (len(x), 1)))
+    for _ in range(steps):
+        fluid.advance(0.1 / steps)
+    return fluid
+
+
+@pytest.mark.parametrize("kind", ["mueller", "delta_sph", "dfsph"])
+def test_a_plate_gives_its_momentum_and_work_to_the_water(water, kind):
+    """Without gravity the water has what the plate gave, by its samples and its faces, and of a steady plate work is
+    velocity times impulse."""
+    fluid = swept(water, kind)
+    momentum = fluid.particles.mass * fluid.particles.velocity.to_numpy().sum(axis=0)
+    assert momentum[0] < -0.1 * fluid.particles.mass * fluid.particles.n
+    impulse, work = fluid.impulse, fluid.work
+    scale = np.abs(momentum).max()
+    np.testing.assert_allclose(impulse["obstacles"] + impulse["walls"], momentum, atol=1e-12 * scale)
+    assert impulse["obstacles"][0] < 0.5 * momentum[0]
+    assert work["obstacles"] == pytest.approx(impulse["obstacles"] @ SPEED, rel=1e-12)
+
+
+def unexplained(fluid) -> float:
+    """Energy that the water has and no force has given [J], of that which it would have lost or gained else."""
+    velocity = fluid.particles.velocity.to_numpy()
+    energy = 0.5 * fluid.particles.mass * float((velocity**2).sum()) + fluid.internal_energy()
+    return energy - sum(work for term, work in fluid.work.items() if term not in ("pressure", "gravity"))
+
+
+def test_the_work_of_a_plate_is_such_that_axes_do_not_matter(water):
+    """The water explains its energy as well from axes in which the plate stands still, and does no work, as from those
+    in which it moves, but for half a step of its way: a step takes it where it is at the end, and forces act in the
+    middle. Negative control: without that work it does not."""
+    off = []
+    for steps in (100, 400):
+        moving, standing = (swept(water, "delta_sph", "no_slip", drift, steps) for drift in (None, SPEED))
+        start = 0.5 * standing.particles.mass * standing.particles.n * SPEED @ SPEED
+        scale = moving.work["obstacles"]
+        assert standing.work["obstacles"] == pytest.approx(0.0, abs=1e-9 * scale)
+        off.append(abs(unexplained(moving) - unexplained(standing) + start) / scale)
+    assert off[0] < 0.1 and off[1] < 0.4 * off[0]
+    assert abs(unexplained(moving) + scale - unexplained(standing) + start) > 0.5 * scale
+
+
+def test_samples_go_with_the_gate_and_are_gone_after_its_end(water):
+    motion = {"velocity": [0.0, 1.0, 0.0], "acceleration": [0.0, 2.0, 0.0], "start": 0.02, "end": 0.06}
+    fluid = water("delta_sph", basin={"width": None, "obstacles": [PLATE | {"motion": motion}]}, spacing=0.05)
+    body, places = fluid.boundary, fluid.boundary.position.to_numpy()
+    middle, seen = np.array([0.15, -0.25, 0.0]), []
+    for _ in range(30):
+        fluid.advance(0.002)
+        seen.append(body.motion[0, MOTION.position : MOTION.position + 3] - middle)
+    t = np.maximum(0.002 * np.arange(1, 31) - 0.02, 0.0)
+    np.testing.assert_allclose(np.array(seen)[:-1, 1], (t + t * t)[:-1], atol=1e-12)
+    assert body.speed == 0.0 and body.start.to_numpy()[-1] == 0  # at 0.06 s none is in any cell
+    assert not body.forces()[0].any() and len(places) == body.n
+    before = body.impulses()
+    for _ in range(10):
+        fluid.advance(0.002)
+    np.testing.assert_array_equal(body.impulses(), before)
+    assert before[0, 1] != 0.0
+
+
+def held(water, thick: float, motion: dict | None, until: float, at: float = 0.0):
+    """Water 0.5 m long and 0.5 m deep behind a gate so many spacings thick, which stands at x = 0 or farther away [m],
+    after so long [s]."""
+    gate = {"min": [at, -0.5], "max": [at + thick * 0.05, 0.2]}
+    basin = {"width": None, "obstacles": [] if motion is None else [gate | {"motion": motion}]}
+    keys = {"spacing": 0.05, "kinematic_viscosity": 1e-3}
+    fluid = water("delta_sph", basin=basin, fill=[{"min": [-0.5, -0.5], "max": [0.0, 0.0]}], **keys)
+    step_to(fluid, until)
+    return fluid
+
+
+@pytest.mark.parametrize(
+    ("thick", "off", "stir"), [(2.0, 0.03, 0.02), (1.0, 0.15, 0.08)], ids=["two spacings", "one spacing"]
+)
+def test_water_behind_a_closed_gate_stays_and_presses_as_deep_water_does(water, thick, off, stir):
+    """Over air, for 2 s: nothing leaks, and a gate of two spacings bears what a wall does; one spacing holds it too,
+    but the water before it stirs."""
+    fluid = held(water, thick, {}, 2.0)
+    x = fluid.particles.position.to_numpy()
+    assert len(x) == 100 and (x[:, 0] < 0.0).all()
+    points = np.array([[0.0, -0.25, 0.0], [0.0, -0.4, 0.0]])
+    np.testing.assert_allclose(fluid.pressures(points), -1000.0 * GRAVITY * points[:, 1], rtol=off)
+    assert fluid.pressures(points + [thick * 0.05 + 0.1, 0.0, 0.0]).max() == 0.0
+    assert fluid.status.max_speed < stir * np.sqrt(GRAVITY * 0.5)
+    force = fluid.boundary.forces()[0][0, 0]
+    assert force == pytest.approx(0.5 * 1000.0 * GRAVITY * 0.5**2, rel=0.5 * off + 0.01)
+
+
+def test_and_leaves_without_one(water):
+    """Negative control."""
+    assert (held(water, 2.0, None, 0.5).particles.position.to_numpy()[:, 0] > 0.25).any()
+
+
+def test_a_gate_that_has_left_is_as_none(water):
+    """One that stood in the air and leaves with the first step: the water moves as in a basin without it."""
+    with_it = held(water, 2.0, {"end": 1e-9}, 0.0, at=0.2)
+    without = held(water, 2.0, None, 0.0)
+    for _ in range(200):
+        with_it.advance(0.0015)
+        without.advance(0.0015)
+    here, there = (by_id(f, f.particles.position.to_numpy()) for f in (with_it, without))
+    assert there[:, 0].max() > 0.1
+    np.testing.assert_allclose(here, there, atol=1e-9)
+
+
+def test_water_runs_out_below_a_gate_that_is_lifted(water):
+    """Half open it lets water through at its foot and nowhere else."""
+    fluid = held(water, 2.0, {"velocity": [0.0, 1.0, 0.0], "end": 1.0}, 0.2)
+    x = fluid.particles.position.to_numpy()
+    through = x[:, 0] > 0.1
+    assert through.any() and x[through, 1].max() < -0.25 and (x[:, 0] < 0.0).any()
+    assert not beyond(x, fluid.grid.basin, fluid.time).any()
+
+
+def test_particles_without_interaction_bounce_from_a_moving_box(water):
+    """A wall that comes at 2 m/s sends what rests away at 2 (1 + e) m/s."""
+    basin = FREE | {"restitution": 0.5, "obstacles": [PLATE | {"motion": {"velocity": [-2.0, 0.0, 0.0]}}]}
+    fluid = water("ballistic", basin=basin, spacing=0.1, fill=[{"min": [-0.2, -0.3], "max": [-0.1, -0.2]}])
+    for _ in range(10):
+        fluid.advance(0.01)
+    assert fluid.particles.velocity.to_numpy()[0, 0] == pytest.approx(-3.0, rel=1e-6)
+
+
+def test_the_way_of_a_gate_may_be_a_table(tmp_path):
+    t = np.linspace(0.0, 0.4, 9)
+    (tmp_path / "gate.csv").write_text("time_s,y_m\n" + "".join(f"{a},{2.0 * a**3}\n" for a in t))
+    gate = Gate(file=str(tmp_path / "gate.csv"), start=0.1, end=0.6)
+    for time in (0.05, 0.2, 0.33, 0.55):
+        moved, s = gate.at(time), np.clip(time - 0.1, 0.0, 0.4)
+        np.testing.assert_allclose(moved.way, [0.0, 2.0 * s**3, 0.0], atol=1e-12)
+        np.testing.assert_allclose(moved.velocity, [0.0, 6.0 * s**2 * (0.0 < s < 0.4), 0.0], atol=1e-12)
+    assert gate.at(0.6) is None
+    assert gate.fastest(0.5) == pytest.approx(0.96, rel=0.01)
+
+
+STANDING = {"min": [0.1, -0.5], "max": [0.2, 0.1]}
+
+
+@pytest.mark.parametrize(
+    ("motion", "sentence"),
+    [
+        ({"velocity": [0.0, 1.0, 0.0], "start": 0.5, "end": 0.4}, "before it starts to move"),
+        ({"velocity": [1.0, 0.0, 0.0]}, "reaches out of the basin along x at 0.30"),
+        ({"velocity": [-1.0, 0.0, 0.0]}, "crosses obstacles.0 at 0.2"),
+        ({"velocity": [0.0, -1.0, 0.0]}, "reaches out of the basin along y"),
+        ({"velocity": [0.0, 0.0, 1.0], "end": 0.1}, "no motion along z"),
+        ({"velocity": [0.0, 1.0, 0.0], "file": "gate.csv"}, "either the file of its way, or velocity"),
+        ({"file": "no such gate.csv"}, "there is no such file"),
+        ({"start": -1.0}, "is not at least 0"),
+        ({"speed": 1.0}, "unknown key"),
+    ],
+)
+def test_gates_that_cannot_be_are_said(motion, sentence):
+    boxes = [{"min": [-0.3, -0.5], "max": [-0.1, 0.1]}, STANDING | {"motion": motion}]
+    scene = {"basin": {"length": 1.0, "depth": 0.5, "obstacles": boxes}, "duration": 1.0}
+    with pytest.raises(SceneError, match=sentence):
+        load(scene | {"fluid": {"kind": "mueller", "spacing": 0.1}})
+
+
+def scene(**motion) -> dict:
+    """A dam of 2000 particles that a gate frees."""
+    gate = {"min": [-0.2, -0.5], "max": [-0.16, 0.1], "motion": {"velocity": [0.0, 2.0, 0.0], "end": 0.3} | motion}
+    fill = [{"min": [-0.5, -0.5], "max": [-0.2, 0.0]}]
+    basin = {"length": 1.0, "depth": 0.5, "obstacles": [gate]}
+    fluid = {"kind": "delta_sph", "spacing": 0.02 / 2**0.5, "fill": fill}
+    return QUIET | {"basin": basin, "fluid": fluid, "duration": 0.03, "accuracy": {"every": 0.01}}
+
+
+def test_check_says_when_a_gate_is_gone_and_that_one_is_too_thin():
+    known = load(scene()).preflight
+    assert "obstacles.0 moves from 0 s on, at up to 2 m/s, and has left at 0.3 s" in known.fluid.statements(known)
+    assert not [w for w in load(scene()).warnings() if "thin" in w]
+    thin = load(scene(), {"fluid.spacing": 0.04})
+    assert [w for w in thin.warnings() if w.startswith("obstacles.0 is 1 spacings thin")]
+    assert [w for w in load(scene(velocity=[0.0, 9.0, 0.0])).warnings() if "faster than the reference speed" in w]
+
+
+def test_check_answers_for_a_scene_with_a_gate(tmp_path, capsys):
+    (tmp_path / "gate.yaml").write_text(json.dumps(scene()))
+    assert answered(["check", str(tmp_path / "gate.yaml")]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "samples of solid bodies" in said and "has left at 0.3 s" in said
+
+
+def test_a_run_shows_its_gate_in_accounts_and_frames_and_reloads_to_the_same_bytes(tmp_path):
+    kept = []
+    for k, threads in enumerate((1, 2)):
+        (tmp_path / str(k)).mkdir()
+        made = load(scene() | {"frames": {"every": 0.01}})
+        with Simulation(load(made.resolved(), {"runtime.threads": threads}), tmp_path / str(k)) as simulation:
+            simulation.run(made.duration)
+        files = [path for path in (tmp_path / str(k)).rglob("*") if path.is_file() and path.name != "manifest.json"]
+        kept.append({str(path.relative_to(tmp_path / str(k))): path.read_bytes() for path in files})
+    assert kept[0] == kept[1]
+    assert b"work_obstacles_J" in kept[0]["accuracy.csv"] and b"impulse_obstacles_y_Ns" in kept[0]["accuracy.csv"]
+    frame = np.load(tmp_path / "0" / "frames" / "frame_00002.npz")
+    np.testing.assert_allclose(frame["gates"][0, :, 1], 2.0 * frame["time"] + [-0.5, 0.1], rtol=1e-6)
+    assert len(np.load(tmp_path / "0" / "frames" / "grid.npz")["obstacles"]) == 0
+    assert (
+        load(
+            {
+                "basin": {"length": 1.0, "depth": 0.5, "obstacles": [STANDING]},
+                "fluid": {"kind": "mueller", "spacing": 0.1},
+            }
+        ).resolved()["basin"]["obstacles"][0]["motion"]
+        is None
+    )

@@ -58,6 +58,7 @@ def unexplained(fluid) -> float:
     return energy - sum(work for term, work in fluid.work.items() if term not in ("pressure", "gravity"))
 
 
+@pytest.mark.slow
 def test_the_work_of_a_plate_is_such_that_axes_do_not_matter(water):
     """The water explains its energy as well from axes in which the plate stands still, and does no work, as from those
     in which it moves, but for half a step of its way: a step takes it where it is at the end, and forces act in the
@@ -69,7 +70,7 @@ def test_the_work_of_a_plate_is_such_that_axes_do_not_matter(water):
         scale = moving.work["obstacles"]
         assert standing.work["obstacles"] == pytest.approx(0.0, abs=1e-9 * scale)
         off.append(abs(unexplained(moving) - unexplained(standing) + start) / scale)
-    assert off[0] < 0.1 and off[1] < 0.4 * off[0]
+    assert off[0] < 0.03 and off[1] < 0.6 * off[0]
     assert abs(unexplained(moving) + scale - unexplained(standing) + start) > 0.5 * scale
 
 
@@ -125,6 +126,7 @@ def test_and_leaves_without_one(water):
     assert (held(water, 2.0, None, 0.5).particles.position.to_numpy()[:, 0] > 0.25).any()
 
 
+@pytest.mark.slow
 def test_a_gate_that_has_left_is_as_none(water):
     """One that stood in the air and leaves with the first step: the water moves as in a basin without it."""
     with_it = held(water, 2.0, {"end": 1e-9}, 0.0, at=0.2)

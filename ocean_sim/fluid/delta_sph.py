@@ -65,7 +65,7 @@ class Config(SphConfig):
     kind: Literal["delta_sph"] = "delta_sph"
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
     """Support radius of the smoothing kernel over the spacing; by default 4.0. There the lattice that water starts
-    from neither bears shear nor gives way: waves run at their speed, and still water stays still."""
+    from bears no shear, so that waves run at their speed, and hardly gives way; much less of it damps waves."""
     exponent: int = quantity("1", 1, ge=1, le=9)
     """gamma of p = c^2 rho0 / gamma ((rho / rho0)^gamma - 1): 1 is linear, 7 is Tait's."""
     density_diffusion: float = quantity("1", 0.1, ge=0.0, le=0.5)

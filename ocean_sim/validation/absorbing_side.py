@@ -13,9 +13,9 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.simulation import Simulation
+from ocean_sim.validation.shared import flume
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
 from ocean_sim.validation.shared.reflection import reflected
-from ocean_sim.validation.shared.state import sampled
 from ocean_sim.waves import absorption
 
 DEPTH, HEIGHT, PERIOD = 0.5, 0.03, 1.5  # [m], [m], [s]
@@ -28,16 +28,8 @@ PROMISES = (Promise("reflection", "%", "three gauges; 2 %, linear theory", {"del
 
 
 def problems(coarse: bool) -> list[Problem]:
-    scene = {
-        "duration": BEGIN + 8.0 * PERIOD,
-        "basin": {
-            "length": LENGTH,
-            "depth": DEPTH,
-            "walls": {"x_max": "absorbing"},
-            "wavemaker": {"wall": "x_min", "height": HEIGHT, "period": PERIOD},
-        },
-        "fluid": {"spacing": WAVELENGTH / (40 if coarse else 80), "kinematic_viscosity": 1e-6},
-    }
+    spacing = WAVELENGTH / (40 if coarse else 80)
+    scene = flume.scene(LENGTH, DEPTH, spacing, BEGIN + 8.0 * PERIOD, {"height": HEIGHT, "period": PERIOD})
     return [Problem(scene, PROMISES, measure, slow=not coarse)]
 
 
@@ -49,12 +41,8 @@ def theory() -> float:
 
 def measure(simulation: Simulation) -> Finding:
     """Records of the gauges, once what comes back has come back."""
-    points, times, rows = np.stack([GAUGES, 0.0 * GAUGES], axis=1), [], []
-    for water in sampled(simulation, simulation.scene.duration, EVERY):
-        times.append(water.time)
-        rows.append(simulation.fluid.elevations(points))
-    time = np.arange(BEGIN, times[-1], EVERY)
-    found = np.stack([np.interp(time, times, column) for column in np.array(rows).T], axis=1)
+    points = np.stack([GAUGES, 0.0 * GAUGES], axis=1)
+    time, found = flume.resampled(*flume.records(simulation, points, EVERY), BEGIN, EVERY)
     back = reflected(EVERY, found, GAUGES, DEPTH, (0.7 / PERIOD, 1.3 / PERIOD))
     return Finding(
         {PROMISES[0].quantity: (back, theory(), 100.0 * back)},

@@ -18,9 +18,9 @@ import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.simulation import Simulation
+from ocean_sim.validation.shared import flume
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
 from ocean_sim.validation.shared.reflection import reflected
-from ocean_sim.validation.shared.state import sampled
 from ocean_sim.waves.record import measured
 
 DEPTH, HEIGHT, PERIOD, SEED = 0.5, 0.04, 1.5, 3  # [m], [m], [s]
@@ -41,30 +41,18 @@ PROMISES = (
 
 def problems(coarse: bool) -> list[Problem]:
     spectrum = {"significant_wave_height": HEIGHT, "peak_period": PERIOD, "seed": SEED, "cut_off": 2.0}
-    scene = {
-        "duration": BEGIN + 20.0 * PERIOD,
-        "basin": {
-            "length": LENGTH,
-            "depth": DEPTH,
-            "walls": {"x_max": "absorbing"},
-            "wavemaker": {"wall": "x_min", "spectrum": spectrum},
-        },
-        "fluid": {"spacing": WAVELENGTH / (40 if coarse else 200), "kinematic_viscosity": 1e-6},
-    }
+    spacing = WAVELENGTH / (40 if coarse else 200)
+    scene = flume.scene(LENGTH, DEPTH, spacing, BEGIN + 20.0 * PERIOD, {"spectrum": spectrum})
     return [Problem(scene, PROMISES, measure, slow=not coarse)]
 
 
 def measure(simulation: Simulation) -> Finding:
     """Records of the gauges, from when the shortest waves have arrived on."""
     away = np.stack([AWAY + GAUGES, 0.0 * GAUGES], axis=1)
-    points, times, rows = away + [simulation.basin.lower[0], 0.0], [], []
-    for water in sampled(simulation, simulation.scene.duration, EVERY):
-        times.append(water.time)
-        rows.append(simulation.fluid.elevations(points))
     piston = simulation.basin.piston
     assert piston is not None
-    time = np.arange(BEGIN, times[-1], EVERY)
-    found = np.stack([np.interp(time, times, column) for column in np.array(rows).T], axis=1)
+    records = flume.records(simulation, away + [simulation.basin.lower[0], 0.0], EVERY)
+    time, found = flume.resampled(*records, BEGIN, EVERY)
     theory = np.array([waves.elevation(piston.sea, away[:1], t)[0] for t in time])
     sea, wanted = measured(time, found[:, 0]), measured(time, theory)
     back = reflected(EVERY, found, GAUGES, DEPTH, BAND)

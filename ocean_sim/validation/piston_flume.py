@@ -23,8 +23,8 @@ import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.simulation import Simulation
+from ocean_sim.validation.shared import flume
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.state import sampled
 
 DEPTH, HEIGHT, PERIOD, LENGTH = 0.5, 0.05, 1.5, 9.5  # [m], [m], [s], [m]
 OMEGA = 2.0 * pi / PERIOD
@@ -42,28 +42,16 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
-    scene = {
-        "duration": END,
-        "basin": {
-            "length": LENGTH,
-            "depth": DEPTH,
-            "walls": {"x_max": "absorbing"},
-            "wavemaker": {"wall": "x_min", "height": HEIGHT, "period": PERIOD},
-        },
-        "fluid": {"spacing": DEPTH / (10 if coarse else 20), "kinematic_viscosity": 1e-6},
-    }
+    scene = flume.scene(LENGTH, DEPTH, DEPTH / (10 if coarse else 20), END, {"height": HEIGHT, "period": PERIOD})
     return [Problem(scene, PROMISES, measure)]
 
 
 def measure(simulation: Simulation) -> Finding:
     """The elevation at both gauges over time."""
     gauges = np.array([[simulation.basin.lower[0] + n * WAVELENGTH, 0.0] for n in AWAY])
-    times, elevation = [], []
-    for water in sampled(simulation, END, PERIOD / 40):
-        times.append(water.time)
-        elevation.append(simulation.fluid.elevations(gauges))
+    times, elevation = flume.records(simulation, gauges, PERIOD / 40)
     assert simulation.basin.piston is not None
-    return compared(np.array(times), np.array(elevation), simulation.basin.piston.stroke)
+    return compared(times, elevation, simulation.basin.piston.stroke)
 
 
 def first_harmonic(times: np.ndarray, signal: np.ndarray) -> complex:

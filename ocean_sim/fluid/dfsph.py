@@ -38,6 +38,7 @@ from ocean_sim.fluid.shared.pairs import Pairs
 from ocean_sim.fluid.shared.pairs import size as size_of_pairs
 from ocean_sim.fluid.shared.particles import Components
 from ocean_sim.fluid.shared.pressure_solver import REPORT, TOO_DENSE, UPHILL, Solver
+from ocean_sim.fluid.shared.smoothing import NEUTRAL, NEUTRAL_RATIO, Kernel
 from ocean_sim.fluid.shared.sph import Sph, SphConfig, limits, rows
 from ocean_sim.fluid.shared.stencil import Stencil, of_rigidity
 from ocean_sim.fluid.shared.tasks import TASK
@@ -48,7 +49,6 @@ from ocean_sim.wind import Wind
 
 PAIR = 7.4e-8  # [s] of processor time a neighbour, with the iterations that calm water needs
 ROW, VISCOUS_ROW = Columns(position=3, pressure=1), Columns(position=3, pressure=1, velocity=3)  # of the forces
-FLAT, SOLID = 3.6, 2.0  # [spacings] support in a slice (36 neighbours) and in space (26)
 CALM = {"density": 0.1, "divergence": 0.003}  # [tolerances] errors below which water counts as calm
 BRIEF = 0.1  # of half the support over the reference speed: in shorter steps calm water compresses itself less
 SLOW = 2.0  # of the reference speed: water counts as no slower when the next step is chosen, see `limits`
@@ -62,10 +62,11 @@ class Config(SphConfig):
     fineness: ClassVar[int] = 2
     added_viscosity: ClassVar = ((50.0, 2.43e-3), (100.0, 2.13e-3))  # 1.0e-3 of it by an artificial viscosity of 0.01
     unheeded: ClassVar[tuple[str, ...]] = ("compression",)
-    default_ratio: ClassVar[tuple[float, float]] = (FLAT, SOLID)
+    default_ratio: ClassVar[tuple[float, float]] = (NEUTRAL_RATIO, NEUTRAL_RATIO)
+    kernel: ClassVar[Kernel] = NEUTRAL
     kind: Literal["dfsph"] = "dfsph"
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
-    """Support radius of the smoothing kernel over the spacing; by default 3.6 in a slice and 2.0 in space."""
+    """Support radius of the smoothing kernel over the spacing; by default 4.0."""
     minimum_pressure: float | None = quantity("Pa", 0.0, ge=0.0, le=0.0)
     """Zero: water with a free surface knows no negative pressures."""
     artificial_viscosity: float = quantity("1", 0.01, ge=0.0)

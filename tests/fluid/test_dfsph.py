@@ -45,14 +45,15 @@ def test_kept_pairs_are_all_neighbours_and_all_images(water):
             away = x[i] - places
             r = np.linalg.norm(away, axis=1)
             for k in np.nonzero((r < h) & (r > 0.0))[0]:
-                expected.append((flips * MOST_PARTICLES + k % len(x), *((1.0 - r[k] / h) ** 3 * away[k])))
+                slope = fluid.smoothing.kernel.gradient(1.0 - r[k] / h)
+                expected.append((flips * MOST_PARTICLES + k % len(x), *(slope * away[k])))
         found = [(name, *g) for name, g in zip(names[i, : seen[i]], gradients[i, : seen[i]])]
         assert (names[i, : near[i]] < MOST_PARTICLES).all() and (names[i, near[i] : seen[i]] >= MOST_PARTICLES).all()
         np.testing.assert_allclose(sorted(found), sorted(expected), atol=1e-12)
 
 
 def test_more_neighbours_than_there_are_slots_for_stop_the_run(water):
-    fluid = water("dfsph", basin=OPEN, **box(6, 6, 6, spacing=0.05))
+    fluid = water("dfsph", basin=OPEN, **box(10, 10, 10, spacing=0.05))
     x = fluid.particles.position.to_numpy()
     with pytest.raises(Diverged, match="more neighbours than their lists hold"):
         put(fluid, x.mean(axis=0) + 0.4 * (x - x.mean(axis=0)), np.zeros_like(x))
@@ -61,7 +62,7 @@ def test_more_neighbours_than_there_are_slots_for_stop_the_run(water):
 def rushing_together(water, **keys):
     """A shaken block without gravity whose halves run into each other, after one step."""
     basin = OPEN | {"gravity": [0.0, 0.0, 0.0]}
-    fluid = water("dfsph", basin=basin, reference_speed=2.0, accounts=True, **keys, **box(6, 6, 6, spacing=0.05))
+    fluid = water("dfsph", basin=basin, reference_speed=2.0, accounts=True, **keys, **box(10, 10, 10, spacing=0.05))
     x = fluid.particles.position.to_numpy()
     x += 0.05 * fluid.particles.spacing * np.random.default_rng(3).uniform(-1.0, 1.0, x.shape)
     v = np.zeros_like(x)
@@ -156,9 +157,8 @@ def test_a_falling_column_is_not_compressed(water):
 
 
 def test_without_its_solvers_water_is_compressed(water):
-    """Negative control: so far that there are more neighbours than slots, which stops the run."""
-    with pytest.raises(Diverged, match="more neighbours than their lists hold"):
-        collapsed(water, max_density_iterations=0, max_divergence_iterations=0)
+    """Negative control."""
+    assert collapsed(water, max_density_iterations=0, max_divergence_iterations=0) > 0.2
 
 
 def gained(water, brief: bool) -> float:

@@ -125,6 +125,11 @@ class WindConfig(KindConfig):
         return False
 
     @property
+    def needs_bend(self) -> bool:
+        """Whether the water has to find how its surface bends, too."""
+        return False
+
+    @property
     def still(self) -> bool:
         """Whether there is no wind."""
         return False

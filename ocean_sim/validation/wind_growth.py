@@ -26,8 +26,8 @@ GAIN = PRESSURE / (SHELTERING * AIR_DENSITY * (U10 - CREST_SPEED) ** 2)
 BETA = PRESSURE * K * OMEGA / (WATER_DENSITY * GRAVITY)  # [1/s]
 SOURCE = "work of P times the slope in linear theory"
 PROMISES = (
-    Promise("growth rate of the energy, over beta - 4 nu_eff k^2 [1/s]", "%", SOURCE, {"delta_sph": 15.0}),
-    Promise("growth rate more than under still air, over beta [1/s]", "%", SOURCE, {"delta_sph": 15.0}),
+    Promise("growth rate of the energy, over beta - 4 nu_eff k^2 [1/s]", "%", SOURCE, {"delta_sph": 4.0}),
+    Promise("growth rate more than under still air, over beta [1/s]", "%", SOURCE, {"delta_sph": 4.0}),
     Promise("still air: growth rate [1/s]", "1/s", "decay of the same wave"),
     Promise("effective viscosity [m2/s]", "m2/s", "decay of the same wave under still air over 4 k^2"),
     Promise("gain of the wind", "1", f"Jeffreys's pressure of {U10:g} m/s, s {SHELTERING}, times this"),

@@ -18,6 +18,11 @@ class Wind(Protocol):
         ...
 
     @property
+    def needs_bend(self) -> bool:
+        """Whether `force` reads `bend`: the fluid then finds how its surface bends."""
+        ...
+
+    @property
     def blows(self) -> bool:
         """Whether `force` is ever anything but zero; where not, kernels leave it out."""
         ...
@@ -52,7 +57,8 @@ class Wind(Protocol):
         """ti.func: find what blows in this step, from the two numbers above [s]."""
         ...
 
-    def force(self, key, position, velocity, area, mass):
+    def force(self, key, position, velocity, area, bend, mass):
         """ti.func -> vec3 [N]. `key`: particle or voxel number; `area`: exposed area times outward normal [m2],
-        zero inside the water; `mass` [kg]."""
+        zero inside the water; `bend`: what the slope of the surface changes by in going as far as exposed
+        areas lie below it, see `fluid/shared/exposure.py`; `mass` [kg]."""
         ...

@@ -119,6 +119,7 @@ class Gusts:
     """Volumes on their way, and the load of their air."""
 
     blows = True
+    needs_bend = False
 
     def __init__(self, config: Config, basin: Basin, seed: int) -> None:
         self.config, self.volumes = config, config.volumes
@@ -228,7 +229,7 @@ class Gusts:
             self.noise.set_clock(since, step)
 
     @ti.func
-    def force(self, key, position, velocity, area, mass):
+    def force(self, key, position, velocity, area, bend, mass):
         """(2.26), summed over the volumes that hold the position [N]."""
         total = tm.vec3(0.0)
         for g in range(self.n):
@@ -279,6 +280,7 @@ class Aimed:
     """Some of the volumes: what a target feels of gusts that do not all act on it."""
 
     blows = True
+    needs_bend = False
 
     def __init__(self, gusts: Gusts, numbers: list[int]) -> None:
         self.gusts, self.n = gusts, len(numbers)
@@ -317,7 +319,7 @@ class Aimed:
         self.gusts.set_clock(since, step)
 
     @ti.func
-    def force(self, key, position, velocity, area, mass):
+    def force(self, key, position, velocity, area, bend, mass):
         """(2.26), summed over these volumes [N]."""
         total = tm.vec3(0.0)
         for k in range(self.n):

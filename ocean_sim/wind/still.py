@@ -36,6 +36,7 @@ class Still:
     """Air at rest."""
 
     needs_area: bool = False
+    needs_bend: bool = False
     blows: bool = False
     since: float = 0.0
     step: float = 0.0
@@ -59,5 +60,5 @@ class Still:
         pass
 
     @ti.func
-    def force(self, key, position, velocity, area, mass):
+    def force(self, key, position, velocity, area, bend, mass):
         return tm.vec3(0.0)

@@ -68,6 +68,10 @@ class Config(Scheduled, WindConfig):
         return "fluid" in self.targets
 
     @property
+    def needs_bend(self) -> bool:
+        return self.needs_area and self.sheltering > 0.0
+
+    @property
     def stylised(self) -> bool:
         """A physical stress, no force field."""
         return False
@@ -146,6 +150,7 @@ class Stress:
     """The wind as it blows now."""
 
     needs_area = True
+    needs_bend: bool
     blows = True
     since: ClassVar[float] = 0.0
     step: ClassVar[float] = 0.0
@@ -154,7 +159,7 @@ class Stress:
         """`afloat`: as a ship feels it."""
         self.config, self.dimension, self.afloat = config, basin.dimension, afloat
         self.basin, self.time, self.gain = basin, 0.0, 1.0
-        self.sheltering = config.sheltering > 0.0
+        self.sheltering = self.needs_bend = config.sheltering > 0.0
         self.row = DeviceRow(ROW.size)
         self.steady = config.always and config.schedule is None
         self.ship = None if afloat or "ship" not in config.targets else Stress(config, basin, afloat=True)
@@ -211,7 +216,7 @@ class Stress:
         pass
 
     @ti.func
-    def force(self, key, position, velocity, area, mass):
+    def force(self, key, position, velocity, area, bend, mass):
         """Stress on the plan area, and pressure on the slope [N]; on a hull the drag (2.22)."""
         row = ti.static(self.row.field)
         total = tm.vec3(0.0)
@@ -224,4 +229,7 @@ class Stress:
                 if area.y > 0.0:
                     slope = -(area.x * row[ROW.ahead_x] + area.z * row[ROW.ahead_z]) / area.y
                     total -= row[ROW.pressure] * tm.clamp(slope, -STEEPEST, STEEPEST) * area
+                    steeper_x = bend.x * row[ROW.ahead_x] + bend.y * row[ROW.ahead_z]
+                    steeper_z = bend.y * row[ROW.ahead_x] + bend.z * row[ROW.ahead_z]
+                    total -= row[ROW.pressure] * area.y * tm.vec3(steeper_x, 0.0, steeper_z)
         return total

@@ -95,6 +95,7 @@ class Vortex:
     """The column on its way."""
 
     needs_area = False
+    needs_bend = False
     blows = True
 
     def __init__(self, config: Config, basin: Basin, seed: int) -> None:
@@ -158,7 +159,7 @@ class Vortex:
             self.noise.set_clock(since, step)
 
     @ti.func
-    def force(self, key, position, velocity, area, mass):
+    def force(self, key, position, velocity, area, bend, mass):
         """Mass times acceleration around, towards and along the axis, and noise [N]."""
         row = ti.static(self.row.field)
         drift = ti.static(self.config.drift)

@@ -19,13 +19,14 @@ def push(
     force: ti.types.ndarray(dtype=ti.f64, ndim=2),
     velocity: tm.vec3,
     area: tm.vec3,
+    bend: tm.vec3,
     mass: float,
     since: float,
     step: float,
 ):
     wind.set_clock(since, step)
     for i in range(position.shape[0]):
-        f = wind.force(i, tm.vec3(position[i, 0], position[i, 1], position[i, 2]), velocity, area, mass)
+        f = wind.force(i, tm.vec3(position[i, 0], position[i, 1], position[i, 2]), velocity, area, bend, mass)
         for k in ti.static(range(3)):
             force[i, k] = f[k]
 
@@ -34,10 +35,10 @@ def push(
 def force(taichi_cpu):
     """The force of a wind [N], (n, 3), on particles at points (n, 3); by default at rest, of 1 kg and without area."""
 
-    def felt(wind, points, velocity=(0.0, 0.0, 0.0), area=(0.0, 0.0, 0.0), mass=1.0):
+    def felt(wind, points, velocity=(0.0, 0.0, 0.0), area=(0.0, 0.0, 0.0), bend=(0.0, 0.0, 0.0), mass=1.0):
         points = np.ascontiguousarray(np.atleast_2d(points), dtype=float)
         result = np.zeros_like(points)
-        push(wind, points, result, tm.vec3(velocity), tm.vec3(area), mass, wind.since, wind.step)
+        push(wind, points, result, tm.vec3(velocity), tm.vec3(area), tm.vec3(bend), mass, wind.since, wind.step)
         return result
 
     return felt

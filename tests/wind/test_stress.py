@@ -230,6 +230,40 @@ def test_exposed_area_moves_with_its_particle(under_waves):
     assert (np.diff(fluid.particles.id.to_numpy()) < 0).any()  # they are in the order of their cells
 
 
+@pytest.mark.parametrize("width", [None, 1.0])
+def test_the_bend_of_the_surface_is_found(width):
+    """Second derivatives of waves, in space of two that cross, times the mean depth of what is exposed."""
+    periodic = {"x": "periodic"} if width is None else {"x": "periodic", "z": "periodic"}
+    basin = {"length": 1.0, "width": width, "depth": 0.2, "walls": periodic}
+    wind = {"kind": "stress", "sheltering": 0.27}
+    with ocean_sim.Simulation(scene(basin=basin, fluid={"kind": "delta_sph", "spacing": 0.025}, wind=wind)) as run:
+        fluid, k = run.fluid, 2.0 * np.pi
+        x = fluid.particles.position.to_numpy()
+        wave = 0.01 * np.cos(k * x[:, 0]) * (1.0 if width is None else np.cos(k * x[:, 2]))
+        x[:, 1] += wave
+        fluid.particles.position.from_numpy(x)
+        fluid.begin()
+        fluid.exposure.find()
+        x, names = fluid.particles.position.to_numpy(), fluid.particles.id.to_numpy()
+        bend, area = (f.to_numpy()[names] for f in (fluid.exposure.bending.bend, fluid.exposure.area))
+    crossed = np.ones(len(x)) if width is None else np.cos(k * x[:, 2])
+    along = -0.01 * k * k * np.cos(k * x[:, 0])
+    wanted = np.stack([along * crossed, 0.0 * along, 0.0 * along], axis=1)
+    if width is not None:
+        wanted[:, 1] = 0.01 * k * k * np.sin(k * x[:, 0]) * np.sin(k * x[:, 2])
+        wanted[:, 2] = along * crossed
+    skin, seen = fluid.exposure.bending.skin, (area[:, 1] > 0.5 * area[:, 1].max()) & (x[:, 1] > -0.1)
+    assert 0.69 < skin / 0.025 < 0.71 and np.count_nonzero(seen) == (40 if width is None else 1600)
+    error = bend[seen] / skin - wanted[seen]
+    assert np.sqrt((error**2).mean()) < 0.06 * np.sqrt((wanted**2).mean())
+    assert (bend[area[:, 1] == 0.0] == 0.0).all()
+
+
+def test_air_that_does_not_press_on_waves_knows_no_bend():
+    with ocean_sim.Simulation(scene(wind={"kind": "stress"})) as simulation:
+        assert not simulation.fluid.exposure.bends
+
+
 def test_momentum_is_the_same_however_much_counts_as_surface(monkeypatch):
     """W1 in f32, on flat water; with a lower threshold half as many particles again count as exposed."""
     monkeypatch.setattr(exposure_module, "EXPOSED", 0.003)

@@ -80,10 +80,16 @@ class ParticleWater(ParticleFluid):
         return tm.vec3(0.0)
 
     @ti.func
+    def bend(self, i):
+        """How much the slope of the surface changes near particle i (exposure.Exposure.bend_of); zero where none is
+        asked for."""
+        return tm.vec3(0.0)
+
+    @ti.func
     def blown(self, i, x, v):
         """Acceleration [m/s2] of particle i by the wind."""
         m = ti.static(self.particles.mass)
-        return self.wind.force(self.particles.id[i], x, v, self.area(i), m) / m
+        return self.wind.force(self.particles.id[i], x, v, self.area(i), self.bend(i), m) / m
 
     @ti.func
     def hull_push(self, x, ahead):

@@ -156,7 +156,9 @@ def _of_areas(preflight: Preflight, n: int) -> list[LedgerRow]:
         return []
     from ocean_sim.fluid.shared.exposure import memory
 
-    return [LedgerRow("fluid", "exposed areas", memory(n, preflight.word), f"wind.kind is {preflight.wind.kind}")]
+    wind = preflight.wind
+    what = "exposed areas, and how the surface bends" if wind.needs_bend else "exposed areas"
+    return [LedgerRow("fluid", what, memory(n, preflight.word, wind.needs_bend), f"wind.kind is {wind.kind}")]
 
 
 def _of_targets(lattice: Lattice, word: int) -> list[LedgerRow]:
@@ -225,7 +227,13 @@ class Sph(ParticleWater):
 
             plan_area = sizes.grid.lattice.plan_area or 0.0
             self.exposure = Exposure(
-                self.particles, self.listed_positions, self.smoothing, self.neighbours, self.boundary, plan_area
+                self.particles,
+                self.listed_positions,
+                self.smoothing,
+                self.neighbours,
+                self.boundary,
+                plan_area,
+                wind.needs_bend,
             )
 
     @property
@@ -276,3 +284,11 @@ class Sph(ParticleWater):
         if ti.static(self.exposed):
             area = self.exposure.of(i)
         return area
+
+    @ti.func
+    def bend(self, i):
+        """How much the slope of the surface changes near particle i, see Exposure.bend_of."""
+        bend = tm.vec3(0.0)
+        if ti.static(self.exposed):
+            bend = self.exposure.bend_of(i)
+        return bend

@@ -67,6 +67,14 @@ class Stencil:
         return lack / float(self.gradient[above] @ self.offsets[above, 1])
 
     @property
+    def skin(self) -> float:
+        """Mean depth of what a half-space of the lattice exposes [m]: row m of it lacks what is m rows further up."""
+        up = np.maximum(self.offsets[:, 1], 0.0)
+        exposed = self.gradient * up  # by the row that is seen from `up` below: each counts for all rows less deep
+        rows = np.rint(up / self.spacing)
+        return self.spacing * float(exposed @ (0.5 * rows**2)) / float(exposed @ rows)
+
+    @property
     def neighbours(self) -> int:
         """How many there are."""
         return int((self.t > 0.0).sum()) - 1

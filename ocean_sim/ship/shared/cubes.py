@@ -139,7 +139,7 @@ class Cubes:
         if ti.static(wind.blows):
             bare = (1.0 - wet) * (turn @ self.area[k])
             mass = self.mass_density * self.volume[k]
-            blown = wind.force(self.key[k], x, velocity + omega.cross(arm), bare, mass)
+            blown = wind.force(self.key[k], x, velocity + omega.cross(arm), bare, tm.vec3(0.0), mass)
             self.put(total, SUMS.wind_drag, arm, tm.vec3(blown.x, 0.0, blown.z))
             self.put(total, SUMS.wind_lift, arm, tm.vec3(0.0, blown.y, 0.0))
 

@@ -149,10 +149,6 @@ class FluidConfig(KindConfig):
     """Whether what its particles exchange keeps momentum and angular momentum to rounding."""
     carries_bodies: ClassVar[bool] = False
     """Whether it answers to a body within a step, so that a ship of kind `pressure` may float on it."""
-    added_viscosity: ClassVar[tuple[tuple[float, float], ...]] = ()
-    """Viscosity that the scheme adds to a wave so many spacings long, over h c (its smoothing length and sound speed);
-    empty where it has not been measured. Measured by the decay of small waves in a slice, in the validation cases
-    wind_growth (still air; 32 and 64 spacings) and standing_wave (50 and 100). Steeper seas lose more (imposed_sea)."""
 
     def lattice(self, basin: Basin) -> Lattice | None:
         """The lattice that its particles start on; None for water in closed form."""
@@ -195,8 +191,11 @@ class FluidConfig(KindConfig):
         """Whether new water or a force of its own may give it energy."""
         return False
 
-    def viscosity_added(self, preflight: Preflight, length: float) -> float:
-        """Viscosity [m2/s] that the scheme adds to waves of a length [m], as it was measured; 0 where it was not."""
+    def viscosity_added(
+        self, preflight: Preflight, length: float, height: float = 0.0, standing: bool = False
+    ) -> float:
+        """Viscosity [m2/s] that the scheme adds to waves of a length and height [m], as it was measured; 0 where it was
+        not."""
         return 0.0
 
     def statements(self, preflight: Preflight) -> list[str]:

@@ -26,6 +26,7 @@ from ocean_sim.columns import Columns, vec3
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.accounts import DIFFUSION, PRESSURE, VISCOSITY, WALLS
+from ocean_sim.fluid.shared.attenuation import Attenuation
 from ocean_sim.fluid.shared.grid import STATE
 from ocean_sim.fluid.shared.images import displaced, hydrostatic_offset, reflected_free_slip
 from ocean_sim.fluid.shared.neighbours import ListSize
@@ -59,7 +60,7 @@ class Config(SphConfig):
 
     carries_bodies: ClassVar[bool] = True
     fineness: ClassVar[int] = 3
-    added_viscosity: ClassVar = ((32.0, 1.44e-4), (64.0, 9.9e-5), (100.0, 8.5e-5))
+    attenuation: ClassVar = Attenuation(even=0.0, flat=1.0e-3, steep=3.8e-3, travelling=2.2)
     default_ratio: ClassVar[tuple[float, float]] = (NEUTRAL_RATIO, NEUTRAL_RATIO)
     kernel: ClassVar[Kernel] = NEUTRAL
     kind: Literal["delta_sph"] = "delta_sph"

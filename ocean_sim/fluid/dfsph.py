@@ -31,6 +31,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.accounts import BED, GRAVITY, PRESSURE, SHIP, VISCOSITY, WALLS, WIND
+from ocean_sim.fluid.shared.attenuation import Attenuation
 from ocean_sim.fluid.shared.force import Force
 from ocean_sim.fluid.shared.images import hydrostatic_offset, mirrored, turned
 from ocean_sim.fluid.shared.law import PositionLaw
@@ -60,7 +61,7 @@ class Config(SphConfig):
     """Incompressible water, for large time steps."""
 
     fineness: ClassVar[int] = 2
-    added_viscosity: ClassVar = ((50.0, 2.43e-3), (100.0, 2.13e-3))  # 1.0e-3 of it by an artificial viscosity of 0.01
+    attenuation: ClassVar = Attenuation(even=4.0e-4, flat=4.0e-3, steep=1.0e-2)  # besides the artificial viscosity
     unheeded: ClassVar[tuple[str, ...]] = ("compression",)
     default_ratio: ClassVar[tuple[float, float]] = (NEUTRAL_RATIO, NEUTRAL_RATIO)
     kernel: ClassVar[Kernel] = NEUTRAL
@@ -85,6 +86,12 @@ class Config(SphConfig):
         h = self.smoothing(basin).length
         artificial = 0.0 if self.enclosed(basin) else self.artificial_viscosity * h * self.speed(basin)
         return self.kinematic_viscosity + artificial
+
+    def viscosity_added(
+        self, preflight: Preflight, length: float, height: float = 0.0, standing: bool = False
+    ) -> float:
+        artificial = self.viscosity(preflight.tank) - self.kinematic_viscosity
+        return artificial + super().viscosity_added(preflight, length, height, standing)
 
     def limited(self, basin: Basin, speed: float, acceleration: float) -> Limits:
         """Nothing has to wait for sound, but a particle under a pressure p is held by its neighbours as by springs,

@@ -15,6 +15,7 @@ from pydantic import model_validator
 from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.conventions import Setting
+from ocean_sim.fluid.shared.attenuation import Attenuation
 from ocean_sim.fluid.shared.law import PositionLaw
 from ocean_sim.fluid.shared.pair_sph import MomentumLaw, PairSph
 from ocean_sim.fluid.shared.smoothing import positive
@@ -33,7 +34,7 @@ class Config(SphConfig):
 
     carries_bodies: ClassVar[bool] = True
     fineness: ClassVar[int] = 1
-    added_viscosity: ClassVar = ((50.0, 3.3e-3),)  # at Re 250, less its own: without any it grows
+    attenuation: ClassVar = Attenuation(even=3.3e-3)  # 50 spacings to the wave, Re 250: without viscosity it grows
     default_ratio: ClassVar[tuple[float, float]] = (2.0, 2.0)
     kind: Literal["mueller"] = "mueller"
     support_ratio: float = quantity("spacings", 2.0, ge=1.2, le=6.0)

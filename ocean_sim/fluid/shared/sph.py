@@ -1,5 +1,6 @@
 """What the schemes share whose particles press and rub on each other: keys, sizes, limits, and what they have."""
 
+from collections.abc import Iterator
 from math import inf, pi, sqrt
 from typing import TYPE_CHECKING, ClassVar
 
@@ -11,6 +12,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.absorption import warnings as of_zones
 from ocean_sim.fluid.shared.absorption import zones
+from ocean_sim.fluid.shared.attenuation import Attenuation, trains
 from ocean_sim.fluid.shared.field import Field
 from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.neighbours import ListSize, Neighbours
@@ -25,6 +27,7 @@ if TYPE_CHECKING:  # it is imported only where there are bodies
     from ocean_sim.fluid.shared.boundary import Boundary
 
 PARTICLE = 1.8e-7  # [s] of processor time that a particle takes in a step apart from its neighbours
+NOTABLE = 0.1  # of the viscosity that was asked for: what a scheme adds is worth saying from there on
 SAMPLE = 2.0  # times what a particle takes with its neighbours: of a solid body's sample, with what it adds to theirs
 
 
@@ -34,6 +37,8 @@ class SphConfig(WaterConfig):
     compared: ClassVar[bool] = True
     conserves_momentum: ClassVar[bool] = True
 
+    attenuation: ClassVar[Attenuation | None] = None
+    """Viscosity that the scheme adds to waves; None where it has not been measured."""
     default_ratio: ClassVar[tuple[float, float]]
     """Default of `support_ratio` in a slice and in space."""
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
@@ -110,12 +115,14 @@ class SphConfig(WaterConfig):
         smoothing = self.smoothing(preflight.tank)
         return limits(smoothing, self.sound_speed(preflight.tank), self.kinematic_viscosity, 0.0, 0.0)
 
-    def viscosity_added(self, preflight: Preflight, length: float) -> float:
-        if not self.added_viscosity or preflight.spacing is None:
+    def viscosity_added(
+        self, preflight: Preflight, length: float, height: float = 0.0, standing: bool = False
+    ) -> float:
+        tank, spacing = preflight.tank, preflight.spacing
+        if self.attenuation is None or spacing is None:
             return 0.0
-        spacings, shares = zip(*self.added_viscosity)
-        share = np.exp(np.interp(np.log(length / preflight.spacing), np.log(spacings), np.log(shares)))
-        return float(share * self.smoothing(preflight.tank).length * self.sound_speed(preflight.tank))
+        share = self.attenuation.share(2.0 * pi / length, tank.depth, height, spacing, standing)
+        return share * self.smoothing(tank).length * self.sound_speed(tank)
 
     def statements(self, preflight: Preflight) -> list[str]:
         basin = preflight.tank
@@ -130,7 +137,28 @@ class SphConfig(WaterConfig):
         if basin.rough_bed is not None:
             found += basin.rough_bed.statements(self.lattice(basin).row)
         found += [zone.statement for zone in zones(self.began(preflight))]
-        return found + super().statements(preflight)
+        return [*found, *self.of_waves(preflight), *super().statements(preflight)]
+
+    def of_waves(self, preflight: Preflight) -> Iterator[str]:
+        """What the scheme takes of the waves of a scene."""
+        if self.attenuation is None:
+            return
+        ratio, usual = self.ratio(preflight.tank), self.default_ratio[preflight.tank.dimension - 2]
+        for train in trains(self.began(preflight)):
+            if ratio != usual:
+                at = f"was measured at a support of {usual:g} spacings, and is not known at {ratio:g}"
+                yield f"what {self.kind} adds to the viscosity of waves {at}"
+                return
+            own = self.viscosity_asked
+            added = self.viscosity_added(preflight, train.length, train.height, train.standing)
+            if added > NOTABLE * own:
+                a_period, a_wavelength = train.lost(own + added)
+                way = "" if train.standing else f", {a_wavelength:.2g} on the way of a wavelength"
+                yield (
+                    f"waves {train.length:.3g} m long and {train.height:.3g} m high: {self.kind} adds {added:.2g} m2/s "
+                    f"to the viscosity of {own:g} m2/s, as measured; they lose {a_period:.2g} of their height in a "
+                    f"period{way}"
+                )
 
 
 def rows(preflight: Preflight, sizes: ListSize, numbers: int, what: str, pair: float) -> list[LedgerRow]:

@@ -1,0 +1,78 @@
+"""How much of the waves of a scene a scheme takes away by itself, as it was measured."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import exp, pi, sqrt, tanh
+
+from ocean_sim import waves
+from ocean_sim.fluid.shared.absorption import zones
+from ocean_sim.fluid.shared.initial import StandingWave
+from ocean_sim.fluid.shared.lattice import Lattice
+
+
+@dataclass(frozen=True)
+class Attenuation:
+    """Viscosity nu that a scheme adds, over its h c (smoothing length and sound speed): of standing waves
+
+        even + (flat sqrt(coth(k depth)) + steep (H / dx)^1.5 k dx) dx / depth
+
+    with the wavenumber k, the height H from trough to crest, and the spacing dx. The amplitude then falls at the rate
+    2 nu k^2. Fitted to waves in slices of 6 to 32 layers, k depth 0.5 to 3.1, H 0.5 to 4 dx and at most a third of the
+    depth, without viscosity of their own, over 6 periods; it meets their rates within a third.
+    """
+
+    even: float
+    flat: float = 0.0
+    steep: float = 0.0
+    travelling: float = 1.0
+    """Factor for waves that travel."""
+
+    def share(self, k: float, depth: float, height: float, spacing: float, standing: bool) -> float:
+        """The viscosity over h c, of waves of a wavenumber [1/m] and height [m]."""
+        of_layers = self.flat / sqrt(tanh(k * depth)) + self.steep * (height / spacing) ** 1.5 * k * spacing
+        return (1.0 if standing else self.travelling) * (self.even + of_layers * spacing / depth)
+
+
+@dataclass(frozen=True)
+class Train:
+    """The highest waves of a sea."""
+
+    sea: waves.Components
+    standing: bool
+
+    @property
+    def k(self) -> float:
+        """Wavenumber [1/m]."""
+        return float(self.sea.wavenumber[self.sea.highest])
+
+    @property
+    def length(self) -> float:
+        """[m]"""
+        return 2.0 * pi / self.k
+
+    @property
+    def height(self) -> float:
+        """From trough to crest, of random waves the significant one [m]."""
+        if self.sea.random:
+            return 4.0 * sqrt(0.5 * float((self.sea.amplitude**2).sum()))
+        return 2.0 * float(self.sea.amplitude.sum())
+
+    def lost(self, viscosity: float) -> tuple[float, float]:
+        """Share of the height that a viscosity [m2/s] takes away in a period, and on the way of a wavelength."""
+        rate = 2.0 * viscosity * self.k**2
+        speed = float(waves.group_speed(self.k, self.sea.depth, self.sea.gravity))
+        period = 2.0 * pi / float(self.sea.omega[self.sea.highest])
+        return 1.0 - exp(-rate * period), 1.0 - exp(-rate * self.length / speed)
+
+
+def trains(lattice: Lattice) -> Iterator[Train]:
+    """Of the waves that a scene gives a height: its wavemaker's or initial ones, and those that absorbing sides let
+    pass."""
+    basin, initial = lattice.basin, lattice.config.initial
+    if any(waves.unsuited(basin)):
+        return
+    if basin.piston is not None:
+        yield Train(basin.piston.sea, False)
+    elif initial is not None and (began := initial.sea(basin)) is not None:
+        yield Train(began, isinstance(initial, StandingWave))
+    yield from (Train(zone.given, False) for zone in zones(lattice) if zone.given is not None)

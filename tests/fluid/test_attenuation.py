@@ -1,0 +1,75 @@
+"""What `check` says that a scheme takes of the waves of a scene."""
+
+import pytest
+
+import ocean_sim
+from ocean_sim.validation import problems
+
+QUIET = {"accuracy": None, "health": None, "timings": None}
+TILE = {"length": 1.0, "depth": 0.5, "walls": {"x": "periodic"}}
+WAVE = {"kind": "regular_wave", "height": 0.02, "period": 0.8018}
+
+
+def said(**parts) -> list[str]:
+    config = ocean_sim.load({"duration": 1.0, **parts}, QUIET)
+    return [one for one in config.fluid.statements(config.preflight) if "m high:" in one or "adds" in one]
+
+
+def added(case: str, number: int, scheme: str, coarse: bool = False) -> tuple[float, float]:
+    """Viscosity [m2/s] that is said to be added in a case, and its wavelength [m]."""
+    config = problems(case, coarse=coarse)[number].load(scheme)
+    height = {"standing_wave": 0.1, "wind_growth": 2.0 * 0.06 / 6.2832}[case]
+    length = {"standing_wave": 2.0, "wind_growth": 1.0}[case]
+    return config.fluid.viscosity_added(config.preflight, length, height, case == "standing_wave"), length
+
+
+@pytest.mark.parametrize(
+    ("case", "number", "coarse", "measured"),
+    [("wind_growth", 0, False, 5.5e-5), ("wind_growth", 0, True, 1.6e-4), ("standing_wave", 1, False, 2.4e-5)],
+)
+def test_what_delta_sph_adds_is_what_the_cases_measure(case, number, coarse, measured):
+    """Their own figures without a wind and without viscosity, which the fit does not know."""
+    assert added(case, number, "delta_sph", coarse)[0] == pytest.approx(measured, rel=0.35)
+
+
+def test_finer_and_lower_waves_lose_less():
+    def rate(**keys) -> float:
+        config = ocean_sim.load(
+            {"duration": 1.0, "basin": TILE, "fluid": {"kind": "delta_sph", "spacing": 0.02}}, QUIET
+        )
+        numbers = {"length": 1.0, "height": 0.02, "standing": False} | keys
+        return config.fluid.viscosity_added(config.preflight, **numbers)
+
+    assert rate(height=0.0) < rate() < rate(height=0.04)
+    assert rate(standing=True) < rate() < rate(length=0.5)
+
+
+@pytest.mark.parametrize("scheme", ["delta_sph", "dfsph", "mueller"])
+def test_it_is_said_of_the_waves_that_a_scene_has(scheme):
+    fluid = {"kind": scheme, "spacing": 0.02}
+    (one,) = said(basin=TILE, fluid=fluid | {"initial": WAVE})
+    assert "waves 1 m long and 0.02 m high" in one and f"{scheme} adds" in one and "in a period" in one
+    assert said(basin=TILE, fluid=fluid) == []
+    (of_piston,) = said(
+        basin={"length": 4.0, "depth": 0.5, "wavemaker": {"wall": "x_min", "height": 0.04, "period": 1.2}}, fluid=fluid
+    )
+    assert "0.04 m high" in of_piston
+    sea = {"kind": "spectrum", "spectrum": {"kind": "jonswap", "significant_wave_height": 0.03, "peak_period": 0.8}}
+    (of_sea,) = said(basin=TILE | {"length": 8.0}, fluid=fluid | {"initial": sea})
+    assert "0.03 m high" in of_sea
+    target = {"kind": "absorbing", "target": {"waves": {"height": 0.05, "period": 0.8}}}
+    (of_target,) = said(basin=TILE | {"length": 8.0, "walls": {"x_min": "reflecting", "x_max": target}}, fluid=fluid)
+    assert "0.05 m high" in of_target
+
+
+def test_it_is_not_said_next_to_more_viscosity_nor_at_another_support():
+    fluid = {"kind": "delta_sph", "spacing": 0.02, "initial": WAVE}
+    assert said(basin=TILE, fluid=fluid | {"kinematic_viscosity": 0.01}) == []
+    (unknown,) = said(basin=TILE, fluid=fluid | {"support_ratio": 3.0})
+    assert "was measured at a support of 4 spacings, and is not known at 3" in unknown
+
+
+def test_standing_waves_travel_nowhere():
+    fluid = {"kind": "delta_sph", "spacing": 0.02, "initial": {"kind": "standing_wave", "height": 0.02}}
+    (one,) = said(basin={"length": 1.0, "depth": 0.5}, fluid=fluid)
+    assert "on the way of a wavelength" not in one and "waves 2 m long and 0.02 m high" in one

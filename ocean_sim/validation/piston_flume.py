@@ -31,27 +31,34 @@ OMEGA = 2.0 * pi / PERIOD
 K = float(waves.wavenumber(OMEGA, DEPTH))
 WAVELENGTH = 2.0 * pi / K  # 2.827 m
 TRANSFER = float(waves.piston_transfer(K * DEPTH))  # H/S
-AWAY = (1, 2)  # [wavelengths]
-BEGIN, END = 6.5, 6.5 + 2.0 * PERIOD  # [s] of what is measured
+MEASURED = 2.0 * PERIOD  # [s]
 SOURCE = "Biesel & Suquet 1951"
-PROMISES = (
-    Promise("H/S at 1 wavelength", "%", SOURCE),
-    Promise("H/S at 2 wavelengths", "%", f"{SOURCE}; 5 %", {"delta_sph": 5.0}),
-    Promise("speed of the crests [m/s]", "%", "w^2 = g k tanh(k h)"),
-)
 
 
 def problems(coarse: bool) -> list[Problem]:
-    scene = flume.scene(LENGTH, DEPTH, DEPTH / (10 if coarse else 20), END, {"height": HEIGHT, "period": PERIOD})
-    return [Problem(scene, PROMISES, measure)]
+    return [problem(2, 6.5, 3.0, coarse), problem(6, 15.5, 5.0, coarse, slow=True)]
 
 
-def measure(simulation: Simulation) -> Finding:
-    """The elevation at both gauges over time."""
-    gauges = np.array([[simulation.basin.lower[0] + n * WAVELENGTH, 0.0] for n in AWAY])
-    times, elevation = flume.records(simulation, gauges, PERIOD / 40)
-    assert simulation.basin.piston is not None
-    return compared(times, elevation, simulation.basin.piston.stroke)
+def problem(far: int, begin: float, kept: float, coarse: bool, slow: bool = False) -> Problem:
+    """A flume with gauges one and `far` wavelengths from the piston, read from `begin` on [s]; the height at the far
+    one is right within `kept` [%]."""
+    length, waves_made = LENGTH + (far - 2) * WAVELENGTH, {"height": HEIGHT, "period": PERIOD}
+    scene = flume.scene(length, DEPTH, DEPTH / (10 if coarse else 20), begin + MEASURED, waves_made)
+    name = "" if far == 2 else f"{far} wavelengths: "
+    promises = (
+        Promise(f"{name}H/S at 1 wavelength", "%", SOURCE),
+        Promise(f"{name}H/S at {far} wavelengths", "%", f"{SOURCE}; {kept:g} %", {"delta_sph": kept}),
+        Promise(f"{name}speed of the crests [m/s]", "%", "w^2 = g k tanh(k h)"),
+    )
+
+    def measure(simulation: Simulation) -> Finding:
+        """The elevation at both gauges over time."""
+        gauges = np.array([[simulation.basin.lower[0] + n * WAVELENGTH, 0.0] for n in (1, far)])
+        times, elevation = flume.records(simulation, gauges, PERIOD / 40)
+        assert simulation.basin.piston is not None
+        return compared(times, elevation, simulation.basin.piston.stroke, promises, (1, far))
+
+    return Problem(scene, promises, measure, name.rstrip(": "), slow)
 
 
 def first_harmonic(times: np.ndarray, signal: np.ndarray) -> complex:
@@ -62,13 +69,16 @@ def first_harmonic(times: np.ndarray, signal: np.ndarray) -> complex:
     return complex(found[0], found[1])
 
 
-def compared(times: np.ndarray, elevation: np.ndarray, stroke: float) -> Finding:
-    """Elevations, a column a gauge, of a piston that moves by S/2 sin(w t), against linear theory."""
-    late = times >= BEGIN
+def compared(
+    times: np.ndarray, elevation: np.ndarray, stroke: float, promises: tuple[Promise, ...], away: tuple[int, int]
+) -> Finding:
+    """Elevations, a column a gauge, so many wavelengths from a piston that moves by S/2 sin(w t), against linear
+    theory."""
+    late = times >= times[-1] - MEASURED
     near, far = (first_harmonic(times[late], column[late]) for column in elevation.T)
-    turn = -float(np.angle(far / near)) % (2.0 * pi)  # near 0 or 2 pi: the gauges are a wavelength apart
-    waves_between = turn / (2.0 * pi) + (1.0 if turn < pi else 0.0)
-    speed = WAVELENGTH / (waves_between * PERIOD)
+    apart = away[1] - away[0]  # [wavelengths]
+    waves_between = apart - float(np.angle(far / near)) / (2.0 * pi)
+    speed = apart * WAVELENGTH / (waves_between * PERIOD)
     numbers = (
         relative(2.0 * abs(near) / stroke, TRANSFER),
         relative(2.0 * abs(far) / stroke, TRANSFER),
@@ -76,8 +86,8 @@ def compared(times: np.ndarray, elevation: np.ndarray, stroke: float) -> Finding
     )
     sea = 0.5 * TRANSFER * stroke * np.cos(OMEGA * times[late])
     return Finding(
-        {promise.quantity: number for promise, number in zip(PROMISES, numbers, strict=True)},
-        [Curve(f"{n} wavelengths away", times, column) for n, column in zip(AWAY, elevation.T)],
+        {promise.quantity: number for promise, number in zip(promises, numbers, strict=True)},
+        [Curve(f"{n} wavelengths away", times, column) for n, column in zip(away, elevation.T)],
         [Curve("linear theory", times[late], sea)],
         ("time [s]", "elevation [m]"),
     )

@@ -138,14 +138,20 @@ def test_a_lone_drop_ahead_is_not_the_front():
     assert dam_break_front.front(drop, 0.02) == pytest.approx(1.0, abs=1e-9)
 
 
-def test_waves_of_the_right_height_are_green_and_lower_ones_red():
-    times = np.arange(0.0, piston_flume.END, 0.0375)
+@pytest.mark.parametrize(("number", "far"), [(0, 2), (1, 6)])
+def test_waves_of_the_right_height_are_green_and_lower_ones_red(number, far):
+    """Crests that are 1 % slow lie 6 % of a wave behind, six waves on."""
+    promises = piston_flume.problems(False)[number].promises
+    times = np.arange(0.0, 9.5, 0.0375)
     stroke = piston_flume.HEIGHT / piston_flume.TRANSFER
     for factor, expected in ((1.0, True), (0.93, False)):
         wave = 0.5 * factor * piston_flume.HEIGHT * np.cos(piston_flume.OMEGA * times)
-        found = piston_flume.compared(times, np.stack([wave, wave + 0.002], axis=1), stroke)
-        assert kept(piston_flume.PROMISES, found)[1] is expected
-        assert found.numbers["speed of the crests [m/s]"][2] == pytest.approx(0.0, abs=1e-6)
+        found = piston_flume.compared(times, np.stack([wave, wave + 0.002], axis=1), stroke, promises, (1, far))
+        assert kept(promises, found)[1] is expected
+        assert found.numbers[promises[2].quantity][2] == pytest.approx(0.0, abs=1e-6)
+    near, late = (np.cos(piston_flume.OMEGA * times - lag) for lag in (0.0, 2.0 * np.pi * 0.01 * (far - 1)))
+    slow = piston_flume.compared(times, np.stack([near, late], axis=1), stroke, promises, (1, far))
+    assert slow.numbers[promises[2].quantity][2] == pytest.approx(-100.0 * (1.0 - 1.0 / 1.01), abs=1e-3)
     assert piston_flume.TRANSFER == pytest.approx(1.082, abs=5e-4)
 
 

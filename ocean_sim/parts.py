@@ -147,6 +147,9 @@ class FluidConfig(KindConfig):
     """Whether it is made of particles, which start on a `lattice`; else it is a closed form."""
     conserves_momentum: ClassVar[bool] = False
     """Whether what its particles exchange keeps momentum and angular momentum to rounding."""
+    bears_shear: ClassVar[float] = 0.0
+    """Shear that its particles bear without flowing, once they have lost their rows, over the pressure; as measured in
+    the validation case wind_setup."""
     carries_bodies: ClassVar[bool] = False
     """Whether it answers to a body within a step, so that a ship of kind `pressure` may float on it."""
 

@@ -59,6 +59,7 @@ class Config(SphConfig):
     """Weakly compressible water with density diffusion."""
 
     carries_bodies: ClassVar[bool] = True
+    bears_shear: ClassVar[float] = 1.0e-3
     fineness: ClassVar[int] = 3
     attenuation: ClassVar = Attenuation(even=0.0, flat=1.0e-3, steep=3.8e-3, travelling=2.2)
     default_ratio: ClassVar[tuple[float, float]] = (NEUTRAL_RATIO, NEUTRAL_RATIO)

@@ -60,6 +60,7 @@ GAP = 0.1  # of what is missing in a gap that may close in a step; wider gaps cl
 class Config(SphConfig):
     """Incompressible water, for large time steps."""
 
+    bears_shear: ClassVar[float] = 1.0e-3
     fineness: ClassVar[int] = 2
     attenuation: ClassVar = Attenuation(even=4.0e-4, flat=4.0e-3, steep=1.0e-2)  # besides the artificial viscosity
     unheeded: ClassVar[tuple[str, ...]] = ("compression",)

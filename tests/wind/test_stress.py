@@ -379,6 +379,13 @@ def test_growth_that_the_measured_viscosity_eats_is_said_with_the_gain_that_woul
     )
 
 
+@pytest.mark.parametrize(("kind", "tau", "said"), [("delta_sph", 0.5, True), ("delta_sph", 50.0, False)])
+def test_a_stress_that_particles_would_bear_is_said(kind, tau, said):
+    """At 0.5 m of water 50 Pa are 1e-2 of the pressure at the bed, and 0.5 Pa 1e-4."""
+    config = scene(fluid={"kind": kind, "spacing": 0.05}, wind={"kind": "stress", "tau": tau})
+    assert ("have lost their rows" in " ".join(config.warnings())) is said
+
+
 def test_warnings_of_a_real_wind():
     said = " ".join(scene(wind={"kind": "stress", "u10": 30.0, "gain": 50.0}).warnings())
     assert "physical stress of 152 Pa at U10 = 30 m/s by wu: 50 times a real wind" in said

@@ -9,6 +9,7 @@ from ocean_sim.model import Vector3
 from ocean_sim.parts import Preflight
 from ocean_sim.wind.shared.air_load import DRAG_LAWS, RANGES, U10, DragLaw, stress
 
+FLOWING = 5.0  # times the shear that particles bear: under less of a stress the drift is more than a tenth too slow
 FEWEST = 10.0  # spacings that a wave must be long to travel well
 
 
@@ -18,6 +19,10 @@ class PhysicalWind(Protocol):
     gain: float
     pressure_gain: float | None
     sheltering: float
+
+    def on_water(self, u10: float) -> float:
+        """Stress on the water [Pa], its gain included."""
+        ...
 
     @property
     def gain_of_pressure(self) -> float:
@@ -135,4 +140,17 @@ def unresolved(wind: PhysicalWind, u10: float, preflight: Preflight) -> list[str
             f"m/s makes waves of {2.0 * pi / seen:.3g} m grow (Plant 1982); the scheme adds viscosity of its own "
             "(ocean-sim validate wind_growth)"
         )
-    return sentences + overdamped(wind, u10, seen, preflight)
+    return sentences + overdamped(wind, u10, seen, preflight) + borne(wind.on_water(u10), preflight)
+
+
+def borne(stress: float, preflight: Preflight) -> list[str]:
+    """Whether particles that have lost their rows would bear a stress [Pa] rather than flow."""
+    fluid, tank = preflight.fluid, preflight.tank
+    pressure, share = fluid.rest_density * hypot(*tank.gravity) * tank.depth, fluid.bears_shear
+    if not 0.0 < stress < FLOWING * share * pressure:
+        return []
+    return [
+        f"wind: the stress of {stress:.2g} Pa is {stress / pressure:.1e} of the pressure at the bed, and particles of "
+        f"{fluid.kind} that have lost their rows bear about {share:.0e} of it: after some seconds the drift is too "
+        "slow, or stops (ocean-sim validate wind_setup)"
+    ]

@@ -3,6 +3,8 @@
 H/S = 2 (cosh 2kh - 1) / (sinh 2kh + 2kh) of Biesel & Suquet (1951), far from the wall and in linear theory: 1.082 in
 water 0.5 m deep at a period of 1.5 s. The height is that of the first harmonic over whole periods, after the front of
 the waves has gone by and before a reflection from the far end could arrive; one from the absorbing zone before it can.
+Behind the front waves are higher for a while, by 1.1 % at two wavelengths and 4.1 % at six when they are read; so what
+is expected is linear theory of a piston that begins at rest (Dean & Dalrymple 1991, chapter 6, for the steady part).
 
 Under `delta_sph` the piston makes the right height and little is lost on the way: at h / 20, where a wave is two
 spacings high, a line through H/S from half a wavelength on begins at 0.984 of the theory's at the piston and falls by
@@ -22,6 +24,7 @@ from math import pi
 import numpy as np
 
 from ocean_sim import waves
+from ocean_sim.basin.tank_motion import Piston
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared import flume
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
@@ -32,11 +35,13 @@ K = float(waves.wavenumber(OMEGA, DEPTH))
 WAVELENGTH = 2.0 * pi / K  # 2.827 m
 TRANSFER = float(waves.piston_transfer(K * DEPTH))  # H/S
 MEASURED = 2.0 * PERIOD  # [s]
-SOURCE = "Biesel & Suquet 1951"
+RESOLVED, SHORTEST = 0.005, 40.0  # [1/m] step and end of the wavenumbers that a begun wave is made of
+STEPS = 200  # a period, of the piston's motion
+SOURCE = "linear theory of a piston that begins"
 
 
 def problems(coarse: bool) -> list[Problem]:
-    return [problem(2, 6.5, 3.0, coarse), problem(6, 15.5, 5.0, coarse, slow=True)]
+    return [problem(2, 6.5, 2.0, coarse), problem(6, 15.5, 5.0, coarse, slow=True)]
 
 
 def problem(far: int, begin: float, kept: float, coarse: bool, slow: bool = False) -> Problem:
@@ -48,17 +53,39 @@ def problem(far: int, begin: float, kept: float, coarse: bool, slow: bool = Fals
     promises = (
         Promise(f"{name}H/S at 1 wavelength", "%", SOURCE),
         Promise(f"{name}H/S at {far} wavelengths", "%", f"{SOURCE}; {kept:g} %", {"delta_sph": kept}),
+        Promise(f"{name}H/S there, over that of steady waves", "%", "Biesel & Suquet 1951"),
         Promise(f"{name}speed of the crests [m/s]", "%", "w^2 = g k tanh(k h)"),
     )
+    away = (1, far)
 
     def measure(simulation: Simulation) -> Finding:
         """The elevation at both gauges over time."""
-        gauges = np.array([[simulation.basin.lower[0] + n * WAVELENGTH, 0.0] for n in (1, far)])
+        piston, distances = simulation.basin.piston, WAVELENGTH * np.array(away)
+        assert piston is not None
+        gauges = np.stack([simulation.basin.lower[0] + distances, np.zeros(2)], axis=1)
         times, elevation = flume.records(simulation, gauges, PERIOD / 40)
-        assert simulation.basin.piston is not None
-        return compared(times, elevation, simulation.basin.piston.stroke, promises, (1, far))
+        return compared(times, elevation, begun(piston, distances, times), piston.stroke, promises, away)
 
     return Problem(scene, promises, measure, name.rstrip(": "), slow)
+
+
+def begun(piston: Piston, distances: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """(n, m) elevations [m] of linear theory at times (n,) [s] and distances (m,) [m] from a piston that moves at u(t)
+    from time 0 on: 2 / pi times the integral over k of cos(k s) tanh(k h) / k times that of u(t') cos(w (t - t')) over
+    the time, w^2 = g k tanh(k h)."""
+    k = RESOLVED * (np.arange(round(SHORTEST / RESOLVED)) + 0.5)
+    shape = 2.0 / pi * RESOLVED * np.tanh(k * DEPTH) / k * np.cos(distances[:, None] * k)
+    turning, time, found = 1j * waves.angular_frequency(k, DEPTH), 0.0, []
+    moved = np.zeros(len(k), dtype=complex)  # integral of u(t') exp(i w (t - t'))
+    for until in times:
+        steps = max(1, round((until - time) * STEPS / PERIOD))
+        leap = (until - time) / steps
+        turn = np.exp(turning * leap)
+        for _ in range(steps):
+            moved = (moved + 0.5 * leap * piston.at(time)[1]) * turn + 0.5 * leap * piston.at(time + leap)[1]
+            time += leap
+        found.append(shape @ moved.real)
+    return np.array(found)
 
 
 def first_harmonic(times: np.ndarray, signal: np.ndarray) -> complex:
@@ -70,24 +97,30 @@ def first_harmonic(times: np.ndarray, signal: np.ndarray) -> complex:
 
 
 def compared(
-    times: np.ndarray, elevation: np.ndarray, stroke: float, promises: tuple[Promise, ...], away: tuple[int, int]
+    times: np.ndarray,
+    elevation: np.ndarray,
+    theory: np.ndarray,
+    stroke: float,
+    promises: tuple[Promise, ...],
+    away: tuple[int, int],
 ) -> Finding:
-    """Elevations, a column a gauge, so many wavelengths from a piston that moves by S/2 sin(w t), against linear
-    theory."""
+    """Elevations, a column a gauge, so many wavelengths from a piston that moves by S/2 sin(w t), against those of
+    linear theory."""
     late = times >= times[-1] - MEASURED
     near, far = (first_harmonic(times[late], column[late]) for column in elevation.T)
+    near_theory, far_theory = (first_harmonic(times[late], column[late]) for column in theory.T)
     apart = away[1] - away[0]  # [wavelengths]
-    waves_between = apart - float(np.angle(far / near)) / (2.0 * pi)
+    waves_between = apart - float(np.angle(far / near * near_theory / far_theory)) / (2.0 * pi)
     speed = apart * WAVELENGTH / (waves_between * PERIOD)
     numbers = (
-        relative(2.0 * abs(near) / stroke, TRANSFER),
+        relative(2.0 * abs(near) / stroke, 2.0 * abs(near_theory) / stroke),
+        relative(2.0 * abs(far) / stroke, 2.0 * abs(far_theory) / stroke),
         relative(2.0 * abs(far) / stroke, TRANSFER),
         relative(speed, WAVELENGTH / PERIOD),
     )
-    sea = 0.5 * TRANSFER * stroke * np.cos(OMEGA * times[late])
     return Finding(
         {promise.quantity: number for promise, number in zip(promises, numbers, strict=True)},
         [Curve(f"{n} wavelengths away", times, column) for n, column in zip(away, elevation.T)],
-        [Curve("linear theory", times[late], sea)],
+        [Curve(f"linear theory, {n}", times, column) for n, column in zip(away, theory.T)],
         ("time [s]", "elevation [m]"),
     )

@@ -1,5 +1,6 @@
 """Keys of the kinds that float by their own volume, and their hull of cubes in the water of a scene."""
 
+from dataclasses import replace
 from functools import cached_property
 from math import isinf, radians
 from typing import Any, ClassVar
@@ -170,7 +171,7 @@ class FloatingHull:
             self.sides = Sides(shape, matter.centre, basin, water.walls.gap + self.contact.margin)
         hollow = (self.contact.hull.distance, self.contact.rim) if self.contact is not None else (None, 0.0)
         self.water = SurroundingWater(length, width, height, draught, self.still.gravity, self.closed, *hollow)
-        self.body = config.lowered(config.body(matter, *afloat_pose(self.still)), fluid)  # at the beginning
+        self.body = self.carried(config.lowered(config.body(matter, *afloat_pose(self.still)), fluid), fluid)
         if self.contact is not None and water is not None:
             self.contact.hull.water = self.water
             self.contact.hull.place(self.body)
@@ -179,6 +180,17 @@ class FloatingHull:
         volume = self.still.voxels.volume
         self.displaced = min(self.still.wanted, volume)
         self.weight = np.array([[0.0, -matter.mass * self.still.gravity, 0.0], [0.0, 0.0, 0.0]])
+
+    def carried(self, body: RigidBody, fluid: Fluid) -> RigidBody:
+        """The body at the beginning, with the velocity of the water around it where that is a closed form; so it does
+        not drift by what it lacked."""
+        if fluid.of_particles is not None:
+            return body
+        cubes, turn = self.still.voxels, body.matrix
+        wet = self.still.wet(turn[1], -float(body.position[1] - turn[1] @ self.still.matter.centre))
+        moved = fluid.velocities((cubes.centre - self.still.matter.centre) @ turn.T + body.position)
+        flow = (wet[:, None] * moved).sum(axis=0) / max(float(wet.sum()), 1e-9)
+        return replace(body, velocity=body.velocity + flow)
 
     def wetted(self, body: RigidBody, wind: Wind, water: Surface | Fluid) -> Wetted:
         """What water and wind do to the cubes where the body is."""

@@ -42,7 +42,7 @@ class VesselConfig(Helm, ShipConfig):
     attitude_deg: Vector3 = quantity("deg", (0.0, 0.0, 0.0))
     """Pitch (bow down), a further yaw (to port) and roll (starboard down) at the beginning."""
     velocity: Vector3 = quantity("m/s", (0.0, 0.0, 0.0))
-    """At the beginning, world axes."""
+    """At the beginning, world axes; in waves in closed form a floating hull has that of the water in its place, too."""
     rates: Vector3 = quantity("rad/s", (0.0, 0.0, 0.0))
     """Pitch, yaw and roll rate at the beginning."""
     free: list[Motion] = list(Motions._fields)

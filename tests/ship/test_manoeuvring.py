@@ -9,6 +9,7 @@ from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.ship.shared.added_mass import by_rule
 from ocean_sim.ship.shared.damping import Damping, Resistance
 from ocean_sim.ship.shared.hull import Hull, hull_of
+from ocean_sim.ship.shared.propulsion import SWIFT, Propeller, Rudder
 from ocean_sim.simulation import Simulation
 
 QUIET = {name: None for name in observer_names() if name != "manifest"} | {"runtime.threads": 1}
@@ -79,3 +80,15 @@ def test_waves_from_abeam_do_not_turn_it_about(kind):
             simulation.step()
             yaws.append(np.degrees(simulation.ship.body.angles[1]))
         assert np.abs(yaws).max() < 20.0
+
+
+def test_a_slipstream_has_the_momentum_of_its_thrust_and_only_a_propeller_with_a_diameter_has_one():
+    screw = Propeller(thrust=14400.0, diameter=0.8)
+    far = (screw.slipstream(14400.0, 6.0, 1000.0) - 6.0) / SWIFT + 6.0
+    through = 0.5 * (far + 6.0) * 1000.0 * pi / 4.0 * 0.8**2  # [kg/s]
+    assert through * (far - 6.0) == pytest.approx(14400.0)
+    assert screw.slipstream(-7200.0, 6.0, 1000.0) == 6.0
+    assert Propeller(thrust=14400.0).slipstream(14400.0, 6.0, 1000.0) == 6.0
+    blade = Rudder(area=1.0, aspect_ratio=1.0, position=(0.0, 0.5, -6.8))
+    mean = blade.behind(screw, 9.0, 6.0)
+    assert mean**2 == pytest.approx(0.8 * 81.0 + 0.2 * 36.0)

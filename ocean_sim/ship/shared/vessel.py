@@ -113,12 +113,18 @@ class Actuators:
     def load(self, motion: np.ndarray, density: float, wet: float) -> dict[str, np.ndarray]:
         """(2, 3) of propeller and rudder in body axes, at a velocity relative to the water (6,), `wet` from 0 to 1."""
         found = {}
+        thrust, speed = 0.0, float(motion[2])
         if self.propeller is not None:
-            force = np.array([0.0, 0.0, wet * self.propeller.force(self.throttle, float(motion[2]))])
+            thrust = self.propeller.force(self.throttle, speed)
+            force = np.array([0.0, 0.0, wet * thrust])
             found["propeller"] = np.array([force, cross(self.pushing, force)])
         if self.rudder_blade is not None:
             arm = self.steering
-            force = wet * self.rudder_blade.load(self.rudder, motion[:3] + cross(motion[3:], arm), density)
+            flow = motion[:3] + cross(motion[3:], arm)
+            if self.propeller is not None:
+                stream = self.propeller.slipstream(thrust, float(flow[2]), density)
+                flow[2] = self.rudder_blade.behind(self.propeller, stream, float(flow[2]))
+            force = wet * self.rudder_blade.load(self.rudder, flow, density)
             found["rudder"] = np.array([force, cross(arm, force)])
         return found
 

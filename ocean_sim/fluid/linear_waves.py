@@ -43,6 +43,13 @@ class Config(waves.HeadedTrain, FluidConfig):
             found.append((("kind",), "a sea in closed form knows no friction; leave basin.floor out"))
         return found + [(self.heading_key, sentence) for sentence in waves.misdirected(self.heading, basin)]
 
+    def statements(self, preflight: Preflight) -> list[str]:
+        first = (
+            "the waves are of the first order: what drifts a ship in the mean, second-order forces, is "
+            "not modelled; a mean drift of a run is that of drag and of a hull that moves"
+        )
+        return [first] if preflight.ship is not None and self.scale[0] > 0.0 else []
+
     def warnings(self, preflight: Preflight) -> list[str]:
         deaf = "closed-form waves do not feel the wind; it reaches the ship alone"
         return [] if preflight.wind.still else [deaf]

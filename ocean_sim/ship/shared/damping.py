@@ -93,6 +93,6 @@ class Resistance:
 
 def fullness(hull: Hydrostatics) -> float:
     """C_B B / T: the volume under water over length and draught squared."""
-    z, breadth, draught = hull.stations
+    _, breadth, draught = hull.stations
     length = float(hull.voxels.size[2]) * np.count_nonzero(breadth > 0.0)
     return min(hull.wanted, hull.voxels.volume) / (length * float(draught.max()) ** 2)

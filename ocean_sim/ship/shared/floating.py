@@ -100,6 +100,13 @@ class FloatingConfig(VesselConfig):
                 if depth.max() > 1e-6:
                     side = "the bed" if axis == 1 else f"a wall across {'xyz'[axis]}"
                     found.append((("position",), f"the hull reaches {depth.max():.3g} m through {side}"))
+        if not preflight.fluid.made_of_particles:
+            still = self.afloat(-basin.gravity[1], preflight.fluid.rest_density)
+            body = self.body(still.matter, *afloat_pose(still))
+            sides = Sides(self.whole_hull.shape, still.matter.centre, basin, axes=(1,))
+            for _, _, depth in sides.beyond(body):
+                if depth.max() > 1e-6 and not isinf(still.draught):
+                    found.append((("position",), f"the hull reaches {depth.max():.3g} m through the bed"))
         return found
 
     def problems(self, preflight: Preflight) -> Problems:
@@ -169,6 +176,10 @@ class FloatingHull:
             shape, pull = config.whole_hull.shape, self.still.gravity
             self.contact = WaveContact(config.contact, shape, matter.centre, basin, water, pull)
             self.sides = Sides(shape, matter.centre, basin, water.walls.gap + self.contact.margin)
+        if water is None:
+            self.sides = Sides(
+                config.whole_hull.shape, matter.centre, basin, axes=(1,)
+            )  # waves pass walls, and so do ships
         hollow = (self.contact.hull.distance, self.contact.rim) if self.contact is not None else (None, 0.0)
         self.water = SurroundingWater(length, width, height, draught, self.still.gravity, self.closed, *hollow)
         self.body = self.carried(config.lowered(config.body(matter, *afloat_pose(self.still)), fluid), fluid)

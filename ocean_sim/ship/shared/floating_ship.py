@@ -8,6 +8,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from ocean_sim.basin import Basin
+from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.ship import Load
 from ocean_sim.ship.shared.cubes import Wetted
@@ -67,6 +68,12 @@ class FloatingShip(Vessel):
     def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The forces with what the water that is moved along does back, which depends on all of them."""
         return forces
+
+    def advance(self, load: Load, dt: float) -> None:
+        super().advance(load, dt)
+        if self.aground and self.contact is None and not self.hull.floats:
+            x, _, z = self.body.position
+            raise Diverged(f"the ship has sunk to the bed, {-self.bed:g} m down, at ({x:.4g}, {z:.4g}) m")
 
     def limits(self) -> Limits:
         return self.longest

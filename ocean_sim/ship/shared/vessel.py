@@ -141,6 +141,7 @@ class Vessel(ABC):
         self.free = np.array([motion in config.free for motion in Motions._fields])
         self.points = {name: np.array(point) - actuators.centre for name, point in config.points.items()}
         self.sides: Sides | None = None  # walls and bed that stop it
+        self.aground, self.groundings = False, 0
         self.contact: WaveContact | None = None  # where the hull and particles push each other
         self.acceleration, self.turning = np.zeros(3), np.zeros(3)  # of the last step, world axes [m/s2], [rad/s2]
         self.added = np.zeros(6)  # mass [kg] and inertia [kg m2] of water that moves along
@@ -188,8 +189,12 @@ class Vessel(ABC):
         def walled_step(load: Load) -> RigidBody:
             return guided_step(load) if sides is None else sides.off(guided_step(load))
 
+        touched = False
         if sides is not None:
             load = sides.stopped(load, guided_step, dt)
+            touched = sides.bed
+        self.groundings += touched and not self.aground
+        self.aground = touched
         if self.contact is None:
             after = walled_step(load)
         else:

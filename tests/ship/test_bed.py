@@ -7,7 +7,7 @@ import pytest
 
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.reading.scene import load, observer_names
-from ocean_sim.result import run
+from ocean_sim.result import Result, run
 
 QUIET = {name: None for name in observer_names() if name not in ("manifest", "health", "motion")}
 DEPTH = 2.3
@@ -30,7 +30,7 @@ def test_a_keel_rests_on_the_bed_and_the_run_says_so(tmp_path):
     run(load(shallow(), QUIET), tmp_path)
     events = [json.loads(line) for line in (tmp_path / "events.jsonl").read_text().splitlines()]
     assert any(event["event"] == "the hull meets the bed" for event in events)
-    table = np.genfromtxt(tmp_path / "motion.csv", delimiter=",", names=True, comments="#")
+    table = Result(tmp_path).motion
     keel = table["heave_m"] - 2.5 * np.cos(table["pitch_rad"]) - 10.0 * np.abs(np.sin(table["pitch_rad"]))
     assert -DEPTH - 0.01 < keel.min() < -DEPTH + 0.05
     assert table["force_wave_y_N"].max() > 3.0e5  # the bed's push

@@ -72,7 +72,7 @@ def test_it_heels_outwards_in_a_turn(way):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_waves_from_abeam_do_not_turn_it_about(kind):
-    """What damps it acts on its motion through the water: of one that is dragged over the ground yaw passes 30 degrees."""
+    """What damps it acts on its motion through the water: dragged over the ground it yaws by more than 30 degrees."""
     ship = {"kind": kind, "hull": "yacht", "damping": {"heave": 0.15, "pitch": 0.15, "roll": 0.08, "surge": 400.0}}
     with Simulation(load(at_sea(ship, height=1.0, period=5.0, heading_deg=90.0), QUIET)) as simulation:
         yaws = []

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from functools import cached_property
-from math import isinf, radians
+from math import isinf, pi, radians, sqrt
 from typing import Any, ClassVar
 
 import numpy as np
@@ -19,6 +19,7 @@ from ocean_sim.ship.shared.cubes import Cubes, Wetted
 from ocean_sim.ship.shared.distance import MANY, memory
 from ocean_sim.ship.shared.hull import Hull, Inertia, explained, hull_of
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
+from ocean_sim.ship.shared.moorings import Mooring, Moorings
 from ocean_sim.ship.shared.propulsion import Propeller, Rudder
 from ocean_sim.ship.shared.rigid_body import RigidBody, matrix, oriented
 from ocean_sim.ship.shared.solid import Solid
@@ -55,6 +56,8 @@ class FloatingConfig(VesselConfig):
     alone."""
     propeller: Propeller | None = None
     rudder: Rudder | None = None
+    moorings: list[Mooring] = []
+    """Lines that hold the ship, and fenders."""
 
     @field_validator("hull")
     @classmethod
@@ -112,6 +115,10 @@ class FloatingConfig(VesselConfig):
     def problems(self, preflight: Preflight) -> Problems:
         basin = preflight.tank
         found = self.misplaced(basin)
+        for k, mooring in enumerate(self.moorings):
+            if isinstance(mooring.fairlead, str) and mooring.fairlead not in self.points:
+                there = f"there are {', '.join(self.points)}" if self.points else "it names none"
+                found.append((("moorings", k, "from"), f"the ship has no point {mooring.fairlead!r}; {there}"))
         if found:
             return found
         try:
@@ -188,6 +195,9 @@ class FloatingHull:
             self.contact.hull.place(self.body)
             water.meet(self.contact)
         self.actuators = Actuators(config, config.propeller, config.rudder, matter.centre)
+        self.moorings: Moorings | None = None
+        if config.moorings:
+            self.moorings = Moorings(config.moorings, config.points, matter.centre, self.body)
         volume = self.still.voxels.volume
         self.displaced = min(self.still.wanted, volume)
         self.weight = np.array([[0.0, -matter.mass * self.still.gravity, 0.0], [0.0, 0.0, 0.0]])
@@ -218,6 +228,8 @@ class FloatingHull:
     def limits(self, added: dict[str, float] | None = None) -> Limits:
         """STEPS_A_PERIOD steps in the fastest natural motion."""
         periods = [period for period in self.still.periods(added).values() if period] if self.floats else []
+        if self.moorings is not None:
+            periods.append(2.0 * pi * sqrt(self.still.matter.mass / float(self.moorings.stiffness.sum())))
         return Limits(force=min(periods) / STEPS_A_PERIOD / FORCE_NUMBER) if periods else Limits()
 
     @property

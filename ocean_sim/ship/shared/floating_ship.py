@@ -35,6 +35,9 @@ class FloatingShip(Vessel):
     def __init__(self, config: FloatingConfig, basin: Basin, fluid: Fluid) -> None:
         self.hull = hull = FloatingHull(config, basin, fluid, self.below)
         super().__init__(config, hull.body, hull.actuators, basin.lower[1])
+        if hull.moorings is not None:
+            self.parts = (*self.parts, "mooring")
+            self.last = Load.of({}, self.parts)
         self.shape, self.contact, self.sides = config.whole_hull.shape, hull.contact, hull.sides
         self.longest = hull.limits()
         self.relative = np.zeros(6)  # velocity relative to the water, of the last load
@@ -51,6 +54,7 @@ class FloatingShip(Vessel):
         does back."""
         wet, density, turn = now.wet, self.hull.still.density, self.body.matrix
         driven = self.actuators.load(now.motion, density, now.share)
+        moored = self.hull.moorings
         return {
             "gravity": self.hull.weight,
             "buoyancy": wet.buoyancy,
@@ -58,6 +62,7 @@ class FloatingShip(Vessel):
             "wind_drag": wet.wind_drag,
             "wind_lift": wet.wind_lift,
             "damping": self.damping(now),
+            **({"mooring": moored.load(self.body)} if moored is not None else {}),
             **{part: force @ turn.T for part, force in driven.items()},
         }
 

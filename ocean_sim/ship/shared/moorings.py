@@ -1,7 +1,7 @@
 """Lines that hold a ship and fenders that keep it off: straight springs from a point of the ship to one of the world.
 
 A line pulls with k (l - l0) + c l' where it is longer than its slack length l0, a fender pushes with k (l0 - l) - c l'
-where it is shorter (Faltinsen 1990, Sea Loads on Ships and Offshore Structures, 8.2, linearised). Neither does the other.
+where it is shorter (Faltinsen 1990, Sea Loads on Ships and Offshore Structures, 8.2, linearised).
 """
 
 from collections.abc import Mapping

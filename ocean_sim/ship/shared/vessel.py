@@ -132,7 +132,7 @@ class Actuators:
 class Vessel(ABC):
     """A ship on its way: body, actuators, what acted last, and the points that are named on it. A kind gives `load`."""
 
-    parts: ClassVar[tuple[str, ...]] = PARTS
+    parts: tuple[str, ...] = PARTS
 
     def __init__(self, config: VesselConfig, body: RigidBody, actuators: Actuators, bed: float) -> None:
         """`bed`: its height [m]; what lies on it is not modelled."""

@@ -27,6 +27,7 @@ SCENE = {
     "basin": {"length": 160.0, "width": 160.0, "depth": 30.0, "walls": "none"},
     "fluid": {
         "kind": "linear_waves",
+        "ramp": 0.0,
         "spectrum": {
             "kind": "jonswap",
             "significant_wave_height": 1.5,

@@ -1,5 +1,6 @@
 """A sea in closed form, without particles: the linear waves of `ocean_sim.waves`, for ships and platforms alone."""
 
+from dataclasses import replace
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -20,7 +21,8 @@ SMOOTH = 0.04  # [periods] times a quarter (the force number of `courant`): a hu
 
 
 class Config(waves.HeadedTrain, FluidConfig):
-    """Regular waves (`height`, `period`, `heading_deg`) or a `spectrum`; sides of the basin do not reflect them."""
+    """Regular waves (`height`, `period`, `heading_deg`) or a `spectrum`; sides of the basin do not reflect them. They
+    grow over the `ramp`, so that what floats does not begin with the speed of a phase."""
 
     example: ClassVar[dict[str, Any]] = {"height": 0.5, "period": 4.0}
     kind: Literal["linear_waves"] = "linear_waves"
@@ -28,6 +30,8 @@ class Config(waves.HeadedTrain, FluidConfig):
     """From trough to crest; 0 is calm water."""
     rest_density: float = quantity("kg/m3", WATER_DENSITY, gt=0.0)
     """Density of the water."""
+    ramp: float = quantity("periods", 2.0, ge=0.0)
+    """How long the waves grow from calm water, in periods (peak periods of a spectrum); 0: they are there at once."""
 
     def problems(self, preflight: Preflight) -> Problems:
         basin = preflight.tank
@@ -38,6 +42,13 @@ class Config(waves.HeadedTrain, FluidConfig):
         if basin.rough_bed is not None:
             found.append((("kind",), "a sea in closed form knows no friction; leave basin.floor out"))
         return found + [(self.heading_key, sentence) for sentence in waves.misdirected(self.heading, basin)]
+
+    def statements(self, preflight: Preflight) -> list[str]:
+        first = (
+            "the waves are of the first order: what drifts a ship in the mean, second-order forces, is "
+            "not modelled; a mean drift of a run is that of drag and of a hull that moves"
+        )
+        return [first] if preflight.ship is not None and self.scale[0] > 0.0 else []
 
     def warnings(self, preflight: Preflight) -> list[str]:
         deaf = "closed-form waves do not feel the wind; it reaches the ship alone"
@@ -61,6 +72,10 @@ class Config(waves.HeadedTrain, FluidConfig):
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "LinearWaves":
         return LinearWaves(self, basin)
 
+    def growing(self, sea: waves.Components) -> waves.Components:
+        """The waves as they grow from time 0 on."""
+        return replace(sea, ramp=self.ramp * 2.0 * np.pi / float(sea.omega[sea.highest]))
+
 
 @ti.data_oriented
 class LinearWaves(Fluid):
@@ -69,7 +84,7 @@ class LinearWaves(Fluid):
     sound_speed = 0.0  # [m/s] nothing is compressed
 
     def __init__(self, config: Config, basin: Basin) -> None:
-        self.config, sea = config, config.sea(basin)
+        self.config, sea = config, config.growing(config.sea(basin))
         k = float(waves.wavenumber(2.0 * np.pi / config.scale[1], basin.depth, sea.gravity))
         self.spacing = 2.0 * np.pi / k / POINTS_PER_WAVE  # [m] between points that show the waves
         self.still = config.smooth
@@ -85,9 +100,9 @@ class LinearWaves(Fluid):
         return self.waves.sea
 
     def begin(self, sea: waves.Components) -> None:
-        """These waves from time 0 on; as many as there were, of the same depth."""
+        """These waves, grown as the config says, from time 0 on; as many as there were, of the same depth."""
         self.time = 0.0
-        self.waves.begin(sea)
+        self.waves.begin(self.config.growing(sea))
 
     def advance(self, dt: float) -> None:
         """One step of dt [s]."""

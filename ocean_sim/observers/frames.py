@@ -135,7 +135,12 @@ def plane_waves(fluid: Fluid) -> dict[str, np.ndarray]:
     sea = fluid.plane_waves
     if sea is None:
         return {}
-    return {"sea_amplitude": sea.amplitude, "sea_wavevector": sea.wavevector, "sea_phase": sea.phase}
+    return {
+        "sea_amplitude": sea.amplitude,
+        "sea_wavevector": sea.wavevector,
+        "sea_phase": sea.phase,
+        "sea_ramp": np.array(sea.ramp),
+    }
 
 
 def single(array: np.ndarray) -> np.ndarray:

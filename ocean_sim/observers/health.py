@@ -65,6 +65,7 @@ class Health(Observer):
         self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
         self.limit, self.limit_reported = "", -QUIET
         self.clipped, self.clipped_reported = 0, -QUIET
+        self.groundings, self.grounding_reported = 0, -QUIET
         self.event(
             "start",
             particles=self.n,
@@ -94,6 +95,7 @@ class Health(Observer):
             if sentence is not None:
                 raise Diverged(sentence)
         self.note_limit(simulation)
+        self.note_grounding(simulation)
         if self.n > 0:
             self.note_clipping(simulation)
 
@@ -196,6 +198,16 @@ class Health(Observer):
         """Names the newest frame, which is the last state worth looking at."""
         frames = [] if self.folder is None else sorted((self.folder / "frames").glob("frame_*.npz"))
         return f"; the last picture before is frames/{frames[-1].name}" if frames else ""
+
+    def note_grounding(self, simulation: "Simulation") -> None:
+        """The keel met the bed, again and again it may be."""
+        ship = simulation.ship
+        if ship is not None and ship.groundings > self.groundings:
+            if simulation.time >= self.grounding_reported + QUIET:
+                x, _, z = ship.body.position
+                self.event("the hull meets the bed", x_m=round(float(x), 3), z_m=round(float(z), 3))
+                self.grounding_reported = simulation.time
+            self.groundings = ship.groundings
 
     def note_limit(self, simulation: "Simulation") -> None:
         limit = simulation.time_step.limited_by

@@ -63,14 +63,15 @@ class FarSea:
 
     def at(self, time: float) -> SeaSample:
         """The sea at a time [s]."""
-        turning = self.sea.amplitude * np.exp(1j * np.mod(self.sea.phase - self.sea.omega * time, 2.0 * pi))
+        sea, share = self.sea, self.sea.grown(time)
+        turning = share * sea.amplitude * np.exp(1j * np.mod(sea.phase - sea.omega * time, 2.0 * pi))
         x = self.along_x * turning
         z = self.along_z.T
         # The real part of a product of complex matrices is two products of real ones.
         height = x.real @ z.real - x.imag @ z.imag
         k = self.sea.wavenumber
         convergence = (x.real * k) @ z.real - (x.imag * k) @ z.imag
-        return SeaSample(height, convergence, self.variance)
+        return SeaSample(height, convergence, share**2 * self.variance)
 
 
 def waves_along(nodes: np.ndarray, k: np.ndarray, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:

@@ -39,7 +39,13 @@ def of_run(folder: Path, grid: Any) -> SeaState:
     scene = scene_of(folder)
     exact = None
     if "sea_amplitude" in grid:
-        exact = Components(grid["sea_amplitude"], grid["sea_wavevector"], grid["sea_phase"], float(grid["depth"]))
+        exact = Components(
+            grid["sea_amplitude"],
+            grid["sea_wavevector"],
+            grid["sea_phase"],
+            float(grid["depth"]),
+            ramp=float(grid["sea_ramp"]) if "sea_ramp" in grid else 0.0,
+        )
         height = 4.0 * float(np.sqrt(0.5 * (exact.amplitude**2).sum()))
     wind = wind_of(scene, exact, height)
     towards = np.array([np.cos(wind.angle), np.sin(wind.angle)])

@@ -109,9 +109,13 @@ class SceneConfig(Heading):
         data: dict[str, Any] = {"title": self.title, "seed": self.seed, "duration": self.duration, "resolution": 1.0}
         for slot in ("basin", *SLOTS, "runtime"):
             part = getattr(self, slot)
-            data[slot] = part.model_dump(mode="json") if part is not None else None
+            data[slot] = part.model_dump(mode="json", by_alias=True) if part is not None else None
         off = {name: None for name in always_on() if name not in self.observers}
-        return data | off | {name: config.model_dump(mode="json") for name, config in self.observers.items()}
+        return (
+            data
+            | off
+            | {name: config.model_dump(mode="json", by_alias=True) for name, config in self.observers.items()}
+        )
 
 
 def observer_names() -> tuple[str, ...]:

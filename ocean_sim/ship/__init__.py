@@ -63,6 +63,7 @@ class Ship(Protocol):
     last: Load  # what acted in the last step
     acceleration: np.ndarray  # (3,) of the centre of mass in the last step, world axes [m/s2]
     turning: np.ndarray  # (3,) angular acceleration in the last step, world axes [rad/s2]
+    groundings: int  # how often the hull has met the bed, each time after it was free
     added: np.ndarray  # (6,) mass [kg] and inertia [kg m2] of the water that moves along, in the order of `Motions`
 
     @property

@@ -1,7 +1,9 @@
-"""A ship that floats by its volume: cubes in the water's pressure, along the normal of its surface; no added mass.
+"""A ship that floats by its volume: cubes in the water's pressure; no added mass.
 
-The push along the surface's normal, not straight up, keeps long waves from turning the hull further than their slope.
-Without water that moves along, heave and pitch are too quick for a broad hull: `dynamic` has it.
+In a sea in closed form that is the pressure at each cube's own depth, and what damps the hull acts on its motion
+through the water, which moves too. Over particles the push is along the normal of the surface, not straight up, which
+keeps long waves from turning the hull further than their slope. Without water that moves along, heave and pitch are too
+quick for a broad hull: `dynamic` has it.
 """
 
 from typing import ClassVar, Literal
@@ -11,6 +13,7 @@ import numpy as np
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Fluid
 from ocean_sim.ship import Ship
+from ocean_sim.ship.shared.added_mass import by_rule
 from ocean_sim.ship.shared.damping import Damping, Resistance
 from ocean_sim.ship.shared.floating import FloatingConfig
 from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
@@ -31,9 +34,12 @@ class Config(FloatingConfig):
 class Hydrostatic(FloatingShip):
     """A hull of cubes that is damped."""
 
+    below: ClassVar[bool] = True
+
     def __init__(self, config: Config, basin: Basin, fluid: Fluid) -> None:
         super().__init__(config, basin, fluid)
-        self.resistance = Resistance(config.damping, self.hull.still, np.zeros(6))
+        sway, _, surge = by_rule(self.hull.still)[:3]
+        self.resistance = Resistance(config.damping, self.hull.still, np.zeros(6), munk=sway - surge)
 
     def damping(self, now: Immersion) -> np.ndarray:
         return now.share * self.resistance.load(now.motion) @ self.body.matrix.T

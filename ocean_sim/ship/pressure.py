@@ -16,6 +16,7 @@ from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.ship import Load, Ship
 from ocean_sim.ship.shared.floating import FloatingConfig, afloat_pose
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics, Matter
+from ocean_sim.ship.shared.moorings import Moorings
 from ocean_sim.ship.shared.rigid_body import RigidBody, held
 from ocean_sim.ship.shared.solid import Solid
 from ocean_sim.ship.shared.vessel import Actuators, Vessel
@@ -77,6 +78,11 @@ class Pressure(Vessel):
         actuators = Actuators(config, config.propeller, config.rudder, solid.centre)
         super().__init__(config, config.lowered(solid.body, fluid), actuators, basin.lower[1])
         self.shape = solid.shape
+        self.moorings: Moorings | None = None
+        if config.moorings:
+            self.moorings = Moorings(config.moorings, config.points, solid.centre, self.body)
+            self.parts = (*self.parts, "mooring")
+            self.last = Load.of({}, self.parts)
         if solid.flat:
             self.free &= IN_A_SLICE
         self.density = float(water.particles.rest_density)
@@ -94,6 +100,8 @@ class Pressure(Vessel):
         driven = self.actuators.load(motion, self.density, 1.0)
         pressed = np.stack([forces[self.number], torques[self.number]])
         forces_of = {"gravity": self.weight, "buoyancy": pressed}
+        if self.moorings is not None:
+            forces_of["mooring"] = self.moorings.load(body)
         return Load.of(forces_of | {part: force @ r.T for part, force in driven.items()}, self.parts)
 
     def advance(self, load: Load, dt: float) -> None:

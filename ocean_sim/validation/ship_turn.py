@@ -1,4 +1,8 @@
-"""Turning circle and zig-zag of the yacht: reported only, as there is no measurement of this one.
+"""Turning circle and zig-zag of the yacht that is shipped, within the limits of IMO MSC.137(76).
+
+There is no measurement of this yacht, so it promises what is asked of any ship: an advance of 4.5 lengths and a
+tactical diameter of 5 at most, and, as its length over its speed is below 10 s, overshoots of 10 and 25 degrees in the
+10/10 zig-zag and of 25 in the 20/20. A turn of less than 1.5 lengths, or without heel outwards, is no ship's either.
 
 Full ahead for 30 s, then 35 degrees of rudder to port; advance, transfer and tactical diameter as in IMO MSC.137(76):
 from where the rudder is ordered, at 90 and 180 degrees of turn. In the zig-zag the rudder is put over by 20 (10)
@@ -8,57 +12,75 @@ degrees each time that the ship has turned as far; how much further she turns is
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 from math import degrees, radians
+from typing import Any
 
 import numpy as np
 
+from ocean_sim.files import yaml_file
+from ocean_sim.parts import library
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
 from ocean_sim.validation.shared.ship import OF_WATER, at_sea, ship_of
 
 AHEAD, TURN, ZIGZAG, STEP = 30.0, 150.0, 100.0, 0.05  # [s]
 RUDDER = 35.0  # [deg]
-YACHT = {
-    "hull": "yacht",
-    "cells_per_draught": 4,
-    "damping": {"heave": 0.15, "pitch": 0.15, "roll": 0.08, "surge": 400.0},
-    "propeller": {"thrust": 14400.0, "position": [0.0, 0.4, -6.3]},
-    "rudder": {"area": 0.8, "aspect_ratio": 1.5, "position": [0.0, 0.5, -6.8]},
+LENGTH = 14.2  # [m] of the yacht at the still water
+CIRCLE = {  # quantity: the least and the most that is allowed, in its unit
+    "speed ahead [m/s]": None,
+    "advance [lengths]": (0.0, 4.5),
+    "transfer [lengths]": None,
+    "tactical diameter [lengths]": (1.5, 5.0),
+    "radius at last [lengths]": None,
+    "speed in the turn [m/s]": None,
+    "drift angle [deg]": None,
+    "outward heel [deg]": (0.5, 10.0),
 }
-CIRCLE = (
-    "speed ahead [m/s]",
-    "advance [m]",
-    "transfer [m]",
-    "tactical diameter [m]",
-    "radius at last [m]",
-    "speed in the turn [m/s]",
-    "drift angle [deg]",
-    "outward heel [deg]",
-)
+OVERSHOOTS = {10.0: (10.0, 25.0), 20.0: (25.0, None)}  # [deg] the most of the first and the second
+SOURCE = "IMO MSC.137(76), 5.3"
+
+
+def yacht() -> dict[str, Any]:
+    """Keys of the yacht in configs/ship, coarser."""
+    keys = yaml_file.read(library("configs") / "ship" / "yacht.yaml").plain()
+    return {key: value for key, value in keys.items() if key != "kind"} | {"cells_per_draught": 4}
 
 
 def problems(coarse: bool) -> list[Problem]:
-    scene = at_sea(YACHT, 15.0, STEP, AHEAD + TURN)
-    promises = tuple(reported(name) for name in CIRCLE)
+    scene = at_sea(yacht(), 15.0, STEP, AHEAD + TURN)
+    promises = tuple(promise(name, limits) for name, limits in CIRCLE.items())
     found = [Problem(scene, promises, circle, "circle", slot="ship", schemes=OF_WATER)]
     for angle in (20.0,) if coarse else (10.0, 20.0):
-        names = tuple(reported(name) for name in zigzags(angle))
+        names = tuple(promise(name, limits) for name, limits in zigzags(angle).items())
         look = lambda simulation, angle=angle: zigzag(simulation, angle)
         found.append(Problem(scene, names, look, f"zig-zag {angle:g}", slot="ship", schemes=OF_WATER))
     return found
 
 
-def reported(name: str) -> Promise:
-    """What is only reported, in the unit that its name ends with."""
-    return Promise(name, name[name.index("[") + 1 : -1], "reported")
+def promise(name: str, limits: tuple[float, float] | None) -> Promise:
+    """That a quantity lies between two limits; without them it is only reported. Its unit ends its name."""
+    unit = name[name.index("[") + 1 : -1]
+    if limits is None:
+        return Promise(name, unit, "reported")
+    return Promise(name, unit, SOURCE, dict.fromkeys(OF_WATER, 0.5 * (limits[1] - limits[0])))
 
 
-def zigzags(angle: float) -> list[str]:
-    """What is reported of a zig-zag by an angle [deg]."""
+def between(value: float | None, limits: tuple[float, float] | None) -> tuple[float | None, float | None, float | None]:
+    """A value, the middle of its limits, and how far it is from there."""
+    if limits is None or value is None:
+        return value, None, None
+    middle = 0.5 * (limits[0] + limits[1])
+    return value, middle, value - middle
+
+
+def zigzags(angle: float) -> dict[str, tuple[float, float] | None]:
+    """What is measured of a zig-zag by an angle [deg], and its limits."""
     name = f"zig-zag {angle:g}/{angle:g}: "
-    return [
-        name + quantity
-        for quantity in ("first overshoot [deg]", "second overshoot [deg]", "first execute to second [s]")
-    ]
+    first, second = ((0.0, most) if most is not None else None for most in OVERSHOOTS[angle])
+    return {
+        name + "first overshoot [deg]": first,
+        name + "second overshoot [deg]": second,
+        name + "first execute to second [s]": None,
+    }
 
 
 def sailed(
@@ -93,9 +115,10 @@ def circle(simulation: Simulation) -> Finding:
     def at(angle: float, y: np.ndarray) -> float | None:
         return float(np.interp(radians(angle), turned, np.abs(y))) if turned[-1] > radians(angle) else None
 
-    found = [speed[0], at(90.0, z), at(90.0, x), at(180.0, x), speed[last].mean() / rate, speed[last].mean()]
+    lengths = [at(90.0, z), at(90.0, x), at(180.0, x), speed[last].mean() / rate]
+    found = [speed[0], *(None if way is None else way / LENGTH for way in lengths), speed[last].mean()]
     found += [degrees(abs(drift[last].mean())), degrees(heel[last].mean())]
-    numbers = {name: (value, None, None) for name, value in zip(CIRCLE, found, strict=True)}
+    numbers = {name: between(value, CIRCLE[name]) for name, value in zip(CIRCLE, found, strict=True)}
     return Finding(numbers, [Curve("track", x, z)], [], ("x, to port [m]", "z, ahead [m]"))
 
 
@@ -114,5 +137,7 @@ def zigzag(simulation: Simulation, angle: float) -> Finding:
     if len(executed) > 2:
         spans = [(t >= a) & (t <= b) for a, b in pairwise(executed)]
         values = [*(degrees(np.abs(yaw[span]).max()) - angle for span in spans[:2]), executed[1] - executed[0]]
-    numbers = {name: (value, None, None) for name, value in zip(zigzags(angle), values, strict=True)}
+    numbers = {
+        name: between(value, limits) for (name, limits), value in zip(zigzags(angle).items(), values, strict=True)
+    }
     return Finding(numbers, [Curve("heading", t, np.degrees(yaw))], [], ("t [s]", "heading [deg]"))

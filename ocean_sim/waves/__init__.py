@@ -96,6 +96,7 @@ class Components:
     phase: np.ndarray  # (n,) [rad]
     depth: float  # [m]
     gravity: float = GRAVITY  # [m/s2]
+    ramp: float = 0.0  # [s] from time 0 on in which they grow from nothing
 
     @cached_property
     def wavenumber(self) -> np.ndarray:
@@ -117,6 +118,15 @@ class Components:
         """Whether they have more than one frequency."""
         return bool(np.ptp(self.omega) > 0.0)
 
+    def grown(self, time: float) -> float:
+        """Share of their height at a time [s]: s - sin(2 pi s) / (2 pi), s from 0 to 1 over the ramp.
+
+        The rate at which it grows is Hann's window, of which a wave with a whole number of periods in the ramp, two or
+        more, sees nothing: what floated at rest when it began then goes to and fro about one place, whatever its phase.
+        """
+        s = min(max(time / self.ramp, 0.0), 1.0) if self.ramp > 0.0 else 1.0
+        return s - sin(2.0 * pi * s) / (2.0 * pi)
+
     def angles(self, points: np.ndarray, time: float) -> Iterator[tuple[int, np.ndarray]]:
         """Number of each component, and its k . (x, z) - omega t + phase [rad] at points whose first column is x and
         last is z."""
@@ -136,7 +146,7 @@ def elevation(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndar
     eta = np.zeros(len(points))
     for i, angle in sea.angles(points, time):
         eta += sea.amplitude[i] * np.cos(angle)
-    return eta
+    return sea.grown(time) * eta
 
 
 def stretched(sea: Components, points: np.ndarray, eta: np.ndarray) -> np.ndarray:
@@ -153,7 +163,7 @@ def linear_velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> n
         speed = sea.amplitude[i] * sea.gravity * k / sea.omega[i]
         along = speed * c * np.cos(angle) / k
         v += np.stack([sea.wavevector[i, 0] * along, speed * s * np.sin(angle), sea.wavevector[i, 1] * along], axis=1)
-    return v
+    return sea.grown(time) * v
 
 
 def displacement(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
@@ -167,7 +177,7 @@ def displacement(sea: Components, points: np.ndarray, time: float = 0.0) -> np.n
         moved += np.stack(
             [sea.wavevector[i, 0] * along, reach * s * np.cos(angle), sea.wavevector[i, 1] * along], axis=1
         )
-    return moved
+    return sea.grown(time) * moved
 
 
 def pressure_head(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
@@ -175,7 +185,7 @@ def pressure_head(sea: Components, points: np.ndarray, time: float = 0.0) -> np.
     head = np.zeros(len(points))
     for i, angle in sea.angles(points, time):
         head += sea.amplitude[i] * profiles(sea.wavenumber[i], points[:, 1], sea.depth)[0] * np.cos(angle)
-    return head
+    return sea.grown(time) * head
 
 
 def velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:

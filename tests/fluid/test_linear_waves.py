@@ -26,7 +26,7 @@ def sea(taichi_cpu):
 
     def build(basin: dict, **keys):
         place = BasinConfig(**basin).build()
-        return Config(**keys).build(place, 7, accounts=True, wind=Still().build(place, 7))
+        return Config(**{"ramp": 0.0} | keys).build(place, 7, accounts=True, wind=Still().build(place, 7))
 
     return build
 
@@ -78,6 +78,32 @@ def test_a_regular_wave_comes_back_after_its_period_and_not_before(sea):
     np.testing.assert_allclose(fluid.elevations(points), first, atol=1e-12)
     fluid.advance(0.75)
     np.testing.assert_allclose(fluid.elevations(points), -first, atol=1e-12)
+
+
+def test_a_ramp_lets_the_sea_grow_from_calm_water_in_kernels_and_in_numpy_alike(sea):
+    """Half of the height half way; afterwards the sea without a ramp, to the digit."""
+    points = np.random.default_rng(1).uniform([-20.0, -7.5, -20.0], [20.0, 0.1, 20.0], (50, 3))
+    keys = {"height": 0.4, "period": 3.0, "heading_deg": 30.0}
+    growing, whole = sea(BAY, **keys, ramp=2.0), sea(BAY, **keys)
+    assert np.abs(growing.elevations(points[:, [0, 2]])).max() == 0.0
+    for dt, share in ((3.0, 0.5), (1.5, 0.75 + 0.5 / pi), (2.0, 1.0)):
+        growing.advance(dt)
+        whole.advance(dt)
+        found = read(growing, points)
+        np.testing.assert_allclose(found[:, 0], growing.elevations(points[:, [0, 2]]), atol=1e-11)
+        np.testing.assert_allclose(found[:, 2:], growing.velocities(points), atol=1e-11)
+        np.testing.assert_allclose(found[:, 0], share * whole.elevations(points[:, [0, 2]]), atol=1e-9)
+
+
+def test_water_that_was_at_rest_goes_to_and_fro_about_one_place_after_the_ramp(sea):
+    """What a wave moves from rest keeps no mean velocity of its phase: Hann's window has none of its frequency."""
+    fluid = sea(BAY, height=0.4, period=3.0, ramp=2.0)
+    waves_of = fluid.config.growing(fluid.config.sea(BasinConfig(**BAY).build()))
+    t = np.linspace(0.0, 6.0, 6001)
+    for phase in np.linspace(0.0, 2.0 * pi, 8, endpoint=False):
+        push = np.array([waves_of.grown(time) for time in t]) * np.cos(waves_of.omega[0] * t + phase)
+        gained = np.trapezoid(push, t) * waves_of.omega[0]
+        assert gained == pytest.approx(np.sin(waves_of.omega[0] * 6.0 + phase), abs=1e-5)
 
 
 def test_still_pressure_under_the_mean_and_the_wave_at_the_bed(sea):

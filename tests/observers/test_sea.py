@@ -224,6 +224,7 @@ def test_frames_keep_the_waves_of_a_sea_in_closed_form_and_nothing_of_particles(
         "sea_amplitude",
         "sea_wavevector",
         "sea_phase",
+        "sea_ramp",
     }
     assert frames.plane_waves(SimpleNamespace(plane_waves=None)) == {}
 

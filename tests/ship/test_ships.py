@@ -250,7 +250,7 @@ def test_a_sea_a_ship_and_a_platform_run_to_their_files(tmp_path):
     ship = {"kind": "yacht", "cells_per_draught": 3.0, "controls": [{"time": 0.0, "throttle": 1.0}]}
     platform = {"kind": "hexapod", "geometry": "hexapod_a", "washout": "ship"}
     over = {name: value for name, value in QUIET.items() if name not in ("motion", "platform_log", "frames")}
-    fluid = {"kind": "linear_waves", "height": 0.8, "period": 4.0}
+    fluid = {"kind": "linear_waves", "height": 0.8, "period": 4.0, "ramp": 0.0}
     keys = {"motion": {"every": 0.01, "point": "helm"}, "frames": {"every": 0.5, "spacing": 10.0}}
     run(load(calm(ship, fluid=fluid, platform=platform, duration=1.0, **keys), over), tmp_path)
     motion = Result(tmp_path).motion

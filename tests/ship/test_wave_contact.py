@@ -366,3 +366,11 @@ def test_a_box_bounces_from_the_bed_and_from_a_corner():
     assert after.velocity[0] > -3.0 and after.kinetic_energy() == pytest.approx(body.kinetic_energy(), rel=1e-3)
     corners = elastic.points @ after.matrix.T + after.position
     assert corners[:, 0].min() > -1.0 - 1e-9
+
+
+def test_a_ship_is_put_into_water_that_leaves_it_in_peace():
+    """The particles around the hull do not begin crowded, which would throw some of them at it: 26 m/s2 at 0.1 s."""
+    with Simulation(load("showcase", QUIET)) as simulation:
+        while simulation.time < 0.25:
+            simulation.step()
+            assert np.linalg.norm(simulation.ship.acceleration) < 0.5

@@ -19,11 +19,10 @@ class PlaneWaves:
     def begin(self, sea: waves.Components) -> None:
         """These waves from time 0 on; as many as there were, of the same depth."""
         self.sea = sea
-        self.take(self.amplitude, sea.amplitude)
         self.take(self.k, sea.wavenumber)
         self.take(self.kx, sea.wavevector[:, 0])
         self.take(self.kz, sea.wavevector[:, 1])
-        self.take(self.speed, sea.amplitude * sea.gravity * sea.wavenumber / sea.omega)
+        self.share = -1.0  # of their height that the fields hold
         self.turn(0.0)
 
     def take(self, field: ti.Field, values: np.ndarray) -> None:
@@ -32,7 +31,12 @@ class PlaneWaves:
 
     def turn(self, time: float) -> None:
         """The waves at a time [s]; phases are kept in f64 and small, whatever the precision and length of the run."""
-        self.take(self.phase, np.mod(self.sea.phase - self.sea.omega * time, 2.0 * np.pi))
+        sea, share = self.sea, self.sea.grown(time)
+        self.take(self.phase, np.mod(sea.phase - sea.omega * time, 2.0 * np.pi))
+        if share != self.share:
+            self.share = share
+            self.take(self.amplitude, share * sea.amplitude)
+            self.take(self.speed, share * sea.amplitude * sea.gravity * sea.wavenumber / sea.omega)
 
     @ti.func
     def elevation(self, x, z):

@@ -1,9 +1,14 @@
 """Water that moves with a hull, by rule from its sections, and the motion of hull and water together.
 
-By rule: half the added mass of flat plates as broad as the sections at the still water in heave, pitch and roll
+By rule: half the added mass of flat plates as broad as the sections at the still water in heave and pitch
 (Newman 1977, Marine Hydrodynamics, table 4.3), with Pabst's factor for a length that is not infinite (Pabst 1930), in
 pitch that of each half of the ship; half of circles as deep as the sections in sway and yaw; a twentieth of the mass
 in surge (Fossen 2021, Handbook of Marine Craft Hydrodynamics, 6.5).
+
+In roll a section and its mirror image at the still water turn about their middle in unbounded water, which is what a
+quick roll is (Newman 1977, 6.17): an ellipse rho pi / 8 (a^2 - b^2)^2, a plate the same with b = 0 (table 4.3), a
+rectangle as RECTANGLES says; sections between an ellipse and a rectangle by their fullness. Of a barge of 8 x 2 m that
+is 1 % above the panel method at the natural frequency, a plate 14 % below.
 """
 
 from math import pi, sqrt
@@ -13,6 +18,10 @@ import numpy as np
 from ocean_sim.model import Model, quantity
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.rigid_body import RigidBody, cross, solved
+
+DEPTHS = (0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.75, 1.0)  # draughts over breadth
+RECTANGLES = (1.0, 1.092, 1.148, 1.185, 1.180, 1.186, 1.347, 1.845, 6.147, 18.77)
+"""Added inertia of rectangles that turn about the still water over that of a plate, by 600 panels of potential flow."""
 
 
 class AddedMass(Model):
@@ -45,9 +54,18 @@ def by_rule(hull: Hydrostatics) -> np.ndarray:
             0.05 * hull.matter.mass,
             slenderness(length / 2.0 / broad) * (plate * z**2).sum(),
             (circle * z**2).sum(),
-            (rho * pi / 256.0 * breadth**4 * ds).sum(),
+            (rho * pi / 256.0 * turning(hull, breadth, draught) * ds).sum(),
         ]
     )
+
+
+def turning(hull: Hydrostatics, breadth: np.ndarray, draught: np.ndarray) -> np.ndarray:
+    """(n,) [m4] breadth^4 of plates that are as hard to roll as sections of the fullness of the whole hull."""
+    full = min(hull.wanted, hull.voxels.volume) / float((breadth * draught).sum() * hull.voxels.size[2])
+    share = min(max((full - pi / 4.0) / (1.0 - pi / 4.0), 0.0), 1.0)
+    deep = np.minimum(draught / np.maximum(breadth, 1e-9), DEPTHS[-1])
+    beyond = np.interp(deep, DEPTHS, RECTANGLES) - (1.0 - 4.0 * deep**2) ** 2  # an ellipse
+    return (breadth**2 - 4.0 * draught**2) ** 2 + share * beyond * breadth**4
 
 
 def slenderness(ratio: float) -> float:

@@ -1,4 +1,11 @@
-"""What slows a hull down: linear in heave, pitch and roll, quadratic in surge and across, and lift at the stern."""
+"""What slows a hull down: linear in heave, pitch and roll, quadratic in surge and across, and lift at the stern.
+
+A hull that drifts under way is turned further by the water's pressure (Munk 1924, NACA report 184: the difference of
+the added masses times both speeds), and held back by the lift of its after body, that of a slender body that ends in a
+stern (Newman 1977, Marine Hydrodynamics, 7.9). With one alone it would turn on the spot, or hardly at all. The added
+mass of a kind brings Munk's moment; for a kind without, it is here. The lift of model ships is (1 + 0.4 C_B B / T)
+times that of a slender body (Clarke, Gedling & Hine 1983, Trans. RINA 125).
+"""
 
 from collections.abc import Collection
 from math import pi, sqrt
@@ -33,9 +40,16 @@ class Damping(Model):
 class Resistance:
     """The damping of one hull."""
 
-    def __init__(self, config: Damping, hull: Hydrostatics, added: np.ndarray, radiated: Collection[str] = ()) -> None:
+    def __init__(
+        self,
+        config: Damping,
+        hull: Hydrostatics,
+        added: np.ndarray,
+        radiated: Collection[str] = (),
+        munk: float = 0.0,
+    ) -> None:
         """`added`: (6,) added mass, part of what oscillates; `radiated`: motions whose waves a table has: no rule adds
-        to it."""
+        to it; `munk`: added mass of sway less surge [kg] of a kind whose own motion has no Munk's moment."""
         whole, stiffness = hull.inertia, hull.stiffness
         extra = Motions(*added)
         self.linear = np.zeros(6)
@@ -53,7 +67,9 @@ class Resistance:
         self.roll = config.roll_quadratic
         self.low = hull.keel + float(draught.max()) / 2.0 - hull.matter.centre[1]  # where water crosses [m]
         self.stern = float(self.z[draught > 0.0].min())
-        self.lift = pi / 2.0 * hull.density * float(draught.mean()) ** 2  # of a slender body that ends in a stern
+        slender = pi / 2.0 * hull.density * float(draught.mean()) ** 2  # [kg/m] of a body that ends in a stern
+        self.lift = (1.0 + 0.4 * fullness(hull)) * slender
+        self.munk = munk
 
     def load(self, motion: np.ndarray) -> np.ndarray:
         """(2, 3) force [N] and torque [N m] in body axes at a velocity relative to the water (6,), body axes."""
@@ -63,7 +79,7 @@ class Resistance:
         drag = self.crossing * np.abs(across) * across
         lift = -self.lift * max(surge, 0.0) * (middle + yaw * self.stern)
         side = lift - float(drag.sum())
-        turning = lift * self.stern - float((drag * self.z).sum())
+        turning = lift * self.stern - float((drag * self.z).sum()) - self.munk * surge * sway
         more = [
             side,
             0.0,
@@ -73,3 +89,10 @@ class Resistance:
             -side * self.low - self.roll * abs(roll) * roll,
         ]
         return (more - self.linear * motion).reshape(2, 3)
+
+
+def fullness(hull: Hydrostatics) -> float:
+    """C_B B / T: the volume under water over length and draught squared."""
+    _, breadth, draught = hull.stations
+    length = float(hull.voxels.size[2]) * np.count_nonzero(breadth > 0.0)
+    return min(hull.wanted, hull.voxels.volume) / (length * float(draught.max()) ** 2)

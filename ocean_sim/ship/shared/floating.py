@@ -1,7 +1,8 @@
 """Keys of the kinds that float by their own volume, and their hull of cubes in the water of a scene."""
 
+from dataclasses import replace
 from functools import cached_property
-from math import isinf, radians
+from math import isinf, pi, radians, sqrt
 from typing import Any, ClassVar
 
 import numpy as np
@@ -18,6 +19,7 @@ from ocean_sim.ship.shared.cubes import Cubes, Wetted
 from ocean_sim.ship.shared.distance import MANY, memory
 from ocean_sim.ship.shared.hull import Hull, Inertia, explained, hull_of
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
+from ocean_sim.ship.shared.moorings import Mooring, Moorings
 from ocean_sim.ship.shared.propulsion import Propeller, Rudder
 from ocean_sim.ship.shared.rigid_body import RigidBody, matrix, oriented
 from ocean_sim.ship.shared.solid import Solid
@@ -54,6 +56,8 @@ class FloatingConfig(VesselConfig):
     alone."""
     propeller: Propeller | None = None
     rudder: Rudder | None = None
+    moorings: list[Mooring] = []
+    """Lines that hold the ship, and fenders."""
 
     @field_validator("hull")
     @classmethod
@@ -99,11 +103,22 @@ class FloatingConfig(VesselConfig):
                 if depth.max() > 1e-6:
                     side = "the bed" if axis == 1 else f"a wall across {'xyz'[axis]}"
                     found.append((("position",), f"the hull reaches {depth.max():.3g} m through {side}"))
+        if not preflight.fluid.made_of_particles:
+            still = self.afloat(-basin.gravity[1], preflight.fluid.rest_density)
+            body = self.body(still.matter, *afloat_pose(still))
+            sides = Sides(self.whole_hull.shape, still.matter.centre, basin, axes=(1,))
+            for _, _, depth in sides.beyond(body):
+                if depth.max() > 1e-6 and not isinf(still.draught):
+                    found.append((("position",), f"the hull reaches {depth.max():.3g} m through the bed"))
         return found
 
     def problems(self, preflight: Preflight) -> Problems:
         basin = preflight.tank
         found = self.misplaced(basin)
+        for k, mooring in enumerate(self.moorings):
+            if isinstance(mooring.fairlead, str) and mooring.fairlead not in self.points:
+                there = f"there are {', '.join(self.points)}" if self.points else "it names none"
+                found.append((("moorings", k, "from"), f"the ship has no point {mooring.fairlead!r}; {there}"))
         if found:
             return found
         try:
@@ -168,17 +183,35 @@ class FloatingHull:
             shape, pull = config.whole_hull.shape, self.still.gravity
             self.contact = WaveContact(config.contact, shape, matter.centre, basin, water, pull)
             self.sides = Sides(shape, matter.centre, basin, water.walls.gap + self.contact.margin)
+        if water is None:
+            self.sides = Sides(
+                config.whole_hull.shape, matter.centre, basin, axes=(1,)
+            )  # waves pass walls, and so do ships
         hollow = (self.contact.hull.distance, self.contact.rim) if self.contact is not None else (None, 0.0)
         self.water = SurroundingWater(length, width, height, draught, self.still.gravity, self.closed, *hollow)
-        self.body = config.lowered(config.body(matter, *afloat_pose(self.still)), fluid)  # at the beginning
+        self.body = self.carried(config.lowered(config.body(matter, *afloat_pose(self.still)), fluid), fluid)
         if self.contact is not None and water is not None:
             self.contact.hull.water = self.water
             self.contact.hull.place(self.body)
             water.meet(self.contact)
         self.actuators = Actuators(config, config.propeller, config.rudder, matter.centre)
+        self.moorings: Moorings | None = None
+        if config.moorings:
+            self.moorings = Moorings(config.moorings, config.points, matter.centre, self.body)
         volume = self.still.voxels.volume
         self.displaced = min(self.still.wanted, volume)
         self.weight = np.array([[0.0, -matter.mass * self.still.gravity, 0.0], [0.0, 0.0, 0.0]])
+
+    def carried(self, body: RigidBody, fluid: Fluid) -> RigidBody:
+        """The body at the beginning, with the velocity of the water around it where that is a closed form; so it does
+        not drift by what it lacked."""
+        if fluid.of_particles is not None:
+            return body
+        cubes, turn = self.still.voxels, body.matrix
+        wet = self.still.wet(turn[1], -float(body.position[1] - turn[1] @ self.still.matter.centre))
+        moved = fluid.velocities((cubes.centre - self.still.matter.centre) @ turn.T + body.position)
+        flow = (wet[:, None] * moved).sum(axis=0) / max(float(wet.sum()), 1e-9)
+        return replace(body, velocity=body.velocity + flow)
 
     def wetted(self, body: RigidBody, wind: Wind, water: Surface | Fluid) -> Wetted:
         """What water and wind do to the cubes where the body is."""
@@ -195,6 +228,8 @@ class FloatingHull:
     def limits(self, added: dict[str, float] | None = None) -> Limits:
         """STEPS_A_PERIOD steps in the fastest natural motion."""
         periods = [period for period in self.still.periods(added).values() if period] if self.floats else []
+        if self.moorings is not None:
+            periods.append(2.0 * pi * sqrt(self.still.matter.mass / float(self.moorings.stiffness.sum())))
         return Limits(force=min(periods) / STEPS_A_PERIOD / FORCE_NUMBER) if periods else Limits()
 
     @property

@@ -8,6 +8,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from ocean_sim.basin import Basin
+from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.ship import Load
 from ocean_sim.ship.shared.cubes import Wetted
@@ -34,6 +35,9 @@ class FloatingShip(Vessel):
     def __init__(self, config: FloatingConfig, basin: Basin, fluid: Fluid) -> None:
         self.hull = hull = FloatingHull(config, basin, fluid, self.below)
         super().__init__(config, hull.body, hull.actuators, basin.lower[1])
+        if hull.moorings is not None:
+            self.parts = (*self.parts, "mooring")
+            self.last = Load.of({}, self.parts)
         self.shape, self.contact, self.sides = config.whole_hull.shape, hull.contact, hull.sides
         self.longest = hull.limits()
         self.relative = np.zeros(6)  # velocity relative to the water, of the last load
@@ -50,6 +54,7 @@ class FloatingShip(Vessel):
         does back."""
         wet, density, turn = now.wet, self.hull.still.density, self.body.matrix
         driven = self.actuators.load(now.motion, density, now.share)
+        moored = self.hull.moorings
         return {
             "gravity": self.hull.weight,
             "buoyancy": wet.buoyancy,
@@ -57,6 +62,7 @@ class FloatingShip(Vessel):
             "wind_drag": wet.wind_drag,
             "wind_lift": wet.wind_lift,
             "damping": self.damping(now),
+            **({"mooring": moored.load(self.body)} if moored is not None else {}),
             **{part: force @ turn.T for part, force in driven.items()},
         }
 
@@ -67,6 +73,12 @@ class FloatingShip(Vessel):
     def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The forces with what the water that is moved along does back, which depends on all of them."""
         return forces
+
+    def advance(self, load: Load, dt: float) -> None:
+        super().advance(load, dt)
+        if self.aground and self.contact is None and not self.hull.floats:
+            x, _, z = self.body.position
+            raise Diverged(f"the ship has sunk to the bed, {-self.bed:g} m down, at ({x:.4g}, {z:.4g}) m")
 
     def limits(self) -> Limits:
         return self.longest

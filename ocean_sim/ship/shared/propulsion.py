@@ -1,7 +1,7 @@
 """Propeller and rudder, and who moves them: rows, a file, an autopilot or a person (6.1, F_ship of (4.27))."""
 
 from itertools import pairwise
-from math import cos, hypot, pi, radians, remainder, sin
+from math import cos, hypot, pi, radians, remainder, sin, sqrt
 from typing import Self
 
 import numpy as np
@@ -13,6 +13,7 @@ from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.ship.shared.rigid_body import RigidBody
 
 COLUMNS = ("time_s", "throttle", "rudder_rad")
+SWIFT = 0.6  # share of a slipstream's speed that it has at the rudder (kappa of Yasukawa & Yoshimura 2015: 0.5 to 0.6)
 
 
 class Propeller(Model):
@@ -31,12 +32,22 @@ class Propeller(Model):
     """From the hull's origin; null: under the centre of mass at the height that does not trim the ship."""
     rate: float | None = quantity("1/s", None, gt=0.0)
     """How fast the throttle can change; null: at once."""
+    diameter: float | None = quantity("m", None, gt=0.0)
+    """Of a propeller ahead of the rudder, which then lies in its slipstream; null: the rudder feels none."""
 
     def force(self, throttle: float, speed: float) -> float:
         """Thrust [N] at a speed of the ship ahead [m/s]."""
         slip = (1.0 - self.wake) * speed / self.zero_thrust_speed if self.zero_thrust_speed else 0.0
         bare = self.thrust * (throttle * abs(throttle) - abs(throttle) * slip)
         return bare if throttle >= 0.0 else self.astern * bare
+
+    def slipstream(self, thrust: float, speed: float, density: float) -> float:
+        """Speed [m/s] at the rudder of the water behind a propeller that moves ahead at a speed: of the way to what it
+        gets far behind by the momentum of an actuator disc, the share SWIFT."""
+        if self.diameter is None or thrust <= 0.0 or speed < 0.0:
+            return speed
+        far = sqrt(speed**2 + 8.0 * thrust / (pi * density * self.diameter**2))
+        return speed + SWIFT * (far - speed)
 
 
 class Rudder(Model):
@@ -52,6 +63,14 @@ class Rudder(Model):
     """Largest angle."""
     rate: float | None = quantity("rad/s", radians(5.0), gt=0.0)
     """How fast it turns; null: at once."""
+
+    def behind(self, propeller: Propeller, stream: float, speed: float) -> float:
+        """Speed [m/s] of which the square is the mean over the rudder: of the `stream` as high as the propeller is
+        wide, and of water at the ship's speed beside it (Yasukawa & Yoshimura 2015, J. Mar. Sci. Technol. 20)."""
+        if propeller.diameter is None or stream <= speed:
+            return speed
+        share = min(1.0, propeller.diameter / sqrt(self.area * self.aspect_ratio))
+        return sqrt(share * stream**2 + (1.0 - share) * speed**2)
 
     def load(self, angle: float, flow: np.ndarray, density: float) -> np.ndarray:
         """(3,) force [N], body axes, in water that it moves through at `flow` [m/s], body axes."""

@@ -1,5 +1,6 @@
 """A hull as the water's own laws meet it: what it keeps free of water, and samples of what lies within their reach."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -13,6 +14,7 @@ from ocean_sim.ship.shared.voxels import cells, voxels
 FINE = 3.0  # cubes to a spacing of the particles, where a mesh keeps water out
 APART = 0.5  # [spacings] from the hull to the nearest particle of the start
 ALIKE = 0.05  # [spacings] distances that differ by less are those of a row
+PACKINGS, PUSH = 100, 0.5  # how often crowded particles are pushed apart, and the share of their overlap each time
 GOLDEN = 0.6180339887498949  # spreads what is taken from a row evenly along it
 
 
@@ -56,7 +58,7 @@ class Solid:
         self, positions: np.ndarray, spacing: float, boxes: list[tuple[np.ndarray, np.ndarray]]
     ) -> tuple[np.ndarray, np.ndarray]:
         """(n,) which of (n, 3) positions of a lattice that fills boxes [m] make room, as many as the hull displaces,
-        the deepest first; and (n, 3) where the others go: half a spacing off the hull, along its normal [m]."""
+        the deepest first; and (n, 3) where the others go: half a spacing off the hull and away from each other [m]."""
         from scipy.ndimage import map_coordinates
 
         values, first, step = around(self.shape, spacing / FINE, spacing, 2.0 * spacing)
@@ -68,12 +70,18 @@ class Solid:
         order = np.lexsort((np.arange(len(positions)) * GOLDEN % 1.0, row))
         gone = np.zeros(len(positions), dtype=bool)
         gone[order[: round(self.displaced(spacing, boxes) / spacing**3)]] = True
-        close = np.flatnonzero(~gone & (distance < APART * spacing))
-        slope = [map_coordinates(g, at[close].T, order=1) for g in np.gradient(values["distance"], *step)]
-        normal = np.stack(slope, axis=1) @ self.turn.T
-        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
-        moved = positions.copy()
-        moved[close] += (APART * spacing - distance[close])[:, None] * normal
+        slopes = np.gradient(values["distance"], *step)
+
+        def off(points: np.ndarray) -> np.ndarray:
+            """(m, 3) points half a spacing off the hull, where they were nearer."""
+            at = ((points - self.origin) @ self.turn + self.centre - first) / step
+            away = map_coordinates(values["distance"], at.T, order=1, cval=2.0 * spacing)
+            normal = np.stack([map_coordinates(slope, at.T, order=1) for slope in slopes], axis=1) @ self.turn.T
+            normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
+            return points + np.maximum(APART * spacing - away, 0.0)[:, None] * normal
+
+        moved, free = positions.copy(), np.flatnonzero(~gone & (distance < 2.0 * spacing))
+        moved[free] = packed(positions[free], positions[~gone & (distance >= 2.0 * spacing)], spacing, off)
         return gone, moved
 
     def displaced(self, spacing: float, boxes: list[tuple[np.ndarray, np.ndarray]]) -> float:
@@ -103,3 +111,28 @@ class Solid:
         deep = distance_transform_edt(full, sampling=cubes.size)[tuple(where.T + 1)]
         sampled = deep < support + cubes.size.max()
         return position[sampled], volume[sampled]
+
+
+def packed(free: np.ndarray, others: np.ndarray, spacing: float, off: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """(m, 3) positions of the particles near a hull at which they neither touch it nor crowd each other or the `others`
+    (k, 3), which stay: those nearer than a spacing push each other half of the way apart, over and over (a particle
+    packing as in Colagrossi et al. 2012, Comput. Phys. Commun. 183). Crowded ones would burst into the hull at once.
+    They do not rise above the highest nor sink below the lowest of the water around them.
+    """
+    from scipy.spatial import cKDTree
+
+    lowest, highest = (bound(np.concatenate([free, others]), axis=0) for bound in (np.min, np.max))
+    near = others[cKDTree(free).query(others)[0] < 3.0 * spacing] if len(free) and len(others) else others
+    whole, m = np.concatenate([off(free), near]), len(free)
+    for _ in range(PACKINGS):
+        pairs = cKDTree(whole).query_pairs(spacing * (1.0 - 1e-9), output_type="ndarray")
+        pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+        i, j = pairs[pairs.min(axis=1) < m].T
+        apart = whole[i] - whole[j]
+        way = np.linalg.norm(apart, axis=1, keepdims=True)
+        push = 0.5 * PUSH * (spacing - way) * apart / np.maximum(way, 1e-9 * spacing)
+        moved = np.zeros_like(whole)
+        np.add.at(moved, i, push)
+        np.add.at(moved, j, -push)
+        whole[:m] = np.clip(off(whole[:m] + moved[:m]), lowest, highest)
+    return whole[:m]

@@ -42,7 +42,7 @@ class VesselConfig(Helm, ShipConfig):
     attitude_deg: Vector3 = quantity("deg", (0.0, 0.0, 0.0))
     """Pitch (bow down), a further yaw (to port) and roll (starboard down) at the beginning."""
     velocity: Vector3 = quantity("m/s", (0.0, 0.0, 0.0))
-    """At the beginning, world axes."""
+    """At the beginning, world axes; in waves in closed form a floating hull has that of the water in its place, too."""
     rates: Vector3 = quantity("rad/s", (0.0, 0.0, 0.0))
     """Pitch, yaw and roll rate at the beginning."""
     free: list[Motion] = list(Motions._fields)
@@ -113,12 +113,18 @@ class Actuators:
     def load(self, motion: np.ndarray, density: float, wet: float) -> dict[str, np.ndarray]:
         """(2, 3) of propeller and rudder in body axes, at a velocity relative to the water (6,), `wet` from 0 to 1."""
         found = {}
+        thrust, speed = 0.0, float(motion[2])
         if self.propeller is not None:
-            force = np.array([0.0, 0.0, wet * self.propeller.force(self.throttle, float(motion[2]))])
+            thrust = self.propeller.force(self.throttle, speed)
+            force = np.array([0.0, 0.0, wet * thrust])
             found["propeller"] = np.array([force, cross(self.pushing, force)])
         if self.rudder_blade is not None:
             arm = self.steering
-            force = wet * self.rudder_blade.load(self.rudder, motion[:3] + cross(motion[3:], arm), density)
+            flow = motion[:3] + cross(motion[3:], arm)
+            if self.propeller is not None:
+                stream = self.propeller.slipstream(thrust, float(flow[2]), density)
+                flow[2] = self.rudder_blade.behind(self.propeller, stream, float(flow[2]))
+            force = wet * self.rudder_blade.load(self.rudder, flow, density)
             found["rudder"] = np.array([force, cross(arm, force)])
         return found
 
@@ -126,7 +132,7 @@ class Actuators:
 class Vessel(ABC):
     """A ship on its way: body, actuators, what acted last, and the points that are named on it. A kind gives `load`."""
 
-    parts: ClassVar[tuple[str, ...]] = PARTS
+    parts: tuple[str, ...] = PARTS
 
     def __init__(self, config: VesselConfig, body: RigidBody, actuators: Actuators, bed: float) -> None:
         """`bed`: its height [m]; what lies on it is not modelled."""
@@ -135,6 +141,7 @@ class Vessel(ABC):
         self.free = np.array([motion in config.free for motion in Motions._fields])
         self.points = {name: np.array(point) - actuators.centre for name, point in config.points.items()}
         self.sides: Sides | None = None  # walls and bed that stop it
+        self.aground, self.groundings = False, 0
         self.contact: WaveContact | None = None  # where the hull and particles push each other
         self.acceleration, self.turning = np.zeros(3), np.zeros(3)  # of the last step, world axes [m/s2], [rad/s2]
         self.added = np.zeros(6)  # mass [kg] and inertia [kg m2] of water that moves along
@@ -182,8 +189,12 @@ class Vessel(ABC):
         def walled_step(load: Load) -> RigidBody:
             return guided_step(load) if sides is None else sides.off(guided_step(load))
 
+        touched = False
         if sides is not None:
             load = sides.stopped(load, guided_step, dt)
+            touched = sides.bed
+        self.groundings += touched and not self.aground
+        self.aground = touched
         if self.contact is None:
             after = walled_step(load)
         else:

@@ -23,16 +23,19 @@ TOUCHING = 8  # points of a side that are looked at: the deepest
 class Sides:
     """Walls and bed around a hull."""
 
-    def __init__(self, shape: HullShape, centre: np.ndarray, basin: Basin, room: float = 0.0) -> None:
-        """`centre` of mass from the hull's origin, `room` before each side [m]."""
+    def __init__(
+        self, shape: HullShape, centre: np.ndarray, basin: Basin, room: float = 0.0, axes: tuple[int, ...] = (0, 1, 2)
+    ) -> None:
+        """`centre` of mass from the hull's origin, `room` before each side [m]; the sides across `axes`."""
         self.points = outermost(shape) - centre  # body axes [m]
         self.middle = 0.5 * (self.points.max(axis=0) + self.points.min(axis=0))
         self.half = 0.5 * np.ptp(self.points, axis=0)  # of the box around them [m]
         self.radius = float(np.linalg.norm(self.points, axis=1).max())  # [m]
-        self.stops = [(k, way, side[k] + way * room) for way, side in zip((1.0, -1.0), basin.stops()) for k in range(3)]
+        self.stops = [(k, way, side[k] + way * room) for way, side in zip((1.0, -1.0), basin.stops()) for k in axes]
         self.stops = [stop for stop in self.stops if abs(stop[2]) < OPEN]
         self.restitution, self.friction = basin.config.restitution, basin.config.friction
         self.impulse = np.zeros(3)  # on the ship [N s]
+        self.bed = False  # whether the last step met it
 
     def near(self, body: RigidBody, dt: float) -> bool:
         """Whether the hull may reach a side within a step of dt [s]."""
@@ -59,7 +62,9 @@ class Sides:
         where nothing stops it."""
         body = after(load)
         normals, arms = [], []
+        self.bed = False
         for axis, way, depth in self.beyond(body):
+            self.bed |= axis == 1 and way > 0.0 and bool(depth.max() > 0.0)
             deep = np.argsort(-depth, kind="stable")[:TOUCHING]
             for k in deep[depth[deep] > 0.0]:
                 normals.append(way * np.eye(3)[axis])

@@ -19,7 +19,7 @@ POINTS_PER_WAVE = 16  # at which a wave is drawn
 SMOOTH = 0.04  # [periods] times a quarter (the force number of `courant`): a hundred steps a wave
 
 
-class Config(waves.HeadedTrain, FluidConfig):
+class Config(waves.OpenTrain, FluidConfig):
     """Regular waves (`height`, `period`, `heading_deg`) or a `spectrum`; sides of the basin do not reflect them."""
 
     example: ClassVar[dict[str, Any]] = {"height": 0.5, "period": 4.0}
@@ -37,7 +37,7 @@ class Config(waves.HeadedTrain, FluidConfig):
             found.append((("kind",), "a sea in closed form goes through obstacles; leave basin.obstacles out"))
         if basin.rough_bed is not None:
             found.append((("kind",), "a sea in closed form knows no friction; leave basin.floor out"))
-        return found + [(self.heading_key, sentence) for sentence in waves.misdirected(self.heading, basin)]
+        return found + list(self.astray(basin))
 
     def warnings(self, preflight: Preflight) -> list[str]:
         deaf = "closed-form waves do not feel the wind; it reaches the ship alone"

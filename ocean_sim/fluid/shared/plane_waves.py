@@ -30,9 +30,11 @@ class PlaneWaves:
         """Numbers into a field of its own precision."""
         field.from_numpy(np.ascontiguousarray(values, dtype=field.to_numpy().dtype))
 
-    def turn(self, time: float) -> None:
-        """The waves at a time [s]; phases are kept in f64 and small, whatever the precision and length of the run."""
-        self.take(self.phase, np.mod(self.sea.phase - self.sea.omega * time, 2.0 * np.pi))
+    def turn(self, time: float, drift: tuple[float, float] = (0.0, 0.0)) -> None:
+        """The waves at a time [s], carried by a current along x and z so far [m]; phases are kept in f64 and small,
+        whatever the precision and length of the run."""
+        carried = self.sea.wavevector @ np.array(drift)
+        self.take(self.phase, np.mod(self.sea.phase - self.sea.omega * time - carried, 2.0 * np.pi))
 
     @ti.func
     def elevation(self, x, z):
@@ -51,7 +53,11 @@ class PlaneWaves:
     @ti.func
     def velocity(self, position):
         """[m/s]; above the water that of its surface."""
-        y = self.stretched(position, self.elevation(position.x, position.z))
+        return self.velocity_at(position, self.stretched(position, self.elevation(position.x, position.z)))
+
+    @ti.func
+    def velocity_at(self, position, y):
+        """[m/s] by linear theory at a height y of the unstretched column."""
         h = ti.static(self.sea.depth)
         v = tm.vec3(0.0)
         for i in range(self.amplitude.shape[0]):
@@ -65,7 +71,11 @@ class PlaneWaves:
     @ti.func
     def acceleration(self, position):
         """[m/s2] by linear theory, -grad p / rho less gravity: what a body that is small against the waves feels."""
-        y = self.stretched(position, self.elevation(position.x, position.z))
+        return self.acceleration_at(position, self.stretched(position, self.elevation(position.x, position.z)))
+
+    @ti.func
+    def acceleration_at(self, position, y):
+        """The same at a height y of the unstretched column."""
         h, g = ti.static(self.sea.depth), ti.static(self.sea.gravity)
         a = tm.vec3(0.0)
         for i in range(self.amplitude.shape[0]):
@@ -79,7 +89,11 @@ class PlaneWaves:
     @ti.func
     def head(self, position, eta):
         """Pressure over rho g [m] under an elevation, hydrostatic and that of the waves."""
-        y = self.stretched(position, eta)
+        return self.head_at(position, self.stretched(position, eta))
+
+    @ti.func
+    def head_at(self, position, y):
+        """The same at a height y of the unstretched column."""
         h = ti.static(self.sea.depth)
         head = -position.y
         for i in range(self.amplitude.shape[0]):

@@ -94,6 +94,18 @@ class SurroundingWater:
             for n in range(1, ALONG * ACROSS):
                 self.frame[TOP] = ti.max(self.frame[TOP], self.level[n // ACROSS, n % ACROSS])
 
+    def heights(self, points: np.ndarray) -> np.ndarray:
+        """(m,) elevation of the water as it was last asked [m], at points x, z (m, 2) [m]; 0 before."""
+        x, z, cosine, sine = self.frame.to_numpy()[:TOP]
+        level, apart = self.level.to_numpy(), points - [x, z]
+        along = (apart[:, 0] * sine + apart[:, 1] * cosine + self.half[0]) / self.step[0]
+        across = (apart[:, 0] * cosine - apart[:, 1] * sine + self.half[1]) / self.step[1]
+        i = np.clip(along.astype(int), 0, ALONG - 2)
+        k = np.clip(across.astype(int), 0, ACROSS - 2)
+        a, b = np.clip(along - i, 0.0, 1.0), np.clip(across - k, 0.0, 1.0)
+        near, far = (1.0 - b) * level[i, k] + b * level[i, k + 1], (1.0 - b) * level[i + 1, k] + b * level[i + 1, k + 1]
+        return (1.0 - a) * near + a * far
+
     @ti.func
     def corner(self, x, z):
         """Number of the lower node, and the shares of the way to the next, along and across."""

@@ -65,7 +65,7 @@ class Config(waves.OpenTrain, FluidConfig):
     """1: linear waves; 3: the sea that comes from afar is nonlinear up to the third order in its slope, and repeats
     itself on the tile. What ships and winds make stays linear."""
     tile: float | None = quantity("m", None, gt=0.0)
-    """Side of the tiles; null: five of the highest waves, in calm water the longer side of the basin."""
+    """Side of the tiles; null: six of the highest waves, in calm water the longer side of the basin."""
     cells: int = quantity("1", CELLS, ge=16, le=1024, multiple_of=2)
     """Cells along a tile."""
     step: float | None = quantity("s", None, gt=0.0)

@@ -19,8 +19,8 @@ from scipy.fft import irfft2, rfft2
 from ocean_sim.waves import profiles
 
 RIM = 0.15  # of the side, at each edge of the tile, in which waves are calmed
-PER_TILE = 5.0  # waves on a tile, that the rim is made for
-CALMING = 1.0  # their decay over their frequency, at the edge itself
+PER_TILE = 6.0  # waves on a tile, for which the rim is made
+CALMING = 0.8  # their decay over their frequency, at the edge itself
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ of other ships, never her own: her law of motion has what her own waves do to he
 
 from collections.abc import Sequence
 from math import ceil, pi
-from typing import Any, ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 import taichi as ti
@@ -48,8 +48,8 @@ COLUMNS = ("amplitude_m", "period_s", "heading_deg", "phase_deg")
 
 
 class Config(waves.OpenTrain, FluidConfig):
-    """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `seas` on top of them; the
-    sea has no sides."""
+    """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `seas` on top of them;
+    the sea has no sides."""
 
     kind: Literal["spectral_sea"] = "spectral_sea"
     height: float | None = quantity("m", None, ge=0.0)
@@ -174,7 +174,7 @@ class Config(waves.OpenTrain, FluidConfig):
     def unfitted(self, basin: Basin) -> Problems:
         """Regular waves that a tile which repeats itself does not hold."""
         tile, found = self.tile_of(basin), Problems()
-        for key, train in self.trains:
+        for _, train in self.trains:
             if train.spectrum is not None or not train.scale[0]:
                 continue
             sea = train.train(waves.direction(train.heading, basin.dimension), basin.depth, waves.pull(basin))
@@ -182,16 +182,18 @@ class Config(waves.OpenTrain, FluidConfig):
             if np.linalg.norm(wanted - sea.wavevector[0]) > FITTING * sea.wavenumber[0]:
                 length = 2.0 * pi / sea.wavenumber[0]
                 sentence = f"a tile of {tile.side:.4g} m that repeats itself does not hold waves of {length:.4g} m"
-                found.append((("tile",), f"{sentence} in this direction; take a multiple of their length, order 1, or"
-                              " a heading of 0 or 90 degrees"))  # fmt: skip
+                cure = "take a multiple of their length, order 1, or a heading of 0 or 90 degrees"
+                found.append((("tile",), f"{sentence} in this direction; {cure}"))
         return found
 
     def warnings(self, preflight: Preflight) -> list[str]:
         tile, found = self.tile_of(preflight.tank), []
         if self.order == 3:
-            found.append("order 3: the sea from afar is nonlinear and repeats itself after"
-                         f" {tile.side:.4g} m; the waves of ships and winds stay linear")  # fmt: skip
-            kept = 2.0 * tile.cell / 0.5
+            found.append(
+                f"order 3: the sea from afar is nonlinear and repeats itself after {tile.side:.4g} m; the waves of "
+                "ships and winds stay linear"
+            )
+            kept = 4.0 * tile.cell
             if self.highest is None:
                 found.append("order 3 changes nothing in calm water: what ships and winds make is linear")
             else:
@@ -202,8 +204,10 @@ class Config(waves.OpenTrain, FluidConfig):
             if solid is None:
                 found.append(f"a ship of kind {ship.kind} has no hull that could push the water: she makes no waves")
             else:
-                found.append("the waves that the ship makes act on others and are seen, not on herself: her law of"
-                             " motion has their force in its damping")  # fmt: skip
+                found.append(
+                    "the waves that the ship makes act on others and are seen, not on herself: her law of motion has "
+                    "their force in its damping"
+                )
         if not preflight.wind.still:
             found.append("the wind presses on the water by its vertical part alone; its drag moves no water here")
         return found
@@ -211,8 +215,8 @@ class Config(waves.OpenTrain, FluidConfig):
     def statements(self, preflight: Preflight) -> list[str]:
         tile = self.tile_of(preflight.tank)
         return [
-            f"tiles of {tile.side:.4g} m in cells of {tile.cell:.3g} m that step every {self.step_of(tile):.3g} s; what "
-            f"ships and winds make fades in their outer {100.0 * RIM:g} %"
+            f"tiles of {tile.side:.4g} m in cells of {tile.cell:.3g} m that step every {self.step_of(tile):.3g} s; "
+            f"what ships and winds make fades in their outer {100.0 * RIM:g} %"
         ]
 
     def still_limits(self, preflight: Preflight) -> Limits:
@@ -234,7 +238,9 @@ class Config(waves.OpenTrain, FluidConfig):
             size = cells * (6 * 8 + WORDS * word)
             rows.append(LedgerRow("fluid", f"a nonlinear sea of {cells} cells", size, why, STEEP * cells, every))
         if preflight.ship is not None and preflight.ship.look(preflight) is not None:
-            rows.append(LedgerRow("fluid", f"the ship's waves on {cells} cells", 5 * 8 * cells, why, CELL * cells, every))
+            rows.append(
+                LedgerRow("fluid", f"the ship's waves on {cells} cells", 5 * 8 * cells, why, CELL * cells, every)
+            )
         if not preflight.wind.still:
             size = cells * (5 * 8 + WORDS * word) + AirPressure.bytes(cells, word)
             rows.append(LedgerRow("fluid", f"the wind's waves on {cells} cells", size, why, READ * cells, every))
@@ -396,11 +402,32 @@ class SpectralSea(OpenWater):
             layer.advance(dt, layer.pressure, self.middle())
         self.then = self.time
         if self.raised is not None and self.air is not None:
-            e = self.raised.shown(self.time).e
-            self.air.lean(*(self.tile.values(slope) for slope in self.tile.slopes(e)))
+            if self.air.slope is not None:
+                self.air.lean(*self.leaning(self.raised, self.time + 0.5 * self.step))
             self.show(self.raised, self.sheets[-1])
         for made, sheet in self.felt:
             self.show(made, sheet)
+
+    def leaning(self, raised: Made, time: float) -> tuple[np.ndarray, np.ndarray]:
+        """Slopes along x and z of the sea from afar and of what winds have made of it, on their tile, at a time [s]."""
+        along, across = (self.tile.values(slope) for slope in self.tile.slopes(raised.shown(time).e))
+        if self.steep is not None:
+            afar = self.tile.slopes(self.steep.shown(self.time).e)
+            return along + self.tile.values(afar[0]), across + self.tile.values(afar[1])
+        sea = self.waves.sea
+        if sea.amplitude.any():
+            x, z = (
+                axis - size * np.round((axis - middle) / size)
+                for axis, size, middle in zip(
+                    self.tile.nodes(), (self.tile.side, self.tile.width), raised.layer.centre, strict=True
+                )
+            )
+            turn = 1j * sea.amplitude * np.exp(1j * (sea.phase - sea.omega * time))
+            kx, kz = sea.wavevector.T
+            rows, columns = turn * np.exp(1j * x[:, None] * kx), np.exp(1j * z[:, None] * kz)
+            along = along + np.einsum("in,kn->ik", rows * kx, columns).real  # without BLAS: the same on any threads
+            across = across + np.einsum("in,kn->ik", rows * kz, columns).real
+        return along, across
 
     def displace(self, made: Made, ship: Displacing, dt: float) -> None:
         """A ship's pressure on her own tile, where she is now."""
@@ -412,7 +439,7 @@ class SpectralSea(OpenWater):
             if not np.isfinite(made.layer.eta).all():
                 raise Diverged("the waves that a ship makes stopped being numbers; try a shorter fluid.step")
         else:
-            made.layer.begin(pressure, centre)
+            made.layer.begin(pressure, centre, self.step)
             made.begun = True
 
     def middle(self) -> np.ndarray:
@@ -471,4 +498,6 @@ def snapped(sea: waves.Components, tile: Tile) -> waves.Components:
     order = np.lexsort((sea.amplitude[kept], which.ravel()))
     last = np.searchsorted(which.ravel()[order], np.arange(len(modes)), side="right") - 1
     phase = sea.phase[kept][order[last]]
-    return waves.Components(np.sqrt(energy), modes * np.where(np.isfinite(unit), unit, 0.0), phase, tile.depth, sea.gravity)
+    return waves.Components(
+        np.sqrt(energy), modes * np.where(np.isfinite(unit), unit, 0.0), phase, tile.depth, sea.gravity
+    )

@@ -1,9 +1,11 @@
 """Linear waves on a tile of open sea: what they keep, what the rim of a ship's tile sends back, and a random sea.
 
 Without rim the step is exact: energy and phase stay for a hundred periods. Waves that an oscillating pressure sends out
-are compared with those on a tile eight times as large: the difference is what the rim has sent back. A sea from JONSWAP's
-spectrum with spread directions has the height, mean period and direction that were asked for.
+are compared with those on a tile eight times as large: the difference is what the rim has sent back. A sea from
+JONSWAP's spectrum with spread directions has the height, mean period and direction that were asked for.
 """
+
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +19,7 @@ ON_TILE = (6, 8)  # waves on the tile, of which it is asked how much comes back
 LARGE, FREE = 8, 0.35  # times as large; of the side, from the pressure to the rim
 RANDOM = {"significant_wave_height": 1.5, "peak_period": 6.0, "heading_deg": 30.0, "spreading": 10.0, "seed": 3}
 CUT_OFF = 2.2  # [peak frequencies]: what a tile of twelve waves in 256 cells holds at order 3
-APART, ASKED, TIMES = 2.0e4, 4000, 10  # [m] in which so many points are asked, so often
+APART, ASKED, TIMES = 2.0e4, 16000, 10  # [m] in which so many points are asked, so often
 BRIEF = 1.0e-3  # [s] in which a surface rises
 
 
@@ -115,13 +117,13 @@ def random(order: int) -> Problem:
             }
         )
 
-    of_order = {"order": order, "spectrum": spectrum}
+    of_order: dict[str, Any] = {"order": order, "spectrum": spectrum}
     return Problem(scene(side, 256, **of_order), (height, period, towards), measure, name, schemes=SCHEMES, only=True)
 
 
 def surface(simulation: Simulation, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Elevation [m], how fast it rises [m/s], and its slopes (m, 2): at many points and times of a sea in closed form, at
-    each cell of a nonlinear one as it begins."""
+    """Elevation [m], how fast it rises [m/s], and its slopes (m, 2): at many points and times of a sea in closed form,
+    at each cell of a nonlinear one as it begins."""
     fluid = sea_of(simulation)
     if fluid.steep is not None:
         from ocean_sim.fluid.spectral_sea import DRAWN, snapped

@@ -1,9 +1,9 @@
 """A pressure that moves over calm open water: its wave resistance, and the wake that it leaves.
 
-Havelock's integral (1932, Proc. R. Soc. A 138) for a Gaussian pressure of 2 kPa, 3 m along and 1.5 m across its track, in
-deep water: R = k0^3 / (pi rho g) times the integral over 0..pi/2 of sec^5 t |p(k0 sec^2 t)|^2, k0 = g / U^2. Behind it the
-crests across the track are 2 pi U^2 / g apart, and the waves stay within 19.47 degrees of it (Kelvin 1887); near the
-pressure some energy lies beyond, in the zone where the waves die away as Airy's function, whatever the cells.
+Havelock's integral (1932, Proc. R. Soc. A 138) for a Gaussian pressure of 2 kPa, 3 m along and 1.5 m across its track,
+in deep water: R = k0^3 / (pi rho g) times the integral over 0..pi/2 of sec^5 t |p(k0 sec^2 t)|^2, k0 = g / U^2. Behind
+it the crests across the track are 2 pi U^2 / g apart, and the waves stay within 19.47 degrees of it (Kelvin 1887); near
+the pressure some energy lies beyond, in the zone where the waves die away as Airy's function, whatever the cells.
 """
 
 import numpy as np
@@ -72,7 +72,8 @@ def towed(simulation: Simulation, u: float) -> tuple[float, np.ndarray]:
 
 
 def crests(simulation: Simulation, eta: np.ndarray, u: float) -> tuple[np.ndarray, np.ndarray, float]:
-    """Places behind the pressure [m], the elevation on the track there [m], and the wavelength between its zeros [m]."""
+    """Places behind the pressure [m], the elevation on the track there [m], and the wavelength between its zeros
+    [m]."""
     tile = sea_of(simulation).tile
     behind = np.arange(2.0 * np.pi * u**2 / G, FREE * SIDE, 0.01)
     points = np.stack([u * END - behind, np.zeros(len(behind))], axis=1)
@@ -83,8 +84,8 @@ def crests(simulation: Simulation, eta: np.ndarray, u: float) -> tuple[np.ndarra
 
 
 def outside(simulation: Simulation, eta: np.ndarray, u: float) -> float:
-    """Share of the wake's energy, from a wavelength behind the pressure on, that lies outside the cusp angle and that of
-    a cell seen from there."""
+    """Share of the wake's energy, from a wavelength behind the pressure on, that lies outside the cusp angle and that
+    of a cell seen from there."""
     tile = sea_of(simulation).tile
     x, z = image(tile, np.array([u * END, 0.0]))
     length = 2.0 * np.pi * u**2 / G

@@ -139,7 +139,7 @@ def together(seas: Sequence[Components], depth: float, gravity: float = GRAVITY)
     )
 
 
-def profiles(k: float, y: Values, depth: float) -> tuple[np.ndarray, np.ndarray]:
+def profiles(k: Values, y: Values, depth: float) -> tuple[np.ndarray, np.ndarray]:
     """cosh k(y+h) / cosh kh and sinh k(y+h) / cosh kh, written so that nothing overflows in deep water."""
     rise, mirrored, bed = np.exp(k * y), np.exp(-2.0 * k * (y + depth)), np.exp(-2.0 * k * depth)
     return rise * (1.0 + mirrored) / (1.0 + bed), rise * (1.0 - mirrored) / (1.0 + bed)
@@ -257,8 +257,9 @@ class Spectrum(Model):
     def components(
         self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = COMPONENTS
     ) -> Components:
-        """Plane waves going along a unit vector in x and z, one in each of `count` equal slices of the band and carrying
-        its variance; their frequencies are scattered inside the slices, so that the sea does not repeat itself."""
+        """Plane waves going along a unit vector in x and z, one in each of `count` equal slices of the band and
+        carrying its variance; their frequencies are scattered inside the slices, so that the sea does not repeat
+        itself."""
         peak = 1.0 / self.peak_period
         edges = np.linspace(LOWEST, self.cut_off, count + 1) * peak
         n = np.arange(count)
@@ -282,7 +283,8 @@ class SpreadSpectrum(Spectrum):
     def components(
         self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = COMPONENTS
     ) -> Components:
-        """Those of the spectrum, each with a direction of its own; the mean direction of their energy is the heading."""
+        """Those of the spectrum, each with a direction of its own; the mean direction of their energy is the
+        heading."""
         sea = super().components(towards, depth, gravity, count)
         if self.spreading is None:
             return sea

@@ -1,13 +1,13 @@
 """What winds do to a surface without particles: the vertical part of their force, as a pressure on it.
 
-A wind is asked in the middle of each cell of a tile, in a few slabs from the surface downwards: for its force on the
-mass of the slab there, and in the uppermost one on the surface of the cell too, its slope included. A force f on every
-kilogram at a depth moves a wave as a pressure -rho f dy sinh k(y+h) / sinh kh on the surface would, by linear theory: to
-the waves that are shorter than it is deep it does little. Horizontal forces are left out: a stress drags water along, it
-makes no waves here.
+A wind is asked in the middle of each cell of a tile: on the surface of the cell, its slope included, where it acts on a
+surface, and in a few slabs from there downwards for its force on their mass. A force f on every
+kilogram at a depth moves a wave as a pressure -rho f dy sinh k(y+h) / sinh kh on the surface would, by linear theory:
+to the waves that are shorter than it is deep it does little. Horizontal forces are left out: a stress drags water
+along, it makes no waves here.
 """
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import taichi as ti
@@ -31,18 +31,19 @@ class AirPressure:
         self.cell, self.cells, self.rows = tile.cell, tile.cells, tile.rows
         deepest = min(tile.depth, tile.side / PER_TILE)
         edges = deepest * (np.arange(SLABS + 1) / SLABS) ** 2
-        self.middle = tuple(float(d) for d in 0.5 * (edges[1:] + edges[:-1]))  # depth of each [m]
-        self.thick = tuple(float(d) for d in np.diff(edges))  # [m]
+        on_top = [0.0] if wind.needs_area else []
+        self.middle = (*on_top, *(float(d) for d in 0.5 * (edges[1:] + edges[:-1])))  # depth of each [m]
+        self.thick = (*on_top, *(float(d) for d in np.diff(edges)))  # [m]
         scale = np.maximum(np.tanh(tile.k * tile.depth), 1e-30)
         self.weights = [profiles(tile.k, -d, tile.depth)[1] / scale for d in self.middle]
-        self.impulse = ti.field(ti.f64, shape=(SLABS, *tile.shape))  # upwards over area and density [m2/s]
-        self.slope = ti.Vector.field(2, float, shape=tile.shape) if wind.needs_area else None
+        self.impulse = ti.field(ti.f64, shape=(len(self.middle), *tile.shape))  # upwards over area and density [m2/s]
+        self.slope: Any = ti.Vector.field(2, float, shape=tile.shape) if wind.needs_area else None
         self.gathered = 0.0  # [s]
 
     @staticmethod
     def bytes(cells: int, word: int) -> int:
         """Memory that so many cells take."""
-        return cells * (8 * SLABS + 2 * word)
+        return cells * (8 * (SLABS + 1) + 2 * word)
 
     def lean(self, along: np.ndarray, across: np.ndarray) -> None:
         """The slopes of the surface along x and z, (cells, rows), from now on."""
@@ -86,7 +87,7 @@ class AirPressure:
         for i, k in ti.ndrange(self.cells, self.rows):
             x = nearest(first_x + i * self.cell, centre_x, self.cell * self.cells) + drift_x
             z = nearest(first_z + k * self.cell, centre_z, self.cell * self.rows) + drift_z
-            for slab in ti.static(range(SLABS)):
+            for slab in ti.static(range(len(self.middle))):
                 area = tm.vec3(0.0)
                 if ti.static(slab == 0 and self.wind.needs_area):
                     lean = self.slope[i, k]

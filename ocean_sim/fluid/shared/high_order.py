@@ -4,12 +4,13 @@ Dommermuth & Yue (1987, J. Fluid Mech. 184) and West et al. (1987, J. Geophys. R
 of the vertical velocity keeps the energy. With eta the elevation, phi the potential on the surface and W the vertical
 velocity there,
 
-    eta_t = -grad phi . grad eta + (1 + |grad eta|^2) W,    phi_t = -g eta - 1/2 |grad phi|^2 + 1/2 (1 + |grad eta|^2) W^2.
+    eta_t = -grad phi . grad eta + (1 + |grad eta|^2) W,    phi_t = -g eta - 1/2 |grad phi|^2 + 1/2 (1 + |grad eta|^2)
+    W^2.
 
 A step is Runge and Kutta's of fourth order around the exact turn of the linear modes. Of the shortest modes along each
-axis half are left empty: then no product of three waves is taken for another one (k_max = 2/(M+1) of Nyquist's). Started
-from a linear sea, what is not linear grows like 1 - exp(-(t/T)^4) (Dommermuth 2000, Wave Motion 32), or waves would be
-thrown off that no sea has.
+axis half are left empty: then no product of three waves is taken for another one (k_max = 2/(M+1) of Nyquist's).
+Started from a linear sea, what is not linear grows like 1 - exp(-(t/T)^4) (Dommermuth 2000, Wave Motion 32), or waves
+would be thrown off that no sea has.
 """
 
 from math import exp
@@ -65,7 +66,8 @@ class HighOrder:
         c = self.rates(eh + half * b[0], ph + half * b[1], t + half)
         bc = b[0] + c[0], b[1] + c[1]
         once = tile.turned(eh, ph, half)
-        d = self.rates(*(x + full * y for x, y in zip(once, tile.turned(*c, half))), t + full)
+        ch = tile.turned(*c, half)
+        d = self.rates(once[0] + full * ch[0], once[1] + full * ch[1], t + full)
         first, middle = tile.turned(*ah, half), tile.turned(*bc, half)
         e, p = (x + dt / 6.0 * (f + 2.0 * m + last) for x, f, m, last in zip(once, first, middle, d))
         self.eta, self.phi = tile.values(e), tile.values(p)

@@ -71,7 +71,8 @@ class Tile:
 
     @cached_property
     def turning(self) -> dict[float, tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """By step [s]: cos omega dt, and sin omega dt times omega / g and g / omega; the last one that was asked for."""
+        """By step [s]: cos omega dt, and sin omega dt times omega / g and g / omega; the last one that was asked
+        for."""
         return {}
 
     def turned(self, e: np.ndarray, p: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
@@ -163,9 +164,7 @@ class Below(NamedTuple):
     velocity: np.ndarray  # (m, 3) [m/s]
 
 
-def below(
-    tile: Tile, potential: np.ndarray, growth: np.ndarray, points: np.ndarray, y: np.ndarray
-) -> Below:
+def below(tile: Tile, potential: np.ndarray, growth: np.ndarray, points: np.ndarray, y: np.ndarray) -> Below:
     """Of modes of the potential at the still surface and of its growth in time, at points x, z (m, 2) and heights y
     (m,) [m]: summed mode by mode, so nothing is interpolated."""
     first = np.array([axis[0] for axis in tile.nodes()])
@@ -207,11 +206,14 @@ class Layer:
         self.centre = np.zeros(2)  # x, z in the axes of the water [m]
         self.calming = rate(tile) if rim else np.zeros(tile.shape)  # [1/s] around the origin
 
-    def begin(self, pressure: np.ndarray, centre: np.ndarray) -> None:
-        """At rest under a pressure over the density (cells, rows) [m2/s2]: lower by as much as it weighs."""
+    def begin(self, pressure: np.ndarray, centre: np.ndarray, dt: float) -> None:
+        """At rest under a pressure over the density (cells, rows) [m2/s2]: lower by as much as it weighs, but for what
+        steps of dt [s] take of the shortest waves: so it stays at rest."""
+        tile, half = self.tile, 0.5 * dt * self.tile.omega
+        rest = np.divide(half, np.tan(half), out=np.ones(half.shape), where=half > 0.0) / tile.gravity
+        rest[0, 0] = 0.0
         self.pressure, self.centre = pressure, centre
-        self.eta = -(pressure - pressure.mean()) / self.tile.gravity
-        self.phi = np.zeros(self.tile.shape)
+        self.eta, self.phi = tile.values(-rest * tile.waves(pressure)), np.zeros(tile.shape)
 
     def advance(self, dt: float, pressure: np.ndarray, centre: np.ndarray) -> None:
         """A step of dt [s] after which a pressure over the density acts, around a centre."""
@@ -238,7 +240,7 @@ class Layer:
     def seen(self, points: np.ndarray) -> np.ndarray:
         """(m,) whether points x, z (m, 2) [m] lie on the tile around its centre."""
         half = 0.5 * np.array([self.tile.side, self.tile.width if self.tile.rows > 1 else np.inf])
-        return (np.abs(points - self.centre) < half).all(axis=1)
+        return np.all(np.abs(points - self.centre) < half, axis=1)
 
 
 def rate(tile: Tile) -> np.ndarray:

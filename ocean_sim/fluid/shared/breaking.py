@@ -8,6 +8,7 @@ alike (Tian, Perlin & Choi 2010, Phys. Fluids 22), on the crest and a quarter wa
 period after the onset; the mean level and the mean momentum stay. What it takes is booked.
 """
 
+from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -35,8 +36,13 @@ class Breaking:
         self.left = np.zeros(tile.shape)  # for how long it lasts yet, in each cell [s]
         self.lost = 0.0  # energy over the density [m5/s2], since the start
         self.cells = 0  # that broke in the last step: where foam is made
-        along = ahead[0] * np.broadcast_to(tile.kx, tile.k.shape) + ahead[1] * tile.kz
-        self.forward = np.sign(along) * tile.directed
+
+    @cached_property
+    def forward(self) -> np.ndarray:
+        """1 for each mode that goes along with the waves, -1 for one that goes against them, 0 where that is not
+        known."""
+        along = self.ahead[0] * np.broadcast_to(self.tile.kx, self.tile.k.shape) + self.ahead[1] * self.tile.kz
+        return np.sign(along) * self.tile.directed
 
     def calm(self, sea: "HighOrder", dt: float) -> None:
         """Take from the sea what breaks in a step of dt [s]."""

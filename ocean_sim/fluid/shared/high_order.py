@@ -13,6 +13,7 @@ Started from a linear sea, what is not linear grows like 1 - exp(-(t/T)^4) (Domm
 would be thrown off that no sea has.
 """
 
+from functools import cached_property
 from math import exp
 from typing import ClassVar, NamedTuple
 
@@ -21,6 +22,7 @@ import numpy as np
 from ocean_sim.fluid.shared.breaking import Breaking
 from ocean_sim.fluid.shared.tile import Tile
 
+ROUNDED = 1.0 + 1e-9
 KEPT = 0.5  # of the wavenumbers along each axis: 2 / (M + 1) with M = 3
 
 
@@ -43,10 +45,17 @@ class HighOrder:
         """`ramp`: time scale on which what is not linear sets in [s]; 0: from the beginning."""
         self.tile, self.ramp, self.breaking, self.time = tile, ramp, breaking, 0.0
         self.eta, self.phi = np.zeros(tile.shape), np.zeros(tile.shape)
-        along = np.abs(tile.kx) < KEPT * np.abs(tile.kx).max() * (1.0 + 1e-9)
-        across = np.abs(tile.kz) <= KEPT * max(float(tile.kz.max()), 1e-30) * (1.0 + 1e-9)
-        self.clear = (along & across).astype(float)
-        self.up = self.clear * tile.k * np.tanh(tile.k * tile.depth)  # d/dz at the still surface [1/m]
+
+    @cached_property
+    def clear(self) -> np.ndarray:
+        """1 for each mode that is kept, 0 for the others."""
+        kx, kz = np.abs(self.tile.kx), np.abs(self.tile.kz)
+        return ((kx < KEPT * kx.max() * ROUNDED) & (kz <= KEPT * kz.max() * ROUNDED)).astype(float)
+
+    @cached_property
+    def up(self) -> np.ndarray:
+        """d/dz at the still surface of each mode [1/m]."""
+        return self.clear * self.tile.k * np.tanh(self.tile.k * self.tile.depth)
 
     def begin(self, eta: np.ndarray, phi: np.ndarray) -> None:
         """This elevation [m] and surface potential [m2/s] at time 0."""

@@ -204,7 +204,11 @@ class Layer:
         self.eta, self.phi = np.zeros(tile.shape), np.zeros(tile.shape)  # [m], [m2/s]
         self.pressure = np.zeros(tile.shape)  # over the density, where it acted last [m2/s2]
         self.centre = np.zeros(2)  # x, z in the axes of the water [m]
-        self.calming = rate(tile) if rim else np.zeros(tile.shape)  # [1/s] around the origin
+
+    @cached_property
+    def calming(self) -> np.ndarray:
+        """(cells, rows) decay of waves around the origin [1/s]."""
+        return rate(self.tile)
 
     def begin(self, pressure: np.ndarray, centre: np.ndarray, dt: float) -> None:
         """At rest under a pressure over the density (cells, rows) [m2/s2]: lower by as much as it weighs, but for what

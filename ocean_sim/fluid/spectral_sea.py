@@ -9,6 +9,7 @@ of other ships, never her own: her law of motion has what her own waves do to he
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import ceil, pi
 from typing import Literal
 
@@ -24,7 +25,7 @@ from ocean_sim.files.input_file import FileName, Unreadable
 from ocean_sim.fluid import Displacing, Fluid, Limits, Status
 from ocean_sim.fluid.shared.air_pressure import AirPressure
 from ocean_sim.fluid.shared.breaking import Breaking
-from ocean_sim.fluid.shared.high_order import HighOrder
+from ocean_sim.fluid.shared.high_order import KEPT, HighOrder
 from ocean_sim.fluid.shared.open_water import Felt, OnTile, OpenWater, Shown
 from ocean_sim.fluid.shared.plane_waves import PlaneWaves
 from ocean_sim.fluid.shared.sheet import WORDS, Sheet
@@ -323,7 +324,7 @@ class SpectralSea(OpenWater):
         if config.order == 3:
             fitted = snapped(config.sea_of(basin, DRAWN), tile)
             self.steep = Steep(self.nonlinear(fitted), self.step)
-            self.sheets += (Sheet(tile, repeats=True),)
+            self.sheets += (Sheet(self.steep.tile, repeats=True),)
             self.show_steep()
         if wind.blows:
             self.raised, self.air = Made(tile), AirPressure(wind, tile, density)
@@ -335,7 +336,7 @@ class SpectralSea(OpenWater):
 
     def nonlinear(self, sea: waves.Components) -> HighOrder:
         """The nonlinear sea that these waves grow into."""
-        config, tile = self.config, self.tile
+        config, tile = self.config, replace(self.tile, part=KEPT)
         period = config.highest[1] if config.highest is not None else 0.0
         breaking = Breaking(tile, heading(sea), period) if config.breaking and period else None
         steep = HighOrder(tile, RAMP * period if config.ramp is None else config.ramp, breaking)
@@ -412,8 +413,8 @@ class SpectralSea(OpenWater):
         """Slopes along x and z of the sea from afar and of what winds have made of it, on their tile, at a time [s]."""
         along, across = (self.tile.values(slope) for slope in self.tile.slopes(raised.shown(time).e))
         if self.steep is not None:
-            afar = self.tile.slopes(self.steep.shown(self.time).e)
-            return along + self.tile.values(afar[0]), across + self.tile.values(afar[1])
+            afar = [self.steep.tile.values(of) for of in self.steep.tile.slopes(self.steep.shown(self.time).e)]
+            return along + afar[0], across + afar[1]
         sea = self.waves.sea
         if sea.amplitude.any():
             x, z = (

@@ -5,7 +5,7 @@ are compared with those on a tile eight times as large: the difference is what t
 JONSWAP's spectrum with spread directions has the height, mean period and direction that were asked for.
 """
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from ocean_sim import waves
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Finding, Problem, Promise, relative
 from ocean_sim.validation.shared.sea import SCHEMES, G, going, scene, sea_of
+
+if TYPE_CHECKING:
+    from ocean_sim.fluid.shared.tile import Tile
 
 PERIODS, STEPS = 100, 40
 ON_TILE = (6, 8)  # waves on the tile, of which it is asked how much comes back
@@ -74,7 +77,7 @@ def returned() -> Problem:
     return Problem(scene(100.0, 256, slice_=True), promises, measure, "returned", schemes=SCHEMES, only=True)
 
 
-def radiated(tile, k: float, rim: bool) -> np.ndarray:  # type: ignore[no-untyped-def]
+def radiated(tile: "Tile", k: float, rim: bool) -> np.ndarray:
     """Complex amplitude [m] around an oscillating pressure as long as a wave of wavenumber k, where no rim is."""
     from ocean_sim.fluid.shared.tile import Layer
 
@@ -128,8 +131,8 @@ def surface(simulation: Simulation, order: int) -> tuple[np.ndarray, np.ndarray,
     if fluid.steep is not None:
         from ocean_sim.fluid.spectral_sea import DRAWN, snapped
 
-        tile = fluid.tile
-        sea = fluid.nonlinear(snapped(fluid.config.sea_of(simulation.basin, DRAWN), tile))
+        sea = fluid.nonlinear(snapped(fluid.config.sea_of(simulation.basin, DRAWN), fluid.tile))
+        tile = sea.tile
         e, p = tile.waves(sea.eta), tile.waves(sea.phi)
         modes = np.array([e, tile.k * np.tanh(tile.k * tile.depth) * p, *tile.slopes(e)])
         eta, rise, along, across = tile.values(modes).reshape(4, -1)

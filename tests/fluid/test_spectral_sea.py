@@ -242,7 +242,7 @@ def test_breaking_takes_energy_from_steep_crests_alone_and_books_it(sea):
     for steepness, breaks in ((0.2, False), (0.42, True)):
         k = 2.0 * pi / 10.0
         fluid = sea(FLUME, order=3, tile=40.0, cells=128, height=0.1, period=2.0 * pi / np.sqrt(G * k), ramp=0.0)
-        wave, tile = fluid.steep.sea, fluid.tile
+        wave, tile = fluid.steep.sea, fluid.steep.tile
         wave.begin(*stokes(steepness, k, tile.nodes()[0][:, None])[:2])
         first = wave.energy()
         for _ in range(60):

@@ -9,20 +9,47 @@ period after the onset; the mean level and the mean momentum stay. What it takes
 """
 
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
 from ocean_sim.fluid.shared.tile import Tile
-
-if TYPE_CHECKING:
-    from ocean_sim.fluid.shared.high_order import HighOrder
 
 ONSET = 0.85  # u/C on a crest that begins to break
 EDDY = 0.02  # viscosity over C / k: of the size that Tian et al. find
 LASTS = 0.25  # [periods] for which it stays after the onset
 AROUND = 0.25  # [local wavelengths] as far as it reaches
 CREST = 0.3  # of the highest elevation, above which a crest counts as one
+
+
+class Surface(NamedTuple):
+    """What the surface does, by values (cells, rows)."""
+
+    slope_x: np.ndarray
+    slope_z: np.ndarray
+    phi_x: np.ndarray  # slopes of the potential on the surface [m/s]
+    phi_z: np.ndarray
+    w: tuple[np.ndarray, np.ndarray, np.ndarray]  # vertical velocity on it, by order [m/s]
+
+
+class Sea(Protocol):
+    """A nonlinear sea on a tile."""
+
+    eta: np.ndarray  # (cells, rows) [m]
+    phi: np.ndarray  # on the surface [m2/s]
+
+    @property
+    def clear(self) -> np.ndarray:
+        """1 for each mode that is kept, 0 for the others."""
+        ...
+
+    def surface(self, e: np.ndarray, p: np.ndarray) -> Surface:
+        """Of modes of the elevation and surface potential."""
+        ...
+
+    def energy(self) -> float:
+        """Over the density [m5/s2]."""
+        ...
 
 
 class Breaking:
@@ -44,7 +71,7 @@ class Breaking:
         along = self.ahead[0] * np.broadcast_to(self.tile.kx, self.tile.k.shape) + self.ahead[1] * self.tile.kz
         return np.sign(along) * self.tile.directed
 
-    def calm(self, sea: "HighOrder", dt: float) -> None:
+    def calm(self, sea: Sea, dt: float) -> None:
         """Take from the sea what breaks in a step of dt [s]."""
         k, speed, ratio = self.crests(sea)
         onset = ratio > ONSET
@@ -60,7 +87,7 @@ class Breaking:
             sea.eta, sea.phi = (field + dt * self.diffused(sea, nu, field) for field in (sea.eta, sea.phi))
             self.lost += before - sea.energy()
 
-    def crests(self, sea: "HighOrder") -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def crests(self, sea: Sea) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(cells, rows) local wavenumber along the waves [rad/m], speed of the crests [m/s], and u/C where there is a
         crest, 0 elsewhere."""
         tile, (c, s) = self.tile, self.ahead
@@ -86,7 +113,7 @@ class Breaking:
         at = np.ix_((i + np.arange(-n, n + 1)) % self.tile.cells, (j + rows) % self.tile.rows)
         self.left[at] = np.maximum(self.left[at], LASTS * self.period)
 
-    def diffused(self, sea: "HighOrder", nu: np.ndarray, field: np.ndarray) -> np.ndarray:
+    def diffused(self, sea: Sea, nu: np.ndarray, field: np.ndarray) -> np.ndarray:
         """div (2 nu grad field), which changes no mean; in the modes that the sea keeps."""
         tile = self.tile
         fluxes = [2.0 * nu * tile.values(slope) for slope in tile.slopes(tile.waves(field))]

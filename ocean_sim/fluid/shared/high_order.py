@@ -15,25 +15,15 @@ would be thrown off that no sea has.
 
 from functools import cached_property
 from math import exp
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 
-from ocean_sim.fluid.shared.breaking import Breaking
+from ocean_sim.fluid.shared.breaking import Breaking, Surface
 from ocean_sim.fluid.shared.tile import Tile
 
 ROUNDED = 1.0 + 1e-9
 KEPT = 0.5  # of the wavenumbers along each axis: 2 / (M + 1) with M = 3
-
-
-class Surface(NamedTuple):
-    """What the surface does, by values (cells, rows)."""
-
-    slope_x: np.ndarray
-    slope_z: np.ndarray
-    phi_x: np.ndarray  # slopes of the potential on the surface [m/s]
-    phi_z: np.ndarray
-    w: tuple[np.ndarray, np.ndarray, np.ndarray]  # vertical velocity on it, by order [m/s]
 
 
 class HighOrder:
@@ -49,8 +39,8 @@ class HighOrder:
     @cached_property
     def clear(self) -> np.ndarray:
         """1 for each mode that is kept, 0 for the others."""
-        kx, kz = np.abs(self.tile.kx), np.abs(self.tile.kz)
-        return ((kx < KEPT * kx.max() * ROUNDED) & (kz <= KEPT * kz.max() * ROUNDED)).astype(float)
+        most = KEPT * np.pi / self.tile.cell * ROUNDED
+        return ((np.abs(self.tile.kx) < most) & (self.tile.kz < most)).astype(float)
 
     @cached_property
     def up(self) -> np.ndarray:

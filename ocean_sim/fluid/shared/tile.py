@@ -14,7 +14,6 @@ from functools import cached_property
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-from scipy.fft import irfft2, rfft2
 
 from ocean_sim.waves import profiles
 
@@ -34,6 +33,12 @@ class Tile:
     rows: int  # along z; 1 in a slice
     depth: float  # [m]
     gravity: float  # [m/s2]
+    part: float = 1.0  # of the wavenumbers along z that there are modes of; what is left out is taken as empty
+
+    @property
+    def columns(self) -> int:
+        """Modes along z."""
+        return int(self.part * (self.rows // 2)) + 1
 
     @property
     def cell(self) -> float:
@@ -56,12 +61,12 @@ class Tile:
 
     @cached_property
     def kz(self) -> np.ndarray:
-        """(1, rows // 2 + 1) [rad/m]."""
-        return 2.0 * np.pi * np.fft.rfftfreq(self.rows, self.cell)[None, :]
+        """(1, columns) [rad/m]."""
+        return 2.0 * np.pi * np.fft.rfftfreq(self.rows, self.cell)[None, : self.columns]
 
     @cached_property
     def k(self) -> np.ndarray:
-        """(cells, rows // 2 + 1) [rad/m]."""
+        """(cells, columns) [rad/m]."""
         return np.hypot(self.kx, self.kz)
 
     @cached_property
@@ -92,18 +97,26 @@ class Tile:
         clear = np.ones(self.k.shape)
         if self.cells % 2 == 0:
             clear[self.cells // 2] = 0.0
-        if self.rows % 2 == 0:
+        if self.rows % 2 == 0 and self.part == 1.0:
             clear[:, self.rows // 2] = 0.0
         return clear
 
     def waves(self, values: np.ndarray) -> np.ndarray:
-        """(..., cells, rows // 2 + 1) the modes of (..., cells, rows) values; on one thread, so that its bytes are the
-        same with any number of them."""
-        return rfft2(values, workers=1)
+        """(..., cells, columns) the modes of (..., cells, rows) values; on one thread, so that its bytes are the same
+        with any number of them."""
+        from scipy.fft import fft, rfft, rfft2
+
+        if self.part == 1.0:
+            return rfft2(values, workers=1)
+        return fft(rfft(values, axis=-1, workers=1)[..., : self.columns], axis=-2, workers=1)
 
     def values(self, modes: np.ndarray) -> np.ndarray:
         """The values of modes."""
-        return irfft2(modes, s=self.shape, workers=1)
+        from scipy.fft import ifft, irfft, irfft2
+
+        if self.part == 1.0:
+            return irfft2(modes, s=self.shape, workers=1)
+        return irfft(ifft(modes, axis=-2, workers=1), n=self.rows, axis=-1, workers=1)
 
     def slopes(self, modes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The modes of the slopes along x and z."""
@@ -151,7 +164,7 @@ class Tile:
         e, p = self.waves(eta), self.waves(phi)
         twice = np.full(self.k.shape[1], 2.0)
         twice[0] = 1.0
-        if self.rows % 2 == 0:
+        if self.rows % 2 == 0 and self.part == 1.0:
             twice[-1] = 1.0
         each = self.gravity * np.abs(e) ** 2 + self.omega**2 / self.gravity * np.abs(p) ** 2
         return 0.5 * float((twice * each).sum()) * self.cell**2 / (self.cells * self.rows)

@@ -272,6 +272,11 @@ class Fluid(Protocol):
         return None
 
     @property
+    def answers(self) -> bool:
+        """Whether its surface is, or may become, more than the sum of its `plane_waves`."""
+        return False
+
+    @property
     def count(self) -> int:
         """Number of particles now, 0 of a closed form."""
         return 0 if self.particles is None else int(self.particles.count.now)

@@ -115,6 +115,11 @@ class LinearWaves(Fluid):
         return self.waves.acceleration(position)
 
     @ti.func
+    def moving(self, position, eta):
+        """Velocity [m/s] and acceleration [m/s2] under an elevation [m]."""
+        return self.waves.moving_at(position, self.waves.stretched(position, eta))
+
+    @ti.func
     def pressure(self, position):
         eta, g = self.waves.elevation(position.x, position.z), ti.static(self.waves.sea.gravity)
         return ti.select(position.y < eta, self.config.rest_density * g * self.waves.head(position, eta), 0.0)

@@ -43,7 +43,6 @@ STEPS_PER_WAVE = 40  # of the highest wave, in a nonlinear sea
 RAMP = 5.0  # [periods] in which what is not linear sets in
 FITTING = 0.01  # part of its wavenumber by which a regular wave may be changed to fit a tile
 DRAWN = 4000  # plane waves that stand for a spectrum before they are fitted to a tile
-BLUNT = 3.0  # cells that a hull must be long to be seen by its tile
 ADVANCE, CELL, STEEP, READ = 7.0e-4, 6.0e-8, 9.0e-7, 3.0e-7  # [s] of processor time a step, and per cell of a tile
 COLUMNS = ("amplitude_m", "period_s", "heading_deg", "phase_deg")
 
@@ -318,14 +317,16 @@ class SpectralSea(OpenWater):
         self.status = Status(float(fastest), float(hardest), density, density, 0, True)
         self.current, self.drift, self.time, self.then = config.current, np.zeros(2), 0.0, 0.0
         self.waves = PlaneWaves(whole if config.order == 1 else waves.together([], tile.depth, tile.gravity))
+        self.afar = whole
         self.steep, self.air, self.raised = None, None, None
         self.made: list[Made] = []
         self.sheets = ()
         if config.order == 3:
-            fitted = snapped(config.sea_of(basin, DRAWN), tile)
-            self.steep = Steep(self.nonlinear(fitted), self.step)
+            self.afar = snapped(config.sea_of(basin, DRAWN), tile)
+            self.steep = Steep(self.nonlinear(self.afar), self.step)
             self.sheets += (Sheet(self.steep.tile, repeats=True),)
-            self.show_steep()
+            self.sheets[0].write(0, *self.steep.slots[0].modes)
+            self.show_steep(self.steep)
         if wind.blows:
             self.raised, self.air = Made(tile), AirPressure(wind, tile, density)
             self.made.append(self.raised)
@@ -350,7 +351,12 @@ class SpectralSea(OpenWater):
 
     @property
     def plane_waves(self) -> waves.Components:
-        return self.waves.sea
+        """The sea from afar, by linear theory and without its current."""
+        return self.afar
+
+    @property
+    def answers(self) -> bool:
+        return bool(self.tiles) or any(self.current)
 
     def begin(self, sea: waves.Components) -> None:
         """These waves from afar from time 0 on; as many as there were, of the same depth."""
@@ -358,6 +364,7 @@ class SpectralSea(OpenWater):
         for made in self.made:
             made.time, made.begun = 0.0, False
         self.waves.begin(sea)
+        self.afar = sea
 
     def carry(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
         wakes = [Made(self.tile, ship) for ship in ships if len(ship.displaced()[1])]
@@ -387,7 +394,7 @@ class SpectralSea(OpenWater):
         if self.steep is not None:
             while self.steep.share(self.time) > 1.0 + 1e-9:
                 self.steep.ahead()
-                self.show_steep()
+                self.show_steep(self.steep)
         self.set_clocks()
 
     def push(self) -> None:
@@ -399,7 +406,7 @@ class SpectralSea(OpenWater):
                 self.displace(made, made.ship, dt)
         if self.raised is not None and self.air is not None and dt > 0.0:
             layer = self.raised.layer
-            layer.pressure = self.air.taken()  # as it was in the mean, before and after
+            layer.press(self.air.taken())  # as it was in the mean, before and after
             layer.advance(dt, layer.pressure, self.middle())
         self.then = self.time
         if self.raised is not None and self.air is not None:
@@ -454,16 +461,17 @@ class SpectralSea(OpenWater):
         for slot, time in enumerate((self.time, self.time + self.step)):
             sheet.write(slot, *made.shown(time))
 
-    def show_steep(self) -> None:
-        """The nonlinear sea as it was and as it will be, for kernels."""
-        assert self.steep is not None
-        for slot, kept in enumerate(self.steep.slots):
-            self.sheets[0].write(slot, *kept.modes)
+    def show_steep(self, steep: Steep) -> None:
+        """The nonlinear sea as it will be, for kernels, in place of what was before the last state."""
+        self.sheets[0].write(steep.number % 2, *steep.slots[1].modes)
 
     def set_clocks(self) -> None:
-        late = (self.time - self.then) / self.step
+        """Where the sheets lie, and between which of their times it is."""
         if self.steep is not None:
-            self.sheets[0].set_clock(self.steep.share(self.time), self.drift, self.middle())
+            share = self.steep.share(self.time)
+            late = share if self.steep.number % 2 else 1.0 - share
+            self.sheets[0].set_clock(late, self.drift, self.middle())
+        late = (self.time - self.then) / self.step
         if self.raised is not None:
             self.sheets[-1].set_clock(late, self.drift, self.raised.layer.centre)
         for made, sheet in self.felt:

@@ -38,7 +38,7 @@ def kept() -> Problem:
         from ocean_sim.fluid.shared.tile import Layer
 
         tile = sea_of(simulation).tile
-        layer, still = Layer(tile, rim=False), np.zeros(tile.shape)
+        layer, still = Layer(tile, rim=False), np.zeros(tile.k.shape)
         mode, random_ = (6, 5), np.random.default_rng(1).normal(size=tile.shape)
         e = tile.waves(random_) * np.exp(-((tile.k * tile.cell * 4.0) ** 2))
         e[0, 0] = 0.0
@@ -82,7 +82,7 @@ def radiated(tile: "Tile", k: float, rim: bool) -> np.ndarray:
     from ocean_sim.fluid.shared.tile import Layer
 
     layer, omega = Layer(tile, rim), np.sqrt(G * k)
-    dt, source = 2.0 * np.pi / omega / STEPS, np.exp(-((tile.nodes()[0] * k / 1.5) ** 2))[:, None]
+    dt, source = 2.0 * np.pi / omega / STEPS, tile.waves(np.exp(-((tile.nodes()[0] * k / 1.5) ** 2))[:, None])
     found = []
     for n in range(1, 30 * STEPS + 1):
         risen = min(1.0, n / (4.0 * STEPS))

@@ -64,7 +64,7 @@ def towed(simulation: Simulation, u: float) -> tuple[float, np.ndarray]:
         centre = np.array([u * n * STEP, 0.0])
         x, z = image(tile, centre)
         patch = PRESSURE * np.exp(-((x / LONG) ** 2) - (z / BROAD) ** 2)
-        layer.advance(STEP, risen**2 * (3.0 - 2.0 * risen) * patch / WATER_DENSITY, centre)
+        layer.advance(STEP, tile.waves(risen**2 * (3.0 - 2.0 * risen) * patch / WATER_DENSITY), centre)
         if n > (1.0 - JUDGED) * steps:
             slope = tile.values(tile.slopes(tile.waves(layer.eta))[0])
             found.append((patch * slope).sum() * tile.cell**2)

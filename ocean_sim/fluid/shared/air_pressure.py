@@ -63,12 +63,12 @@ class AirPressure:
         self.gathered += dt
 
     def taken(self) -> np.ndarray:
-        """(cells, rows) the mean pressure over the density [m2/s2] since it was last taken."""
+        """The modes of the mean pressure over the density [m2/s2] since it was last taken."""
         tile, pushed = self.tile, self.impulse.to_numpy()
         modes = sum(weight * tile.waves(slab) for weight, slab in zip(self.weights, pushed))
         span, self.gathered = self.gathered, 0.0
         self.impulse.fill(0.0)
-        return tile.values(-modes / span) if span else np.zeros(tile.shape)
+        return -modes / span if span else np.zeros(tile.k.shape)
 
     @ti.kernel
     def add(

@@ -29,12 +29,17 @@ KEPT = 0.5  # of the wavenumbers along each axis: 2 / (M + 1) with M = 3
 class HighOrder:
     """Elevation and surface potential of a nonlinear sea that repeats itself."""
 
-    left_out: ClassVar[tuple[str, ...]] = ("up", "clear")
+    left_out: ClassVar[tuple[str, ...]] = ("up", "clear", "known")
 
     def __init__(self, tile: Tile, ramp: float, breaking: Breaking | None = None) -> None:
         """`ramp`: time scale on which what is not linear sets in [s]; 0: from the beginning."""
         self.tile, self.ramp, self.breaking, self.time = tile, ramp, breaking, 0.0
         self.eta, self.phi = np.zeros(tile.shape), np.zeros(tile.shape)
+
+    @cached_property
+    def known(self) -> dict[float, tuple[np.ndarray, np.ndarray]]:
+        """By time [s]: what `rates` gives of the state now, where it is known."""
+        return {}
 
     @cached_property
     def clear(self) -> np.ndarray:
@@ -51,6 +56,7 @@ class HighOrder:
         """This elevation [m] and surface potential [m2/s] at time 0."""
         tile = self.tile
         self.time = 0.0
+        self.known.clear()
         self.eta, self.phi = (tile.values(self.clear * tile.waves(field)) for field in (eta, phi))
 
     def advance(self, dt: float) -> None:
@@ -58,7 +64,7 @@ class HighOrder:
         tile, t = self.tile, self.time
         e, p = tile.waves(self.eta), tile.waves(self.phi)
         half, full = 0.5 * dt, dt
-        a = self.rates(e, p, t)
+        a = self.known.pop(t, None) or self.rates(e, p, t)
         eh, ph = tile.turned(e, p, half)
         ah = tile.turned(*a, half)
         b = self.rates(eh + half * ah[0], ph + half * ah[1], t + half)
@@ -76,7 +82,10 @@ class HighOrder:
 
     def rates(self, e: np.ndarray, p: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
         """Modes of what is not linear in the growth of elevation and potential."""
-        now = self.surface(e, p)
+        return self.grown(self.surface(e, p), time)
+
+    def grown(self, now: Surface, time: float) -> tuple[np.ndarray, np.ndarray]:
+        """The same of a surface."""
         w1, w2, w3 = now.w
         steep = now.slope_x**2 + now.slope_z**2
         eta = w2 + w3 + steep * w1 - now.phi_x * now.slope_x - now.phi_z * now.slope_z
@@ -112,7 +121,8 @@ class HighOrder:
         """Modes of the elevation, of the potential at the still surface, and of its growth in time."""
         tile, g = self.tile, self.tile.gravity
         e, p = tile.waves(self.eta), tile.waves(self.phi)
-        now, (eta_n, phi_n) = self.surface(e, p), self.rates(e, p, self.time)
+        now = self.surface(e, p)
+        self.known[self.time] = eta_n, phi_n = self.grown(now, self.time)
         eta_t, phi_t = tile.values(np.array([eta_n + self.up * p, phi_n - g * e]))
         growth = self.clear * tile.waves(phi_t - sum(now.w) * eta_t)  # at a place that does not move with the surface
         flat = self.higher(self.eta, p, now.w[0])[0]

@@ -81,6 +81,17 @@ class OpenWater(Fluid):
             a += sheet.acceleration(position.x, position.z, -y)
         return a
 
+    @ti.func
+    def moving(self, position, eta):
+        """Velocity [m/s] and acceleration [m/s2] under an elevation [m]."""
+        y = self.waves.stretched(position, eta)
+        v, a = self.waves.moving_at(position, y)
+        v += tm.vec3(self.current[0], 0.0, self.current[1])
+        for sheet in ti.static(self.sheets):
+            v += sheet.velocity(position.x, position.z, -y)
+            a += sheet.acceleration(position.x, position.z, -y)
+        return v, a
+
     def elevations(self, points: np.ndarray) -> np.ndarray:
         """(m, 2) points x, z [m] -> (m,) heights [m]."""
         return self.heights(np.asarray(points, dtype=float) - self.drift)

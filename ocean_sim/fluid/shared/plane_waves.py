@@ -87,6 +87,22 @@ class PlaneWaves:
         return a
 
     @ti.func
+    def moving_at(self, position, y):
+        """Velocity [m/s] and acceleration [m/s2] together at a height y of the unstretched column."""
+        h, g = ti.static(self.sea.depth), ti.static(self.sea.gravity)
+        v, a = tm.vec3(0.0), tm.vec3(0.0)
+        for i in range(self.amplitude.shape[0]):
+            k, angle = self.k[i], self.kx[i] * position.x + self.kz[i] * position.z + self.phase[i]
+            profile = ti.exp(k * y) / (1.0 + ti.exp(-2.0 * k * h))
+            mirrored = ti.exp(-2.0 * k * (y + h))
+            c, s = (1.0 + mirrored) * profile, (1.0 - mirrored) * profile
+            cosine, sine = ti.cos(angle), ti.sin(angle)
+            along, pulled = self.speed[i] * c * cosine / k, g * self.amplitude[i] * c * sine
+            v += tm.vec3(self.kx[i] * along, self.speed[i] * s * sine, self.kz[i] * along)
+            a += tm.vec3(self.kx[i] * pulled, -k * g * self.amplitude[i] * s * cosine, self.kz[i] * pulled)
+        return v, a
+
+    @ti.func
     def head(self, position, eta):
         """Pressure over rho g [m] under an elevation, hydrostatic and that of the waves."""
         return self.head_at(position, self.stretched(position, eta))

@@ -26,7 +26,15 @@ CALMING = 0.8  # their decay over their frequency, at the edge itself
 class Tile:
     """A rectangle of sea of `cells` x `rows` square cells, in the axes of the water."""
 
-    left_out: ClassVar[tuple[str, ...]] = ("kx", "kz", "k", "omega", "directed", "turning")  # made again when asked for
+    left_out: ClassVar[tuple[str, ...]] = (
+        "kx",
+        "kz",
+        "k",
+        "omega",
+        "directed",
+        "smooth",
+        "turning",
+    )  # made again when asked for
 
     side: float  # along x [m]
     cells: int  # along x
@@ -73,6 +81,11 @@ class Tile:
     def omega(self) -> np.ndarray:
         """The same [rad/s]."""
         return np.sqrt(self.gravity * self.k * np.tanh(self.k * self.depth))
+
+    @cached_property
+    def smooth(self) -> np.ndarray:
+        """What a Gaussian as broad as a cell leaves of each mode."""
+        return np.exp(-0.5 * (self.k * self.cell) ** 2)
 
     @cached_property
     def turning(self) -> dict[float, tuple[np.ndarray, np.ndarray, np.ndarray]]:
@@ -136,15 +149,14 @@ class Tile:
         return whole.astype(int), at - whole
 
     def spread(self, points: np.ndarray, amounts: np.ndarray) -> np.ndarray:
-        """(cells, rows) amounts (m,) at points x, z (m, 2) [m], over the area of a cell and smoothed over one."""
+        """The modes of amounts (m,) at points x, z (m, 2) [m], over the area of a cell and smoothed over one."""
         whole, share = self.corner(points)
         total = np.zeros(self.cells * self.rows)
         for i, k in ((0, 0), (1, 0), (0, 1), (1, 1)):
             weight = amounts * np.abs(1 - i - share[:, 0]) * np.abs(1 - k - share[:, 1])
             cell = (whole[:, 0] + i) % self.cells * self.rows + (whole[:, 1] + k) % self.rows
             total += np.bincount(cell, weight, len(total))
-        smooth = np.exp(-0.5 * (self.k * self.cell) ** 2)
-        return self.values(smooth * self.waves(total.reshape(self.shape))) / self.cell**2
+        return self.smooth / self.cell**2 * self.waves(total.reshape(self.shape))
 
     def at(self, values: np.ndarray, points: np.ndarray) -> np.ndarray:
         """(m,) values between cells, by a cubic along each axis (Keys 1981, IEEE Trans. ASSP 29), at points (m, 2)."""
@@ -210,39 +222,56 @@ def cubic(s: np.ndarray) -> list[np.ndarray]:
 class Layer:
     """Linear waves on a tile around one centre, which what pushes them keeps up with."""
 
-    left_out: ClassVar[tuple[str, ...]] = ("calming",)
+    left_out: ClassVar[tuple[str, ...]] = ("calming", "calmed")
 
     def __init__(self, tile: Tile, rim: bool = True) -> None:
         self.tile, self.rim = tile, rim
         self.eta, self.phi = np.zeros(tile.shape), np.zeros(tile.shape)  # [m], [m2/s]
-        self.pressure = np.zeros(tile.shape)  # over the density, where it acted last [m2/s2]
         self.centre = np.zeros(2)  # x, z in the axes of the water [m]
+        self.pressed = np.zeros((2, *tile.k.shape))  # modes of the pressure, real and imaginary parts
+        self.press(np.zeros(tile.k.shape))
+
+    @property
+    def pressure(self) -> np.ndarray:
+        """Modes of the pressure over the density that acts now [m2/s2]; without its mean, as the mean level stays."""
+        return self.pressed[0] + 1j * self.pressed[1]
+
+    def press(self, pressure: np.ndarray) -> None:
+        """Modes of the pressure from now on."""
+        self.pressed = np.stack([pressure.real, pressure.imag])
+        self.pressed[:, 0, 0] = 0.0
 
     @cached_property
     def calming(self) -> np.ndarray:
         """(cells, rows) decay of waves around the origin [1/s]."""
         return rate(self.tile)
 
+    @cached_property
+    def calmed(self) -> dict[float, np.ndarray]:
+        """By step [s]: what the rim around the origin leaves of them; the last one that was asked for."""
+        return {}
+
     def begin(self, pressure: np.ndarray, centre: np.ndarray, dt: float) -> None:
-        """At rest under a pressure over the density (cells, rows) [m2/s2]: lower by as much as it weighs, but for what
+        """At rest under the modes of a pressure over the density [m2/s2]: lower by as much as it weighs, but for what
         steps of dt [s] take of the shortest waves: so it stays at rest."""
         tile, half = self.tile, 0.5 * dt * self.tile.omega
         rest = np.divide(half, np.tan(half), out=np.ones(half.shape), where=half > 0.0) / tile.gravity
-        rest[0, 0] = 0.0
-        self.pressure, self.centre = pressure, centre
-        self.eta, self.phi = tile.values(-rest * tile.waves(pressure)), np.zeros(tile.shape)
+        self.press(pressure)
+        self.centre = centre
+        self.eta, self.phi = tile.values(-rest * self.pressure), np.zeros(tile.shape)
 
     def advance(self, dt: float, pressure: np.ndarray, centre: np.ndarray) -> None:
-        """A step of dt [s] after which a pressure over the density acts, around a centre."""
+        """A step of dt [s] after which the modes of a pressure over the density act, around a centre."""
         tile = self.tile
         e, p = self.after(dt)
-        kick = 0.5 * dt * tile.waves(pressure)
-        kick[0, 0] = 0.0  # the mean level stays
-        self.eta, self.phi = tile.values(e), tile.values(p - kick)
-        self.pressure, self.centre = pressure, centre
+        self.press(pressure)
+        self.centre = centre
+        self.eta, self.phi = tile.values(e), tile.values(p - 0.5 * dt * self.pressure)
         if self.rim:
-            moved = np.round(centre / tile.cell).astype(int)
-            calm = np.exp(-dt * np.roll(self.calming, moved, axis=(0, 1)))
+            if dt not in self.calmed:
+                self.calmed.clear()
+                self.calmed[dt] = np.exp(-dt * self.calming)
+            calm = np.roll(self.calmed[dt], np.round(centre / tile.cell).astype(int), axis=(0, 1))
             self.eta *= calm
             self.phi *= calm
             self.eta -= self.eta.mean()
@@ -250,9 +279,7 @@ class Layer:
     def after(self, dt: float) -> tuple[np.ndarray, np.ndarray]:
         """The modes of elevation and potential dt [s] later, but for what acts then."""
         tile = self.tile
-        kick = 0.5 * dt * tile.waves(self.pressure)
-        kick[0, 0] = 0.0
-        return tile.turned(tile.waves(self.eta), tile.waves(self.phi) - kick, dt)
+        return tile.turned(tile.waves(self.eta), tile.waves(self.phi) - 0.5 * dt * self.pressure, dt)
 
     def seen(self, points: np.ndarray) -> np.ndarray:
         """(m,) whether points x, z (m, 2) [m] lie on the tile around its centre."""

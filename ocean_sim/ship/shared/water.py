@@ -54,8 +54,8 @@ class SurroundingWater:
 
     @ti.func
     def look(self, water: Template, position, turn):
-        """Ask the water [ti.func elevation; velocity and acceleration if `below`] around a ship, along its heading;
-        `position` [m] and matrix `turn` of the ship. Call it at the top of a kernel."""
+        """Ask the water [ti.func elevation; `moving`, velocity and acceleration, if `below`] around a ship, along its
+        heading; `position` [m] and matrix `turn` of the ship. Call it at the top of a kernel."""
         x, z = position.x, position.z
         ahead, heading = tm.vec2(turn[0, 2], turn[2, 2]), tm.vec2(0.0, 1.0)
         if ahead.norm() > 0.0:
@@ -75,8 +75,8 @@ class SurroundingWater:
             if ti.static(self.below):
                 for l in range(LEVELS):
                     point.y = eta - l * self.layer
-                    self.speed[i, k, l] = water.velocity(point)
-                    self.pull[i, k, l] = water.acceleration(point) / self.gravity
+                    speed, pull = water.moving(point, eta)
+                    self.speed[i, k, l], self.pull[i, k, l] = speed, pull / self.gravity
         if ti.static(self.hollow):
             ti.loop_config(serialize=True)
             for i in range(ALONG):

@@ -107,6 +107,7 @@ class Simulation:
         surface = scene.preflight.surface
         self.surface = surface.build(self.basin, self.fluid) if surface is not None else None
         self.ship = scene.ship.build(self.basin, self.fluid) if scene.ship is not None else None
+        self.felt = self.fluid.carry([self.ship] if self.ship is not None else [])  # the water as each ship feels it
         self.wind_on_ship = self.wind.on("ship")
         self.time_step = scene.time_step.build()
         self.stage: Callable[[str], AbstractContextManager] = lambda name: nullcontext()
@@ -140,7 +141,8 @@ class Simulation:
                 self.surface.follow(with_particles(self.fluid).particles, dt)  # Algorithms 3 and 5
         if self.ship is not None:
             with self.stage("ship"):
-                load = self.ship.load(self.wind_on_ship, self.fluid, self.surface or self.fluid)  # (4.27)
+                water = self.felt[0]
+                load = self.ship.load(self.wind_on_ship, water, self.surface or water)  # (4.27)
                 self.ship.advance(load, dt)  # (4.22) to (4.25)
         self.time += dt
         self.steps += 1

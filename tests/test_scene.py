@@ -96,7 +96,8 @@ accuracy: 3
         (HEAD + "fluid: {kind: 3}", "s.yaml:2:15: fluid.kind: expected a name, got 3"),
         (
             HEAD + "fluid: {spacing: 1.0}",
-            "s.yaml:2:8: fluid.kind: missing key; there are ballistic, delta_sph, dfsph, linear_waves, mueller",
+            "s.yaml:2:8: fluid.kind: missing key; there are ballistic, delta_sph, dfsph, linear_waves, mueller, "
+            "spectral_sea",
         ),
         (HEAD + "fluid: [1]", "s.yaml:2:8: fluid: expected a name or a mapping with `kind`, got a list"),
         (HEAD + "duration: 1.0", "s.yaml:1:1: fluid: missing key"),

@@ -1,6 +1,6 @@
 """Water: every module of this folder is a kind a scene may name; `shared` holds what they have in common."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
 from typing import Any, Protocol
@@ -225,6 +225,17 @@ class Contact(Protocol):
     work: float  # [J] of them
 
 
+class Displacing(Protocol):
+    """What floats in a water that answers to it."""
+
+    body: Any  # `position` (3,) of its centre of mass [m]
+
+    def displaced(self) -> tuple[np.ndarray, np.ndarray]:
+        """Where it displaces water, x and z (m, 2) [m], and how much there (m,) [m3]; m is 0 where its law of motion
+        does not say."""
+        ...
+
+
 class Iterations(Protocol):
     """How an iterative solver fared."""
 
@@ -261,6 +272,11 @@ class Fluid(Protocol):
         return None
 
     @property
+    def answers(self) -> bool:
+        """Whether its surface is, or may become, more than the sum of its `plane_waves`."""
+        return False
+
+    @property
     def count(self) -> int:
         """Number of particles now, 0 of a closed form."""
         return 0 if self.particles is None else int(self.particles.count.now)
@@ -284,6 +300,11 @@ class Fluid(Protocol):
     def adjust(self, **values: float) -> None:
         """Go on with other values of what is adjustable; nothing is compiled for it."""
         return
+
+    def carry(self, ships: "Sequence[Displacing]") -> "tuple[Fluid, ...]":
+        """The water as each of these ships feels it, which from now on they displace: this one for all of them, unless
+        a kind distinguishes what each of them makes."""
+        return (self,) * len(ships)
 
     def advance(self, dt: float) -> None:
         """One step of dt [s] under the wind it was built with; raises Diverged when a neighbour list overflows."""

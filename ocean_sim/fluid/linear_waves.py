@@ -20,7 +20,7 @@ POINTS_PER_WAVE = 16  # at which a wave is drawn
 SMOOTH = 0.04  # [periods] times a quarter (the force number of `courant`): a hundred steps a wave
 
 
-class Config(waves.HeadedTrain, FluidConfig):
+class Config(waves.OpenTrain, FluidConfig):
     """Regular waves (`height`, `period`, `heading_deg`) or a `spectrum`; sides of the basin do not reflect them. They
     grow over the `ramp`, so that what floats does not begin with the speed of a phase."""
 
@@ -41,7 +41,7 @@ class Config(waves.HeadedTrain, FluidConfig):
             found.append((("kind",), "a sea in closed form goes through obstacles; leave basin.obstacles out"))
         if basin.rough_bed is not None:
             found.append((("kind",), "a sea in closed form knows no friction; leave basin.floor out"))
-        return found + [(self.heading_key, sentence) for sentence in waves.misdirected(self.heading, basin)]
+        return found + list(self.astray(basin))
 
     def statements(self, preflight: Preflight) -> list[str]:
         first = (
@@ -128,6 +128,11 @@ class LinearWaves(Fluid):
     def acceleration(self, position):
         """[m/s2] by linear theory, -grad p / rho less gravity: what a body that is small against the waves feels."""
         return self.waves.acceleration(position)
+
+    @ti.func
+    def moving(self, position, eta):
+        """Velocity [m/s] and acceleration [m/s2] under an elevation [m]."""
+        return self.waves.moving_at(position, self.waves.stretched(position, eta))
 
     @ti.func
     def pressure(self, position):

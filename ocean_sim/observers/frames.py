@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from ocean_sim import waves
 from ocean_sim.basin.points import grid, pairs
 from ocean_sim.files.whole_file import whole
 from ocean_sim.fluid import Fluid
@@ -91,6 +92,10 @@ class Frames(Observer):
         particles = simulation.fluid.particles
         shown = simulation.surface or simulation.fluid
         frame: dict[str, np.ndarray] = {"elevation": shown.elevations(self.points).reshape(self.shape)}
+        sea = simulation.fluid.plane_waves
+        if sea is not None and simulation.fluid.answers:
+            known = waves.elevation(sea, self.points, simulation.time).reshape(self.shape)
+            frame["answer"] = frame["elevation"] - known
         if simulation.surface is not None:
             mesh = simulation.surface.mesh()
             frame |= {"vertices": mesh.vertices, "triangles": mesh.triangles, "normals": mesh.normals}
@@ -135,12 +140,13 @@ def plane_waves(fluid: Fluid) -> dict[str, np.ndarray]:
     sea = fluid.plane_waves
     if sea is None:
         return {}
-    return {
+    exact = {
         "sea_amplitude": sea.amplitude,
         "sea_wavevector": sea.wavevector,
         "sea_phase": sea.phase,
         "sea_ramp": np.array(sea.ramp),
     }
+    return exact | ({"sea_answers": np.array(True)} if fluid.answers else {})
 
 
 def single(array: np.ndarray) -> np.ndarray:

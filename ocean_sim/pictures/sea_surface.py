@@ -1,5 +1,6 @@
 """Heights of a basin and of the far sea around it as one surface: the basin's own inside it, a blend in a margin."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -23,13 +24,15 @@ class SeaSurface:
         self.margin = far_sea.MARGIN * float((self.upper - self.lower).min())
         cells = len(grid["x"]), len(grid["z"])
         factor = int(np.clip(np.sqrt(nodes / (cells[0] * cells[1])), 1, 24))
-        if state.exact is None:
+        whole = state.exact is not None and "sea_answers" not in grid
+        if not whole:
             factor += factor % 2  # the points whose heights are known are nodes
         inner = [np.linspace(self.lower[k], self.upper[k], n * factor + 1) for k, n in enumerate(cells)]
         self.x, self.z = (far_sea.axis(nodes, self.margin) for nodes in inner)
-        if state.exact is None:
+        if not whole:
             self.own = [self.stretched(spline(n, factor), k) for k, n in enumerate(cells)]
             self.share = np.outer(self.blend_weight(0), self.blend_weight(1))
+        if state.exact is None:
             self.far = far_sea.FarSea(state.estimated, self.x, self.z, self.lower, self.lower)
         else:
             self.far = far_sea.FarSea(state.exact, self.x, self.z, self.lower, self.upper)
@@ -55,9 +58,11 @@ class SeaSurface:
     def at(self, frame: Frame) -> far_sea.SeaSample:
         """Heights, convergence and lost slopes at all nodes (nx, nz)."""
         far = self.far.at(frame.time)
-        if self.state.exact is not None:
+        if self.state.exact is not None and frame.answer is None:
             return far
         x, z = self.own
+        if frame.answer is not None:  # what ships, winds and steepness add to the exact waves ends in the margin
+            return replace(far, height=far.height + self.share * (x @ frame.answer @ z.T))
         step = (self.upper - self.lower) / frame.elevation.shape
         drawn_together = foam.convergence(frame.elevation, step[0], step[1])
         # Seas that know nothing of each other: weights whose squares add up to one keep the height of the waves.

@@ -87,6 +87,11 @@ class Ship(Protocol):
         """Vertices from the centre of mass, body axes (n, 3) [m], and triangles (m, 3); None where it has no shape."""
         ...
 
+    def displaced(self) -> tuple[np.ndarray, np.ndarray]:
+        """Where it displaces water, x and z (m, 2) [m], and how much there (m,) [m3], as in its last load; m is 0 where
+        its law of motion does not say."""
+        ...
+
     def limits(self) -> "Limits":
         """What the time step must stay a fraction of."""
         ...

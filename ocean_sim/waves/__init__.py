@@ -6,7 +6,7 @@ theory has at y' = h (y - eta) / (h + eta) holds at y. So pressure is zero on th
 without bound under a crest; the velocity is then free of divergence to second order in the steepness.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import cos, pi, radians, sin, sqrt
@@ -22,7 +22,8 @@ from ocean_sim.random_numbers import numpy_uniform
 COMPONENTS = 200  # plane waves that stand for a spectrum
 LOWEST = 0.5  # [peak frequencies] where they begin; up to 4 they cover all but 0.5 % of the variance
 RESOLVED = 4000  # points at which a spectrum is integrated over the band
-FREQUENCY, PHASE = 0x3_0000, 0x3_0001  # streams of random numbers
+FREQUENCY, PHASE, DIRECTION = 0x3_0000, 0x3_0001, 0x3_0002  # streams of random numbers
+GOLDEN = 0.5 * (sqrt(5.0) - 1.0)  # whose multiples fill (0, 1) evenly however many there are
 Values = float | np.ndarray  # one value, or an array of any shape
 STEEPEST = 0.142  # height over wavelength, over tanh(kh), at which a wave breaks (Miche 1944)
 
@@ -135,7 +136,20 @@ class Components:
             yield i, kx * x + kz * z + (self.phase[i] - self.omega[i] * time)
 
 
-def profiles(k: float, y: Values, depth: float) -> tuple[np.ndarray, np.ndarray]:
+def together(seas: Sequence[Components], depth: float, gravity: float = GRAVITY) -> Components:
+    """Several seas on the same water as one; calm water where there are none."""
+    if not seas:
+        return Components(np.zeros(1), np.array([[1.0, 0.0]]), np.zeros(1), depth, gravity)
+    return Components(
+        np.concatenate([sea.amplitude for sea in seas]),
+        np.concatenate([sea.wavevector for sea in seas]),
+        np.concatenate([sea.phase for sea in seas]),
+        depth,
+        gravity,
+    )
+
+
+def profiles(k: Values, y: Values, depth: float) -> tuple[np.ndarray, np.ndarray]:
     """cosh k(y+h) / cosh kh and sinh k(y+h) / cosh kh, written so that nothing overflows in deep water."""
     rise, mirrored, bed = np.exp(k * y), np.exp(-2.0 * k * (y + depth)), np.exp(-2.0 * k * depth)
     return rise * (1.0 + mirrored) / (1.0 + bed), rise * (1.0 - mirrored) / (1.0 + bed)
@@ -250,12 +264,15 @@ class Spectrum(Model):
         raw = np.trapezoid(jonswap(band, peak, 1.0, self.enhancement), band)
         return self.significant_wave_height**2 / 16.0 / raw * jonswap(frequency, peak, 1.0, self.enhancement)
 
-    def components(self, towards: np.ndarray, depth: float, gravity: float = GRAVITY) -> Components:
-        """Plane waves going along a unit vector in x and z, one in each of equal slices of the band and carrying its
-        variance; their frequencies are scattered inside the slices, so that the sea does not repeat itself."""
+    def components(
+        self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = COMPONENTS
+    ) -> Components:
+        """Plane waves going along a unit vector in x and z, one in each of `count` equal slices of the band and
+        carrying its variance; their frequencies are scattered inside the slices, so that the sea does not repeat
+        itself."""
         peak = 1.0 / self.peak_period
-        edges = np.linspace(LOWEST, self.cut_off, COMPONENTS + 1) * peak
-        n = np.arange(COMPONENTS)
+        edges = np.linspace(LOWEST, self.cut_off, count + 1) * peak
+        n = np.arange(count)
         frequency = edges[:-1] + np.diff(edges) * numpy_uniform(self.seed, FREQUENCY, n, 0)
         fine = np.linspace(LOWEST, self.cut_off, RESOLVED) * peak
         density = self.density(fine)
@@ -264,6 +281,31 @@ class Spectrum(Model):
         k = wavenumber(2.0 * pi * frequency, depth, gravity)
         phase = 2.0 * pi * numpy_uniform(self.seed, PHASE, n, 0)
         return Components(np.sqrt(2.0 * variance), k[:, None] * towards, phase, depth, gravity)
+
+
+class SpreadSpectrum(Spectrum):
+    """Random waves, by their spectrum and how far their directions spread."""
+
+    spreading: float | None = quantity("1", None, gt=0.0)
+    """s of cos^2s(angle / 2), the share of the energy that goes at an angle to the heading (Longuet-Higgins, Cartwright
+    & Smith 1963): about 10 for a wind sea, 50 for swell; null: long crests."""
+
+    def components(
+        self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = COMPONENTS
+    ) -> Components:
+        """Those of the spectrum, each with a direction of its own; the mean direction of their energy is the
+        heading."""
+        sea = super().components(towards, depth, gravity, count)
+        if self.spreading is None:
+            return sea
+        angle = np.linspace(-pi, pi, RESOLVED)
+        share = np.cumsum(np.cos(0.5 * angle) ** (2.0 * self.spreading))
+        drawn = (GOLDEN * np.arange(count) + numpy_uniform(self.seed, DIRECTION, np.arange(count), 0) / count) % 1.0
+        turn = np.interp(drawn, share / share[-1], angle)
+        turn -= np.angle((sea.amplitude**2 * np.exp(1j * turn)).sum())
+        c, s = np.cos(turn), np.sin(turn)
+        ahead = np.stack([towards[0] * c + towards[1] * s, towards[1] * c - towards[0] * s], axis=1)
+        return Components(sea.amplitude, sea.wavenumber[:, None] * ahead, sea.phase, depth, gravity)
 
 
 class WaveTrain(Model):
@@ -328,6 +370,19 @@ class HeadedTrain(WaveTrain):
     def sea(self, basin: "Tank") -> Components:
         """The waves of a basin."""
         return self.train(direction(self.heading, basin.dimension), basin.depth, pull(basin))
+
+
+class OpenTrain(HeadedTrain):
+    """Waves of a sea without sides, whose directions may spread."""
+
+    spectrum: SpreadSpectrum | None = None
+    """Random waves, instead of `height` and `period`."""
+
+    def astray(self, basin: "Tank") -> Iterator[tuple[tuple[str, ...], str]]:
+        """What is wrong with their direction in this basin: where it is written, and a sentence."""
+        yield from ((self.heading_key, sentence) for sentence in misdirected(self.heading, basin))
+        if basin.dimension == 2 and self.spectrum is not None and self.spectrum.spreading is not None:
+            yield ("spectrum", "spreading"), "waves in a slice have one direction; leave spreading out"
 
 
 class Tank(Protocol):

@@ -39,11 +39,11 @@ def water(scheme: str, surface: str, kind: str | None) -> dict:
     return scene if kind is None else scene | RIDE | {"ship": {"kind": kind} | CALM_SHIP}
 
 
-def swell(kind: str) -> dict:
-    """A closed-form sea with a ship under way."""
+def swell(kind: str, water: str = "linear_waves", **keys) -> dict:
+    """A sea without particles with a ship under way."""
     ship = {"kind": kind} | ({} if kind == "manoeuvring" else STEERED)
     wind = None if kind == "manoeuvring" else "wide"
-    fluid = {"kind": "linear_waves", "height": 0.5, "period": 3.0}
+    fluid = {"kind": water, "height": 0.5, "period": 3.0} | keys
     return PLAIN | RIDE | {"basin": SEA, "fluid": fluid, "wind": wind, "ship": ship, "duration": 0.3}
 
 
@@ -53,7 +53,8 @@ SCENES = {
     for k, kind in enumerate((None, *KINDS))
     if kind != "pressure" or scheme in ("mueller", "delta_sph")  # others carry none
 } | {f"linear_waves, {kind}": swell(kind) for kind in KINDS if kind != "pressure"}
-FEW = ("mueller, cloth, hydrostatic",)
+SCENES["spectral_sea, dynamic"] = swell("dynamic", "spectral_sea", order=3, cells=32)
+FEW = ("mueller, cloth, hydrostatic", "spectral_sea, dynamic")
 
 
 def contents(keys: dict, threads: int, folder: Path) -> dict[str, bytes]:

@@ -45,6 +45,7 @@ CHOICES: dict[str, st.SearchStrategy] = {
     "basin.width": st.sampled_from([1.5, 2.0]),
     "basin.depth": st.sampled_from([0.6, 1.0]),
     "spacing": st.sampled_from([0.2, 0.25, 0.3]),
+    "cells": st.sampled_from([16, 24]),
     "fluid.particles": st.sampled_from([100, 250, 500]),
     "geometry": st.sampled_from(["hexapod_a", "linuxcnc"]),
     "washout": st.sampled_from(["ship", "air", "srs"]),
@@ -177,7 +178,7 @@ def scenes(draw: Any, dimension: int | None = None) -> dict[str, Any]:
     if "ship" in scene:
         for key in ("gravity", "lid", "motion"):
             scene["basin"].pop(key, None)
-    if "ship" in scene and scene["fluid"]["kind"] != "linear_waves" and draw(st.integers(0, 9)):
+    if "ship" in scene and scene["fluid"]["kind"] not in ("linear_waves", "spectral_sea") and draw(st.integers(0, 9)):
         scene.setdefault("surface", draw(slot("surface", dimension)))
     for key in ("title", "seed", "duration", "resolution"):
         if draw(st.booleans()):
@@ -229,6 +230,9 @@ def leave_out(scene: dict[str, Any], path: list[str], dimension: int) -> None:
         scene.pop(path[0], None)
 
 
+PLAIN: dict[str, dict[str, Any]] = {"linear_waves": {"height": 0.02, "period": 0.8}, "spectral_sea": {"cells": 16}}
+
+
 def plain(kind: str) -> dict[str, Any]:
     """Water of a kind, and no more."""
-    return {"kind": kind} | ({"height": 0.02, "period": 0.8} if kind == "linear_waves" else {"spacing": 0.25})
+    return {"kind": kind} | PLAIN.get(kind, {"spacing": 0.25})

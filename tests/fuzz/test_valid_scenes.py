@@ -35,7 +35,8 @@ def test_scenes_of_every_kind_are_drawn_and_their_preflight_is_made():
     scenes = drawn(120)
     kinds = Counter(getattr(part, "kind", "") for scene in scenes for part in scene.parts().values())
     assert len(scenes) == 120
-    assert {"mueller", "delta_sph", "dfsph", "ballistic", "linear_waves", "cloth", "marching_cubes"} <= set(kinds)
+    water = {"mueller", "delta_sph", "dfsph", "ballistic", "linear_waves", "spectral_sea"}
+    assert water | {"cloth", "marching_cubes"} <= set(kinds)
     assert sum(scene.ship is not None for scene in scenes) >= 5
     for scene in scenes:
         found = preflight(scene)

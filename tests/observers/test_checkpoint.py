@@ -53,6 +53,7 @@ IN_SLICE = {"gauges": {"elevation": {"here": [0.1]}, "pressure": {"bed": [0.1, -
 TRACED = {"tracers": {"ids": [0, 5], "every": 0.02}}
 RIDE = {"platform": {"kind": "hexapod", "washout": "ship"}}
 SWELL = {"kind": "linear_waves", "height": 0.5, "period": 3.0}
+STEEP = {"kind": "spectral_sea", "height": 0.5, "period": 3.0, "order": 3, "cells": 32}
 WIND_SEA = {"kind": "jonswap", "significant_wave_height": 0.5, "peak_period": 4.0}
 VORTICES = {"initial": {"kind": "taylor_green", "speed": 1.0}, "reference_speed": 1.0}
 
@@ -82,6 +83,7 @@ SCENES = {
     "mueller, cloth, hydrostatic ship, gusts, platform": afloat("mueller", "hydrostatic", **CLOTH, **TRACED),
     "ballistic, emitter, noise": {"basin": SLICE, **water("ballistic", 0.1, **LEFT, **MOUTH), "wind": "noise_only"},
     "linear waves, dynamic ship, autopilot": sea("dynamic", AUTOPILOT | {"radiation": RADIATION}),
+    "spectral sea of third order, dynamic ship, gusts": sea("dynamic", AUTOPILOT, fluid=STEEP),
 }  # fmt: skip
 MORE = {
     "dfsph, stress": {"basin": SQUARE, **water("dfsph"), "wind": {"kind": "stress"}, **GAUGES},

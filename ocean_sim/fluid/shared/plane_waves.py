@@ -29,10 +29,11 @@ class PlaneWaves:
         """Numbers into a field of its own precision."""
         field.from_numpy(np.ascontiguousarray(values, dtype=field.to_numpy().dtype))
 
-    def turn(self, time: float) -> None:
-        """The waves at a time [s]; phases are kept in f64 and small, whatever the precision and length of the run."""
+    def turn(self, time: float, drift: tuple[float, float] = (0.0, 0.0)) -> None:
+        """The waves at a time [s], carried by a current along x and z so far [m]; phases are kept in f64 and small,
+        whatever the precision and length of the run."""
         sea, share = self.sea, self.sea.grown(time)
-        self.take(self.phase, np.mod(sea.phase - sea.omega * time, 2.0 * np.pi))
+        self.take(self.phase, np.mod(sea.phase - sea.omega * time - sea.wavevector @ np.array(drift), 2.0 * np.pi))
         if share != self.share:
             self.share = share
             self.take(self.amplitude, share * sea.amplitude)
@@ -55,7 +56,11 @@ class PlaneWaves:
     @ti.func
     def velocity(self, position):
         """[m/s]; above the water that of its surface."""
-        y = self.stretched(position, self.elevation(position.x, position.z))
+        return self.velocity_at(position, self.stretched(position, self.elevation(position.x, position.z)))
+
+    @ti.func
+    def velocity_at(self, position, y):
+        """[m/s] by linear theory at a height y of the unstretched column."""
         h = ti.static(self.sea.depth)
         v = tm.vec3(0.0)
         for i in range(self.amplitude.shape[0]):
@@ -69,7 +74,11 @@ class PlaneWaves:
     @ti.func
     def acceleration(self, position):
         """[m/s2] by linear theory, -grad p / rho less gravity: what a body that is small against the waves feels."""
-        y = self.stretched(position, self.elevation(position.x, position.z))
+        return self.acceleration_at(position, self.stretched(position, self.elevation(position.x, position.z)))
+
+    @ti.func
+    def acceleration_at(self, position, y):
+        """The same at a height y of the unstretched column."""
         h, g = ti.static(self.sea.depth), ti.static(self.sea.gravity)
         a = tm.vec3(0.0)
         for i in range(self.amplitude.shape[0]):
@@ -81,9 +90,29 @@ class PlaneWaves:
         return a
 
     @ti.func
+    def moving_at(self, position, y):
+        """Velocity [m/s] and acceleration [m/s2] together at a height y of the unstretched column."""
+        h, g = ti.static(self.sea.depth), ti.static(self.sea.gravity)
+        v, a = tm.vec3(0.0), tm.vec3(0.0)
+        for i in range(self.amplitude.shape[0]):
+            k, angle = self.k[i], self.kx[i] * position.x + self.kz[i] * position.z + self.phase[i]
+            profile = ti.exp(k * y) / (1.0 + ti.exp(-2.0 * k * h))
+            mirrored = ti.exp(-2.0 * k * (y + h))
+            c, s = (1.0 + mirrored) * profile, (1.0 - mirrored) * profile
+            cosine, sine = ti.cos(angle), ti.sin(angle)
+            along, pulled = self.speed[i] * c * cosine / k, g * self.amplitude[i] * c * sine
+            v += tm.vec3(self.kx[i] * along, self.speed[i] * s * sine, self.kz[i] * along)
+            a += tm.vec3(self.kx[i] * pulled, -k * g * self.amplitude[i] * s * cosine, self.kz[i] * pulled)
+        return v, a
+
+    @ti.func
     def head(self, position, eta):
         """Pressure over rho g [m] under an elevation, hydrostatic and that of the waves."""
-        y = self.stretched(position, eta)
+        return self.head_at(position, self.stretched(position, eta))
+
+    @ti.func
+    def head_at(self, position, y):
+        """The same at a height y of the unstretched column."""
         h = ti.static(self.sea.depth)
         head = -position.y
         for i in range(self.amplitude.shape[0]):

@@ -171,6 +171,10 @@ class Vessel(ABC):
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
         """(4.27), now."""
 
+    def displaced(self) -> tuple[np.ndarray, np.ndarray]:
+        """Nothing: only a law of motion is known."""
+        return np.zeros((0, 2)), np.zeros(0)
+
     def limits(self) -> Limits:
         """What the time step must stay a fraction of."""
         return Limits()

@@ -54,8 +54,8 @@ class SurroundingWater:
 
     @ti.func
     def look(self, water: Template, position, turn):
-        """Ask the water [ti.func elevation; velocity and acceleration if `below`] around a ship, along its heading;
-        `position` [m] and matrix `turn` of the ship. Call it at the top of a kernel."""
+        """Ask the water [ti.func elevation; `moving`, velocity and acceleration, if `below`] around a ship, along its
+        heading; `position` [m] and matrix `turn` of the ship. Call it at the top of a kernel."""
         x, z = position.x, position.z
         ahead, heading = tm.vec2(turn[0, 2], turn[2, 2]), tm.vec2(0.0, 1.0)
         if ahead.norm() > 0.0:
@@ -75,8 +75,8 @@ class SurroundingWater:
             if ti.static(self.below):
                 for l in range(LEVELS):
                     point.y = eta - l * self.layer
-                    self.speed[i, k, l] = water.velocity(point)
-                    self.pull[i, k, l] = water.acceleration(point) / self.gravity
+                    speed, pull = water.moving(point, eta)
+                    self.speed[i, k, l], self.pull[i, k, l] = speed, pull / self.gravity
         if ti.static(self.hollow):
             ti.loop_config(serialize=True)
             for i in range(ALONG):
@@ -93,6 +93,18 @@ class SurroundingWater:
             self.frame[TOP] = self.level[0, 0]
             for n in range(1, ALONG * ACROSS):
                 self.frame[TOP] = ti.max(self.frame[TOP], self.level[n // ACROSS, n % ACROSS])
+
+    def heights(self, points: np.ndarray) -> np.ndarray:
+        """(m,) elevation of the water as it was last asked [m], at points x, z (m, 2) [m]; 0 before."""
+        x, z, cosine, sine = self.frame.to_numpy()[:TOP]
+        level, apart = self.level.to_numpy(), points - [x, z]
+        along = (apart[:, 0] * sine + apart[:, 1] * cosine + self.half[0]) / self.step[0]
+        across = (apart[:, 0] * cosine - apart[:, 1] * sine + self.half[1]) / self.step[1]
+        i = np.clip(along.astype(int), 0, ALONG - 2)
+        k = np.clip(across.astype(int), 0, ACROSS - 2)
+        a, b = np.clip(along - i, 0.0, 1.0), np.clip(across - k, 0.0, 1.0)
+        near, far = (1.0 - b) * level[i, k] + b * level[i, k + 1], (1.0 - b) * level[i + 1, k] + b * level[i + 1, k + 1]
+        return (1.0 - a) * near + a * far
 
     @ti.func
     def corner(self, x, z):

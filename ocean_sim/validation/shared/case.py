@@ -77,6 +77,8 @@ class Problem:
     """What a scheme is a kind of."""
     schemes: tuple[str, ...] = ("delta_sph",)
     """Those that are run by default."""
+    only: bool = False
+    """Whether no other scheme has what it is about."""
 
     def load(self, scheme: str, overrides: Mapping[str, Any] | None = None) -> SceneConfig:
         """The scene under a scheme, without observers."""
@@ -86,7 +88,7 @@ class Problem:
 
     def under(self, asked: list[str]) -> list[str]:
         """The schemes to run: of those asked for the ones that fit, else its own; a ship's case knows which fit it."""
-        fitting = kinds("fluid") if self.slot == "fluid" else self.schemes
+        fitting = kinds("fluid") if self.slot == "fluid" and not self.only else self.schemes
         return [scheme for scheme in asked if scheme in fitting] if asked else list(self.schemes)
 
     def run(self, case: str, scheme: str, overrides: Mapping[str, Any] | None = None) -> tuple[list[dict], Finding]:

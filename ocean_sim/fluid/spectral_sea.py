@@ -1,0 +1,512 @@
+"""An open sea that answers: waves that come from afar, and those that ships and winds make, without particles.
+
+The sea from afar is a sum of plane waves, in closed form (`order: 1`), or a nonlinear sea on a tile that repeats itself
+(`order: 3`, `shared/high_order.py`). Each ship pushes a tile of her own, which travels with her and fades at its rim
+(`shared/tile.py`); the winds push another one. A ship presses on the water with rho g times the draught that she has
+under each cell, smoothed over a cell, so that all of it is her buoyancy. She feels the sea, the winds' waves and those
+of other ships, never her own: her law of motion has what her own waves do to her already (added mass and damping, or
+`radiation`), and would have it twice.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import ceil, pi
+from typing import Literal
+
+import numpy as np
+import taichi as ti
+from pydantic import model_validator
+
+from ocean_sim import waves
+from ocean_sim.basin import Basin
+from ocean_sim.conventions import WATER_DENSITY, Diverged
+from ocean_sim.files import csv_file
+from ocean_sim.files.input_file import FileName, Unreadable
+from ocean_sim.fluid import Displacing, Fluid, Limits, Status
+from ocean_sim.fluid.shared.air_pressure import AirPressure
+from ocean_sim.fluid.shared.breaking import Breaking
+from ocean_sim.fluid.shared.high_order import KEPT, HighOrder
+from ocean_sim.fluid.shared.open_water import Felt, OnTile, OpenWater, Shown
+from ocean_sim.fluid.shared.plane_waves import PlaneWaves
+from ocean_sim.fluid.shared.sheet import WORDS, Sheet
+from ocean_sim.fluid.shared.tile import PER_TILE, RIM, Layer, Tile
+from ocean_sim.model import Vector2, quantity
+from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems
+from ocean_sim.wind import Wind
+
+CELLS = 128  # along a tile
+POINTS_PER_WAVE = 16  # at which a wave is drawn
+SMOOTH = 0.04  # [periods] times a quarter (the force number of `courant`): a hundred steps a wave
+PART = 0.8  # [rad] by which a wave of SHORT cells turns in a step of the tiles
+SHORT = 4.0  # cells
+STEPS_PER_WAVE = 40  # of the highest wave, in a nonlinear sea
+RAMP = 5.0  # [periods] in which what is not linear sets in
+FITTING = 0.01  # part of its wavenumber by which a regular wave may be changed to fit a tile
+DRAWN = 4000  # plane waves that stand for a spectrum before they are fitted to a tile
+ADVANCE, CELL, STEEP, READ = 7.0e-4, 6.0e-8, 9.0e-7, 3.0e-7  # [s] of processor time a step, and per cell of a tile
+COLUMNS = ("amplitude_m", "period_s", "heading_deg", "phase_deg")
+
+
+class Config(waves.OpenTrain, FluidConfig):
+    """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `seas` on top of them;
+    the sea has no sides."""
+
+    kind: Literal["spectral_sea"] = "spectral_sea"
+    height: float | None = quantity("m", None, ge=0.0)
+    """From trough to crest; 0 is calm water."""
+    seas: list[waves.OpenTrain] = []
+    """More of them, as swell on top of a wind sea."""
+    components: FileName | None = None
+    """A CSV file of plane waves on top of all others: `amplitude_m`, `period_s`, `heading_deg`, `phase_deg`; each is
+    amplitude cos(k . x - omega t + phase)."""
+    current: Vector2 = quantity("m/s", (0.0, 0.0))
+    """Velocity of the water along x and z, the same at every depth; waves are carried by it."""
+    order: Literal[1, 3] = 1
+    """1: linear waves; 3: the sea that comes from afar is nonlinear up to the third order in its slope, and repeats
+    itself on the tile. What ships and winds make stays linear."""
+    tile: float | None = quantity("m", None, gt=0.0)
+    """Side of the tiles; null: six of the highest waves, in calm water the longer side of the basin."""
+    cells: int = quantity("1", CELLS, ge=16, le=1024, multiple_of=2)
+    """Cells along a tile."""
+    step: float | None = quantity("s", None, gt=0.0)
+    """Time between two steps of the tiles; null: waves of four cells turn by 0.8 rad in it, and of a nonlinear sea the
+    highest by a fortieth of its period at most."""
+    ramp: float | None = quantity("s", None, ge=0.0)
+    """Time in which what is not linear sets in, at order 3 (Dommermuth 2000); null: five periods."""
+    breaking: bool = True
+    """Whether crests of a nonlinear sea break where the water on them moves faster than 0.85 of their speed (Barthelemy
+    et al. 2018, J. Fluid Mech. 841)."""
+    rest_density: float = quantity("kg/m3", WATER_DENSITY, gt=0.0)
+    """Density of the water."""
+
+    @model_validator(mode="after")
+    def _regular_or_random(self) -> "Config":
+        regular = [self.height is not None, self.period is not None]
+        if any(regular) and (self.spectrum is not None or not all(regular)):
+            raise ValueError("give either height [m] and period [s] of a regular wave, or a spectrum, or neither")
+        return self
+
+    @property
+    def trains(self) -> list[tuple[tuple[str | int, ...], waves.OpenTrain]]:
+        """Each sea, and where it is written."""
+        own = [((), self)] if self.height is not None or self.spectrum is not None else []
+        return [*own, *((("seas", n), sea) for n, sea in enumerate(self.seas))]
+
+    @property
+    def highest(self) -> tuple[float, float] | None:
+        """Height [m] and period [s] of the highest sea; None in calm water."""
+        sizes = [train.scale for _, train in self.trains]
+        table = self.table()
+        if table is not None and len(table["amplitude_m"]):
+            a = table["amplitude_m"]
+            sizes.append((float(2.0 * np.linalg.norm(a)), float(table["period_s"][np.argmax(a)])))
+        return max(sizes) if sizes else None
+
+    def table(self) -> dict[str, np.ndarray] | None:
+        """The columns of `components`; raises Unreadable."""
+        if self.components is None:
+            return None
+        found = csv_file.numbers(self.components)
+        for name in COLUMNS:
+            if name not in found or not np.isfinite(found[name]).all():
+                raise Unreadable(self.components, f"it has no column of numbers {name}; it needs {', '.join(COLUMNS)}")
+        if (found["period_s"] <= 0.0).any():
+            raise Unreadable(self.components, "each period_s must be above 0")
+        return found
+
+    def sea_of(self, basin: waves.Tank, count: int = waves.COMPONENTS) -> waves.Components:
+        """All plane waves together, `count` of each spectrum."""
+        depth, g, found = basin.depth, waves.pull(basin), []
+        for _, train in self.trains:
+            towards = waves.direction(train.heading, basin.dimension)
+            of = train.spectrum
+            found.append(train.train(towards, depth, g) if of is None else of.components(towards, depth, g, count))
+        table = self.table()
+        if table is not None:
+            k = waves.wavenumber(2.0 * pi / table["period_s"], depth, g)
+            ahead = np.stack([waves.direction(float(angle), basin.dimension) for angle in table["heading_deg"]])
+            phase = np.radians(table["phase_deg"])
+            found.append(waves.Components(table["amplitude_m"], k[:, None] * ahead, phase, depth, g))
+        return waves.together(found, depth, g)
+
+    def tiled(self, basin: waves.Tank, length: float, width: float) -> Tile:
+        """The tile, over a basin of this length and width [m]."""
+        side, g = self.tile, waves.pull(basin)
+        if side is None and self.highest is not None:
+            side = PER_TILE * 2.0 * pi / float(waves.wavenumber(2.0 * pi / self.highest[1], basin.depth, g))
+        side = max(length, width) if side is None else side
+        return Tile(side, self.cells, self.cells if basin.dimension == 3 else 1, basin.depth, g)
+
+    def tile_of(self, basin: Basin) -> Tile:
+        """The tile of a basin."""
+        return self.tiled(basin, basin.config.length, basin.config.width or 0.0)
+
+    def step_of(self, tile: Tile) -> float:
+        """Time between steps of the tiles [s]."""
+        if self.step is not None:
+            return self.step
+        k = 2.0 * pi / (SHORT * tile.cell)
+        step = PART / float(waves.angular_frequency(k, tile.depth, tile.gravity))
+        return min(step, self.highest[1] / STEPS_PER_WAVE) if self.order == 3 and self.highest is not None else step
+
+    def problems(self, preflight: Preflight) -> Problems:
+        basin = preflight.tank
+        found: Problems = [(("kind",), sentence) for sentence in waves.unsuited(basin)]
+        try:
+            self.table()
+        except Unreadable as error:
+            found.append((("components",), str(error)))
+        if found:
+            return found
+        for key, train in self.trains:
+            found += [((*key, *train.height_key), sentence) for sentence in waves.unsuited(basin, *train.scale)]
+            found += [((*key, *path), sentence) for path, sentence in train.astray(basin)]
+        if basin.obstacles:
+            found.append((("kind",), "a sea without sides goes through obstacles; leave basin.obstacles out"))
+        if basin.rough_bed is not None:
+            found.append((("kind",), "a sea by its surface alone knows no friction; leave basin.floor out"))
+        if basin.dimension == 2 and self.current[1]:
+            found.append((("current",), "in a slice water flows along x alone; give [speed, 0.0]"))
+        if self.order == 3 and not found:
+            found += self.unfitted(basin)
+        return found
+
+    def unfitted(self, basin: Basin) -> Problems:
+        """Regular waves that a tile which repeats itself does not hold."""
+        tile, found = self.tile_of(basin), Problems()
+        for _, train in self.trains:
+            if train.spectrum is not None or not train.scale[0]:
+                continue
+            sea = train.train(waves.direction(train.heading, basin.dimension), basin.depth, waves.pull(basin))
+            wanted = snapped(sea, tile).wavevector[0]
+            if np.linalg.norm(wanted - sea.wavevector[0]) > FITTING * sea.wavenumber[0]:
+                length = 2.0 * pi / sea.wavenumber[0]
+                sentence = f"a tile of {tile.side:.4g} m that repeats itself does not hold waves of {length:.4g} m"
+                cure = "take a multiple of their length, order 1, or a heading of 0 or 90 degrees"
+                found.append((("tile",), f"{sentence} in this direction; {cure}"))
+        return found
+
+    def warnings(self, preflight: Preflight) -> list[str]:
+        tile, found = self.tile_of(preflight.tank), []
+        if self.order == 3:
+            found.append(
+                f"order 3: the sea from afar is nonlinear and repeats itself after {tile.side:.4g} m; the waves of "
+                "ships and winds stay linear"
+            )
+            kept = 4.0 * tile.cell
+            if self.highest is None:
+                found.append("order 3 changes nothing in calm water: what ships and winds make is linear")
+            else:
+                found.append(f"order 3: waves shorter than {kept:.3g} m, four cells, are left out of the sea")
+        ship = preflight.ship
+        if ship is not None:
+            solid = ship.look(preflight)
+            if solid is None:
+                found.append(f"a ship of kind {ship.kind} has no hull that could push the water: she makes no waves")
+            else:
+                found.append(
+                    "the waves that the ship makes act on others and are seen, not on herself: her law of motion has "
+                    "their force in its damping"
+                )
+        if not preflight.wind.still:
+            found.append("the wind presses on the water by its vertical part alone; its drag moves no water here")
+        return found
+
+    def statements(self, preflight: Preflight) -> list[str]:
+        tile = self.tile_of(preflight.tank)
+        return [
+            f"tiles of {tile.side:.4g} m in cells of {tile.cell:.3g} m that step every {self.step_of(tile):.3g} s; "
+            f"what ships and winds make fades in their outer {100.0 * RIM:g} %"
+        ]
+
+    def still_limits(self, preflight: Preflight) -> Limits:
+        return self.smooth(self.tile_of(preflight.tank))
+
+    def smooth(self, tile: Tile) -> Limits:
+        """The sea is right at any step; this one keeps the straight lines between steps, by which files are sampled,
+        within 0.05 % of the waves, and no step of a tile left out."""
+        period = self.highest[1] if self.highest is not None else np.inf
+        return Limits(force=min(SMOOTH * period, 4.0 * self.step_of(tile)))
+
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        word, tile = preflight.word, self.tile_of(preflight.tank)
+        cells, every = tile.cells * tile.rows, self.step_of(tile)
+        why = f"fluid.cells {self.cells}"
+        n = len(self.sea_of(preflight.tank).amplitude) if self.order == 1 else 1
+        rows = [LedgerRow("fluid", f"{n} plane waves", 6 * word * n, "fluid.order 1", ADVANCE)]
+        if self.order == 3:
+            size = cells * (6 * 8 + WORDS * word)
+            rows.append(LedgerRow("fluid", f"a nonlinear sea of {cells} cells", size, why, STEEP * cells, every))
+        if preflight.ship is not None and preflight.ship.look(preflight) is not None:
+            rows.append(
+                LedgerRow("fluid", f"the ship's waves on {cells} cells", 5 * 8 * cells, why, CELL * cells, every)
+            )
+        if not preflight.wind.still:
+            size = cells * (5 * 8 + WORDS * word) + AirPressure.bytes(cells, word)
+            rows.append(LedgerRow("fluid", f"the wind's waves on {cells} cells", size, why, READ * cells, every))
+        return rows
+
+    def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "SpectralSea":
+        return SpectralSea(self, basin, wind)
+
+
+class Made(OnTile):
+    """Linear waves that something makes, on a tile of its own."""
+
+    def __init__(self, tile: Tile, ship: Displacing | None = None) -> None:
+        """`ship`: who makes them; None: winds."""
+        self.tile, self.ship, self.layer, self.time, self.begun = tile, ship, Layer(tile), 0.0, False
+
+    def seen(self, points: np.ndarray) -> np.ndarray:
+        return self.layer.seen(points)
+
+    def shown(self, time: float) -> Shown:
+        e, p = self.layer.after(time - self.time)
+        return Shown(e, p, -self.tile.gravity * e)
+
+
+class Steep(OnTile):
+    """The nonlinear sea, a step ahead of the time that is asked for, and as it was a step before."""
+
+    def __init__(self, sea: HighOrder, step: float) -> None:
+        self.sea, self.tile, self.step, self.number = sea, sea.tile, step, 0
+        self.slots = [Kept(*sea.potentials()), Kept(*sea.potentials())]
+        self.ahead()
+
+    def ahead(self) -> None:
+        """Another step."""
+        self.sea.advance(self.step)
+        self.number += 1
+        self.slots = [self.slots[1], Kept(*self.sea.potentials())]
+
+    def share(self, time: float) -> float:
+        """How far a time [s] lies from the state before to that which is ahead."""
+        return time / self.step - (self.number - 1)
+
+    def shown(self, time: float) -> Shown:
+        late = self.share(time)
+        return Shown(*((1.0 - late) * a + late * b for a, b in zip(*(slot.modes for slot in self.slots))))
+
+
+class Kept:
+    """Modes as real numbers, which a checkpoint holds."""
+
+    def __init__(self, *modes: np.ndarray) -> None:
+        self.parts = np.stack([np.stack([of.real, of.imag]) for of in modes])
+
+    @property
+    def modes(self) -> np.ndarray:
+        """(3, cells, rows // 2 + 1): of the elevation, the potential and its growth."""
+        return self.parts[:, 0] + 1j * self.parts[:, 1]
+
+
+@ti.data_oriented
+class SpectralSea(OpenWater):
+    """The sea. Its kernels read what comes from afar and what winds make: all that a ship feels that is alone."""
+
+    def __init__(self, config: Config, basin: Basin, wind: Wind) -> None:
+        self.config, self.tile = config, config.tile_of(basin)
+        tile = self.tile
+        self.still, self.step = config.smooth(tile), config.step_of(tile)
+        self.rest_density = density = config.rest_density
+        whole = config.sea_of(basin)
+        self.spacing = spacing(whole, tile)
+        self.reference_speed = (tile.gravity * basin.depth) ** 0.5
+        speed = whole.amplitude * tile.gravity * whole.wavenumber / whole.omega  # [m/s] at the surface
+        fastest, hardest = np.linalg.norm(speed), np.linalg.norm(speed * whole.omega)  # sqrt 2 deviations if random
+        self.status = Status(float(fastest), float(hardest), density, density, 0, True)
+        self.current, self.drift, self.time, self.then = config.current, np.zeros(2), 0.0, 0.0
+        self.waves = PlaneWaves(whole if config.order == 1 else waves.together([], tile.depth, tile.gravity))
+        self.afar = whole
+        self.steep, self.air, self.raised = None, None, None
+        self.made: list[Made] = []
+        self.sheets = ()
+        if config.order == 3:
+            self.afar = snapped(config.sea_of(basin, DRAWN), tile)
+            self.steep = Steep(self.nonlinear(self.afar), self.step)
+            self.sheets += (Sheet(self.steep.tile, repeats=True),)
+            self.sheets[0].write(0, *self.steep.slots[0].modes)
+            self.show_steep(self.steep)
+        if wind.blows:
+            self.raised, self.air = Made(tile), AirPressure(wind, tile, density)
+            self.made.append(self.raised)
+            self.sheets += (Sheet(tile, repeats=False),)
+        self.felt: list[tuple[Made, Sheet]] = []  # of ships that others feel
+        self.tiles = [*([self.steep] if self.steep is not None else []), *self.made]
+        self.set_clocks()
+
+    def nonlinear(self, sea: waves.Components) -> HighOrder:
+        """The nonlinear sea that these waves grow into."""
+        config, tile = self.config, replace(self.tile, part=KEPT)
+        period = config.highest[1] if config.highest is not None else 0.0
+        breaking = Breaking(tile, heading(sea), period) if config.breaking and period else None
+        steep = HighOrder(tile, RAMP * period if config.ramp is None else config.ramp, breaking)
+        x, z = (axis.ravel() for axis in np.meshgrid(*tile.nodes(), indexing="ij"))
+        points = np.stack([x, z], axis=1)
+        late = waves.Components(
+            sea.amplitude * sea.gravity / sea.omega, sea.wavevector, sea.phase - 0.5 * pi, sea.depth, sea.gravity
+        )
+        steep.begin(*(waves.elevation(of, points).reshape(tile.shape) for of in (sea, late)))
+        return steep
+
+    @property
+    def plane_waves(self) -> waves.Components:
+        """The sea from afar, by linear theory and without its current."""
+        return self.afar
+
+    @property
+    def answers(self) -> bool:
+        return bool(self.tiles) or any(self.current)
+
+    def begin(self, sea: waves.Components) -> None:
+        """These waves from afar from time 0 on; as many as there were, of the same depth."""
+        self.time = self.then = 0.0
+        for made in self.made:
+            made.time, made.begun = 0.0, False
+        self.waves.begin(sea)
+        self.afar = sea
+
+    def carry(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
+        wakes = [Made(self.tile, ship) for ship in ships if len(ship.displaced()[1])]
+        self.made += wakes
+        self.tiles = [*self.tiles, *wakes]
+        if len(ships) < 2:
+            return (self,) * len(ships)
+        self.felt = [(wake, Sheet(self.tile, repeats=False)) for wake in wakes]
+        return tuple(
+            Felt(
+                self,
+                [tile for tile in self.tiles if not (isinstance(tile, Made) and tile.ship is ship)],
+                (*self.sheets, *(sheet for wake, sheet in self.felt if wake.ship is not ship)),
+            )
+            for ship in ships
+        )
+
+    def advance(self, dt: float) -> None:
+        """One step of dt [s]; the tiles take theirs when it is due."""
+        if self.made and (self.time == 0.0 or self.time - self.then > self.step - 0.5 * dt):
+            self.push()
+        if self.air is not None and self.raised is not None:
+            self.air.gather(dt, self.drift, self.raised.layer.centre)
+        self.time += dt
+        self.drift = np.array(self.current) * self.time
+        self.waves.turn(self.time, (float(self.drift[0]), float(self.drift[1])))
+        if self.steep is not None:
+            while self.steep.share(self.time) > 1.0 + 1e-9:
+                self.steep.ahead()
+                self.show_steep(self.steep)
+        self.set_clocks()
+
+    def push(self) -> None:
+        """What ships and winds do to their tiles since their last step."""
+        dt = self.time - self.then
+        for made in self.made:
+            made.time = self.time
+            if made.ship is not None:
+                self.displace(made, made.ship, dt)
+        if self.raised is not None and self.air is not None and dt > 0.0:
+            layer = self.raised.layer
+            layer.press(self.air.taken())  # as it was in the mean, before and after
+            layer.advance(dt, layer.pressure, self.middle())
+        self.then = self.time
+        if self.raised is not None and self.air is not None:
+            if self.air.slope is not None:
+                self.air.lean(*self.leaning(self.raised, self.time + 0.5 * self.step))
+            self.show(self.raised, self.sheets[-1])
+        for made, sheet in self.felt:
+            self.show(made, sheet)
+
+    def leaning(self, raised: Made, time: float) -> tuple[np.ndarray, np.ndarray]:
+        """Slopes along x and z of the sea from afar and of what winds have made of it, on their tile, at a time [s]."""
+        along, across = (self.tile.values(slope) for slope in self.tile.slopes(raised.shown(time).e))
+        if self.steep is not None:
+            afar = [self.steep.tile.values(of) for of in self.steep.tile.slopes(self.steep.shown(self.time).e)]
+            return along + afar[0], across + afar[1]
+        sea = self.waves.sea
+        if sea.amplitude.any():
+            x, z = (
+                axis - size * np.round((axis - middle) / size)
+                for axis, size, middle in zip(
+                    self.tile.nodes(), (self.tile.side, self.tile.width), raised.layer.centre, strict=True
+                )
+            )
+            turn = 1j * sea.amplitude * np.exp(1j * (sea.phase - sea.omega * time))
+            kx, kz = sea.wavevector.T
+            rows, columns = turn * np.exp(1j * x[:, None] * kx), np.exp(1j * z[:, None] * kz)
+            along = along + np.einsum("in,kn->ik", rows * kx, columns).real  # without BLAS: the same on any threads
+            across = across + np.einsum("in,kn->ik", rows * kz, columns).real
+        return along, across
+
+    def displace(self, made: Made, ship: Displacing, dt: float) -> None:
+        """A ship's pressure on her own tile, where she is now."""
+        points, volumes = ship.displaced()
+        centre = np.array([ship.body.position[0], ship.body.position[2]]) - self.drift
+        pressure = self.tile.gravity * self.tile.spread(points - self.drift, volumes)
+        if made.begun:
+            made.layer.advance(dt, pressure, centre)
+            if not np.isfinite(made.layer.eta).all():
+                raise Diverged("the waves that a ship makes stopped being numbers; try a shorter fluid.step")
+        else:
+            made.layer.begin(pressure, centre, self.step)
+            made.begun = True
+
+    def middle(self) -> np.ndarray:
+        """Around which winds are felt, in the axes of the water [m]: the first ship, or where the basin is."""
+        first = next((made.ship for made in self.made if made.ship is not None), None)
+        at = np.zeros(2) if first is None else np.array([first.body.position[0], first.body.position[2]])
+        return at - self.drift
+
+    def show(self, made: Made, sheet: Sheet) -> None:
+        """Waves as they are now and as they will be a step later, for kernels."""
+        for slot, time in enumerate((self.time, self.time + self.step)):
+            sheet.write(slot, *made.shown(time))
+
+    def show_steep(self, steep: Steep) -> None:
+        """The nonlinear sea as it will be, for kernels, in place of what was before the last state."""
+        self.sheets[0].write(steep.number % 2, *steep.slots[1].modes)
+
+    def set_clocks(self) -> None:
+        """Where the sheets lie, and between which of their times it is."""
+        if self.steep is not None:
+            share = self.steep.share(self.time)
+            late = share if self.steep.number % 2 else 1.0 - share
+            self.sheets[0].set_clock(late, self.drift, self.middle())
+        late = (self.time - self.then) / self.step
+        if self.raised is not None:
+            self.sheets[-1].set_clock(late, self.drift, self.raised.layer.centre)
+        for made, sheet in self.felt:
+            sheet.set_clock(late, self.drift, made.layer.centre)
+
+    def limits(self) -> Limits:
+        return self.still
+
+
+def spacing(sea: waves.Components, tile: Tile) -> float:
+    """Distance of points that show the highest waves [m]; in calm water two cells."""
+    k = float(sea.wavenumber[sea.highest])
+    return 2.0 * pi / k / POINTS_PER_WAVE if sea.amplitude.any() else 2.0 * tile.cell
+
+
+def heading(sea: waves.Components) -> np.ndarray:
+    """(2,) unit vector along x and z where the energy of waves goes to."""
+    ahead = (sea.amplitude[:, None] ** 2 * sea.wavevector / sea.wavenumber[:, None]).sum(axis=0)
+    return ahead / max(float(np.linalg.norm(ahead)), 1e-30)
+
+
+def snapped(sea: waves.Components, tile: Tile) -> waves.Components:
+    """Waves of the nearest wavevectors that a tile which repeats itself holds; what falls on one of them is one wave
+    with all their energy, and the phase of the highest."""
+    unit = 2.0 * pi / np.array([tile.side, tile.width if tile.rows > 1 else np.inf])
+    steps = np.round(np.divide(sea.wavevector, unit, out=np.zeros(sea.wavevector.shape), where=unit > 0.0)).astype(int)
+    most = ceil(tile.cells / 4) - 1
+    kept = (np.abs(steps) <= most).all(axis=1) & steps.any(axis=1) & (sea.amplitude > 0.0)
+    if not kept.any():
+        return waves.together([], tile.depth, tile.gravity)
+    modes, which = np.unique(steps[kept], axis=0, return_inverse=True)
+    energy = np.bincount(which.ravel(), sea.amplitude[kept] ** 2)
+    order = np.lexsort((sea.amplitude[kept], which.ravel()))
+    last = np.searchsorted(which.ravel()[order], np.arange(len(modes)), side="right") - 1
+    phase = sea.phase[kept][order[last]]
+    return waves.Components(
+        np.sqrt(energy), modes * np.where(np.isfinite(unit), unit, 0.0), phase, tile.depth, sea.gravity
+    )

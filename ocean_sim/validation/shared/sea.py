@@ -1,0 +1,58 @@
+"""A tile of open sea: its scene, and what is measured on its waves."""
+
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from ocean_sim.simulation import Simulation
+
+if TYPE_CHECKING:
+    from ocean_sim.fluid.shared.tile import Layer, Tile
+    from ocean_sim.fluid.spectral_sea import SpectralSea
+
+SCHEMES = ("spectral_sea",)
+G = 9.81
+
+
+def scene(side: float, cells: int, slice_: bool = False, depth: float = 500.0, **keys: Any) -> dict[str, Any]:
+    """Calm water, or what `keys` of the fluid ask for."""
+    basin = {"length": side, "depth": depth, "walls": "none"} | ({} if slice_ else {"width": side})
+    return {
+        "duration": 1.0,
+        "basin": basin,
+        "fluid": {"tile": side, "cells": cells} | keys,
+        "runtime": {"precision": "f64"},
+    }
+
+
+def sea_of(simulation: Simulation) -> "SpectralSea":
+    """The water of a scene that has this kind."""
+    return cast("SpectralSea", simulation.fluid)
+
+
+def image(tile: "Tile", centre: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """x (cells, 1) and z (1, rows) of each cell from a centre (2,) [m], by its nearest image."""
+    x, z = tile.nodes()
+    dx, dz = x - centre[0], z - centre[1]
+    return (dx - tile.side * np.round(dx / tile.side))[:, None], (dz - tile.width * np.round(dz / tile.width))[None, :]
+
+
+def going(layer: "Layer", eta: np.ndarray) -> None:
+    """Make an elevation (cells, rows) travel towards +x."""
+    tile = layer.tile
+    e, omega = tile.waves(eta), np.where(tile.omega > 0.0, tile.omega, np.inf)
+    layer.eta = tile.values(e)
+    layer.phi = tile.values(-1j * np.sign(tile.kx) * tile.gravity / omega * e)
+
+
+def stokes(steepness: float, k: float, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+    """Elevation [m] and surface potential [m2/s] of a deep-water wave of height 2 steepness / k with a crest at x = 0,
+    and its speed [m/s]: Stokes's series to the fifth order as Fenton has it (1985, J. Waterway 111)."""
+    s, angle = steepness, k * x
+    first = s - 0.375 * s**3 - 422.0 / 384.0 * s**5
+    second, third = 0.5 * s**2 + s**4 / 3.0, 0.375 * s**3 + 297.0 / 384.0 * s**5
+    eta = first * np.cos(angle) + second * np.cos(2.0 * angle) + third * np.cos(3.0 * angle)
+    eta += s**4 / 3.0 * np.cos(4.0 * angle) + 125.0 / 384.0 * s**5 * np.cos(5.0 * angle)
+    phi = (s - 0.5 * s**3 - 37.0 / 24.0 * s**5) * np.exp(eta) * np.sin(angle)
+    phi += 0.5 * s**4 * np.exp(2.0 * eta) * np.sin(2.0 * angle) + s**5 / 12.0 * np.exp(3.0 * eta) * np.sin(3.0 * angle)
+    return eta / k, np.sqrt(G / k**3) * phi, float(np.sqrt(G / k) * (1.0 + 0.5 * s**2 + 0.125 * s**4))

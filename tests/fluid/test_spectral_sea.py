@@ -1,0 +1,307 @@
+"""An open sea that answers: its tiles, its ships and winds, and what kernels read of it."""
+
+from math import pi
+
+import numpy as np
+import pytest
+import taichi as ti
+import taichi.math as tm
+from pydantic import ValidationError
+
+from ocean_sim import waves
+from ocean_sim.basin import Config as BasinConfig
+from ocean_sim.fluid.shared.high_order import HighOrder
+from ocean_sim.fluid.shared.tile import Layer, Tile
+from ocean_sim.fluid.spectral_sea import Config, snapped
+from ocean_sim.parts import Preflight
+from ocean_sim.reading.scene import load, observer_names
+from ocean_sim.simulation import Simulation
+from ocean_sim.validation.shared.sea import going, image, stokes
+from ocean_sim.wind.gusts import Config as Gusts
+from ocean_sim.wind.still import Config as Still
+from ocean_sim.wind.stress import Config as Stress
+
+BAY = {"length": 60.0, "width": 60.0, "depth": 40.0, "walls": "none"}
+FLUME = {"length": 60.0, "depth": 40.0, "walls": "none"}
+G = 9.81
+
+
+class Float:
+    """Something of some volume that displaces water where it is told to be."""
+
+    def __init__(self, x: float = 0.0, z: float = 0.0, volume: float = 8.0) -> None:
+        self.body, self.volume = Body(np.array([x, 0.0, z])), volume
+
+    def displaced(self):
+        return self.body.position[None, [0, 2]], np.array([self.volume])
+
+
+class Body:
+    def __init__(self, position: np.ndarray) -> None:
+        self.position = position
+
+
+@pytest.fixture(scope="module")
+def sea(taichi_cpu):
+    """Builds a sea: `sea(basin, wind, **keys of the fluid)`."""
+
+    def build(basin: dict = BAY, wind=None, **keys):
+        place = BasinConfig(**basin).build()
+        air = (wind or Still()).build(place, 7)
+        fluid = Config(**({"cells": 32} | keys)).build(place, 7, accounts=False, wind=air.on("fluid"))
+        fluid.blowing = air
+        return fluid
+
+    return build
+
+
+def read(fluid, points: np.ndarray) -> np.ndarray:
+    """(m, 7) elevation, velocity and acceleration as a kernel sees them."""
+    found = np.zeros((len(points), 7))
+
+    @ti.kernel
+    def look(x: ti.types.ndarray(ndim=2), found: ti.types.ndarray(ndim=2)):
+        for i in range(x.shape[0]):
+            position = tm.vec3(x[i, 0], x[i, 1], x[i, 2])
+            found[i, 0] = fluid.elevation(position.x, position.z)
+            v, a = fluid.velocity(position), fluid.acceleration(position)
+            for k in ti.static(range(3)):
+                found[i, 1 + k], found[i, 4 + k] = v[k], a[k]
+
+    look(np.ascontiguousarray(points), found)
+    return found
+
+
+def test_a_tile_keeps_energy_and_phase_at_any_step():
+    tile = Tile(50.0, 32, 32, 30.0, G)
+    layer = Layer(tile, rim=False)
+    going(layer, tile.values(tile.waves(np.random.default_rng(0).normal(size=tile.shape)) * (tile.k < 1.0)))
+    layer.eta -= layer.eta.mean()
+    first, before = tile.energy(layer.eta, layer.phi), tile.waves(layer.eta)[3, 2]
+    for dt in (0.01, 0.3, 7.0):
+        layer.advance(dt, np.zeros(tile.k.shape), np.zeros(2))
+    turned = before * np.exp(-1j * tile.omega[3, 2] * 7.31)
+    assert tile.energy(layer.eta, layer.phi) == pytest.approx(first, rel=1e-12)
+    assert tile.waves(layer.eta)[3, 2] == pytest.approx(turned, rel=1e-9)
+
+
+def test_a_moving_pressure_has_havelocks_resistance_at_second_order_in_the_step():
+    """A push that lags by a cell, the way of a step, is the control."""
+    from ocean_sim.validation.sea_wake import PRESSURE, havelock
+
+    found = {}
+    for late in (0.0, 1.0):
+        tile, u, dt, resistance = Tile(96.0, 96, 96, 500.0, G), 5.0, 0.2, []
+        layer = Layer(tile)
+        for n in range(1, 401):
+            centre = np.array([u * n * dt, 0.0])
+            x, z = image(tile, centre)
+            patch = PRESSURE / 1000.0 * np.exp(-((x / 3.0) ** 2) - (z / 1.5) ** 2)
+            behind = np.roll(patch, -1, axis=0) if late else patch
+            layer.advance(dt, tile.waves(min(1.0, n * dt / 10.0) * behind), centre)
+            if n > 320:
+                slope = tile.values(tile.slopes(tile.waves(layer.eta))[0])
+                resistance.append(1000.0 * (patch * slope).sum() * tile.cell**2)
+        found[late] = np.mean(resistance) / havelock(u) - 1.0
+    assert abs(found[0.0]) < 0.01 and abs(found[1.0]) > 0.03
+
+
+def test_what_is_displaced_weighs_as_much_and_lowers_the_water_without_a_mean():
+    tile = Tile(40.0, 64, 64, 30.0, G)
+    points, volume = np.array([[0.3, -1.1], [5.0, 19.9]]), np.array([3.0, 2.0])
+    depth = tile.spread(points, volume)
+    assert depth[0, 0].real * tile.cell**2 == pytest.approx(5.0, rel=1e-12)
+    layer = Layer(tile)
+    layer.begin(G * depth, np.zeros(2), 0.2)
+    first = layer.eta.copy()
+    assert abs(layer.eta.mean()) < 1e-15
+    layer.rim = False
+    for _ in range(50):
+        layer.advance(0.2, G * depth, np.zeros(2))
+    np.testing.assert_allclose(layer.eta, first, atol=1e-12)  # at rest it stays so
+
+
+def test_kernels_read_the_plane_waves_and_the_current(sea):
+    spectrum = {"significant_wave_height": 0.5, "peak_period": 4.0, "spreading": 8.0, "heading_deg": 40.0}
+    fluid = sea(spectrum=spectrum, seas=[{"height": 0.2, "period": 6.0, "heading_deg": 200.0}], current=(1.0, -0.5))
+    for dt in (0.1, 3.0):
+        fluid.advance(dt)
+    points = np.random.default_rng(0).uniform([-20.0, -7.5, -20.0], [20.0, 0.4, 20.0], (100, 3))
+    found, moved = read(fluid, points), points - np.array([3.1, 0.0, -1.55])
+    np.testing.assert_allclose(found[:, 0], fluid.elevations(points[:, [0, 2]]), atol=1e-10)
+    np.testing.assert_allclose(found[:, 0], waves.elevation(fluid.plane_waves, moved, 3.1), atol=1e-10)
+    np.testing.assert_allclose(found[:, 1:4], fluid.velocities(points), atol=1e-10)
+    deep = fluid.velocities(np.array([[0.0, -39.0, 0.0]]))[0]
+    np.testing.assert_allclose(deep, [1.0, 0.0, -0.5], atol=0.02)
+    assert fluid.pressures(np.array([[0.0, -10.0, 0.0]]))[0] == pytest.approx(98100.0, rel=0.02)
+
+
+@pytest.mark.parametrize("order", [1, 3])
+def test_kernels_read_the_tiles_as_python_does(sea, order):
+    """The wind's waves at order 1, the nonlinear sea at order 3, against sums over the modes; of waves of eleven cells
+    straight lines between them leave out (2 pi / 11)^2 / 8, 4 %."""
+    keys = {"order": 3, "height": 0.3, "period": 4.0, "breaking": False} if order == 3 else {"tile": 60.0}
+    fluid = sea(wind=None if order == 3 else Stress(u10=5.0), **(keys | {"cells": 64, "step": 0.05}))
+    if order == 1:
+        going(fluid.raised.layer, 0.1 * np.cos(2.0 * pi / 10.0 * fluid.tile.nodes()[0])[:, None] + np.zeros((64, 64)))
+        fluid.show(fluid.raised, fluid.sheets[-1])
+        fluid.time = 0.02
+        fluid.set_clocks()
+    else:
+        for _ in range(5):
+            fluid.advance(0.03)
+    points = np.random.default_rng(0).uniform([-18.0, -6.0, -18.0], [18.0, -0.2, 18.0], (60, 3))
+    found, eta = read(fluid, points), fluid.elevations(points[:, [0, 2]])
+    np.testing.assert_allclose(found[:, 0], eta, atol=0.004 * np.abs(eta).max())
+    v = fluid.velocities(points)
+    np.testing.assert_allclose(found[:, 1:4], v, atol=0.06 * np.abs(v).max())
+    omega = 2.0 * pi / 4.0 if order == 3 else np.sqrt(G * 2.0 * pi / 10.0)
+    assert np.abs(found[:, 4:]).max() == pytest.approx(omega * np.abs(v).max(), rel=0.1)
+
+
+def test_a_ship_alone_does_not_feel_what_she_makes_and_others_do(sea):
+    alone, pair = sea(tile=60.0), sea(tile=60.0)
+    ship, other = Float(), Float(12.0)
+    (hers,) = alone.carry([ship])
+    mine, yours = pair.carry([ship, other])
+    for n in range(30):
+        ship.body.position[0] = 0.1 * n
+        alone.advance(0.1)
+        pair.advance(0.1)
+    points = np.array([[3.0, -0.5, 1.0], [12.0, -0.5, 0.0], [8.0, -0.5, -4.0]])
+    assert not read(hers, points).any()  # calm water, whatever she does
+    np.testing.assert_array_equal(
+        alone.made[0].layer.eta, pair.made[0].layer.eta
+    )  # and the other changes nothing of it
+    felt, flat = read(yours, points), points[:, [0, 2]]
+    np.testing.assert_allclose(felt[:, 0], alone.elevations(flat), atol=2e-3)
+    np.testing.assert_allclose(mine.elevations(flat) + yours.elevations(flat), pair.elevations(flat), atol=1e-12)
+    assert np.abs(alone.elevations(flat)).max() > 0.01
+
+
+def test_a_ship_goes_through_a_sea_that_answers_as_through_one_in_closed_form():
+    """To the byte, with and without her push: her own waves are in her law of motion, and count once."""
+    ship = {"kind": "dynamic", "hull": "wigley", "velocity": [0.0, 0.0, 1.5]}
+    quiet = {name: None for name in observer_names() if name != "manifest"}
+    plain = {"basin": BAY, "ship": ship, "runtime": {"threads": 1}, **quiet}
+    found, deepest = [], []
+    for kind, pushes in (("spectral_sea", True), ("spectral_sea", False), ("linear_waves", False)):
+        water = {"kind": kind, "spectrum": {"significant_wave_height": 0.1, "peak_period": 2.0, "spreading": 10.0}}
+        with Simulation(load(plain | {"fluid": water})) as simulation:
+            if pushes:
+                deepest.append(simulation.fluid.made[0])
+            elif kind == "spectral_sea":
+                simulation.fluid.made.clear()
+            simulation.run(1.0)
+            body = simulation.ship.body
+            found.append(np.concatenate([body.position, body.orientation, body.velocity, body.angular_momentum]))
+    np.testing.assert_array_equal(found[0], found[1])
+    np.testing.assert_array_equal(found[0], found[2])
+    assert np.abs(deepest[0].layer.eta).max() > 0.01
+
+
+def test_a_tile_travels_with_her_and_no_number_grows(sea):
+    """After 9 km her waves are those that she made after 9 m, in the same place beside her."""
+    near, far = sea(tile=60.0, cells=64), sea(tile=60.0, cells=64)
+    ships = [Float(), Float(9000.0)]
+    for fluid, ship in zip((near, far), ships):
+        fluid.carry([ship])
+        for _ in range(40):
+            ship.body.position[0] += 0.5
+            fluid.advance(0.1)
+    points = np.array([[10.0, 0.0], [16.0, 3.0], [25.0, -2.0]])
+    np.testing.assert_allclose(near.elevations(points), far.elevations(points + [9000.0, 0.0]), atol=1e-9)
+    assert not far.elevations(np.array([[9020.0 + 40.0, 0.0]])).any()  # off her tile
+
+
+@pytest.mark.parametrize(
+    "wind",
+    [
+        Gusts(
+            volumes=[{"include": [{"kind": "sphere", "centre": [0, 0, 0], "radius": 6.0}], "acceleration": [0, 2, 0]}]
+        ),
+        Stress(u10=20.0, sheltering=0.3),
+    ],
+)
+def test_winds_press_on_calm_water(sea, wind):
+    """A gust that pulls upwards raises the water under it; a sheltered wind makes waves grow that run along with it."""
+    fluid = sea(wind=wind, tile=60.0)
+    if isinstance(wind, Stress):
+        layer = fluid.raised.layer
+        layer.rim = False
+        z = fluid.tile.nodes()[1]
+        layer.eta = 0.05 * np.cos(2.0 * pi / 15.0 * z)[None, :] + np.zeros((32, 1))
+        omega = np.sqrt(G * 2.0 * pi / 15.0)
+        layer.phi = G / omega * 0.05 * np.sin(2.0 * pi / 15.0 * z)[None, :] + np.zeros((32, 1))
+        first = fluid.tile.energy(layer.eta, layer.phi)
+    for _ in range(40):
+        fluid.blowing.advance(0.1)
+        fluid.advance(0.1)
+    layer = fluid.raised.layer
+    if isinstance(wind, Stress):
+        rate = wind.sheltered(20.0) * omega / (1000.0 * (G / omega) ** 2)
+        grown = np.log(fluid.tile.energy(layer.eta, layer.phi) / first) / fluid.then
+        assert grown == pytest.approx(rate, rel=0.05)
+    else:
+        assert np.abs(layer.eta).max() > 0.1 and abs(layer.eta.mean()) < 1e-12
+        calm = sea(tile=60.0)
+        assert not calm.made and not calm.sheets  # absent means absent
+
+
+def test_a_steep_wave_keeps_speed_and_energy():
+    tile = Tile(2.0 * pi, 32, 1, 100.0, G)
+    eta, phi, speed = stokes(0.2, 1.0, tile.nodes()[0][:, None])
+    wave, dt = HighOrder(tile, 0.0), 2.0 * pi / speed / 60
+    wave.begin(eta, phi)
+    first, start = wave.energy(), np.angle(tile.waves(wave.eta)[1, 0])
+    for _ in range(240):
+        wave.advance(dt)
+    assert wave.energy() == pytest.approx(first, rel=1e-4)
+    lag = np.angle(tile.waves(wave.eta)[1, 0] * np.exp(-1j * start))  # after four periods; linear theory is 28 deg off
+    assert abs(lag) < np.radians(0.003 * 360 * 4)
+
+
+def test_breaking_takes_energy_from_steep_crests_alone_and_books_it(sea):
+    for steepness, breaks in ((0.2, False), (0.42, True)):
+        k = 2.0 * pi / 10.0
+        fluid = sea(FLUME, order=3, tile=40.0, cells=128, height=0.1, period=2.0 * pi / np.sqrt(G * k), ramp=0.0)
+        wave, tile = fluid.steep.sea, fluid.steep.tile
+        wave.begin(*stokes(steepness, k, tile.nodes()[0][:, None])[:2])
+        first = wave.energy()
+        for _ in range(60):
+            wave.advance(0.03)
+        assert (wave.breaking.lost > 0.0) == breaks
+        assert wave.energy() + wave.breaking.lost == pytest.approx(first, rel=0.03)
+        assert wave.energy() < first * (1.0 - 1e-3) or not breaks
+
+
+def test_a_spectrum_fitted_to_a_tile_keeps_its_energy_and_direction():
+    spectrum = waves.SpreadSpectrum(significant_wave_height=1.0, peak_period=5.0, spreading=15.0, cut_off=2.0)
+    sea = spectrum.components(np.array([0.6, 0.8]), 100.0, G, 4000)
+    fitted = snapped(sea, Tile(400.0, 256, 256, 100.0, G))
+    assert (fitted.amplitude**2).sum() == pytest.approx((sea.amplitude**2).sum())
+    ahead = (fitted.amplitude[:, None] ** 2 * fitted.wavevector / fitted.wavenumber[:, None]).sum(axis=0)
+    assert np.degrees(np.arctan2(*ahead)) == pytest.approx(np.degrees(np.arctan2(0.6, 0.8)), abs=0.5)
+
+
+def test_a_file_of_components_is_the_sea_that_it_says(sea, tmp_path):
+    path = tmp_path / "sea.csv"
+    path.write_text("amplitude_m,period_s,heading_deg,phase_deg\n0.2,5.0,90.0,30.0\n0.1,3.0,0.0,0.0\n")
+    fluid = sea(components=str(path))
+    assert fluid.elevations(np.zeros((1, 2)))[0] == pytest.approx(0.2 * np.cos(np.radians(30.0)) + 0.1)
+    path.write_text("amplitude_m,period_s\n0.2,5.0\n")
+    (problem,) = Config(components=str(path)).problems(Preflight({}, BasinConfig(**BAY).build(), 8, 1.0))
+    assert problem[0] == ("components",) and "heading_deg" in problem[1]
+
+
+def test_what_is_wrong_is_said():
+    bay, flume = (Preflight({}, BasinConfig(**basin).build(), 8, 1.0) for basin in (BAY, FLUME))
+    spread = {"significant_wave_height": 0.1, "peak_period": 2.0, "spreading": 5.0}
+    assert [key for key, _ in Config(spectrum=spread).problems(flume)] == [("spectrum", "spreading")]
+    said = Config(seas=[{"height": 5.0, "period": 2.0}], current=(0.0, 1.0)).problems(flume)
+    assert [key for key, _ in said] == [("seas", 0, "height"), ("current",)]
+    oblique = {"order": 3, "height": 0.2, "period": 4.0}
+    assert not Config(**oblique).problems(bay)
+    assert [key for key, _ in Config(**oblique, tile=70.0).problems(bay)] == [("tile",)]
+    with pytest.raises(ValidationError, match="neither"):
+        Config(height=0.2)

@@ -3,13 +3,11 @@
 H/S = 2 (cosh 2kh - 1) / (sinh 2kh + 2kh) of Biesel & Suquet (1951), far from the wall and in linear theory: 1.082 in
 water 0.5 m deep at a period of 1.5 s. The height is that of the first harmonic over whole periods, after the front of
 the waves has gone by and before a reflection from the far end could arrive; one from the absorbing zone before it can.
-Behind the front waves are higher for a while, by 1.1 % at two wavelengths and 4.1 % at six when they are read; so what
-is expected is linear theory of a piston that begins at rest (Dean & Dalrymple 1991, chapter 6, for the steady part).
+Behind the front waves are higher for a while, by 4 % at two wavelengths and 10 % at six when they are read; so what is
+expected is linear theory of a piston that begins at rest (the steady part: Dean & Dalrymple 1991, chapter 6).
 
-Under `delta_sph` the piston makes the right height and little is lost on the way: at h / 20, where a wave is two
-spacings high, a line through H/S from half a wavelength on begins at 0.984 of the theory's at the piston and falls by
-0.5 % in a wavelength; single gauges are up to 6 % below and 1 % above the theory (a tank of 12 m that ends in a wall:
-0.978, less than 0.1 %, 5 % below to 0). At h / 10, waves of one spacing, 0.986 and 4.4 %.
+Under `delta_sph`, at h / 20, where a wave is two spacings high, it is 0.7 % too low at one wavelength, 2.4 % at two and
+3.1 % at six; crests are 0.2 % slow.
 
 Under `mueller` there is no wave here: in water of 1e-6 m2/s its H/S is 3 to 6, and as large with the piston at rest
 (6.5 and 2.4). That its density is summed with one kernel while its pressure acts along the gradient of another, so that
@@ -41,7 +39,7 @@ SOURCE = "linear theory of a piston that begins"
 
 
 def problems(coarse: bool) -> list[Problem]:
-    return [problem(2, 6.5, 2.0, coarse), problem(6, 15.5, 5.0, coarse, slow=True)]
+    return [problem(2, 6.5, 3.0, coarse), problem(6, 15.5, 5.0, coarse, slow=True)]
 
 
 def problem(far: int, begin: float, kept: float, coarse: bool, slow: bool = False) -> Problem:

@@ -41,7 +41,7 @@ def test_it_sails_round_its_waypoints_and_on_along_the_last_leg():
     assert (np.diff([distance.argmin() for distance in passed]) > 0).all()
     late = (z < 20.0) & (t > 100.0)
     np.testing.assert_allclose(x[late], 150.0, atol=3.0)  # a fifth of its length
-    np.testing.assert_allclose(x[-100:], 150.0, atol=1.0)
+    np.testing.assert_allclose(x[-100:], 150.0, atol=1.5)  # a tenth
     np.testing.assert_allclose(np.abs(yaw[late]), 180.0, atol=3.0)
     assert speed[late].mean() == pytest.approx(4.0, rel=0.02)
 

@@ -1,4 +1,4 @@
-"""Propeller and rudder, and who moves them: rows, a file, an autopilot or a person (6.1, F_ship of (4.27))."""
+"""Propeller and rudder, and who moves them: rows, a file, an autopilot, a pilot or a person (6.1, F_ship of (4.27))."""
 
 from itertools import pairwise
 from math import cos, hypot, pi, radians, remainder, sin, sqrt
@@ -10,6 +10,7 @@ from pydantic import field_validator, model_validator
 from ocean_sim.files import csv_file
 from ocean_sim.files.input_file import FileName, shown
 from ocean_sim.model import Model, Vector3, quantity
+from ocean_sim.ship.shared.pilot import Helmsman, Pilot
 from ocean_sim.ship.shared.rigid_body import RigidBody
 
 COLUMNS = ("time_s", "throttle", "rudder_rad")
@@ -142,17 +143,21 @@ class Helm(Model):
 
     controls: Controls = []
     """Rows of time, throttle and rudder, `{file: ...}` or `{autopilot: {heading_deg: ...}}`."""
+    helm: Pilot | None = None
+    """Someone who steers by himself, in place of `controls`: `{route: [[x, z], ...], speed: ...}`."""
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
+        if self.helm is not None and self.controls != []:
+            raise ValueError("helm: the ship has controls, too; leave one of them out")
         if isinstance(self.controls, list):
             times = [row.time for row in self.controls]
             if any(later <= earlier for earlier, later in pairwise(times)):
                 raise ValueError("controls: the times of the rows must grow")
         return self
 
-    def crew(self) -> "Crew":
-        return Crew(self.controls)
+    def crew(self) -> "Crew | Helmsman":
+        return Crew(self.controls) if self.helm is None else self.helm.crew()
 
 
 class Crew:

@@ -14,7 +14,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.conventions import Motions
 from ocean_sim.files.input_file import FileName
 from ocean_sim.fluid import Fluid
-from ocean_sim.parts import Preflight
+from ocean_sim.parts import Preflight, Problems
 from ocean_sim.ship import Load
 from ocean_sim.ship.shared.added_mass import AddedMass, reaction
 from ocean_sim.ship.shared.damping import Damping, Resistance
@@ -39,6 +39,13 @@ class SeakeepingConfig(FloatingConfig):
         if file is not None:
             Radiation(file)
         return file
+
+    def problems(self, preflight: Preflight) -> Problems:
+        found = super().problems(preflight)
+        if self.radiation is not None and preflight.fluid.made_of_particles:
+            twice = "particles carry the waves that a hull makes, and a table of radiation would count them once more"
+            found.append((("radiation",), f"{twice}; leave it out, or take water in closed form"))
+        return found
 
     def warnings(self, preflight: Preflight) -> list[str]:
         deep = "the surface alone says nothing of the water below it: short waves hold the hull too hard"

@@ -16,6 +16,7 @@ from ocean_sim.parts import Problems, ShipConfig
 from ocean_sim.ship import PARTS, Load
 from ocean_sim.ship.shared.drawn import drawn
 from ocean_sim.ship.shared.hydrostatics import Matter
+from ocean_sim.ship.shared.pilot import Helmsman
 from ocean_sim.ship.shared.propulsion import Crew, Helm, Person, Propeller, Rudder, towards
 from ocean_sim.ship.shared.rigid_body import RigidBody, advanced, cross, guided, oriented, product, rotated, spinning
 from ocean_sim.ship.shared.shapes import HullShape
@@ -91,7 +92,7 @@ class Actuators:
 
     def __init__(self, config: Helm, propeller: Propeller | None, rudder: Rudder | None, centre: np.ndarray) -> None:
         """`centre`: the centre of mass from the hull's origin [m]."""
-        self.crew: Crew | Person = config.crew()
+        self.crew: Crew | Helmsman | Person = config.crew()
         self.propeller, self.rudder_blade, self.centre = propeller, rudder, centre
         self.pushing = np.zeros(3) if propeller is None or propeller.position is None else propeller.position - centre
         self.steering = np.zeros(3) if rudder is None else rudder.position - centre  # from there [m]

@@ -1,0 +1,80 @@
+"""A pilot at the helm: waypoints by line of sight, a heading held against a drift, a speed, and what is refused."""
+
+import numpy as np
+import pytest
+
+from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.reading.scene import load, observer_names
+from ocean_sim.simulation import Simulation
+from ocean_sim.validation.shared.tables import table_path
+
+QUIET = {name: None for name in observer_names() if name != "manifest"} | {"runtime.threads": 1}
+
+
+def at_sea(ship: dict, **keys) -> dict:
+    return {
+        "duration": 200.0,
+        "basin": {"length": 900.0, "width": 900.0, "depth": 50.0, "walls": "none"},
+        "fluid": {"kind": "linear_waves", "height": 0.0, "period": 5.0},
+        "time_step": {"kind": "fixed", "dt": 0.05},
+        "ship": {"kind": "yacht", "cells_per_draught": 3.0} | ship,
+    } | keys
+
+
+def sailed(scene: dict, until: float) -> np.ndarray:
+    """(5, n) time, x, z, yaw [deg], speed."""
+    rows = []
+    with Simulation(load(scene, QUIET)) as simulation:
+        while simulation.time < until:
+            simulation.step()
+            body = simulation.ship.body
+            speed = np.hypot(body.velocity[0], body.velocity[2])
+            rows.append((simulation.time, body.position[0], body.position[2], np.degrees(body.angles[1]), speed))
+    return np.array(rows).T
+
+
+def test_it_sails_round_its_waypoints_and_on_along_the_last_leg():
+    route = [[0.0, 150.0], [150.0, 150.0], [150.0, 0.0]]
+    t, x, z, yaw, speed = sailed(at_sea({"helm": {"route": route, "speed": 4.0}, "velocity": [0.0, 0.0, 4.0]}), 140.0)
+    passed = [np.hypot(x - px, z - pz) for px, pz in route]
+    assert all(distance.min() < 15.0 for distance in passed)
+    assert (np.diff([distance.argmin() for distance in passed]) > 0).all()
+    late = (z < 20.0) & (t > 100.0)
+    np.testing.assert_allclose(x[late], 150.0, atol=3.0)  # a fifth of its length
+    np.testing.assert_allclose(x[-100:], 150.0, atol=1.5)  # a tenth
+    np.testing.assert_allclose(np.abs(yaw[late]), 180.0, atol=3.0)
+    assert speed[late].mean() == pytest.approx(4.0, rel=0.02)
+
+
+def test_it_holds_a_heading_and_a_leg_against_a_wind_from_the_side():
+    wind = {"kind": "stress", "u10": 15.0, "heading_deg": 90.0, "targets": ["ship"]}
+    away = {"position": [20.0, 0.0], "velocity": [0.0, 0.0, 4.0]}
+    held = {"helm": {"heading_deg": 30.0, "speed": 4.0}} | away
+    _, _, _, yaw, speed = sailed(at_sea(held, wind=wind), 60.0)
+    assert yaw[-200:].mean() == pytest.approx(30.0, abs=0.5) and speed[-1] == pytest.approx(4.0, rel=0.03)
+    leg = {"helm": {"route": [[20.0, 2000.0]], "speed": 4.0}} | away
+    _, x, _, _, _ = sailed(at_sea(leg, wind=wind), 150.0)
+    assert np.abs(x[-400:] - 20.0).max() < 0.5
+
+
+@pytest.mark.parametrize(
+    "ship, sentence",
+    [
+        ({"helm": {"speed": 4.0}}, "give either a route or a heading_deg"),
+        ({"helm": {"route": [[0.0, 9.0]], "heading_deg": 3.0, "speed": 4.0}}, "give either a route or a heading_deg"),
+        ({"helm": {"route": [], "speed": 4.0}}, "route"),
+        ({"helm": {"heading_deg": 3.0, "speed": 4.0}, "controls": [{"time": 0.0}]}, "leave one of them out"),
+    ],
+)
+def test_what_cannot_be_steered_is_refused(ship, sentence):
+    with pytest.raises(SceneError) as refused:
+        load(at_sea(ship))
+    assert any(sentence in str(problem) for problem in refused.value.problems), refused.value
+
+
+def test_radiation_on_particles_is_refused_as_they_radiate_already():
+    ship = {"kind": "dynamic", "hull": "barge20", "radiation": str(table_path("barge20_radiation"))}
+    water = {"kind": "mueller", "spacing": 4.0}
+    basin = {"length": 60.0, "width": 60.0, "depth": 12.0}
+    with pytest.raises(SceneError, match="would count them once more"):
+        load({"basin": basin, "fluid": water, "surface": "cloth", "ship": ship})

@@ -1,6 +1,5 @@
 """A sea in closed form, without particles: the linear waves of `ocean_sim.waves`, for ships and platforms alone."""
 
-from dataclasses import replace
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -10,7 +9,7 @@ from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.fluid import Fluid, Limits, Status
-from ocean_sim.fluid.shared.plane_waves import PlaneWaves
+from ocean_sim.fluid.shared.plane_waves import NO_DRIFT, PlaneWaves
 from ocean_sim.model import quantity
 from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems
 from ocean_sim.wind import Wind
@@ -20,7 +19,7 @@ POINTS_PER_WAVE = 16  # at which a wave is drawn
 SMOOTH = 0.04  # [periods] times a quarter (the force number of `courant`): a hundred steps a wave
 
 
-class Config(waves.OpenTrain, FluidConfig):
+class Config(waves.GrowingTrain, FluidConfig):
     """Regular waves (`height`, `period`, `heading_deg`) or a `spectrum`; sides of the basin do not reflect them. They
     grow over the `ramp`, so that what floats does not begin with the speed of a phase."""
 
@@ -30,8 +29,6 @@ class Config(waves.OpenTrain, FluidConfig):
     """From trough to crest; 0 is calm water."""
     rest_density: float = quantity("kg/m3", WATER_DENSITY, gt=0.0)
     """Density of the water."""
-    ramp: float = quantity("periods", 2.0, ge=0.0)
-    """How long the waves grow from calm water, in periods (peak periods of a spectrum); 0: they are there at once."""
 
     def problems(self, preflight: Preflight) -> Problems:
         basin = preflight.tank
@@ -44,11 +41,7 @@ class Config(waves.OpenTrain, FluidConfig):
         return found + list(self.astray(basin))
 
     def statements(self, preflight: Preflight) -> list[str]:
-        first = (
-            "the waves are of the first order: what drifts a ship in the mean, second-order forces, is "
-            "not modelled; a mean drift of a run is that of drag and of a hull that moves"
-        )
-        return [first] if preflight.ship is not None and self.scale[0] > 0.0 else []
+        return [NO_DRIFT] if preflight.ship is not None and self.scale[0] > 0.0 else []
 
     def warnings(self, preflight: Preflight) -> list[str]:
         deaf = "closed-form waves do not feel the wind; it reaches the ship alone"
@@ -71,10 +64,6 @@ class Config(waves.OpenTrain, FluidConfig):
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "LinearWaves":
         return LinearWaves(self, basin)
-
-    def growing(self, sea: waves.Components) -> waves.Components:
-        """The waves as they grow from time 0 on."""
-        return replace(sea, ramp=self.ramp * 2.0 * np.pi / float(sea.omega[sea.highest]))
 
 
 @ti.data_oriented

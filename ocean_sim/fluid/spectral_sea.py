@@ -27,7 +27,7 @@ from ocean_sim.fluid.shared.air_pressure import AirPressure
 from ocean_sim.fluid.shared.breaking import Breaking
 from ocean_sim.fluid.shared.high_order import KEPT, HighOrder
 from ocean_sim.fluid.shared.open_water import Felt, OnTile, OpenWater, Shown
-from ocean_sim.fluid.shared.plane_waves import PlaneWaves
+from ocean_sim.fluid.shared.plane_waves import NO_DRIFT, PlaneWaves
 from ocean_sim.fluid.shared.sheet import WORDS, Sheet
 from ocean_sim.fluid.shared.tile import PER_TILE, RIM, Layer, Tile
 from ocean_sim.model import Vector2, quantity
@@ -40,14 +40,14 @@ SMOOTH = 0.04  # [periods] times a quarter (the force number of `courant`): a hu
 PART = 0.8  # [rad] by which a wave of SHORT cells turns in a step of the tiles
 SHORT = 4.0  # cells
 STEPS_PER_WAVE = 40  # of the highest wave, in a nonlinear sea
-RAMP = 5.0  # [periods] in which what is not linear sets in
+ONSET = 5.0  # [periods] in which what is not linear sets in
 FITTING = 0.01  # part of its wavenumber by which a regular wave may be changed to fit a tile
 DRAWN = 4000  # plane waves that stand for a spectrum before they are fitted to a tile
 ADVANCE, CELL, STEEP, READ = 7.0e-4, 6.0e-8, 9.0e-7, 3.0e-7  # [s] of processor time a step, and per cell of a tile
 COLUMNS = ("amplitude_m", "period_s", "heading_deg", "phase_deg")
 
 
-class Config(waves.OpenTrain, FluidConfig):
+class Config(waves.GrowingTrain, FluidConfig):
     """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `seas` on top of them;
     the sea has no sides."""
 
@@ -71,7 +71,7 @@ class Config(waves.OpenTrain, FluidConfig):
     step: float | None = quantity("s", None, gt=0.0)
     """Time between two steps of the tiles; null: waves of four cells turn by 0.8 rad in it, and of a nonlinear sea the
     highest by a fortieth of its period at most."""
-    ramp: float | None = quantity("s", None, ge=0.0)
+    onset: float | None = quantity("s", None, ge=0.0)
     """Time in which what is not linear sets in, at order 3 (Dommermuth 2000); null: five periods."""
     breaking: bool = True
     """Whether crests of a nonlinear sea break where the water on them moves faster than 0.85 of their speed (Barthelemy
@@ -214,9 +214,11 @@ class Config(waves.OpenTrain, FluidConfig):
 
     def statements(self, preflight: Preflight) -> list[str]:
         tile = self.tile_of(preflight.tank)
+        drift = [NO_DRIFT] if preflight.ship is not None and self.highest is not None else []
         return [
+            *drift,
             f"tiles of {tile.side:.4g} m in cells of {tile.cell:.3g} m that step every {self.step_of(tile):.3g} s; "
-            f"what ships and winds make fades in their outer {100.0 * RIM:g} %"
+            f"what ships and winds make fades in their outer {100.0 * RIM:g} %",
         ]
 
     def still_limits(self, preflight: Preflight) -> Limits:
@@ -268,8 +270,9 @@ class Made(OnTile):
 class Steep(OnTile):
     """The nonlinear sea, a step ahead of the time that is asked for, and as it was a step before."""
 
-    def __init__(self, sea: HighOrder, step: float) -> None:
-        self.sea, self.tile, self.step, self.number = sea, sea.tile, step, 0
+    def __init__(self, sea: HighOrder, step: float, ramp: float) -> None:
+        """`ramp`: time [s] in which it grows, as others see it."""
+        self.sea, self.tile, self.step, self.ramp, self.number = sea, sea.tile, step, ramp, 0
         self.slots = [Kept(*sea.potentials()), Kept(*sea.potentials())]
         self.ahead()
 
@@ -284,8 +287,12 @@ class Steep(OnTile):
         return time / self.step - (self.number - 1)
 
     def shown(self, time: float) -> Shown:
-        late = self.share(time)
-        return Shown(*((1.0 - late) * a + late * b for a, b in zip(*(slot.modes for slot in self.slots))))
+        late, grown = self.share(time), waves.grown(time, self.ramp)
+        return Shown(*(grown * ((1.0 - late) * a + late * b) for a, b in zip(*(slot.modes for slot in self.slots))))
+
+    def grown(self, slot: int) -> np.ndarray:
+        """The modes of the state before (0) or of the one that is ahead (1), as far as they have grown."""
+        return waves.grown(self.step * (self.number - 1 + slot), self.ramp) * self.slots[slot].modes
 
 
 class Kept:
@@ -309,7 +316,7 @@ class SpectralSea(OpenWater):
         tile = self.tile
         self.still, self.step = config.smooth(tile), config.step_of(tile)
         self.rest_density = density = config.rest_density
-        whole = config.sea_of(basin)
+        whole = config.growing(config.sea_of(basin))
         self.spacing = spacing(whole, tile)
         self.reference_speed = (tile.gravity * basin.depth) ** 0.5
         speed = whole.amplitude * tile.gravity * whole.wavenumber / whole.omega  # [m/s] at the surface
@@ -322,10 +329,11 @@ class SpectralSea(OpenWater):
         self.made: list[Made] = []
         self.sheets = ()
         if config.order == 3:
-            self.afar = snapped(config.sea_of(basin, DRAWN), tile)
-            self.steep = Steep(self.nonlinear(self.afar), self.step)
+            fitted = snapped(config.sea_of(basin, DRAWN), tile)
+            self.afar = replace(fitted, ramp=whole.ramp)
+            self.steep = Steep(self.nonlinear(fitted), self.step, whole.ramp)
             self.sheets += (Sheet(self.steep.tile, repeats=True),)
-            self.sheets[0].write(0, *self.steep.slots[0].modes)
+            self.sheets[0].write(0, *self.steep.grown(0))
             self.show_steep(self.steep)
         if wind.blows:
             self.raised, self.air = Made(tile), AirPressure(wind, tile, density)
@@ -340,7 +348,7 @@ class SpectralSea(OpenWater):
         config, tile = self.config, replace(self.tile, part=KEPT)
         period = config.highest[1] if config.highest is not None else 0.0
         breaking = Breaking(tile, heading(sea), period) if config.breaking and period else None
-        steep = HighOrder(tile, RAMP * period if config.ramp is None else config.ramp, breaking)
+        steep = HighOrder(tile, ONSET * period if config.onset is None else config.onset, breaking)
         x, z = (axis.ravel() for axis in np.meshgrid(*tile.nodes(), indexing="ij"))
         points = np.stack([x, z], axis=1)
         late = waves.Components(
@@ -363,8 +371,8 @@ class SpectralSea(OpenWater):
         self.time = self.then = 0.0
         for made in self.made:
             made.time, made.begun = 0.0, False
-        self.waves.begin(sea)
-        self.afar = sea
+        self.afar = self.config.growing(sea)
+        self.waves.begin(self.afar)
 
     def carry(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
         wakes = [Made(self.tile, ship) for ship in ships if len(ship.displaced()[1])]
@@ -430,7 +438,7 @@ class SpectralSea(OpenWater):
                     self.tile.nodes(), (self.tile.side, self.tile.width), raised.layer.centre, strict=True
                 )
             )
-            turn = 1j * sea.amplitude * np.exp(1j * (sea.phase - sea.omega * time))
+            turn = 1j * sea.grown(time) * sea.amplitude * np.exp(1j * (sea.phase - sea.omega * time))
             kx, kz = sea.wavevector.T
             rows, columns = turn * np.exp(1j * x[:, None] * kx), np.exp(1j * z[:, None] * kz)
             along = along + np.einsum("in,kn->ik", rows * kx, columns).real  # without BLAS: the same on any threads
@@ -463,7 +471,7 @@ class SpectralSea(OpenWater):
 
     def show_steep(self, steep: Steep) -> None:
         """The nonlinear sea as it will be, for kernels, in place of what was before the last state."""
-        self.sheets[0].write(steep.number % 2, *steep.slots[1].modes)
+        self.sheets[0].write(steep.number % 2, *steep.grown(1))
 
     def set_clocks(self) -> None:
         """Where the sheets lie, and between which of their times it is."""

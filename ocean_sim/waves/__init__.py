@@ -7,7 +7,7 @@ without bound under a crest; the velocity is then free of divergence to second o
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import cos, pi, radians, sin, sqrt
 from typing import Literal, Protocol
@@ -88,6 +88,17 @@ def jonswap(
     return peak * pierson_moskowitz(frequency, peak_frequency, alpha, gravity)
 
 
+def grown(time: float, ramp: float) -> float:
+    """Share of their height that waves have which grow over a ramp [s] from time 0 on: s - sin(2 pi s) / (2 pi), s from
+    0 to 1 over the ramp.
+
+    The rate at which it grows is Hann's window, of which a wave with a whole number of periods in the ramp, two or
+    more, sees nothing: what floated at rest when it began then goes to and fro about one place, whatever its phase.
+    """
+    s = min(max(time / ramp, 0.0), 1.0) if ramp > 0.0 else 1.0
+    return s - sin(2.0 * pi * s) / (2.0 * pi)
+
+
 @dataclass(frozen=True)
 class Components:
     """A sea as a sum of plane waves, each a cos(k . (x, z) - omega t + phase)."""
@@ -120,13 +131,8 @@ class Components:
         return bool(np.ptp(self.omega) > 0.0)
 
     def grown(self, time: float) -> float:
-        """Share of their height at a time [s]: s - sin(2 pi s) / (2 pi), s from 0 to 1 over the ramp.
-
-        The rate at which it grows is Hann's window, of which a wave with a whole number of periods in the ramp, two or
-        more, sees nothing: what floated at rest when it began then goes to and fro about one place, whatever its phase.
-        """
-        s = min(max(time / self.ramp, 0.0), 1.0) if self.ramp > 0.0 else 1.0
-        return s - sin(2.0 * pi * s) / (2.0 * pi)
+        """Share of their height at a time [s]."""
+        return grown(time, self.ramp)
 
     def angles(self, points: np.ndarray, time: float) -> Iterator[tuple[int, np.ndarray]]:
         """Number of each component, and its k . (x, z) - omega t + phase [rad] at points whose first column is x and
@@ -383,6 +389,17 @@ class OpenTrain(HeadedTrain):
         yield from ((self.heading_key, sentence) for sentence in misdirected(self.heading, basin))
         if basin.dimension == 2 and self.spectrum is not None and self.spectrum.spreading is not None:
             yield ("spectrum", "spreading"), "waves in a slice have one direction; leave spreading out"
+
+
+class GrowingTrain(OpenTrain):
+    """The same, from calm water on."""
+
+    ramp: float = quantity("periods", 2.0, ge=0.0)
+    """How long the waves grow from calm water, in periods of the highest; 0: they are there at once."""
+
+    def growing(self, sea: Components) -> Components:
+        """The waves as they grow from time 0 on."""
+        return replace(sea, ramp=self.ramp * 2.0 * pi / float(sea.omega[sea.highest]))
 
 
 class Tank(Protocol):

@@ -48,7 +48,7 @@ def sea(taichi_cpu):
     def build(basin: dict = BAY, wind=None, **keys):
         place = BasinConfig(**basin).build()
         air = (wind or Still()).build(place, 7)
-        fluid = Config(**({"cells": 32} | keys)).build(place, 7, accounts=False, wind=air.on("fluid"))
+        fluid = Config(**({"cells": 32, "ramp": 0.0} | keys)).build(place, 7, accounts=False, wind=air.on("fluid"))
         fluid.blowing = air
         return fluid
 
@@ -264,7 +264,7 @@ def test_a_steep_wave_keeps_speed_and_energy():
 def test_breaking_takes_energy_from_steep_crests_alone_and_books_it(sea):
     for steepness, breaks in ((0.2, False), (0.42, True)):
         k = 2.0 * pi / 10.0
-        fluid = sea(FLUME, order=3, tile=40.0, cells=128, height=0.1, period=2.0 * pi / np.sqrt(G * k), ramp=0.0)
+        fluid = sea(FLUME, order=3, tile=40.0, cells=128, height=0.1, period=2.0 * pi / np.sqrt(G * k), onset=0.0)
         wave, tile = fluid.steep.sea, fluid.steep.tile
         wave.begin(*stokes(steepness, k, tile.nodes()[0][:, None])[:2])
         first = wave.energy()

@@ -95,7 +95,7 @@ class AirPressure:
                 mass = ti.static(self.density * self.thick[slab] * self.cell**2)
                 key = (slab * self.cells + i) * self.rows + k
                 position = tm.vec3(x, -ti.static(self.middle[slab]), z)
-                push = self.wind.force(key, position, tm.vec3(0.0), area, mass)
+                push = self.wind.force(key, position, tm.vec3(0.0), area, tm.vec3(0.0), mass)
                 self.impulse[slab, i, k] += ti.cast(push.y * dt / (self.density * self.cell * self.cell), ti.f64)
 
 

@@ -31,9 +31,9 @@ class HighOrder:
 
     left_out: ClassVar[tuple[str, ...]] = ("up", "clear", "known")
 
-    def __init__(self, tile: Tile, ramp: float, breaking: Breaking | None = None) -> None:
-        """`ramp`: time scale on which what is not linear sets in [s]; 0: from the beginning."""
-        self.tile, self.ramp, self.breaking, self.time = tile, ramp, breaking, 0.0
+    def __init__(self, tile: Tile, onset: float, breaking: Breaking | None = None) -> None:
+        """`onset`: time scale on which what is not linear sets in [s]; 0: from the beginning."""
+        self.tile, self.onset, self.breaking, self.time = tile, onset, breaking, 0.0
         self.eta, self.phi = np.zeros(tile.shape), np.zeros(tile.shape)
 
     @cached_property
@@ -96,7 +96,7 @@ class HighOrder:
 
     def part(self, time: float) -> float:
         """Of what is not linear, at a time [s]."""
-        return 1.0 - exp(-((time / self.ramp) ** 4)) if self.ramp else 1.0
+        return 1.0 - exp(-((time / self.onset) ** 4)) if self.onset else 1.0
 
     def surface(self, e: np.ndarray, p: np.ndarray) -> Surface:
         """Slopes and vertical velocity of modes of the elevation and surface potential."""

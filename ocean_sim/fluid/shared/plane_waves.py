@@ -6,6 +6,11 @@ import taichi.math as tm
 
 from ocean_sim import waves
 
+NO_DRIFT = (
+    "the waves are of the first order: what drifts a ship in the mean, second-order forces, is not modelled; a mean "
+    "drift of a run is that of drag and of a hull that moves"
+)
+
 
 @ti.data_oriented
 class PlaneWaves:

@@ -20,7 +20,7 @@ def scene(side: float, cells: int, slice_: bool = False, depth: float = 500.0, *
     return {
         "duration": 1.0,
         "basin": basin,
-        "fluid": {"tile": side, "cells": cells} | keys,
+        "fluid": {"tile": side, "cells": cells, "ramp": 0.0} | keys,
         "runtime": {"precision": "f64"},
     }
 

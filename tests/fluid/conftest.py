@@ -1,6 +1,7 @@
 """Water to test: built from numbers, under a wind, without a scene."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from ocean_sim.basin import Config as BasinConfig
 from ocean_sim.parts import config_of
 from ocean_sim.wind.still import Config as Still
+from tests.conftest import Start
 
 
 @pytest.fixture(scope="module")
@@ -27,6 +29,35 @@ def water(taichi_cpu) -> Callable[..., Any]:
         return fluid
 
     return build
+
+
+@pytest.fixture(scope="module")
+def again(water) -> Callable[..., Any]:
+    """As `water`, but what a module has built from the same numbers before is put back to its start instead: nothing
+    is compiled twice. A test holds no two of the same numbers at once."""
+    built: dict[str, tuple[Any, Start]] = {}
+
+    def build(*kind: str, **keys: Any) -> Any:
+        name = repr((kind, sorted(keys.items())))
+        if name not in built:
+            fluid = water(*kind, **keys)
+            built[name] = fluid, Start(fluid)
+            return fluid
+        fluid, start = built[name]
+        start.put_back()
+        return fluid
+
+    return build
+
+
+@contextmanager
+def undone(fluid: Any) -> Iterator[Any]:
+    """What is done to a fluid inside is undone at the end."""
+    start = Start(fluid)
+    try:
+        yield fluid
+    finally:
+        start.put_back()
 
 
 def box(*count: int, spacing: float = 0.1) -> dict:

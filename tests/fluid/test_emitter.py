@@ -45,8 +45,8 @@ def parabola(fluid, t: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("dt", [0.05, 0.0173, 0.26])
-def test_layers_fly_on_parabolas_whatever_the_step(water, dt):
-    fluid, t = fountain(water), 0.0
+def test_layers_fly_on_parabolas_whatever_the_step(again, dt):
+    fluid, t = fountain(again), 0.0
     while t < 0.9:
         fluid.advance(dt)
         t += dt
@@ -59,8 +59,8 @@ def test_layers_fly_on_parabolas_whatever_the_step(water, dt):
     np.testing.assert_allclose(v, np.array(JET["velocity"]) + age * G, atol=1e-12)
 
 
-def test_without_gravity_in_the_first_partial_step_they_would_not(water, monkeypatch):
-    fluid = fountain(water)
+def test_without_gravity_in_the_first_partial_step_they_would_not(again, monkeypatch):
+    fluid = fountain(again)
     monkeypatch.setattr(type(fluid.pull), "at_mouth", lambda self: np.zeros(3))
     for _ in range(4):
         fluid.advance(0.26)

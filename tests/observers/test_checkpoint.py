@@ -48,6 +48,8 @@ BOX = {"shape": {"kind": "box", "length": 2.0, "breadth": 1.0, "height": 0.6}, "
 HULL = {"hull": BOX | {"centre_of_mass": [0.0, 0.2, 0.0]}, "velocity": [0.0, 0.0, 0.5]}
 RADIATION = str(table_path("barge20_radiation"))
 AUTOPILOT = {"hull": "yacht", "controls": {"autopilot": {"heading_deg": 30.0, "throttle": 0.5}}}
+LINE = {"from": [0.0, 2.0, 5.0], "to": [0.0, 0.0, 9.0], "stiffness": 1.0e4}
+PILOT = {"hull": "yacht", "helm": {"route": [[1.0, 2.0], [3.0, 2.0]], "speed": 2.0}, "moorings": [LINE]}
 GAUGES = {"gauges": {"elevation": {"here": [0.1, 0.2]}, "pressure": {"bed": [0.1, -0.4, 0.2]}, "every": 0.02}}
 IN_SLICE = {"gauges": {"elevation": {"here": [0.1]}, "pressure": {"bed": [0.1, -0.4]}, "every": 0.02}}
 TRACED = {"tracers": {"ids": [0, 5], "every": 0.02}}
@@ -105,6 +107,7 @@ MORE = {
     "mueller, cloth, thesis ship": afloat("mueller", "thesis", **CLOTH),
     "mueller, marching cubes, dynamic ship": afloat("mueller", "dynamic", surface="marching_cubes"),
     "linear waves, hydrostatic ship": sea("hydrostatic", AUTOPILOT),
+    "linear waves, moored ship with a pilot": sea("dynamic", PILOT),
     "linear waves, thesis ship": sea("thesis", AUTOPILOT),
     "linear waves, manoeuvring": sea("manoeuvring", {}, wind=None),
     "irregular waves": {"basin": OPEN, "fluid": {"kind": "linear_waves", "spectrum": WIND_SEA}},

@@ -54,13 +54,15 @@ class Pilot(Model):
 class Helmsman:
     """The pilot at work."""
 
+    start: tuple[float, float] | None
+
     def __init__(self, config: Pilot) -> None:
         self.config = config
         self.reach = config.look_ahead or AHEAD * config.speed  # [m]
         self.near = config.arrival or self.reach  # [m]
         self.time = 0.0
         self.leg = 0  # number of the waypoint ahead
-        self.start: tuple[float, float] | None = None  # of the leg [m]
+        self.start = None  # of the leg [m]
         self.drifted = 0.0  # what a steady drift has come to [m]
         self.bent, self.driven = 0.0, 0.0  # the integrals: of the heading's error [rad], and throttle
 

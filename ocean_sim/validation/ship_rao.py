@@ -84,7 +84,7 @@ def problem(
         )
 
     return Problem(
-        at_sea(ship, LENGTH[hull], 0.01, heading_deg=180.0 if sea == "head" else 90.0),
+        at_sea(ship, LENGTH[hull], 0.01, heading_deg=180.0 if sea == "head" else 90.0, ramp=0.0),
         tuple(promises.values()),
         measure,
         name,

@@ -48,7 +48,7 @@ from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.runtime import Array, Template
 from ocean_sim.wind import Wind
 
-PAIR = 7.4e-8  # [s] of processor time a neighbour, with the iterations that calm water needs
+PAIR = 3.0e-8  # [s] of processor time a neighbour, with the iterations that calm water needs
 ROW, VISCOUS_ROW = Columns(position=3, pressure=1), Columns(position=3, pressure=1, velocity=3)  # of the forces
 CALM = {"density": 0.1, "divergence": 0.003}  # [tolerances] errors below which water counts as calm
 BRIEF = 0.1  # of half the support over the reference speed: in shorter steps calm water compresses itself less

@@ -8,15 +8,12 @@ import taichi as ti
 from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import WATER_DENSITY
-from ocean_sim.fluid import Fluid, Limits, Status
+from ocean_sim.fluid import Limits
+from ocean_sim.fluid.shared.open_water import ADVANCE, POINTS_PER_WAVE, SMOOTH, OpenWater, status_of
 from ocean_sim.fluid.shared.plane_waves import NO_DRIFT, PlaneWaves
 from ocean_sim.model import quantity
 from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems
 from ocean_sim.wind import Wind
-
-ADVANCE = 7.0e-4  # [s] of processor time a step
-POINTS_PER_WAVE = 16  # at which a wave is drawn
-SMOOTH = 0.04  # [periods] times a quarter (the force number of `courant`): a hundred steps a wave
 
 
 class Config(waves.GrowingTrain, FluidConfig):
@@ -67,10 +64,8 @@ class Config(waves.GrowingTrain, FluidConfig):
 
 
 @ti.data_oriented
-class LinearWaves(Fluid):
+class LinearWaves(OpenWater):
     """The waves at one time; what they do follows from it."""
-
-    sound_speed = 0.0  # [m/s] nothing is compressed
 
     def __init__(self, config: Config, basin: Basin) -> None:
         self.config, sea = config, config.growing(config.sea(basin))
@@ -78,10 +73,8 @@ class LinearWaves(Fluid):
         self.spacing = 2.0 * np.pi / k / POINTS_PER_WAVE  # [m] between points that show the waves
         self.still = config.smooth
         self.reference_speed = (sea.gravity * basin.depth) ** 0.5
-        speed = sea.amplitude * sea.gravity * sea.wavenumber / sea.omega  # [m/s] at the surface
-        self.rest_density = density = config.rest_density
-        fastest, hardest = np.linalg.norm(speed), np.linalg.norm(speed * sea.omega)  # sqrt 2 deviations if random
-        self.status = Status(float(fastest), float(hardest), density, density, 0, True)
+        self.rest_density = config.rest_density
+        self.status = status_of(sea, config.rest_density)
         self.waves, self.time = PlaneWaves(sea), 0.0
 
     @property
@@ -101,41 +94,7 @@ class LinearWaves(Fluid):
     def limits(self) -> Limits:
         return self.still
 
-    def internal_energy(self) -> float:
-        """0: nothing is compressed [J]."""
-        return 0.0
-
-    @ti.func
-    def elevation(self, x, z):
-        return self.waves.elevation(x, z)
-
-    @ti.func
-    def velocity(self, position):
-        return self.waves.velocity(position)
-
-    @ti.func
-    def acceleration(self, position):
-        """[m/s2] by linear theory, -grad p / rho less gravity: what a body that is small against the waves feels."""
-        return self.waves.acceleration(position)
-
-    @ti.func
-    def moving(self, position, eta):
-        """Velocity [m/s] and acceleration [m/s2] under an elevation [m]."""
-        return self.waves.moving_at(position, self.waves.stretched(position, eta))
-
     @ti.func
     def pressure(self, position):
         eta, g = self.waves.elevation(position.x, position.z), ti.static(self.waves.sea.gravity)
         return ti.select(position.y < eta, self.config.rest_density * g * self.waves.head(position, eta), 0.0)
-
-    def elevations(self, points: np.ndarray) -> np.ndarray:
-        """(m, 2) points x, z [m] -> (m,) heights [m]."""
-        return waves.elevation(self.plane_waves, np.asarray(points, dtype=float), self.time)
-
-    def velocities(self, points: np.ndarray) -> np.ndarray:
-        """(m, 3) points [m] -> (m, 3) velocities [m/s]; above the water that of its surface."""
-        return waves.velocity(self.plane_waves, np.asarray(points, dtype=float), self.time)
-
-    def pressures(self, points: np.ndarray) -> np.ndarray:
-        """(m, 3) points [m] -> (m,) pressures [Pa]; 0 above the water."""
-        return waves.pressure(self.plane_waves, np.asarray(points, dtype=float), self.time, self.config.rest_density)

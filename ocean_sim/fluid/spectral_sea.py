@@ -22,28 +22,26 @@ from ocean_sim.basin import Basin
 from ocean_sim.conventions import WATER_DENSITY, Diverged
 from ocean_sim.files import csv_file
 from ocean_sim.files.input_file import FileName, Unreadable
-from ocean_sim.fluid import Displacing, Fluid, Limits, Status
+from ocean_sim.fluid import Displacing, Fluid, Limits
 from ocean_sim.fluid.shared.air_pressure import AirPressure
 from ocean_sim.fluid.shared.breaking import Breaking
 from ocean_sim.fluid.shared.high_order import KEPT, HighOrder
-from ocean_sim.fluid.shared.open_water import Felt, OnTile, OpenWater, Shown
+from ocean_sim.fluid.shared.open_water import ADVANCE, POINTS_PER_WAVE, SMOOTH, Felt, OpenWater, status_of
 from ocean_sim.fluid.shared.plane_waves import NO_DRIFT, PlaneWaves
 from ocean_sim.fluid.shared.sheet import WORDS, Sheet
-from ocean_sim.fluid.shared.tile import PER_TILE, RIM, Layer, Tile
+from ocean_sim.fluid.shared.tile import PER_TILE, RIM, Layer, OnTile, Shown, Tile
 from ocean_sim.model import Vector2, quantity
 from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems
 from ocean_sim.wind import Wind
 
 CELLS = 128  # along a tile
-POINTS_PER_WAVE = 16  # at which a wave is drawn
-SMOOTH = 0.04  # [periods] times a quarter (the force number of `courant`): a hundred steps a wave
 PART = 0.8  # [rad] by which a wave of SHORT cells turns in a step of the tiles
 SHORT = 4.0  # cells
 STEPS_PER_WAVE = 40  # of the highest wave, in a nonlinear sea
 ONSET = 5.0  # [periods] in which what is not linear sets in
 FITTING = 0.01  # part of its wavenumber by which a regular wave may be changed to fit a tile
 DRAWN = 4000  # plane waves that stand for a spectrum before they are fitted to a tile
-ADVANCE, CELL, STEEP, READ = 7.0e-4, 6.0e-8, 9.0e-7, 3.0e-7  # [s] of processor time a step, and per cell of a tile
+CELL, STEEP, READ = 6.0e-8, 9.0e-7, 3.0e-7  # [s] of processor time a step and cell of a tile
 COLUMNS = ("amplitude_m", "period_s", "heading_deg", "phase_deg")
 
 
@@ -319,9 +317,7 @@ class SpectralSea(OpenWater):
         whole = config.growing(config.sea_of(basin))
         self.spacing = spacing(whole, tile)
         self.reference_speed = (tile.gravity * basin.depth) ** 0.5
-        speed = whole.amplitude * tile.gravity * whole.wavenumber / whole.omega  # [m/s] at the surface
-        fastest, hardest = np.linalg.norm(speed), np.linalg.norm(speed * whole.omega)  # sqrt 2 deviations if random
-        self.status = Status(float(fastest), float(hardest), density, density, 0, True)
+        self.status = status_of(whole, density)
         self.current, self.drift, self.time, self.then = config.current, np.zeros(2), 0.0, 0.0
         self.waves = PlaneWaves(whole if config.order == 1 else waves.together([], tile.depth, tile.gravity))
         self.afar = whole
@@ -491,8 +487,7 @@ class SpectralSea(OpenWater):
 
 def spacing(sea: waves.Components, tile: Tile) -> float:
     """Distance of points that show the highest waves [m]; in calm water two cells."""
-    k = float(sea.wavenumber[sea.highest])
-    return 2.0 * pi / k / POINTS_PER_WAVE if sea.amplitude.any() else 2.0 * tile.cell
+    return sea.wavelength / POINTS_PER_WAVE if sea.amplitude.any() else 2.0 * tile.cell
 
 
 def heading(sea: waves.Components) -> np.ndarray:
@@ -510,11 +505,5 @@ def snapped(sea: waves.Components, tile: Tile) -> waves.Components:
     kept = (np.abs(steps) <= most).all(axis=1) & steps.any(axis=1) & (sea.amplitude > 0.0)
     if not kept.any():
         return waves.together([], tile.depth, tile.gravity)
-    modes, which = np.unique(steps[kept], axis=0, return_inverse=True)
-    energy = np.bincount(which.ravel(), sea.amplitude[kept] ** 2)
-    order = np.lexsort((sea.amplitude[kept], which.ravel()))
-    last = np.searchsorted(which.ravel()[order], np.arange(len(modes)), side="right") - 1
-    phase = sea.phase[kept][order[last]]
-    return waves.Components(
-        np.sqrt(energy), modes * np.where(np.isfinite(unit), unit, 0.0), phase, tile.depth, sea.gravity
-    )
+    there = replace(sea, amplitude=sea.amplitude[kept], wavevector=sea.wavevector[kept], phase=sea.phase[kept])
+    return waves.merged(there, steps[kept] * np.where(np.isfinite(unit), unit, 0.0))

@@ -46,7 +46,7 @@ def of_run(folder: Path, grid: Any) -> SeaState:
             float(grid["depth"]),
             ramp=float(grid["sea_ramp"]) if "sea_ramp" in grid else 0.0,
         )
-        height = 4.0 * float(np.sqrt(0.5 * (exact.amplitude**2).sum()))
+        height = exact.significant_height
     wind = wind_of(scene, exact, height)
     towards = np.array([np.cos(wind.angle), np.sin(wind.angle)])
     depth = float(grid["depth"])

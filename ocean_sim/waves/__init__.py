@@ -126,6 +126,21 @@ class Components:
         return int(np.argmax(self.amplitude))
 
     @property
+    def wavelength(self) -> float:
+        """Of the highest of them [m]."""
+        return 2.0 * pi / float(self.wavenumber[self.highest])
+
+    @property
+    def period(self) -> float:
+        """Of the highest of them [s]."""
+        return 2.0 * pi / float(self.omega[self.highest])
+
+    @property
+    def significant_height(self) -> float:
+        """Four standard deviations of the elevation [m]."""
+        return 4.0 * float(np.sqrt(0.5 * (self.amplitude**2).sum()))
+
+    @property
     def random(self) -> bool:
         """Whether they have more than one frequency."""
         return bool(np.ptp(self.omega) > 0.0)
@@ -153,6 +168,16 @@ def together(seas: Sequence[Components], depth: float, gravity: float = GRAVITY)
         depth,
         gravity,
     )
+
+
+def merged(sea: Components, wavevector: np.ndarray) -> Components:
+    """The sea with other wavevectors (n, 2) [rad/m]; waves that fall on the same one become one, with the variance of
+    all and the phase of the greatest."""
+    unique, which = np.unique(wavevector.round(9), axis=0, return_inverse=True)
+    members = [np.flatnonzero(which.ravel() == k) for k in range(len(unique))]
+    greatest = [own[np.argmax(sea.amplitude[own])] for own in members]
+    amplitude = np.array([np.linalg.norm(sea.amplitude[own]) for own in members])
+    return replace(sea, amplitude=amplitude, wavevector=wavevector[greatest], phase=sea.phase[greatest])
 
 
 def profiles(k: Values, y: Values, depth: float) -> tuple[np.ndarray, np.ndarray]:
@@ -399,7 +424,7 @@ class GrowingTrain(OpenTrain):
 
     def growing(self, sea: Components) -> Components:
         """The waves as they grow from time 0 on."""
-        return replace(sea, ramp=self.ramp * 2.0 * pi / float(sea.omega[sea.highest]))
+        return replace(sea, ramp=self.ramp * sea.period)
 
 
 class Tank(Protocol):

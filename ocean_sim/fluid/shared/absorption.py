@@ -40,7 +40,7 @@ class Zone:
     @property
     def wavelength(self) -> float:
         """Of the highest of the waves [m]."""
-        return inf if self.coming is None else 2.0 * pi / float(self.coming.wavenumber[self.coming.highest])
+        return inf if self.coming is None else self.coming.wavelength
 
     @cached_property
     def sent_back(self) -> tuple[float, float]:
@@ -55,13 +55,11 @@ class Zone:
         rate = f"rate {self.rate:.3g} 1/s at the side"
         aim = "" if not any(self.current) else f"; towards a current of {list(self.current)} m/s"
         if self.given is not None:
-            length = 2.0 * pi / self.given.wavenumber[self.given.highest]
-            aim += f"{';' if not aim else ' and'} towards waves of {length:.4g} m"
+            aim += f"{';' if not aim else ' and'} towards waves of {self.given.wavelength:.4g} m"
         if self.coming is None:
             return f"{what}{rate}; the scene names no waves to choose them for{aim}"
         peak, whole = self.sent_back
-        period = 2.0 * pi / self.coming.omega[self.coming.highest]
-        back = f"by linear theory it sends back {peak:.2%} of the height of waves of {period:.3g} s"
+        back = f"by linear theory it sends back {peak:.2%} of the height of waves of {self.coming.period:.3g} s"
         band = f", {whole:.2%} of the whole sea" if self.coming.random else ""
         many = f"{self.length / self.wavelength:.3g} times the wavelength of {self.wavelength:.3g} m"
         return f"{what}{many}, {rate}; {back}{band}{aim}"

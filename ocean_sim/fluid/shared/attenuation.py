@@ -41,28 +41,17 @@ class Train:
     standing: bool
 
     @property
-    def k(self) -> float:
-        """Wavenumber [1/m]."""
-        return float(self.sea.wavenumber[self.sea.highest])
-
-    @property
-    def length(self) -> float:
-        """[m]"""
-        return 2.0 * pi / self.k
-
-    @property
     def height(self) -> float:
         """From trough to crest, of random waves the significant one [m]."""
         if self.sea.random:
-            return 4.0 * sqrt(0.5 * float((self.sea.amplitude**2).sum()))
+            return self.sea.significant_height
         return 2.0 * float(self.sea.amplitude.sum())
 
     def lost(self, viscosity: float) -> tuple[float, float]:
         """Share of the height that a viscosity [m2/s] takes away in a period, and on the way of a wavelength."""
-        rate = 2.0 * viscosity * self.k**2
-        speed = float(waves.group_speed(self.k, self.sea.depth, self.sea.gravity))
-        period = 2.0 * pi / float(self.sea.omega[self.sea.highest])
-        return 1.0 - exp(-rate * period), 1.0 - exp(-rate * self.length / speed)
+        sea, k = self.sea, 2.0 * pi / self.sea.wavelength
+        rate, speed = 2.0 * viscosity * k**2, float(waves.group_speed(k, sea.depth, sea.gravity))
+        return 1.0 - exp(-rate * sea.period), 1.0 - exp(-rate * sea.wavelength / speed)
 
 
 def trains(lattice: Lattice) -> Iterator[Train]:

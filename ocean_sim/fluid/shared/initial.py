@@ -294,11 +294,7 @@ def fitted(sea: waves.Components, basin: Basin) -> waves.Components:
             least = np.abs(sea.wavevector).argmax(axis=1) == axis  # along this axis a wave must have one crest
             number = np.where((number == 0.0) & least, np.sign(sea.wavevector[:, axis]), number)
             wavevector[:, axis] = number * unit
-    unique, which = np.unique(wavevector.round(9), axis=0, return_inverse=True)
-    members = [np.flatnonzero(which.ravel() == k) for k in range(len(unique))]
-    greatest = [own[np.argmax(sea.amplitude[own])] for own in members]
-    amplitude = np.array([np.linalg.norm(sea.amplitude[own]) for own in members])
-    return replace(sea, amplitude=amplitude, wavevector=wavevector[greatest], phase=sea.phase[greatest])
+    return waves.merged(sea, wavevector)
 
 
 def walled(wavevector: np.ndarray, basin: Basin) -> Iterator[str]:

@@ -1,8 +1,7 @@
 """Open water as a sum: plane waves in closed form, waves on tiles, and a current that carries both."""
 
-from abc import abstractmethod
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import taichi as ti
@@ -11,45 +10,37 @@ import taichi.math as tm
 from ocean_sim import waves
 from ocean_sim.fluid import Fluid, Limits, Status
 from ocean_sim.fluid.shared.plane_waves import PlaneWaves
-from ocean_sim.fluid.shared.sheet import Sheet
-from ocean_sim.fluid.shared.tile import Tile, below
+
+if TYPE_CHECKING:  # they are imported only where there are tiles
+    from ocean_sim.fluid.shared.sheet import Sheet
+    from ocean_sim.fluid.shared.tile import OnTile
+
+ADVANCE = 7.0e-4  # [s] of processor time a step
+POINTS_PER_WAVE = 16  # at which a wave is drawn
+SMOOTH = 0.04  # [periods] times a quarter (the force number of `courant`): a hundred steps a wave
 
 
-class Shown(NamedTuple):
-    """What a tile shows now: modes of the elevation, of the potential at the still surface, and of its growth."""
-
-    e: np.ndarray
-    potential: np.ndarray
-    growth: np.ndarray
-
-
-class OnTile:
-    """Waves on a tile that can be asked for."""
-
-    tile: Tile
-
-    @abstractmethod
-    def shown(self, time: float) -> Shown:
-        """At a time [s]."""
-
-    def seen(self, points: np.ndarray) -> np.ndarray:
-        """(m,) whether there is anything at points x, z (m, 2) in the axes of the water [m]: everywhere."""
-        return np.ones(len(points), dtype=bool)
+def status_of(sea: waves.Components, density: float) -> Status:
+    """Of water that never changes its kind of motion: the sums of all waves' speeds and accelerations at the surface by
+    the root of squares, sqrt 2 deviations if they are random."""
+    speed = sea.amplitude * sea.gravity * sea.wavenumber / sea.omega  # [m/s]
+    fastest, hardest = np.linalg.norm(speed), np.linalg.norm(speed * sea.omega)
+    return Status(float(fastest), float(hardest), density, density, 0, True)
 
 
 @ti.data_oriented
 class OpenWater(Fluid):
     """The sum, for kernels and for Python: kernels read the plane waves and the `sheets`, Python the plane waves and
-    all `tiles`."""
+    all `tiles`. Without more it is plane waves alone, in water that rests."""
 
     sound_speed = 0.0  # [m/s] nothing is compressed
 
     config: Any
     waves: PlaneWaves  # in closed form
-    sheets: tuple[Sheet, ...]
-    tiles: Sequence[OnTile]
-    drift: np.ndarray  # x, z by which the current has carried the water [m]
-    current: tuple[float, float]  # along x and z [m/s]
+    sheets: "tuple[Sheet, ...]" = ()
+    tiles: "Sequence[OnTile]" = ()
+    drift: np.ndarray = np.zeros(2)  # x, z by which the current has carried the water [m]
+    current: tuple[float, float] = (0.0, 0.0)  # along x and z [m/s]
     time: float
 
     def internal_energy(self) -> float:
@@ -102,7 +93,7 @@ class OpenWater(Fluid):
         for one in self.tiles:
             there = one.seen(points)
             if there.any():
-                eta[there] += one.tile.at(one.tile.values(one.shown(self.time).e), points[there])
+                eta[there] += one.elevation(points[there], self.time)
         return eta
 
     def velocities(self, points: np.ndarray) -> np.ndarray:
@@ -112,8 +103,8 @@ class OpenWater(Fluid):
         v = waves.linear_velocity(self.waves.sea, stretched, self.time)
         v += [self.current[0], 0.0, self.current[1]]
         for one in self.tiles:
-            there, now = one.seen(at), one.shown(self.time)
-            v[there] += below(one.tile, now.potential, now.growth, at[there], y[there]).velocity
+            there = one.seen(at)
+            v[there] += one.below(at[there], y[there], self.time).velocity
         return v
 
     def pressures(self, points: np.ndarray) -> np.ndarray:
@@ -122,24 +113,24 @@ class OpenWater(Fluid):
         stretched = np.stack([at[:, 0], y, at[:, 1]], axis=1)
         head = waves.pressure_head(self.waves.sea, stretched, self.time) - points[:, 1]
         for one in self.tiles:
-            there, now = one.seen(at), one.shown(self.time)
-            head[there] += below(one.tile, now.potential, now.growth, at[there], y[there]).head
+            there = one.seen(at)
+            head[there] += one.below(at[there], y[there], self.time).head
         return np.where(points[:, 1] < eta, self.rest_density * self.waves.sea.gravity * head, 0.0)
 
     def in_water(self, points: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
         """Of points (m, 3): x and z in the axes of the water (m, 2), and over them the elevation (m,) and the height in
         the unstretched column (m,) [m]."""
-        at = np.asarray(points, dtype=float)[:, [0, 2]] - self.drift
-        eta, h = self.heights(at), self.waves.sea.depth
-        y = np.minimum(h * (points[:, 1] - eta) / np.maximum(h + eta, 1e-9 * h), 0.0)
-        return at, (eta, y)
+        points = np.asarray(points, dtype=float)
+        at = points[:, [0, 2]] - self.drift
+        eta = self.heights(at)
+        return at, (eta, waves.stretched(self.waves.sea, points, eta))
 
 
 @ti.data_oriented
 class Felt(OpenWater):
     """Open water as one of several ships feels it: without the waves that she makes herself."""
 
-    def __init__(self, whole: OpenWater, tiles: Sequence[OnTile], sheets: tuple[Sheet, ...]) -> None:
+    def __init__(self, whole: OpenWater, tiles: "Sequence[OnTile]", sheets: "tuple[Sheet, ...]") -> None:
         self.whole, self.tiles, self.sheets = whole, tiles, sheets
         self.config, self.waves, self.current = whole.config, whole.waves, whole.current
         self.rest_density, self.spacing, self.reference_speed = whole.rest_density, whole.spacing, whole.reference_speed

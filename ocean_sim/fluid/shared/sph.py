@@ -149,13 +149,13 @@ class SphConfig(WaterConfig):
                 at = f"was measured at a support of {usual:g} spacings, and is not known at {ratio:g}"
                 yield f"what {self.kind} adds to the viscosity of waves {at}"
                 return
-            own = self.viscosity_asked
-            added = self.viscosity_added(preflight, train.length, train.height, train.standing)
+            own, length = self.viscosity_asked, train.sea.wavelength
+            added = self.viscosity_added(preflight, length, train.height, train.standing)
             if added > NOTABLE * own:
                 a_period, a_wavelength = train.lost(own + added)
                 way = "" if train.standing else f", {a_wavelength:.2g} on the way of a wavelength"
                 yield (
-                    f"waves {train.length:.3g} m long and {train.height:.3g} m high: {self.kind} adds {added:.2g} m2/s "
+                    f"waves {length:.3g} m long and {train.height:.3g} m high: {self.kind} adds {added:.2g} m2/s "
                     f"to the viscosity of {own:g} m2/s, as measured; they lose {a_period:.2g} of their height in a "
                     f"period{way}"
                 )

@@ -9,6 +9,7 @@ surface acts in two halves, where it is before and where it is after the step; t
 to, or the waves that she makes are of first order in the step only.
 """
 
+from abc import abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, NamedTuple
@@ -189,24 +190,49 @@ class Below(NamedTuple):
     velocity: np.ndarray  # (m, 3) [m/s]
 
 
-def below(tile: Tile, potential: np.ndarray, growth: np.ndarray, points: np.ndarray, y: np.ndarray) -> Below:
-    """Of modes of the potential at the still surface and of its growth in time, at points x, z (m, 2) and heights y
-    (m,) [m]: summed mode by mode, so nothing is interpolated."""
-    first = np.array([axis[0] for axis in tile.nodes()])
-    twice = np.where((np.arange(tile.k.shape[1]) == 0) | (2 * np.arange(tile.k.shape[1]) == tile.rows), 1.0, 2.0)
-    scale = twice * tile.directed / (tile.cells * tile.rows)
-    head, velocity = np.zeros(len(points)), np.zeros((len(points), 3))
-    for n, ((x, z), height) in enumerate(zip(points - first, y)):
-        c, s = profiles(tile.k, height, tile.depth)
-        wave = scale * np.exp(1j * tile.kx * x) * np.exp(1j * tile.kz * z)
-        head[n] = -(c * wave * growth).real.sum() / tile.gravity
-        along = c * wave * potential
-        velocity[n] = (
-            -(tile.kx * along).imag.sum(),
-            (tile.k * s * wave * potential).real.sum(),
-            -(tile.kz * along).imag.sum(),
-        )
-    return Below(head, velocity)
+class Shown(NamedTuple):
+    """What a tile shows now: modes of the elevation, of the potential at the still surface, and of its growth."""
+
+    e: np.ndarray
+    potential: np.ndarray
+    growth: np.ndarray
+
+
+class OnTile:
+    """Waves on a tile that can be asked for, at times [s] and points x, z (m, 2) in the axes of the water [m]."""
+
+    tile: Tile
+
+    @abstractmethod
+    def shown(self, time: float) -> Shown:
+        """All of it."""
+
+    def seen(self, points: np.ndarray) -> np.ndarray:
+        """(m,) whether there is anything at points: everywhere."""
+        return np.ones(len(points), dtype=bool)
+
+    def elevation(self, points: np.ndarray, time: float) -> np.ndarray:
+        """(m,) [m]"""
+        return self.tile.at(self.tile.values(self.shown(time).e), points)
+
+    def below(self, points: np.ndarray, y: np.ndarray, time: float) -> Below:
+        """At heights y (m,) [m] of the unstretched column: summed mode by mode, so nothing is interpolated."""
+        tile, now = self.tile, self.shown(time)
+        first = np.array([axis[0] for axis in tile.nodes()])
+        twice = np.where((np.arange(tile.k.shape[1]) == 0) | (2 * np.arange(tile.k.shape[1]) == tile.rows), 1.0, 2.0)
+        scale = twice * tile.directed / (tile.cells * tile.rows)
+        head, velocity = np.zeros(len(points)), np.zeros((len(points), 3))
+        for n, ((x, z), height) in enumerate(zip(points - first, y)):
+            c, s = profiles(tile.k, height, tile.depth)
+            wave = scale * np.exp(1j * tile.kx * x) * np.exp(1j * tile.kz * z)
+            head[n] = -(c * wave * now.growth).real.sum() / tile.gravity
+            along = c * wave * now.potential
+            velocity[n] = (
+                -(tile.kx * along).imag.sum(),
+                (tile.k * s * wave * now.potential).real.sum(),
+                -(tile.kz * along).imag.sum(),
+            )
+        return Below(head, velocity)
 
 
 def cubic(s: np.ndarray) -> list[np.ndarray]:

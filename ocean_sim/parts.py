@@ -16,6 +16,8 @@ from math import hypot
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, Self, cast
 
+from ocean_sim import waves
+from ocean_sim.basin.open_sea import Rim
 from ocean_sim.model import Model
 
 if TYPE_CHECKING:
@@ -29,7 +31,7 @@ if TYPE_CHECKING:
     from ocean_sim.time_step import TimeStep
     from ocean_sim.wind import Wind
 
-SLOTS = ("wind", "fluid", "surface", "ship", "platform", "time_step")
+SLOTS = ("sea", "wind", "fluid", "surface", "ship", "platform", "time_step")
 PACKAGE = Path(str(files("ocean_sim")))
 
 Key = tuple[str | int, ...]
@@ -111,6 +113,42 @@ class KindConfig(PartConfig):
     kind: str
 
 
+class SeaConfig(KindConfig):
+    """Keys of any sea that the particles of a scene are a patch of."""
+
+    rim: Rim
+    feed: float | None
+
+    @property
+    @abstractmethod
+    def significant_height(self) -> float:
+        """[m]; 0 in calm water."""
+
+    @abstractmethod
+    def plane_waves(self, basin: waves.Tank) -> waves.Components | None:
+        """The sea by linear theory, before it is fitted to the patch; None in calm water."""
+
+    def problems(self, preflight: Preflight) -> Problems:
+        tank, found = preflight.tank, Problems()
+        across = tank.dimension == 3
+        if not tank.periods[0] or (across and not tank.periods[2]):
+            found.append((("kind",), "a patch of open sea has periodic sides; set basin.walls: periodic"))
+        for name in ("wavemaker", "motion", "lid", "obstacles"):
+            if getattr(tank.config, name):
+                found.append((("kind",), f"a patch of open sea has no {name}; leave basin.{name} out"))
+        if self.rim.width is not None and not found:
+            most = 0.5 * min(period for period in tank.periods if period)
+            if self.rim.width > most:
+                found.append((("rim", "width"), f"leaves no water free; at most {most:g} m, half of the patch"))
+        if not across and self.rim.velocity[1]:
+            found.append((("rim", "velocity"), "in a slice it is along x alone; give [speed, 0.0]"))
+        return found
+
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        """The water keeps what it needs of it."""
+        return []
+
+
 class WindConfig(KindConfig):
     """Keys of any wind."""
 
@@ -150,6 +188,8 @@ class FluidConfig(KindConfig):
     bears_shear: ClassVar[float] = 0.0
     """Shear that its particles bear without flowing, once they have lost their rows, over the pressure; as measured in
     the validation case wind_setup."""
+    joins_a_sea: ClassVar[bool] = False
+    """Whether its particles may be a patch of open sea."""
     carries_bodies: ClassVar[bool] = False
     """Whether it answers to a body within a step, so that a ship of kind `pressure` may float on it."""
 
@@ -290,6 +330,10 @@ class Preflight:
         return cast(FluidConfig, self.parts["fluid"])
 
     @cached_property
+    def sea(self) -> SeaConfig | None:
+        return cast(SeaConfig | None, self.parts.get("sea"))
+
+    @cached_property
     def wind(self) -> WindConfig:
         return cast(WindConfig, self.parts["wind"])
 
@@ -354,6 +398,8 @@ class Scene(Protocol):
     def duration(self) -> float: ...
     @property
     def basin(self) -> basin_module.Config: ...
+    @property
+    def sea(self) -> SeaConfig | None: ...
     @property
     def fluid(self) -> FluidConfig: ...
     @property

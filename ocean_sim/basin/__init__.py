@@ -12,6 +12,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 from ocean_sim import waves
 from ocean_sim.basin.absorbing import Absorbing
 from ocean_sim.basin.gate import STILL, Gate
+from ocean_sim.basin.open_sea import OpenSea
 from ocean_sim.basin.tank_motion import Motion, Piston, Wavemaker
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files.input_file import Unreadable
@@ -197,8 +198,9 @@ class Config(Model):
     wavemaker: Wavemaker | None = None
     """A wall that makes waves."""
 
-    def build(self) -> "Basin":
-        return Basin(self)
+    def build(self, sea: OpenSea | None = None) -> "Basin":
+        """`sea`: that which it is a patch of."""
+        return Basin(self, sea=sea)
 
     def problems(self, basin: "Basin", duration: float) -> list[tuple[tuple[str | int, ...], str]]:
         """What contradicts itself in a run of `duration` [s]: (path below `basin`, sentence)."""
@@ -349,6 +351,7 @@ class Basin:
 
     config: Config
     afloat: tuple[Solid, ...] = ()  # what floats in it
+    sea: OpenSea | None = None  # that it is a patch of
 
     @property
     def dimension(self) -> int:

@@ -268,7 +268,7 @@ class Fluid(Protocol):
 
     @property
     def plane_waves(self) -> Components | None:
-        """The plane waves that it is the sum of, where it is a closed form."""
+        """The plane waves that it is the sum of, where it is a closed form, or a patch of."""
         return None
 
     @property

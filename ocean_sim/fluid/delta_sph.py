@@ -62,6 +62,7 @@ class Config(SphConfig):
     bears_shear: ClassVar[float] = 1.0e-3
     fineness: ClassVar[int] = 3
     attenuation: ClassVar = Attenuation(even=0.0, flat=1.0e-3, steep=3.8e-3, travelling=2.2)
+    delay: ClassVar = 0.36  # 12 layers, k depth pi, in space: validation case standing_wave_3d
     default_ratio: ClassVar[tuple[float, float]] = (NEUTRAL_RATIO, NEUTRAL_RATIO)
     kernel: ClassVar[Kernel] = NEUTRAL
     kind: Literal["delta_sph"] = "delta_sph"

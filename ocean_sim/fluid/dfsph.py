@@ -30,7 +30,7 @@ import taichi.math as tm
 from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid import Limits
-from ocean_sim.fluid.shared.accounts import BED, GRAVITY, PRESSURE, SHIP, VISCOSITY, WALLS, WIND
+from ocean_sim.fluid.shared.accounts import BED, GRAVITY, PRESSURE, SEA, SHIP, VISCOSITY, WALLS, WIND
 from ocean_sim.fluid.shared.attenuation import Attenuation
 from ocean_sim.fluid.shared.force import Force
 from ocean_sim.fluid.shared.images import hydrostatic_offset, mirrored, turned
@@ -63,6 +63,7 @@ class Config(SphConfig):
     bears_shear: ClassVar[float] = 1.0e-3
     fineness: ClassVar[int] = 2
     attenuation: ClassVar = Attenuation(even=4.0e-4, flat=4.0e-3, steep=1.0e-2)  # besides the artificial viscosity
+    delay: ClassVar = 0.27  # 12 layers, k depth pi, in space: validation case standing_wave_3d
     unheeded: ClassVar[tuple[str, ...]] = ("compression",)
     default_ratio: ClassVar[tuple[float, float]] = (NEUTRAL_RATIO, NEUTRAL_RATIO)
     kernel: ClassVar[Kernel] = NEUTRAL
@@ -274,6 +275,10 @@ class Forces(Force):
             a_bed = fluid.bed.push(x, v_new, dt)
             v_new = fluid.pushed(group, BED, v_new, dt * a_bed)
             a += a_bed
+        if ti.static(fluid.joined):
+            a_sea = fluid.rim.push(x, v_new, dt)
+            v_new = fluid.pushed(group, SEA, v_new, dt * a_sea)
+            a += a_sea
         v_new = fluid.pushed(group, WALLS, v_new, fluid.walls.relaxed(x, v_new, dt) - v_new)
         v_new = fluid.pressed(group, v_new, dt, vec3(total, self.terms.push), vec3(beyond, self.terms.push))
         for k, component in ti.static(enumerate(fluid.predicted)):

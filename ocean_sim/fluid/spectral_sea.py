@@ -15,13 +15,10 @@ from typing import Literal
 
 import numpy as np
 import taichi as ti
-from pydantic import model_validator
 
 from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import WATER_DENSITY, Diverged
-from ocean_sim.files import csv_file
-from ocean_sim.files.input_file import FileName, Unreadable
 from ocean_sim.fluid import Displacing, Fluid, Limits
 from ocean_sim.fluid.shared.air_pressure import AirPressure
 from ocean_sim.fluid.shared.breaking import Breaking
@@ -32,6 +29,7 @@ from ocean_sim.fluid.shared.sheet import WORDS, Sheet
 from ocean_sim.fluid.shared.tile import PER_TILE, RIM, Layer, OnTile, Shown, Tile
 from ocean_sim.model import Vector2, quantity
 from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems
+from ocean_sim.waves.seas import Seas
 from ocean_sim.wind import Wind
 
 CELLS = 128  # along a tile
@@ -42,21 +40,13 @@ ONSET = 5.0  # [periods] in which what is not linear sets in
 FITTING = 0.01  # part of its wavenumber by which a regular wave may be changed to fit a tile
 DRAWN = 4000  # plane waves that stand for a spectrum before they are fitted to a tile
 CELL, STEEP, READ = 6.0e-8, 9.0e-7, 3.0e-7  # [s] of processor time a step and cell of a tile
-COLUMNS = ("amplitude_m", "period_s", "heading_deg", "phase_deg")
 
 
-class Config(waves.GrowingTrain, FluidConfig):
+class Config(Seas, waves.GrowingTrain, FluidConfig):
     """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `seas` on top of them;
     the sea has no sides."""
 
     kind: Literal["spectral_sea"] = "spectral_sea"
-    height: float | None = quantity("m", None, ge=0.0)
-    """From trough to crest; 0 is calm water."""
-    seas: list[waves.OpenTrain] = []
-    """More of them, as swell on top of a wind sea."""
-    components: FileName | None = None
-    """A CSV file of plane waves on top of all others: `amplitude_m`, `period_s`, `heading_deg`, `phase_deg`; each is
-    amplitude cos(k . x - omega t + phase)."""
     current: Vector2 = quantity("m/s", (0.0, 0.0))
     """Velocity of the water along x and z, the same at every depth; waves are carried by it."""
     order: Literal[1, 3] = 1
@@ -76,56 +66,6 @@ class Config(waves.GrowingTrain, FluidConfig):
     et al. 2018, J. Fluid Mech. 841)."""
     rest_density: float = quantity("kg/m3", WATER_DENSITY, gt=0.0)
     """Density of the water."""
-
-    @model_validator(mode="after")
-    def _regular_or_random(self) -> "Config":
-        regular = [self.height is not None, self.period is not None]
-        if any(regular) and (self.spectrum is not None or not all(regular)):
-            raise ValueError("give either height [m] and period [s] of a regular wave, or a spectrum, or neither")
-        return self
-
-    @property
-    def trains(self) -> list[tuple[tuple[str | int, ...], waves.OpenTrain]]:
-        """Each sea, and where it is written."""
-        own = [((), self)] if self.height is not None or self.spectrum is not None else []
-        return [*own, *((("seas", n), sea) for n, sea in enumerate(self.seas))]
-
-    @property
-    def highest(self) -> tuple[float, float] | None:
-        """Height [m] and period [s] of the highest sea; None in calm water."""
-        sizes = [train.scale for _, train in self.trains]
-        table = self.table()
-        if table is not None and len(table["amplitude_m"]):
-            a = table["amplitude_m"]
-            sizes.append((float(2.0 * np.linalg.norm(a)), float(table["period_s"][np.argmax(a)])))
-        return max(sizes) if sizes else None
-
-    def table(self) -> dict[str, np.ndarray] | None:
-        """The columns of `components`; raises Unreadable."""
-        if self.components is None:
-            return None
-        found = csv_file.numbers(self.components)
-        for name in COLUMNS:
-            if name not in found or not np.isfinite(found[name]).all():
-                raise Unreadable(self.components, f"it has no column of numbers {name}; it needs {', '.join(COLUMNS)}")
-        if (found["period_s"] <= 0.0).any():
-            raise Unreadable(self.components, "each period_s must be above 0")
-        return found
-
-    def sea_of(self, basin: waves.Tank, count: int = waves.COMPONENTS) -> waves.Components:
-        """All plane waves together, `count` of each spectrum."""
-        depth, g, found = basin.depth, waves.pull(basin), []
-        for _, train in self.trains:
-            towards = waves.direction(train.heading, basin.dimension)
-            of = train.spectrum
-            found.append(train.train(towards, depth, g) if of is None else of.components(towards, depth, g, count))
-        table = self.table()
-        if table is not None:
-            k = waves.wavenumber(2.0 * pi / table["period_s"], depth, g)
-            ahead = np.stack([waves.direction(float(angle), basin.dimension) for angle in table["heading_deg"]])
-            phase = np.radians(table["phase_deg"])
-            found.append(waves.Components(table["amplitude_m"], k[:, None] * ahead, phase, depth, g))
-        return waves.together(found, depth, g)
 
     def tiled(self, basin: waves.Tank, length: float, width: float) -> Tile:
         """The tile, over a basin of this length and width [m]."""
@@ -149,16 +89,9 @@ class Config(waves.GrowingTrain, FluidConfig):
 
     def problems(self, preflight: Preflight) -> Problems:
         basin = preflight.tank
-        found: Problems = [(("kind",), sentence) for sentence in waves.unsuited(basin)]
-        try:
-            self.table()
-        except Unreadable as error:
-            found.append((("components",), str(error)))
+        found = self.impossible(basin)
         if found:
             return found
-        for key, train in self.trains:
-            found += [((*key, *train.height_key), sentence) for sentence in waves.unsuited(basin, *train.scale)]
-            found += [((*key, *path), sentence) for path, sentence in train.astray(basin)]
         if basin.obstacles:
             found.append((("kind",), "a sea without sides goes through obstacles; leave basin.obstacles out"))
         if basin.rough_bed is not None:

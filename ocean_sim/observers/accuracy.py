@@ -24,6 +24,7 @@ TERMS = (
     "gravity",
     "walls",
     "bed",
+    "sea",
     "obstacles",
     "ship",
     "emitter",

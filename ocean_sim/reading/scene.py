@@ -19,6 +19,7 @@ from ocean_sim.parts import (
     PlatformConfig,
     Preflight,
     Problems,
+    SeaConfig,
     ShipConfig,
     SurfaceConfig,
     TimeStepConfig,
@@ -56,6 +57,7 @@ class SceneConfig(Heading):
     """A whole scene, checked: every part's Config as its user wrote it, and the observers in their order."""
 
     basin: basin.Config
+    sea: SeaConfig | None = None
     fluid: FluidConfig
     wind: WindConfig
     surface: SurfaceConfig | None = None
@@ -80,7 +82,7 @@ class SceneConfig(Heading):
         known, facts = self._preflight, (self.parts(), self.basin, WORD[self.runtime.precision], self.duration)
         if known is None or (known.parts, known.tank.config, known.word, known.duration) != facts:
             parts, tank, word, duration = facts
-            known = self._preflight = Preflight(parts, tank.build(), word, duration)
+            known = self._preflight = Preflight(parts, tank.build(self.sea), word, duration)
         return known
 
     def ledger(self) -> list[LedgerRow]:
@@ -220,7 +222,9 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
     problems += _lacking(observers, there, wrong, data, root)
     problems += _unsuited(there, data)
     if tank_config is not None and tank is not None and runtime is not None and heading is not None:
-        preflight = Preflight(there | observers, tank, WORD[runtime.precision], heading.duration)
+        sea = there.get("sea")
+        patch = tank_config.build(sea) if isinstance(sea, SeaConfig) else tank
+        preflight = Preflight(there | observers, patch, WORD[runtime.precision], heading.duration)
         problems += _located("basin", tank_config.problems(tank, heading.duration), data["basin"])
         for name, part in (there | observers).items():
             problems += _located(name, part.problems(preflight), data.get(name, root))
@@ -265,6 +269,10 @@ def _unsuited(parts: Mapping[str, PartConfig], data: dict[str, Node]) -> list[Pr
     if not isinstance(fluid, FluidConfig):
         return []
     problems, water = [], fluid.kind
+    if "sea" in parts and not fluid.joins_a_sea:
+        joining = " or ".join(name for name, config in water_schemes() if config.joins_a_sea)
+        sentence = f"water of kind {water} is no patch of an open sea; take {joining}"
+        problems.append(problem(data["sea"].location, "sea", sentence))
     if surface is not None and not fluid.made_of_particles:
         sentence = f"a surface follows particles, and fluid.kind {water} has none; leave it out"
         problems.append(problem(data["surface"].location, "surface", sentence))

@@ -10,8 +10,8 @@ from ocean_sim.fluid import Status
 from ocean_sim.fluid.shared.grid import Grid
 from ocean_sim.runtime import Template
 
-TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "diffusion", "bed")
-PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS, SHIP, DIFFUSION, BED = range(len(TERMS))
+TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "diffusion", "bed", "sea")
+PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS, SHIP, DIFFUSION, BED, SEA = range(len(TERMS))
 SUMMARY = 7  # numbers that a step reports
 DENSE = 1.0e30  # [kg/m3] more than any density
 
@@ -20,9 +20,9 @@ DENSE = 1.0e30  # [kg/m3] more than any density
 class Accounts:
     """Each group of cells writes its own row, so nothing depends on the order of threads."""
 
-    def __init__(self, groups: int, impulses: bool, rubs: bool) -> None:
-        """`impulses`: whether impulse and work of each term are summed (f64), for `accuracy`; `rubs`: whether the bed's
-        are among them."""
+    def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...]) -> None:
+        """`impulses`: whether impulse and work of each term are summed (f64), for `accuracy`; `absent`: terms that the
+        scene has not."""
         self.groups, self.impulses = groups, impulses
         self.overflow = ti.field(int, shape=groups)
         self.speed2, self.acceleration2 = ti.field(float, shape=groups), ti.field(float, shape=groups)
@@ -30,9 +30,9 @@ class Accounts:
         self.sum = ti.field(float, shape=groups)
         self.clipped = ti.field(int, shape=groups)
         if impulses:
-            self.terms = TERMS if rubs else TERMS[:BED]
-            self.impulse = ti.field(ti.f64, shape=(groups, len(self.terms), 3))
-            self.work = ti.field(ti.f64, shape=(groups, len(self.terms)))
+            self.terms = tuple(term for term in range(len(TERMS)) if term not in absent)
+            self.impulse = ti.field(ti.f64, shape=(groups, len(TERMS), 3))
+            self.work = ti.field(ti.f64, shape=(groups, len(TERMS)))
 
     @ti.func
     def begin_motion(self, group):
@@ -114,10 +114,12 @@ class Accounts:
         """Impulse of each term since the start [N s], (3,) each; empty where it is not summed."""
         if not self.impulses:
             return {}
-        total = dict(zip(self.terms, self.impulse.to_numpy().sum(axis=0), strict=True))
-        del total[TERMS[DIFFUSION]]  # it moves nothing
-        return total
+        total = self.impulse.to_numpy().sum(axis=0)
+        return {TERMS[term]: total[term] for term in self.terms if term != DIFFUSION}  # which moves nothing
 
     def total_work(self) -> dict[str, float]:
         """Work of each term since the start [J]; of diffusion, what it adds to the internal energy."""
-        return dict(zip(self.terms, self.work.to_numpy().sum(axis=0).tolist(), strict=True)) if self.impulses else {}
+        if not self.impulses:
+            return {}
+        total = self.work.to_numpy().sum(axis=0).tolist()
+        return {TERMS[term]: total[term] for term in self.terms}

@@ -6,7 +6,7 @@ from math import exp, pi, sqrt, tanh
 
 from ocean_sim import waves
 from ocean_sim.fluid.shared.absorption import zones
-from ocean_sim.fluid.shared.initial import StandingWave
+from ocean_sim.fluid.shared.initial import StandingWave, of_patch
 from ocean_sim.fluid.shared.lattice import Lattice
 
 
@@ -60,7 +60,10 @@ def trains(lattice: Lattice) -> Iterator[Train]:
     basin, initial = lattice.basin, lattice.config.initial
     if any(waves.unsuited(basin)):
         return
-    if basin.piston is not None:
+    sea = of_patch(basin, lattice.spacing)
+    if sea is not None:
+        yield Train(sea, False)
+    elif basin.piston is not None:
         yield Train(basin.piston.sea, False)
     elif initial is not None and (began := initial.sea(basin)) is not None:
         yield Train(began, isinstance(initial, StandingWave))

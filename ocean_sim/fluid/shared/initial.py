@@ -238,6 +238,9 @@ def started(
     a particle, where the water does not fill the basin."""
     if initial is not None:
         return initial.state(positions, basin, rest_density)
+    sea = of_patch(basin, apart(positions, basin))
+    if sea is not None:
+        return carried(sea, positions, basin, rest_density)
     return positions, np.zeros_like(positions), still_pressure(positions, basin, rest_density, surface)
 
 
@@ -295,6 +298,14 @@ def fitted(sea: waves.Components, basin: Basin) -> waves.Components:
             number = np.where((number == 0.0) & least, np.sign(sea.wavevector[:, axis]), number)
             wavevector[:, axis] = number * unit
     return waves.merged(sea, wavevector)
+
+
+def of_patch(basin: Basin, spacing: float) -> waves.Components | None:
+    """The sea as a patch of particles so far apart [m] bears it; None in calm water."""
+    sea = basin.sea.plane_waves(basin) if basin.sea is not None else None
+    if sea is None or basin.sea is None:
+        return None
+    return fitted(borne(sea, basin.sea.significant_height, spacing) if sea.random else sea, basin)
 
 
 def walled(wavevector: np.ndarray, basin: Basin) -> Iterator[str]:

@@ -9,6 +9,7 @@ import numpy as np
 from ocean_sim.basin import Basin, Box
 from ocean_sim.fluid.shared import initial as initial_module
 from ocean_sim.fluid.shared.emitter import Emitter, Jet
+from ocean_sim.waves import Components
 
 
 class Filling(Protocol):
@@ -22,6 +23,10 @@ class Filling(Protocol):
     emitter: Emitter | None
     motion_limit: float | None  # [spacings]
     collision_distance: float  # [spacings]
+
+    def losses(self, lattice: "Lattice", sea: Components) -> np.ndarray | None:
+        """See WaterConfig."""
+        ...
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.columns import Columns, vec3
-from ocean_sim.fluid.shared.accounts import BED, WALLS
+from ocean_sim.fluid.shared.accounts import BED, SEA, WALLS
 from ocean_sim.fluid.shared.force import Force
 from ocean_sim.fluid.shared.images import displaced, hydrostatic_offset, reflected
 from ocean_sim.fluid.shared.law import Law
@@ -100,6 +100,10 @@ class MomentumLaw(Force):
         if ti.static(fluid.rubs):
             a_bed = fluid.bed.push(x, v + dt * a, dt)
             a += a_bed
+        a_sea = tm.vec3(0.0)
+        if ti.static(fluid.joined):
+            a_sea = fluid.rim.push(x, v + dt * a, dt)
+            a += a_sea
         free = v + dt * a
         pushed, fast = walls.held_back(walls.relaxed(x, free, dt), dt)
         x_free = x + fluid.grid.gone(i, ti.static(1.0 - self.passed) * dt * pushed)
@@ -119,6 +123,8 @@ class MomentumLaw(Force):
             fluid.accounts.count_step(group, m * dt, a_pressure, rubbed, a_wind, a_pull, a_hull, m * kept, mean)
             if ti.static(fluid.rubs):
                 fluid.accounts.count_impulse(group, BED, m * dt * a_bed, mean)
+            if ti.static(fluid.joined):
+                fluid.accounts.count_impulse(group, SEA, m * dt * a_sea, mean)
             self.account(beyond, mean, dt, group)
 
     @ti.func

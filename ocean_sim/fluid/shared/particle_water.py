@@ -2,6 +2,7 @@
 frame of a step."""
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -10,9 +11,10 @@ import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.basin import Basin
-from ocean_sim.fluid import Contact, ParticleFluid
-from ocean_sim.fluid.shared.accounts import SUMMARY, Accounts
+from ocean_sim.fluid import Contact, Displacing, Fluid, ParticleFluid
+from ocean_sim.fluid.shared.accounts import BED, SEA, SUMMARY, Accounts
 from ocean_sim.fluid.shared.around import Around
+from ocean_sim.fluid.shared.band import band
 from ocean_sim.fluid.shared.field import Field
 from ocean_sim.fluid.shared.free_surface import FreeSurface
 from ocean_sim.fluid.shared.grid import Grid
@@ -23,10 +25,12 @@ from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.walls import Walls
 from ocean_sim.fluid.shared.water import WaterConfig
 from ocean_sim.runtime import Array2
+from ocean_sim.waves import Components
 from ocean_sim.wind import Wind
 
-if TYPE_CHECKING:  # it is imported only where it rubs
+if TYPE_CHECKING:  # they are imported only where a bed rubs, or a sea is around
     from ocean_sim.fluid.shared.bed import Bed
+    from ocean_sim.fluid.shared.sea_rim import SeaRim
 
 
 @ti.data_oriented
@@ -41,6 +45,7 @@ class ParticleWater(ParticleFluid):
     field: Field
     contact: Contact
     bed: "Bed"
+    rim: "SeaRim"
 
     def __init__(self, config: WaterConfig, basin: Basin, size: GridSize, accounts: bool, wind: Wind) -> None:
         self.config, self.wind = config, wind
@@ -50,8 +55,9 @@ class ParticleWater(ParticleFluid):
         self.smoothing = Smoothing(basin.dimension, size.support, config.kernel)
         self.carried = tuple(ti.field(float, shape=self.particles.n) for _ in range(size.carried))
         self.grid = Grid(self.particles, size, self.carried)
-        self.rubs = basin.rough_bed is not None
-        self.accounts = Accounts(size.groups, accounts, self.rubs)
+        self.rubs, self.joined = basin.rough_bed is not None, basin.sea is not None
+        absent = (*(() if self.rubs else (BED,)), *(() if self.joined else (SEA,)))
+        self.accounts = Accounts(size.groups, accounts, absent)
         self.surface = FreeSurface(self.particles, self.grid, self.smoothing)
         self.around = self.surface.around
         self.walls = Walls(lattice, self.grid.images)
@@ -60,6 +66,12 @@ class ParticleWater(ParticleFluid):
             from ocean_sim.fluid.shared.bed import Bed
 
             self.bed = Bed(basin.rough_bed, lattice)
+        around = band(lattice)
+        self.sea = around.sea if around is not None else None
+        if around is not None:
+            from ocean_sim.fluid.shared.sea_rim import SeaRim
+
+            self.rim = SeaRim(around)
         self.jet = lattice.jet
         self.time = 0.0  # [s]
         self.emitted_impulse, self.emitted_work = np.zeros(3), 0.0  # [N s], [J]
@@ -70,9 +82,22 @@ class ParticleWater(ParticleFluid):
     def of_particles(self) -> ParticleFluid:
         return self
 
+    @property
+    def plane_waves(self) -> Components | None:
+        return self.sea
+
+    @property
+    def answers(self) -> bool:
+        return True
+
     def meet(self, contact: Contact) -> None:
         """From the first step on feel the push of a hull."""
         self.contact, self.meeting_hull = contact, True
+
+    def carry(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
+        if self.joined and ships:
+            self.rim.follow(ships)
+        return super().carry(ships)
 
     @ti.func
     def area(self, i):
@@ -126,12 +151,14 @@ class ParticleWater(ParticleFluid):
         """The same after they have moved for dt [s]."""
 
     def drive(self, dt: float) -> None:
-        """Put tank and wavemaker where they are in the middle of a step of dt [s], gates and what zones relax the water
-        towards where they are at its end."""
+        """Put tank and wavemaker where they are in the middle of a step of dt [s], gates and what zones and sea relax
+        the water towards where they are at its end."""
         self.pull.advance(self.time + 0.5 * dt)
         self.grid.images.advance(self.time + 0.5 * dt)
         self.time += dt
         self.walls.advance(self.time)
+        if self.joined:
+            self.rim.advance(self.time)
 
     def emit(self) -> None:
         """Add what has left the emitter by now, at the end of a step."""

@@ -8,11 +8,13 @@ import numpy as np
 import taichi as ti
 import taichi.math as tm
 
+from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.absorption import warnings as of_zones
 from ocean_sim.fluid.shared.absorption import zones
-from ocean_sim.fluid.shared.attenuation import Attenuation, trains
+from ocean_sim.fluid.shared.attenuation import Attenuation, Train, trains
+from ocean_sim.fluid.shared.band import band, stokes
 from ocean_sim.fluid.shared.field import Field
 from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.neighbours import ListSize, Neighbours
@@ -39,6 +41,9 @@ class SphConfig(WaterConfig):
 
     attenuation: ClassVar[Attenuation | None] = None
     """Viscosity that the scheme adds to waves; None where it has not been measured."""
+    delay: ClassVar[float] = 0.0
+    """Share by which the scheme lengthens the period of waves, over (wavenumber times spacing)^2; as measured."""
+    joins_a_sea: ClassVar[bool] = True
     default_ratio: ClassVar[tuple[float, float]]
     """Default of `support_ratio` in a slice and in space."""
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
@@ -105,6 +110,8 @@ class SphConfig(WaterConfig):
         found, basin = super().warnings(preflight), preflight.tank
         if basin.rough_bed is not None:
             found += basin.rough_bed.warnings(self.lattice(basin).row)
+        around = band(self.began(preflight))
+        found += around.warnings() if around is not None else []
         return [*found, *of_zones(zones(self.began(preflight)))]
 
     def sized(self, lattice: Lattice, reads: int, carried: int = 0) -> ListSize:
@@ -121,8 +128,20 @@ class SphConfig(WaterConfig):
         tank, spacing = preflight.tank, preflight.spacing
         if self.attenuation is None or spacing is None:
             return 0.0
-        share = self.attenuation.share(2.0 * pi / length, tank.depth, height, spacing, standing)
-        return share * self.smoothing(tank).length * self.sound_speed(tank)
+        return self.attenuation.share(2.0 * pi / length, tank.depth, height, spacing, standing) * self.scale(tank)
+
+    def scale(self, basin: Basin) -> float:
+        """h c [m2/s], over which the scheme's own viscosity is stated."""
+        return self.smoothing(basin).length * self.sound_speed(basin)
+
+    def losses(self, lattice: Lattice, sea: waves.Components) -> np.ndarray | None:
+        basin, attenuation = lattice.basin, self.attenuation
+        if attenuation is None or self.ratio(basin) != self.default_ratio[basin.dimension - 2]:
+            return None
+        k, height = sea.wavenumber, Train(sea, False).height
+        share = np.array([attenuation.share(one, sea.depth, height, lattice.spacing, False) for one in k.tolist()])
+        decay = 2.0 * (self.kinematic_viscosity + share * self.scale(basin)) * k**2
+        return decay - 1j * sea.omega * (self.delay * (k * lattice.spacing) ** 2 - stokes(sea))
 
     def statements(self, preflight: Preflight) -> list[str]:
         basin = preflight.tank
@@ -136,6 +155,8 @@ class SphConfig(WaterConfig):
             found.append(f"pressures below {least} Pa are set to {least} (minimum_pressure)")
         if basin.rough_bed is not None:
             found += basin.rough_bed.statements(self.lattice(basin).row)
+        around = band(self.began(preflight))
+        found += around.statements() if around is not None else []
         found += [zone.statement for zone in zones(self.began(preflight))]
         return [*found, *self.of_waves(preflight), *super().statements(preflight)]
 
@@ -174,6 +195,7 @@ def rows(preflight: Preflight, sizes: ListSize, numbers: int, what: str, pair: f
         LedgerRow("fluid", "candidate lists", sizes.bytes(word), "neighbours of every occupied cell"),
         *_of_areas(preflight, n),
         *_of_targets(lattice, word),
+        *_of_sea(lattice, word),
         *_of_bodies(sizes.grid, word, SAMPLE * each, "accuracy" in preflight.parts),
     ]
 
@@ -193,6 +215,17 @@ def _of_targets(lattice: Lattice, word: int) -> list[LedgerRow]:
     """The ledger of the waves that absorbing sides let pass."""
     n = sum(len(zone.given.amplitude) for zone in zones(lattice) if zone.given is not None)
     return [LedgerRow("fluid", f"{n} plane waves", 6 * word * n, "basin.walls: target of a side")] if n else []
+
+
+def _of_sea(lattice: Lattice, word: int) -> list[LedgerRow]:
+    """The ledger of the sea that the water is a patch of."""
+    around = band(lattice)
+    if around is None or around.sea is None:
+        return []
+    from ocean_sim.fluid.shared.sea_rim import memory
+
+    what = f"a table of {len(around.sea.amplitude)} plane waves"
+    return [LedgerRow("fluid", what, memory(around, around.sea, word), "sea")]
 
 
 def _of_bodies(grid: GridSize, word: int, each: float, accounts: bool) -> list[LedgerRow]:

@@ -16,6 +16,7 @@ from ocean_sim.fluid.shared.lattice import Lattice, inside
 from ocean_sim.fluid.shared.smoothing import WENDLAND, Kernel
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import FluidConfig, Preflight, Problems
+from ocean_sim.waves import Components
 
 TIGHT = 2.0  # [spacings] thickness of a gate that holds still water back as a wall does
 
@@ -91,6 +92,11 @@ class WaterConfig(FluidConfig):
                 )
         return found
 
+    def losses(self, lattice: Lattice, sea: Components) -> np.ndarray | None:
+        """(n,) complex: by how much the scheme lowers the height of each wave of a sea, less i times by how much it
+        lowers its frequency [1/s]; None where it has not been measured."""
+        return None
+
     @property
     def steady_force(self) -> Vector3:
         return self.body_force
@@ -117,6 +123,12 @@ class WaterConfig(FluidConfig):
         for k, box in enumerate(self.fill or ()):
             if len(box.min) != basin.dimension:
                 found.append((("fill", k), f"a point of this basin has {basin.dimension} numbers, got {len(box.min)}"))
+                return found
+        if basin.sea is not None:
+            for name, value in (("initial", self.initial), ("fill", self.fill), ("emitter", self.emitter)):
+                if value is not None:
+                    found.append(((name,), f"water that is a patch of the sea starts as the sea; leave {name} out"))
+            if found:
                 return found
         if self.emitter is not None:
             found += [(("emitter", *path), sentence) for path, sentence in self.emitter.problems(basin)]

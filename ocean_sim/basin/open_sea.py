@@ -1,0 +1,38 @@
+"""A basin that is a patch of open sea: its sides are periodic, and opposite the ship its water is that of the sea."""
+
+from typing import Protocol
+
+from ocean_sim import waves
+from ocean_sim.model import Model, Vector2, quantity
+
+
+class Rim(Model):
+    """The band in which the water of the patch is relaxed towards the sea; the ship is in the middle of what it leaves
+    free."""
+
+    width: float | None = quantity("m", None, gt=0.0)
+    """Of the band on either side of the seam; null: three quarters of the highest waves' length, at most a quarter of
+    the patch; in calm water a quarter of the patch."""
+    rate: float | None = quantity("1/s", None, ge=0.0)
+    """Of the relaxation at the seam, falling with the square of the way to the edge of the band; null: twice the
+    frequency [rad/s] of the highest waves, in calm water of waves as long as 4/3 of the width; 0: the sea does not
+    reach the patch."""
+    velocity: Vector2 = quantity("m/s", (0.0, 0.0))
+    """Of the point that the band lies opposite to, along x and z, where there is no ship; it starts at the origin."""
+
+
+class OpenSea(Protocol):
+    """The sea that a patch is part of."""
+
+    rim: Rim
+    feed: float | None
+    """Rate [1/s] at which its velocity is added to that of all water; None: what holds the waves up in a scheme."""
+
+    @property
+    def significant_height(self) -> float:
+        """Of the sea [m]; 0 in calm water."""
+        ...
+
+    def plane_waves(self, basin: waves.Tank) -> waves.Components | None:
+        """The sea by linear theory, before it is fitted to the patch; None in calm water."""
+        ...

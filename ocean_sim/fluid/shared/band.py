@@ -1,0 +1,142 @@
+"""The band of a patch of open sea in which its water is relaxed towards the sea: how wide, how strong, which sea.
+
+In the band dv/dt = rate s^2 (sea - v), s from 0 where it begins to 1 at the seam opposite the ship; everywhere the sea
+is fed by what the scheme takes from it. A wave of complex height a over that of the sea then goes, in the ship's axes
+and along its way xi, by
+
+    (group speed - U) da/dxi = -loss a + (rate s^2 / 2) (1 - a) + feed / 2,
+
+with U the ship's speed along it and `loss` the decay of its height less i times how much its frequency is too low. So
+feed = 2 loss holds it up wherever the ship sails, also with it, where no band can renew it.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import pi
+
+import numpy as np
+
+from ocean_sim import waves
+from ocean_sim.fluid.shared.initial import of_patch
+from ocean_sim.fluid.shared.lattice import Lattice
+
+WIDTH, RATE = 0.75, 2.0  # [wavelengths] on either side of the seam, [rad/s over rad/s of the highest waves]
+MOST = 0.25  # of the patch that it takes on either side
+NARROW = 0.7  # [wavelengths] a band that is narrower gives back more than a twentieth of the waves that a ship makes
+WEAK = 0.07  # of the height of the sea that may be lacking at the ship
+PIECES = 400  # of the way round a patch
+
+
+@dataclass(frozen=True)
+class Band:
+    """The band, and the sea that it is made for."""
+
+    lattice: Lattice
+    width: float  # [m] on either side of the seam
+    rate: float  # [1/s] at the seam
+    sea: waves.Components | None  # None: calm water
+    losses: np.ndarray | None  # (n,) complex, of each wave of the sea by the scheme [1/s]; None where it is unknown
+    feed: np.ndarray  # (n,) complex, of each wave of the sea [1/s]
+
+    @property
+    def sides(self) -> tuple[float, ...]:
+        """Of the patch along x and z [m]."""
+        return tuple(period for period in self.lattice.basin.periods if period)
+
+    @cached_property
+    def main(self) -> tuple[int, float, float]:
+        """The axis of the patch along which the highest waves go mostly, their group speed along it [m/s], and the side
+        of the patch there [m]."""
+        assert self.sea is not None
+        k = self.sea.wavevector[self.sea.highest]
+        axis = int(np.argmax(np.abs(k[: len(self.sides)])))
+        speed = float(waves.group_speed(float(np.hypot(*k)), self.sea.depth, self.sea.gravity))
+        return axis, speed * abs(float(k[axis])) / float(np.hypot(*k)), self.sides[axis]
+
+    def at_ship(self, with_waves: float) -> complex | None:
+        """Complex height of the highest waves at a ship over that of the sea, by the equation above; None where the
+        scheme's loss is unknown. `with_waves`: her speed along their way over their group speed."""
+        if self.sea is None or self.losses is None:
+            return None
+        loss, feed = (complex(of[self.sea.highest]) for of in (self.losses, self.feed))
+        _, group, side = self.main
+        speed = (1.0 - with_waves) * group
+        xi = (np.arange(PIECES) + 0.5) / PIECES * side - 0.5 * side
+        pull = 0.5 * self.rate * np.clip((np.abs(xi) - (0.5 * side - self.width)) / self.width, 0.0, 1.0) ** 2
+        if abs(speed) < 1e-3 * group:
+            return 0.5 * feed / loss if loss else 1.0
+        decay = np.exp(-(loss + pull) * side / PIECES / abs(speed))
+        aim = (pull + 0.5 * feed) / np.where(loss + pull == 0.0, 1.0, loss + pull)
+        order = range(PIECES) if speed > 0.0 else range(PIECES - 1, -1, -1)
+        a, once = 0.0j, 1.0 + 0.0j
+        for n in order:  # once round from 0, for what comes round in the end: a = once a + what it gains
+            a, once = aim[n] + (a - aim[n]) * decay[n], once * decay[n]
+        a = a / (1.0 - once) if once != 1.0 else 1.0 + 0.0j
+        for n in order:
+            if (speed > 0.0) == (xi[n] > 0.0):
+                break
+            a = aim[n] + (a - aim[n]) * decay[n]
+        return a
+
+    def statements(self) -> list[str]:
+        """What it is, in numbers."""
+        head = f"a patch of open sea: its rim is {self.width:.3g} m wide on either side, rate {self.rate:.3g} 1/s"
+        if self.sea is None:
+            return [f"{head}; the sea is calm"]
+        count = f"{len(self.sea.amplitude)} plane waves" if self.sea.random else "a wave"
+        size = f"{self.sea.wavelength:.4g} m and {self.sea.period:.4g} s"
+        found = [f"{head}; the sea is fitted to the patch: {count}, the highest of {size}"]
+        at_rest, following = self.at_ship(0.0), self.at_ship(1.0)
+        if at_rest is None or following is None:
+            return [*found, "how much of its height the sea has at the ship is not known for this scheme"]
+        fed = "" if self.feed.any() else ", without a feed"
+        found.append(
+            f"by a model of one line the sea has {abs(at_rest):.2g} of its height at a ship at rest and "
+            f"{abs(following):.2g} at one that keeps up with it{fed}"
+        )
+        return found
+
+    def warnings(self) -> list[str]:
+        """What is wrong with it but possible."""
+        found = []
+        if self.sea is not None and self.width < NARROW * self.sea.wavelength and self.rate > 0.0:
+            found.append(
+                f"the rim of the patch is {self.width:.3g} m wide, less than {NARROW:g} of the wavelength of "
+                f"{self.sea.wavelength:.3g} m: it gives back more than a twentieth of what the ship makes; take a "
+                "larger patch"
+            )
+        for speed, who in ((0.0, "at rest"), (1.0, "that keeps up with it")):
+            there = self.at_ship(speed)
+            if there is not None and abs(there) < 1.0 - WEAK:
+                found.append(f"the sea has {abs(there):.2g} of its height at a ship {who}, by a model of one line")
+        return found
+
+
+def band(lattice: Lattice) -> Band | None:
+    """That of the water on a lattice; None where it is no patch of open sea."""
+    basin = lattice.basin
+    if basin.sea is None:
+        return None
+    rim, sea = basin.sea.rim, of_patch(basin, lattice.spacing)
+    least = MOST * min(period for period in basin.periods if period)
+    width = rim.width or (least if sea is None else min(WIDTH * sea.wavelength, least))
+    if sea is None:
+        omega = float(waves.angular_frequency(2.0 * pi * WIDTH / width, basin.depth, waves.pull(basin)))
+    else:
+        omega = 2.0 * pi / sea.period
+    rate = RATE * omega if rim.rate is None else rim.rate
+    losses = None if sea is None else lattice.config.losses(lattice, sea)
+    n = 0 if sea is None else len(sea.amplitude)
+    feed = np.zeros(n, dtype=complex) if losses is None else 2.0 * losses
+    if basin.sea.feed is not None:
+        feed = np.full(n, basin.sea.feed, dtype=complex)
+    return Band(lattice, width, rate, sea, losses, feed)
+
+
+def stokes(sea: waves.Components) -> float:
+    """Share by which a regular wave's own height quickens it (Stokes, third order); 0 of random waves."""
+    if sea.random:
+        return 0.0
+    steepness = float(sea.wavenumber[0] * np.sqrt((sea.amplitude**2).sum()))
+    t = float(np.tanh(sea.wavenumber[0] * sea.depth)) ** 2
+    return steepness**2 * (9.0 - 10.0 * t + 9.0 * t**2) / (16.0 * t**2)

@@ -1,0 +1,240 @@
+"""What makes particles a patch of open sea: the band opposite the ship that relaxes them towards the sea, and its
+feed.
+
+The sea's velocity, and what of it is fed, stand in a table over the patch and some depths, written forty times in a
+period of the highest waves and linear between; across the patch it is cubic, and so it is in the square root of the
+depth. Above the still level velocities go on along their slope there (Rodenbusch & Forristall 1986, OTC 5098).
+"""
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+import taichi as ti
+import taichi.math as tm
+from taichi.lang.util import to_numpy_type
+
+from ocean_sim.columns import vec3
+from ocean_sim.fluid import Displacing
+from ocean_sim.fluid.shared.band import Band
+from ocean_sim.runtime import Template
+from ocean_sim.waves import Components, profiles
+
+LEVELS = 10  # at and below the still level; the last number is a level above it
+WRITTEN = 40  # times in a period of the highest waves
+PER_WAVE, FEWEST, MOST = 8, 16, 512  # nodes to the shortest wave, and along an axis of the patch
+VALUES = 6  # of a node: velocity [m/s] and what is fed of it [m/s2]
+
+
+def numbers(band: Band, sea: Components) -> np.ndarray:
+    """(n, 2) crests of each wave along the sides of the patch."""
+    return np.round(sea.wavevector * np.array(band.lattice.basin.periods)[::2] / (2.0 * np.pi)).astype(int)
+
+
+def nodes(band: Band, sea: Components) -> tuple[int, ...]:
+    """Of the table, along x and z."""
+    most = np.abs(numbers(band, sea)).max(axis=0)
+    periods = band.lattice.basin.periods[::2]
+    return tuple(int(np.clip(PER_WAVE * m, FEWEST, MOST)) if period else 1 for m, period in zip(most, periods))
+
+
+def memory(band: Band, sea: Components, word: int) -> int:
+    """Bytes of the table."""
+    x, z = nodes(band, sea)
+    return 3 * x * z * (LEVELS + 1) * VALUES * word
+
+
+@ti.data_oriented
+class SeaTable:
+    """The sea on the patch, at one time."""
+
+    left_out: ClassVar[tuple[str, ...]] = ("shapes", "modes")
+
+    def __init__(self, band: Band, sea: Components) -> None:
+        basin, whole = band.lattice.basin, numbers(band, sea)
+        self.sea, self.every = sea, sea.period / WRITTEN
+        self.depth = min(basin.depth, sea.wavelength)  # [m] below which velocities are those there
+        self.above = max(sea.significant_height, 1e-3 * self.depth)  # [m]
+        self.count = nodes(band, sea)
+        self.lower = (basin.lower[0], basin.lower[2])
+        self.per_cell = tuple(n / (period or 1.0) for n, period in zip(self.count, basin.periods[::2]))
+        self.modes = tuple(whole[:, axis] % self.count[axis] for axis in range(2))
+        self.shapes = self.shaped(band)
+        shape = (*self.count, LEVELS + 1, VALUES)
+        self.slots, self.now = ti.field(float, shape=(2, *shape)), ti.field(float, shape=shape)
+        self.begun = 0  # number of the time that the first slot holds
+        self.write(0, 0.0)
+        self.write(1, self.every)
+
+    def shaped(self, band: Band) -> np.ndarray:
+        """(levels, values, n) complex: what each wave of the sea adds at the lower corner of the patch and phase 0."""
+        sea = self.sea
+        k, (kx, kz) = sea.wavenumber, sea.wavevector.T
+        speed = sea.amplitude * sea.gravity * k / sea.omega
+        found = []
+        for level in range(LEVELS + 1):
+            c, s = profiles(k, -self.depth * (level / (LEVELS - 1)) ** 2, sea.depth)
+            if level == LEVELS:
+                (c, s), bed = profiles(k, 0.0, sea.depth), np.tanh(k * sea.depth)
+                c, s = c + k * self.above * bed, s + k * self.above
+            found.append(speed * np.stack([kx / k * c, -1j * s, kz / k * c]))
+        velocity = np.array(found) * np.exp(1j * (kx * self.lower[0] + kz * self.lower[1]))
+        return np.concatenate([velocity, band.feed * velocity], axis=1)
+
+    def write(self, slot: int, time: float) -> None:
+        """The sea at a time [s]."""
+        from scipy.fft import ifft2
+
+        sea, modes = self.sea, np.zeros((LEVELS + 1, VALUES, *self.count), dtype=np.complex128)
+        modes[:, :, self.modes[0], self.modes[1]] = self.shapes * np.exp(
+            1j * np.mod(sea.phase - sea.omega * time, 2.0 * np.pi)
+        )
+        values = ifft2(modes, norm="forward", workers=1).real
+        self.take(slot, np.ascontiguousarray(values.transpose(2, 3, 0, 1), dtype=to_numpy_type(self.now.dtype)))
+
+    def advance(self, time: float) -> None:
+        """To a time [s]."""
+        share = time / self.every - self.begun
+        while share > 1.0 + 1e-9:
+            self.begun, share = self.begun + 1, share - 1.0
+            self.shift()
+            self.write(1, (self.begun + 1) * self.every)
+        self.turn(share)
+
+    @ti.kernel
+    def take(self, slot: int, values: ti.types.ndarray(ndim=4)):  # type: ignore[valid-type]
+        for i in ti.grouped(self.now):
+            self.slots[slot, i] = values[i]
+
+    @ti.kernel
+    def shift(self):
+        for i in ti.grouped(self.now):
+            self.slots[0, i] = self.slots[1, i]
+
+    @ti.kernel
+    def turn(self, share: float):
+        for i in ti.grouped(self.now):
+            self.now[i] = tm.mix(self.slots[0, i], self.slots[1, i], share)
+
+    @ti.func
+    def levels(self, y):
+        """Four levels around a height y [m], and their weights."""
+        last = LEVELS - 1
+        at = tm.min(ti.sqrt(tm.max(-y, 0.0) / self.depth), 1.0) * last
+        first = tm.clamp(int(at) - 1, 0, last - 3)
+        s = at - first
+        level = ti.Vector([first, first + 1, first + 2, first + 3])
+        weight = tm.vec4(
+            -(s - 1.0) * (s - 2.0) * (s - 3.0) / 6.0,
+            0.5 * s * (s - 2.0) * (s - 3.0),
+            -0.5 * s * (s - 1.0) * (s - 3.0),
+            s * (s - 1.0) * (s - 2.0) / 6.0,
+        )
+        if y > 0.0:
+            rise = tm.min(y / self.above, 2.0)
+            level, weight = ti.Vector([0, LEVELS, 0, 0]), tm.vec4(1.0 - rise, rise, 0.0, 0.0)
+        return level, weight
+
+    @ti.func
+    def around(self, x, axis: Template):
+        """The first of four nodes around x [m] along an axis, and their weights (Keys 1981, IEEE Trans. ASSP 29)."""
+        at = (x - self.lower[axis]) * self.per_cell[axis]
+        i = int(ti.floor(at))
+        s = at - i
+        weight = tm.vec4(
+            0.5 * s * (-1.0 + s * (2.0 - s)),
+            0.5 * (2.0 + s * s * (3.0 * s - 5.0)),
+            0.5 * s * (1.0 + s * (4.0 - 3.0 * s)),
+            0.5 * s * s * (s - 1.0),
+        )
+        return i - 1, weight
+
+    @ti.func
+    def at(self, x):
+        """Velocity [m/s] and what is fed of it [m/s2], six numbers, at x [m]."""
+        n, m = ti.static(self.count)
+        level, share = self.levels(x.y)
+        i, along = self.around(x.x, 0)
+        total = ti.Vector.zero(float, VALUES)
+        for p in range(4):
+            cell = (i + p + n) % n
+            if ti.static(m == 1):
+                total += along[p] * self.column(cell, 0, level, share)
+            else:
+                k, across = self.around(x.z, 1)
+                for q in range(4):
+                    total += along[p] * across[q] * self.column(cell, (k + q + m) % m, level, share)
+        return total
+
+    @ti.func
+    def column(self, i, k, level, share):
+        """The six numbers over a node of the patch."""
+        total = ti.Vector.zero(float, VALUES)
+        for l in ti.static(range(4)):
+            for c in ti.static(range(VALUES)):
+                total[c] += share[l] * self.now[i, k, level[l], c]
+        return total
+
+
+@ti.data_oriented
+class SeaRim:
+    """The band and the feed; the band lies opposite the ships, or a point that moves steadily."""
+
+    left_out: ClassVar[tuple[str, ...]] = ("ships",)
+
+    def __init__(self, band: Band) -> None:
+        basin = band.lattice.basin
+        assert basin.sea is not None
+        self.width, self.rate, self.velocity = band.width, band.rate, np.array(basin.sea.rim.velocity)
+        self.periods = np.array(basin.periods)[[0, 2]]
+        self.axes = tuple((axis, 2 * axis, float(p)) for axis, p in enumerate(self.periods) if p)
+        self.waving, self.fed = band.sea is not None, bool(band.feed.any())
+        if band.sea is not None:
+            self.table = SeaTable(band, band.sea)
+        self.ships: tuple[Displacing, ...] = ()
+        self.middle = ti.field(float, shape=2)  # x, z opposite which it lies, on the patch [m]
+        self.advance(0.0)
+
+    def follow(self, ships: Sequence[Displacing]) -> None:
+        """Lie opposite the middle of these ships from now on."""
+        self.ships = tuple(ships)
+        self.place(0.0)
+
+    def place(self, time: float) -> None:
+        """Where it is at a time [s], or where the ships are."""
+        at = self.velocity * time
+        if self.ships:
+            at = np.mean([ship.body.position[[0, 2]] for ship in self.ships], axis=0)
+        around = np.where(self.periods > 0.0, self.periods, np.inf)
+        at = np.where(self.periods > 0.0, at - self.periods * np.round(at / around), 0.0)
+        self.middle.from_numpy(at.astype(to_numpy_type(self.middle.dtype)))
+
+    def advance(self, time: float) -> None:
+        """To a time [s]."""
+        self.place(time)
+        if self.waving:
+            self.table.advance(time)
+
+    @ti.func
+    def share(self, x):
+        """How far x [m] lies in the band: 0 outside, 1 at the seam."""
+        far = 0.0
+        for axis, k, period in ti.static(self.axes):
+            xi = x[k] - self.middle[axis]
+            xi -= period * ti.round(xi / period)
+            far = tm.max(far, (ti.abs(xi) - (0.5 * period - self.width)) / self.width)
+        return tm.min(far, 1.0)
+
+    @ti.func
+    def push(self, x, v, dt):
+        """Acceleration [m/s2] over dt of a particle at x [m] that would leave the step with v [m/s] but for the sea;
+        that of the band is implicit, so that no step overshoots."""
+        s, a = self.share(x), tm.vec3(0.0)
+        if s > 0.0 or ti.static(self.fed):
+            rate = self.rate * s * s
+            if ti.static(self.waving):
+                sea = self.table.at(x)
+                a = rate / (1.0 + rate * dt) * (vec3(sea, 0) - v) + vec3(sea, 3)
+            else:
+                a = -rate / (1.0 + rate * dt) * v
+        return a

@@ -1,0 +1,140 @@
+"""A patch of open sea: does the sea that it is a part of reach the ship, whichever way and however fast she sails.
+
+A slice of three wavelengths, half a wavelength deep, 40 particles to the wave; no ship, but a rim opposite a point that
+rests or moves at a share of the group speed, with the waves or against them. Fitted to the velocities half a wavelength
+around that point: complex height of the linear wave over that of the sea, and the current. At rest 20 periods, under
+way 25, of which the last five count.
+
+The random sea: JONSWAP, four wavelengths of the peak, of which a rim takes one on either side; heights in the free part
+against linear theory for the same phases.
+"""
+
+from functools import partial
+from math import pi
+
+import numpy as np
+
+from ocean_sim import waves
+from ocean_sim.fluid.shared.initial import of_patch
+from ocean_sim.simulation import Simulation
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
+from ocean_sim.validation.shared.state import State, sampled
+
+LENGTH, DEPTH, G = 1.0, 0.5, 9.81  # [m], [m], [m/s2]
+K = 2.0 * pi / LENGTH
+OMEGA = (G * K * float(np.tanh(K * DEPTH))) ** 0.5
+PERIOD, GROUP = 2.0 * pi / OMEGA, float(waves.group_speed(K, DEPTH, G))
+PATCH, FINE, COARSE = 3.0, 40, 20  # [wavelengths], particles to the wave
+JUDGED, A_PERIOD, NEAR = 5.0, 8, 0.25  # [periods] at the end, looks at a period, [wavelengths] around the point
+LOWEST = -0.9  # [depths] particles below it are not looked at
+HEIGHT, SEED, RANDOM_PATCH, RANDOM_RIM = 0.03, 3, 4.0, 1.0  # [m], seed, [wavelengths] twice
+SOURCE = "the sea asked for, linear theory"
+
+
+def problems(coarse: bool) -> list[Problem]:
+    if coarse:
+        return [regular(0.15, 0.0, 10.0, COARSE, 7.0, 15.0)]
+    found = [regular(ka, 0.0, 20.0, FINE, 5.0, 10.0) for ka in (0.05, 0.15)]
+    found += [
+        regular(ka, speed, 25.0, FINE, 7.0, 15.0, slow=True)
+        for ka in (0.05, 0.15)
+        for speed in (0.5, 1.0, 1.5, -0.5, -1.0, -1.5)
+    ]
+    return [*found, random()]
+
+
+def patch(length: float, particles: int, sea: dict, periods: float) -> dict:
+    """The scene."""
+    return {
+        "duration": periods * PERIOD,
+        "basin": {"length": length * LENGTH, "depth": DEPTH, "walls": "periodic", "gravity": [0.0, -G, 0.0]},
+        "fluid": {"spacing": LENGTH / particles},
+        "sea": {"kind": "linear_waves", **sea},
+    }
+
+
+def regular(
+    ka: float, speed: float, periods: float, particles: int, within: float, degrees: float, slow: bool = False
+) -> Problem:
+    """A regular wave of a steepness, seen at a speed [group speeds] for so many periods."""
+    where = "at rest" if speed == 0.0 else f"at {speed:+g} group speeds"
+    name = f"ka {ka:g}, {where}"
+    height = Promise(f"{name}: height over that of the sea", "%", f"{SOURCE}; {within:g} %", {"delta_sph": within})
+    phase = Promise(f"{name}: phase [deg]", "deg", f"{SOURCE}; {degrees:g} deg", {"delta_sph": degrees})
+    current = Promise(f"{name}: current over the phase speed", "%", "none; 0.05 %", {"delta_sph": 0.05})
+    sea = {"height": 2.0 * ka / K, "period": PERIOD, "rim": {"velocity": [speed * GROUP, 0.0]}}
+    promises = (height, phase, current)
+    look = partial(measure_regular, promises=promises, amplitude=ka / K, speed=speed * GROUP)
+    return Problem(patch(PATCH, particles, sea, periods), promises, look, name, slow)
+
+
+def around(water: State, amplitude: float, at: float) -> tuple[complex, float]:
+    """Complex height of the wave around x [m] over that of the sea, and the current [m/s]: the least squares of the
+    velocities there."""
+    x, y = water.position[:, 0], water.position[:, 1]
+    far = (x - at + 0.5 * PATCH * LENGTH) % (PATCH * LENGTH) - 0.5 * PATCH * LENGTH
+    near = (np.abs(far) < NEAR * LENGTH) & (y < -amplitude) & (y > LOWEST * DEPTH)
+    angle = K * x[near] - OMEGA * water.time
+    c, s = waves.profiles(K, y[near], DEPTH)
+    one, none = np.ones_like(c), np.zeros_like(c)
+    along = np.stack([c * np.cos(angle), -c * np.sin(angle), one], axis=1)
+    up = np.stack([s * np.sin(angle), s * np.cos(angle), none], axis=1)
+    speeds = np.concatenate([water.velocity[near, 0], water.velocity[near, 1]])
+    real, imaginary, current = np.linalg.lstsq(np.concatenate([along, up]), speeds, rcond=None)[0]
+    return complex(real, imaginary) / (amplitude * G * K / OMEGA), float(current)
+
+
+def measure_regular(simulation: Simulation, promises: tuple[Promise, ...], amplitude: float, speed: float) -> Finding:
+    """The last periods."""
+    until = simulation.scene.duration
+    found = [
+        (water.time, *around(water, amplitude, speed * water.time))
+        for water in sampled(simulation, until, PERIOD / A_PERIOD)
+    ]
+    time, height, current = (np.array(column) for column in zip(*found))
+    last = time > until - JUDGED * PERIOD
+    a, u = complex(height[last].mean()), float(current[last].mean()) * K / OMEGA
+    degrees = float(np.degrees(np.angle(a)))
+    numbers = ((abs(a), 1.0, 100.0 * (abs(a) - 1.0)), (degrees, 0.0, degrees), (u, 0.0, 100.0 * u))
+    return Finding(
+        {promise.quantity: number for promise, number in zip(promises, numbers, strict=True)},
+        [Curve("height", time / PERIOD, np.abs(height))],
+        [Curve("the sea", time / PERIOD, np.ones_like(time))],
+        ("t / T", "height over that of the sea"),
+    )
+
+
+def random() -> Problem:
+    """A JONSWAP sea."""
+    spectrum = {"significant_wave_height": HEIGHT, "peak_period": PERIOD, "cut_off": 2.0, "seed": SEED}
+    promises = (
+        Promise("JONSWAP: 4 sqrt m0 in the free part [m]", "%", f"{SOURCE}; 6 %", {"delta_sph": 6.0}),
+        Promise("JONSWAP: correlation with the sea", "1", "1; 0.05", {"delta_sph": 0.05}),
+    )
+    scene = patch(RANDOM_PATCH, FINE, {"spectrum": spectrum, "rim": {"width": RANDOM_RIM * LENGTH}}, 20.0)
+    return Problem(scene, promises, partial(measure_random, promises=promises), "JONSWAP", slow=True)
+
+
+def measure_random(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
+    """Heights in the free part over the second half of the run."""
+    sea = of_patch(simulation.basin, simulation.fluid.spacing)
+    assert sea is not None
+    half = (0.5 * RANDOM_PATCH - RANDOM_RIM) * LENGTH
+    x = np.linspace(-half, half, 81)
+    points, found, wanted, time = np.stack([x, 0.0 * x], axis=1), [], [], []
+    for water in sampled(simulation, simulation.scene.duration, PERIOD / A_PERIOD):
+        if water.time > 0.5 * simulation.scene.duration:
+            time.append(water.time / PERIOD)
+            found.append(simulation.fluid.elevations(points))
+            wanted.append(waves.elevation(sea, points, water.time))
+    eta, theory = (np.array(rows) - np.mean(rows) for rows in (found, wanted))
+    alike = float((eta * theory).mean() / (eta.std() * theory.std()))
+    height, right = 4.0 * float(eta.std()), 4.0 * float(theory.std())
+    numbers = ((height, right, 100.0 * (height / right - 1.0)), (alike, 1.0, alike - 1.0))
+    middle = len(x) // 2
+    return Finding(
+        {promise.quantity: number for promise, number in zip(promises, numbers, strict=True)},
+        [Curve("in the middle", np.array(time), eta[:, middle])],
+        [Curve("the sea", np.array(time), theory[:, middle])],
+        ("t / T", "elevation [m]"),
+    )

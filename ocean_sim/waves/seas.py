@@ -1,0 +1,89 @@
+"""Seas that one may write in a scene: calm water, regular or random waves, several on top of each other, and lists."""
+
+from math import pi
+
+import numpy as np
+from pydantic import model_validator
+
+from ocean_sim import waves
+from ocean_sim.files import csv_file
+from ocean_sim.files.input_file import FileName, Unreadable
+from ocean_sim.model import quantity
+
+COLUMNS = ("amplitude_m", "period_s", "heading_deg", "phase_deg")
+Problems = list[tuple[tuple[str | int, ...], str]]  # where below the sea, and a sentence
+
+
+class Seas(waves.OpenTrain):
+    """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `seas` on top of them."""
+
+    height: float | None = quantity("m", None, ge=0.0)
+    """From trough to crest; 0 is calm water."""
+    seas: list[waves.OpenTrain] = []
+    """More of them, as swell on top of a wind sea."""
+    components: FileName | None = None
+    """A CSV file of plane waves on top of all others: `amplitude_m`, `period_s`, `heading_deg`, `phase_deg`; each is
+    amplitude cos(k . x - omega t + phase)."""
+
+    @model_validator(mode="after")
+    def _regular_or_random(self) -> "Seas":
+        regular = [self.height is not None, self.period is not None]
+        if any(regular) and (self.spectrum is not None or not all(regular)):
+            raise ValueError("give either height [m] and period [s] of a regular wave, or a spectrum, or neither")
+        return self
+
+    @property
+    def trains(self) -> list[tuple[tuple[str | int, ...], waves.OpenTrain]]:
+        """Each sea, and where it is written."""
+        own = [((), self)] if self.height is not None or self.spectrum is not None else []
+        return [*own, *((("seas", n), sea) for n, sea in enumerate(self.seas))]
+
+    @property
+    def highest(self) -> tuple[float, float] | None:
+        """Height [m] and period [s] of the highest sea; None in calm water."""
+        sizes = [train.scale for _, train in self.trains]
+        table = self.table()
+        if table is not None and len(table["amplitude_m"]):
+            a = table["amplitude_m"]
+            sizes.append((float(2.0 * np.linalg.norm(a)), float(table["period_s"][np.argmax(a)])))
+        return max(sizes) if sizes else None
+
+    def table(self) -> dict[str, np.ndarray] | None:
+        """The columns of `components`; raises Unreadable."""
+        if self.components is None:
+            return None
+        found = csv_file.numbers(self.components)
+        for name in COLUMNS:
+            if name not in found or not np.isfinite(found[name]).all():
+                raise Unreadable(self.components, f"it has no column of numbers {name}; it needs {', '.join(COLUMNS)}")
+        if (found["period_s"] <= 0.0).any():
+            raise Unreadable(self.components, "each period_s must be above 0")
+        return found
+
+    def sea_of(self, basin: waves.Tank, count: int = waves.COMPONENTS) -> waves.Components:
+        """All plane waves together, `count` of each spectrum."""
+        depth, g, found = basin.depth, waves.pull(basin), []
+        for _, train in self.trains:
+            towards = waves.direction(train.heading, basin.dimension)
+            of = train.spectrum
+            found.append(train.train(towards, depth, g) if of is None else of.components(towards, depth, g, count))
+        table = self.table()
+        if table is not None:
+            k = waves.wavenumber(2.0 * pi / table["period_s"], depth, g)
+            ahead = np.stack([waves.direction(float(angle), basin.dimension) for angle in table["heading_deg"]])
+            phase = np.radians(table["phase_deg"])
+            found.append(waves.Components(table["amplitude_m"], k[:, None] * ahead, phase, depth, g))
+        return waves.together(found, depth, g)
+
+    def impossible(self, basin: waves.Tank) -> Problems:
+        """What is wrong with them in this basin."""
+        found: Problems = [(("kind",), sentence) for sentence in waves.unsuited(basin)]
+        try:
+            self.table()
+        except Unreadable as error:
+            found.append((("components",), str(error)))
+        if not found:
+            for key, train in self.trains:
+                found += [((*key, *train.height_key), sentence) for sentence in waves.unsuited(basin, *train.scale)]
+                found += [((*key, *path), sentence) for path, sentence in train.astray(basin)]
+        return found

@@ -1,0 +1,197 @@
+"""A patch of open sea: its table, band, feed, accounts, and what a scene may say of it."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import taichi as ti
+
+from ocean_sim import waves
+from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.fluid.shared.band import Band, band
+from ocean_sim.fluid.shared.initial import of_patch
+from ocean_sim.reading.scene import load
+from ocean_sim.simulation import Simulation
+from ocean_sim.validation.shared.state import state
+
+G, LENGTH = 9.81, 2.0  # [m/s2], [m] of the wave
+PERIOD = 2.0 * np.pi / float(waves.angular_frequency(2.0 * np.pi / LENGTH, 1.0, G))
+QUIET = dict.fromkeys(("accuracy", "health", "timings"))
+SLICE = {"length": 3.0 * LENGTH, "depth": 1.0, "walls": "periodic", "gravity": [0.0, -G, 0.0]}
+REGULAR = {"kind": "linear_waves", "height": 0.1, "period": PERIOD}
+SPREAD = {"significant_wave_height": 0.1, "peak_period": PERIOD, "cut_off": 2.0, "spreading": 10.0, "seed": 2}
+
+
+def patch(sea=REGULAR, basin=SLICE, spacing=0.1, kind="delta_sph", **keys):
+    scene = {"duration": 1.0, "basin": basin, "fluid": {"kind": kind, "spacing": spacing}, "sea": sea}
+    return load(scene | QUIET | keys)
+
+
+def band_of(scene) -> Band:
+    found = band(scene.fluid.lattice(scene.preflight.tank))
+    assert found is not None
+    return found
+
+
+def refused(**keys) -> str:
+    with pytest.raises(SceneError) as error:
+        patch(**keys)
+    return str(error.value)
+
+
+@ti.kernel
+def read(table: ti.template(), points: ti.types.ndarray(ndim=2), values: ti.types.ndarray(ndim=2)):  # type: ignore[valid-type]
+    for n in range(points.shape[0]):
+        found = table.at(ti.math.vec3(points[n, 0], points[n, 1], points[n, 2]))
+        for c in ti.static(range(6)):
+            values[n, c] = found[c]
+
+
+def test_the_table_holds_the_velocity_of_a_spread_sea_below_the_still_level():
+    """Against the sum over all waves, at a time between two writings."""
+    basin = SLICE | {"width": 2.0 * LENGTH}
+    scene = patch({"kind": "linear_waves", "spectrum": SPREAD}, basin, 0.25)
+    with Simulation(scene) as simulation:
+        table, time = simulation.fluid.rim.table, 0.613
+        table.advance(time)
+        random = np.random.default_rng(1)
+        points = random.uniform([-3.0, -1.0, -2.0], [3.0, 0.0, 2.0], (200, 3)).astype(np.float32)
+        values = np.zeros((200, 6), dtype=np.float32)
+        read(table, points, values)
+    sea = of_patch(scene.preflight.tank, 0.25)
+    right = waves.linear_velocity(sea, points.astype(float), time)
+    assert np.abs(values[:, :3] - right).max() < 0.02 * np.abs(right).max()
+    assert np.sqrt(((values[:, :3] - right) ** 2).mean()) < 0.005 * np.sqrt((right**2).mean())
+
+
+def test_above_the_still_level_velocity_goes_on_along_its_slope():
+    with Simulation(patch()) as simulation:
+        table = simulation.fluid.rim.table
+        points = np.array([[0.3, y, 0.0] for y in (0.0, 0.02, 0.04)], dtype=np.float32)
+        values = np.zeros((3, 6), dtype=np.float32)
+        read(table, points, values)
+    assert values[1, :2] == pytest.approx(0.5 * (values[0, :2] + values[2, :2]), abs=1e-6)
+    rise = (values[2, 0] - values[0, 0]) / 0.04 / values[0, 0]
+    k = 2.0 * np.pi / LENGTH
+    assert rise == pytest.approx(k * np.tanh(k), rel=0.01)
+
+
+def test_a_rim_that_steers_nothing_changes_no_bit():
+    """Neither relaxed nor fed, water that starts as the sea is water with these waves as its initial state."""
+    started = {"kind": "regular_wave", "height": 0.1, "period": PERIOD}
+    found = []
+    for keys in (
+        {"sea": REGULAR | {"feed": 0.0, "rim": {"rate": 0.0}}},
+        {"sea": None, "fluid": {"kind": "delta_sph", "spacing": 0.1, "initial": started}},
+    ):
+        with Simulation(patch(**keys)) as simulation:
+            simulation.run(0.3)
+            found.append(state(simulation).position)
+    assert np.array_equal(*found)
+
+
+@pytest.mark.parametrize("kind", ["delta_sph", "dfsph", "mueller"])
+def test_impulses_add_up_to_the_momentum_and_the_sea_has_its_own(kind):
+    scene = patch(kind=kind, accuracy={}, duration=0.2)
+    with Simulation(scene) as simulation:
+        before = state(simulation).momentum
+        simulation.run(0.2)
+        given = simulation.fluid.impulse
+        gained = state(simulation).momentum - before
+    assert "sea" in given and np.abs(given["sea"]).max() > 0.0
+    assert sum(given.values()) == pytest.approx(gained, abs=2e-5 * np.abs(given["gravity"]).max())
+
+
+def test_without_a_sea_no_account_speaks_of_one():
+    scene = load(
+        {"duration": 0.1, "basin": SLICE, "fluid": {"kind": "delta_sph", "spacing": 0.1}} | QUIET | {"accuracy": {}}
+    )
+    with Simulation(scene) as simulation:
+        assert "sea" not in simulation.fluid.impulse and "bed" not in simulation.fluid.impulse
+
+
+def test_the_rim_calms_water_where_the_sea_is_calm_and_lies_opposite_the_ship():
+    """Water that all moves is at rest first at the seam, half a patch from the ship, wherever she is."""
+    scene = patch({"kind": "linear_waves", "rim": {"rate": 20.0}}, fluid={"kind": "delta_sph", "spacing": 0.1})
+    for x in (0.0, 7.1):  # 7.1 m is 1.1 m on the patch
+        ship = SimpleNamespace(body=SimpleNamespace(position=np.array([x, 0.0, 0.0])))
+        with Simulation(scene) as simulation:
+            water = simulation.fluid
+            water.particles.velocity.from_numpy(np.tile([0.1, 0.0, 0.0], (water.count, 1)).astype(np.float32))
+            water.carry([ship])
+            simulation.run(0.3)
+            now = state(simulation)
+            far = np.abs((now.position[:, 0] - x + 3.0) % 6.0 - 3.0)
+            assert now.velocity[far > 2.8, 0].mean() < 0.02 < 0.07 < now.velocity[far < 1.0, 0].mean()
+
+
+@pytest.mark.parametrize("kappa, right", [(0.18, 0.80), (0.07, 0.92), (0.03, 0.96), (0.015, 0.98)])
+def test_the_model_of_one_line_meets_trials_without_a_feed(kappa, right):
+    """Loss per wavelength against the height at a ship at rest, on three wavelengths with a rim of 3/4 at twice the
+    frequency: figures of a trial that met simulations within 0.02."""
+    scene = patch()
+    found = band_of(scene)
+    group = float(waves.group_speed(2.0 * np.pi / LENGTH, 1.0, G))
+    losses = np.array([kappa * group / LENGTH + 0.0j])
+    model = Band(found.lattice, 0.75 * LENGTH, 2.0 * 2.0 * np.pi / PERIOD, found.sea, losses, 0.0 * losses)
+    assert abs(model.at_ship(0.0)) == pytest.approx(right, abs=0.015)
+
+
+def test_a_feed_of_twice_the_loss_holds_the_sea_up_at_any_speed():
+    found = band_of(patch())
+    assert found.losses is not None and found.feed == pytest.approx(2.0 * found.losses)
+    for speed in (-1.5, 0.0, 0.7, 1.0, 1.3):
+        assert found.at_ship(speed) == pytest.approx(1.0, abs=1e-9)
+    unfed = band_of(patch(REGULAR | {"feed": 0.0}))
+    assert abs(unfed.at_ship(1.0)) == 0.0 and any("keeps up" in sentence for sentence in unfed.warnings())
+
+
+def test_waves_are_fitted_to_the_patch_and_statements_say_so():
+    sea = REGULAR | {"period": 1.04 * PERIOD}
+    scene = patch(sea)
+    found = of_patch(scene.preflight.tank, 0.1)
+    assert found.wavelength == pytest.approx(LENGTH)
+    said = " ".join(scene.fluid.statements(scene.preflight))
+    assert "fitted to the patch" in said and f"{PERIOD:.4g} s" in said
+
+
+def test_defaults_follow_from_the_highest_waves_and_stay_open_in_the_dump():
+    scene = patch()
+    found = band_of(scene)
+    assert found.width == pytest.approx(0.75 * LENGTH) and found.rate == pytest.approx(4.0 * np.pi / PERIOD)
+    assert scene.resolved()["sea"]["rim"] == {"width": None, "rate": None, "velocity": [0.0, 0.0]}
+    assert load(scene.resolved()).resolved() == scene.resolved()
+
+
+def test_a_name_is_enough_for_a_calm_sea():
+    scene = patch("calm")
+    assert scene.sea.kind == "linear_waves" and band_of(scene).sea is None
+
+
+@pytest.mark.parametrize(
+    "keys, sentence",
+    [
+        ({"basin": SLICE | {"walls": "reflecting"}}, "set basin.walls: periodic"),
+        (
+            {"kind": "ballistic"},
+            "water of kind ballistic is no patch of an open sea; take delta_sph or dfsph or mueller",
+        ),
+        ({"sea": REGULAR | {"rim": {"width": 4.0}}}, "leaves no water free; at most 3 m"),
+        ({"sea": REGULAR | {"rim": {"velocity": [1.0, 1.0]}}}, "in a slice it is along x alone"),
+        ({"sea": REGULAR | {"height": 1.0}}, "would break"),
+        ({"sea": REGULAR | {"heading_deg": 0.0}}, "slice"),
+        (
+            {"fluid": {"kind": "mueller", "spacing": 0.1, "fill": [{"min": [-3.0, -1.0], "max": [3.0, -0.5]}]}},
+            "starts as the sea; leave fill out",
+        ),
+        ({"sea": "stormy"}, "stormy"),
+    ],
+)
+def test_what_is_no_patch_of_a_sea_is_said_in_a_sentence(keys, sentence):
+    assert sentence in refused(**keys)
+
+
+def test_water_in_closed_form_is_no_patch():
+    scene = {"basin": SLICE, "fluid": {"kind": "linear_waves", "height": 0.1, "period": PERIOD}, "sea": "calm"}
+    with pytest.raises(SceneError, match="no patch of an open sea"):
+        load(scene | QUIET)

@@ -30,6 +30,7 @@ from ocean_sim.fluid.shared.open_water import ADVANCE, POINTS_PER_WAVE, SMOOTH, 
 from ocean_sim.fluid.shared.plane_waves import NO_DRIFT, PlaneWaves
 from ocean_sim.fluid.shared.sheet import WORDS, Sheet
 from ocean_sim.fluid.shared.tile import PER_TILE, RIM, Layer, OnTile, Shown, Tile
+from ocean_sim.fluid.shared.window import Window
 from ocean_sim.model import Vector2, quantity
 from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems
 from ocean_sim.wind import Wind
@@ -232,7 +233,7 @@ class Config(waves.GrowingTrain, FluidConfig):
         word, tile = preflight.word, self.tile_of(preflight.tank)
         cells, every = tile.cells * tile.rows, self.step_of(tile)
         why = f"fluid.cells {self.cells}"
-        n = len(self.sea_of(preflight.tank).amplitude) if self.order == 1 else 1
+        n = self.summed(preflight)
         rows = [LedgerRow("fluid", f"{n} plane waves", 6 * word * n, "fluid.order 1", ADVANCE)]
         if self.order == 3:
             size = cells * (6 * 8 + WORDS * word)
@@ -245,6 +246,13 @@ class Config(waves.GrowingTrain, FluidConfig):
             size = cells * (5 * 8 + WORDS * word) + AirPressure.bytes(cells, word)
             rows.append(LedgerRow("fluid", f"the wind's waves on {cells} cells", size, why, READ * cells, every))
         return rows
+
+    def summed(self, preflight: Preflight) -> int:
+        """How many plane waves are summed one by one; those of a nonlinear sea are not."""
+        return len(self.sea_of(preflight.tank).amplitude) if self.order == 1 else 1
+
+    def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
+        return Window.bytes(size, levels, self.summed(preflight), preflight.word)
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "SpectralSea":
         return SpectralSea(self, basin, wind)

@@ -293,8 +293,8 @@ class Fluid(Protocol):
 
     @property
     def work(self) -> dict[str, float]:
-        """Work of each term since the start [J], gravity's with the body force's; diffusion's is what it compresses.
-        Empty where no accounts are kept."""
+        """Work of each term since the start [J], gravity's with the body force's; diffusion's is what it compresses;
+        breaking's what it takes of a tile of nonlinear sea. Empty where no accounts are kept."""
         return {}
 
     @property
@@ -330,6 +330,11 @@ class Fluid(Protocol):
     def velocities(self, points: np.ndarray) -> np.ndarray:
         """(m, 3) points [m] -> (m, 3) velocities [m/s]; 0 where it is dry."""
         ...
+
+    def foam(self, points: np.ndarray) -> np.ndarray | None:
+        """(m, 2) points x, z [m] -> (m,) share of the surface that broken crests have made white; None where it does
+        not know of crests that break."""
+        return None
 
     def limits(self) -> Limits:
         """What the next step must stay a fraction of."""

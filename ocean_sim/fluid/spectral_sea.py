@@ -255,7 +255,7 @@ class Config(waves.GrowingTrain, FluidConfig):
         return Window.bytes(size, levels, self.summed(preflight), preflight.word)
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "SpectralSea":
-        return SpectralSea(self, basin, wind)
+        return SpectralSea(self, basin, wind, accounts)
 
 
 class Made(OnTile):
@@ -317,8 +317,8 @@ class Kept:
 class SpectralSea(OpenWater):
     """The sea. Its kernels read what comes from afar and what winds make: all that a ship feels that is alone."""
 
-    def __init__(self, config: Config, basin: Basin, wind: Wind) -> None:
-        self.config, self.tile = config, config.tile_of(basin)
+    def __init__(self, config: Config, basin: Basin, wind: Wind, accounts: bool = False) -> None:
+        self.config, self.tile, self.accounts = config, config.tile_of(basin), accounts
         tile = self.tile
         self.still, self.step = config.smooth(tile), config.step_of(tile)
         self.rest_density = density = config.rest_density
@@ -365,6 +365,23 @@ class SpectralSea(OpenWater):
     def plane_waves(self) -> waves.Components:
         """The sea from afar, by linear theory and without its current."""
         return self.afar
+
+    @property
+    def breaking(self) -> Breaking | None:
+        """Of the crests of a nonlinear sea, where it is asked for."""
+        return self.steep.sea.breaking if self.steep is not None else None
+
+    @property
+    def work(self) -> dict[str, float]:
+        broken = self.breaking
+        return {"breaking": -self.rest_density * broken.lost} if self.accounts and broken is not None else {}
+
+    def foam(self, points: np.ndarray) -> np.ndarray | None:
+        broken = self.breaking
+        if broken is None:
+            return None
+        white = self.tile.at(broken.white, np.asarray(points, dtype=float) - self.drift)
+        return self.afar.grown(self.time) * np.clip(white, 0.0, 1.0)
 
     @property
     def answers(self) -> bool:

@@ -245,6 +245,10 @@ class FluidConfig(KindConfig):
         """What the water does that a reader of its results should know."""
         return []
 
+    def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
+        """Memory that a window of its plane waves takes, with so many nodes and levels; 0 of particles."""
+        return 0
+
     @abstractmethod
     def still_limits(self, preflight: Preflight) -> Limits:
         """Limits of the time step in still water, before anything is allocated."""

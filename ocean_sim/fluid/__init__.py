@@ -267,6 +267,11 @@ class Fluid(Protocol):
         return None
 
     @property
+    def in_closed_form(self) -> "ClosedForm | None":
+        """Itself where it is one."""
+        return None
+
+    @property
     def plane_waves(self) -> Components | None:
         """The plane waves that it is the sum of, where it is a closed form, or a patch of."""
         return None
@@ -288,8 +293,8 @@ class Fluid(Protocol):
 
     @property
     def work(self) -> dict[str, float]:
-        """Work of each term since the start [J], gravity's with the body force's; diffusion's is what it compresses.
-        Empty where no accounts are kept."""
+        """Work of each term since the start [J], gravity's with the body force's; diffusion's is what it compresses;
+        breaking's what it takes of a tile of nonlinear sea. Empty where no accounts are kept."""
         return {}
 
     @property
@@ -326,12 +331,57 @@ class Fluid(Protocol):
         """(m, 3) points [m] -> (m, 3) velocities [m/s]; 0 where it is dry."""
         ...
 
+    def foam(self, points: np.ndarray) -> np.ndarray | None:
+        """(m, 2) points x, z [m] -> (m,) share of the surface that broken crests have made white; None where it does
+        not know of crests that break."""
+        return None
+
     def limits(self) -> Limits:
         """What the next step must stay a fraction of."""
         ...
 
     def internal_energy(self) -> float:
         """Energy of compression [J]; 0 where nothing is compressed."""
+        ...
+
+
+class Window(Protocol):
+    """Plane waves on a lattice of nodes and levels that lies still in the water for a moment."""
+
+    depth: float  # of the water [m]
+    span: float  # for so long it holds [s]
+
+    def now(self) -> tuple[float, float, bool]:
+        """How much of its time has gone, 0 to 1, how far the waves have grown, as what it gives is of waves that are
+        fully grown, and whether it still holds."""
+        ...
+
+    def lay(self, centre: tuple[float, float], heading: tuple[float, float]) -> None:
+        """Around a place x, z [m], its first axis along a unit vector in x and z, from now on."""
+        ...
+
+    def elevation(self, i: Any, k: Any, late: Any) -> Any:
+        """ti.func: of a node [m]."""
+        ...
+
+    def moving(self, i: Any, k: Any, l: Any, late: Any) -> Any:
+        """ti.func: velocity [m/s] and acceleration [m/s2] there on a level."""
+        ...
+
+
+class ClosedForm(Fluid, Protocol):
+    """What water without particles has beyond that: it can be asked below its surface from a kernel."""
+
+    def rise(self, x: Any, z: Any) -> Any:
+        """ti.func: elevation of what is not plane waves [m]."""
+        ...
+
+    def moving(self, x: Any, z: Any, depth: Any) -> Any:
+        """ti.func: velocity [m/s] and acceleration [m/s2] of that, at a depth of the unstretched column [m]."""
+        ...
+
+    def window(self, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]) -> Window:
+        """Its plane waves at so many nodes along and across, so far apart, and on levels at some depths [m]."""
         ...
 
 

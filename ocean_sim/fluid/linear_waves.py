@@ -11,6 +11,7 @@ from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.open_water import ADVANCE, POINTS_PER_WAVE, SMOOTH, OpenWater, status_of
 from ocean_sim.fluid.shared.plane_waves import NO_DRIFT, PlaneWaves
+from ocean_sim.fluid.shared.window import Window
 from ocean_sim.model import quantity
 from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems
 from ocean_sim.wind import Wind
@@ -58,6 +59,9 @@ class Config(waves.GrowingTrain, FluidConfig):
         return [
             LedgerRow("fluid", f"{n} plane waves", 6 * word * n, "fluid.kind is linear_waves: no particles", ADVANCE)
         ]
+
+    def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
+        return Window.bytes(size, levels, len(self.sea(preflight.tank).amplitude), preflight.word)
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "LinearWaves":
         return LinearWaves(self, basin)

@@ -27,6 +27,7 @@ from ocean_sim.fluid.shared.open_water import ADVANCE, POINTS_PER_WAVE, SMOOTH, 
 from ocean_sim.fluid.shared.plane_waves import NO_DRIFT, PlaneWaves
 from ocean_sim.fluid.shared.sheet import WORDS, Sheet
 from ocean_sim.fluid.shared.tile import PER_TILE, RIM, Layer, OnTile, Shown, Tile
+from ocean_sim.fluid.shared.window import Window
 from ocean_sim.model import Vector2, quantity
 from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems
 from ocean_sim.waves.seas import Seas
@@ -165,7 +166,7 @@ class Config(Seas, waves.GrowingTrain, FluidConfig):
         word, tile = preflight.word, self.tile_of(preflight.tank)
         cells, every = tile.cells * tile.rows, self.step_of(tile)
         why = f"fluid.cells {self.cells}"
-        n = len(self.sea_of(preflight.tank).amplitude) if self.order == 1 else 1
+        n = self.summed(preflight)
         rows = [LedgerRow("fluid", f"{n} plane waves", 6 * word * n, "fluid.order 1", ADVANCE)]
         if self.order == 3:
             size = cells * (6 * 8 + WORDS * word)
@@ -179,8 +180,15 @@ class Config(Seas, waves.GrowingTrain, FluidConfig):
             rows.append(LedgerRow("fluid", f"the wind's waves on {cells} cells", size, why, READ * cells, every))
         return rows
 
+    def summed(self, preflight: Preflight) -> int:
+        """How many plane waves are summed one by one; those of a nonlinear sea are not."""
+        return len(self.sea_of(preflight.tank).amplitude) if self.order == 1 else 1
+
+    def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
+        return Window.bytes(size, levels, self.summed(preflight), preflight.word)
+
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "SpectralSea":
-        return SpectralSea(self, basin, wind)
+        return SpectralSea(self, basin, wind, accounts)
 
 
 class Made(OnTile):
@@ -242,8 +250,8 @@ class Kept:
 class SpectralSea(OpenWater):
     """The sea. Its kernels read what comes from afar and what winds make: all that a ship feels that is alone."""
 
-    def __init__(self, config: Config, basin: Basin, wind: Wind) -> None:
-        self.config, self.tile = config, config.tile_of(basin)
+    def __init__(self, config: Config, basin: Basin, wind: Wind, accounts: bool = False) -> None:
+        self.config, self.tile, self.accounts = config, config.tile_of(basin), accounts
         tile = self.tile
         self.still, self.step = config.smooth(tile), config.step_of(tile)
         self.rest_density = density = config.rest_density
@@ -290,6 +298,23 @@ class SpectralSea(OpenWater):
     def plane_waves(self) -> waves.Components:
         """The sea from afar, by linear theory and without its current."""
         return self.afar
+
+    @property
+    def breaking(self) -> Breaking | None:
+        """Of the crests of a nonlinear sea, where it is asked for."""
+        return self.steep.sea.breaking if self.steep is not None else None
+
+    @property
+    def work(self) -> dict[str, float]:
+        broken = self.breaking
+        return {"breaking": -self.rest_density * broken.lost} if self.accounts and broken is not None else {}
+
+    def foam(self, points: np.ndarray) -> np.ndarray | None:
+        broken = self.breaking
+        if broken is None:
+            return None
+        white = self.tile.at(broken.white, np.asarray(points, dtype=float) - self.drift)
+        return self.afar.grown(self.time) * np.clip(white, 0.0, 1.0)
 
     @property
     def answers(self) -> bool:

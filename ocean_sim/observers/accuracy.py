@@ -30,6 +30,7 @@ TERMS = (
     "emitter",
     "diffusion",
     "shifting",
+    "breaking",
 )
 BETWEEN_ENERGIES = ("gravity", "pressure")  # their work turns one energy into another; pressure's where water stores it
 SOLVED_FOR = {
@@ -63,8 +64,8 @@ class Config(PeriodicConfig):
 
 
 class Accuracy(Observer):
-    """accuracy.csv: errors and balances of the whole water, summed in float64; of water without particles there is
-    only the time step."""
+    """accuracy.csv: errors and balances of the whole water, summed in float64; of water without particles there are
+    only the works that it counts and the time step."""
 
     energy_at_start: float | None
 
@@ -73,15 +74,14 @@ class Accuracy(Observer):
         self.sampled = Sampled(config.every)
         self.gravity = np.array(simulation.basin.gravity)  # [m/s2]
         self.pushing: list[str] = []
-        self.working: list[str] = []
         self.surface = SurfaceFit(simulation.surface) if simulation.surface is not None else None
         self.outer: list[str] = []  # forces that give and take energy
         self.solvers: tuple[str, ...] = ()  # of a scheme that iterates
+        self.working = [term for term in TERMS if term in simulation.fluid.work]
         meaning: dict[str, object] = {}
         if simulation.fluid.particles is not None:
             fluid = simulation.fluid
             self.pushing = [term for term in TERMS if term in fluid.impulse]
-            self.working = [term for term in TERMS if term in fluid.work]
             self.driven = falls_around(simulation)
             self.at_start = self.potential_energy(simulation)
             self.energy_at_start = None
@@ -89,16 +89,18 @@ class Accuracy(Observer):
             between = BETWEEN_ENERGIES[: 1 if self.solvers else 2]  # what is not compressed stores nothing
             self.outer = [term for term in self.working if term not in between]
             meaning = self.meaning() | (self.surface.meaning if self.surface else {})
+        elif self.working:
+            meaning = {"work": "energy given to a tile of the sea since the start, by what gives or takes it"}
         self.csv = CsvFile(
             folder / "accuracy.csv",
             heading(simulation, f"every {config.every:g} s, linear between steps", **meaning),
             [
                 "time_s",
-                *(COLUMNS if meaning else ()),
+                *(COLUMNS if simulation.fluid.particles is not None else ()),
                 *(f"impulse_{term}_{axis}_Ns" for term in self.pushing for axis in "xyz"),
                 *(f"work_{term}_J" for term in self.working),
                 *(self.surface.columns if self.surface else ()),
-                *(("outside", "clipped") if meaning else ()),
+                *(("outside", "clipped") if simulation.fluid.particles is not None else ()),
                 *(f"{solver}_{what}" for solver in self.solvers for what in SOLVED),
                 "time_step_s",
                 "limited_by",
@@ -168,7 +170,7 @@ class Accuracy(Observer):
 
     def observe(self, simulation: "Simulation") -> None:
         fluid = simulation.fluid
-        values: list[float] = []
+        values = [fluid.work[term] for term in self.working] if fluid.particles is None else []
         counts: tuple[float, ...] = ()
         if fluid.particles is not None:
             values = self.balances(simulation) + (self.surface.values(simulation) if self.surface else [])

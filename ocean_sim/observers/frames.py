@@ -96,6 +96,9 @@ class Frames(Observer):
         if sea is not None and simulation.fluid.answers:
             known = waves.elevation(sea, self.points, simulation.time).reshape(self.shape)
             frame["answer"] = frame["elevation"] - known
+        foam = simulation.fluid.foam(self.points)
+        if foam is not None:
+            frame["foam"] = foam.reshape(self.shape)
         if simulation.surface is not None:
             mesh = simulation.surface.mesh()
             frame |= {"vertices": mesh.vertices, "triangles": mesh.triangles, "normals": mesh.normals}

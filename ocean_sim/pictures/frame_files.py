@@ -19,6 +19,9 @@ class Frame:
             self.time = float(file["time"])
             self.elevation = file["elevation"].astype(np.float64)
             self.answer = file["answer"].astype(np.float64) if "answer" in file else None  # beyond the plane waves [m]
+            self.foam = (
+                file["foam"].astype(np.float64) if "foam" in file else None
+            )  # share that broken crests made white
             self.position = file["position"] if "position" in file else None
             self.velocity = file["velocity"] if "velocity" in file else None
             self.ship = (file["ship_position"], file["ship_turn"]) if "ship_position" in file else None

@@ -83,7 +83,7 @@ class Sea:
         now, surface, mesh = self.surface.at(frame), self.surface, self.shaded.mesh
         self.height = now.height
         crest = (now.height - self.state.level) / max(0.5 * self.state.height, 1e-3)
-        white = surface.foam(now.convergence, self.order.foam_cover)
+        white = np.maximum(surface.foam(now.convergence, self.order.foam_cover), surface.broken(frame))
         if self.wake is not None:
             white = np.maximum(white, self.wake.share(frame.time))
         traits = np.stack([white, crest, now.variance], axis=-1)

@@ -87,3 +87,10 @@ class SeaSurface:
         gathered = drawn_together * self.grain
         wanted = foam.cover(drawn_together[self.near]) if cover is None else cover
         return foam.shares(gathered, wanted, gathered[self.near])
+
+    def broken(self, frame: Frame) -> np.ndarray | float:
+        """(nx, nz) share of white water that crests which broke in the run have left behind; 0 where it knows none."""
+        if frame.foam is None:
+            return 0.0
+        x, z = self.own
+        return np.clip(self.share * (x @ frame.foam @ z.T), 0.0, 1.0)

@@ -21,7 +21,7 @@ from ocean_sim.ship.shared.floating import FloatingConfig
 from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.rigid_body import RigidBody, thesis_advanced
-from ocean_sim.ship.shared.water import SurroundingWater
+from ocean_sim.ship.shared.water import SurroundingSea, SurroundingWater
 from ocean_sim.surface import Surface
 
 NODES = 32  # along the basin, as `getWaveHeight` counts them
@@ -86,7 +86,7 @@ class Columns:
         self.bottom.from_numpy(arms.astype(real))
         self.area.from_numpy((volume / self.height).astype(real))  # _segVolume / _shipSize.y
 
-    def push(self, surface: Surface | Fluid | SurroundingWater, body: RigidBody) -> np.ndarray:
+    def push(self, surface: Surface | Fluid | SurroundingWater | SurroundingSea, body: RigidBody) -> np.ndarray:
         """(2, 3) force [N] and torque [N m]."""
         self.lift(surface, body.position, body.matrix)
         return self.out.to_numpy().sum(axis=0).reshape(2, 3)

@@ -1,6 +1,5 @@
 """The longest step that sound, viscosity and force allow (Monaghan 1992; Morris, Fox & Zhu 1997, eqs. 30-32)."""
 
-from dataclasses import asdict
 from math import isfinite
 from typing import Literal
 
@@ -32,8 +31,12 @@ class Config(TimeStepConfig):
 
     def shortest(self, limits: Limits) -> tuple[float, str]:
         """The step that these limits allow [s], and the name of the one that rules."""
-        numbers = {"acoustic": self.courant_number, "viscous": self.viscous_number, "force": self.force_number}
-        steps = {name: numbers[name] * limit for name, limit in asdict(limits).items()} | {"longest": self.longest}
+        steps = {
+            "acoustic": self.courant_number * limits.acoustic,
+            "viscous": self.viscous_number * limits.viscous,
+            "force": self.force_number * limits.force,
+            "longest": self.longest,
+        }
         ruling = min(steps, key=lambda name: steps[name] if isfinite(steps[name]) else float("inf"))
         return steps[ruling], ruling
 

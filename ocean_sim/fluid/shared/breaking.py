@@ -5,7 +5,8 @@ The onset is that of Barthelemy et al. (2018, J. Fluid Mech. 841): u/C on the cr
 and C the speed of the crest, both along the waves. C follows from the local wavenumber, the rate at which the phase of
 the surface and of its quarter-wave shift grows along the waves. The viscosity acts on elevation and surface potential
 alike (Tian, Perlin & Choi 2010, Phys. Fluids 22), on the crest and a quarter wave around it and for a quarter of a
-period after the onset; the mean level and the mean momentum stay. What it takes is booked.
+period after the onset; the mean level and the mean momentum stay. What it takes is booked. Where crests break the water
+is white, and then less and less (Monahan & Zietlow 1969, J. Geophys. Res. 74).
 """
 
 from functools import cached_property
@@ -19,6 +20,7 @@ ONSET = 0.85  # u/C on a crest that begins to break
 EDDY = 0.02  # viscosity over C / k: of the size that Tian et al. find
 LASTS = 0.25  # [periods] for which it stays after the onset
 AROUND = 0.25  # [local wavelengths] as far as it reaches
+FADES = 3.85  # [s] in which white water falls to a third: the mean in salt water
 CREST = 0.3  # of the highest elevation, above which a crest counts as one
 
 
@@ -62,7 +64,7 @@ class Breaking:
         self.tile, self.ahead, self.period = tile, ahead, period
         self.left = np.zeros(tile.shape)  # for how long it lasts yet, in each cell [s]
         self.lost = 0.0  # energy over the density [m5/s2], since the start
-        self.cells = 0  # that broke in the last step: where foam is made
+        self.white = np.zeros(tile.shape)  # share of each cell that foam covers
 
     @cached_property
     def forward(self) -> np.ndarray:
@@ -80,8 +82,8 @@ class Breaking:
         for i, j in np.argwhere(onset):
             self.spread(i, j, float(reach[i, j]))
         breaks = self.left > 0.0
-        self.cells = int(np.count_nonzero(breaks))
-        if self.cells:
+        self.white = np.where(breaks, 1.0, self.white * np.exp(-dt / FADES))
+        if breaks.any():
             before = sea.energy()
             nu = np.where(breaks, np.minimum(EDDY * speed / k, 0.2 * self.tile.cell**2 / dt), 0.0)
             sea.eta, sea.phi = (field + dt * self.diffused(sea, nu, field) for field in (sea.eta, sea.phi))

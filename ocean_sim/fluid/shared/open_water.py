@@ -10,6 +10,7 @@ import taichi.math as tm
 from ocean_sim import waves
 from ocean_sim.fluid import Fluid, Limits, Status
 from ocean_sim.fluid.shared.plane_waves import PlaneWaves
+from ocean_sim.fluid.shared.window import Window
 
 if TYPE_CHECKING:  # they are imported only where there are tiles
     from ocean_sim.fluid.shared.sheet import Sheet
@@ -73,15 +74,28 @@ class OpenWater(Fluid):
         return a
 
     @ti.func
-    def moving(self, position, eta):
-        """Velocity [m/s] and acceleration [m/s2] under an elevation [m]."""
-        y = self.waves.stretched(position, eta)
-        v, a = self.waves.moving_at(position, y)
-        v += tm.vec3(self.current[0], 0.0, self.current[1])
+    def rise(self, x, z):
+        """Elevation of what is not plane waves [m]."""
+        eta = 0.0
         for sheet in ti.static(self.sheets):
-            v += sheet.velocity(position.x, position.z, -y)
-            a += sheet.acceleration(position.x, position.z, -y)
+            eta += sheet.elevation(x, z)
+        return eta
+
+    @ti.func
+    def moving(self, x, z, depth):
+        """Velocity [m/s] and acceleration [m/s2] of what is not plane waves, at a depth of the unstretched column."""
+        v, a = tm.vec3(self.current[0], 0.0, self.current[1]), tm.vec3(0.0)
+        for sheet in ti.static(self.sheets):
+            v += sheet.velocity(x, z, depth)
+            a += sheet.acceleration(x, z, depth)
         return v, a
+
+    @property
+    def in_closed_form(self) -> "OpenWater":
+        return self
+
+    def window(self, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]) -> Window:
+        return Window(self, size, step, depths)
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
         """(m, 2) points x, z [m] -> (m,) heights [m]."""

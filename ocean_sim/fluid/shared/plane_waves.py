@@ -3,8 +3,10 @@
 import numpy as np
 import taichi as ti
 import taichi.math as tm
+from taichi.lang.util import to_numpy_type
 
 from ocean_sim import waves
+from ocean_sim.runtime import Doubles
 
 NO_DRIFT = (
     "the waves are of the first order: what drifts a ship in the mean, second-order forces, is not modelled; a mean "
@@ -19,30 +21,35 @@ class PlaneWaves:
     def __init__(self, sea: waves.Components) -> None:
         n = len(sea.amplitude)
         self.amplitude, self.phase, self.k, self.kx, self.kz, self.speed = (ti.field(float, shape=n) for _ in range(6))
+        self.grown = ti.field(float, shape=())  # the share of their height that they have
+        self.real = to_numpy_type(self.phase.dtype)
+        self.begun = 0  # times
         self.begin(sea)
 
     def begin(self, sea: waves.Components) -> None:
         """These waves from time 0 on; as many as there were, of the same depth."""
         self.sea = sea
-        self.take(self.k, sea.wavenumber)
-        self.take(self.kx, sea.wavevector[:, 0])
-        self.take(self.kz, sea.wavevector[:, 1])
-        self.share = -1.0  # of their height that the fields hold
+        self.begun += 1
+        speed = sea.amplitude * sea.gravity * sea.wavenumber / sea.omega
+        fields = (self.amplitude, self.k, self.kx, self.kz, self.speed)
+        for field, values in zip(fields, (sea.amplitude, sea.wavenumber, *sea.wavevector.T, speed)):
+            field.from_numpy(np.ascontiguousarray(values, dtype=self.real))
         self.turn(0.0)
-
-    def take(self, field: ti.Field, values: np.ndarray) -> None:
-        """Numbers into a field of its own precision."""
-        field.from_numpy(np.ascontiguousarray(values, dtype=field.to_numpy().dtype))
 
     def turn(self, time: float, drift: tuple[float, float] = (0.0, 0.0)) -> None:
         """The waves at a time [s], carried by a current along x and z so far [m]; phases are kept in f64 and small,
         whatever the precision and length of the run."""
-        sea, share = self.sea, self.sea.grown(time)
-        self.take(self.phase, np.mod(sea.phase - sea.omega * time - sea.wavevector @ np.array(drift), 2.0 * np.pi))
-        if share != self.share:
-            self.share = share
-            self.take(self.amplitude, share * sea.amplitude)
-            self.take(self.speed, share * sea.amplitude * sea.gravity * sea.wavenumber / sea.omega)
+        sea = self.sea
+        phase = sea.phase - sea.omega * time
+        if drift[0] or drift[1]:
+            phase -= sea.wavevector @ np.array(drift)
+        self.take(np.mod(phase, 2.0 * np.pi), sea.grown(time))
+
+    @ti.kernel
+    def take(self, phase: Doubles, share: float):
+        for i in range(self.phase.shape[0]):
+            self.phase[i] = ti.cast(phase[i], float)
+        self.grown[None] = share
 
     @ti.func
     def elevation(self, x, z):
@@ -50,7 +57,7 @@ class PlaneWaves:
         eta = 0.0
         for i in range(self.amplitude.shape[0]):
             eta += self.amplitude[i] * ti.cos(self.kx[i] * x + self.kz[i] * z + self.phase[i])
-        return eta
+        return self.grown[None] * eta
 
     @ti.func
     def stretched(self, position, eta):
@@ -74,7 +81,7 @@ class PlaneWaves:
             mirrored = ti.exp(-2.0 * k * (y + h))
             along = scale * (1.0 + mirrored) * ti.cos(angle) / k
             v += tm.vec3(self.kx[i] * along, scale * (1.0 - mirrored) * ti.sin(angle), self.kz[i] * along)
-        return v
+        return self.grown[None] * v
 
     @ti.func
     def acceleration(self, position):
@@ -92,23 +99,7 @@ class PlaneWaves:
             mirrored = ti.exp(-2.0 * k * (y + h))
             along = scale * (1.0 + mirrored) * ti.sin(angle)
             a += tm.vec3(self.kx[i] * along, -k * scale * (1.0 - mirrored) * ti.cos(angle), self.kz[i] * along)
-        return a
-
-    @ti.func
-    def moving_at(self, position, y):
-        """Velocity [m/s] and acceleration [m/s2] together at a height y of the unstretched column."""
-        h, g = ti.static(self.sea.depth), ti.static(self.sea.gravity)
-        v, a = tm.vec3(0.0), tm.vec3(0.0)
-        for i in range(self.amplitude.shape[0]):
-            k, angle = self.k[i], self.kx[i] * position.x + self.kz[i] * position.z + self.phase[i]
-            profile = ti.exp(k * y) / (1.0 + ti.exp(-2.0 * k * h))
-            mirrored = ti.exp(-2.0 * k * (y + h))
-            c, s = (1.0 + mirrored) * profile, (1.0 - mirrored) * profile
-            cosine, sine = ti.cos(angle), ti.sin(angle)
-            along, pulled = self.speed[i] * c * cosine / k, g * self.amplitude[i] * c * sine
-            v += tm.vec3(self.kx[i] * along, self.speed[i] * s * sine, self.kz[i] * along)
-            a += tm.vec3(self.kx[i] * pulled, -k * g * self.amplitude[i] * s * cosine, self.kz[i] * pulled)
-        return v, a
+        return self.grown[None] * a
 
     @ti.func
     def head(self, position, eta):
@@ -119,9 +110,9 @@ class PlaneWaves:
     def head_at(self, position, y):
         """The same at a height y of the unstretched column."""
         h = ti.static(self.sea.depth)
-        head = -position.y
+        head = 0.0
         for i in range(self.amplitude.shape[0]):
             k, angle = self.k[i], self.kx[i] * position.x + self.kz[i] * position.z + self.phase[i]
             profile = ti.exp(k * y) * (1.0 + ti.exp(-2.0 * k * (y + h))) / (1.0 + ti.exp(-2.0 * k * h))
             head += self.amplitude[i] * profile * ti.cos(angle)
-        return head
+        return self.grown[None] * head - position.y

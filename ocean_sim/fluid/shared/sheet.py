@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 import taichi as ti
 import taichi.math as tm
+from taichi.lang.util import to_numpy_type
 
 from ocean_sim.fluid.shared.tile import PER_TILE, Tile
 from ocean_sim.runtime import Template
@@ -35,8 +36,8 @@ class Sheet:
         self.level = ti.field(float, shape=(2, *tile.shape))  # [m]
         self.speed = ti.Vector.field(3, float, shape=(2, LEVELS, *tile.shape))  # [m/s]
         self.pull = ti.Vector.field(3, float, shape=(2, LEVELS, *tile.shape))  # [m/s2]
-        self.clock = ti.field(float, shape=len(CLOCK))
-        self.real = self.level.to_numpy().dtype
+        self.clock = ti.field(ti.f64, shape=len(CLOCK))
+        self.real = to_numpy_type(self.level.dtype)
         self.profiles = [profiles(tile.k, -d, tile.depth) for d in self.depths]
 
     def write(self, slot: int, e: np.ndarray, potential: np.ndarray, growth: np.ndarray) -> None:
@@ -57,7 +58,7 @@ class Sheet:
         tile = self.tile
         size = np.array([tile.side, tile.width])
         first = np.array([axis[0] for axis in tile.nodes()]) + size * np.round(centre / size) + drift
-        self.clock.from_numpy(np.array([share, *first, *(centre + drift)], dtype=self.real))
+        self.clock.from_numpy(np.array([share, *first, *(centre + drift)]))
 
     @ti.kernel
     def take(self, slot: int, values: ti.types.ndarray(ndim=3)):  # type: ignore[valid-type]
@@ -78,7 +79,7 @@ class Sheet:
             there = ti.abs(x - self.clock[3]) < 0.5 * self.cell * self.cells
             if ti.static(self.rows > 1):
                 there = there and ti.abs(z - self.clock[4]) < 0.5 * self.cell * self.rows
-        return i, k, a - i, b - k, there
+        return i, k, ti.cast(a - i, float), ti.cast(b - k, float), there
 
     @ti.func
     def along(self, i):
@@ -104,7 +105,7 @@ class Sheet:
     def elevation(self, x, z):
         """[m]"""
         i, k, a, b, there = self.place(x, z)
-        eta, late = 0.0, self.clock[0]
+        eta, late = 0.0, ti.cast(self.clock[0], float)
         if there:
             u, v = self.cubic(a), self.cubic(b)
             for p in range(4):
@@ -128,7 +129,7 @@ class Sheet:
     @ti.func
     def between(self, field: Template, x, z, depth):
         i, k, a, b, there = self.place(x, z)
-        total, late = tm.vec3(0.0), self.clock[0]
+        total, late = tm.vec3(0.0), ti.cast(self.clock[0], float)
         if there:
             depths = ti.Vector(self.depths)
             d = ti.min(depth, depths[LEVELS - 1])

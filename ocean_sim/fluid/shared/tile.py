@@ -152,11 +152,14 @@ class Tile:
     def spread(self, points: np.ndarray, amounts: np.ndarray) -> np.ndarray:
         """The modes of amounts (m,) at points x, z (m, 2) [m], over the area of a cell and smoothed over one."""
         whole, share = self.corner(points)
-        total = np.zeros(self.cells * self.rows)
-        for i, k in ((0, 0), (1, 0), (0, 1), (1, 1)):
-            weight = amounts * np.abs(1 - i - share[:, 0]) * np.abs(1 - k - share[:, 1])
-            cell = (whole[:, 0] + i) % self.cells * self.rows + (whole[:, 1] + k) % self.rows
-            total += np.bincount(cell, weight, len(total))
+        i, k = whole.T % np.array([[self.cells], [self.rows]])
+        (right, top), (left, bottom) = share.T, 1.0 - share.T
+        over, beyond = (i + 1) % self.cells, (k + 1) % self.rows
+        cells = np.concatenate(
+            [i * self.rows + k, over * self.rows + k, i * self.rows + beyond, over * self.rows + beyond]
+        )
+        shares = np.concatenate([left * bottom, right * bottom, left * top, right * top]) * np.tile(amounts, 4)
+        total = np.bincount(cells, shares, self.cells * self.rows)
         return self.smooth / self.cell**2 * self.waves(total.reshape(self.shape))
 
     def at(self, values: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -254,18 +257,18 @@ class Layer:
         self.tile, self.rim = tile, rim
         self.eta, self.phi = np.zeros(tile.shape), np.zeros(tile.shape)  # [m], [m2/s]
         self.centre = np.zeros(2)  # x, z in the axes of the water [m]
-        self.pressed = np.zeros((2, *tile.k.shape))  # modes of the pressure, real and imaginary parts
+        self.pressed = np.zeros((*tile.k.shape, 2))  # modes of the pressure, real and imaginary parts
         self.press(np.zeros(tile.k.shape))
 
     @property
     def pressure(self) -> np.ndarray:
         """Modes of the pressure over the density that acts now [m2/s2]; without its mean, as the mean level stays."""
-        return self.pressed[0] + 1j * self.pressed[1]
+        return self.pressed.view(complex)[..., 0]
 
     def press(self, pressure: np.ndarray) -> None:
         """Modes of the pressure from now on."""
-        self.pressed = np.stack([pressure.real, pressure.imag])
-        self.pressed[:, 0, 0] = 0.0
+        self.pressed = np.array(pressure, dtype=complex).view(float).reshape(*pressure.shape, 2)
+        self.pressed[0, 0] = 0.0
 
     @cached_property
     def calming(self) -> np.ndarray:

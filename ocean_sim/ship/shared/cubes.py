@@ -5,19 +5,19 @@ from typing import NamedTuple
 import numpy as np
 import taichi as ti
 import taichi.math as tm
+from taichi.lang.util import to_numpy_type
 
 from ocean_sim.columns import Columns
 from ocean_sim.fluid import Fluid
 from ocean_sim.runtime import Array2, Template
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
-from ocean_sim.ship.shared.pose import POSE, pose, turned, vector, write_pose
+from ocean_sim.ship.shared.pose import pose, turned, vector, write_pose
 from ocean_sim.ship.shared.rigid_body import RigidBody
-from ocean_sim.ship.shared.water import TOP, SurroundingWater
+from ocean_sim.ship.shared.water import HANDED, TOP, SurroundingSea, SurroundingWater
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
 
 BLOCK = 128  # cubes that are summed one after the other
-HANDED = Columns(**POSE, since=1, step=1)  # what a kernel is handed: the body, and the clock of the wind [s]
 SUMS = Columns(
     buoyancy=6,  # forces and torques [N], [N m]
     wave=6,
@@ -64,23 +64,27 @@ class Cubes:
         self.box = ti.Vector.field(3, float, shape=(self.blocks, 2))  # around a block: middle and half its sides [m]
         self.mass_density = matter.mass / cubes.volume  # [kg/m3]
         self.square = tm.vec3(cubes.square)  # of their sides [m2]
-        real = self.volume.to_numpy().dtype
+        real = to_numpy_type(self.volume.dtype)
         self.arm.from_numpy(arm.astype(real))
         self.area.from_numpy(cubes.area[upwards].astype(real))
         self.volume.from_numpy((cubes.share * cubes.size.prod())[upwards].astype(real))
         self.key.from_numpy(upwards.astype(np.int32))
         self.box.from_numpy(np.stack([0.5 * (lower + upper), 0.5 * (upper - lower)], axis=1).astype(real))
-        self.table = np.zeros((1 + self.blocks, SUMS.size))  # the pose, and the sums of each block
+        self.found = np.zeros((self.n, 3))
+        self.table = np.zeros((1 + self.blocks, max(HANDED.size, SUMS.size)))  # the pose, and the sums of each block
 
     @staticmethod
     def bytes(n: int, word: int) -> int:
         """Memory that n cubes take."""
         return n * (7 * word + 4) + (n // BLOCK + 1) * (SUMS.size * 8 + 6 * word)
 
-    def wetted(self, body: RigidBody, around: SurroundingWater, water: Surface | Fluid, wind: Wind) -> Wetted:
+    def wetted(
+        self, body: RigidBody, around: SurroundingWater | SurroundingSea, water: Surface | Fluid, wind: Wind
+    ) -> Wetted:
         """What water and wind do to the hull where it is."""
         table, turn = self.table, body.matrix
         write_pose(table[0], body)
+        around.place(body, table[0])
         table[0, HANDED.since], table[0, HANDED.step] = wind.since, wind.step
         self.sum_up(around, water, wind, table)
         total = table[1:].sum(axis=0)
@@ -95,6 +99,27 @@ class Cubes:
         parts = total[: SUMS.volume].reshape(4, 2, 3)
         return Wetted(parts[0], parts[1], parts[2], parts[3], float(total[SUMS.volume]), velocity, acceleration)
 
+    def displaced(self, body: RigidBody, around: SurroundingWater | SurroundingSea) -> tuple[np.ndarray, np.ndarray]:
+        """x and z (m, 2) [m] of the cubes under water where the body is, and how much water each displaces [m3]; the
+        water stands as it was last asked."""
+        write_pose(self.table[0], body)
+        middle = np.array(around.middle)
+        self.table[0, [pose.position, pose.position + 2]] -= middle
+        self.immersed(around, self.table, self.found)
+        wet = self.found[self.found[:, 2] > 0.0]
+        return wet[:, :2] + middle, wet[:, 2]
+
+    @ti.kernel
+    def immersed(self, around: Template, table: Array2, found: Array2):
+        for block in range(self.blocks):
+            position, turn = vector(table, pose.position), turned(table)
+            up = tm.vec3(turn[1, 0], turn[1, 1], turn[1, 2])
+            tall = ti.sqrt((self.square * up).dot(up))  # as far as each reaches upwards [m]
+            for k in range(block * BLOCK, ti.min((block + 1) * BLOCK, self.n)):
+                x = position + turn @ self.arm[k]
+                share = tm.clamp((around.elevation(x.x, x.z) - x.y) / tall + 0.5, 0.0, 1.0)
+                found[k, 0], found[k, 1], found[k, 2] = x.x, x.z, share * self.volume[k]
+
     @ti.kernel
     def sum_up(
         self,
@@ -103,18 +128,19 @@ class Cubes:
         wind: Template,
         table: Array2,
     ):
-        around.look(water, vector(table, pose.position), turned(table))
+        around.look(water, table)
         wind.set_clock(ti.cast(table[0, HANDED.since], float), ti.cast(table[0, HANDED.step], float))
         for block in range(self.blocks):
             position, turn = vector(table, pose.position), turned(table)
             velocity, omega = vector(table, pose.velocity), vector(table, pose.spin)
+            middle = tm.vec3(ti.cast(table[0, HANDED.middle], float), 0.0, ti.cast(table[0, HANDED.middle + 1], float))
             up = tm.vec3(turn[1, 0], turn[1, 1], turn[1, 2])
             tall = ti.sqrt((self.square * up).dot(up))  # as far as each reaches upwards [m]
             total = ti.Vector.zero(ti.f64, SUMS.size)
             lowest = position.y + up.dot(self.box[block, 0]) - abs(up).dot(self.box[block, 1]) - 0.5 * tall
             if ti.static(wind.blows) or lowest < around.frame[TOP]:
                 for k in range(block * BLOCK, ti.min((block + 1) * BLOCK, self.n)):
-                    self.add(total, k, around, wind, tall, position, turn, velocity, omega)
+                    self.add(total, k, around, wind, tall, position, middle, turn, velocity, omega)
             for c in ti.static(range(SUMS.size // 2)):
                 table[1 + block, c] = total[c]
                 table[1 + block, SUMS.size // 2 + c] = total[SUMS.size // 2 + c]
@@ -128,6 +154,7 @@ class Cubes:
         wind: Template,
         tall,
         position,
+        middle,
         turn: Template,
         velocity,
         omega,
@@ -139,14 +166,15 @@ class Cubes:
         if ti.static(wind.blows):
             bare = (1.0 - wet) * (turn @ self.area[k])
             mass = self.mass_density * self.volume[k]
-            blown = wind.force(self.key[k], x, velocity + omega.cross(arm), bare, tm.vec3(0.0), mass)
+            blown = wind.force(self.key[k], x + middle, velocity + omega.cross(arm), bare, tm.vec3(0.0), mass)
             self.put(total, SUMS.wind_drag, arm, tm.vec3(blown.x, 0.0, blown.z))
             self.put(total, SUMS.wind_lift, arm, tm.vec3(0.0, blown.y, 0.0))
 
     @ti.func
     def immerse(self, total: Template, k, water: Template, tall, arm, x, turn: Template):
         """Add what the water does to a cube that it may reach; the share that is under water."""
-        eta, slope = water.sheet(x.x, x.z)
+        corner = water.corner(x.x, x.z)
+        eta, slope = water.sheet(corner)
         depth = eta - x.y
         share = depth / tall + 0.5
         wet = tm.clamp(share, 0.0, 1.0)
@@ -154,7 +182,7 @@ class Cubes:
             volume, pull = wet * self.volume[k], slope
             self.put(total, SUMS.buoyancy, arm, tm.vec3(0.0, self.weight * volume, 0.0))
             if ti.static(water.below):
-                pull = water.push(x, depth)
+                pull = half(water.moving(corner, eta, depth), 3)
             self.put(total, SUMS.wave, arm, self.weight * volume * pull)
             self.count(total, SUMS.volume, volume)
             if share < 1.0:
@@ -162,8 +190,9 @@ class Cubes:
             if ti.static(water.below):
                 own, face = self.arm[k], wet * abs(self.area[k])
                 under = depth + 0.5 * tall  # where its lower face is
-                self.put_motion(total, SUMS.velocity, own, face, turn.transpose() @ water.velocity(x, under))
-                self.put_motion(total, SUMS.acceleration, own, face, turn.transpose() @ water.push(x, under))
+                moved = water.moving(corner, eta, under)
+                self.put_motion(total, SUMS.velocity, own, face, turn.transpose() @ half(moved, 0))
+                self.put_motion(total, SUMS.acceleration, own, face, turn.transpose() @ half(moved, 3))
                 spread = tm.vec3(face.y * own.z * own.z, face.x * own.z * own.z, face.y * own.x * own.x)
                 for c in ti.static(range(3)):
                     self.count(total, SUMS.face + c, face[c])
@@ -189,3 +218,9 @@ class Cubes:
         self.count(total, column + 3, -face.y * own.z * moved.y)
         self.count(total, column + 4, face.x * own.z * moved.x)
         self.count(total, column + 5, face.y * own.x * moved.y)
+
+
+@ti.func
+def half(six: Template, first: Template):
+    """Three of six numbers."""
+    return tm.vec3(six[first], six[first + 1], six[first + 2])

@@ -25,7 +25,7 @@ from ocean_sim.ship.shared.rigid_body import RigidBody, matrix, oriented
 from ocean_sim.ship.shared.solid import Solid
 from ocean_sim.ship.shared.vessel import Actuators, VesselConfig
 from ocean_sim.ship.shared.wall_contact import Sides
-from ocean_sim.ship.shared.water import SurroundingWater
+from ocean_sim.ship.shared.water import ACROSS, ALONG, LEVELS, SurroundingSea, SurroundingWater
 from ocean_sim.ship.shared.wave_contact import FINE, RIM, Contact, WaveContact
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
@@ -149,7 +149,8 @@ class FloatingConfig(VesselConfig):
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         basin, word = preflight.tank, preflight.word
         n = len(self.afloat(-basin.gravity[1], WATER_DENSITY).voxels.share)
-        size = Cubes.bytes(n, word) + SurroundingWater.bytes(True, word)
+        size = Cubes.bytes(n, word) + SurroundingSea.bytes(word)
+        size += preflight.fluid.window_bytes(preflight, (ALONG, ACROSS), LEVELS)
         why = f"{self.cells_per_draught:g} cells_per_draught"
         rows = [LedgerRow("ship", f"{n} cubes of the hull", size, why, BODY + CUBE * n)]
         for solid in own(preflight):
@@ -170,7 +171,6 @@ class FloatingHull:
         """`below`: whether the ship asks the water under its surface, which a closed form answers."""
         water = fluid.of_particles
         self.still = config.afloat(-basin.gravity[1], fluid.rest_density)
-        self.closed = below and water is None
         self.cubes = Cubes(self.still)
         lower, upper = config.whole_hull.shape.bounds()
         self.lower, self.upper = np.array(lower), np.array(upper)
@@ -187,8 +187,13 @@ class FloatingHull:
             self.sides = Sides(
                 config.whole_hull.shape, matter.centre, basin, axes=(1,)
             )  # waves pass walls, and so do ships
-        hollow = (self.contact.hull.distance, self.contact.rim) if self.contact is not None else (None, 0.0)
-        self.water = SurroundingWater(length, width, height, draught, self.still.gravity, self.closed, *hollow)
+        self.water: SurroundingWater | SurroundingSea
+        closed = fluid.in_closed_form
+        if below and closed is not None:
+            self.water = SurroundingSea(length, width, height, draught, self.still.gravity, closed)
+        else:
+            hollow = (self.contact.hull.distance, self.contact.rim) if self.contact is not None else (None, 0.0)
+            self.water = SurroundingWater(length, width, height, *hollow)
         self.body = self.carried(config.lowered(config.body(matter, *afloat_pose(self.still)), fluid), fluid)
         if self.contact is not None and water is not None:
             self.contact.hull.water = self.water

@@ -81,14 +81,7 @@ class FloatingShip(Vessel):
             raise Diverged(f"the ship has sunk to the bed, {-self.bed:g} m down, at ({x:.4g}, {z:.4g}) m")
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
-        """Of each cube of the hull, where it is now; the water stands as it was last asked."""
-        cubes, body = self.hull.still, self.body
-        arm = cubes.voxels.centre - cubes.matter.centre
-        at = np.einsum("ij,kj->ik", arm, body.matrix) + body.position
-        depth = self.hull.water.heights(at[:, [0, 2]]) - at[:, 1]
-        share = np.clip(depth / cubes.voxels.spread(body.matrix[1]) + 0.5, 0.0, 1.0)
-        wet = share > 0.0
-        return at[wet][:, [0, 2]], (share * cubes.whole)[wet]
+        return self.hull.cubes.displaced(self.body, self.hull.water)
 
     def limits(self) -> Limits:
         return self.longest

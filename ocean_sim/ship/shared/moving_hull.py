@@ -18,7 +18,7 @@ from ocean_sim.runtime import Template
 from ocean_sim.ship.shared.distance import Distance
 from ocean_sim.ship.shared.pose import POSE, write_pose
 from ocean_sim.ship.shared.rigid_body import RigidBody
-from ocean_sim.ship.shared.water import SurroundingWater
+from ocean_sim.ship.shared.water import SurroundingSea, SurroundingWater
 
 BOXED = Columns(**POSE, middle=3, half=3)  # a body, and the box around it: its middle from there, half its sides [m]
 
@@ -35,7 +35,7 @@ class MovingHull:
         self.distance, self.reach, self.periods, self.gravity = distance, reach, periods, gravity
         self.middle, self.half = tm.vec3(bounds.mean(axis=0)), tm.vec3(0.5 * np.ptp(bounds, axis=0))  # [m]
         self.pose = ti.field(float, shape=BOXED.size)
-        self.water: SurroundingWater
+        self.water: SurroundingWater | SurroundingSea
 
     def place(self, body: RigidBody) -> None:
         """Put it where it is at the beginning."""

@@ -2,109 +2,74 @@
 
 Asked at a few hundred nodes instead of at every cube; between nodes lines are straight, so still water is exact. Where
 a hull keeps particles out, the surface over them falls into the hole that it leaves: nodes at which it comes near the
-hull are filled straight across from the water on both sides.
+hull are filled straight across from the water on both sides. In a closed form the lattice lies still for a moment, a
+fraction of the waves' period, before it is laid anew around the hull; places count from its middle, so that no digits
+are lost far from the origin.
 """
+
+from math import hypot
+from typing import ClassVar
 
 import numpy as np
 import taichi as ti
 import taichi.math as tm
 
+from ocean_sim.columns import Columns
+from ocean_sim.fluid import ClosedForm
 from ocean_sim.runtime import Template
 from ocean_sim.ship.shared.distance import Distance
+from ocean_sim.ship.shared.pose import POSE, pose, turned, vector
+from ocean_sim.ship.shared.rigid_body import RigidBody
 
 ALONG, ACROSS, LEVELS = 25, 13, 4  # nodes; levels lie half a draught apart, downwards from the surface
 REACH = 1.1  # of the hull's half sizes
+SLACK = 0.05  # of the lattice's half sizes, by which a hull may leave its middle
 TOP = 4  # of the frame: the highest level [m]
+# What kernels are handed: a body, the clock of the wind [s], and of the lattice its middle x, z [m], sine and cosine of
+# its heading, how much of its time has gone, and how far the waves have grown.
+HANDED = Columns(**POSE, since=1, step=1, middle=2, heading=2, late=1, share=1)
 
 
 @ti.data_oriented
-class SurroundingWater:
-    """Height of the water around a hull; of a closed form also its velocity and acceleration below."""
+class Around:
+    """A lattice around a hull, and the height of the water on it."""
 
-    def __init__(
-        self,
-        length: float,
-        breadth: float,
-        height: float,
-        draught: float,
-        gravity: float,
-        below: bool,
-        hollow: Distance | None = None,
-        rim: float = 0.0,
-    ) -> None:
-        """Sizes of the hull [m]; `below`: whether the water is a closed form that is asked under its surface too;
-        `hollow`: distances from the hull where it keeps particles out, as far as `rim` [m]."""
-        self.below, self.gravity, self.layer = below, gravity, 0.5 * draught
-        self.hollow = hollow is not None
-        if hollow is not None:
-            self.hull, self.rim, self.asked = hollow, rim, ti.field(int, shape=(ALONG, ACROSS))
+    below: ClassVar[bool]  # whether the water is asked under its surface, too
+    middle: tuple[float, float] = (0.0, 0.0)  # x, z from which kernels count places [m]
+    level: ti.Field  # [m]
+    frame: ti.Field  # x, z of the middle [m], cosine and sine of the heading, highest level [m]
+
+    def reach(self, length: float, breadth: float, height: float, rim: float = 0.0) -> None:
+        """As far as a hull of this size [m] may be, and `rim` [m] beyond."""
         self.half = tuple(REACH * np.hypot(side / 2, height) + rim for side in (length, breadth))  # [m]
         self.step = (2.0 * self.half[0] / (ALONG - 1), 2.0 * self.half[1] / (ACROSS - 1))  # [m]
         self.level = ti.field(float, shape=(ALONG, ACROSS))
-        # x, z of the middle [m], cosine and sine of the heading, highest level [m]
         self.frame = ti.field(float, shape=5)
-        if below:
-            self.speed = ti.Vector.field(3, float, shape=(ALONG, ACROSS, LEVELS))  # [m/s]
-            self.pull = ti.Vector.field(3, float, shape=(ALONG, ACROSS, LEVELS))  # acceleration / gravity
 
     @staticmethod
-    def bytes(below: bool, word: int) -> int:
+    def bytes(word: int) -> int:
         """Memory that it takes."""
-        return word * ALONG * ACROSS * (1 + (6 * LEVELS if below else 0))
+        return word * (ALONG * ACROSS + TOP + 1)
+
+    def place(self, body: RigidBody, row: np.ndarray) -> None:
+        """Where the lattice lies: write what kernels are HANDED of it, and the body's place from its middle."""
 
     @ti.func
-    def look(self, water: Template, position, turn):
-        """Ask the water [ti.func elevation; `moving`, velocity and acceleration, if `below`] around a ship, along its
-        heading; `position` [m] and matrix `turn` of the ship. Call it at the top of a kernel."""
-        x, z = position.x, position.z
-        ahead, heading = tm.vec2(turn[0, 2], turn[2, 2]), tm.vec2(0.0, 1.0)
-        if ahead.norm() > 0.0:
-            heading = ahead.normalized()
-        sine, cosine = heading.x, heading.y
-        ti.loop_config(serialize=not self.below)  # a surface is read in less time than a parallel task takes to start
-        for n in range(ALONG * ACROSS):
-            i, k = n // ACROSS, n % ACROSS
-            along, across = i * self.step[0] - self.half[0], k * self.step[1] - self.half[1]
-            point = tm.vec3(x + along * sine + across * cosine, 0.0, z + along * cosine - across * sine)
-            eta = water.elevation(point.x, point.z)
-            self.level[i, k] = eta
-            if ti.static(self.hollow):
-                point.y = eta
-                _normal, away, _thinning = self.hull.at(turn.transpose() @ (point - position))
-                self.asked[i, k] = int(away >= self.rim or k == 0 or k == ACROSS - 1)
-            if ti.static(self.below):
-                for l in range(LEVELS):
-                    point.y = eta - l * self.layer
-                    speed, pull = water.moving(point, eta)
-                    self.speed[i, k, l], self.pull[i, k, l] = speed, pull / self.gravity
-        if ti.static(self.hollow):
-            ti.loop_config(serialize=True)
-            for i in range(ALONG):
-                last = 0
-                for k in range(1, ACROSS):
-                    if self.asked[i, k] == 1:
-                        low, rise = self.level[i, last], self.level[i, k] - self.level[i, last]
-                        for inner in range(last + 1, k):
-                            self.level[i, inner] = low + rise * (inner - last) / (k - last)
-                        last = k
+    def point(self, n, sine, cosine):
+        """Numbers of a node along and across, and its x and z from the middle [m]."""
+        i, k = n // ACROSS, n % ACROSS
+        along, across = i * self.step[0] - self.half[0], k * self.step[1] - self.half[1]
+        return i, k, along * sine + across * cosine, along * cosine - across * sine
+
+    @ti.func
+    def settle(self, x, z, sine, cosine):
+        """Keep where the lattice lies, and its highest level. Call it at the top of a kernel."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             self.frame[0], self.frame[1], self.frame[2], self.frame[3] = x, z, cosine, sine
             self.frame[TOP] = self.level[0, 0]
             for n in range(1, ALONG * ACROSS):
                 self.frame[TOP] = ti.max(self.frame[TOP], self.level[n // ACROSS, n % ACROSS])
-
-    def heights(self, points: np.ndarray) -> np.ndarray:
-        """(m,) elevation of the water as it was last asked [m], at points x, z (m, 2) [m]; 0 before."""
-        x, z, cosine, sine = self.frame.to_numpy()[:TOP]
-        level, apart = self.level.to_numpy(), points - [x, z]
-        along = (apart[:, 0] * sine + apart[:, 1] * cosine + self.half[0]) / self.step[0]
-        across = (apart[:, 0] * cosine - apart[:, 1] * sine + self.half[1]) / self.step[1]
-        i = np.clip(along.astype(int), 0, ALONG - 2)
-        k = np.clip(across.astype(int), 0, ACROSS - 2)
-        a, b = np.clip(along - i, 0.0, 1.0), np.clip(across - k, 0.0, 1.0)
-        near, far = (1.0 - b) * level[i, k] + b * level[i, k + 1], (1.0 - b) * level[i + 1, k] + b * level[i + 1, k + 1]
-        return (1.0 - a) * near + a * far
 
     @ti.func
     def corner(self, x, z):
@@ -119,13 +84,13 @@ class SurroundingWater:
     @ti.func
     def elevation(self, x, z):
         """Of the water [m]."""
-        return self.sheet(x, z)[0]
+        return self.sheet(self.corner(x, z))[0]
 
     @ti.func
-    def sheet(self, x, z):
+    def sheet(self, corner: Template):
         """Elevation [m], and what the waves add to the push of still water over its weight, where the surface alone is
         known: that of long waves, along its slope."""
-        i, k, a, b = self.corner(x, z)
+        i, k, a, b = corner
         here, left = self.level[i, k], self.level[i, k + 1]
         ahead, across = self.level[i + 1, k], self.level[i + 1, k + 1]
         near, far = (1.0 - b) * here + b * left, (1.0 - b) * ahead + b * across
@@ -133,25 +98,129 @@ class SurroundingWater:
         c, s = self.frame[2], self.frame[3]
         return (1.0 - a) * near + a * far, -tm.vec3(slope * s + aside * c, 0.0, slope * c - aside * s)
 
-    @ti.func
-    def push(self, position, depth):
-        """The same where the water is asked below: the pressure's slope there."""
-        i, k, a, b = self.corner(position.x, position.z)
-        return self.between(self.pull, i, k, a, b, depth)
+
+@ti.data_oriented
+class SurroundingWater(Around):
+    """A surface over particles, or that of a closed form alone: asked anew each time, around where the hull is."""
+
+    below = False
+
+    def __init__(
+        self, length: float, breadth: float, height: float, hollow: Distance | None = None, rim: float = 0.0
+    ) -> None:
+        """Sizes of the hull [m]; `hollow`: distances from the hull where it keeps particles out, as far as `rim`
+        [m]."""
+        self.reach(length, breadth, height, rim)
+        self.hollow = hollow is not None
+        if hollow is not None:
+            self.hull, self.rim, self.asked = hollow, rim, ti.field(int, shape=(ALONG, ACROSS))
 
     @ti.func
-    def velocity(self, position, depth):
-        """[m/s]; only where the water is asked below."""
-        i, k, a, b = self.corner(position.x, position.z)
-        return self.between(self.speed, i, k, a, b, depth)
+    def look(self, water: Template, table: Template):
+        """Ask the water [ti.func elevation] around a ship, along its heading, at the pose in the first row of a table.
+        Call it at the top of a kernel."""
+        position, turn = vector(table, pose.position), turned(table)
+        ahead, heading = tm.vec2(turn[0, 2], turn[2, 2]), tm.vec2(0.0, 1.0)
+        if ahead.norm() > 0.0:
+            heading = ahead.normalized()
+        ti.loop_config(serialize=True)  # a surface is read in less time than a parallel task takes to start
+        for n in range(ALONG * ACROSS):
+            i, k, dx, dz = self.point(n, heading.x, heading.y)
+            node = tm.vec3(position.x + dx, 0.0, position.z + dz)
+            node.y = water.elevation(node.x, node.z)
+            self.level[i, k] = node.y
+            if ti.static(self.hollow):
+                _normal, away, _thinning = self.hull.at(turn.transpose() @ (node - position))
+                self.asked[i, k] = int(away >= self.rim or k == 0 or k == ACROSS - 1)
+        if ti.static(self.hollow):
+            ti.loop_config(serialize=True)
+            for i in range(ALONG):
+                last = 0
+                for k in range(1, ACROSS):
+                    if self.asked[i, k] == 1:
+                        low, rise = self.level[i, last], self.level[i, k] - self.level[i, last]
+                        for inner in range(last + 1, k):
+                            self.level[i, inner] = low + rise * (inner - last) / (k - last)
+                        last = k
+        self.settle(position.x, position.z, heading.x, heading.y)
+
+
+@ti.data_oriented
+class SurroundingSea(Around):
+    """Water in closed form: its height, and its velocity and acceleration on levels of the unstretched column."""
+
+    below = True
+
+    def __init__(
+        self, length: float, breadth: float, height: float, draught: float, gravity: float, sea: ClosedForm
+    ) -> None:
+        """Sizes of the hull [m]."""
+        self.reach(length, breadth, height)
+        self.gravity, self.layer = gravity, 0.5 * draught
+        self.depths = tuple(float(d) for d in self.layer * np.arange(LEVELS))  # [m]
+        self.window = sea.window((ALONG, ACROSS), self.step, self.depths)
+        self.heading = (0.0, 1.0)  # sine and cosine
+        # Velocity [m/s], and acceleration over gravity.
+        self.moved = ti.Vector.field(6, float, shape=(ALONG, ACROSS, LEVELS))
+
+    @staticmethod
+    def bytes(word: int) -> int:
+        return Around.bytes(word) + 6 * word * ALONG * ACROSS * LEVELS
+
+    def place(self, body: RigidBody, row: np.ndarray) -> None:
+        x, _, z = body.position.tolist()
+        late, share, holds = self.window.now()
+        middle = self.middle
+        if not holds or self.strays(x - middle[0], z - middle[1]):
+            self.lay(body, x, z)
+            middle, late = self.middle, 0.0
+        row[pose.position], row[pose.position + 2] = x - middle[0], z - middle[1]
+        row[HANDED.middle : HANDED.size] = *middle, *self.heading, late, share
+
+    def strays(self, x: float, z: float) -> bool:
+        """Whether a hull is too far from the middle, so far from it [m]."""
+        (s, c), (ahead, aside) = self.heading, self.half
+        return abs(x * s + z * c) > SLACK * ahead or abs(x * c - z * s) > SLACK * aside
+
+    def lay(self, body: RigidBody, x: float, z: float) -> None:
+        """The lattice anew, around where the hull at x, z [m] is on its way."""
+        s, c = float(body.matrix[0, 2]), float(body.matrix[2, 2])
+        size, window = hypot(s, c), self.window
+        self.heading = (s / size, c / size) if size else (0.0, 1.0)
+        u, _, w = (0.5 * window.span * body.velocity).tolist()
+        self.middle = (x, z) if self.strays(u, w) else (x + u, z + w)
+        window.lay(self.middle, self.heading)
 
     @ti.func
-    def between(self, field: Template, i, k, a, b, depth):
-        level = tm.clamp(depth / self.layer, 0.0, LEVELS - 1.0)
+    def look(self, water: Template, table: Template):
+        """Read the water on the lattice that has been placed. Call it at the top of a kernel."""
+        sine, cosine = ti.cast(table[0, HANDED.heading], float), ti.cast(table[0, HANDED.heading + 1], float)
+        late, share = ti.cast(table[0, HANDED.late], float), ti.cast(table[0, HANDED.share], float)
+        for n in range(ALONG * ACROSS):
+            i, k, dx, dz = self.point(n, sine, cosine)
+            x, z = table[0, HANDED.middle] + dx, table[0, HANDED.middle + 1] + dz
+            self.level[i, k] = share * self.window.elevation(i, k, late) + water.rise(x, z)
+            for l in range(LEVELS):
+                speed, pull = self.window.moving(i, k, l, late)
+                more, pulled = water.moving(x, z, l * self.layer)
+                for c in ti.static(range(3)):
+                    self.moved[i, k, l][c] = share * speed[c] + more[c]
+                    self.moved[i, k, l][3 + c] = (share * pull[c] + pulled[c]) / self.gravity
+        self.settle(0.0, 0.0, sine, cosine)
+
+    @ti.func
+    def moving(self, corner: Template, eta, depth):
+        """Velocity of the water [m/s] at a depth [m] under an elevation, and what the waves add to the push of still
+        water over its weight there: the pressure's slope."""
+        h = ti.static(self.window.depth)
+        stretched = h * depth / ti.max(h + eta, 1e-6 * h)  # Wheeler's
+        level = tm.clamp(stretched / self.layer, 0.0, LEVELS - 1.0)
         l = ti.min(int(level), LEVELS - 2)
-        c = level - l
-        near = (1.0 - b) * field[i, k, l] + b * field[i, k + 1, l]
-        far = (1.0 - b) * field[i + 1, k, l] + b * field[i + 1, k + 1, l]
-        near_low = (1.0 - b) * field[i, k, l + 1] + b * field[i, k + 1, l + 1]
-        far_low = (1.0 - b) * field[i + 1, k, l + 1] + b * field[i + 1, k + 1, l + 1]
-        return (1.0 - c) * ((1.0 - a) * near + a * far) + c * ((1.0 - a) * near_low + a * far_low)
+        i, k, a, b = corner
+        return (1.0 - (level - l)) * self.on(i, k, a, b, l) + (level - l) * self.on(i, k, a, b, l + 1)
+
+    @ti.func
+    def on(self, i, k, a, b, l):
+        """The same on a level."""
+        near = (1.0 - b) * self.moved[i, k, l] + b * self.moved[i, k + 1, l]
+        return (1.0 - a) * near + a * ((1.0 - b) * self.moved[i + 1, k, l] + b * self.moved[i + 1, k + 1, l])

@@ -139,7 +139,8 @@ def validate(
     """Problems with known answers: value, reference, error, tolerance, and where the tolerance comes from."""
     from ocean_sim.verbs.validate import validate
 
-    return validate(cases or [], scheme or [], slow, coarse, sets or [], out, json)
+    with console.claim(out):
+        return validate(cases or [], scheme or [], slow, coarse, sets or [], out, json)
 
 
 @app.command()
@@ -267,7 +268,8 @@ def figure(
     """The figures of the thesis, drawn anew: data and picture of each."""
     from ocean_sim.verbs.figure import figure
 
-    return figure(names, fast, out, json)
+    with console.claim(out):
+        return figure(names, fast, out, json)
 
 
 @app.command()
@@ -291,7 +293,8 @@ def platform(
     """Motion log, washout, hexapod: poses and leg lengths, how good they are, and a replay in real time."""
     from ocean_sim.verbs.platform import platform
 
-    platform(log, geometry, washout, frame, stream, packets, film, out, json)
+    with console.claim(out):
+        platform(log, geometry, washout, frame, stream, packets, film, out, json)
 
 
 @app.command()
@@ -345,7 +348,8 @@ def stability(
     """Where it breaks: time steps and other settings at their extremes, each with a verdict."""
     from ocean_sim.verbs.stability import stability
 
-    return stability(scene, quick, workers, out, json)
+    with console.claim(out):
+        return stability(scene, quick, workers, out, json)
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -5,11 +5,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
+from ocean_sim.files.claim import Claim
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.reading.scene import SceneConfig, load
-from ocean_sim.result import Result, run
+from ocean_sim.result import Result, simulated
 from ocean_sim.state import file
-from ocean_sim.verbs.run import kernels, report, until_node
+from ocean_sim.verbs.run import MANIFEST, kernels, report, until_node
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.progress import Progress
 
@@ -21,6 +22,14 @@ SHOWN = 3  # differences that are named
 
 def resume(folder: Path, until: float | None, as_json: bool) -> None:
     """Go on with a run."""
+    if not (folder / MANIFEST).is_file():
+        raise console.Refused(f"{folder}: this is not a run folder (there is no {MANIFEST})")
+    with Claim(folder):
+        gone_on(folder, until, as_json)
+
+
+def gone_on(folder: Path, until: float | None, as_json: bool) -> None:
+    """The same in a folder that is claimed."""
     manifest = manifest_of(folder)
     config = scene_of(folder, manifest, until)
     if manifest.get("outcome") == "done" and (until is None or until <= manifest["simulated_s"] * (1.0 + 1e-12)):
@@ -37,12 +46,14 @@ def resume(folder: Path, until: float | None, as_json: bool) -> None:
         console.say(f"{folder}: {start}\n{kernels()}")
 
     def made() -> Result:
-        return run(config, folder, (progress,)) if kept is None else gone_on(config, kept, folder, progress)
+        if kept is None:
+            return simulated(config, folder, (progress,))
+        return continued(config, kept, folder, progress)
 
     report(made, progress, config, folder, as_json)
 
 
-def gone_on(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: Progress) -> Result:
+def continued(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: Progress) -> Result:
     """The run from a checkpoint on. Its parts are built in another folder: its own stays as it is until all fits."""
     from ocean_sim.observers.checkpoint import restore
     from ocean_sim.simulation import Simulation
@@ -70,9 +81,7 @@ def gone_on(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: 
 
 def manifest_of(folder: Path) -> dict[str, Any]:
     """manifest.json of a run folder; raises Refused."""
-    path = folder / "manifest.json"
-    if not path.is_file():
-        raise console.Refused(f"{folder}: this is not a run folder (there is no manifest.json)")
+    path = folder / MANIFEST
     try:
         manifest = json.loads(path.read_text(encoding="utf-8"))
         if not isinstance(manifest["scene"], dict):

@@ -23,6 +23,8 @@ from time import perf_counter
 from typing import Any
 
 from ocean_sim.conventions import Lacking
+from ocean_sim.files.claim import Claim
+from ocean_sim.files.whole_file import whole
 from ocean_sim.machine import installed
 from ocean_sim.parts import PACKAGE
 
@@ -166,9 +168,8 @@ def _kept(folder: Path) -> dict[str, Any] | None:
 
 def _write(path: Path, data: dict[str, Any]) -> None:
     """A whole file or none."""
-    draft = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    draft.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
-    os.replace(draft, path)
+    with whole(path) as draft:
+        draft.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
 
 
 def _why(code: int, errors: str) -> str:
@@ -189,8 +190,9 @@ def _outlive_no_parent() -> None:
 def _main(folder: Path) -> None:
     """What the child does: its last word on standard error is the reason if it fails."""
     Thread(target=_outlive_no_parent, daemon=True).start()
-    order = json.loads((folder / ORDER).read_text(encoding="utf-8"))
-    _write(folder / ANSWER, import_module(order["task"]).answer(order, folder))
+    with Claim(folder):
+        order = json.loads((folder / ORDER).read_text(encoding="utf-8"))
+        _write(folder / ANSWER, import_module(order["task"]).answer(order, folder))
 
 
 if __name__ == "__main__":

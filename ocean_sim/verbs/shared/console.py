@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.conventions import Failed, Lacking, Refused
+from ocean_sim.files.claim import Claim
 from ocean_sim.files.yaml_file import Node, Problem, SceneError, setting
 
 __all__ = ["Failed", "Lacking", "Refused"]  # which verbs raise
@@ -78,6 +79,13 @@ def settings(sets: list[str]) -> dict[str, Node]:
     if problems:
         raise SceneError(problems)
     return values
+
+
+def claim(out: Path) -> Claim:
+    """A claim on the folder that `--out` names; raises Refused."""
+    if out.exists() and not out.is_dir():
+        raise Refused(f"--out {out}: this is a file, not a folder")
+    return Claim(out)
 
 
 def megabytes(count: float) -> float:

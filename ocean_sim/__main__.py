@@ -54,12 +54,13 @@ def run(
 def resume(
     run: Annotated[Path, typer.Argument(help="A run folder with checkpoints.")],
     until: Annotated[float | None, typer.Option(help="Simulated time [s], instead of the scene's duration.")] = None,
+    anyway: Annotated[bool, typer.Option("--anyway", help="Even where the program has changed since.")] = False,
     json: Json = False,
 ) -> None:
     """Go on with a run from its last checkpoint."""
     from ocean_sim.verbs.resume import resume
 
-    resume(run, until, json)
+    resume(run, until, anyway, json)
 
 
 @app.command()

@@ -1,7 +1,12 @@
-"""What this machine has: cores, memory, packages."""
+"""What this machine has: cores, memory, packages, and this program itself."""
 
+import hashlib
 import os
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+SOURCES = (".py", ".csv")  # suffixes of the program's files that its numbers depend on
 
 
 def cores() -> int:
@@ -20,3 +25,16 @@ def installed(package: str) -> str | None:
         return version(package)
     except PackageNotFoundError:
         return None
+
+
+@cache
+def sources() -> dict[str, str]:
+    """The hash of each file of this program that its numbers depend on, by its name in the package."""
+    package = Path(__file__).parent
+    files = sorted(path for path in package.rglob("*") if path.suffix in SOURCES and path.is_file())
+    return {path.relative_to(package).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()[:16] for path in files}
+
+
+def program() -> str:
+    """The hash of all of them."""
+    return hashlib.sha256("".join(f"{name} {each}\n" for name, each in sources().items()).encode()).hexdigest()

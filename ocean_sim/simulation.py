@@ -27,8 +27,9 @@ class Observer:
     def observe(self, simulation: "Simulation") -> None:
         """Called at time 0 and after the steps that its schedule asks for."""
 
-    def resumed(self) -> None:
-        """Called once a checkpoint has been restored, before the run goes on."""
+    def resumed(self, changed: str) -> None:
+        """Called once a checkpoint has been restored, before the run goes on; `changed`: in words, how this program
+        differs from the one that made it, empty where it does not."""
 
     def show_progress(self, progress: Progress) -> None:
         """Set the callback that shows the progress of a long task."""

@@ -83,6 +83,10 @@ class Health(Observer):
             self.events.write(json.dumps(line) + "\n")
             self.events.flush()
 
+    def resumed(self, changed: str) -> None:
+        if changed:
+            self.event("the program has changed", what=changed)
+
     def observe(self, simulation: "Simulation") -> None:
         if self.judged and self.first_energy is None:
             self.first_energy = total(simulation)

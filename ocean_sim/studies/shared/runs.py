@@ -15,7 +15,6 @@ import sys
 from collections.abc import Iterator
 from concurrent.futures import Executor, as_completed
 from contextlib import ExitStack, contextmanager
-from functools import cache
 from importlib import import_module
 from pathlib import Path
 from threading import Event, Thread
@@ -25,12 +24,11 @@ from typing import Any
 from ocean_sim.conventions import Lacking
 from ocean_sim.files.claim import Claim
 from ocean_sim.files.whole_file import whole
-from ocean_sim.machine import installed
+from ocean_sim.machine import installed, program
 from ocean_sim.parts import PACKAGE
 
 ORDER, ANSWER = "order.json", "answer.json"
 MACHINE = "machine"  # what stands under this key of an order changes only timings in its answer
-SOURCES = (".py", ".csv")  # suffixes of the package's files that an answer depends on; a scene is in its order
 PATIENCE = 20.0  # to reach a scheduler [s]
 
 _running: set[subprocess.Popen] = set()
@@ -45,7 +43,7 @@ def address(order: dict[str, Any]) -> str:
     """The name of an order's folder: its content's and the package's hash."""
     content = {key: value for key, value in order.items() if key != MACHINE}
     return hashlib.sha256(
-        json.dumps([installed("ocean-sim") or "", _sources(), content], sort_keys=True).encode()
+        json.dumps([installed("ocean-sim") or "", program(), content], sort_keys=True).encode()
     ).hexdigest()[:16]
 
 
@@ -145,16 +143,6 @@ def _executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
         except (OSError, ValueError) as error:
             raise ClusterMissing(f"no Dask scheduler answers at {scheduler}: {error}") from None
         yield client.get_executor(pure=False)
-
-
-@cache
-def _sources() -> str:
-    """Hash of the package's files: an answer of another version does not count."""
-    found = hashlib.sha256()
-    for path in sorted(PACKAGE.rglob("*")):
-        if path.suffix in SOURCES and path.is_file():
-            found.update(f"{path.relative_to(PACKAGE)} {path.stat().st_size}\n".encode() + path.read_bytes())
-    return found.hexdigest()
 
 
 def _kept(folder: Path) -> dict[str, Any] | None:

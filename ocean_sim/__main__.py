@@ -6,7 +6,8 @@ from typing import Annotated, Any
 
 import typer
 
-from ocean_sim.conventions import Failed
+from ocean_sim.conventions import Failed, in_words
+from ocean_sim.machine import stoppable
 from ocean_sim.verbs.shared import console
 
 app = typer.Typer(
@@ -355,7 +356,9 @@ def stability(
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and leave with its exit code."""
-    sys.exit(answered(sys.argv[1:] if arguments is None else arguments))
+    with stoppable():
+        code = answered(sys.argv[1:] if arguments is None else arguments)
+    sys.exit(code)
 
 
 def answered(arguments: list[str]) -> int:
@@ -397,11 +400,7 @@ def meaning(error: BaseException) -> tuple[int, str, list[Any]]:
         return error.exit_code, error.message, []
     if isinstance(error, KeyboardInterrupt | typer.Abort):
         return 1, str(error) or "stopped", []
-    if isinstance(error, OSError):
-        return 1, f"{error.strerror or error}{f': {error.filename}' if error.filename else ''}", []
-    if isinstance(error, MemoryError):
-        return 1, "out of memory; try a larger resolution, or fewer particles", []
-    return 1, f"this should not happen ({type(error).__name__}: {error}); --debug shows where it did", []
+    return 1, in_words(error), []
 
 
 if __name__ == "__main__":

@@ -9,6 +9,8 @@ import numpy as np
 
 from ocean_sim.files import csv_file
 from ocean_sim.files.claim import Claim
+from ocean_sim.files.whole_file import set_aside
+from ocean_sim.machine import stoppable
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.simulation import Observer, Simulation
 
@@ -65,7 +67,8 @@ def run(
 
 def simulated(config: SceneConfig, folder: Path, observers: tuple[Observer, ...]) -> Result:
     """The same into a folder that the caller has claimed."""
-    with Simulation(config, folder) as simulation:
+    with stoppable(), Simulation(config, folder) as simulation:
         simulation.observers.extend(observers)
-        simulation.run(config.duration)
+        with set_aside(folder):
+            simulation.run(config.duration)
     return Result(folder)

@@ -9,7 +9,7 @@ from errno import EACCES, EAGAIN
 from pathlib import Path
 
 from ocean_sim.conventions import Lacking, Refused
-from ocean_sim.files.whole_file import UNFINISHED
+from ocean_sim.files.whole_file import RESERVE, UNFINISHED
 
 LOCK = ".lock"
 
@@ -45,7 +45,7 @@ class Claim:
         os.ftruncate(self.file, 0)
         os.write(self.file, f"process {os.getpid()} on {socket.gethostname()}".encode())
         for left in [*folder.glob(".*"), *folder.glob("frames/.*")]:
-            if re.fullmatch(UNFINISHED, left.name):
+            if re.fullmatch(UNFINISHED, left.name) or left.name == RESERVE:
                 left.unlink()
 
     def locked(self) -> int:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ocean_sim.files.whole_file import whole
 from ocean_sim.machine import installed, program
-from ocean_sim.simulation import Observer, ObserverConfig
+from ocean_sim.simulation import Concluding, ObserverConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -28,7 +28,7 @@ class Config(ObserverConfig):
         return Manifest(folder, simulation)
 
 
-class Manifest(Observer):
+class Manifest(Concluding):
     """manifest.json: it holds no clock value, so equal runs leave equal files."""
 
     left_out = ("facts",)  # of the program that goes on
@@ -74,7 +74,7 @@ class Manifest(Observer):
             "reason": simulation.reason,
             "steps": simulation.steps,
             "simulated_s": round(simulation.time, 9),
-            "state_sha256": state_sha256(simulation),
+            "state_sha256": state_sha256(simulation) if simulation.outcome != "failed" else None,
         }
         self.write()
 

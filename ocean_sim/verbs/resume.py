@@ -6,8 +6,9 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from ocean_sim.files.claim import Claim
+from ocean_sim.files.whole_file import set_aside
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.machine import sources
+from ocean_sim.machine import sources, stoppable
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result, simulated
 from ocean_sim.state import file
@@ -70,14 +71,16 @@ def gone_on(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: 
         except Mismatch as problem:
             raise console.Refused(f"{folder}: the checkpoint does not fit this program: {problem}") from None
 
-    with TemporaryDirectory(prefix="ocean-sim-") as away, Simulation(config, Path(away)) as simulation:
+    away = TemporaryDirectory(prefix="ocean-sim-")
+    with stoppable(), away as elsewhere, Simulation(config, Path(elsewhere)) as simulation:
         try:
             restored(simulation)
         except BaseException:
             simulation.observers.clear()  # they have nothing to write
             raise
         simulation.observers.append(progress)
-        simulation.run(config.duration)
+        with set_aside(folder):
+            simulation.run(config.duration)
     return Result(folder)
 
 

@@ -141,7 +141,7 @@ def written(result: Any, config: SceneConfig) -> dict[str, Any]:
             event for event in result.events if event.get("event") not in ("start", "limit", "end", "stop", "done")
         ],
         "folder": str(result.folder),
-        "files": sorted(path.name + ("/" if path.is_dir() else "") for path in result.folder.iterdir()),
+        "files": sorted(path.name + ("/" if path.is_dir() else "") for path in result.folder.glob("[!.]*")),
         "notes": config.notes,
     }
 

@@ -17,14 +17,14 @@ from concurrent.futures import Executor, as_completed
 from contextlib import ExitStack, contextmanager
 from importlib import import_module
 from pathlib import Path
-from threading import Event, Thread
+from threading import Event
 from time import perf_counter
 from typing import Any
 
 from ocean_sim.conventions import Lacking
 from ocean_sim.files.claim import Claim
 from ocean_sim.files.whole_file import whole
-from ocean_sim.machine import installed, program
+from ocean_sim.machine import installed, leash, outlive_no_parent, program, stoppable
 from ocean_sim.parts import PACKAGE
 
 ORDER, ANSWER = "order.json", "answer.json"
@@ -95,28 +95,26 @@ def performed(order: dict[str, Any], folder: str, limit: float | None = None) ->
     run.mkdir(parents=True, exist_ok=True)
     _write(run / ORDER, order)
     began = perf_counter()
-    theirs, ours = os.pipe()  # nothing is ever written: it breaks when this process ends, and then the child ends, too
     path = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
-    child = subprocess.Popen(
-        [sys.executable, "-m", __name__, folder],
-        env=os.environ | {"PYTHONPATH": path},  # the package that the parent has
-        stdin=theirs,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    os.close(theirs)
-    _running.add(child)
-    try:
-        _, errors = child.communicate(timeout=limit)
-        reason = _why(child.returncode, errors)
-    except subprocess.TimeoutExpired:
-        child.kill()
-        child.communicate()
-        reason = f"it had taken {limit:g} s of wall time, which is the limit, and was ended"
-    finally:
-        _running.discard(child)
-        os.close(ours)
+    with leash() as theirs:
+        child = subprocess.Popen(
+            [sys.executable, "-m", __name__, folder],
+            env=os.environ | {"PYTHONPATH": path},  # the package that the parent has
+            stdin=theirs,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        _running.add(child)
+        try:
+            _, errors = child.communicate(timeout=limit)
+            reason = _why(child.returncode, errors)
+        except subprocess.TimeoutExpired:
+            child.kill()
+            child.communicate()
+            reason = f"it had taken {limit:g} s of wall time, which is the limit, and was ended"
+        finally:
+            _running.discard(child)
     answer = _kept(run)
     return failure(reason, perf_counter() - began) if answer is None else answer
 
@@ -169,16 +167,10 @@ def _why(code: int, errors: str) -> str:
     return lines[-1].strip() if lines else f"its process left with exit code {code}"
 
 
-def _outlive_no_parent() -> None:
-    """Ends this process as soon as the other end of its standard input is closed."""
-    os.read(sys.stdin.fileno(), 1)
-    os._exit(1)
-
-
 def _main(folder: Path) -> None:
     """What the child does: its last word on standard error is the reason if it fails."""
-    Thread(target=_outlive_no_parent, daemon=True).start()
-    with Claim(folder):
+    outlive_no_parent()
+    with stoppable(), Claim(folder):
         order = json.loads((folder / ORDER).read_text(encoding="utf-8"))
         _write(folder / ANSWER, import_module(order["task"]).answer(order, folder))
 

@@ -1,5 +1,6 @@
 """YAML 1.2 with locations: the only module that reads it. Every value knows where it was written."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -9,6 +10,7 @@ from ocean_sim.files.input_file import Unreadable, shown, text
 
 TEXTS = ("str", "timestamp", "merge", "value")  # the last three are words of YAML 1.1
 MOST_BYTES = 1_000_000  # a table of numbers that is longer goes into a CSV file
+MOST_TOLD, LONGEST_LINE = 1900, 600  # bytes of a message about a scene, and of one sentence in it
 LONGEST_KEY = 100  # characters
 MOST_VALUES = 200_000  # aliases of aliases can name more values than a machine can hold
 
@@ -42,7 +44,27 @@ class SceneError(Refused):
         self.problems: list[Problem] = sorted(
             set(problems), key=lambda p: (p.file, p.line or 0, p.column or 0, p.key, p.message)
         )
-        super().__init__("\n".join(map(str, self.problems)))
+        super().__init__("\n".join(self.lines()))
+
+    def lines(self) -> Iterator[str]:
+        """As many of them as a person reads, and how many there are more."""
+        left = MOST_TOLD
+        for k, each in enumerate(self.problems):
+            line = cut(str(each), LONGEST_LINE)
+            left -= len(line.encode())
+            if left < 0:
+                yield f"... and {len(self.problems) - k} more"
+                return
+            yield line
+
+
+def cut(text: str, most: int) -> str:
+    """A text of at most so many bytes, its middle left out."""
+    data = text.encode()
+    if len(data) <= most:
+        return text
+    half = most // 2 - 2
+    return f"{data[:half].decode(errors='ignore')}...{data[-half:].decode(errors='ignore')}"
 
 
 def problem(location: Location, key: str, message: str, suggestion: str | None = None) -> Problem:

@@ -6,7 +6,8 @@ from typing import Annotated, Any
 
 import typer
 
-from ocean_sim.conventions import Failed
+from ocean_sim.conventions import Failed, in_words
+from ocean_sim.machine import stoppable
 from ocean_sim.verbs.shared import console
 
 app = typer.Typer(
@@ -54,12 +55,13 @@ def run(
 def resume(
     run: Annotated[Path, typer.Argument(help="A run folder with checkpoints.")],
     until: Annotated[float | None, typer.Option(help="Simulated time [s], instead of the scene's duration.")] = None,
+    anyway: Annotated[bool, typer.Option("--anyway", help="Even where the program has changed since.")] = False,
     json: Json = False,
 ) -> None:
     """Go on with a run from its last checkpoint."""
     from ocean_sim.verbs.resume import resume
 
-    resume(run, until, json)
+    resume(run, until, anyway, json)
 
 
 @app.command()
@@ -139,7 +141,8 @@ def validate(
     """Problems with known answers: value, reference, error, tolerance, and where the tolerance comes from."""
     from ocean_sim.verbs.validate import validate
 
-    return validate(cases or [], scheme or [], slow, coarse, sets or [], out, json)
+    with console.claim(out):
+        return validate(cases or [], scheme or [], slow, coarse, sets or [], out, json)
 
 
 @app.command()
@@ -267,7 +270,8 @@ def figure(
     """The figures of the thesis, drawn anew: data and picture of each."""
     from ocean_sim.verbs.figure import figure
 
-    return figure(names, fast, out, json)
+    with console.claim(out):
+        return figure(names, fast, out, json)
 
 
 @app.command()
@@ -291,7 +295,8 @@ def platform(
     """Motion log, washout, hexapod: poses and leg lengths, how good they are, and a replay in real time."""
     from ocean_sim.verbs.platform import platform
 
-    platform(log, geometry, washout, frame, stream, packets, film, out, json)
+    with console.claim(out):
+        platform(log, geometry, washout, frame, stream, packets, film, out, json)
 
 
 @app.command()
@@ -345,12 +350,15 @@ def stability(
     """Where it breaks: time steps and other settings at their extremes, each with a verdict."""
     from ocean_sim.verbs.stability import stability
 
-    return stability(scene, quick, workers, out, json)
+    with console.claim(out):
+        return stability(scene, quick, workers, out, json)
 
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and leave with its exit code."""
-    sys.exit(answered(sys.argv[1:] if arguments is None else arguments))
+    with stoppable():
+        code = answered(sys.argv[1:] if arguments is None else arguments)
+    sys.exit(code)
 
 
 def answered(arguments: list[str]) -> int:
@@ -392,11 +400,7 @@ def meaning(error: BaseException) -> tuple[int, str, list[Any]]:
         return error.exit_code, error.message, []
     if isinstance(error, KeyboardInterrupt | typer.Abort):
         return 1, str(error) or "stopped", []
-    if isinstance(error, OSError):
-        return 1, f"{error.strerror or error}{f': {error.filename}' if error.filename else ''}", []
-    if isinstance(error, MemoryError):
-        return 1, "out of memory; try a larger resolution, or fewer particles", []
-    return 1, f"this should not happen ({type(error).__name__}: {error}); --debug shows where it did", []
+    return 1, in_words(error), []
 
 
 if __name__ == "__main__":

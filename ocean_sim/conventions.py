@@ -109,6 +109,17 @@ class Lacking(Failed):
     exit_code = 3
 
 
+def in_words(failure: BaseException) -> str:
+    """Why something failed, in a sentence; of an OSError with the file's name."""
+    if isinstance(failure, Failed):
+        return failure.sentence
+    if isinstance(failure, OSError):
+        return f"{failure.strerror or failure}{f': {failure.filename}' if failure.filename else ''}"
+    if isinstance(failure, MemoryError):
+        return "out of memory; try a larger resolution, or fewer particles"
+    return f"this should not happen ({type(failure).__name__}: {failure}); --debug shows where it did"
+
+
 class Diverged(Failed):
     """A run left the physical world; the message says what, where, when and what to try."""
 

@@ -1,7 +1,17 @@
-"""What this machine has: cores, memory, packages."""
+"""What this machine has: cores, memory, packages, this program itself, and how its processes end."""
 
+import hashlib
 import os
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+SOURCES = (".py", ".csv")  # suffixes of the program's files that its numbers depend on
 
 
 def cores() -> int:
@@ -20,3 +30,55 @@ def installed(package: str) -> str | None:
         return version(package)
     except PackageNotFoundError:
         return None
+
+
+@cache
+def sources() -> dict[str, str]:
+    """The hash of each file of this program that its numbers depend on, by its name in the package."""
+    package = Path(__file__).parent
+    files = sorted(path for path in package.rglob("*") if path.suffix in SOURCES and path.is_file())
+    return {path.relative_to(package).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()[:16] for path in files}
+
+
+def program() -> str:
+    """The hash of all of them."""
+    return hashlib.sha256("".join(f"{name} {each}\n" for name, each in sources().items()).encode()).hexdigest()
+
+
+@contextmanager
+def stoppable() -> Iterator[None]:
+    """SIGTERM ends what goes on in here as Ctrl-C does, by a KeyboardInterrupt; only a main thread hears of signals."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def stop(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before or signal.SIG_DFL)
+
+
+@contextmanager
+def leash() -> Iterator[int]:
+    """The standard input for a child that is to `outlive_no_parent`: nothing is ever written to it, and it breaks when
+    this process ends, however that comes."""
+    theirs, ours = os.pipe()
+    try:
+        yield theirs
+    finally:
+        os.close(theirs)
+        os.close(ours)
+
+
+def outlive_no_parent() -> None:
+    """From now on, end this process as soon as its `leash` breaks."""
+
+    def wait() -> None:
+        os.read(sys.stdin.fileno(), 1)
+        os._exit(1)
+
+    threading.Thread(target=wait, daemon=True).start()

@@ -8,6 +8,9 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.files import csv_file
+from ocean_sim.files.claim import Claim
+from ocean_sim.files.whole_file import set_aside
+from ocean_sim.machine import stoppable
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.simulation import Observer, Simulation
 
@@ -58,9 +61,14 @@ def run(
 ) -> Result:
     """Simulate a scene and write its run folder; `observers`: beyond those that the scene names."""
     config = scene if isinstance(scene, SceneConfig) else load(scene)
-    folder = Path(out)
-    folder.mkdir(parents=True, exist_ok=True)
-    with Simulation(config, folder) as simulation:
+    with Claim(Path(out)) as folder:
+        return simulated(config, folder, observers)
+
+
+def simulated(config: SceneConfig, folder: Path, observers: tuple[Observer, ...]) -> Result:
+    """The same into a folder that the caller has claimed."""
+    with stoppable(), Simulation(config, folder) as simulation:
         simulation.observers.extend(observers)
-        simulation.run(config.duration)
+        with set_aside(folder):
+            simulation.run(config.duration)
     return Result(folder)

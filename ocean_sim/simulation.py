@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from ocean_sim import runtime
-from ocean_sim.conventions import Diverged
+from ocean_sim.conventions import Diverged, in_words
 from ocean_sim.fluid import Limits, with_particles
 from ocean_sim.parts import LedgerRow, PartConfig, Preflight, Scene
 
@@ -27,14 +27,19 @@ class Observer:
     def observe(self, simulation: "Simulation") -> None:
         """Called at time 0 and after the steps that its schedule asks for."""
 
-    def resumed(self) -> None:
-        """Called once a checkpoint has been restored, before the run goes on."""
+    def resumed(self, changed: str) -> None:
+        """Called once a checkpoint has been restored, before the run goes on; `changed`: in words, how this program
+        differs from the one that made it, empty where it does not."""
 
     def show_progress(self, progress: Progress) -> None:
         """Set the callback that shows the progress of a long task."""
 
     def close(self) -> None:
         """Called once, also after a run that failed."""
+
+
+class Concluding(Observer):
+    """One that states how a run ended: closed after the others, which may fail to close."""
 
 
 class ObserverConfig(PartConfig):
@@ -115,11 +120,15 @@ class Simulation:
         self.begun = False  # whether observers have seen the first state
         self.next_dt = self.time_step.next(self)  # [s] the coming step is known before it is taken
         self.outcome, self.reason = "running", ""
-        self.observers: list[Observer] = [
-            config.build(folder or NOWHERE, self)
-            for config in scene.observers.values()
-            if isinstance(config, ObserverConfig) and (folder is not None or not config.writes)
-        ]
+        self.observers: list[Observer] = []
+        try:
+            for config in scene.observers.values():
+                if isinstance(config, ObserverConfig) and (folder is not None or not config.writes):
+                    self.observers.append(config.build(folder or NOWHERE, self))
+        except BaseException as failure:
+            self.note(failure)
+            self.conclude()  # its own failures come second
+            raise
 
     def limits(self) -> Limits:
         """What the time step must stay a fraction of, for the water and the ship."""
@@ -159,13 +168,23 @@ class Simulation:
                 self.step()
                 self._observe([o for o in self.observers if self._due(o.every, before)])
         except Diverged as failure:
-            when = "" if "t = " in str(failure) else f"; t = {self.time:.4f} s, step {self.steps}"
-            self.outcome, self.reason = "stopped", f"{failure}{when}"
+            self.note(failure)
             raise Diverged(self.reason) from None
-        except KeyboardInterrupt:
-            self.outcome, self.reason = "stopped", "interrupted"
+        except BaseException as failure:
+            self.note(failure)
             raise
         self.outcome = "done"
+
+    def note(self, failure: BaseException) -> None:
+        """How a run ends that does not come to its end: `stopped` where it left the physical world or a person ended
+        it, `failed` where the program or the machine did."""
+        if isinstance(failure, Diverged):
+            when = "" if "t = " in str(failure) else f"; t = {self.time:.4f} s, step {self.steps}"
+            self.outcome, self.reason = "stopped", f"{failure}{when}"
+        elif isinstance(failure, KeyboardInterrupt):
+            self.outcome, self.reason = "stopped", "interrupted"
+        else:
+            self.outcome, self.reason = "failed", in_words(failure)
 
     def _due(self, every: float, before: float) -> bool:
         """Whether a multiple of `every` lies between the last state and the coming one: then the states on both sides
@@ -178,21 +197,34 @@ class Simulation:
                 observer.observe(self)
 
     def close(self) -> None:
-        """Close all observers, and free the memory of all fields. Every observer is closed whatever another raises,
-        an interrupt included; the first failure is raised at the end."""
-        failures: list[BaseException] = []
-        for observer in self.observers:
-            try:
-                observer.close()
-            except BaseException as failure:
-                failures.append(failure)
-        self.observers = []
+        """Close all observers, and free the memory of all fields; the first failure is raised at the end."""
+        failures = self.conclude()
         self.fields.free()
         if failures:
             raise failures[0]
 
+    def conclude(self) -> list[BaseException]:
+        """Close every observer whatever another raises, an interrupt included; what they raised. The first failure is
+        the outcome of a run that had come to its end."""
+        failures: list[BaseException] = []
+        for observer in sorted(self.observers, key=lambda observer: isinstance(observer, Concluding)):
+            try:
+                observer.close()
+            except BaseException as failure:
+                failures.append(failure)
+                if self.outcome == "done" and not isinstance(failure, KeyboardInterrupt):
+                    self.note(failure)
+        self.observers = []
+        return failures
+
     def __enter__(self) -> "Simulation":
         return self
 
-    def __exit__(self, *exception: object) -> None:
-        self.close()
+    def __exit__(self, kind: type | None, failure: BaseException | None, where: object) -> None:
+        if failure is not None and self.outcome == "running":
+            self.note(failure)
+        try:
+            self.close()
+        except Exception:
+            if failure is None:  # else that one came first, and is the one to tell
+                raise

@@ -66,15 +66,18 @@ def test_a_run_answers_programs(ask):
 
 
 def test_a_run_never_writes_over_another_unless_asked(ask):
-    assert run_folder("sea", None, False) == Path("runs/sea")
+    with run_folder("sea", None, False) as folder:
+        assert folder == Path("runs/sea")
     Path("runs/sea").mkdir(parents=True)
     Path("runs/sea/manifest.json").write_text("{}")
     Path("runs/sea/film.mp4").write_text("old")
     Path("runs/sea/mine.txt").write_text("mine")
-    assert run_folder("sea", None, False) == Path("runs/sea-2")
+    with run_folder("sea", None, False) as folder:
+        assert folder == Path("runs/sea-2")
     code, _, err = ask("run", "small.yaml", "--out", "runs/sea")
     assert (code, err) == (2, "--out runs/sea: there is a run here already; name another folder, or add --overwrite\n")
-    assert run_folder("sea", Path("runs/sea"), True) == Path("runs/sea")
+    with run_folder("sea", Path("runs/sea"), True) as folder:
+        assert folder == Path("runs/sea")
     assert [path.name for path in Path("runs/sea").iterdir()] == ["mine.txt"]
     assert ask("run", "small.yaml", "--out", "small.yaml")[0] == 2
 

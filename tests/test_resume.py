@@ -15,6 +15,7 @@ import pytest
 
 from ocean_sim.__main__ import answered
 from ocean_sim.reading.scene import load
+from ocean_sim.result import Result
 from ocean_sim.result import run as run_scene
 from ocean_sim.state import file
 
@@ -156,6 +157,34 @@ def test_what_cannot_be_resumed_is_refused_in_a_sentence(there, ask, tmp_path):
     assert "there is no checkpoint to go on from" in refused(there)
     (there / "manifest.json").write_text("{")
     assert "this is not the manifest of a run" in refused(there)
+
+
+def test_another_program_is_refused_by_the_names_of_its_files_and_anyway_marks_every_file(there, ask):
+    """The version alone says nothing of what was edited. A table keeps its rows, and says from which on they are of
+    another program."""
+    last, kept = list(file.kept(there))[1], file.read(list(file.kept(there))[1])
+    newest(there).unlink()
+    then = {name: each for name, each in kept.made["sources"].items() if name != "ship/thesis.py"}
+    then |= {"fluid/dfsph.py": "0", "old.py": "1"}
+    file.written(kept._replace(made=kept.made | {"sources": then}), there)
+    before = contents(there)
+    code, out, err = ask("resume", there)
+    assert (code, out) == (2, "") and "the checkpoint is of other sources: fluid/dfsph.py, old.py, ship/the" in err
+    assert "--anyway goes on" in err and contents(there) == before
+    assert ask("resume", there, "--anyway")[0] == 0 and last.exists()
+    marked = "by another program: other sources: fluid/dfsph.py, old.py, ship/thesis.py"
+    manifest = json.loads((there / "manifest.json").read_text())
+    assert manifest["changed"] == [{"from_s": round(kept.time, 9), "what": marked.partition(": ")[2]}]
+    assert marked in manifest["warnings"][-1] and len(manifest["sources_sha256"]) == 64
+    for name in ("accuracy.csv", "gauges.csv"):  # timings.csv is begun anew
+        rows = (there / name).read_text().splitlines()
+        mark = next(k for k, row in enumerate(rows) if marked in row)
+        assert rows[mark].startswith(f"# from t = {kept.time:.9g} s on ")
+        times = [float(row.split(",")[0]) for row in rows[mark + 1 :]]
+        assert min(times) > kept.time - 0.1 and len(Result(there).table(name[:-4])["time_s"]) > len(times)
+    assert any(event["event"] == "the program has changed" for event in Result(there).events)
+    without = (there / "gauges.csv").read_text().replace(f"# from t = {kept.time:.9g} s on {marked}\n", "")
+    assert without.encode() == before["gauges.csv"]
 
 
 def test_a_full_disk_is_told_and_leaves_earlier_checkpoints_whole(there):

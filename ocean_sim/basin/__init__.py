@@ -230,18 +230,19 @@ class Config(Model):
 def blocked(obstacles: tuple[Obstacle, ...], basin: "Basin") -> list[tuple[tuple[str | int, ...], str]]:
     """What is wrong with obstacles in this basin."""
     found: list[tuple[tuple[str | int, ...], str]] = []
-    for k, box in enumerate(obstacles):
-        key = ("obstacles", k)
-        if len(box.min) != basin.dimension:
-            found.append((key, f"a point of this basin has {basin.dimension} numbers, got {len(box.min)}"))
-            continue
-        out = beyond(box.min, box.max, basin)
+    fitting = [k for k, box in enumerate(obstacles) if len(box.min) == basin.dimension]
+    low = np.array([obstacles[k].min for k in fitting]).reshape(-1, basin.dimension)
+    up = np.array([obstacles[k].max for k in fitting]).reshape(-1, basin.dimension)
+    for row, k in enumerate(fitting):
+        out = beyond(obstacles[k].min, obstacles[k].max, basin)
         if out:
-            found.append((key, f"the box reaches out of the basin along {' and '.join(out)}"))
-        for other in obstacles[:k]:
-            common = [min(a, b) - max(c, d) for a, b, c, d in zip(box.max, other.max, box.min, other.min)]
-            if len(other.min) == basin.dimension and min(common) > ROUNDING:
-                found.append((key, "the box overlaps an earlier one"))
+            found.append((("obstacles", k), f"the box reaches out of the basin along {' and '.join(out)}"))
+        common = np.minimum(up[:row], up[row]) - np.maximum(low[:row], low[row])
+        if (common.min(axis=1) > ROUNDING).any():
+            found.append((("obstacles", k), "the box overlaps an earlier one"))
+    for k in set(range(len(obstacles))) - set(fitting):
+        sentence = f"a point of this basin has {basin.dimension} numbers, got {len(obstacles[k].min)}"
+        found.append((("obstacles", k), sentence))
     return found
 
 

@@ -10,12 +10,14 @@ from io import BytesIO
 from pathlib import Path
 from stat import S_ISDIR, S_ISREG
 from typing import Annotated
+from zipfile import ZipFile
 
 import numpy as np
 from pydantic import AfterValidator, ValidationInfo
 
 from ocean_sim.conventions import Refused
 
+MOST_BYTES = 500_000_000  # of a file, and of what it unpacks to: far beyond any table or hull
 FOLDER = "folder"  # the key of the scene's folder in pydantic's context
 
 
@@ -35,17 +37,19 @@ def shown(path: str | Path) -> str:
     return name if len(name) <= 120 else f"{name[:57]}...{name[-60:]}"
 
 
-def content(path: str | Path, most: int | None = None) -> bytes:
-    """The bytes of a regular file of at most `most` bytes; raises Unreadable."""
+def content(path: str | Path, most: int = MOST_BYTES) -> bytes:
+    """The bytes of a regular file of at most `most` bytes, and no more than its size says: what the kernel makes up may
+    never end. Raises Unreadable."""
     try:
         found = os.stat(path)
         if S_ISDIR(found.st_mode):
             raise Unreadable(path, "this is a folder, not a file")
         if not S_ISREG(found.st_mode):
             raise Unreadable(path, "this is not a regular file (but a pipe or a device)")
-        if most is not None and found.st_size > most:
+        if found.st_size > most:
             raise Unreadable(path, f"this file has {found.st_size / 1e6:.1f} MB; at most {most / 1e6:g} MB are read")
-        return Path(path).read_bytes()
+        with Path(path).open("rb") as file:
+            return file.read(found.st_size)
     except FileNotFoundError:
         raise Unreadable(path, "there is no such file") from None
     except (OSError, ValueError) as error:
@@ -54,7 +58,7 @@ def content(path: str | Path, most: int | None = None) -> bytes:
         raise Unreadable(path, f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
 
 
-def text(path: str | Path, most: int | None = None) -> str:
+def text(path: str | Path, most: int = MOST_BYTES) -> str:
     """A file in UTF-8, with or without a byte order mark; raises Unreadable."""
     data = content(path, most)
     try:
@@ -65,12 +69,16 @@ def text(path: str | Path, most: int | None = None) -> str:
 
 def arrays(path: str | Path) -> dict[str, np.ndarray]:
     """What an npz file holds, by name; never objects, which would be code. Raises Unreadable."""
-    data = content(path)
+    data = BytesIO(content(path))
     try:
-        with np.load(BytesIO(data)) as archive:
-            return {name: archive[name] for name in archive.files}
+        with ZipFile(data) as archive:
+            size = sum(member.file_size for member in archive.infolist())
+        if size <= MOST_BYTES:
+            with np.load(data) as found:
+                return {name: found[name] for name in found.files}
     except Exception:  # zipfile, zlib and NumPy each have errors of their own
         raise Unreadable(path, "this is not a whole npz file of numbers") from None
+    raise Unreadable(path, f"it unpacks to {size / 1e6:.1f} MB; at most {MOST_BYTES / 1e6:g} MB are read")
 
 
 def relative_to_scene(name: str, info: ValidationInfo) -> str:

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from ocean_sim.files.whole_file import unfinished
+
 TOPOLOGIES = {"Vertices": 1, "Lines": 2, "Polygons": 3, "Strips": 0}  # corners of a cell
 BEGINS = ("PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets")  # where in the arrays a moment begins
 
@@ -20,7 +22,7 @@ class Series:
         """`topology`: what the cells are, one of TOPOLOGIES."""
         import h5py
 
-        self.path, self.unfinished, self.topology = path, path.with_name(f".{path.name}.tmp"), topology
+        self.path, self.unfinished, self.topology = path, unfinished(path), topology
         self.file = h5py.File(self.unfinished, "w")
         self.root = self.file.create_group("VTKHDF")
         self.root.attrs["Version"] = np.array([2, 2])

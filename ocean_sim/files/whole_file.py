@@ -1,18 +1,53 @@
-"""Files that appear whole or not at all."""
+"""Files that appear whole or not at all, and what a full disk does to them."""
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+
+RESERVE, RESERVED = ".reserve", 1 << 20  # a file, and its size [bytes]: more than the last words of a run
+UNFINISHED = r"\..+\.\d+\.tmp(\..+)?"  # names of unfinished files, with the number of the process that writes them
+
+
+def unfinished(path: Path) -> Path:
+    """The name of a file next to `path`, of the same suffix, while this process writes it."""
+    return path.with_name(f".{path.stem}.{os.getpid()}.tmp{path.suffix}")
 
 
 @contextmanager
 def whole(path: Path) -> Iterator[Path]:
     """A file next to `path`, of the same suffix, to be written: renamed to `path` once that is done, removed where it
     fails."""
-    unfinished = path.with_name(f".{path.stem}.tmp{path.suffix}")
+    draft = unfinished(path)
     try:
-        yield unfinished
-        os.replace(unfinished, path)
+        with naming(path):
+            yield draft
+            os.replace(draft, path)
     finally:
-        unfinished.unlink(missing_ok=True)
+        draft.unlink(missing_ok=True)
+
+
+class naming:
+    """What the system says of a failed write names the file: while a file is written, it names none."""
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = path
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: type | None, failure: BaseException | None, where: object) -> None:
+        if isinstance(failure, OSError) and failure.filename is None:
+            failure.filename = str(self.path)
+
+
+@contextmanager
+def set_aside(folder: Path) -> Iterator[None]:
+    """Room on the disk of a folder that is free again afterwards: for the words that tell of a disk that ran full."""
+    path = folder / RESERVE
+    try:
+        with suppress(OSError), path.open("wb") as file:  # a disk as full as that will not be written to for long
+            file.write(bytes(RESERVED))
+        yield
+    finally:
+        path.unlink(missing_ok=True)

@@ -1,5 +1,6 @@
 """YAML 1.2 with locations: the only module that reads it. Every value knows where it was written."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -9,6 +10,10 @@ from ocean_sim.files.input_file import Unreadable, shown, text
 
 TEXTS = ("str", "timestamp", "merge", "value")  # the last three are words of YAML 1.1
 MOST_BYTES = 1_000_000  # a table of numbers that is longer goes into a CSV file
+MOST_WRITTEN = 60_000  # values that stand in a text
+MOST_TOLD, LONGEST_LINE = 1900, 600  # bytes of a message about a scene, and of one sentence in it
+LONG = 20_000  # characters of a text that libyaml reads
+DEEP = 100  # levels of it
 LONGEST_KEY = 100  # characters
 MOST_VALUES = 200_000  # aliases of aliases can name more values than a machine can hold
 
@@ -42,7 +47,27 @@ class SceneError(Refused):
         self.problems: list[Problem] = sorted(
             set(problems), key=lambda p: (p.file, p.line or 0, p.column or 0, p.key, p.message)
         )
-        super().__init__("\n".join(map(str, self.problems)))
+        super().__init__("\n".join(self.lines()))
+
+    def lines(self) -> Iterator[str]:
+        """As many of them as a person reads, and how many there are more."""
+        left = MOST_TOLD
+        for k, each in enumerate(self.problems):
+            line = cut(str(each), LONGEST_LINE)
+            left -= len(line.encode())
+            if left < 0:
+                yield f"... and {len(self.problems) - k} more"
+                return
+            yield line
+
+
+def cut(text: str, most: int) -> str:
+    """A text of at most so many bytes, its middle left out."""
+    data = text.encode()
+    if len(data) <= most:
+        return text
+    half = most // 2 - 2
+    return f"{data[:half].decode(errors='ignore')}...{data[-half:].decode(errors='ignore')}"
 
 
 def problem(location: Location, key: str, message: str, suggestion: str | None = None) -> Problem:
@@ -138,7 +163,8 @@ def parsed(text: str, start: Location) -> Node:
     from ruamel.yaml.reader import ReaderError
 
     try:
-        tree = YAML(typ="safe", pure=True).compose(text)
+        tree = quickly(text, start) if len(text) > LONG else None
+        tree = tree or YAML(typ="safe", pure=True).compose(text)
         if tree is None:
             return Node(None, start, start)
         reader = _Reader(start)
@@ -160,6 +186,44 @@ def parsed(text: str, start: Location) -> Node:
     if reader.problems:
         raise SceneError(reader.problems)
     return node
+
+
+def quickly(text: str, start: Location) -> Any:
+    """The tree of a long text by libyaml, which takes a tenth of the time; None where it finds a mistake, for which
+    ruamel.yaml has words, where the text asks for another YAML, and where it nests so deeply that C might not return.
+    Raises SceneError where there are more values than are read."""
+    try:
+        from ruamel.yaml.resolver import implicit_resolvers
+        from yaml import YAMLError
+        from yaml.cyaml import CParser
+        from yaml.events import CollectionEndEvent, CollectionStartEvent
+        from yaml.resolver import BaseResolver
+    except ImportError:  # PyYAML was built without it
+        return None
+
+    class Core(CParser, BaseResolver):  # type: ignore[misc]
+        def __init__(self) -> None:
+            CParser.__init__(self, text)
+            BaseResolver.__init__(self)
+
+    for versions, tag, regexp, first in implicit_resolvers:
+        if (1, 2) in versions:
+            Core.add_implicit_resolver(tag, regexp, first)
+    if "%YAML" in text:
+        return None
+    try:
+        parser, depth, count = Core(), 0, 0
+        while parser.check_event():
+            event = parser.get_event()
+            depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
+            count += 1
+            if depth > DEEP:
+                return None
+            if count > 3 * MOST_WRITTEN:  # a value has at most a key, a beginning and an end
+                raise SceneError([problem(start, "", f"more than {MOST_WRITTEN} values; a CSV file holds a table")])
+        return Core().get_single_node()
+    except YAMLError:
+        return None
 
 
 def unprintable(text: str, error: Any, start: Location) -> Problem:

@@ -8,7 +8,7 @@ from time import perf_counter
 from types import FrameType
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from ocean_sim.machine import installed
+from ocean_sim.machine import installed, sources
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.sampled import Multiples
 from ocean_sim.simulation import Observer, PeriodicConfig
@@ -99,9 +99,9 @@ def roots(simulation: "Simulation") -> dict[str, Any]:
     return {"simulation": simulation, "observers": dict(zip(named, simulation.observers[: len(named)]))}
 
 
-def maker(simulation: "Simulation") -> dict[str, str | None]:
+def maker(simulation: "Simulation") -> dict[str, Any]:
     """What the bytes of a run depend on apart from its scene."""
-    return versions() | {"backend": simulation.backend.arch}
+    return versions() | {"backend": simulation.backend.arch, "sources": sources()}
 
 
 def versions() -> dict[str, str | None]:
@@ -109,9 +109,10 @@ def versions() -> dict[str, str | None]:
     return {name: installed(name) for name in ("ocean-sim", "taichi", "numpy", "scipy")}
 
 
-def restore(simulation: "Simulation", kept: file.Checkpoint, folder: Path) -> None:
+def restore(simulation: "Simulation", kept: file.Checkpoint, folder: Path, changed: str = "") -> None:
     """Put a simulation that was built of the same scene into the state of a checkpoint, its files in `folder`.
 
+    `changed`: how this program differs from the one that made it, which every table then states where it goes on.
     Raises Mismatch; then nothing in the folder has changed, and the simulation is of no use.
     """
     named = dict(zip(simulation.scene.observers, simulation.observers))
@@ -121,5 +122,8 @@ def restore(simulation: "Simulation", kept: file.Checkpoint, folder: Path) -> No
         simulation.observers.clear()  # they may know the folder by now, and must not write to it
         raise
     state.cut()
+    if changed:
+        for table in (table for table, _ in state.files if table.name.endswith(".csv")):
+            table.write(f"# from t = {simulation.time:.9g} s on by another program: {changed}\n")
     for observer in named.values():
-        observer.resumed()
+        observer.resumed(changed)

@@ -116,7 +116,7 @@ class Frames(Observer):
         )
         self.count += 1
 
-    def resumed(self) -> None:
+    def resumed(self, changed: str) -> None:
         """Delete frames that were made after the state from which the run continues."""
         for path in self.folder.glob("frame_*.npz"):
             if int(path.stem.removeprefix("frame_")) >= self.count:

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from ocean_sim.conventions import Diverged
+from ocean_sim.files.whole_file import naming
 from ocean_sim.fluid import with_particles
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.energy import driven, total
 from ocean_sim.observers.shared.escaped import beyond
-from ocean_sim.simulation import NOWHERE, Observer, PeriodicConfig
+from ocean_sim.simulation import NOWHERE, Concluding, PeriodicConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -46,7 +47,7 @@ class Config(PeriodicConfig):
         return Health(self, None if folder is NOWHERE else folder, simulation)
 
 
-class Health(Observer):
+class Health(Concluding):
     """Looks at the fluid after every step; events.jsonl has start, limits of the time step, clipping and the end."""
 
     first_energy: float | None
@@ -80,8 +81,13 @@ class Health(Observer):
         if self.events is not None:
             simulation = self.simulation
             line = {"time_s": round(simulation.time, 9), "step": simulation.steps, "event": name, **facts}
-            self.events.write(json.dumps(line) + "\n")
-            self.events.flush()
+            with naming(self.events.name):
+                self.events.write(json.dumps(line) + "\n")
+                self.events.flush()
+
+    def resumed(self, changed: str) -> None:
+        if changed:
+            self.event("the program has changed", what=changed)
 
     def observe(self, simulation: "Simulation") -> None:
         if self.judged and self.first_energy is None:
@@ -224,9 +230,9 @@ class Health(Observer):
             self.clipped, self.clipped_reported = clipped, simulation.time
 
     def close(self) -> None:
-        if self.n > 0:
-            self.note_clipping(self.simulation)
         outcome = self.simulation.outcome
+        if self.n > 0 and outcome != "failed":
+            self.note_clipping(self.simulation)
         self.event(outcome, **({"reason": self.simulation.reason} if self.simulation.reason else {}))
         if self.events is not None:
             self.events.close()

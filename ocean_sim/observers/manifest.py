@@ -4,13 +4,13 @@ import hashlib
 import json
 import platform
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from ocean_sim.files.whole_file import whole
-from ocean_sim.machine import installed
-from ocean_sim.simulation import Observer, ObserverConfig
+from ocean_sim.machine import installed, program
+from ocean_sim.simulation import Concluding, ObserverConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -28,7 +28,7 @@ class Config(ObserverConfig):
         return Manifest(folder, simulation)
 
 
-class Manifest(Observer):
+class Manifest(Concluding):
     """manifest.json: it holds no clock value, so equal runs leave equal files."""
 
     left_out = ("facts",)  # of the program that goes on
@@ -36,12 +36,13 @@ class Manifest(Observer):
     def __init__(self, folder: Path, simulation: "Simulation") -> None:
         self.path, self.simulation = folder / "manifest.json", simulation
         scene, fluid, backend = simulation.scene.resolved(), simulation.fluid, simulation.backend
-        self.facts = {
+        self.facts: dict[str, Any] = {
             "outcome": "running",
             "scene": scene,
             "scene_sha256": sha256(json.dumps(scene, sort_keys=True).encode()),
             "seed": simulation.scene.seed,
             "versions": {"python": platform.python_version()} | {name: installed(name) for name in PACKAGES},
+            "sources_sha256": program(),
             "machine": {"system": platform.system(), "processor": platform.machine()},
             "backend": {"arch": backend.arch, "threads": backend.threads, "precision": backend.precision},
             "particles": {
@@ -54,10 +55,16 @@ class Manifest(Observer):
         }
         self.write()
 
-    def resumed(self) -> None:
-        """Add the time at which the run was resumed to the earlier ones."""
-        before = json.loads(self.path.read_text(encoding="utf-8")).get("resumed_s", [])
-        self.facts["resumed_s"] = [*before, round(self.simulation.time, 9)]
+    def resumed(self, changed: str) -> None:
+        """Add the time at which the run was resumed to the earlier ones, and how the program had changed."""
+        before, now = json.loads(self.path.read_text(encoding="utf-8")), round(self.simulation.time, 9)
+        self.facts["resumed_s"] = [*before.get("resumed_s", []), now]
+        changes = [each for each in before.get("changed", []) if each["from_s"] < now]
+        changes += [{"from_s": now, "what": changed}] if changed else []
+        if changes:
+            self.facts["changed"] = changes
+            said = [f"from t = {each['from_s']:g} s on by another program: {each['what']}" for each in changes]
+            self.facts["warnings"] = [*self.facts["warnings"], *said]
         self.write()
 
     def close(self) -> None:
@@ -67,7 +74,7 @@ class Manifest(Observer):
             "reason": simulation.reason,
             "steps": simulation.steps,
             "simulated_s": round(simulation.time, 9),
-            "state_sha256": state_sha256(simulation),
+            "state_sha256": state_sha256(simulation) if simulation.outcome != "failed" else None,
         }
         self.write()
 

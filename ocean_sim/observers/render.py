@@ -17,6 +17,7 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from ocean_sim.files.whole_file import whole
+from ocean_sim.machine import leash, outlive_no_parent
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.observers.shared import run_report
 from ocean_sim.parts import Preflight
@@ -25,7 +26,7 @@ from ocean_sim.pictures.camera import ABOARD, Name
 from ocean_sim.pictures.frame_files import Frame, Log, frame_files, schedule, survey
 from ocean_sim.pictures.order import Order, Quality, RenderFailed
 from ocean_sim.pictures.picture import Picture
-from ocean_sim.simulation import Observer, PeriodicConfig, Progress
+from ocean_sim.simulation import Concluding, PeriodicConfig, Progress
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -113,7 +114,7 @@ class Config(PeriodicConfig):
         return Render(self, folder, simulation)
 
 
-class Render(Observer):
+class Render(Concluding):
     """Draws preview.png and film.mp4 when the run is over, from what `frames` kept; then the report is written again,
     with the pictures."""
 
@@ -183,14 +184,14 @@ def draw_apart(orders: Sequence[Order], progress: Progress | None = None) -> Non
         raise OpenGLMissing
     command = [sys.executable, "-m", "ocean_sim.observers.render", json.dumps([asdict(order) for order in orders])]
     with tempfile.TemporaryFile("w+") as errors_written:
-        child = subprocess.Popen(
-            command, env=opengl.environment(window), stdout=subprocess.PIPE, stderr=errors_written, text=True
-        )
-        try:
-            follow(child, progress)
-        finally:
-            child.kill()
-            child.wait()
+        streams: Any = {"stdout": subprocess.PIPE, "stderr": errors_written, "text": True}
+        with leash() as theirs:
+            child = subprocess.Popen(command, env=opengl.environment(window), stdin=theirs, **streams)
+            try:
+                follow(child, progress)
+            finally:
+                child.kill()
+                child.wait()
         errors_written.seek(0)
         errors = errors_written.read().strip()
     if child.returncode < 0:
@@ -341,6 +342,7 @@ def save_png(path: Path, image: np.ndarray) -> None:
 
 
 def main() -> None:
+    outlive_no_parent()
     orders = json.loads(sys.argv[1])
     try:
         for order in orders:

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 from ocean_sim.observers.shared.run_report import write
-from ocean_sim.simulation import Observer, ObserverConfig
+from ocean_sim.simulation import Concluding, ObserverConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -20,7 +20,7 @@ class Config(ObserverConfig):
         return Report(folder)
 
 
-class Report(Observer):
+class Report(Concluding):
     """Reads what the other observers wrote. It closes before `render`, whose film takes long, and who writes the page
     anew with its pictures."""
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from difflib import get_close_matches
+from itertools import islice
 from math import inf
 from pathlib import Path as Folder
 from types import UnionType
@@ -14,6 +15,7 @@ from ocean_sim.files.input_file import FOLDER
 from ocean_sim.files.yaml_file import Node, Problem, described, problem
 
 LEAST, MOST = 1e-60, 1e15  # size of a number in SI units that a scene may hold
+MANY = 200  # errors of one part beyond which the rest is of the same kind
 FEW = 24  # choices that still fit in a sentence
 BOUNDS = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
 SHAPES = {
@@ -40,7 +42,7 @@ def validated(
 ) -> Model | None:
     """The model of a node, or None, and then `problems` grows. `folder`: to which names of files are relative, by
     default the working directory."""
-    beyond = list(absurd(node, path))
+    beyond = list(islice(absurd(node, path), MANY))
     problems.extend(beyond)
     try:
         found = model.model_validate(node.plain(), context={FOLDER: folder})
@@ -84,7 +86,7 @@ def choice_sentence(word: str, choices: Any) -> tuple[str, str | None]:
 
 def translated(error: ValidationError, model: type[BaseModel], root: Node, prefix: Path) -> list[Problem]:
     """Every problem in a validation error; of each union only those of its likeliest member."""
-    found = [_located(e, model, root) for e in error.errors(include_url=False)]
+    found = [_located(e, model, root) for e in error.errors(include_url=False)[:MANY]]
     problems = [_sentence(f, prefix) for f in found if f.union is None and not _is_extra_item(f, found)]
     for union in dict.fromkeys(f.union for f in found if f.union is not None):
         problems += _of_union([f for f in found if f.union == union], prefix)

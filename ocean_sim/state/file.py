@@ -34,7 +34,7 @@ class Checkpoint(NamedTuple):
     time: float  # [s]
     steps: int
     scene: dict[str, Any]  # as in manifest.json
-    made: dict[str, str | None]  # versions and backend that made it
+    made: dict[str, Any]  # versions, backend and sources that made it
     tree: Any  # the state, see walk.py
     arrays: dict[str, np.ndarray]
 

@@ -59,7 +59,6 @@ def figure(names: list[str], fast: bool, out: Path, as_json: bool) -> int:
             raise console.Refused(f"there is no figure {name!r}{choice_sentence(name, [*known, ALL])[0]}")
     theirs = [name for name in known if name[0].isdigit() or name == "errata"] if ALL in names else []
     wanted = list(dict.fromkeys([*theirs, *(name for name in names if name != ALL)]))
-    out.mkdir(parents=True, exist_ok=True)
     bar = Bar(len(wanted), as_json)
     done: list[Outcome] = []
     try:

@@ -121,7 +121,6 @@ def written(
     film: bool,
 ) -> list[Path]:
     """Every file, made in a folder of its own and moved out of it when all are whole."""
-    out.mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory(prefix=".platform-", dir=out) as name:
         folder = Path(name)
         head = heading(log.every, frame or "flu") | ({"seed": log.head["seed"]} if "seed" in log.head else {})

@@ -32,21 +32,20 @@ def preview(
     overrides |= {f"preview.{key}": value for key, value in (("camera", camera), ("content", content)) if value}
     config = load(scene, overrides, profile)
     folder = out or Path("runs") / f"{scene_path(scene).stem}-preview"
-    if folder.exists() and not folder.is_dir():
-        raise console.Refused(f"--out {folder}: this is a file, not a folder")
     if frames is not None and (folder / picture(0)).exists():
         raise console.Refused(f"--out {folder}: pictures lie here already; name another folder")
     from ocean_sim.observers import preview as observer
 
     observer.require(show=frames is None)
-    session = Session(config, folder, lambda wind: load(scene, with_wind(overrides, wind), profile))
-    try:
-        if frames is None:
-            session.play()
-        else:
-            session.film(frames, as_json)
-    finally:
-        session.close()
+    with console.claim(folder):
+        session = Session(config, folder, lambda wind: load(scene, with_wind(overrides, wind), profile))
+        try:
+            if frames is None:
+                session.play()
+            else:
+                session.film(frames, as_json)
+        finally:
+            session.close()
     if as_json:
         console.answer(session.facts())
     else:

@@ -5,11 +5,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
+from ocean_sim.files.claim import Claim
+from ocean_sim.files.whole_file import set_aside
 from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.machine import sources, stoppable
 from ocean_sim.reading.scene import SceneConfig, load
-from ocean_sim.result import Result, run
+from ocean_sim.result import Result, simulated
 from ocean_sim.state import file
-from ocean_sim.verbs.run import kernels, report, until_node
+from ocean_sim.verbs.run import MANIFEST, kernels, report, until_node
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.progress import Progress
 
@@ -19,31 +22,42 @@ if TYPE_CHECKING:
 SHOWN = 3  # differences that are named
 
 
-def resume(folder: Path, until: float | None, as_json: bool) -> None:
+def resume(folder: Path, until: float | None, anyway: bool, as_json: bool) -> None:
     """Go on with a run."""
+    if not (folder / MANIFEST).is_file():
+        raise console.Refused(f"{folder}: this is not a run folder (there is no {MANIFEST})")
+    with Claim(folder):
+        resumed(folder, until, anyway, as_json)
+
+
+def resumed(folder: Path, until: float | None, anyway: bool, as_json: bool) -> None:
+    """The same in a folder that is claimed."""
     manifest = manifest_of(folder)
     config = scene_of(folder, manifest, until)
     if manifest.get("outcome") == "done" and (until is None or until <= manifest["simulated_s"] * (1.0 + 1e-12)):
         finished(folder, manifest, as_json)
         return
     if never_begun(folder, config):
-        kept = None
+        kept, changed = None, ""
     else:
         kept = newest(folder, config)
-        check(folder, kept, manifest["scene"], until)
+        changed = check(folder, kept, manifest["scene"], until, anyway)
     progress = Progress(config.duration, as_json)
     if not as_json:
         start = "nothing was kept yet: it starts again" if kept is None else f"going on from t = {kept.time:.3f} s"
         console.say(f"{folder}: {start}\n{kernels()}")
 
     def made() -> Result:
-        return run(config, folder, (progress,)) if kept is None else gone_on(config, kept, folder, progress)
+        if kept is None:
+            return simulated(config, folder, (progress,))
+        return gone_on(config, kept, folder, progress, changed)
 
     report(made, progress, config, folder, as_json)
 
 
-def gone_on(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: Progress) -> Result:
-    """The run from a checkpoint on. Its parts are built in another folder: its own stays as it is until all fits."""
+def gone_on(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: Progress, changed: str = "") -> Result:
+    """The run from a checkpoint on; `changed`: how the program has. Its parts are built in another folder: its own
+    stays as it is until all fits."""
     from ocean_sim.observers.checkpoint import restore
     from ocean_sim.simulation import Simulation
     from ocean_sim.state.walk import Mismatch
@@ -53,26 +67,26 @@ def gone_on(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: 
             backends = f"{kept.made.get('backend')}, and this one on {simulation.backend.arch}"
             raise console.Refused(f"{folder}: the checkpoint was made on {backends}")
         try:
-            restore(simulation, kept, folder)
+            restore(simulation, kept, folder, changed)
         except Mismatch as problem:
             raise console.Refused(f"{folder}: the checkpoint does not fit this program: {problem}") from None
 
-    with TemporaryDirectory(prefix="ocean-sim-") as away, Simulation(config, Path(away)) as simulation:
+    away = TemporaryDirectory(prefix="ocean-sim-")
+    with stoppable(), away as elsewhere, Simulation(config, Path(elsewhere)) as simulation:
         try:
             restored(simulation)
         except BaseException:
             simulation.observers.clear()  # they have nothing to write
             raise
         simulation.observers.append(progress)
-        simulation.run(config.duration)
+        with set_aside(folder):
+            simulation.run(config.duration)
     return Result(folder)
 
 
 def manifest_of(folder: Path) -> dict[str, Any]:
     """manifest.json of a run folder; raises Refused."""
-    path = folder / "manifest.json"
-    if not path.is_file():
-        raise console.Refused(f"{folder}: this is not a run folder (there is no manifest.json)")
+    path = folder / MANIFEST
     try:
         manifest = json.loads(path.read_text(encoding="utf-8"))
         if not isinstance(manifest["scene"], dict):
@@ -131,19 +145,32 @@ def newest(folder: Path, config: SceneConfig) -> file.Checkpoint:
     raise console.Refused(f"{folder}: {reason}; there is no other")
 
 
-def check(folder: Path, kept: file.Checkpoint, scene: dict[str, Any], until: float | None) -> None:
-    """Refuses a checkpoint of another version or scene, but for its duration, or one beyond the time asked for."""
-    from ocean_sim.observers.checkpoint import versions
-
-    now = versions()
-    other = differences({name: kept.made.get(name) for name in now}, now)
-    if other:
-        raise console.Refused(f"{folder}: the checkpoint is of another version: {other}")
+def check(folder: Path, kept: file.Checkpoint, scene: dict[str, Any], until: float | None, anyway: bool) -> str:
+    """How this program differs from the one that made a checkpoint, which is refused unless a person goes on `anyway`.
+    Refuses one of another scene, but for its duration, or one beyond the time asked for."""
+    changed = changes(kept.made)
+    if changed and not anyway:
+        cure = "its numbers may be others; --anyway goes on, and marks every file"
+        raise console.Refused(f"{folder}: the checkpoint is of {changed}; {cure}")
     other = differences(kept.scene | {"duration": None}, scene | {"duration": None})
     if other:
         raise console.Refused(f"{folder}: the checkpoint belongs to another scene than manifest.json: {other}")
     if until is not None and until < kept.time:
         raise console.Refused(f"--until {until:g}: the last checkpoint is at t = {kept.time:.3f} s already")
+    return changed
+
+
+def changes(made: dict[str, Any]) -> str:
+    """The versions and the files in which this program differs from the one that made a checkpoint, in words."""
+    from ocean_sim.observers.checkpoint import versions
+
+    now, then = versions(), made.get("sources") or {}
+    versions_differ = differences({name: made.get(name) for name in now}, now)
+    files = [name for name in sorted({*then, *sources()}) if then.get(name) != sources().get(name)]
+    more = f" and {len(files) - SHOWN} more" if len(files) > SHOWN else ""
+    differ = [f"another version: {versions_differ}"] if versions_differ else []
+    differ += [f"other sources: {', '.join(files[:SHOWN])}{more}"] if files else []
+    return ", and of ".join(differ)
 
 
 def differences(kept: Any, now: Any) -> str:

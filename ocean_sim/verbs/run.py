@@ -1,20 +1,22 @@
 """`ocean-sim run`: preflight, progress, summary."""
 
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from itertools import count
 from pathlib import Path
 from typing import Any
 
+from ocean_sim.files.claim import Claim, Claimed
 from ocean_sim.files.yaml_file import Location, Node, node_of
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
-from ocean_sim.result import Result
-from ocean_sim.result import run as run_scene
+from ocean_sim.result import Result, simulated
 from ocean_sim.verbs.check import preflight, short
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.progress import Progress
 
+MANIFEST = "manifest.json"
 WRITTEN = (
-    *("manifest.json", "*.csv", "events.jsonl", "checkpoint_*.h5", "report.html"),
+    *(MANIFEST, "*.csv", "events.jsonl", "checkpoint_*.h5", "report.html"),
     *("preview.png", "still_*.png", "strip.png", "film.mp4"),
 )
 
@@ -33,14 +35,14 @@ def run(
     if until is not None:
         overrides["duration"] = until_node(until)
     config = load(scene, overrides, profile)
-    folder = run_folder(scene_path(scene).stem, out, overwrite)
-    progress = Progress(config.duration, as_json)
-    if not as_json:
-        console.say(short(preflight(config), config))
-        console.say(f"writing {folder}")
-        console.say(kernels())
-        film(config)
-    report(lambda: run_scene(config, folder, (progress,)), progress, config, folder, as_json)
+    with run_folder(scene_path(scene).stem, out, overwrite) as folder:
+        progress = Progress(config.duration, as_json)
+        if not as_json:
+            console.say(short(preflight(config), config))
+            console.say(f"writing {folder}")
+            console.say(kernels())
+            film(config)
+        report(lambda: simulated(config, folder, (progress,)), progress, config, folder, as_json)
 
 
 def film(config: SceneConfig) -> None:
@@ -79,21 +81,34 @@ def until_node(until: float) -> Node:
     return node_of(until, Location(f"--until {until:g}"))
 
 
-def run_folder(stem: str, out: Path | None, overwrite: bool) -> Path:
+def run_folder(stem: str, out: Path | None, overwrite: bool) -> Claim:
     """The folder of a run: never that of another one, unless overwriting is asked for."""
     if out is None:
-        k, folder = 1, Path("runs") / stem
-        while (folder / "manifest.json").exists():
-            k += 1
-            folder = Path("runs") / f"{stem}-{k}"
-        return folder
-    if out.exists() and not out.is_dir():
-        raise console.Refused(f"--out {out}: this is a file, not a folder")
-    if (out / "manifest.json").exists():
+        return next(filter(None, map(unused, folders(stem))))
+    claim = console.claim(out)
+    if (out / MANIFEST).exists():
         if not overwrite:
+            claim.close()
             raise console.Refused(f"--out {out}: there is a run here already; name another folder, or add --overwrite")
         clear(out)
-    return out
+    return claim
+
+
+def folders(stem: str) -> Iterator[Path]:
+    """Where the runs of a scene go, one after the other."""
+    return (Path("runs") / (stem if k == 1 else f"{stem}-{k}") for k in count(1))
+
+
+def unused(folder: Path) -> Claim | None:
+    """A claim on a folder; None where there is a run, or one begins."""
+    try:
+        claim = None if (folder / MANIFEST).exists() else Claim(folder)
+    except Claimed:
+        return None
+    if claim is not None and (folder / MANIFEST).exists():  # it has begun and ended meanwhile
+        claim.close()
+        return None
+    return claim
 
 
 def clear(folder: Path) -> None:
@@ -126,7 +141,7 @@ def written(result: Any, config: SceneConfig) -> dict[str, Any]:
             event for event in result.events if event.get("event") not in ("start", "limit", "end", "stop", "done")
         ],
         "folder": str(result.folder),
-        "files": sorted(path.name + ("/" if path.is_dir() else "") for path in result.folder.iterdir()),
+        "files": sorted(path.name + ("/" if path.is_dir() else "") for path in result.folder.glob("[!.]*")),
         "notes": config.notes,
     }
 

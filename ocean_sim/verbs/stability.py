@@ -17,7 +17,6 @@ def stability(scene: str | None, quick: bool, workers: int | None, out: Path, as
     plan = spots(quick, scene)
     if not plan:
         raise console.Refused(f"{scene}: this scene has no setting that could be taken to an extreme")
-    out.mkdir(parents=True, exist_ok=True)
     if not as_json:
         console.say(f"{len(plan)} runs, each on one thread")
     rows: dict[int, dict[str, Any]] = {}

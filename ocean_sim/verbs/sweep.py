@@ -19,15 +19,13 @@ def sweep(plan: Path, scheduler: str | None, workers: int | None, out: Path | No
     """Run what a plan asks for and has not been run yet; the table is whole after every run."""
     runs = planned(plan)
     folder = Path("runs") / plan.stem if out is None else out
-    if folder.exists() and not folder.is_dir():
-        raise console.Refused(f"--out {folder}: this is a file, not a folder")
     at_once = workers or cores()
     orders = [run.order(max(1, cores() // at_once)) for run in runs]
-    folder.mkdir(parents=True, exist_ok=True)
     rows: dict[int, dict[str, Any]] = {}
-    for k, answer in shown(orders, folder, at_once, scheduler, as_json):
-        rows[k] = runs[k].row(answer)
-        table_module.write(folder / "results.csv", [rows[k] for k in sorted(rows)])
+    with console.claim(folder):
+        for k, answer in shown(orders, folder, at_once, scheduler, as_json):
+            rows[k] = runs[k].row(answer)
+            table_module.write(folder / "results.csv", [rows[k] for k in sorted(rows)])
     table = [rows[k] for k in sorted(rows)]
     if as_json:
         console.answer(table)

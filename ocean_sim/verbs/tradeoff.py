@@ -29,18 +29,19 @@ def tradeoff(
     """The study over the validation cases, or that of a scene."""
     if scene is not None:
         folder = out or Path("runs") / "tradeoff" / Path(scene).stem
-        of_scene(scene, profile, sets, vary, budget, by, quick, folder, as_json)
+        with console.claim(folder):
+            of_scene(scene, profile, sets, vary, budget, by, quick, folder, as_json)
         return
     for name, given in (("vary", vary), ("budget", budget), ("by", by), ("profile", profile), ("set", sets)):
         if given:
             raise console.Refused(f"--{name} is about a scene, as in ocean-sim tradeoff SCENE --{name} ...")
-    of_cases(quick, workers, out or Path("runs/tradeoff"), as_json)
+    with console.claim(out or Path("runs/tradeoff")) as folder:
+        of_cases(quick, workers, folder, as_json)
 
 
 def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None:
     """The study over the validation cases: tradeoff.csv, equal.csv and a picture a case."""
     plan = points(quick)
-    out.mkdir(parents=True, exist_ok=True)
     if not as_json:
         console.say(f"{len(plan)} runs of {len({point.trial.case for point in plan})} cases, each on one thread")
     rows: dict[int, list[dict[str, Any]]] = {}

@@ -39,7 +39,6 @@ def validate(
             raise console.Refused(f"{case} takes minutes: add --slow (or --coarse)")
     for problem, scheme in [pair for pairs in plan.values() for pair in pairs]:
         problem.load(scheme, overrides)  # what is wrong is reported before anything runs
-    out.mkdir(parents=True, exist_ok=True)
     rows: list[dict[str, Any]] = []
     for case, pairs in plan.items():
         if not pairs:

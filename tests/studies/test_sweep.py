@@ -221,7 +221,7 @@ def _alive(pid: int) -> bool:
 def test_another_package_has_other_answers(monkeypatch):
     (order,) = orders(1)
     before = runs_module.address(order)
-    monkeypatch.setattr(runs_module, "_sources", lambda: "edited")
+    monkeypatch.setattr(runs_module, "program", lambda: "edited")
     assert runs_module.address(order) != before
 
 

@@ -170,8 +170,12 @@ class Lattice:
 def inside(positions: np.ndarray, basin: Basin) -> np.ndarray:
     """(n,) which of (n, 3) positions [m] are in an obstacle."""
     found = np.zeros(len(positions), dtype=bool)
-    for low, up in basin.obstacles:
-        found |= ((positions > low) & (positions < up)).all(axis=1)
+    if basin.obstacles:
+        order = positions[:, 0].argsort(kind="stable")
+        x = positions[order, 0]
+        for low, up in basin.obstacles:
+            near = order[np.searchsorted(x, low[0], "right") : np.searchsorted(x, up[0], "left")]
+            found[near] |= ((positions[near] > low) & (positions[near] < up)).all(axis=1)
     return found
 
 

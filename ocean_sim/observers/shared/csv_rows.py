@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ocean_sim.files.whole_file import naming
+
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
@@ -38,12 +40,14 @@ class CsvFile:
     def __init__(self, path: Path, heading: Mapping[str, object], columns: Sequence[str]) -> None:
         self.columns = tuple(columns)
         self.file = path.open("w", encoding="utf-8", newline="\n")
-        self.file.writelines(f"# {key}: {' '.join(text(value).split())}\n" for key, value in heading.items())
+        with naming(path):
+            self.file.writelines(f"# {key}: {' '.join(text(value).split())}\n" for key, value in heading.items())
         self.row(self.columns)
 
     def row(self, values: Iterable[object]) -> None:
-        self.file.write(",".join(text(value) for value in values) + "\n")
-        self.file.flush()
+        with naming(self.file.name):
+            self.file.write(",".join(text(value) for value in values) + "\n")
+            self.file.flush()
 
     def close(self) -> None:
         self.file.close()

@@ -223,7 +223,8 @@ class Run:
         manifest = self.manifest
         rows = [(name, str(value)) for name, value in manifest.get("versions", {}).items() if value]
         rows += [(name, str(value)) for name, value in manifest.get("machine", {}).items() if value]
-        rows += [(n.replace("_", " "), manifest[n]) for n in ("scene_sha256", "state_sha256") if manifest.get(n)]
+        hashes = ("sources_sha256", "scene_sha256", "state_sha256")
+        rows += [(name.replace("_", " "), manifest[name]) for name in hashes if manifest.get(name)]
         if rows:
             yield f"<h2>Versions</h2>\n{table(rows)}"
 

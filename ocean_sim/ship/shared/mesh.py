@@ -1,5 +1,7 @@
 """Hulls from mesh files: read, judged, turned into the hull's axes, and filled by columns."""
 
+import logging
+import warnings
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -86,8 +88,10 @@ def read(path: Path) -> Any:
         data = content(path)
     except Unreadable as error:
         raise BadMesh([str(error)]) from None
+    logging.getLogger("trimesh").addHandler(logging.NullHandler())  # what is wrong is told here
     try:  # from its bytes: materials that an OBJ names are not looked for
-        mesh = trimesh.load(BytesIO(data), file_type=kind, force="mesh")
+        with warnings.catch_warnings(action="ignore"), np.errstate(all="ignore"):
+            mesh = trimesh.load(BytesIO(data), file_type=kind, force="mesh")
     except Exception as error:
         raise BadMesh([f"{shown(path)}: cannot be read as a mesh ({first_line(error)})"]) from None
     if len(getattr(mesh, "faces", ())) == 0:

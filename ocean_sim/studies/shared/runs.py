@@ -15,20 +15,20 @@ import sys
 from collections.abc import Iterator
 from concurrent.futures import Executor, as_completed
 from contextlib import ExitStack, contextmanager
-from functools import cache
 from importlib import import_module
 from pathlib import Path
-from threading import Event, Thread
+from threading import Event
 from time import perf_counter
 from typing import Any
 
 from ocean_sim.conventions import Lacking
-from ocean_sim.machine import installed
+from ocean_sim.files.claim import Claim
+from ocean_sim.files.whole_file import whole
+from ocean_sim.machine import installed, leash, outlive_no_parent, program, stoppable
 from ocean_sim.parts import PACKAGE
 
 ORDER, ANSWER = "order.json", "answer.json"
 MACHINE = "machine"  # what stands under this key of an order changes only timings in its answer
-SOURCES = (".py", ".csv")  # suffixes of the package's files that an answer depends on; a scene is in its order
 PATIENCE = 20.0  # to reach a scheduler [s]
 
 _running: set[subprocess.Popen] = set()
@@ -43,7 +43,7 @@ def address(order: dict[str, Any]) -> str:
     """The name of an order's folder: its content's and the package's hash."""
     content = {key: value for key, value in order.items() if key != MACHINE}
     return hashlib.sha256(
-        json.dumps([installed("ocean-sim") or "", _sources(), content], sort_keys=True).encode()
+        json.dumps([installed("ocean-sim") or "", program(), content], sort_keys=True).encode()
     ).hexdigest()[:16]
 
 
@@ -95,28 +95,26 @@ def performed(order: dict[str, Any], folder: str, limit: float | None = None) ->
     run.mkdir(parents=True, exist_ok=True)
     _write(run / ORDER, order)
     began = perf_counter()
-    theirs, ours = os.pipe()  # nothing is ever written: it breaks when this process ends, and then the child ends, too
     path = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
-    child = subprocess.Popen(
-        [sys.executable, "-m", __name__, folder],
-        env=os.environ | {"PYTHONPATH": path},  # the package that the parent has
-        stdin=theirs,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    os.close(theirs)
-    _running.add(child)
-    try:
-        _, errors = child.communicate(timeout=limit)
-        reason = _why(child.returncode, errors)
-    except subprocess.TimeoutExpired:
-        child.kill()
-        child.communicate()
-        reason = f"it had taken {limit:g} s of wall time, which is the limit, and was ended"
-    finally:
-        _running.discard(child)
-        os.close(ours)
+    with leash() as theirs:
+        child = subprocess.Popen(
+            [sys.executable, "-m", __name__, folder],
+            env=os.environ | {"PYTHONPATH": path},  # the package that the parent has
+            stdin=theirs,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        _running.add(child)
+        try:
+            _, errors = child.communicate(timeout=limit)
+            reason = _why(child.returncode, errors)
+        except subprocess.TimeoutExpired:
+            child.kill()
+            child.communicate()
+            reason = f"it had taken {limit:g} s of wall time, which is the limit, and was ended"
+        finally:
+            _running.discard(child)
     answer = _kept(run)
     return failure(reason, perf_counter() - began) if answer is None else answer
 
@@ -145,16 +143,6 @@ def _executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
         yield client.get_executor(pure=False)
 
 
-@cache
-def _sources() -> str:
-    """Hash of the package's files: an answer of another version does not count."""
-    found = hashlib.sha256()
-    for path in sorted(PACKAGE.rglob("*")):
-        if path.suffix in SOURCES and path.is_file():
-            found.update(f"{path.relative_to(PACKAGE)} {path.stat().st_size}\n".encode() + path.read_bytes())
-    return found.hexdigest()
-
-
 def _kept(folder: Path) -> dict[str, Any] | None:
     """The answer in a folder, if there is a complete one."""
     try:
@@ -166,9 +154,8 @@ def _kept(folder: Path) -> dict[str, Any] | None:
 
 def _write(path: Path, data: dict[str, Any]) -> None:
     """A whole file or none."""
-    draft = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    draft.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
-    os.replace(draft, path)
+    with whole(path) as draft:
+        draft.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
 
 
 def _why(code: int, errors: str) -> str:
@@ -180,17 +167,12 @@ def _why(code: int, errors: str) -> str:
     return lines[-1].strip() if lines else f"its process left with exit code {code}"
 
 
-def _outlive_no_parent() -> None:
-    """Ends this process as soon as the other end of its standard input is closed."""
-    os.read(sys.stdin.fileno(), 1)
-    os._exit(1)
-
-
 def _main(folder: Path) -> None:
     """What the child does: its last word on standard error is the reason if it fails."""
-    Thread(target=_outlive_no_parent, daemon=True).start()
-    order = json.loads((folder / ORDER).read_text(encoding="utf-8"))
-    _write(folder / ANSWER, import_module(order["task"]).answer(order, folder))
+    outlive_no_parent()
+    with stoppable(), Claim(folder):
+        order = json.loads((folder / ORDER).read_text(encoding="utf-8"))
+        _write(folder / ANSWER, import_module(order["task"]).answer(order, folder))
 
 
 if __name__ == "__main__":

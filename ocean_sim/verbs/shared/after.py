@@ -29,14 +29,15 @@ def render(folder: Path, asked: dict[str, Any], fps: float | None, out: Path | N
         raise console.Refused(sentence)
     options = config.model_dump() | ({} if fps is None else {"every": 1.0 / fps})
     drawing = Drawing(quiet=as_json)
-    try:
-        files = render_run(folder, **options, out=out, progress=drawing)
-    finally:
-        drawing.close()
-    if out is None and (folder / "report.html").exists():
-        from ocean_sim.observers.shared import run_report
+    with console.claim(out or folder):
+        try:
+            files = render_run(folder, **options, out=out, progress=drawing)
+        finally:
+            drawing.close()
+        if out is None and (folder / "report.html").exists():
+            from ocean_sim.observers.shared import run_report
 
-        files = [*files, run_report.write(folder)]  # with the new pictures
+            files = [*files, run_report.write(folder)]  # with the new pictures
     made(files, as_json)
 
 
@@ -79,7 +80,9 @@ def export(
     from ocean_sim.pictures.export import export_run
 
     asked: dict[str, Any] = {"particles": particles, "surface": surface, "every": every}
-    made(export_run(folder, out=out or folder / "export", **asked), as_json)
+    with console.claim(out or folder / "export") as written:
+        files = export_run(folder, out=written, **asked)
+    made(files, as_json)
 
 
 def finished(folder: Path) -> None:

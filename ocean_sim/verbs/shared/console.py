@@ -9,9 +9,13 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.conventions import Failed, Lacking, Refused
-from ocean_sim.files.yaml_file import Node, Problem, SceneError, setting
+from ocean_sim.files.claim import Claim
+from ocean_sim.files.yaml_file import Node, Problem, SceneError, cut, setting
 
 __all__ = ["Failed", "Lacking", "Refused"]  # which verbs raise
+
+
+MOST = 2000  # bytes of a message about what went wrong
 
 
 class Stopped(Failed):
@@ -20,12 +24,17 @@ class Stopped(Failed):
 
 def say(text: str = "") -> None:
     """A line for people."""
-    print(text, flush=True)
+    print(visible(text), flush=True)
 
 
 def complain(text: str) -> None:
     """A line about what went wrong."""
-    print(text, file=sys.stderr, flush=True)
+    print(cut(visible(text), MOST), file=sys.stderr, flush=True)
+
+
+def visible(text: str) -> str:
+    """A text in which what a terminal would obey, or not show, is escaped."""
+    return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
 
 
 def answer(data: Any) -> None:
@@ -78,6 +87,13 @@ def settings(sets: list[str]) -> dict[str, Node]:
     if problems:
         raise SceneError(problems)
     return values
+
+
+def claim(out: Path) -> Claim:
+    """A claim on the folder that `--out` names; raises Refused."""
+    if out.exists() and not out.is_dir():
+        raise Refused(f"--out {out}: this is a file, not a folder")
+    return Claim(out)
 
 
 def megabytes(count: float) -> float:

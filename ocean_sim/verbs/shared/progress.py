@@ -4,7 +4,7 @@ from collections import Counter
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from ocean_sim.simulation import Observer
+from ocean_sim.simulation import Concluding
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import FILM, Bar, Drawing
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
 
-class Progress(Observer):
+class Progress(Concluding):
     """Shows simulated time, real-time factor and time left, and counts what limited the steps."""
 
     def __init__(self, duration: float, quiet: bool) -> None:

@@ -41,7 +41,6 @@ def of_scene(
     limit = asked(budget)
     plan = settings(scene, profile, console.settings(sets), varied(vary or [EVERY_PROFILE]), quick)
     seeds = SEEDS[quick]
-    out.mkdir(parents=True, exist_ok=True)
     if not as_json:
         finest = next(setting for setting in plan if setting.finest).line()
         console.say(f"{len(plan)} settings with {seeds} seeds each, one run at a time; the reference is {finest}")

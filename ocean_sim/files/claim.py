@@ -1,0 +1,93 @@
+"""A folder has one writer at a time: who writes into it claims it first, by a lock that ends with its process."""
+
+import os
+import re
+import socket
+import sys
+from contextlib import suppress
+from errno import EACCES, EAGAIN
+from pathlib import Path
+
+from ocean_sim.conventions import Lacking, Refused
+from ocean_sim.files.whole_file import RESERVE, UNFINISHED
+
+LOCK = ".lock"
+
+
+class Claimed(Refused):
+    """Another process writes into a folder."""
+
+
+if sys.platform == "win32":
+    import msvcrt
+
+    def _locked(file: int) -> None:
+        msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
+
+else:
+    import fcntl
+
+    def _locked(file: int) -> None:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+class Claim:
+    """A folder, made where there is none, that only this holder may write into; use it as a context manager.
+
+    The lock is the kernel's, so a process that is killed holds nothing. What killed writers left unfinished is
+    removed, and so is at the end a folder that was made for nothing. Raises Claimed where another holds it, and
+    Lacking where the file system knows no locks.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder, self.path, self.made = folder, folder / LOCK, not folder.exists()
+        self.file = self.locked()
+        os.ftruncate(self.file, 0)
+        os.write(self.file, f"process {os.getpid()} on {socket.gethostname()}".encode())
+        for left in [*folder.glob(".*"), *folder.glob("frames/.*")]:
+            if re.fullmatch(UNFINISHED, left.name) or left.name == RESERVE:
+                left.unlink()
+
+    def locked(self) -> int:
+        """The open lock file, locked. A holder removes it at the end: a lock on a file that has lost its name is
+        none."""
+        while True:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            try:
+                file = os.open(self.path, os.O_RDWR | os.O_CREAT, 0o666)
+            except FileNotFoundError:  # another holder has removed the folder, which was made for nothing
+                continue
+            try:
+                _locked(file)
+                if os.path.samestat(os.fstat(file), os.stat(self.path)):
+                    return file
+            except FileNotFoundError:
+                pass
+            except OSError as error:
+                os.close(file)
+                if error.errno not in (EACCES, EAGAIN):
+                    raise Lacking(f"{self.folder}: its file system knows no locks ({error.strerror})") from None
+                raise Claimed(f"{self.folder}: {self.holder()} is writing here; name another folder") from None
+            os.close(file)
+
+    def holder(self) -> str:
+        """Who holds the lock, in words."""
+        try:
+            return self.path.read_text(encoding="utf-8", errors="replace") or "another process"
+        except OSError:
+            return "another process"
+
+    def close(self) -> None:
+        """Let others claim it."""
+        if sys.platform != "win32":  # which removes no open file
+            self.path.unlink(missing_ok=True)
+        os.close(self.file)
+        if self.made:
+            with suppress(OSError):  # there is something in it
+                self.folder.rmdir()
+
+    def __enter__(self) -> Path:
+        return self.folder
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()

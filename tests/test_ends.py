@@ -1,0 +1,160 @@
+"""Every end of a run has an outcome: in its manifest, as its last event and in its report, and the files stay whole."""
+
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from ocean_sim.__main__ import answered
+from ocean_sim.reading.scene import load
+from ocean_sim.result import Result
+from ocean_sim.result import run as run_scene
+
+SEA = {
+    "duration": 0.2,
+    "basin": {"length": 20.0, "width": 20.0, "depth": 5.0, "walls": "none"},
+    "fluid": {"kind": "linear_waves", "height": 0.5, "period": 3.0},
+    "gauges": {"elevation": {"here": [0.1, 0.2]}, "every": 0.02},
+    "runtime": {"threads": 1},
+    "render": None,
+    "frames": None,
+}
+
+
+class Fails:
+    """An observer that fails once, while it watches or when it is closed."""
+
+    every = 0.0
+
+    def __init__(self, failure: BaseException, closing: bool = False) -> None:
+        self.failure, self.closing = failure, closing
+
+    def observe(self, simulation) -> None:
+        if simulation.steps == 3 and not self.closing:
+            raise self.failure
+
+    def close(self) -> None:
+        if self.closing:
+            raise self.failure
+
+
+def ends(folder: Path) -> tuple[str, str]:
+    """Outcome and reason of a run, which manifest, events and report agree on."""
+    manifest, last = json.loads((folder / "manifest.json").read_text()), Result(folder).events[-1]
+    assert (last["event"], last.get("reason", "")) == (manifest["outcome"], manifest["reason"])
+    assert f"{manifest['outcome']} at t = " in (folder / "report.html").read_text()
+    assert not [path.name for path in folder.rglob(".*")]
+    return manifest["outcome"], manifest["reason"]
+
+
+@pytest.mark.parametrize("closing", [False, True])
+@pytest.mark.parametrize(
+    "failure, reason",
+    [
+        (ZeroDivisionError("division by zero"), "ZeroDivisionError: division by zero"),
+        (OSError(28, "No space left on device", "gauges.csv"), "No space left on device: gauges.csv"),
+        (MemoryError(), "out of memory"),
+    ],
+)
+def test_whatever_fails_is_the_outcome(tmp_path, failure, reason, closing):
+    with pytest.raises(type(failure)):
+        run_scene(load(SEA), tmp_path / "run", (Fails(failure, closing),))
+    outcome, said = ends(tmp_path / "run")
+    assert outcome == "failed" and reason in said
+
+
+def test_a_part_that_cannot_be_built_is_the_outcome(tmp_path, monkeypatch):
+    """An observer that takes its turn after the manifest has said that the run is going on."""
+    scene = load(SEA | {"fluid": {"kind": "linear_waves", "height": 0.5, "period": 3.0}, "checkpoint": {"every": 0.1}})
+    failure = OSError(30, "Read-only file system", "somewhere")
+    monkeypatch.setattr(type(scene.observers["checkpoint"]), "build", lambda *_: (_ for _ in ()).throw(failure))
+    with pytest.raises(OSError, match="Read-only"):
+        run_scene(scene, tmp_path / "run")
+    assert ends(tmp_path / "run") == ("failed", "Read-only file system: somewhere")
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_is_an_outcome_without_checkpoints_too(number, tmp_path):
+    before = signal.getsignal(number)
+
+    class Killer(Fails):
+        def observe(self, simulation) -> None:
+            if simulation.steps == 3:
+                signal.raise_signal(number)
+
+    with pytest.raises(KeyboardInterrupt):
+        run_scene(load(SEA), tmp_path / "run", (Killer(KeyboardInterrupt()),))
+    assert ends(tmp_path / "run") == ("stopped", "interrupted") and signal.getsignal(number) is before
+
+
+def test_a_file_that_may_grow_no_more_is_named(tmp_path, capsys):
+    """The limit of a file's size stands for a full disk where nobody may mount one."""
+    (tmp_path / "sea.yaml").write_text(json.dumps(SEA | {"duration": 40.0, "gauges": SEA["gauges"] | {"every": 0.002}}))
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (120_000, limits[1]))
+    try:
+        code = answered(["run", str(tmp_path / "sea.yaml"), "--out", str(tmp_path / "run")])
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    said = f"File too large: {tmp_path / 'run' / 'gauges.csv'}"
+    assert code == 1 and capsys.readouterr().err == f"{said}\n"
+    assert ends(tmp_path / "run") == ("failed", said)
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A disk of its own with 2 MB."""
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    words = ["mount", "-t", "tmpfs", "-o", "size=2m", "tmpfs", str(disk)]
+    if os.getuid() != 0 or subprocess.run(words, capture_output=True, check=False).returncode:
+        pytest.skip("only root may mount a disk")
+    yield disk
+    subprocess.run(["umount", "-l", str(disk)], check=True)
+
+
+def test_a_disk_that_runs_full_is_told_on_that_disk(small_disk, capsys):
+    """A real one, to its last byte: room for the last words was set aside, and every row but the last is whole."""
+    often = {"duration": 400.0, "gauges": SEA["gauges"] | {"every": 0.002}}
+    (small_disk / "sea.yaml").write_text(json.dumps(SEA | often))
+    code = answered(["run", str(small_disk / "sea.yaml"), "--out", str(small_disk / "run")])
+    err = capsys.readouterr().err
+    assert code == 1 and err.startswith("No space left on device: ") and err.count("\n") == 1
+    outcome, reason = ends(small_disk / "run")
+    assert outcome == "failed" and reason == err.strip() and Path(reason.partition(": ")[2]).is_file()
+    gauges = Result(small_disk / "run").gauges
+    assert len(gauges["here_m"]) == len(gauges["time_s"]) > 1000
+
+
+def test_no_child_outlives_a_killed_parent(tmp_path):
+    """As the child that draws: its standard input is a leash."""
+    child = "import time; from ocean_sim.machine import outlive_no_parent; outlive_no_parent(); print(); time.sleep(60)"
+    parent = f"""import subprocess, sys, time
+from ocean_sim.machine import leash
+with leash() as theirs:
+    child = subprocess.Popen([sys.executable, "-c", {child!r}], stdin=theirs, stdout=subprocess.PIPE)
+    child.stdout.readline()
+    print(child.pid, flush=True)
+    time.sleep(60)
+"""
+    with subprocess.Popen([sys.executable, "-c", parent], stdout=subprocess.PIPE, text=True) as begun:
+        drawing = int(begun.stdout.readline())
+        begun.kill()
+    patience = time.monotonic() + 10.0
+    while alive(drawing) and time.monotonic() < patience:
+        time.sleep(0.02)
+    assert not alive(drawing)
+
+
+def alive(process: int) -> bool:
+    """Whether it runs; one that has ended may still be listed until its parent asks."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False

@@ -1,0 +1,125 @@
+"""What a scene names may be of any size: refused at once, in a short sentence that a terminal can show."""
+
+import io
+import os
+import time
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ocean_sim.__main__ import answered
+from ocean_sim.files import input_file, yaml_file
+from ocean_sim.files.input_file import MOST_BYTES, Unreadable
+from ocean_sim.parts import library
+from ocean_sim.verbs.shared.console import visible
+
+TANK = "duration: 1.0\nbasin: {length: 90.0, width: 90.0, depth: 2.0}\n"
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
+def ask(capfd):
+    """Exit code, everything that was printed, and the processor time that it took [s]."""
+
+    def asked(*words: str) -> tuple[int, str, float]:
+        began, code = time.process_time(), answered(list(words))
+        took, said = time.process_time() - began, capfd.readouterr()
+        return code, said.out + said.err, took
+
+    return asked
+
+
+def bomb(path: str) -> None:
+    """0.6 MB that unpack to 600."""
+    head = io.BytesIO()
+    np.lib.format.write_array_header_1_0(head, {"descr": "<f8", "fortran_order": False, "shape": (75_000_000,)})
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive, archive.open("x.npy", "w") as file:
+        file.write(head.getvalue())
+        for _ in range(60):
+            file.write(bytes(10_000_000))
+
+
+@pytest.mark.parametrize(
+    "name, reason",
+    [
+        ("big.csv", "this file has 50000.0 MB; at most 500 MB are read"),
+        ("fifo", "this is not a regular file"),
+        ("/proc/kmsg", "it has no rows"),  # the kernel gives its size as 0, and then never ends
+    ],
+)
+def test_a_file_that_would_never_be_read_is_refused_at_once(name, reason, ask):
+    Path("big.csv").touch()
+    os.truncate("big.csv", 50_000_000_000)
+    os.mkfifo("fifo")
+    Path("s.yaml").write_text(TANK + f"fluid: {{kind: spectral_sea, components: {name}}}\n")
+    code, said, _ = ask("check", "s.yaml")
+    assert code == 2 and said.count("\n") == 1 and reason in said
+
+
+def test_an_archive_is_judged_by_what_it_unpacks_to():
+    bomb("bomb.npz")
+    assert Path("bomb.npz").stat().st_size < MOST_BYTES / 500
+    with pytest.raises(Unreadable, match=r"it unpacks to 600\.0 MB; at most 500 MB are read"):
+        input_file.arrays("bomb.npz")
+    np.savez("good.npz", x=np.arange(3.0))
+    assert input_file.arrays("good.npz")["x"].tolist() == [0.0, 1.0, 2.0]
+
+
+def test_a_megabyte_of_values_and_thousands_of_obstacles_take_less_than_two_seconds(ask):
+    """Of a file of 1 MB, most is refused by its count; what is not, is read."""
+    boxes = "".join(
+        f"    - {{min: [{-44 + 0.02 * k:.2f}, -1.0, -1.0], max: [{-43.99 + 0.02 * k:.2f}, 0.0, 1.0]}}\n"
+        for k in range(4000)
+    )
+    text = TANK.replace("depth: 2.0}", "depth: 2.0, obstacles:\n    [" + boxes.replace("    - ", ", ")[2:] + "]}")
+    Path("boxes.yaml").write_text(text + "fluid: {kind: mueller, spacing: 1.0}\n")
+    code, said, took = ask("check", "boxes.yaml")
+    assert code == 0 and took < 2.0, said
+    Path("values.yaml").write_text(TANK + "fluid: {kind: mueller}\nwind: {volumes: [" + "1.0, " * 190_000 + "1.0]}\n")
+    code, said, took = ask("check", "values.yaml")
+    assert (code, said) == (2, "values.yaml:1:1: more than 60000 values; a CSV file holds a table\n") and took < 2.0
+
+
+def test_both_readers_of_yaml_are_of_one_mind(monkeypatch):
+    start = yaml_file.Location("f", 1, 1)
+    for path in [*library("scenes").rglob("*.yaml"), *library("configs").rglob("*.yaml")]:
+        text = path.read_text()
+        slow = yaml_file.parsed(text, start)
+        with monkeypatch.context() as context:
+            context.setattr(yaml_file, "LONG", 0)
+            assert yaml_file.quickly(text, start) is not None and yaml_file.parsed(text, start) == slow, path
+    for text in ("a: [1", "a: &x [*x]", "a: *x", "[" * 5000, "- " * 5000, "%YAML 1.1\n---\na: yes"):
+        assert text.startswith("a: &") or yaml_file.quickly(text, start) is None, text
+
+
+def test_a_message_is_short_however_much_is_wrong(ask):
+    lists = ", ".join(f"wrong_{k}: 1" for k in range(500))
+    Path("s.yaml").write_text(TANK + f"fluid: {{kind: mueller, spacing: 1.0, {lists}}}\ntitle: 5\n")
+    code, said, _ = ask("check", "s.yaml")
+    assert code == 2 and len(said.encode()) <= 2000 and " more\n" in said
+    code, said, _ = ask("check", "s.yaml", "--set", f"title={'a' * 5000}", "--set", f"{'b' * 5000}=1")
+    assert code == 2 and len(said.encode()) <= 2000
+
+
+def test_what_a_terminal_would_obey_is_escaped(ask):
+    assert visible("a\x1b[2Jb\u202ec\x9b\n") == "a\\x1b[2Jb\\u202ec\\x9b\n"
+    Path("s.yaml").write_text(TANK + 'title: "a \\e[31m sea"\nfluid: {kind: linear_waves, height: 0.5, period: 3.0}\n')
+    code, said, _ = ask("check", "s.yaml")
+    assert code == 0 and "\x1b" not in said and "a \\x1b[31m sea" in said
+
+
+def test_a_spoilt_hull_is_told_by_us_alone(ask):
+    """The library that reads meshes has words of its own, and warnings of arithmetic."""
+    vertices = "v 1 2 nan\nv 1e300 1e300 1e300\nv -1e300 3 4\n"
+    Path("a.obj").write_text(vertices + "f 1 2 9\nf 1 2 3\nusemtl none\nmtllib no.mtl\n")
+    Path("b.ply").write_text("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nend_header\n1\n2\n3\n")
+    Path("c.stl").write_bytes(bytes(80) + b"\xff\xff\xff\xff" + bytes(100))
+    for name in ("a.obj", "b.ply", "c.stl"):
+        code, said, _ = ask("hull", name)
+        assert code == 2 and said.count("\n") == 1 and said.startswith(f"{name}: "), said

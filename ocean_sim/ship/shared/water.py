@@ -2,13 +2,17 @@
 
 Asked at a few hundred nodes instead of at every cube; between nodes lines are straight, so still water is exact. Where
 a hull keeps particles out, the surface over them falls into the hole that it leaves: nodes at which it comes near the
-hull are filled straight across from the water on both sides.
+hull are filled straight across from the water on both sides, those at the edge of the lattice that come near another
+hull as the nearest that does not.
 """
+
+from collections.abc import Sequence
 
 import numpy as np
 import taichi as ti
 import taichi.math as tm
 
+from ocean_sim.fluid import Contact
 from ocean_sim.runtime import Template
 from ocean_sim.ship.shared.distance import Distance
 
@@ -31,13 +35,15 @@ class SurroundingWater:
         below: bool,
         hollow: Distance | None = None,
         rim: float = 0.0,
+        others: Sequence[Contact] = (),
     ) -> None:
         """Sizes of the hull [m]; `below`: whether the water is a closed form that is asked under its surface too;
-        `hollow`: distances from the hull where it keeps particles out, as far as `rim` [m]."""
+        `hollow`: distances from the hull where it keeps particles out, as far as `rim` [m]; `others`: all hulls that
+        do, this one with them."""
         self.below, self.gravity, self.layer = below, gravity, 0.5 * draught
         self.hollow = hollow is not None
         if hollow is not None:
-            self.hull, self.rim, self.asked = hollow, rim, ti.field(int, shape=(ALONG, ACROSS))
+            self.hull, self.rim, self.others, self.asked = hollow, rim, others, ti.field(int, shape=(ALONG, ACROSS))
         self.half = tuple(REACH * np.hypot(side / 2, height) + rim for side in (length, breadth))  # [m]
         self.step = (2.0 * self.half[0] / (ALONG - 1), 2.0 * self.half[1] / (ACROSS - 1))  # [m]
         self.level = ti.field(float, shape=(ALONG, ACROSS))
@@ -71,7 +77,11 @@ class SurroundingWater:
             if ti.static(self.hollow):
                 point.y = eta
                 _normal, away, _thinning = self.hull.at(turn.transpose() @ (point - position))
-                self.asked[i, k] = int(away >= self.rim or k == 0 or k == ACROSS - 1)
+                clear = away >= self.rim or k == 0 or k == ACROSS - 1
+                for other in ti.static(self.others):
+                    if ti.static(other.hull.distance is not self.hull):
+                        clear = clear and other.hull.away(point) >= self.rim
+                self.asked[i, k] = int(clear)
             if ti.static(self.below):
                 for l in range(LEVELS):
                     point.y = eta - l * self.layer
@@ -80,13 +90,17 @@ class SurroundingWater:
         if ti.static(self.hollow):
             ti.loop_config(serialize=True)
             for i in range(ALONG):
-                last = 0
-                for k in range(1, ACROSS):
+                last = -1
+                for k in range(ACROSS):
                     if self.asked[i, k] == 1:
-                        low, rise = self.level[i, last], self.level[i, k] - self.level[i, last]
+                        low, rise = self.level[i, k], 0.0
+                        if last >= 0:
+                            low, rise = self.level[i, last], self.level[i, k] - self.level[i, last]
                         for inner in range(last + 1, k):
                             self.level[i, inner] = low + rise * (inner - last) / (k - last)
                         last = k
+                for inner in range(last + 1, ACROSS):
+                    self.level[i, inner] = self.level[i, ti.max(last, 0)]
         ti.loop_config(serialize=True)
         for _ in range(1):
             self.frame[0], self.frame[1], self.frame[2], self.frame[3] = x, z, cosine, sine

@@ -69,7 +69,7 @@ def slot_of(place: str) -> str:
 
 def called(ship: str) -> str:
     """A ship in a sentence."""
-    return "the ship" if ship == ALONE else f"the ship {ship}"
+    return "the ship" if ship == ALONE else ship
 
 
 class LedgerRow(NamedTuple):

@@ -34,8 +34,7 @@ def voyage(seconds: float) -> dict:
 
 def helm(log: Log) -> np.ndarray:
     """Rows: time [s], heave [m], pitch, yaw, roll [deg], speed [m/s], of every frame."""
-    track = log.track
-    assert track is not None
+    track = log.tracks["ship"]
     turn = track.turn
     pitch, yaw, roll = (
         np.degrees(angle)

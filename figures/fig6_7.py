@@ -79,8 +79,7 @@ def drawn(pictures: list[np.ndarray], frames: list[Frame], sides: tuple, rows: n
         top.set_title(f"{frame.time:.1f} s")
         chart = figure.add_subplot(grid[1, k])
         shown = chart.imshow(frame.elevation, extent=sides, origin="lower", cmap="RdBu_r", vmin=-high, vmax=high)
-        assert frame.ship is not None
-        place, turn = frame.ship
+        place, turn = frame.ships["ship"]
         ends = place + np.array([[0.0, 0.0, -7.2], [0.0, 0.0, 7.5]]) @ turn.T
         chart.plot(ends[:, 2], ends[:, 0], color=INK, lw=4.0, alpha=0.5, solid_capstyle="butt")
         chart.set_xlabel("z [m]")

@@ -78,7 +78,7 @@ def ridden(keys: dict[str, Any], lasts: float, folder: Path | None, report: Any)
     """Time [s], heave from the start [m], roll and pitch [deg], of a run."""
     rows = []
     with Simulation(load(keys), folder) as simulation:
-        ship: Any = simulation.ship
+        ship: Any = simulation.ships["ship"]
         start = float(ship.body.position[1])
         for time in np.arange(0.0, lasts + 1e-9, EVERY):
             simulation.run(until=float(time))

@@ -7,7 +7,7 @@ built of it has a protocol in the `__init__.py` of its slot.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from importlib import import_module
@@ -26,12 +26,14 @@ if TYPE_CHECKING:
     from ocean_sim.fluid import Fluid, Lattice, Limits
     from ocean_sim.platform import Platform
     from ocean_sim.runtime import RuntimeConfig
-    from ocean_sim.ship import Look, Ship
+    from ocean_sim.ship import Look, Outline, Ship
     from ocean_sim.surface import Surface
     from ocean_sim.time_step import TimeStep
     from ocean_sim.wind import Wind
 
 SLOTS = ("sea", "wind", "fluid", "surface", "ship", "platform", "time_step")
+ALONE = "ship"  # the name of a ship that has none: the only one, written under `ship`
+SEVERAL = "ships"  # the key of a mapping of named ships
 PACKAGE = Path(str(files("ocean_sim")))
 
 Key = tuple[str | int, ...]
@@ -55,6 +57,21 @@ def kinds(slot: str) -> tuple[str, ...]:
 def named(slot: str) -> tuple[str, ...]:
     """The ready-made parts of this slot: the files of configs/<slot>/."""
     return tuple(sorted(p.stem for p in (library("configs") / slot).glob("*.yaml")))
+
+
+def key_of(ship: str) -> str:
+    """Where in a scene a ship is written."""
+    return ALONE if ship == ALONE else f"{SEVERAL}.{ship}"
+
+
+def slot_of(place: str) -> str:
+    """Whose kinds may stand in a place: a slot, or where one of several ships is written."""
+    return ALONE if place.startswith(f"{SEVERAL}.") else place
+
+
+def called(ship: str) -> str:
+    """A ship in a sentence."""
+    return "the ship" if ship == ALONE else ship
 
 
 class LedgerRow(NamedTuple):
@@ -283,20 +300,34 @@ class ShipConfig(KindConfig):
 
     points: dict[str, tuple[float, float, float]] = {}
 
-    def solids(self, preflight: Preflight) -> tuple[Solid, ...]:
-        """What the water is built around."""
-        return ()
+    def solid(self, preflight: Preflight) -> Solid | None:
+        """What the water is built around; None where it passes through her."""
+        return None
 
     def look(self, preflight: Preflight) -> Look | None:
         """What a picture needs besides its triangles; None where it has no shape."""
         return None
 
+    def outline(self, preflight: Preflight) -> Outline | None:
+        """The room that she takes at the beginning; None where she has no shape."""
+        return None
+
     @abstractmethod
-    def build(self, basin: Basin, fluid: Fluid) -> Ship: ...
+    def build(self, name: str, basin: Basin, fluid: Fluid) -> Ship: ...
 
 
 class PlatformConfig(KindConfig):
     """Keys of any motion platform."""
+
+    ship: str | None = None
+    """The name of the ship that it rides in; null: the first."""
+
+    def ridden(self, ships: Sequence[str]) -> str:
+        """The one of these ships that it rides in."""
+        return ships[0] if self.ship is None else self.ship
+
+    def mismatches(self, preflight: Preflight) -> Problems:
+        return [] if self.ship is None else preflight.unknown_ship(self.ship)
 
     @abstractmethod
     def build(self, every: float) -> Platform:
@@ -348,8 +379,17 @@ class Preflight:
         return surface.completed(self) if surface is not None else None
 
     @cached_property
-    def ship(self) -> ShipConfig | None:
-        return cast(ShipConfig | None, self.parts.get("ship"))
+    def ships(self) -> dict[str, ShipConfig]:
+        """By name."""
+        written = {key: part for key, part in self.parts.items() if isinstance(part, ShipConfig)}
+        return {key.removeprefix(f"{SEVERAL}."): part for key, part in written.items()}
+
+    def unknown_ship(self, name: str) -> Problems:
+        """What is wrong with the name of a ship under the key `ship` of another part."""
+        if name in self.ships:
+            return []
+        there = f"there are {', '.join(self.ships)}" if self.ships else "there is none"
+        return [(("ship",), f"this scene has no ship {name!r}; {there}")]
 
     @cached_property
     def time_step(self) -> TimeStepConfig:
@@ -381,9 +421,10 @@ class Preflight:
         return float(self.fluid.ratio(self.tank) * self.spacing) if self.spacing is not None else 0.0
 
     @cached_property
-    def solids(self) -> tuple[Solid, ...]:
-        """What floats in the water and makes room for itself."""
-        return self.ship.solids(self) if self.ship is not None else ()
+    def solids(self) -> dict[str, Solid]:
+        """What floats in the water and makes room for itself, by the name of the ship."""
+        found = {name: ship.solid(self) for name, ship in self.ships.items()}
+        return {name: solid for name, solid in found.items() if solid is not None}
 
     @cached_property
     def basin(self) -> Basin:
@@ -411,7 +452,7 @@ class Scene(Protocol):
     @property
     def surface(self) -> SurfaceConfig | None: ...
     @property
-    def ship(self) -> ShipConfig | None: ...
+    def ships(self) -> Mapping[str, ShipConfig]: ...
     @property
     def platform(self) -> PlatformConfig | None: ...
     @property

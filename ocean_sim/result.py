@@ -45,7 +45,13 @@ class Result:
 
     @cached_property
     def motion(self) -> dict[str, np.ndarray]:
+        """The motion log of a ship that is alone."""
         return self.table("motion")
+
+    @cached_property
+    def motions(self) -> dict[str, dict[str, np.ndarray]]:
+        """The motion logs of several ships, by name."""
+        return {name: self.table(f"motion_{name}") for name in self.manifest["scene"].get("ships", {})}
 
     @cached_property
     def accuracy(self) -> dict[str, np.ndarray]:

@@ -111,8 +111,8 @@ class Simulation:
         self.fluid = scene.fluid.build(self.basin, scene.seed, accounts=accounts, wind=self.wind.on("fluid"))
         surface = scene.preflight.surface
         self.surface = surface.build(self.basin, self.fluid) if surface is not None else None
-        self.ship = scene.ship.build(self.basin, self.fluid) if scene.ship is not None else None
-        self.felt = self.fluid.carry([self.ship] if self.ship is not None else [])  # the water as each ship feels it
+        self.ships = {name: ship.build(name, self.basin, self.fluid) for name, ship in scene.ships.items()}
+        self.felt = self.fluid.carry(list(self.ships.values()))  # the water as each ship feels it
         self.wind_on_ship = self.wind.on("ship")
         self.time_step = scene.time_step.build()
         self.stage: Callable[[str], AbstractContextManager] = lambda name: nullcontext()
@@ -131,9 +131,11 @@ class Simulation:
             raise
 
     def limits(self) -> Limits:
-        """What the time step must stay a fraction of, for the water and the ship."""
-        water = self.fluid.limits()
-        return water if self.ship is None else water.and_of(self.ship.limits())
+        """What the time step must stay a fraction of, for the water and every ship."""
+        limits = self.fluid.limits()
+        for ship in self.ships.values():
+            limits = limits.and_of(ship.limits())
+        return limits
 
     def step(self) -> None:
         """Algorithm 8 of the thesis; rendering and logging are done by observers."""
@@ -148,11 +150,12 @@ class Simulation:
         if self.surface is not None:
             with self.stage("surface"):
                 self.surface.follow(with_particles(self.fluid).particles, dt)  # Algorithms 3 and 5
-        if self.ship is not None:
+        if self.ships:
             with self.stage("ship"):
-                water = self.felt[0]
-                load = self.ship.load(self.wind_on_ship, water, self.surface or water)  # (4.27)
-                self.ship.advance(load, dt)  # (4.22) to (4.25)
+                afloat = list(zip(self.ships.values(), self.felt, strict=True))
+                loads = [ship.load(self.wind_on_ship, water, self.surface or water) for ship, water in afloat]  # (4.27)
+                for (ship, _), load in zip(afloat, loads, strict=True):
+                    ship.advance(load, dt)  # (4.22) to (4.25)
         self.time += dt
         self.steps += 1
         self.next_dt = self.time_step.next(self)

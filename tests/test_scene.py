@@ -200,7 +200,7 @@ def test_a_name_is_a_part_or_else_a_kind_with_its_defaults(library):
 def test_an_absent_wind_is_still_and_any_other_absent_slot_is_nothing():
     config = load(PLAIN)
     assert (config.wind.kind, config.time_step.kind) == ("still", "courant")
-    assert config.surface is config.ship is config.platform is None
+    assert config.surface is config.platform is None and not config.ships
 
 
 def test_another_kind_keeps_the_keys_that_it_also_has_and_says_which_it_drops():

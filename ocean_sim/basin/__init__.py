@@ -1,7 +1,7 @@
 """The basin: its size, walls, floor and lid; three-dimensional, or a vertical slice in x-y where no width is given."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import log
 from typing import Annotated, Any, Literal, Protocol
@@ -351,7 +351,7 @@ class Basin:
     """The box of water, in plain numbers."""
 
     config: Config
-    afloat: tuple[Solid, ...] = ()  # what floats in it
+    afloat: Mapping[str, Solid] = field(default_factory=dict)  # what floats in it, by name
     sea: OpenSea | None = None  # that it is a patch of
 
     @property

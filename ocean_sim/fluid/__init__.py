@@ -206,7 +206,13 @@ class SolidBodies(Protocol):
 
 
 class Hull(Protocol):
-    """A hull that pushes particles."""
+    """A hull among particles, where it is now."""
+
+    distance: Any  # what knows how far a point is from it
+
+    def away(self, x: Any) -> Any:
+        """ti.func: distance of x [m] from it [m]; inside it below 0, far from it as far as is known."""
+        ...
 
     def push(self, x: Any, ahead: Any) -> Any:
         """ti.func: acceleration [m/s2] of water at x [m], `ahead` [s] of the beginning of the step."""
@@ -392,13 +398,14 @@ class ParticleFluid(Fluid, Protocol):
     around: Around
     grid: Cells
     walls: Stops
+    contacts: list[Contact]  # hulls that push it
 
     def begin(self) -> None:
         """Start from the particles as they are now."""
         ...
 
     def meet(self, contact: Contact) -> None:
-        """From the first step on feel the push of a hull."""
+        """From the first step on feel the push of one more hull."""
         ...
 
     def positions(self) -> np.ndarray:

@@ -39,7 +39,7 @@ class Config(waves.GrowingTrain, FluidConfig):
         return found + list(self.astray(basin))
 
     def statements(self, preflight: Preflight) -> list[str]:
-        return [NO_DRIFT] if preflight.ship is not None and self.scale[0] > 0.0 else []
+        return [NO_DRIFT] if preflight.ships and self.scale[0] > 0.0 else []
 
     def warnings(self, preflight: Preflight) -> list[str]:
         deaf = "closed-form waves do not feel the wind; it reaches the ship alone"

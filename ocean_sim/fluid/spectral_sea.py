@@ -29,7 +29,7 @@ from ocean_sim.fluid.shared.sheet import WORDS, Sheet
 from ocean_sim.fluid.shared.tile import PER_TILE, RIM, Layer, OnTile, Shown, Tile
 from ocean_sim.fluid.shared.window import Window
 from ocean_sim.model import Vector2, quantity
-from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems
+from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems, called
 from ocean_sim.waves.seas import Seas
 from ocean_sim.wind import Wind
 
@@ -130,15 +130,13 @@ class Config(Seas, waves.GrowingTrain, FluidConfig):
                 found.append("order 3 changes nothing in calm water: what ships and winds make is linear")
             else:
                 found.append(f"order 3: waves shorter than {kept:.3g} m, four cells, are left out of the sea")
-        ship = preflight.ship
-        if ship is not None:
-            solid = ship.look(preflight)
-            if solid is None:
+        for name, ship in preflight.ships.items():
+            if ship.look(preflight) is None:
                 found.append(f"a ship of kind {ship.kind} has no hull that could push the water: she makes no waves")
             else:
                 found.append(
-                    "the waves that the ship makes act on others and are seen, not on herself: her law of motion has "
-                    "their force in its damping"
+                    f"the waves that {called(name)} makes act on others and are seen, not on herself: her law of "
+                    "motion has their force in its damping"
                 )
         if not preflight.wind.still:
             found.append("the wind presses on the water by its vertical part alone; its drag moves no water here")
@@ -146,7 +144,7 @@ class Config(Seas, waves.GrowingTrain, FluidConfig):
 
     def statements(self, preflight: Preflight) -> list[str]:
         tile = self.tile_of(preflight.tank)
-        drift = [NO_DRIFT] if preflight.ship is not None and self.highest is not None else []
+        drift = [NO_DRIFT] if preflight.ships and self.highest is not None else []
         return [
             *drift,
             f"tiles of {tile.side:.4g} m in cells of {tile.cell:.3g} m that step every {self.step_of(tile):.3g} s; "
@@ -171,10 +169,11 @@ class Config(Seas, waves.GrowingTrain, FluidConfig):
         if self.order == 3:
             size = cells * (6 * 8 + WORDS * word)
             rows.append(LedgerRow("fluid", f"a nonlinear sea of {cells} cells", size, why, STEEP * cells, every))
-        if preflight.ship is not None and preflight.ship.look(preflight) is not None:
-            rows.append(
-                LedgerRow("fluid", f"the ship's waves on {cells} cells", 5 * 8 * cells, why, CELL * cells, every)
-            )
+        making = [name for name, ship in preflight.ships.items() if ship.look(preflight) is not None]
+        several = len(preflight.ships) > 1  # each feels the others
+        for name in making:
+            size, taken = cells * (5 * 8 + several * WORDS * word), (READ if several else CELL) * cells
+            rows.append(LedgerRow("fluid", f"{called(name)}'s waves on {cells} cells", size, why, taken, every))
         if not preflight.wind.still:
             size = cells * (5 * 8 + WORDS * word) + AirPressure.bytes(cells, word)
             rows.append(LedgerRow("fluid", f"the wind's waves on {cells} cells", size, why, READ * cells, every))

@@ -1,5 +1,5 @@
 """Keeps what a picture or an export needs: particles, the height of the water, its surface, and
-where the ship is; one file a frame."""
+where the ships are; one file a frame. What is of a ship begins with the key she is written under."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
@@ -12,7 +12,8 @@ from ocean_sim.files.whole_file import whole
 from ocean_sim.fluid import Fluid
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.sampled import Multiples
-from ocean_sim.parts import Preflight
+from ocean_sim.parts import Preflight, key_of
+from ocean_sim.ship import Ship
 from ocean_sim.simulation import Observer, PeriodicConfig
 
 if TYPE_CHECKING:
@@ -64,13 +65,14 @@ class Frames(Observer):
         x, z = grid(basin, config.spacing or fluid.spacing)
         self.shape = (len(x), len(z))
         self.points = pairs(x, z)
-        drawn = simulation.ship.drawn() if simulation.ship is not None else None
-        self.ship = simulation.ship if drawn is not None else None
-        hull = (
-            {}
-            if drawn is None
-            else {"ship_vertices": drawn[0], "ship_triangles": drawn[1]} | ship_appearance(simulation)
-        )
+        self.ships: list[Ship] = []
+        hulls: dict[str, object] = {}
+        for name, ship in simulation.ships.items():
+            drawn = ship.drawn()
+            if drawn is not None:
+                self.ships.append(ship)
+                key = key_of(name)
+                hulls |= {f"{key}_vertices": drawn[0], f"{key}_triangles": drawn[1]} | appearance(simulation, ship)
         self.write(
             "grid",
             x=x,
@@ -81,7 +83,7 @@ class Frames(Observer):
             spacing=fluid.spacing,
             every=config.every,
             obstacles=np.array(basin.fixed).reshape(-1, 2, 3),
-            **hull,
+            **hulls,
             **plane_waves(fluid),
             has_surface=basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0),
         )
@@ -104,9 +106,9 @@ class Frames(Observer):
             frame |= {"vertices": mesh.vertices, "triangles": mesh.triangles, "normals": mesh.normals}
         if simulation.basin.gates:
             frame["gates"] = np.array(simulation.basin.gates_at(simulation.time)).reshape(-1, 2, 3)
-        if self.ship is not None:
-            body = self.ship.body
-            frame |= {"ship_position": body.position, "ship_turn": body.matrix}  # body to world
+        for ship in self.ships:
+            key = key_of(ship.name)
+            frame |= {f"{key}_position": ship.body.position, f"{key}_turn": ship.body.matrix}  # body to world
         if self.config.particles and particles is not None:
             frame["position"] = particles.position.to_numpy()
             frame["velocity"] = particles.velocity.to_numpy()
@@ -127,15 +129,15 @@ class Frames(Observer):
             np.savez(file, **arrays)  # type: ignore[arg-type]
 
 
-def ship_appearance(simulation: "Simulation") -> dict[str, object]:
-    """What a picture of the ship needs apart from its hull: names of hull and shape, its helm from the centre of mass
+def appearance(simulation: "Simulation", ship: Ship) -> dict[str, object]:
+    """What a picture of a ship needs apart from its hull: names of hull and shape, its helm from the centre of mass
     in body axes [m] (nothing where none is named), and the share of its volume that is under water at rest."""
-    scene, ship = simulation.scene, simulation.ship
-    look = scene.ship.look(scene.preflight) if scene.ship is not None else None
-    if look is None or ship is None:
+    scene, key = simulation.scene, key_of(ship.name)
+    look = scene.ships[ship.name].look(scene.preflight)
+    if look is None:
         return {}
     helm = ship.points.get("helm", np.zeros(0))
-    return {"ship_look": look.name, "ship_helm": helm, "ship_submerged": look.submerged}
+    return {f"{key}_look": look.name, f"{key}_helm": helm, f"{key}_submerged": look.submerged}
 
 
 def plane_waves(fluid: Fluid) -> dict[str, np.ndarray]:

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict
+from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -14,6 +15,7 @@ from ocean_sim.fluid import with_particles
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.energy import driven, total
 from ocean_sim.observers.shared.escaped import beyond
+from ocean_sim.parts import ALONE
 from ocean_sim.simulation import NOWHERE, Concluding, PeriodicConfig
 
 if TYPE_CHECKING:
@@ -66,7 +68,8 @@ class Health(Concluding):
         self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
         self.limit, self.limit_reported = "", -QUIET
         self.clipped, self.clipped_reported = 0, -QUIET
-        self.groundings, self.grounding_reported = 0, -QUIET
+        self.groundings = dict.fromkeys(simulation.ships, 0)
+        self.grounding_reported = dict.fromkeys(simulation.ships, -QUIET)
         self.event(
             "start",
             particles=self.n,
@@ -100,6 +103,7 @@ class Health(Concluding):
                 sentence = next(self.energy_violations(), None) if due else None
             if sentence is not None:
                 raise Diverged(sentence)
+        self.judge_hulls(simulation)
         self.note_limit(simulation)
         self.note_grounding(simulation)
         if self.n > 0:
@@ -205,15 +209,31 @@ class Health(Concluding):
         frames = [] if self.folder is None else sorted((self.folder / "frames").glob("frame_*.npz"))
         return f"; the last picture before is frames/{frames[-1].name}" if frames else ""
 
+    def judge_hulls(self, simulation: "Simulation") -> None:
+        """Raises Diverged where two hulls have come into one another: what pushes them apart is not modelled."""
+        if len(simulation.ships) < 2:
+            return
+        outlines = [(name, ship.outline()) for name, ship in simulation.ships.items()]
+        there = [(name, outline) for name, outline in outlines if outline is not None]
+        for (name, one), (other_name, other) in combinations(there, 2):
+            depth = one.overlap(other)
+            if depth > 0.0:
+                x, z = one.middle(other)
+                raise Diverged(
+                    f"the hulls of {name} and {other_name} reach {depth:.3g} m into each other at ({x:.4g}, {z:.4g}) "
+                    f"m, {self.moment()}; contact between hulls is not modelled: keep them apart{self.last_frame()}"
+                )
+
     def note_grounding(self, simulation: "Simulation") -> None:
         """The keel met the bed, again and again it may be."""
-        ship = simulation.ship
-        if ship is not None and ship.groundings > self.groundings:
-            if simulation.time >= self.grounding_reported + QUIET:
-                x, _, z = ship.body.position
-                self.event("the hull meets the bed", x_m=round(float(x), 3), z_m=round(float(z), 3))
-                self.grounding_reported = simulation.time
-            self.groundings = ship.groundings
+        for name, ship in simulation.ships.items():
+            if ship.groundings > self.groundings[name]:
+                if simulation.time >= self.grounding_reported[name] + QUIET:
+                    x, _, z = ship.body.position
+                    which = {} if name == ALONE else {"ship": name}
+                    self.event("the hull meets the bed", **which, x_m=round(float(x), 3), z_m=round(float(z), 3))
+                    self.grounding_reported[name] = simulation.time
+                self.groundings[name] = ship.groundings
 
     def note_limit(self, simulation: "Simulation") -> None:
         limit = simulation.time_step.limited_by

@@ -89,14 +89,14 @@ def sha256(data: bytes) -> str:
 
 def state_sha256(simulation: "Simulation") -> str:
     """Of final positions and velocities in the order of the particles' ids, so that storage order does not matter (of
-    water without particles, of its final heights along a diagonal of the basin), and of the ship."""
-    particles, ship = simulation.fluid.particles, simulation.ship
+    water without particles, of its final heights along a diagonal of the basin), and of the ships."""
+    particles = simulation.fluid.particles
     if particles is None:
         points = np.linspace(simulation.basin.lower, simulation.basin.upper, 101)[:, [0, 2]]
         state = [simulation.fluid.elevations(points)]
     else:
         order = np.argsort(particles.id.to_numpy(), kind="stable")
         state = [particles.position.to_numpy()[order], particles.velocity.to_numpy()[order]]
-    if ship is not None:
+    for ship in simulation.ships.values():
         state += [ship.body.position, ship.body.orientation, ship.body.velocity, ship.body.angular_momentum]
     return sha256(b"".join(np.ascontiguousarray(array).tobytes() for array in state))

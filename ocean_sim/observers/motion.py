@@ -1,4 +1,4 @@
-"""The ship's motion at a fixed rate: pose, rates, specific force at a point, and every part of (4.27)."""
+"""The motion of each ship at a fixed rate: pose, rates, specific force at a point, and every part of (4.27)."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
@@ -10,7 +10,7 @@ from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading, rounded
 from ocean_sim.observers.shared.handed_on import TakesMotion, takers
 from ocean_sim.observers.shared.sampled import Sampled
-from ocean_sim.parts import Preflight, Problems
+from ocean_sim.parts import ALONE, LedgerRow, Preflight, Problems, called
 from ocean_sim.ship import Ship
 from ocean_sim.simulation import Observer, PeriodicConfig
 
@@ -26,8 +26,13 @@ AXES = {
 ANGLES, QUATERNION = slice(3, 6), slice(6, 10)  # in a row without time and number
 
 
+def file_of(ship: str) -> str:
+    """The name of a ship's motion log."""
+    return "motion.csv" if ship == ALONE else f"motion_{ship}.csv"
+
+
 def columns(parts: tuple[str, ...]) -> tuple[str, ...]:
-    """Of motion.csv, for a ship whose load has these parts."""
+    """Of a motion log, for a ship whose load has these parts."""
     return (
         "time_s",
         "seq",
@@ -55,32 +60,51 @@ class Config(PeriodicConfig):
     every: float = quantity("s", 0.01, gt=0.0)
     """Simulated time between rows."""
     point: str | None = None
-    """The name in `ship.points` where the specific force is felt; null: the centre of mass."""
+    """The name in `points` of every ship where the specific force is felt; null: the centre of mass."""
     frame: Frame = "ship"
     """Axes that are written: ours, `ned` (SNAME) or `flu` (ISO 8855)."""
 
     def mismatches(self, preflight: Preflight) -> Problems:
-        ship = preflight.ship
-        if ship is None:
+        if not preflight.ships:
             return [((), "there is no ship whose motion could be logged")]
-        if self.point is not None and self.point not in ship.points:
-            there = f"there are {', '.join(ship.points)}" if ship.points else "it names none"
-            return [(("point",), f"the ship has no point {self.point!r}; {there}")]
-        return []
+        found: Problems = []
+        for name, ship in preflight.ships.items():
+            if self.point is not None and self.point not in ship.points:
+                there = f"there are {', '.join(ship.points)}" if ship.points else "it names none"
+                found.append((("point",), f"{called(name)} has no point {self.point!r}; {there}"))
+        return found
+
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        logs, rows = [file_of(name) for name in preflight.ships], super().ledger(preflight)
+        return [row._replace(what=", ".join(logs) or row.what, seconds=max(len(logs), 1) * row.seconds) for row in rows]
 
     def build(self, folder: Path, simulation: "Simulation") -> "Motion":
         return Motion(self, folder, simulation)
 
 
 class Motion(Observer):
-    """motion.csv."""
+    """A log for each ship."""
+
+    def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
+        self.every = config.every
+        self.logs = [Log(config, folder, simulation, ship) for ship in simulation.ships.values()]
+
+    def observe(self, simulation: "Simulation") -> None:
+        for log in self.logs:
+            log.observe(simulation)
+
+    def close(self) -> None:
+        for log in self.logs:
+            log.close()
+
+
+class Log:
+    """motion.csv, of one ship."""
 
     before: np.ndarray | None
 
-    def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
-        ship = simulation.ship
-        assert ship is not None
-        self.every, self.frame = config.every, config.frame
+    def __init__(self, config: Config, folder: Path, simulation: "Simulation", ship: Ship) -> None:
+        self.ship, self.frame = ship, config.frame
         self.arm = ship.points[config.point] if config.point else np.zeros(3)
         self.sampled, self.gravity = Sampled(config.every), np.array(simulation.basin.gravity)
         self.number = 0
@@ -95,12 +119,11 @@ class Motion(Observer):
         )
         head |= {"frame": config.frame, "axes": AXES[config.frame]}
         self.columns = columns(ship.parts)
-        self.csv = CsvFile(folder / "motion.csv", head, self.columns)
+        self.csv = CsvFile(folder / file_of(ship.name), head, self.columns)
 
     def observe(self, simulation: "Simulation") -> None:
         rows: list[list[float]] = []
-        assert simulation.ship is not None
-        for time, values, _ in self.sampled.rows(simulation.time, self.continuous(self.row(simulation.ship))):
+        for time, values, _ in self.sampled.rows(simulation.time, self.continuous(self.row(self.ship))):
             angles, q = values[ANGLES], values[QUATERNION]
             values[ANGLES] = np.remainder(angles + np.pi, 2.0 * np.pi) - np.pi
             values[QUATERNION] = q / np.linalg.norm(q)
@@ -111,11 +134,11 @@ class Motion(Observer):
             self.hand_on(rows, simulation)
 
     def hand_on(self, rows: list[list[float]], simulation: "Simulation") -> None:
-        """Give rows, with the digits that motion.csv has of them, to the observers that take them: what they make of
+        """Give rows, with the digits that the log has of them, to the observers that take them: what they make of
         them then is what they would make of the file."""
         for observer in takers(simulation, TakesMotion):
             table = np.array([rounded(row) for row in rows]).T
-            observer.take_motion(dict(zip(self.columns, table)), self.frame)
+            observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)
 
     def row(self, ship: Ship) -> np.ndarray:
         """All columns but time and number."""

@@ -33,7 +33,8 @@ class Config(ObserverConfig):
         at_once = any(self.name() in config.needs for config in observing)  # another waits for each row
         head = heading(rate) | {"seed": scene.seed}
         csv = CsvFile(folder / "platform.csv", head, COLUMNS)
-        return PlatformLog(csv, rate if at_once else ROWS * rate, scene.platform.build(rate), simulation)
+        ship, every = scene.platform.ridden(list(scene.ships)), rate if at_once else ROWS * rate
+        return PlatformLog(csv, every, scene.platform.build(rate), simulation, ship)
 
 
 def heading(every: float, frame: str = FRAME) -> dict[str, object]:
@@ -51,12 +52,14 @@ def heading(every: float, frame: str = FRAME) -> dict[str, object]:
 class PlatformLog(Observer, TakesMotion):
     """platform.csv, from the rows of the motion log: what `ocean-sim platform` would make of motion.csv later."""
 
-    def __init__(self, csv: CsvFile, every: float, platform: Platform, simulation: "Simulation") -> None:
-        self.csv, self.every, self.platform, self.simulation = csv, every, platform, simulation
+    def __init__(self, csv: CsvFile, every: float, platform: Platform, simulation: "Simulation", ship: str) -> None:
+        """`ship`: the name of the one that it rides in."""
+        self.csv, self.every, self.platform, self.simulation, self.ship = csv, every, platform, simulation, ship
         self.new: list[Ride] = []  # rows that are not answered yet
 
-    def take_motion(self, rows: dict[str, np.ndarray], frame: str) -> None:
-        self.new.append(ride_of(rows, frame))
+    def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
+        if ship == self.ship:
+            self.new.append(ride_of(rows, frame))
 
     def observe(self, simulation: "Simulation") -> None:
         self.answer()

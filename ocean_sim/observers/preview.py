@@ -16,6 +16,7 @@ from pydantic import Field, field_validator
 from ocean_sim.files.whole_file import whole
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.sampled import Multiples
+from ocean_sim.parts import Preflight, Problems
 from ocean_sim.pictures.buffers import Buffer, Mesh
 from ocean_sim.pictures.controls import controls
 from ocean_sim.pictures.curves import KEPT, NAMES, Curves
@@ -48,6 +49,8 @@ class Config(PeriodicConfig):
     """`third_person`, `helm`, `top` or `side`."""
     content: Literal["surface", "particles", "both"] = "surface"
     """`surface`, `particles` or `both`."""
+    ship: str | None = None
+    """The name of the ship that keys steer and cameras follow at first; null: the first."""
 
     @field_validator("size")
     @classmethod
@@ -55,6 +58,9 @@ class Config(PeriodicConfig):
         if not (960 <= size[0] <= 7680 and 640 <= size[1] <= 4320):
             raise ValueError(f"the panel needs a picture of 960 x 640 pixels, at most 7680 x 4320, not {list(size)}")
         return size
+
+    def mismatches(self, preflight: Preflight) -> Problems:
+        return [] if self.ship is None else preflight.unknown_ship(self.ship)
 
     def build(self, folder: Path, simulation: "Simulation") -> "Preview":
         return Preview(self, folder, simulation)
@@ -123,8 +129,10 @@ class Screen:
         """Show another simulation from now on; the panel gets its sliders, cameras and contents."""
         self.simulation, self.scene, panel.curves = simulation, PreviewScene(simulation), Curves()
         panel.cameras, panel.contents, panel.person = self.scene.cameras, self.scene.contents, None
+        panel.ships = tuple(simulation.ships)
         if config is not None:
-            panel.camera, panel.content = config.camera, config.content
+            panel.camera, panel.content, panel.ship = config.camera, config.content, config.ship or ""
+        panel.ship = panel.ship if panel.ship in panel.ships else next(iter(panel.ships), "")
         panel.camera = panel.camera if panel.camera in panel.cameras else panel.cameras[0]
         panel.content = panel.content if panel.content in panel.contents else after("", panel.contents or ("surface",))
         panel.bind(sliders_of(simulation))
@@ -133,8 +141,7 @@ class Screen:
         """Make a picture of the simulation as it is; `milliseconds` the last one took, `pace` times real time it
         runs."""
         heights = self.scene.heights()
-        ship = self.simulation.ship
-        roll = None if ship is None else float(ship.body.angles[2])
+        roll = float(self.simulation.ships[panel.ship].body.angles[2]) if panel.ship else None
         panel.curves.add(self.simulation.time, heights, roll, milliseconds)
         for _ in range(self.fresh):
             self.compose(panel, heights, pace)
@@ -159,7 +166,7 @@ class Screen:
         if water is not None:
             self.water.put(water)
             self.water.show(self.plain, wires=panel.content == "both")
-        hull = self.scene.ship()
+        hull = self.scene.afloat()
         if hull is not None:
             self.hull.put(hull)
             self.hull.show(self.plain)
@@ -182,7 +189,8 @@ class Screen:
         free = (left, bottom, 1.0 - left - EDGE / width, 1.0 - bottom - above / height)
         orbit = Orbit(panel.azimuth, panel.height, panel.distance)
         view = View(self.scene.box, free, width / height)
-        eye = seen(panel.camera, orbit, view, self.simulation.ship, self.scene.length)
+        ship = self.simulation.ships.get(panel.ship)
+        eye = seen(panel.camera, orbit, view, ship, self.scene.lengths.get(panel.ship, 0.0))
         self.camera.position(*eye.position)
         self.camera.lookat(*eye.target)
         self.camera.up(*eye.up)

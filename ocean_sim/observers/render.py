@@ -20,10 +20,10 @@ from ocean_sim.files.whole_file import whole
 from ocean_sim.machine import leash, outlive_no_parent
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.observers.shared import run_report
-from ocean_sim.parts import Preflight
+from ocean_sim.parts import SEVERAL, Preflight, Problems, key_of
 from ocean_sim.pictures import opengl
 from ocean_sim.pictures.camera import ABOARD, Name
-from ocean_sim.pictures.frame_files import Frame, Log, frame_files, schedule, survey
+from ocean_sim.pictures.frame_files import Frame, Log, frame_files, schedule, ships_in, survey
 from ocean_sim.pictures.order import Order, Quality, RenderFailed
 from ocean_sim.pictures.picture import Picture
 from ocean_sim.simulation import Concluding, PeriodicConfig, Progress
@@ -50,6 +50,8 @@ class Config(PeriodicConfig):
     """Position of the fixed camera."""
     target: Vector3 | None = quantity("m", None)
     """What the fixed camera looks at."""
+    ship: str | None = None
+    """The name of the ship that a camera follows; null: the first."""
     size: tuple[int, int] = Field((960, 540), strict=False, json_schema_extra={"unit": "pixels"})
     """Width and height of the pictures, even numbers."""
     particles: bool = False
@@ -91,6 +93,9 @@ class Config(PeriodicConfig):
         if self.camera == "fixed" and self.eye == self.target:
             raise ValueError("a fixed camera cannot look at its own position; let eye and target differ")
         return self
+
+    def mismatches(self, preflight: Preflight) -> Problems:
+        return [] if self.ship is None else preflight.unknown_ship(self.ship)
 
     def warnings(self, preflight: Preflight) -> list[str]:
         frames = preflight.parts.get("frames")
@@ -161,18 +166,21 @@ def render_run(
     out: Path | None = None,
     progress: Progress | None = None,
     stills: Sequence[float] = (),
+    ship: str | None = None,
     **further: Any,
 ) -> list[Path]:
     """Draw preview.png, and film, stills and strip when asked, into `out`; `further` as in Order.
 
     Raises OpenGLMissing or RenderFailed.
     """
-    sentence = impossible(folder, camera, stills)
+    sentence = impossible(folder, camera, stills, ship)
     if sentence is not None:
         raise RenderFailed(sentence)
     out = out or folder
     out.mkdir(parents=True, exist_ok=True)
-    order = Order(str(folder), str(out), camera, size, particles, quality, every, film, stills=tuple(stills), **further)
+    order = Order(
+        str(folder), str(out), camera, size, particles, quality, every, film, stills=tuple(stills), ship=ship, **further
+    )
     draw_apart([order], progress)
     return [out / name for name in written(order)]
 
@@ -201,16 +209,18 @@ def draw_apart(orders: Sequence[Order], progress: Progress | None = None) -> Non
         raise RenderFailed(errors.splitlines()[-1] if errors else "the drawing process ended without a message")
 
 
-def impossible(folder: Path, camera: Name, stills: Sequence[float]) -> str | None:
-    """Why there is no picture from a camera or at a time, or None."""
+def impossible(folder: Path, camera: Name, stills: Sequence[float], ship: str | None = None) -> str | None:
+    """Why there is no picture from a camera, of a ship or at a time, or None."""
     files, ground = frame_files(folder), folder / "frames" / "grid.npz"
     if not files or not ground.is_file():
         return f"{folder} has no frames to draw; run with the observer `frames`"
     with np.load(ground) as grid:
-        if camera in ABOARD and "ship_vertices" not in grid:
-            return (
-                f"camera {camera} needs a ship, and this run has none; choose third_person, orbit, fixed, top or side"
-            )
+        ships = ships_in(grid, "_vertices")
+    if camera in ABOARD and not ships:
+        return f"camera {camera} needs a ship, and this run has none; choose third_person, orbit, fixed, top or side"
+    if ship is not None and key_of(ship) not in ships:
+        there = ", ".join(key.removeprefix(f"{SEVERAL}.") for key in ships) or "none"
+        return f"this run draws no ship {ship!r}; there is {there}"
     missing = without_frame(files, stills)
     return no_picture(files, missing) if missing else None
 
@@ -249,7 +259,7 @@ def variants(folder: Path, time: float, switched: Sequence[dict[str, Any]], **op
         for out in folders:
             out.mkdir()
         orders = [Order(**{"folder": str(folder), "out": str(out)} | given | m) for out, m in zip(folders, switched)]
-        sentences = [impossible(Path(order.folder), order.camera, order.stills) for order in orders]
+        sentences = [impossible(Path(order.folder), order.camera, order.stills, order.ship) for order in orders]
         if any(sentences):
             raise RenderFailed(next(filter(None, sentences)))
         draw_apart(orders)

@@ -48,8 +48,8 @@ class Timings(Observer):
     def __init__(self, config: Config, folder: Path | None, simulation: "Simulation") -> None:
         self.every, self.folder, self.simulation = config.every, folder, simulation
         self.multiples = Multiples(config.every)
-        parts = {"surface": simulation.surface, "ship": simulation.ship}
-        self.names = ["wind", "fluid", *(name for name, part in parts.items() if part is not None), "observers"]
+        parts = {"surface": simulation.surface is not None, "ship": bool(simulation.ships)}
+        self.names = ["wind", "fluid", *(name for name, there in parts.items() if there), "observers"]
         self.taken: dict[str, float] = defaultdict(float)  # since the first step [s]
         self.began: float | None = None
         self.first_step = simulation.steps  # number of the step that compiles

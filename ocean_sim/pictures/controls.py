@@ -39,8 +39,10 @@ def controls(box: Any, panel: Panel, simulation: Subject, pace: float | None) ->
     ):
         if box.button(label):
             panel.do(action)
-    if simulation.ship is not None:
-        throttle, rudder = simulation.ship.orders
+    if panel.ship:
+        throttle, rudder = simulation.ships[panel.ship].orders
+        if len(panel.ships) > 1 and box.button(f"at the helm of {panel.ship} (h)"):
+            panel.do("next ship")
         box.text(f"throttle {throttle:+.2f}  rudder {np.degrees(rudder):+.0f} deg")
         box.text("steered by hand" if panel.person is not None else "steered by the scene")
         box.text("Up, Down: throttle, brake")

@@ -1,5 +1,7 @@
 """The frames that a run kept, one file each, read when asked for."""
 
+from collections import defaultdict
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +11,11 @@ from ocean_sim.pictures.camera import Track
 
 def frame_files(folder: Path) -> list[Path]:
     return sorted((folder / "frames").glob("frame_*.npz"))
+
+
+def ships_in(file: Iterable[str], ending: str) -> list[str]:
+    """The keys of the ships that a file has arrays of, by the ending of the names of one."""
+    return [name.removesuffix(ending) for name in file if name.endswith(ending)]
 
 
 class Frame:
@@ -24,7 +31,7 @@ class Frame:
             )  # share that broken crests made white
             self.position = file["position"] if "position" in file else None
             self.velocity = file["velocity"] if "velocity" in file else None
-            self.ship = (file["ship_position"], file["ship_turn"]) if "ship_position" in file else None
+            self.ships = {key: (file[f"{key}_position"], file[f"{key}_turn"]) for key in ships_in(file, "_turn")}
             self.gates = file["gates"].astype(np.float64) if "gates" in file else np.zeros((0, 2, 3))
             self.mesh = [file[name] for name in ("vertices", "triangles", "normals")] if "vertices" in file else None
 
@@ -38,19 +45,22 @@ class Frame:
 
 
 class Log:
-    """Times of all frames of a run and the positions of the ship in them; no frame is read whole."""
+    """Times of all frames of a run and the positions of the ships in them; no frame is read whole."""
 
     def __init__(self, files: list[Path]) -> None:
-        times, positions, turns = [], [], []
+        times: list[float] = []
+        poses: dict[str, list[tuple[np.ndarray, np.ndarray]]] = defaultdict(list)
         for path in files:
             with np.load(path) as file:
                 times.append(float(file["time"]))
-                if "ship_position" in file:
-                    positions.append(file["ship_position"].astype(float))
-                    turns.append(file["ship_turn"].astype(float))
+                for key in ships_in(file, "_turn"):
+                    poses[key].append((file[f"{key}_position"].astype(float), file[f"{key}_turn"].astype(float)))
         self.files, self.times = files, np.array(times)
-        whole = len(positions) == len(times)
-        self.track = Track(self.times, np.array(positions), np.array(turns)) if whole and times else None
+        self.tracks = {
+            key: Track(self.times, *(np.array(column) for column in zip(*rows)))
+            for key, rows in poses.items()
+            if len(rows) == len(times)
+        }  # by the key of the ship
 
     @property
     def span(self) -> tuple[float, float]:

@@ -23,6 +23,7 @@ KEYS = {
     "p": "snapshot",
     "o": "record",
     "x": "rudder amidships",
+    "h": "next ship",
     "Escape": "quit",
 }
 HELM = {  # throttle pedal, brake pedal, wheel to port and to starboard
@@ -76,8 +77,12 @@ class Panel:
     distance: float = 1.0  # over that at which everything is in the picture
     message: str = ""
     """What went wrong last."""
+    ships: tuple[str, ...] = ()
+    """The names of those there are."""
+    ship: str = ""
+    """The one that is steered and followed."""
     person: Any = None
-    """Who steers, once a person does: `give(throttle, rudder)`."""
+    """Who steers it, once a person does: `give(throttle, rudder)`."""
     curves: Curves = field(default_factory=Curves)
     asked: list[str] = field(default_factory=list)
     """What is to be done before the next picture: step, reset, wind, snapshot, helm."""
@@ -105,6 +110,8 @@ class Panel:
         elif action in ("next wind", "wind before") and self.winds:
             self.wind = after(self.wind, self.winds, -1 if action == "wind before" else 1)
             self.asked.append("wind")
+        elif action == "next ship" and len(self.ships) > 1:
+            self.ship, self.person = after(self.ship, self.ships), None
         elif action == "rudder amidships" and self.person is not None:
             self.person.give(self.person.throttle, 0.0)
         elif action in ("reset", "snapshot"):

@@ -1,13 +1,14 @@
-"""One picture after another: sky, water, ship, text."""
+"""One picture after another: sky, water, ships, text."""
 
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ocean_sim.parts import key_of
 from ocean_sim.pictures import far_sea, sea_state, sky, water_shading
 from ocean_sim.pictures.camera import Camera, Operator, Vessel
-from ocean_sim.pictures.frame_files import Frame, Log
+from ocean_sim.pictures.frame_files import Frame, Log, ships_in
 from ocean_sim.pictures.obstacles import Obstacles
 from ocean_sim.pictures.order import Order, RenderFailed
 from ocean_sim.pictures.particles import Particles
@@ -25,8 +26,11 @@ class Picture:
         self.lower, self.upper = grid["lower"].copy(), grid["upper"].copy()
         self.upper[1] = max(0.12 * float(grid["depth"]), float(first.elevation.max()))
         flat = bool(self.lower[2] == self.upper[2])
-        model = kept_model(grid) if "ship_vertices" in grid else None
-        vessel = None if model is None or log.track is None else Vessel(model.length, model.helm, log.track)
+        models = {key: kept_model(grid, key) for key in ships_in(grid, "_vertices")}
+        vessels = {
+            key: Vessel(model.length, model.helm, log.tracks[key]) for key, model in models.items() if key in log.tracks
+        }
+        vessel = next(iter(vessels.values()), None) if order.ship is None else vessels.get(key_of(order.ship))
         self.operator = Operator(
             "side" if flat else order.camera,
             self.lower,
@@ -51,7 +55,7 @@ class Picture:
                 raise RenderFailed("these frames hold no particles to draw; run with frames.particles: true")
             self.content: Sea | Water | Shell | Particles = Particles(stage, first, float(grid["spacing"]), fastest)
         elif self.at_sea and state is not None:
-            self.content = Sea(stage, order, vessel, grid, state)
+            self.content = Sea(stage, order, vessels, grid, state)
         elif first.folds:
             self.content = Shell(stage, self.lower, self.upper, float(grid["depth"]))
         else:
@@ -59,7 +63,7 @@ class Picture:
         fixed = grid.get("obstacles", np.zeros((0, 2, 3)))
         self.obstacles = Obstacles(stage, fixed, self.lower, self.upper)
         before = set(self.plotter.actors)
-        self.ship = DrawnShip(stage, model) if model is not None else None
+        self.ships = {key: DrawnShip(stage, model) for key, model in models.items()}
         if isinstance(self.content, Sea) and order.quality == "final":
             self.content.reflect([actor for name, actor in self.plotter.actors.items() if name not in before])
         self.caption = self.plotter.add_text("t", position=(14, 10), font_size=9, color="#eef3f6", shadow=True)
@@ -113,8 +117,8 @@ class Picture:
         self.plotter.add_mesh(plane, scalars="colour", rgba=True, lighting=False)
 
     def draw(self, frame: Frame) -> np.ndarray:
-        if self.ship is not None and frame.ship is not None:
-            self.ship.show(*frame.ship)
+        for key, pose in frame.ships.items():
+            self.ships[key].show(*pose)
         self.move(self.operator.at(frame.time))
         self.content.show(frame)
         self.obstacles.show(frame)

@@ -58,9 +58,11 @@ class PreviewScene:
         if self.has_surface and not self.flat and not self.folds:
             self.sheet = WaterMesh(self.x, self.z, self.lower, self.upper, NODES)
             self.net = WaterMesh(self.x, self.z, self.lower, self.upper, len(self.points))
-        drawn = None if simulation.ship is None else simulation.ship.drawn()
-        self.hull = None if drawn is None else ShadedHull(*drawn[:2])
-        self.length = 0.0 if drawn is None else float(np.ptp(drawn[0], axis=0).max())  # [m] of the ship
+        drawn = {name: ship.drawn() for name, ship in simulation.ships.items()}
+        self.hulls = {name: ShadedHull(*shape) for name, shape in drawn.items() if shape is not None}
+        self.lengths = {
+            name: 0.0 if shape is None else float(np.ptp(shape[0], axis=0).max()) for name, shape in drawn.items()
+        }  # [m] of each ship
         self.fastest = LEAST_FASTEST
 
     @property
@@ -77,13 +79,13 @@ class PreviewScene:
     @property
     def cameras(self) -> tuple[str, ...]:
         """The available cameras: a helm needs a ship, a slice is seen from the side."""
-        helm = ("helm",) if self.simulation.ship is not None else ()
+        helm = ("helm",) if self.simulation.ships else ()
         return ("side",) if self.flat else ("third_person", *helm, "top", "side")
 
     @property
     def box(self) -> tuple[np.ndarray, np.ndarray]:
         """Corners of what a camera takes in [m]: the water, and some air above it."""
-        air = max(0.25 * self.simulation.basin.depth, 0.3 * self.length)
+        air = max(0.25 * self.simulation.basin.depth, 0.3 * max(self.lengths.values(), default=0.0))
         return self.lower, np.array([self.upper[0], air, self.upper[2]])
 
     def heights(self) -> np.ndarray:
@@ -127,13 +129,18 @@ class PreviewScene:
         height = np.clip(points[:, 1] / crest, -1.0, 1.0)
         return water_shading.display(water_shading.surface(points, normals, height, eye)) / 255.0
 
-    def ship(self) -> Patch | None:
-        """The hull where it is now."""
-        ship = self.simulation.ship
-        if self.hull is None or ship is None:
+    def afloat(self) -> Patch | None:
+        """All hulls where they are now."""
+        bodies = {name: self.simulation.ships[name].body for name in self.hulls}
+        posed = [hull.posed(bodies[name].position, bodies[name].matrix) for name, hull in self.hulls.items()]
+        if not posed:
             return None
-        body = ship.body
-        return self.hull.posed(body.position, body.matrix)
+        before = np.cumsum([0, *(len(patch.vertices) for patch in posed)])
+        return Patch(
+            np.concatenate([patch.vertices for patch in posed]),
+            np.concatenate([patch.triangles + np.int32(first) for patch, first in zip(posed, before)]),
+            np.concatenate([patch.colours for patch in posed]),
+        )
 
     def particles(self, small: bool) -> Balls | None:
         """Positions of the particles, coloured by speed, `small` under a net; the scale of the colours grows with the

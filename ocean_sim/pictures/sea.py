@@ -7,7 +7,7 @@ import numpy as np
 from ocean_sim.pictures import far_sea, foam, water_glsl
 from ocean_sim.pictures import sky as sky_module
 from ocean_sim.pictures.camera import Vessel
-from ocean_sim.pictures.frame_files import Frame
+from ocean_sim.pictures.frame_files import Frame, ships_in
 from ocean_sim.pictures.mirror import SHARE, Mirror
 from ocean_sim.pictures.order import Order
 from ocean_sim.pictures.sea_state import SeaState
@@ -39,10 +39,20 @@ class Dome:
         self.shaded.set(eyeW=eye)
 
 
+class Waterline:
+    """The hull of a ship that meets the water."""
+
+    def __init__(self, grid: Any, key: str) -> None:
+        """Of the ship that frames keep under a key."""
+        self.vertices, self.triangles = grid[f"{key}_vertices"].astype(float), grid[f"{key}_triangles"].astype(int)
+        self.beam, _, self.length = (float(size) for size in np.ptp(self.vertices, axis=0))  # [m]
+
+
 class Sea:
     """A surface that is the basin's inside it, blends into the far sea around it, and ends behind the fog."""
 
-    def __init__(self, stage: Stage, order: Order, vessel: Vessel | None, grid: Any, state: SeaState) -> None:
+    def __init__(self, stage: Stage, order: Order, vessels: dict[str, Vessel], grid: Any, state: SeaState) -> None:
+        """`vessels`: ships by their keys, where they go."""
         self.stage, self.order, self.state = stage, order, state
         self.surface = SeaSurface(grid, state, NODES[order.quality])
         self.points = np.insert(self.surface.nodes, 1, 0.0, axis=1).astype(np.float32)
@@ -51,16 +61,19 @@ class Sea:
             mesh.point_data[name] = np.zeros((len(self.points), 3), np.float32)
         sky = sky_module.cloudy() if order.sky else sky_module.clear()
         image = water_glsl.texture(sky.image, smaller=True, repeat=True)
-        self.gaps = water_glsl.texture(np.zeros((*HULL_PIXELS, 3), np.float32))
+        self.hulls = {key: Waterline(grid, key) for key in ships_in(grid, "_vertices")}
+        rows, columns = HULL_PIXELS
+        self.gap = np.zeros((max(len(self.hulls), 1), rows, columns, 3), np.float32)  # [m], a map for each ship
+        self.gaps = water_glsl.texture(self.gap.reshape(-1, columns, 3))
         self.mirrored = water_glsl.texture(np.zeros((2, 2, 4), np.uint8), smaller=True)
         textures = {"sky": image, "hull": self.gaps, "mirror": self.mirrored}
-        program = water_glsl.WATER, water_glsl.WATER_FUNCTIONS
+        program = water_glsl.water(len(self.hulls)), water_glsl.WATER_FUNCTIONS
         self.shaded = water_glsl.Shaded(mesh, *program, textures, attributes=True)
         self.dome = Dome(stage, sky, image)
         stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
         glint = None if order.glint == "none" else order.glint
         terms = Terms(order.fresnel, order.reflection, order.body, glint, order.foam)
-        shown = water_glsl.plain() | water_glsl.lit_by(sky) | water_glsl.switched(terms)
+        shown = water_glsl.plain(len(self.hulls)) | water_glsl.lit_by(sky) | water_glsl.switched(terms)
         shown["hullFoam"] = np.array([CONTACT, CONTACT_WIDTH, 0.0])
         shown["windAngle"] = state.wind.angle
         shown["rippleVariance"] = slope_variance(state.wind.speed) if order.ripples else 0.0
@@ -68,15 +81,11 @@ class Sea:
         self.shaded.set(**shown)
         self.mirror: Mirror | None = None
         self.spray = Spray(stage, float(grid["spacing"])) if order.foam and state.exact is None else None
-        if "ship_vertices" in grid:
-            self.hull, self.hull_triangles = grid["ship_vertices"].astype(float), grid["ship_triangles"].astype(int)
-            self.beam = float(np.ptp(self.hull[:, 0]))
-        self.wake: Wake | None = None
-        if vessel is not None and order.foam:
-            self.wake = Wake(vessel, self.beam, self.surface.x, self.surface.z)
+        sides = self.surface.x, self.surface.z
+        self.wakes = [Wake(of, self.hulls[key].beam, *sides) for key, of in vessels.items()] if order.foam else []
 
     def reflect(self, actors: list[Any]) -> None:
-        """Mirrors a ship's actors from now on."""
+        """Mirrors the actors of ships from now on."""
         self.mirror = Mirror(self.stage, actors, self.mirrored)
 
     def show(self, frame: Frame) -> None:
@@ -84,8 +93,8 @@ class Sea:
         self.height = now.height
         crest = (now.height - self.state.level) / max(0.5 * self.state.height, 1e-3)
         white = np.maximum(surface.foam(now.convergence, self.order.foam_cover), surface.broken(frame))
-        if self.wake is not None:
-            white = np.maximum(white, self.wake.share(frame.time))
+        for wake in self.wakes:
+            white = np.maximum(white, wake.share(frame.time))
         traits = np.stack([white, crest, now.variance], axis=-1)
         self.points[:, 1] = now.height.ravel()
         mesh.points = self.points
@@ -96,8 +105,11 @@ class Sea:
         fine = pixel / SMOOTHED if order.quality == "final" else pixel
         self.shaded.set(eyeW=self.stage.camera.eye, time=frame.time, pixel=fine, mirrorPixel=SHARE * pixel)
         self.dome.stand(self.stage.camera.eye)
-        if frame.ship is not None:
-            self.meet(*frame.ship)
+        levels = [self.meet(k, hull, *frame.ships[key]) for k, (key, hull) in enumerate(self.hulls.items())]
+        if levels:
+            water_glsl.fill(self.gaps.GetInput(), self.gap.reshape(-1, HULL_PIXELS[1], 3))
+        if self.mirror is not None and levels:
+            self.shaded.set(useMirror=1.0, mirrorView=self.mirror.show(float(np.mean(levels))))
         if self.spray is not None and frame.position is not None:
             self.spray.show(frame.position, self.heights_at(frame.position[:, [0, 2]]))
 
@@ -108,25 +120,25 @@ class Sea:
         grid = self.surface.x, self.surface.z
         return RegularGridInterpolator(grid, self.height, bounds_error=False, fill_value=None)(positions)
 
-    def meet(self, position: np.ndarray, turn: np.ndarray) -> None:
-        """Where the ship meets the water: foam along its waterline, no water inside it, and its mirror image."""
-        hull = self.hull @ turn.T + position
-        above = hull[:, 1] - self.heights_at(hull[:, [0, 2]])
-        line = foam.waterline(hull, self.hull_triangles, above)
+    def meet(self, k: int, hull: "Waterline", position: np.ndarray, turn: np.ndarray) -> float:
+        """Where ship k meets the water: foam along its waterline, no water inside it, and the place of its mirror
+        image; returns the height of the water around it [m]."""
+        vertices = hull.vertices @ turn.T + position
+        above = vertices[:, 1] - self.heights_at(vertices[:, [0, 2]])
+        line = foam.waterline(vertices, hull.triangles, above)
         wet = len(line) > 2
-        self.shaded.set(useHull=float(wet))
+        self.shaded.set(**{f"useHull{k}": float(wet)})
         if wet:
             low, high = line.min(axis=(0, 1)) - HULL_REACH, line.max(axis=(0, 1)) + HULL_REACH
             rows, columns = HULL_PIXELS
             x = low[0] + (np.arange(columns) + 0.5) / columns * (high[0] - low[0])
             z = low[1] + (np.arange(rows) + 0.5) / rows * (high[1] - low[1])
             gap = foam.distance(np.stack(np.meshgrid(x, z), axis=-1).reshape(-1, 2), line)
-            water_glsl.fill(self.gaps.GetInput(), np.repeat(gap.astype(np.float32), 3).reshape(rows, columns, 3))
-            self.shaded.set(hullBox=np.append(low, 0.0), hullSize=np.append(high - low, 1.0))
-        if self.mirror is not None:
-            around = self.heights_at(line.reshape(-1, 2) if wet else position[None, [0, 2]])
-            seen = self.mirror.show(float(around.mean()))
-            self.shaded.set(useMirror=1.0, mirrorView=seen, mirrorAt=position, mirrorSize=0.5 * self.beam)
+            self.gap[k] = gap.astype(np.float32).reshape(rows, columns, 1)
+            self.shaded.set(**{f"hullBox{k}": np.append(low, 0.0), f"hullSize{k}": np.append(high - low, 1.0)})
+        mirrored = {"At": position, "Size": 0.5 * hull.beam, "Reach": hull.length}
+        self.shaded.set(**{f"mirror{name}{k}": value for name, value in mirrored.items()})
+        return float(self.heights_at(line.reshape(-1, 2) if wet else position[None, [0, 2]]).mean())
 
     def close(self) -> None:
         if self.mirror is not None:

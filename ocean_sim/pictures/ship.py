@@ -11,16 +11,16 @@ from ocean_sim.pictures.ship_model import Model, modelled
 from ocean_sim.pictures.stage import Stage
 
 
-def kept_model(grid: Any) -> Model:
-    """The model of a ship that frames keep; raises RenderFailed."""
-    if "ship_look" not in grid:
+def kept_model(grid: Any, key: str) -> Model:
+    """The model of a ship that frames keep under a key; raises RenderFailed."""
+    if f"{key}_look" not in grid:
         raise RenderFailed("these frames are of an older version, which kept no ship to draw; run the scene again")
     return modelled(
-        grid["ship_vertices"],
-        grid["ship_triangles"],
-        float(grid["ship_submerged"]),
-        str(grid["ship_look"]),
-        grid["ship_helm"],
+        grid[f"{key}_vertices"],
+        grid[f"{key}_triangles"],
+        float(grid[f"{key}_submerged"]),
+        str(grid[f"{key}_look"]),
+        grid[f"{key}_helm"],
     )
 
 

@@ -19,7 +19,7 @@ class Subject(Protocol):
     wind: Wind
     fluid: Fluid
     surface: Surface | None
-    ship: Ship | None
+    ships: dict[str, Ship]
     time_step: TimeStep
     time: float  # [s]
     next_dt: float  # [s]

@@ -125,21 +125,19 @@ vec3 sunGlint(vec3 n, vec3 e, float variance) {{
 }}
 """
 
-WATER = f"""
+
+def water(ships: int) -> str:
+    """The program of water around so many ships; the maps of distances to their hulls lie one over another in one
+    texture."""
+    hulls = "".join(hull(k, ships) for k in range(ships))
+    mirrors = "".join(mirror(k) for k in range(ships))
+    return f"""
   vec3 away = posW - eyeW;
   float dist = length(away);
   away /= dist;
   vec3 e = -away, n = normalize(nrmW);
   float share = attW.x, variance = attW.z;
-  if (useHull > 0.5) {{
-    vec2 uv = (posW.xz - hullBox.xy) / hullSize.xy;
-    if (all(greaterThan(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)))) {{
-      float gap = textureLod(hull, uv, 0.0).r;
-      if (gap < -0.12) discard;
-      share = max(share, hullFoam.x * exp(-max(gap, 0.0) / hullFoam.y));
-    }}
-  }}
-  float footprint = max(pixel * dist / sqrt(max(dot(e, n), 0.06)), 0.004);
+{hulls}  float footprint = max(pixel * dist / sqrt(max(dot(e, n), 0.06)), 0.004);
   if (rippleVariance > 0.0) {{
     vec3 r = ripples(posW.xz, footprint);
     float up = max(n.y, 0.1);
@@ -157,17 +155,7 @@ WATER = f"""
   ray.y += 0.35 * blur * (1.0 - ci);
   vec3 mirrored = min(skyAt(normalize(ray), min(26.0 * blur, 5.0)), vec3({number(w.BRIGHTEST)}));
   float hidden = 0.0;
-  if (useMirror > 0.5) {{
-    float reach = dot(mirrorAt.xz - posW.xz, normalize(straight.xz));
-    vec4 seen = mirrorView * vec4(posW + straight * max(reach, 1.0), 1.0);
-    vec2 uv = 0.5 + 0.5 * seen.xy / seen.w;
-    if (reach > -mirrorSize && seen.w > 0.0 && all(greaterThan(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)))) {{
-      vec4 ship = textureLod(mirror, uv, clamp(log2(2.0 * blur * max(reach, 1.0) / (dist * mirrorPixel)), 0.0, 4.0));
-      hidden = ship.a * smoothstep(-mirrorSize, 0.0, reach);
-      if (hidden > 0.0) mirrored = mix(mirrored, radiance(min(ship.rgb / max(ship.a, 0.01), vec3(1.0))), hidden);
-    }}
-  }}
-  if (glintKind > 1.5) mirrored *= 1.0 + {number(w.HDR_FACTOR)} *
+{mirrors}  if (glintKind > 1.5) mirrored *= 1.0 + {number(w.HDR_FACTOR)} *
     clamp(mirrored.r - {number(w.HDR_THRESHOLD)}, 0.0, {number(w.HDR_EXCESS)});
   vec3 c = useReflection * reflectance * mirrored;
   c += useBody * (1.0 - reflectance) * fromWithin(attW.y, n, e, refracted(ci));
@@ -175,6 +163,40 @@ WATER = f"""
   c = mix(c, foamColour(n), useFoam * white(clamp(share, 0.0, 1.0), posW.xz, footprint));
   fragOutput0 = vec4(filmic(foggy(c, away, dist)), 1.0);
 """
+
+
+def hull(k: int, ships: int) -> str:
+    """Foam along the waterline of ship k, and no water inside it."""
+    return f"""
+  if (useHull{k} > 0.5) {{
+    vec2 uv = (posW.xz - hullBox{k}.xy) / hullSize{k}.xy;
+    if (all(greaterThan(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)))) {{
+      float gap = textureLod(hull, vec2(uv.x, ({k}.0 + uv.y) / {ships}.0), 0.0).r;
+      if (gap < -0.12) discard;
+      share = max(share, hullFoam.x * exp(-max(gap, 0.0) / hullFoam.y));
+    }}
+  }}
+"""
+
+
+def mirror(k: int) -> str:
+    """Ship k where the water mirrors her, no farther from her middle than mirrorReach."""
+    return f"""
+  if (useMirror > 0.5) {{
+    float reach = dot(mirrorAt{k}.xz - posW.xz, normalize(straight.xz));
+    vec3 met = posW + straight * max(reach, 1.0);
+    vec4 seen = mirrorView * vec4(met, 1.0);
+    vec2 uv = 0.5 + 0.5 * seen.xy / seen.w;
+    bool there = reach > -mirrorSize{k} && distance(met.xz, mirrorAt{k}.xz) < mirrorReach{k};
+    if (there && seen.w > 0.0 && all(greaterThan(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)))) {{
+      vec4 ship = textureLod(mirror, uv, clamp(log2(2.0 * blur * max(reach, 1.0) / (dist * mirrorPixel)), 0.0, 4.0));
+      float covered = ship.a * smoothstep(-mirrorSize{k}, 0.0, reach);
+      if (covered > 0.0) mirrored = mix(mirrored, radiance(min(ship.rgb / max(ship.a, 0.01), vec3(1.0))), covered);
+      hidden = max(hidden, covered);
+    }}
+  }}
+"""
+
 
 SKY = "  fragOutput0 = vec4(filmic(skyAt(normalize(posW - eyeW), 0.0)), 1.0);\n"
 
@@ -261,12 +283,17 @@ def lit_by(sky: Sky) -> dict[str, Any]:
     return {"sunDir": sky.sun, "sunLight": sky.sunlight, "skyLight": sky.ambient}
 
 
-def plain() -> dict[str, Any]:
-    """Uniforms of still, smooth water without a ship: every one that the program knows besides light and terms."""
-    nothing = dict.fromkeys(("useHull", "useMirror", "rippleVariance", "windAngle", "time"), 0.0)
-    ones = dict.fromkeys(("rippleLongest", "mirrorPixel", "mirrorSize"), 1.0)
-    vectors = {"hullBox": np.zeros(3), "hullSize": np.ones(3), "hullFoam": np.ones(3), "mirrorAt": np.zeros(3)}
-    return {"exposure": w.EXPOSURE, "fogReach": w.FOG, "mirrorView": np.eye(4)} | nothing | ones | vectors
+def plain(ships: int) -> dict[str, Any]:
+    """Uniforms of still, smooth water that ships do not touch yet: every one that its program knows besides light and
+    terms."""
+    nothing = dict.fromkeys(("useMirror", "rippleVariance", "windAngle", "time"), 0.0)
+    ones = dict.fromkeys(("rippleLongest", "mirrorPixel"), 1.0)
+    known = {"exposure": w.EXPOSURE, "fogReach": w.FOG, "mirrorView": np.eye(4), "hullFoam": np.ones(3)}
+    for k in range(ships):
+        nothing |= {f"useHull{k}": 0.0}
+        ones |= {f"mirrorSize{k}": 1.0, f"mirrorReach{k}": 1.0}
+        known |= {f"hullBox{k}": np.zeros(3), f"hullSize{k}": np.ones(3), f"mirrorAt{k}": np.zeros(3)}
+    return known | nothing | ones
 
 
 def switched(terms: w.Terms) -> dict[str, float]:

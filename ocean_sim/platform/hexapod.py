@@ -43,7 +43,11 @@ class Config(PlatformConfig):
         return ready_made(info.field_name, value) if isinstance(value, str) else value
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        return ["platform: there is no ship whose motion it could follow"] if preflight.ship is None else []
+        if not preflight.ships:
+            return ["platform: there is no ship whose motion it could follow"]
+        first = next(iter(preflight.ships))
+        alone = len(preflight.ships) == 1 or self.ship is not None
+        return [] if alone else [f"platform: it rides in {first}, the first of the ships; platform.ship names another"]
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         """It has no fields; the ledger of `platform_log` holds the cost of its rows."""

@@ -1,13 +1,19 @@
-"""From what a user wrote to one tree: a part, under the scene, under the profile, under `--set`."""
+"""From what a user wrote to one tree: a part, under the scene, under the profile, under `--set`.
 
+A place is where a part stands: a slot, as `wind`, or one of several ships, as `ships.tug`.
+"""
+
+import re
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
 from ocean_sim.files.yaml_file import Node, Problem, SceneError, described, merged, problem, read
-from ocean_sim.parts import SLOTS, config_of, kinds, library, named
+from ocean_sim.parts import ALONE, SEVERAL, SLOTS, config_of, key_of, kinds, library, named, slot_of
 from ocean_sim.reading.translation import choice_sentence, dotted
 
 DEFAULTS = {"wind": "still", "time_step": "courant"}  # any other absent slot is nothing at all
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
 @dataclass
@@ -30,38 +36,57 @@ class Composition:
     """The tree of a scene while layers are laid over it, and what was noticed on the way."""
 
     root: Node
-    slots: dict[str, Choice | None] = field(default_factory=dict)
-    failed: set[str] = field(default_factory=set)  # slots that already have a problem of their own
+    slots: dict[str, Choice | None] = field(default_factory=dict)  # by place
+    failed: set[str] = field(default_factory=set)  # places that already have a problem of their own
     problems: list[Problem] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
-    def slot(self, slot: str, node: Node, below: Choice | None) -> None:
-        """Lay `node` over what stands in a slot: null empties it, a name replaces it, a mapping changes it."""
+    def lay(self, place: str, node: Node, below: Choice | None) -> None:
+        """Lay `node` over what stands in a place: null empties it, a name replaces it, a mapping changes it."""
         try:
             if node.data is None:
-                self.slots[slot] = None
+                self.slots[place] = None
             elif below is None or not node.is_mapping:
-                self.slots[slot] = chosen(slot, node)
+                self.slots[place] = chosen(place, node)
             else:
                 rest = {key: value for key, value in node.data.items() if key != "kind"}
                 if "kind" in node.data:
-                    below = self.another_kind(slot, below, node.data["kind"])
-                self.slots[slot] = Choice(below.base, merged(below.own, node.with_data(rest)))
+                    below = self.another_kind(place, below, node.data["kind"])
+                self.slots[place] = Choice(below.base, merged(below.own, node.with_data(rest)))
         except SceneError as error:
             self.problems += error.problems
-            self.slots[slot] = None
-            self.failed.add(slot)
+            self.slots[place] = None
+            self.failed.add(place)
 
-    def another_kind(self, slot: str, below: Choice, kind: Node) -> Choice:
+    def named_ships(self, node: Node) -> Iterator[tuple[str, Node]]:
+        """The place and node of each ship in a mapping of them; what is none is a problem."""
+        if node.data is None:
+            return
+        if not node.is_mapping:
+            message = f"expected a mapping of names to ships, got {described(node.data)}"
+            self.problems.append(problem(node.location, SEVERAL, message))
+            return
+        for name, ship in node.data.items():
+            if NAME.fullmatch(str(name)) is None:
+                message = f"{name!r} is not a name: letters, digits and _, a letter first"
+            elif name == ALONE:
+                message = f"{ALONE!r} is the name of a ship that is alone; choose another"
+            else:
+                yield key_of(name), ship
+                continue
+            self.problems.append(problem(ship.key_location, f"{SEVERAL}.{name}", message))
+
+    def another_kind(self, place: str, below: Choice, kind: Node) -> Choice:
         """Another kind, or ready-made part, that keeps the keys it also has; the others are dropped with a note."""
-        base = chosen(slot, kind.with_data({"kind": kind})).base
+        slot = slot_of(place)
+        base = chosen(place, kind.with_data({"kind": kind})).base
         written = below.own if isinstance(kind.data, str) and kind.data not in kinds(slot) else below.whole()
         old = config_of(slot, below.kind).model_fields
         new = config_of(slot, base.data["kind"].data).model_fields
         kept = {key: value for key, value in written.data.items() if key != "kind" and (key in new or key not in old)}
         dropped = [key for key in written.data if key != "kind" and key not in kept]
         if dropped:
-            self.notes.append(f"{slot}: kind {kind.data} has no {', '.join(dropped)}; dropped")
+            self.notes.append(f"{place}: kind {kind.data} has no {', '.join(dropped)}; dropped")
         return Choice(base, written.with_data(kept))
 
     def set(self, key: str, value: Node) -> None:
@@ -72,23 +97,39 @@ class Composition:
             end = f"; did you mean {meant!r}?" if meant else ""
             self.problems.append(problem(value.location, key, f"a dot stands where a key should{end}", meant))
             return
-        slot = path[0] if path[0] in SLOTS else None
-        if slot is None:
-            self.root = self.put(self.root, path, (), value)
-            return
-        below = self.slots.get(slot)
-        if slot in self.failed and len(path) > 1:
-            return
-        if below is None and slot in DEFAULTS:
-            below = chosen(slot, value.with_data(DEFAULTS[slot]))
-        if len(path) == 1:
-            self.slot(slot, value, below if value.is_mapping and "kind" not in value.data else None)
-        elif path[1:] == ("kind",) or below is None:
-            self.slot(slot, self.put(value.with_data({}), path[1:], (slot,), value), below)
+        if path == (SEVERAL,):
+            self.set_ships(value)
+        elif path[0] == SEVERAL:
+            for place, _ in self.named_ships(value.with_data({path[1]: value})):
+                self.set_part(place, path[2:], value)
+        elif path[0] in SLOTS:
+            self.set_part(path[0], path[1:], value)
         else:
-            whole = self.put(below.whole(), path[1:], (slot,), value)
+            self.root = self.put(self.root, path, (), value)
+
+    def set_ships(self, value: Node) -> None:
+        """`--set ships=...`: null leaves none, a mapping changes those that it names."""
+        if value.data is None:
+            self.slots = {place: choice for place, choice in self.slots.items() if slot_of(place) == place}
+        for place, ship in self.named_ships(value):
+            self.set_part(place, (), ship)
+
+    def set_part(self, place: str, path: tuple[str, ...], value: Node) -> None:
+        """A part as a whole, or the key at a path below its place."""
+        below = self.slots.get(place)
+        if place in self.failed and path:
+            return
+        if below is None and place in DEFAULTS:
+            below = chosen(place, value.with_data(DEFAULTS[place]))
+        above = tuple(place.split("."))
+        if not path:
+            self.lay(place, value, below if value.is_mapping and "kind" not in value.data else None)
+        elif path == ("kind",) or below is None:
+            self.lay(place, self.put(value.with_data({}), path, above, value), below)
+        else:
+            whole = self.put(below.whole(), path, above, value)
             own = {k: v for k, v in whole.data.items() if k != "kind"}
-            self.slots[slot] = Choice(below.base, whole.with_data(own))
+            self.slots[place] = Choice(below.base, whole.with_data(own))
 
     def put(self, node: Node, path: tuple[str, ...], above: tuple[str, ...], value: Node) -> Node:
         """`node` with the value at `path` replaced; mappings on the way are made where they are missing."""
@@ -118,13 +159,16 @@ def composed(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> C
     result = Composition(scene.with_data(dict(scene.data)))
     for slot in SLOTS:
         if slot in scene.data:
-            result.slot(slot, scene.data[slot], None)
+            result.lay(slot, scene.data[slot], None)
+    if SEVERAL in scene.data:
+        for place, ship in result.named_ships(scene.data[SEVERAL]):
+            result.lay(place, ship, None)
     for key, node in (profile.data if profile is not None else {}).items():
         if key in SLOTS:
             below = result.slots.get(key)
             if below is None and key in DEFAULTS and node.is_mapping and "kind" not in node.data:
                 below = chosen(key, node.with_data(DEFAULTS[key]))
-            result.slot(key, node, below)
+            result.lay(key, node, below)
         else:
             below = result.root.data.get(key)
             result.root.data[key] = node if below is None else merged(below, node)
@@ -133,16 +177,25 @@ def composed(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> C
     for slot, default in DEFAULTS.items():
         if result.slots.get(slot) is None:
             result.slots[slot] = chosen(slot, scene.with_data(default))
-    data = {key: node for key, node in result.root.data.items() if key not in SLOTS}
-    data |= {slot: choice.whole() for slot, choice in result.slots.items() if choice is not None}
+    data = {key: node for key, node in result.root.data.items() if key not in (*SLOTS, SEVERAL)}
+    found = {place: choice.whole() for place, choice in result.slots.items() if choice is not None}
+    data |= {place: node for place, node in found.items() if place in SLOTS}
+    ships = {place.partition(".")[2]: node for place, node in found.items() if place not in SLOTS}
+    if ships and ALONE in data:
+        written = [node for key, node in overrides.items() if key.partition(".")[0] == ALONE]
+        location = next(iter([*written, scene.data.get(ALONE, data[ALONE])])).key_location
+        result.problems.append(problem(location, ALONE, "give either `ship` or `ships`, not both"))
+    if ships:
+        data[SEVERAL] = scene.data.get(SEVERAL, next(iter(ships.values()))).with_data(ships)
     result.root = result.root.with_data(data)
     return result
 
 
-def chosen(slot: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
+def chosen(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
     """What a name or a mapping with `kind` stands for; raises SceneError."""
+    slot = slot_of(place)
     if not kinds(slot):
-        raise SceneError([problem(node.key_location, slot, f"there is no kind of {slot} yet")])
+        raise SceneError([problem(node.key_location, place, f"there is no kind of {slot} yet")])
     if isinstance(node.data, str):
         name = node
         part_first = True
@@ -158,15 +211,15 @@ def chosen(slot: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
             else f"expected a name or a mapping with `kind`, got {described(node.data)}"
         )
         end = f"; there are {', '.join(known(slot))}"
-        raise SceneError([problem(node.location, f"{slot}.kind" if node.is_mapping else slot, wrong + end)])
+        raise SceneError([problem(node.location, f"{place}.kind" if node.is_mapping else place, wrong + end)])
     if not isinstance(name.data, str):
-        raise SceneError([problem(name.location, f"{slot}.kind", f"expected a name, got {described(name.data)}")])
+        raise SceneError([problem(name.location, f"{place}.kind", f"expected a name, got {described(name.data)}")])
     if name.data in named(slot) and name.data not in within and (part_first or name.data not in kinds(slot)):
         part = read(library("configs") / slot / f"{name.data}.yaml")
-        return Choice(chosen(slot, part, (*within, name.data)).whole(), own)
+        return Choice(chosen(place, part, (*within, name.data)).whole(), own)
     if name.data in kinds(slot):
         return Choice(node.with_data({"kind": name}), own)
-    raise SceneError([unknown_name(slot, name, f"{slot}.kind" if node.is_mapping else slot)])
+    raise SceneError([unknown_name(slot, name, f"{place}.kind" if node.is_mapping else place)])
 
 
 def known(slot: str) -> list[str]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from importlib import import_module
+from itertools import combinations
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,8 @@ from ocean_sim import basin
 from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of, problem, read, shown
 from ocean_sim.model import Model, quantity
 from ocean_sim.parts import (
+    ALONE,
+    SEVERAL,
     SLOTS,
     FluidConfig,
     LedgerRow,
@@ -25,9 +28,11 @@ from ocean_sim.parts import (
     TimeStepConfig,
     WindConfig,
     config_of,
+    key_of,
     kinds,
     library,
     named,
+    slot_of,
     water_schemes,
 )
 from ocean_sim.reading.composition import Composition, composed, unknown_name
@@ -61,7 +66,8 @@ class SceneConfig(Heading):
     fluid: FluidConfig
     wind: WindConfig
     surface: SurfaceConfig | None = None
-    ship: ShipConfig | None = None
+    ships: dict[str, ShipConfig] = {}
+    """By name; one that is alone and has none is `ship`."""
     platform: PlatformConfig | None = None
     time_step: TimeStepConfig
     runtime: RuntimeConfig
@@ -73,8 +79,12 @@ class SceneConfig(Heading):
 
     def parts(self) -> dict[str, PartConfig]:
         """The part in every slot that has one, then the observers, by name."""
-        slots = {slot: getattr(self, slot) for slot in SLOTS}
-        return {name: part for name, part in slots.items() if part is not None} | self.observers
+        found: dict[str, PartConfig] = {}
+        for slot in SLOTS:
+            part = None if slot == ALONE else getattr(self, slot)
+            found |= {slot: part} if part is not None else {}
+            found |= {key_of(name): ship for name, ship in self.ships.items()} if slot == ALONE else {}
+        return found | self.observers
 
     @property
     def preflight(self) -> Preflight:
@@ -88,14 +98,14 @@ class SceneConfig(Heading):
     def ledger(self) -> list[LedgerRow]:
         """What the scene will allocate and compile, and why; nothing is allocated to find out."""
         preflight = self.preflight
-        rows = [row for part in self.parts().values() for row in part.ledger(preflight)]
+        rows = [row for key, part in self.parts().items() for row in of_place(key, part.ledger(preflight))]
         if self.surface is not None and self.surface.when_read:
             rows = [row._replace(every=self.reading()) if row.part == "surface" else row for row in rows]
         return rows
 
     def reading(self) -> float:
         """Simulated time between readings of the surface [s]; 0: each step is one."""
-        if self.ship is not None and self.ship.needs_surface:
+        if any(ship.needs_surface for ship in self.ships.values()):
             return 0.0
         readers = [part for part in self.observers.values() if part.reads_surface]
         return min((part.interval(self.preflight) for part in readers), default=inf)
@@ -103,21 +113,38 @@ class SceneConfig(Heading):
     def warnings(self) -> list[str]:
         """The warnings of every part."""
         preflight = self.preflight
-        return [sentence for part in self.parts().values() for sentence in part.warnings(preflight)]
+        found = {key: part.warnings(preflight) for key, part in self.parts().items()}
+        return [
+            f"{key}: {sentence}" if slot_of(key) != key else sentence
+            for key, sentences in found.items()
+            for sentence in sentences
+        ]
 
     def resolved(self) -> dict[str, Any]:
         """The scene as plain data that loads to this scene again. What it left open is null; its spacings contain the
         resolution."""
         data: dict[str, Any] = {"title": self.title, "seed": self.seed, "duration": self.duration, "resolution": 1.0}
         for slot in ("basin", *SLOTS, "runtime"):
-            part = getattr(self, slot)
-            data[slot] = part.model_dump(mode="json", by_alias=True) if part is not None else None
+            if slot == ALONE:
+                data |= self._resolved_ships()
+            else:
+                part = getattr(self, slot)
+                data[slot] = part.model_dump(mode="json", by_alias=True) if part is not None else None
         off = {name: None for name in always_on() if name not in self.observers}
         return (
             data
             | off
             | {name: config.model_dump(mode="json", by_alias=True) for name, config in self.observers.items()}
         )
+
+    def _resolved_ships(self) -> dict[str, Any]:
+        ships = {name: ship.model_dump(mode="json", by_alias=True) for name, ship in self.ships.items()}
+        return {ALONE: ships.get(ALONE)} if not ships or ALONE in ships else {SEVERAL: ships}
+
+
+def of_place(place: str, rows: list[LedgerRow]) -> list[LedgerRow]:
+    """The rows of a part's ledger; those of one of several ships are put to her name."""
+    return rows if slot_of(place) == place else [row._replace(part=place) for row in rows]
 
 
 def observer_names() -> tuple[str, ...]:
@@ -214,9 +241,10 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
     notes = [*composition.notes]
     if heading is not None and tank is not None:
         composition.root = _scaled(composition.root, heading.resolution, tank.dimension, notes)
-    parts = {slot: _model(slot, None, composition, problems, folder) for slot in SLOTS}
-    there = {slot: part for slot, part in parts.items() if isinstance(part, PartConfig)}
-    named_in = {slot for slot in SLOTS if slot in data and data[slot].data is not None}
+    places = _places(data)
+    parts = {place: _model(place, None, composition, problems, folder) for place in places}
+    there = {place: part for place, part in parts.items() if isinstance(part, PartConfig)}
+    named_in = {place for place in places if _node(data, place) is not None}
     wrong = composition.failed | named_in - set(there)
     observers = _observers(data, root, problems)
     problems += _lacking(observers, there, wrong, data, root)
@@ -227,23 +255,54 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
         preflight = Preflight(there | observers, patch, WORD[runtime.precision], heading.duration)
         problems += _located("basin", tank_config.problems(tank, heading.duration), data["basin"])
         for name, part in (there | observers).items():
-            problems += _located(name, part.problems(preflight), data.get(name, root))
+            problems += _located(name, part.problems(preflight), _node(data, name) or root)
         if not problems and not wrong:
             for name, part in (there | observers).items():
-                problems += _located(name, part.mismatches(preflight), data.get(name, root))
+                problems += _located(name, part.mismatches(preflight), _node(data, name) or root)
+        if not problems and not wrong:
+            problems += _overlapping(preflight, data)
         if not problems and not wrong:
             values = {key: getattr(heading, key) for key in headings}
+            values |= {slot: parts[slot] for slot in SLOTS if slot != ALONE}
             config = SceneConfig(
-                **values, **parts, basin=tank_config, runtime=runtime, observers=observers, notes=notes
+                **values, ships=preflight.ships, basin=tank_config, runtime=runtime, observers=observers, notes=notes
             )
             config._preflight = preflight
             return config
     return None
 
 
+def _places(data: dict[str, Node]) -> list[str]:
+    """Where a part may stand, in the order of the slots."""
+    ships = [key_of(name) for name in data[SEVERAL].data] if SEVERAL in data else []
+    return [place for slot in SLOTS for place in ((slot, *ships) if slot == ALONE else (slot,))]
+
+
+def _node(data: dict[str, Node], place: str) -> Node | None:
+    """What is written in a place, or of an observer."""
+    slot, _, name = place.partition(".")
+    node = data.get(slot)
+    return node.child(name) if node is not None and name else node
+
+
+def _overlapping(preflight: Preflight, data: dict[str, Node]) -> list[Problem]:
+    """Ships that begin in one another."""
+    if len(preflight.ships) < 2:
+        return []
+    problems: list[Problem] = []
+    outlines = {name: ship.outline(preflight) for name, ship in preflight.ships.items()}
+    for (first, one), (second, other) in combinations(outlines.items(), 2):
+        depth = one.overlap(other) if one is not None and other is not None else 0.0
+        if depth > 0.0:
+            sentence = f"the hulls of {first} and {second} reach {depth:.3g} m into each other"
+            place = key_of(second)
+            problems += _located(place, [(("position",), f"{sentence}; move one")], _node(data, place) or data[SEVERAL])
+    return problems
+
+
 def _unknown(root: Node, headings: tuple[str, ...]) -> list[Problem]:
     """Unknown keys at the top level."""
-    known, problems = (*headings, "basin", *SLOTS, "runtime", *observer_names()), []
+    known, problems = (*headings, "basin", *SLOTS, SEVERAL, "runtime", *observer_names()), []
     for key, node in root.data.items():
         if key not in known:
             end, suggestion = choice_sentence(key, known)
@@ -255,9 +314,9 @@ def _model(
     name: str, model: type[Model] | None, composition: Composition, problems: list[Problem], folder: Path | None
 ) -> Any:
     """The value of a key as its model, by default that of the kind in a slot; None where it is absent or wrong."""
-    node = composition.root.data.get(name)
+    node = _node(composition.root.data, name)
     if node is not None and node.data is not None:
-        return validated(model or config_of(name, node.data["kind"].data), node, (name,), problems, folder)
+        return validated(model or config_of(slot_of(name), node.data["kind"].data), node, (name,), problems, folder)
     if name in ("basin", "fluid") and name not in composition.failed:
         problems.append(problem(composition.root.location, name, "missing key"))
     return RuntimeConfig() if name == "runtime" else None
@@ -265,7 +324,7 @@ def _model(
 
 def _unsuited(parts: Mapping[str, PartConfig], data: dict[str, Node]) -> list[Problem]:
     """Parts whose kinds do not go together, whatever their keys."""
-    fluid, surface, ship = parts.get("fluid"), parts.get("surface"), parts.get("ship")
+    fluid, surface = parts.get("fluid"), parts.get("surface")
     if not isinstance(fluid, FluidConfig):
         return []
     problems, water = [], fluid.kind
@@ -276,15 +335,17 @@ def _unsuited(parts: Mapping[str, PartConfig], data: dict[str, Node]) -> list[Pr
     if surface is not None and not fluid.made_of_particles:
         sentence = f"a surface follows particles, and fluid.kind {water} has none; leave it out"
         problems.append(problem(data["surface"].location, "surface", sentence))
-    if isinstance(ship, ShipConfig):
-        kind = ship.kind
+    for place, ship in parts.items():
+        if not isinstance(ship, ShipConfig):
+            continue
+        kind, location = ship.kind, (_node(data, place) or data["fluid"]).location
         if "surface" not in parts and fluid.made_of_particles and ship.needs_surface:
             sentence = f"a {kind} ship over particles reads the height of the water from a surface; add a `surface`"
-            problems.append(problem(data["ship"].location, "ship", sentence))
+            problems.append(problem(location, place, sentence))
         if ship.carried_as_body and not fluid.carries_bodies:
             carrying = " or ".join(name for name, config in water_schemes() if config.carries_bodies)
             sentence = f"water of kind {water} does not carry a ship of kind {kind}; take {carrying}"
-            problems.append(problem(data["ship"].location, "ship", sentence))
+            problems.append(problem(location, place, sentence))
     return problems
 
 
@@ -308,7 +369,7 @@ def _lacking(
 def _observers(data: dict[str, Node], root: Node, problems: list[Problem]) -> dict[str, ObserverConfig]:
     """The observers that a scene names or does not switch off, in the order in which they take turns."""
     observers: dict[str, ObserverConfig] = {}
-    aboard = data.get("ship") is not None and data["ship"].data is not None
+    aboard = ALONE in data or SEVERAL in data
     unless_null = (*always_on(), *(("motion",) if aboard else ()))
     for name in observer_names():
         on = name in unless_null or (name == "platform_log" and "platform" in data and "motion" in observers)
@@ -343,7 +404,7 @@ def _scaled(root: Node, factor: float, dimension: int, notes: list[str]) -> Node
 
     if factor == 1.0:
         return root
-    slots = {slot: root.data[slot] for slot in ("fluid", "surface", "ship") if slot in root.data}
+    slots = {slot: root.data[slot] for slot in ("fluid", "surface", ALONE, SEVERAL) if slot in root.data}
     return root.with_data(root.data | {slot: scaled(node, (slot,)) for slot, node in slots.items()})
 
 

@@ -8,7 +8,7 @@ from pydantic import BaseModel
 from pydantic.json_schema import GenerateJsonSchema
 
 from ocean_sim import basin
-from ocean_sim.parts import SLOTS, config_of, kinds, named
+from ocean_sim.parts import ALONE, SEVERAL, SLOTS, config_of, kinds, named
 from ocean_sim.reading.composition import known
 from ocean_sim.reading.scene import Heading, observer_names
 from ocean_sim.runtime import RuntimeConfig
@@ -20,6 +20,10 @@ def schema() -> dict[str, Any]:
     properties = dict(_properties(Heading, definitions))
     properties["basin"] = _model(basin.Config, definitions)
     properties |= {slot: _slot(slot, definitions) for slot in SLOTS}
+    properties[SEVERAL] = {
+        "description": "Several ships by name, in place of `ship`.",
+        "anyOf": [{"type": "object", "additionalProperties": properties[ALONE]}, {"type": "null"}],
+    }
     properties["runtime"] = _model(RuntimeConfig, definitions)
     for name in observer_names():
         module = import_module(f"ocean_sim.observers.{name}")

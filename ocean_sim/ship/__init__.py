@@ -50,8 +50,39 @@ class Look(NamedTuple):
     submerged: float  # share of its volume that is under water at rest
 
 
+class Outline(NamedTuple):
+    """The room that a hull takes: its outline from above, and between which heights it lies."""
+
+    plan: np.ndarray  # (n, 2) corners of a convex polygon, x and z [m]
+    lowest: float  # [m]
+    highest: float  # [m]
+
+    def overlap(self, other: "Outline") -> float:
+        """How far [m] it and another reach into each other: the shortest way that would part them, 0 where they are
+        apart."""
+        least = min(self.highest, other.highest) - max(self.lowest, other.lowest)
+        for polygon in (self.plan, other.plan):
+            along = np.roll(polygon, -1, axis=0) - polygon
+            across = np.stack([along[:, 1], -along[:, 0]]) / np.linalg.norm(along, axis=1)
+            a, b = self.plan @ across, other.plan @ across
+            ways = np.minimum(a.max(axis=0) - b.min(axis=0), b.max(axis=0) - a.min(axis=0))
+            least = min(least, float(ways.min()))
+        return max(least, 0.0)
+
+    def middle(self, other: "Outline") -> np.ndarray:
+        """(2,) x and z [m] of the middle of what the boxes around both share."""
+        low = np.maximum(self.plan.min(axis=0), other.plan.min(axis=0))
+        high = np.minimum(self.plan.max(axis=0), other.plan.max(axis=0))
+        return 0.5 * (low + high)
+
+
 class Ship(Protocol):
     """A floating body; `shared.vessel.Vessel` is the base class that has all of this."""
+
+    @property
+    def name(self) -> str:
+        """Its name in the scene."""
+        ...
 
     @property
     def parts(self) -> tuple[str, ...]:
@@ -85,6 +116,10 @@ class Ship(Protocol):
 
     def drawn(self) -> tuple[np.ndarray, np.ndarray] | None:
         """Vertices from the centre of mass, body axes (n, 3) [m], and triangles (m, 3); None where it has no shape."""
+        ...
+
+    def outline(self) -> Outline | None:
+        """The room that it takes; None where it has no shape."""
         ...
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:

@@ -14,5 +14,5 @@ class Config(SeakeepingConfig):
     fineness: ClassVar[int] = 2
     kind: Literal["dynamic"] = "dynamic"
 
-    def build(self, basin: Basin, fluid: Fluid) -> SeakeepingShip:
-        return SeakeepingShip(self, basin, fluid)
+    def build(self, name: str, basin: Basin, fluid: Fluid) -> SeakeepingShip:
+        return SeakeepingShip(name, self, basin, fluid)

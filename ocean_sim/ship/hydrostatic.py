@@ -27,8 +27,8 @@ class Config(FloatingConfig):
     kind: Literal["hydrostatic"] = "hydrostatic"
     damping: Damping = Damping(heave=0.05, pitch=0.05, roll=0.05)
 
-    def build(self, basin: Basin, fluid: Fluid) -> Ship:
-        return Hydrostatic(self, basin, fluid)
+    def build(self, name: str, basin: Basin, fluid: Fluid) -> Ship:
+        return Hydrostatic(name, self, basin, fluid)
 
 
 class Hydrostatic(FloatingShip):
@@ -36,8 +36,8 @@ class Hydrostatic(FloatingShip):
 
     below: ClassVar[bool] = True
 
-    def __init__(self, config: Config, basin: Basin, fluid: Fluid) -> None:
-        super().__init__(config, basin, fluid)
+    def __init__(self, name: str, config: Config, basin: Basin, fluid: Fluid) -> None:
+        super().__init__(name, config, basin, fluid)
         sway, _, surge = by_rule(self.hull.still)[:3]
         self.resistance = Resistance(config.damping, self.hull.still, np.zeros(6), munk=sway - surge)
 

@@ -54,8 +54,8 @@ class Config(VesselConfig):
         """It has no fields."""
         return [LedgerRow("ship", "the matrices of the Otter's model", 0, "ship.kind is manoeuvring", STEP)]
 
-    def build(self, basin: Basin, fluid: Fluid) -> Ship:
-        return Manoeuvring(self, basin)
+    def build(self, name: str, basin: Basin, fluid: Fluid) -> Ship:
+        return Manoeuvring(name, self, basin)
 
 
 def skew(a: np.ndarray) -> np.ndarray:
@@ -127,14 +127,14 @@ class Otter:
 class Manoeuvring(Vessel):
     """The Otter under way; its body is hull and payload, about their centre of mass."""
 
-    def __init__(self, config: Config, basin: Basin) -> None:
+    def __init__(self, name: str, config: Config, basin: Basin) -> None:
         self.model = model = Otter()
         centre = from_frame("ned", model.centre)
         keel = np.array([centre[0], model.draught + centre[1], centre[2]])
         inertia = from_frame("ned", from_frame("ned", model.inertia).T)
         matter = Matter(model.mass, keel, inertia)
         body = config.body(matter, float(centre[1]), oriented(0.0, 0.0, 0.0))
-        super().__init__(config, body, Actuators(config, None, None, keel), basin.lower[1])
+        super().__init__(name, config, body, Actuators(config, None, None, keel), basin.lower[1])
         self.arm = centre  # of the centre of mass from the model's origin, our axes [m]
         self.revolutions = np.zeros(2)  # port and starboard [rad/s]
 

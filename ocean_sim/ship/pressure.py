@@ -38,10 +38,10 @@ class Config(FloatingConfig):
     contact: None = None
     """The water's own laws meet this hull."""
 
-    def solids(self, preflight: Preflight) -> tuple[Solid, ...]:
+    def solid(self, preflight: Preflight) -> Solid:
         still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
         flat = preflight.tank.dimension == 2
-        return (Solid(self.whole_hull.shape, still.matter.centre, self.start(still, flat), flat),)
+        return Solid(self.whole_hull.shape, still.matter.centre, self.start(still, flat), flat)
 
     def start(self, still: Hydrostatics, flat: bool) -> RigidBody:
         """The body at the beginning; in a slice a metre of it."""
@@ -64,19 +64,20 @@ class Config(FloatingConfig):
         """Nothing of its own: the water keeps the samples."""
         return []
 
-    def build(self, basin: Basin, fluid: Fluid) -> Ship:
-        return Pressure(self, basin, fluid)
+    def build(self, name: str, basin: Basin, fluid: Fluid) -> Ship:
+        return Pressure(name, self, basin, fluid)
 
 
 class Pressure(Vessel):
     """A hull among the solid bodies of the water."""
 
-    def __init__(self, config: Config, basin: Basin, fluid: Fluid) -> None:
-        solid, water = basin.afloat[0], with_particles(fluid)
+    def __init__(self, name: str, config: Config, basin: Basin, fluid: Fluid) -> None:
+        solid, water = basin.afloat[name], with_particles(fluid)
         assert isinstance(solid, Solid) and water.boundary is not None
-        self.boundary, self.number = water.boundary, len(basin.obstacles)
+        felt = [ship for ship, other in basin.afloat.items() if other.felt]
+        self.boundary, self.number = water.boundary, len(basin.obstacles) + felt.index(name)
         actuators = Actuators(config, config.propeller, config.rudder, solid.centre)
-        super().__init__(config, config.lowered(solid.body, fluid), actuators, basin.lower[1])
+        super().__init__(name, config, config.lowered(solid.body, fluid), actuators, basin.lower[1])
         self.shape = solid.shape
         self.moorings: Moorings | None = None
         if config.moorings:

@@ -36,15 +36,15 @@ class Config(FloatingConfig):
     angular_damping: float = quantity("1/s", 0.4, ge=0.0)
     """Share of the angular velocity that is lost a second."""
 
-    def build(self, basin: Basin, fluid: Fluid) -> Ship:
-        return Thesis(self, basin, fluid)
+    def build(self, name: str, basin: Basin, fluid: Fluid) -> Ship:
+        return Thesis(name, self, basin, fluid)
 
 
 class Thesis(FloatingShip):
     """The hull as columns."""
 
-    def __init__(self, config: Config, basin: Basin, fluid: Fluid) -> None:
-        super().__init__(config, basin, fluid)
+    def __init__(self, name: str, config: Config, basin: Basin, fluid: Fluid) -> None:
+        super().__init__(name, config, basin, fluid)
         self.lost = np.array([config.linear_damping, config.angular_damping])  # [1/s]
         self.columns = Columns(self.hull.still, basin)
 

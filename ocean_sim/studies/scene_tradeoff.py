@@ -19,11 +19,11 @@ import numpy as np
 
 from ocean_sim.conventions import Motions
 from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of, parsed, problem
-from ocean_sim.parts import SLOTS, from_coarse
+from ocean_sim.parts import SLOTS, from_coarse, slot_of
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result
 from ocean_sim.studies.shared.runs import address
-from ocean_sim.studies.shared.scene_run import PICTURES, of, ordered, waves
+from ocean_sim.studies.shared.scene_run import PICTURES, motion_tables, of, ordered, waves
 
 PROFILES = ("ci", "interactive", "thesis", "reference")
 SEEDS = {True: 2, False: 5}  # quick or not
@@ -109,9 +109,9 @@ def varied(texts: list[str]) -> Varied:
 
 def finest(key: str, values: list[Any]) -> Any:
     """The value that costs most and errs least: by its name, or the smallest, or for some keys the greatest."""
-    slot, _, name = key.partition(".")
-    if key in FROM_COARSE or (slot in SLOTS and name == "kind"):
-        order = FROM_COARSE.get(key) or from_coarse(slot)
+    place, _, name = key.rpartition(".")
+    if key in FROM_COARSE or (slot_of(place) in SLOTS and name == "kind"):
+        order = FROM_COARSE.get(key) or from_coarse(slot_of(place))
         return max(values, key=lambda value: order.index(value) if value in order else -1)
     if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
         return max(values) if key.split(".")[-1] in MORE_IS_FINER else min(values)
@@ -146,7 +146,7 @@ def _seeded(scene: str, profile: str | None, sets: dict[str, Node], count: int) 
     """The scene with its own seed and those after it, without pictures, and with a gauge if nothing else is seen."""
     quiet: dict[str, Any] = dict.fromkeys(PICTURES) | sets
     first = load(scene, quiet, profile)
-    if first.ship is None and "gauges" not in first.observers:
+    if not first.ships and "gauges" not in first.observers:
         middle = [0.0, 0.0] if first.basin.width is not None else [0.0]
         quiet = {"gauges.elevation": {"centre": middle}} | quiet
     return tuple(load(scene, quiet | {"seed": first.seed + k}, profile) for k in range(count))
@@ -156,9 +156,11 @@ def errors(result: Result, reference: Result) -> dict[str, float | None]:
     """What a user sees of a run, minus the same of the reference."""
     found: dict[str, float | None] = {}
     legs = []
+    motions = [f"{name}_{unit}" for name in Motions._fields for unit in ("m", "rad")]
+    afloat = motion_tables(reference)
     for table, columns in (
         ("gauges", None),
-        ("motion", [f"{name}_{unit}" for name in Motions._fields for unit in ("m", "rad")]),
+        *((table, motions) for table in afloat),
         ("platform", [f"leg{k}_m" for k in range(1, 7)]),
     ):
         own, other = of(result, table), of(reference, table)
@@ -170,7 +172,7 @@ def errors(result: Result, reference: Result) -> dict[str, float | None]:
                 legs.append(apart)
             else:
                 stem, unit = name.rsplit("_", 1)
-                found[f"{stem}_rms_{unit}"] = apart
+                found[f"{afloat.get(table, '')}{stem}_rms_{unit}"] = apart
             if table == "gauges":
                 found |= _of_waves(name.removesuffix("_m"), own, other)
     return found | ({"legs_rms_m": float(np.sqrt(np.mean(np.square(legs))))} if legs else {})

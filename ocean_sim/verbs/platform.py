@@ -88,6 +88,9 @@ def opened(stream: str, packets: str) -> datagrams.Sender:
 def opened_log(log: Path, frame: str | None) -> MotionLog:
     """A motion log, or the one in a run folder, that can be converted to this frame; raises Refused."""
     path = log / "motion.csv" if log.is_dir() else log
+    several = sorted(found.name for found in log.glob("motion_*.csv")) if log.is_dir() and not path.exists() else []
+    if several:
+        raise console.Refused(f"{log} holds the logs of several ships; name one of {', '.join(several)}")
     try:
         found = motion_log.read(path)
         if frame is not None:

@@ -137,8 +137,8 @@ class Session:
     def obey(self) -> None:
         """What was asked for since the last picture, but snapshots."""
         panel = self.panel
-        if panel.take("helm") and self.simulation.ship is not None:
-            panel.person = self.simulation.ship.hand_over()
+        if panel.take("helm") and panel.ship:
+            panel.person = self.simulation.ships[panel.ship].hand_over()
         reset, wind = panel.take("reset"), panel.take("wind")
         if reset or (wind and panel.wind != self.playing):
             self.rebuild(panel.wind)

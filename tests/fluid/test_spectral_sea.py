@@ -193,7 +193,7 @@ def test_a_ship_goes_through_a_sea_that_answers_as_through_one_in_closed_form():
             elif kind == "spectral_sea":
                 simulation.fluid.made.clear()
             simulation.run(1.0)
-            body = simulation.ship.body
+            body = simulation.ships["ship"].body
             found.append(np.concatenate([body.position, body.orientation, body.velocity, body.angular_momentum]))
     np.testing.assert_array_equal(found[0], found[1])
     np.testing.assert_array_equal(found[0], found[2])

@@ -101,7 +101,7 @@ class Watched:
             wind=SimpleNamespace(still=True),
             fluid=SimpleNamespace(kind="computed", steady_force=(0.0, 0.0, 0.0), driven=False),
             surface=None,
-            ship=None,
+            ships={},
             time_step=Courant(),
             warnings=list,
             ledger=lambda: [LedgerRow("fluid", "particles", 1024, "a computed sea")],
@@ -109,7 +109,7 @@ class Watched:
         )
         self.backend = SimpleNamespace(arch="cpu", threads=2, precision="f32")
         self.time_step = SimpleNamespace(limited_by="acoustic")
-        self.surface = self.ship = None
+        self.surface, self.ships = None, {}
         self.observers = []
         self.time, self.steps, self.outcome, self.reason = 0.0, 0, "running", ""
 

@@ -149,7 +149,7 @@ def test_the_whole_basin_is_in_the_part_of_the_picture_that_no_panel_covers(came
 
 
 def test_the_eye_at_the_helm_moves_with_the_ship_and_looks_over_the_bow(coarse):
-    ship = coarse.ship
+    ship = coarse.ships["ship"]
     view = preview_eye.View(PreviewScene(coarse).box, (0.0, 0.0, 1.0, 1.0), 1.5)
     eye = preview_eye.seen("helm", preview_eye.Orbit(0.0, 0.4, 1.0), view, ship, 15.0)
     np.testing.assert_allclose(eye.position, ship.body.position + ship.body.matrix @ ship.points["helm"])
@@ -167,9 +167,9 @@ def test_what_is_seen_lies_where_the_simulation_has_it(coarse):
     assert net.vertices[:, 1].mean() == pytest.approx(heights.mean(), abs=0.02)
     balls = scene.particles(small=False)
     assert len(balls.positions) == coarse.fluid.particles.n and balls.every == 1
-    hull = scene.ship()
+    hull = scene.afloat()
     low, high = hull.vertices.min(axis=0), hull.vertices.max(axis=0)
-    assert (low < coarse.ship.body.position).all() and (coarse.ship.body.position < high).all()
+    assert (low < coarse.ships["ship"].body.position).all() and (coarse.ships["ship"].body.position < high).all()
     ends, colours = scene.lines()
     assert len(ends) == len(colours) and np.isfinite(ends).all()
     assert ends[..., 1].min() >= scene.lower[1] - 1e-9  # no volume is drawn below the bed
@@ -264,7 +264,7 @@ def test_a_moved_stiffness_is_that_of_the_equation_of_state(coarse):
 
 
 def test_a_person_steers_through_the_same_rate_limits_as_any_crew(coarse):
-    ship, machine = coarse.ship, coarse.ship.actuators
+    ship, machine = coarse.ships["ship"], coarse.ships["ship"].actuators
     crew, before = machine.crew, ship.orders
     person = ship.hand_over()
     assert person.order(0.0, ship.body) == before  # nothing jumps when the helm changes hands

@@ -5,7 +5,7 @@ import pytest
 
 from ocean_sim import conventions
 from ocean_sim.files import csv_file
-from ocean_sim.observers.motion import Motion
+from ocean_sim.observers.motion import Log
 from ocean_sim.observers.motion import columns as logged
 from ocean_sim.platform.shared.motion_log import FORCES, FRAMES, converted, convertible, negated, read, ride_of
 from ocean_sim.ship import PARTS
@@ -166,7 +166,7 @@ def test_a_worked_specific_force_as_the_log_tells_it(frame, felt):
     ship = SimpleNamespace(
         body=body, last=load, acceleration=turn @ acceleration, turning=turn @ change, orders=[0.0, 0.0]
     )
-    observer = Motion.__new__(Motion)
+    observer = Log.__new__(Log)
     observer.frame, observer.arm, observer.gravity = frame, arm, np.array([0.0, -G, 0.0])
     row = dict(zip(logged(PARTS)[2:], observer.row(ship)))
     np.testing.assert_allclose([row[name] for name in FORCES], felt, rtol=0.0, atol=1e-6)

@@ -33,11 +33,11 @@ def run(config: SceneConfig) -> list[bytes]:
     with Simulation(config) as simulation:
         simulation.step()
         simulation.step()
-        particles, surface, ship = simulation.fluid.particles, simulation.surface, simulation.ship
+        particles, surface = simulation.fluid.particles, simulation.surface
         found = [] if particles is None else [particles.position.to_numpy(), particles.velocity.to_numpy()]
         if particles is None or surface is not None:
             found.append((surface or simulation.fluid).elevations(np.linspace([-15.0, 0.0], [15.0, 3.0], 7)))
-        if ship is not None:
+        for ship in simulation.ships.values():
             found += [ship.body.position, ship.body.orientation, ship.body.velocity, ship.last.parts]
         return [np.asarray(array).tobytes() for array in found]
 

@@ -50,8 +50,8 @@ def test_a_hull_that_drifts_under_way_is_turned_further_and_lifted_back(kind):
     ship = {"kind": kind, "hull": "yacht", "velocity": [aside, 0.0, ahead], "damping": {"cross_flow": 0.0}}
     with Simulation(load(at_sea(ship), QUIET | {"runtime.precision": "f64"})) as simulation:
         simulation.step()
-        parts = dict(zip(simulation.ship.parts, simulation.ship.last.parts, strict=True))
-        whole = 1.0 + simulation.ship.added[4] / simulation.ship.body.inertia_body[1, 1]
+        parts = dict(zip(simulation.ships["ship"].parts, simulation.ships["ship"].last.parts, strict=True))
+        whole = 1.0 + simulation.ships["ship"].added[4] / simulation.ships["ship"].body.inertia_body[1, 1]
         assert parts["damping"][1, 1] * whole == pytest.approx(lifted.load(motion)[1, 1], rel=0.05)
 
 
@@ -65,8 +65,8 @@ def test_it_heels_outwards_in_a_turn(way):
         while simulation.time < 25.0:
             simulation.step()
             if simulation.time > 15.0:
-                rolls.append(np.degrees(simulation.ship.body.angles[2]))
-        assert way * simulation.ship.body.rates[1] > 0.05
+                rolls.append(np.degrees(simulation.ships["ship"].body.angles[2]))
+        assert way * simulation.ships["ship"].body.rates[1] > 0.05
         assert 1.0 < way * np.mean(rolls) < 8.0
 
 
@@ -78,7 +78,7 @@ def test_waves_from_abeam_do_not_turn_it_about(kind):
         yaws = []
         while simulation.time < 100.0:
             simulation.step()
-            yaws.append(np.degrees(simulation.ship.body.angles[1]))
+            yaws.append(np.degrees(simulation.ships["ship"].body.angles[1]))
         assert np.abs(yaws).max() < 20.0
 
 

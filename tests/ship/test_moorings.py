@@ -59,7 +59,7 @@ def test_a_barge_between_two_lines_surges_with_the_period_of_its_springs():
     """T = 2 pi sqrt((m + A) / 2k), both lines taut throughout; potential and kinetic energy add up to a constant."""
     lines = [spring(10.0, 40.0, slack_length=25.0), spring(-10.0, -40.0, slack_length=25.0)]
     with Simulation(load(moored(lines, velocity=[0.0, 0.0, 0.5]), QUIET)) as simulation:
-        ship, rows = simulation.ship, []
+        ship, rows = simulation.ships["ship"], []
         whole = ship.body.mass + ship.added[2]
         while simulation.time < 40.0:
             simulation.step()
@@ -81,12 +81,12 @@ def test_a_fender_sends_a_barge_back_as_fast_as_it_came():
         furthest = 0.0
         while simulation.time < 20.0:
             simulation.step()
-            furthest = max(furthest, simulation.ship.body.position[2])
-        whole = simulation.ship.body.mass + simulation.ship.added[2]
-        assert simulation.ship.body.velocity[2] == pytest.approx(-0.5, rel=5e-3)
+            furthest = max(furthest, simulation.ships["ship"].body.position[2])
+        whole = simulation.ships["ship"].body.mass + simulation.ships["ship"].added[2]
+        assert simulation.ships["ship"].body.velocity[2] == pytest.approx(-0.5, rel=5e-3)
         assert furthest == pytest.approx(2.0 + 0.5 * sqrt(whole / STIFF), rel=5e-3)
-        assert simulation.ship.parts == (*PARTS, "mooring")
-        assert "force_mooring_z_N" in motion_observer.columns(simulation.ship.parts)
+        assert simulation.ships["ship"].parts == (*PARTS, "mooring")
+        assert "force_mooring_z_N" in motion_observer.columns(simulation.ships["ship"].parts)
 
 
 def test_a_scene_with_moorings_is_what_its_dump_says_and_a_wrong_point_is_named():
@@ -94,7 +94,7 @@ def test_a_scene_with_moorings_is_what_its_dump_says_and_a_wrong_point_is_named(
     config = load(moored(lines, points={"bow": [0.0, 3.0, 10.0]}), QUIET)
     dumped = config.resolved()["ship"]["moorings"][0]
     assert dumped["from"] == "bow" and dumped["slack_length"] is None
-    assert load(config.resolved()).ship == config.ship
+    assert load(config.resolved()).ships == config.ships
     with pytest.raises(SceneError, match="the ship has no point 'bow'"):
         load(moored(lines, points={"stem": [0.0, 3.0, 10.0]}))
     with pytest.raises(SceneError, match="from"):

@@ -28,10 +28,10 @@ def test_a_barge_floats_at_its_draught_on_the_surface_of_particles(kind):
     """A third of 0.6 m under the surface that the water shows, to 5 %, where they pass through each other."""
     hull = {"shape": BOX, "mass": 400.0, "centre_of_mass": [0.0, 0.2, 0.0]}
     with Simulation(load(tank({"kind": kind, "hull": hull, "contact": None}), QUIET)) as simulation:
-        body, draughts = simulation.ship.body, []
+        body, draughts = simulation.ships["ship"].body, []
         while simulation.time < 3.0:
             simulation.step()
-            body = simulation.ship.body
+            body = simulation.ships["ship"].body
             x, z = np.meshgrid(np.linspace(-0.5, 0.5, 5), np.linspace(-1.0, 1.0, 9))
             level = simulation.surface.elevations(np.stack([x.ravel(), z.ravel()], axis=1)).mean()
             if simulation.time > 1.5:
@@ -58,7 +58,7 @@ def draught(simulation: Simulation) -> float:
     density would be 15 mm too high: 1.2 m of water that yields by 2 % at the bed."""
     apart = np.linspace(0.8, 1.5, 8)
     gauges = np.array([(x, 0.0) for x in (*-apart, *apart)])
-    return simulation.fluid.elevations(gauges).mean() - (simulation.ship.body.position[1] - 0.3)
+    return simulation.fluid.elevations(gauges).mean() - (simulation.ships["ship"].body.position[1] - 0.3)
 
 
 def settled(simulation: Simulation, first: float, last: float) -> float:
@@ -74,14 +74,14 @@ def settled(simulation: Simulation, first: float, last: float) -> float:
 def test_the_waters_pressure_alone_carries_a_box():
     config = load(slice_of_water(500.0, spacing=0.1), QUIET)
     with Simulation(config) as simulation:
-        first = simulation.ship.body.velocity * simulation.ship.body.mass
+        first = simulation.ships["ship"].body.velocity * simulation.ships["ship"].body.mass
         pushed = np.zeros(3)
         before = simulation.fluid.boundary.impulses()[0]
         while simulation.time < 0.6:
             dt = simulation.next_dt
             simulation.step()
-            pushed += dt * simulation.ship.last.force
-        body = simulation.ship.body
+            pushed += dt * simulation.ships["ship"].last.force
+        body = simulation.ships["ship"].body
         assert draught(simulation) == pytest.approx(0.4, rel=0.05)
         np.testing.assert_allclose(body.mass * body.velocity - first, pushed * [1.0, 1.0, 0.0], atol=1e-6 * body.mass)
         weight = body.mass * 9.81 * simulation.time
@@ -97,7 +97,7 @@ def test_the_waters_pressure_alone_carries_a_box():
         start, height, speed = simulation.time, body.position[1], body.velocity[1]
         with pytest.raises(Diverged, match="sunk to the bed"):
             simulation.run(3.0)
-        fallen, t = height - simulation.ship.body.position[1], simulation.time - start
+        fallen, t = height - simulation.ships["ship"].body.position[1], simulation.time - start
         assert fallen == pytest.approx(0.5 * 9.81 * t * t - speed * t, abs=0.05)
 
 
@@ -115,7 +115,7 @@ def test_light_and_heavy_bodies_are_stable(density):
     with Simulation(load(slice_of_water(density, spacing=0.04), QUIET)) as simulation:
         while simulation.time < 0.6:
             simulation.step()
-        body = simulation.ship.body
+        body = simulation.ships["ship"].body
         assert np.linalg.norm(body.velocity) < 0.1
         assert simulation.fluid.sunk == pytest.approx(0.012, rel=0.05)
         assert draught(simulation) == pytest.approx(0.8 * density / 1000.0, rel=0.02)
@@ -138,7 +138,7 @@ def test_a_half_immersed_cylinder_bobs_as_potential_flow_says():
         rows = []
         while simulation.time < 0.7:
             simulation.step()
-            rows.append((simulation.time, simulation.ship.body.position[1] / rise))
+            rows.append((simulation.time, simulation.ships["ship"].body.position[1] / rise))
     t, y = np.array(rows).T
     low = int(np.argmin(y))
     high = low + int(np.argmax(y[low:]))

@@ -27,7 +27,7 @@ def sailed(scene: dict, until: float) -> np.ndarray:
     with Simulation(load(scene, QUIET)) as simulation:
         while simulation.time < until:
             simulation.step()
-            body = simulation.ship.body
+            body = simulation.ships["ship"].body
             speed = np.hypot(body.velocity[0], body.velocity[2])
             rows.append((simulation.time, body.position[0], body.position[2], np.degrees(body.angles[1]), speed))
     return np.array(rows).T

@@ -62,7 +62,7 @@ def test_a_sphere_let_go_a_little_swings_as_linear_theory_says():
     """Extrema of the Cummins equation, solved in the frequency domain with Hulme's coefficients."""
     ship = {"kind": "dynamic", "hull": "sphere", "free": ["heave"], "radiation": str(SPHERE)}
     with Simulation(load(at_sea(ship, 10.0, 0.02))) as simulation:
-        rest = simulation.ship.body.position.copy()
+        rest = simulation.ships["ship"].body.position.copy()
         pose(simulation, position=rest + [0.0, 0.05, 0.0])
         path = [(t, (b.position[1] - rest[1]) / 0.05) for t, b in track(simulation, 7.0)]
     t, y = np.array(path).T
@@ -82,8 +82,8 @@ def test_a_scene_that_is_written_out_and_read_again_has_the_same_damping(changes
     again = load(first.resolved(), changes)
     for scene in (first, again):
         with Simulation(scene) as simulation:
-            linear, surge = simulation.ship.resistance.linear, simulation.ship.resistance.surge
-            rest = simulation.ship.body.position.copy()
+            linear, surge = simulation.ships["ship"].resistance.linear, simulation.ships["ship"].resistance.surge
+            rest = simulation.ships["ship"].body.position.copy()
             pose(simulation, position=rest + [0.0, 0.5, 0.0])
             path = np.array([b.position for _, b in track(simulation, 1.0)])
         assert linear[1] == 0.0 and linear[3] > 0.0 and surge > 0.0

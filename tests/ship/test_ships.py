@@ -39,7 +39,7 @@ def state(body: rigid.RigidBody) -> dict:
 
 def load_at(simulation: Simulation, **changes):
     """The load with another state."""
-    ship = simulation.ship
+    ship = simulation.ships["ship"]
     ship.body = replace(ship.body, **changes)
     return ship.load(simulation.wind_on_ship, simulation.fluid, simulation.fluid)
 
@@ -49,7 +49,7 @@ def barge():
     """A dynamic barge in calm water that tests may push about; the state it begins with."""
     config = load(calm({"kind": "dynamic", **BARGE}), QUIET | {"runtime.precision": "f64"})
     with Simulation(config) as simulation:
-        yield simulation, simulation.ship.body
+        yield simulation, simulation.ships["ship"].body
 
 
 def test_afloat_nothing_acts(barge):
@@ -75,7 +75,7 @@ def test_a_heeled_and_trimmed_ship_is_righted_whatever_its_heading(barge, headin
     yaw = np.radians(heading)
     heeled = load_at(simulation, **state(rest) | {"orientation": rigid.oriented(0.0, yaw, 0.1)})
     own = rigid.about(1, yaw).T @ heeled.torque
-    added = simulation.ship.added[5] / (simulation.ship.added[5] + rest.inertia_body[2, 2])
+    added = simulation.ships["ship"].added[5] / (simulation.ships["ship"].added[5] + rest.inertia_body[2, 2])
     assert own[2] / (1.0 - added) == pytest.approx(-rest.mass * 9.81 * 1.166667 * 0.1, rel=0.03)
     assert abs(own[0]) < 1e-3 * abs(own[2])
 
@@ -85,7 +85,7 @@ def test_added_mass_makes_it_slower_by_its_share(barge):
     simulation, rest = barge
     higher = load_at(simulation, **state(rest) | {"position": rest.position + np.array([0.0, 0.1, 0.0])})
     stiffness = 1000.0 * 9.81 * 160.0
-    whole = rest.mass + simulation.ship.added[1]
+    whole = rest.mass + simulation.ships["ship"].added[1]
     assert higher.force[1] / rest.mass == pytest.approx(-0.1 * stiffness / whole, rel=1e-3)
 
 
@@ -101,7 +101,7 @@ class Lifted(SeakeepingShip):
 def test_a_ship_may_add_a_force_of_its_own_and_name_it(barge):
     """It moves the water along with the hull, as every other force does, and has columns in motion.csv."""
     simulation, rest = barge
-    ship = Lifted(simulation.scene.ship, simulation.basin, simulation.fluid)
+    ship = Lifted("ship", simulation.scene.ships["ship"], simulation.basin, simulation.fluid)
     load = ship.load(simulation.wind_on_ship, simulation.fluid, simulation.fluid)
     assert load.parts[-1, 0, 1] == 1000.0 and load.parts.shape == (9, 2, 3)
     assert load.force[1] == pytest.approx(1000.0 * rest.mass / (rest.mass + ship.added[1]), rel=1e-3)
@@ -131,7 +131,7 @@ def test_under_way_it_feels_a_centripetal_force(barge):
         PARTS.index("damping"), 0
     ]
     alone = load_at(simulation, **state(turning)).parts[PARTS.index("damping"), 0]
-    assert abs(both[0] - alone[0]) > 0.2 * simulation.ship.added[2] * 3.0 * r
+    assert abs(both[0] - alone[0]) > 0.2 * simulation.ships["ship"].added[2] * 3.0 * r
 
 
 def test_the_same_bytes_with_one_thread_or_two():
@@ -142,7 +142,9 @@ def test_the_same_bytes_with_one_thread_or_two():
         with Simulation(load(calm(ship, fluid=fluid), QUIET | {"runtime.threads": threads})) as simulation:
             for _ in range(5):
                 simulation.step()
-            states.append(np.concatenate([simulation.ship.body.position, simulation.ship.last.parts.ravel()]))
+            states.append(
+                np.concatenate([simulation.ships["ship"].body.position, simulation.ships["ship"].last.parts.ravel()])
+            )
     np.testing.assert_array_equal(*states)
 
 
@@ -157,7 +159,13 @@ def test_a_ship_in_a_long_wave_follows_its_slope():
             rows = []
             while simulation.time < 3.0 * period:
                 simulation.step()
-                rows.append((simulation.time, simulation.ship.body.position[1] - 0.5, simulation.ship.body.angles[0]))
+                rows.append(
+                    (
+                        simulation.time,
+                        simulation.ships["ship"].body.position[1] - 0.5,
+                        simulation.ships["ship"].body.angles[0],
+                    )
+                )
         t, heave, pitch = np.array(rows).T
         late = t > 2.0 * period
         wave = np.exp(2j * np.pi / period * t[late])
@@ -266,9 +274,9 @@ def test_a_sea_a_ship_and_a_platform_run_to_their_files(tmp_path):
 
 def test_the_hash_of_the_state_knows_the_ship(barge):
     simulation, rest = barge
-    simulation.ship.body = rest
+    simulation.ships["ship"].body = rest
     before = state_sha256(simulation)
-    simulation.ship.body = replace(rest, position=rest.position + 1e-9)
+    simulation.ships["ship"].body = replace(rest, position=rest.position + 1e-9)
     assert state_sha256(simulation) != before
 
 
@@ -277,7 +285,7 @@ def test_an_autopilot_turns_to_its_course():
     with Simulation(load(calm(ship), QUIET)) as simulation:
         while simulation.time < 15.0:
             simulation.step()
-        assert np.degrees(simulation.ship.body.angles[1]) == pytest.approx(60.0, abs=3.0)
+        assert np.degrees(simulation.ships["ship"].body.angles[1]) == pytest.approx(60.0, abs=3.0)
 
 
 def test_wind_pushes_a_ship_downwind_and_only_where_it_is_a_target():
@@ -286,7 +294,7 @@ def test_wind_pushes_a_ship_downwind_and_only_where_it_is_a_target():
         wind = {"kind": "gusts", "volumes": [{"include": [box], "wind_speed": 20.0, "heading_deg": 90.0}]}
         with Simulation(load(calm({"kind": "hydrostatic", **BARGE}, wind=wind | {"targets": targets}), QUIET)) as sim:
             sim.step()
-            parts = dict(zip(PARTS, sim.ship.last.parts, strict=True))
+            parts = dict(zip(PARTS, sim.ships["ship"].last.parts, strict=True))
             exposed = 20.0 * 8.0 + 2.0 * 2.0 * 28.0  # deck and sides above the water [m2]
             drag = 1.225 * (0.8 + 0.065 * 20.0) * 1e-3 * 20.0**2 * exposed
             assert parts["wind_drag"][0, 0] == pytest.approx(drag if blown else 0.0, rel=0.15)
@@ -337,10 +345,10 @@ def test_a_ship_in_distress_stays_in_the_physical_world(keys):
     """Capsized, dropped, under water, tumbling, light, nearly sunk: four times the usual step."""
     config = load(calm({"kind": "dynamic", **BARGE, **keys}), QUIET | {"time_step.dt": 0.1})
     with Simulation(config) as simulation:
-        first = abs(simulation.ship.body.position[1])
+        first = abs(simulation.ships["ship"].body.position[1])
         for _ in range(150):
             simulation.step()
-        body = simulation.ship.body
+        body = simulation.ships["ship"].body
         assert np.isfinite(body.position).all() and np.linalg.norm(body.velocity) < 25.0
         assert abs(body.position[1]) < max(first, 4.0)
 

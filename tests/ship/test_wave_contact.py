@@ -68,7 +68,7 @@ PRESSING = {"kind": "delta_sph", "compression": 0.01, "reference_speed": 3.0}
 
 def momenta(simulation: Simulation) -> np.ndarray:
     """(2, 3) of water and ship [kg m/s]."""
-    water, body = simulation.fluid.particles, simulation.ship.body
+    water, body = simulation.fluid.particles, simulation.ships["ship"].body
     return np.stack(
         [water.mass * water.velocity.to_numpy().astype(float).sum(axis=0), body.mass * np.array(body.velocity)]
     )
@@ -76,7 +76,7 @@ def momenta(simulation: Simulation) -> np.ndarray:
 
 def inside(simulation: Simulation, shape: dict, centre: np.ndarray, tolerance: float) -> int:
     """Particles inside a box by more than a tolerance [m]."""
-    body = simulation.ship.body
+    body = simulation.ships["ship"].body
     half = 0.5 * np.array([shape["breadth"], shape["height"], shape["length"]]) - tolerance
     own = (simulation.fluid.positions() - body.position) @ body.matrix + centre - [0.0, 0.5 * shape["height"], 0.0]
     return int((abs(own) < half).all(axis=1).sum())
@@ -122,7 +122,7 @@ def test_momentum_is_kept_and_at_a_response_of_one_half_the_ledger_shows_exactly
     """Water that presses, in f64; the exchange at one half is the negative control of the first."""
     simulation, start = pressing
     start.put_back()
-    contact, before = simulation.ship.contact, momenta(simulation)
+    contact, before = simulation.ships["ship"].contact, momenta(simulation)
     simulation.run(0.1)
     middle = momenta(simulation)
     whole = middle - before
@@ -148,7 +148,7 @@ def test_a_hull_across_periodic_sides_meets_what_one_in_the_middle_meets(pressin
     impulses = []
     for shift in (0.0, 1.0):
         start.put_back()
-        position, ship = simulation.fluid.particles.position, simulation.ship
+        position, ship = simulation.fluid.particles.position, simulation.ships["ship"]
         x = position.to_numpy()
         x[:, [0, 2]] = (x[:, [0, 2]] + shift + 1.0) % 2.0 - 1.0
         position.from_numpy(x)
@@ -169,7 +169,7 @@ def test_a_light_ship_is_not_thrown_back_and_the_threads_change_nothing(monkeypa
         with Simulation(load(scene, QUIET | {"runtime.threads": threads})) as simulation:
             before = momenta(simulation)
             simulation.run(0.2)
-            gained, body = momenta(simulation) - before, simulation.ship.body
+            gained, body = momenta(simulation) - before, simulation.ships["ship"].body
             assert abs(gained.sum(axis=0)).max() < 1e-5 * 20.0
             assert 5.0 < gained[1][1] < 1.3 * 20.0
             states.append(np.concatenate([body.position, body.velocity, simulation.fluid.positions().ravel()]))
@@ -183,7 +183,7 @@ CENTRE = np.array([0.0, 0.15, 0.0])
 def afloat():
     """A simulation that tests begin anew, and what it takes to do so."""
     with Simulation(load(floating(), QUIET | {"health": {}, "accuracy": {}})) as simulation:
-        particles, ship = simulation.fluid.particles, simulation.ship
+        particles, ship = simulation.fluid.particles, simulation.ships["ship"]
         start = [field.to_numpy().copy() for field in (particles.position, particles.velocity, particles.pressure)]
         yield simulation, start, ship.body, ship.hull.weight.copy()
 
@@ -191,7 +191,7 @@ def afloat():
 def begun(afloat, weight: float = 1.0, **changes) -> Simulation:
     """The simulation at its start, with the ship changed."""
     simulation, start, body, own = afloat
-    particles, ship = simulation.fluid.particles, simulation.ship
+    particles, ship = simulation.fluid.particles, simulation.ships["ship"]
     for field, values in zip((particles.position, particles.velocity, particles.pressure), start):
         field.from_numpy(values)
     simulation.fluid.begin()
@@ -204,7 +204,7 @@ def begun(afloat, weight: float = 1.0, **changes) -> Simulation:
 def test_as_much_water_makes_room_as_the_hull_displaces(afloat):
     """To half a particle, none nearer than half a spacing; and `check` counts what is left, and the distances."""
     simulation, start, body, _ = afloat
-    scene, water, hull = simulation.scene, simulation.fluid.particles, simulation.ship.contact.hull.distance
+    scene, water, hull = simulation.scene, simulation.fluid.particles, simulation.ships["ship"].contact.hull.distance
     gone = 16 * 16 * 6 - water.n
     assert gone * 0.1**3 == pytest.approx(body.mass / 1000.0, abs=0.5 * 0.1**3)
     assert from_a_box(start[0][: water.n, [0, 1, 2]] - body.position + CENTRE, 0.3).min() > 0.04
@@ -216,7 +216,7 @@ def test_as_much_water_makes_room_as_the_hull_displaces(afloat):
 def test_it_floats_as_deep_as_without_contact_and_nothing_is_inside(afloat):
     """To 2 % under the water around it; collisions carry nothing in the mean."""
     simulation = begun(afloat)
-    ship, given, rows = simulation.ship, simulation.fluid.impulse["ship"], []
+    ship, given, rows = simulation.ships["ship"], simulation.fluid.impulse["ship"], []
     x = np.linspace(-0.75, 0.75, 16)
     around_it = np.stack(np.meshgrid(x, x), axis=-1).reshape(-1, 2)
     around_it = around_it[(abs(around_it) > 0.5).any(axis=1)]
@@ -243,7 +243,7 @@ def test_it_floats_as_deep_as_without_contact_and_nothing_is_inside(afloat):
 def test_without_giving_the_push_back_buoyancy_would_count_twice(afloat):
     """A negative control: collisions then hold the water up, and lift the ship out of it by as much."""
     simulation = begun(afloat)
-    ship, shares = simulation.ship, simulation.ship.contact.hull.distance.nodes.to_numpy()
+    ship, shares = simulation.ships["ship"], simulation.ships["ship"].contact.hull.distance.nodes.to_numpy()
     ship.contact.hull.distance.nodes.from_numpy(shares * np.array([1.0, 0.0], dtype=shares.dtype))
     carried, end = [], simulation.time + 0.8
     while simulation.time < end:
@@ -292,7 +292,7 @@ def test_extremes_end_physically_or_with_a_sentence(afloat, extreme):
     weight, changes = EXTREMES[extreme]
     own = {key: value for key, value in changes.items() if key not in ("spin", "steps", "thrust")}
     simulation = begun(afloat, weight, **own)
-    ship = simulation.ship
+    ship = simulation.ships["ship"]
     if "spin" in changes:
         ship.body = spinning(ship.body, changes["spin"])
     if "thrust" in changes:  # of a tenth of its weight
@@ -319,7 +319,7 @@ def test_a_hull_thinner_than_a_spacing_floats():
     plate = {"shape": {"kind": "box", "length": 0.6, "breadth": 0.6, "height": 0.06}, "mass": 10.8}
     with Simulation(load(floating(hull=plate), QUIET | {"health": {}})) as simulation:
         simulation.run(0.5)
-        body = simulation.ship.body
+        body = simulation.ships["ship"].body
         assert np.linalg.norm(body.velocity) < 1.0 and abs(body.position[1]) < 0.15
 
 
@@ -386,4 +386,4 @@ def test_a_ship_is_put_into_water_that_leaves_it_in_peace():
     with Simulation(load("showcase", QUIET)) as simulation:
         while simulation.time < 0.25:
             simulation.step()
-            assert np.linalg.norm(simulation.ship.acceleration) < 0.5
+            assert np.linalg.norm(simulation.ships["ship"].acceleration) < 0.5

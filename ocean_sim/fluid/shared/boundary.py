@@ -97,13 +97,13 @@ def boxes(lattice: Lattice, support: float) -> list[Body]:
     return bodies
 
 
-def floating(lattice: Lattice, support: float) -> list[Body]:
-    """What floats in the basin, likewise."""
-    bodies = []
-    for solid in lattice.basin.afloat:
+def floating(lattice: Lattice, support: float) -> dict[str, Body]:
+    """What floats in the basin, likewise, by name."""
+    bodies = {}
+    for name, solid in lattice.basin.afloat.items():
         if solid.felt:
             position, volume = solid.samples(lattice.spacing, support)
-            bodies.append(Body(position, volume, False, solid.origin))
+            bodies[name] = Body(position, volume, False, solid.origin)
     return bodies
 
 

@@ -149,7 +149,7 @@ class Lattice:
         """(m,) which of them are in no obstacle and in nothing that floats, and (m, 3) where what floats lets them be:
         out of the reach of what is not felt through the water's own laws."""
         wet, positions = ~inside(self.full, self.basin), self.full
-        for solid in self.basin.afloat:
+        for solid in self.basin.afloat.values():
             if solid.felt:
                 wet &= ~solid.inside(self.full, self.spacing)
             else:

@@ -43,7 +43,7 @@ class ParticleWater(ParticleFluid):
     grid: Grid
     walls: Walls
     field: Field
-    contact: Contact
+    contacts: list[Contact]
     bed: "Bed"
     rim: "SeaRim"
 
@@ -75,7 +75,7 @@ class ParticleWater(ParticleFluid):
         self.jet = lattice.jet
         self.time = 0.0  # [s]
         self.emitted_impulse, self.emitted_work = np.zeros(3), 0.0  # [N s], [J]
-        self.meeting_hull = False
+        self.contacts = []
         self.summary: np.ndarray = np.zeros(SUMMARY, dtype=self.particles.position.precision)
 
     @property
@@ -91,8 +91,8 @@ class ParticleWater(ParticleFluid):
         return True
 
     def meet(self, contact: Contact) -> None:
-        """From the first step on feel the push of a hull."""
-        self.contact, self.meeting_hull = contact, True
+        """From the first step on feel the push of one more hull."""
+        self.contacts.append(contact)
 
     def carry(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
         if self.joined and ships:
@@ -118,10 +118,10 @@ class ParticleWater(ParticleFluid):
 
     @ti.func
     def hull_push(self, x, ahead):
-        """Acceleration [m/s2] by a hull of what is at x [m], `ahead` [s] of the beginning of the step."""
+        """Acceleration [m/s2] by all hulls of what is at x [m], `ahead` [s] of the beginning of the step."""
         a = tm.vec3(0.0)
-        if ti.static(self.meeting_hull):
-            a = self.contact.hull.push(x, ahead)
+        for contact in ti.static(self.contacts):
+            a += contact.hull.push(x, ahead)
         return a
 
     @ti.func
@@ -210,8 +210,8 @@ class ParticleWater(ParticleFluid):
         total = self.accounts.total()
         if total and self.jet is not None:
             total["emitter"] = self.emitted_impulse.copy()
-        if total and self.meeting_hull:
-            total["ship"] += self.contact.given
+        if total and self.contacts:
+            total["ship"] += sum(contact.given for contact in self.contacts)
         elif total:
             del total["ship"]
         return total
@@ -223,8 +223,8 @@ class ParticleWater(ParticleFluid):
         total = self.accounts.total_work()
         if total and self.jet is not None:
             total["emitter"] = self.emitted_work
-        if total and self.meeting_hull:
-            total["ship"] += self.contact.work
+        if total and self.contacts:
+            total["ship"] += sum(contact.work for contact in self.contacts)
         elif total:
             del total["ship"]
         return total

@@ -22,7 +22,7 @@ from ocean_sim.fluid.shared.particle_water import ParticleWater
 from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.water import Lattice, WaterConfig, free_fall_speed
 from ocean_sim.model import quantity
-from ocean_sim.parts import LedgerRow, Preflight, Problems
+from ocean_sim.parts import LedgerRow, Preflight, Problems, key_of
 from ocean_sim.wind import Wind
 
 if TYPE_CHECKING:  # it is imported only where there are bodies
@@ -233,15 +233,16 @@ def _of_bodies(grid: GridSize, word: int, each: float, accounts: bool) -> list[L
     every cell's begin. `accounts`: whether the work of gates is summed."""
     lattice, basin = grid.lattice, grid.lattice.basin
     rows: list[LedgerRow] = []
-    if not (basin.obstacles or any(solid.felt for solid in basin.afloat)):
+    if not (basin.obstacles or any(solid.felt for solid in basin.afloat.values())):
         return []
     from ocean_sim.fluid.shared.boundary import boxes, floating, memory
 
-    of_parts = {"basin": boxes(lattice, grid.support), "ship": floating(lattice, grid.support)}
+    afloat = {key_of(name): [body] for name, body in floating(lattice, grid.support).items()}
+    of_parts = {"basin": boxes(lattice, grid.support)} | afloat
     for part, bodies in of_parts.items():
         count, why = sum(len(body.position) for body in bodies), "basin.obstacles"
-        if part == "ship":
-            why = "ship.kind is pressure: the water feels the hull"
+        if part in afloat:
+            why = f"{part}.kind is pressure: the water feels the hull"
         if bodies:
             working = accounts and any(body.gate is not None for found in of_parts.values() for body in found)
             size = memory(count, len(bodies), 0 if rows else grid.cell_count, word, working)
@@ -272,12 +273,12 @@ class Sph(ParticleWater):
         self.reference_speed, self.sound_speed = config.speed(basin), config.sound_speed(basin)
         self.kinematic_viscosity = config.kinematic_viscosity
         self.dt = ti.field(float, shape=())  # [s]
-        self.bodies = bool(basin.obstacles or any(solid.felt for solid in basin.afloat))
+        self.bodies = bool(basin.obstacles or any(solid.felt for solid in basin.afloat.values()))
         if self.bodies:
             from ocean_sim.fluid.shared.boundary import Boundary, boxes, floating
 
             lattice, support = sizes.grid.lattice, sizes.grid.support
-            bodies = [*boxes(lattice, support), *floating(lattice, support)]
+            bodies = [*boxes(lattice, support), *floating(lattice, support).values()]
             self.boundary = Boundary(bodies, self.particles, self.grid, self.pull, self.smoothing, accounts)
         self.field = Field(
             self.particles, self.grid, self.smoothing, self.pull.constant, self.pull, boundary=self.boundary

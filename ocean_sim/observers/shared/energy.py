@@ -30,7 +30,7 @@ def falls_around(simulation: "Simulation") -> bool:
 
 
 def driven(simulation: "Simulation") -> bool:
-    """Whether wind, walls or obstacles that move, a ship, new water or a body force may give energy to the water."""
+    """Whether wind, walls or obstacles that move, ships, new water or a body force may give energy to the water."""
     scene, basin = simulation.scene, simulation.basin.config
     walls = basin.wavemaker or simulation.basin.gates or (basin.lid is not None and any(basin.lid.velocity))
-    return bool(not scene.wind.still or walls or simulation.ship or scene.fluid.driven or falls_around(simulation))
+    return bool(not scene.wind.still or walls or simulation.ships or scene.fluid.driven or falls_around(simulation))

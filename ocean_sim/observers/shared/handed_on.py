@@ -13,9 +13,9 @@ if TYPE_CHECKING:
 
 
 class TakesMotion:
-    """An observer that is handed the columns of new rows of motion.csv, each once, in the order of time."""
+    """An observer that is handed the columns of new rows of a ship's motion log, each once, in the order of time."""
 
-    def take_motion(self, rows: dict[str, np.ndarray], frame: str) -> None:
+    def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
         raise NotImplementedError
 
 

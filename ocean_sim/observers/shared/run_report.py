@@ -90,8 +90,9 @@ class Run:
         sound = next((event["sound_speed_m_s"] for event in self.events if event.get("sound_speed_m_s")), None)
         if sound:
             yield "sound speed", f"{sound:.4g} m/s"
-        for slot in ("wind", "surface", "ship", "platform", "time_step"):
-            part = scene.get(slot)
+        parts = {slot: scene.get(slot) for slot in ("wind", "surface", "ship", "platform", "time_step")}
+        parts |= {f"ship {name}": ship for name, ship in scene.get("ships", {}).items()}
+        for slot, part in parts.items():
             if part:
                 hull = f", {part['hull']}" if isinstance(part.get("hull"), str) else ""
                 gain = f", {part['gain']:g} times a real wind (gain)" if slot == "wind" and "gain" in part else ""
@@ -110,11 +111,16 @@ class Run:
             yield f"<h2>Warnings</h2>\n<ul>{rows}</ul>"
 
     def motion(self) -> Iterator[str]:
-        log = self.read("motion.csv")
+        yield from self.motion_of("Motions of the ship", self.read("motion.csv"))
+        for name in self.scene.get("ships", {}):
+            yield from self.motion_of(f"Motions of {name}", self.read(f"motion_{name}.csv"))
+
+    def motion_of(self, title: str, log: Table) -> Iterator[str]:
+        """The motions of one ship."""
         if "heave_m" not in log:
             return
         time, degrees = log["time_s"], np.degrees
-        yield "<h2>Motions of the ship</h2>"
+        yield f"<h2>{html.escape(title)}</h2>"
         yield plot(curves(time, {"heave": log["heave_m"]}, "heave of the centre of mass [m]"))
         yield plot(curves(time, {n: degrees(log[f"{n}_rad"]) for n in ("roll", "pitch")}, "roll and pitch [deg]"))
         yield plot(curves(time, {"yaw": degrees(np.unwrap(log["yaw_rad"]))}, "yaw [deg]"))
@@ -229,7 +235,8 @@ class Run:
             yield f"<h2>Versions</h2>\n{table(rows)}"
 
     def files(self) -> Iterator[str]:
-        links = [f'<a href="{name}">{name}</a>' for name in FILES if (self.folder / name).exists()]
+        names = [*FILES, *(f"motion_{name}.csv" for name in self.scene.get("ships", {}))]
+        links = [f'<a href="{name}">{name}</a>' for name in names if (self.folder / name).exists()]
         if links:
             yield f"<h2>Files</h2>\n<p>{' · '.join(links)}</p>"
 

@@ -1,5 +1,6 @@
 """Keys of the kinds that float by their own volume, and their hull of cubes in the water of a scene."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from math import isinf, pi, radians, sqrt
@@ -11,15 +12,18 @@ from pydantic import ValidationInfo, field_validator
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.files.input_file import relative_to_scene
+from ocean_sim.fluid import Contact as Contacting
 from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, named
-from ocean_sim.ship import Look
+from ocean_sim.ship import Look, Outline
 from ocean_sim.ship.shared.cubes import Cubes, Wetted
-from ocean_sim.ship.shared.distance import MANY, memory
+from ocean_sim.ship.shared.distance import MANY, Distance, memory
+from ocean_sim.ship.shared.drawn import drawn
 from ocean_sim.ship.shared.hull import Hull, Inertia, explained, hull_of
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.moorings import Mooring, Moorings
+from ocean_sim.ship.shared.outline import outline
 from ocean_sim.ship.shared.propulsion import Propeller, Rudder
 from ocean_sim.ship.shared.rigid_body import RigidBody, matrix, oriented
 from ocean_sim.ship.shared.solid import Solid
@@ -83,22 +87,27 @@ class FloatingConfig(VesselConfig):
         name = self.hull if isinstance(self.hull, str) else ""
         return Look(f"{name} {self.whole_hull.shape.kind}", min(1.0, still.wanted / still.voxels.volume))
 
-    def solids(self, preflight: Preflight) -> tuple[Solid, ...]:
+    def outline(self, preflight: Preflight) -> Outline:
+        still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
+        vertices, _ = drawn(self.whole_hull.shape)
+        return outline(vertices - still.matter.centre, self.body(still.matter, *afloat_pose(still)))
+
+    def solid(self, preflight: Preflight) -> Solid | None:
         if self.contact is None or preflight.spacing is None:
-            return ()
+            return None
         still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
         body = self.body(still.matter, *afloat_pose(still))
         reach = max(RIM, preflight.fluid.support_asked or RIM) * preflight.spacing
-        return (Solid(self.whole_hull.shape, still.matter.centre, body, False, felt=False, reach=reach),)
+        return Solid(self.whole_hull.shape, still.matter.centre, body, False, felt=False, reach=reach)
 
     def mismatches(self, preflight: Preflight) -> Problems:
         found, basin, spacing = Problems(), preflight.tank, preflight.spacing or 0.0
-        for solid in own(preflight):
+        solid = self.solid(preflight)
+        if solid is not None:
             if memory(solid.shape, spacing / FINE, max(solid.reach, RIM * spacing), 8)[0] > MANY:
                 size = " x ".join(f"{x:.3g}" for x in np.ptp(solid.shape.bounds(), axis=0))
                 message = f"a hull of {size} m is too small for particles {spacing:g} m apart"
-                found.append((("hull",), f"{message}; take a smaller fluid.spacing"))
-                continue
+                return [(("hull",), f"{message}; take a smaller fluid.spacing")]
             for axis, _, depth in Sides(solid.shape, solid.centre, basin).beyond(solid.body):
                 if depth.max() > 1e-6:
                     side = "the bed" if axis == 1 else f"a wall across {'xyz'[axis]}"
@@ -153,15 +162,11 @@ class FloatingConfig(VesselConfig):
         size += preflight.fluid.window_bytes(preflight, (ALONG, ACROSS), LEVELS)
         why = f"{self.cells_per_draught:g} cells_per_draught"
         rows = [LedgerRow("ship", f"{n} cubes of the hull", size, why, BODY + CUBE * n)]
-        for solid in own(preflight):
+        solid = self.solid(preflight)
+        if solid is not None:
             count, size = memory(solid.shape, solid.reach / RIM / FINE, solid.reach, word)
             rows.append(LedgerRow("ship", f"{count} distances from the hull", size, "ship.contact with particles"))
         return rows
-
-
-def own(preflight: Preflight) -> list[Solid]:
-    """The hull among what floats in a scene."""
-    return [solid for solid in preflight.solids if isinstance(solid, Solid)]
 
 
 class FloatingHull:
@@ -192,7 +197,9 @@ class FloatingHull:
         if below and closed is not None:
             self.water = SurroundingSea(length, width, height, draught, self.still.gravity, closed)
         else:
-            hollow = (self.contact.hull.distance, self.contact.rim) if self.contact is not None else (None, 0.0)
+            hollow: tuple[Distance | None, float, Sequence[Contacting]] = (None, 0.0, ())
+            if self.contact is not None and water is not None:
+                hollow = (self.contact.hull.distance, self.contact.rim, water.contacts)
             self.water = SurroundingWater(length, width, height, *hollow)
         self.body = self.carried(config.lowered(config.body(matter, *afloat_pose(self.still)), fluid), fluid)
         if self.contact is not None and water is not None:

@@ -10,6 +10,7 @@ import numpy as np
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Fluid, Limits
+from ocean_sim.parts import called
 from ocean_sim.ship import Load
 from ocean_sim.ship.shared.cubes import Wetted
 from ocean_sim.ship.shared.floating import FloatingConfig, FloatingHull
@@ -32,9 +33,9 @@ class FloatingShip(Vessel):
 
     below: ClassVar[bool] = False  # whether it asks the water under its surface, which a closed form answers
 
-    def __init__(self, config: FloatingConfig, basin: Basin, fluid: Fluid) -> None:
+    def __init__(self, name: str, config: FloatingConfig, basin: Basin, fluid: Fluid) -> None:
         self.hull = hull = FloatingHull(config, basin, fluid, self.below)
-        super().__init__(config, hull.body, hull.actuators, basin.lower[1])
+        super().__init__(name, config, hull.body, hull.actuators, basin.lower[1])
         if hull.moorings is not None:
             self.parts = (*self.parts, "mooring")
             self.last = Load.of({}, self.parts)
@@ -78,7 +79,7 @@ class FloatingShip(Vessel):
         super().advance(load, dt)
         if self.aground and self.contact is None and not self.hull.floats:
             x, _, z = self.body.position
-            raise Diverged(f"the ship has sunk to the bed, {-self.bed:g} m down, at ({x:.4g}, {z:.4g}) m")
+            raise Diverged(f"{called(self.name)} has sunk to the bed, {-self.bed:g} m down, at ({x:.4g}, {z:.4g}) m")
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
         return self.hull.cubes.displaced(self.body, self.hull.water)

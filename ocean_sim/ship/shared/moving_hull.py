@@ -93,6 +93,12 @@ class MovingHull:
         return turn @ normal, away, turn @ thinning
 
     @ti.func
+    def away(self, x):
+        """Distance of x [m] from it [m]."""
+        _normal, away, _thinning = self.distance.at(self.turn().transpose() @ self.apart(x))
+        return away
+
+    @ti.func
     def push(self, x, ahead):
         """Acceleration [m/s2] of water at x, where the hull is `ahead` [s] of its pose."""
         d, a = self.apart(x), tm.vec3(0.0)

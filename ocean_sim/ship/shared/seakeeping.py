@@ -57,8 +57,8 @@ class SeakeepingShip(FloatingShip):
 
     below: ClassVar[bool] = True
 
-    def __init__(self, config: SeakeepingConfig, basin: Basin, fluid: Fluid) -> None:
-        super().__init__(config, basin, fluid)
+    def __init__(self, name: str, config: SeakeepingConfig, basin: Basin, fluid: Fluid) -> None:
+        super().__init__(name, config, basin, fluid)
         self.added, radiated = config.added_mass.diagonal(self.hull.still), list[str]()
         self.memory: Memory | None = None
         if config.radiation is not None:

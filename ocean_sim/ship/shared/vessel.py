@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import replace
+from functools import cached_property
 from math import radians, sqrt
 from typing import Annotated, ClassVar
 
@@ -12,10 +13,11 @@ from ocean_sim.basin import Basin
 from ocean_sim.conventions import Diverged, Motions
 from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.model import Vector3, quantity
-from ocean_sim.parts import Problems, ShipConfig
-from ocean_sim.ship import PARTS, Load
+from ocean_sim.parts import Problems, ShipConfig, called
+from ocean_sim.ship import PARTS, Load, Outline
 from ocean_sim.ship.shared.drawn import drawn
 from ocean_sim.ship.shared.hydrostatics import Matter
+from ocean_sim.ship.shared.outline import extreme, outline
 from ocean_sim.ship.shared.pilot import Helmsman
 from ocean_sim.ship.shared.propulsion import Crew, Helm, Person, Propeller, Rudder, towards
 from ocean_sim.ship.shared.rigid_body import RigidBody, advanced, cross, guided, oriented, product, rotated, spinning
@@ -133,11 +135,12 @@ class Actuators:
 class Vessel(ABC):
     """A ship on its way: body, actuators, what acted last, and the points that are named on it. A kind gives `load`."""
 
+    left_out: ClassVar[tuple[str, ...]] = ("corners",)  # of its shape, made again when asked for
     parts: tuple[str, ...] = PARTS
 
-    def __init__(self, config: VesselConfig, body: RigidBody, actuators: Actuators, bed: float) -> None:
+    def __init__(self, name: str, config: VesselConfig, body: RigidBody, actuators: Actuators, bed: float) -> None:
         """`bed`: its height [m]; what lies on it is not modelled."""
-        self.bed, self.body, self.actuators, self.last = bed, body, actuators, Load.of({}, self.parts)
+        self.name, self.bed, self.body, self.actuators, self.last = name, bed, body, actuators, Load.of({}, self.parts)
         self.shape: HullShape | None = None  # what it looks like
         self.free = np.array([motion in config.free for motion in Motions._fields])
         self.points = {name: np.array(point) - actuators.centre for name, point in config.points.items()}
@@ -167,6 +170,16 @@ class Vessel(ABC):
             return None
         vertices, triangles = drawn(self.shape)
         return vertices - self.actuators.centre, triangles
+
+    @cached_property
+    def corners(self) -> np.ndarray | None:
+        """(n, 3) of the convex hull of its shape, from the centre of mass, body axes [m]."""
+        found = self.drawn()
+        return None if found is None else extreme(found[0])
+
+    def outline(self) -> Outline | None:
+        """The room that it takes; None where it has no shape."""
+        return None if self.corners is None else outline(self.corners, self.body)
 
     @abstractmethod
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
@@ -208,12 +221,12 @@ class Vessel(ABC):
         if not speed <= FASTEST:
             x, y, z = before.position
             raise Diverged(
-                f"the ship at ({x:.4g}, {y:.4g}, {z:.4g}) m reached {speed:.4g} m/s (bound {FASTEST:g} m/s); "
-                "try a smaller time step"
+                f"{called(self.name)} at ({x:.4g}, {y:.4g}, {z:.4g}) m reached {speed:.4g} m/s (bound {FASTEST:g} "
+                "m/s); try a smaller time step"
             )
         if after.position[1] < self.bed:
             x, _, z = after.position
-            raise Diverged(f"the ship has sunk to the bed, {-self.bed:g} m down, at ({x:.4g}, {z:.4g}) m")
+            raise Diverged(f"{called(self.name)} has sunk to the bed, {-self.bed:g} m down, at ({x:.4g}, {z:.4g}) m")
         self.acceleration = (after.velocity - before.velocity) / dt
         self.turning = (after.angular_velocity - before.angular_velocity) / dt
         self.body, self.last = after, load

@@ -2,11 +2,13 @@
 
 Asked at a few hundred nodes instead of at every cube; between nodes lines are straight, so still water is exact. Where
 a hull keeps particles out, the surface over them falls into the hole that it leaves: nodes at which it comes near the
-hull are filled straight across from the water on both sides. In a closed form the lattice lies still for a moment, a
-fraction of the waves' period, before it is laid anew around the hull; places count from its middle, so that no digits
-are lost far from the origin.
+hull are filled straight across from the water on both sides, those at the edge of the lattice that come near another
+hull as the nearest that does not. In a closed form the lattice lies still for a moment, a fraction of the waves'
+period, before it is laid anew around the hull; places count from its middle, so that no digits are lost far from the
+origin.
 """
 
+from collections.abc import Sequence
 from math import hypot
 from typing import ClassVar
 
@@ -15,7 +17,7 @@ import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.columns import Columns
-from ocean_sim.fluid import ClosedForm
+from ocean_sim.fluid import ClosedForm, Contact
 from ocean_sim.runtime import Template
 from ocean_sim.ship.shared.distance import Distance
 from ocean_sim.ship.shared.pose import POSE, pose, turned, vector
@@ -106,14 +108,20 @@ class SurroundingWater(Around):
     below = False
 
     def __init__(
-        self, length: float, breadth: float, height: float, hollow: Distance | None = None, rim: float = 0.0
+        self,
+        length: float,
+        breadth: float,
+        height: float,
+        hollow: Distance | None = None,
+        rim: float = 0.0,
+        others: Sequence[Contact] = (),
     ) -> None:
-        """Sizes of the hull [m]; `hollow`: distances from the hull where it keeps particles out, as far as `rim`
-        [m]."""
+        """Sizes of the hull [m]; `hollow`: distances from the hull where it keeps particles out, as far as `rim` [m];
+        `others`: all hulls that do, this one with them."""
         self.reach(length, breadth, height, rim)
         self.hollow = hollow is not None
         if hollow is not None:
-            self.hull, self.rim, self.asked = hollow, rim, ti.field(int, shape=(ALONG, ACROSS))
+            self.hull, self.rim, self.others, self.asked = hollow, rim, others, ti.field(int, shape=(ALONG, ACROSS))
 
     @ti.func
     def look(self, water: Template, table: Template):
@@ -131,17 +139,25 @@ class SurroundingWater(Around):
             self.level[i, k] = node.y
             if ti.static(self.hollow):
                 _normal, away, _thinning = self.hull.at(turn.transpose() @ (node - position))
-                self.asked[i, k] = int(away >= self.rim or k == 0 or k == ACROSS - 1)
+                clear = away >= self.rim or k == 0 or k == ACROSS - 1
+                for other in ti.static(self.others):
+                    if ti.static(other.hull.distance is not self.hull):
+                        clear = clear and other.hull.away(node) >= self.rim
+                self.asked[i, k] = int(clear)
         if ti.static(self.hollow):
             ti.loop_config(serialize=True)
             for i in range(ALONG):
-                last = 0
-                for k in range(1, ACROSS):
+                last = -1
+                for k in range(ACROSS):
                     if self.asked[i, k] == 1:
-                        low, rise = self.level[i, last], self.level[i, k] - self.level[i, last]
+                        low, rise = self.level[i, k], 0.0
+                        if last >= 0:
+                            low, rise = self.level[i, last], self.level[i, k] - self.level[i, last]
                         for inner in range(last + 1, k):
                             self.level[i, inner] = low + rise * (inner - last) / (k - last)
                         last = k
+                for inner in range(last + 1, ACROSS):
+                    self.level[i, inner] = self.level[i, ti.max(last, 0)]
         self.settle(position.x, position.z, heading.x, heading.y)
 
 

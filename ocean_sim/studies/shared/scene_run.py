@@ -56,15 +56,23 @@ def seen(result: Result) -> dict[str, float | None]:
     if len(accuracy.get("compression_max", ())):
         found["compression_max"] = float(accuracy["compression_max"].max())
     found |= {name: float(accuracy[name][-1]) for name in ENERGIES if len(accuracy.get(name, ()))}
-    motion, platform = of(result, "motion"), of(result, "platform")
-    for name in Motions._fields:
-        column = next((key for key in (f"{name}_m", f"{name}_rad") if len(motion.get(key, ()))), None)
-        if column is not None:
-            found[f"{column[: len(name)]}_rms{column[len(name) :]}"] = float(motion[column].std())
+    platform = of(result, "platform")
+    for table, prefix in motion_tables(result).items():
+        motion = of(result, table)
+        for name in Motions._fields:
+            column = next((key for key in (f"{name}_m", f"{name}_rad") if len(motion.get(key, ()))), None)
+            if column is not None:
+                found[f"{prefix}{column[: len(name)]}_rms{column[len(name) :]}"] = float(motion[column].std())
     legs = [platform[f"leg{k}_m"] for k in range(1, 7) if len(platform.get(f"leg{k}_m", ()))]
     if legs:
         found |= {"leg_min_m": float(np.min(legs)), "leg_max_m": float(np.max(legs))}
     return found
+
+
+def motion_tables(result: Result) -> dict[str, str]:
+    """The tables of motion of a run, and what stands before the name of what is measured in each: the ship's."""
+    logs = sorted(path.stem for path in result.folder.glob("motion_*.csv"))
+    return {"motion": ""} | {log: f"{log.removeprefix('motion_')}_" for log in logs}
 
 
 def of(result: Result, name: str) -> dict[str, np.ndarray]:

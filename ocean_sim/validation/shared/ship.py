@@ -32,12 +32,12 @@ def at_sea(ship: dict[str, Any], size: float, dt: float, duration: float = 1.0, 
 
 def ship_of(simulation: Simulation) -> "Ship":
     """The ship of a scene that has one."""
-    return cast("Ship", simulation.ship)
+    return simulation.ships["ship"]
 
 
 def floating(simulation: Simulation) -> "FloatingShip":
     """The ship of a scene that has one of a kind that floats by its volume."""
-    return cast("FloatingShip", simulation.ship)
+    return cast("FloatingShip", simulation.ships["ship"])
 
 
 def pose(simulation: Simulation, **changes: Any) -> None:

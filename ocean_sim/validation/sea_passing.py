@@ -49,9 +49,7 @@ def problems(coarse: bool) -> list[Problem]:
             measured.append(Curve(f"{n} lengths abeam", x, eta))
             expected.append(Curve(f"Havelock, {n} lengths", x, exact))
             still = float(np.abs(by_itself.elevations(cut)).max())
-        return Finding(
-            found | {own.quantity: (still, 0.0, still)}, measured, expected, ("ahead [m]", "elevation [m]")
-        )
+        return Finding(found | {own.quantity: (still, 0.0, still)}, measured, expected, ("ahead [m]", "elevation [m]"))
 
     bare = scene(SIDE, cells, step=STEP) | {"time_step": {"kind": "fixed", "dt": STEP}}
     return [Problem(bare, (*promises.values(), own), measure, schemes=SCHEMES, only=True)]
@@ -102,7 +100,9 @@ def at_point(x: float, z: float, long: float, broad: float) -> float:
         ray = np.exp(1j * np.where(ahead, TURN, -TURN))[:, None]
         k = 0.5 * FAR * (s + 1.0) / width[:, None] * ray
         dk = 0.5 * FAR * ds / width[:, None] * ray
-        inner = (dk * k * np.exp(-0.25 * (k * width[:, None]) ** 2 + 1j * k * w[:, None]) / (k - k0[:, None])).sum(axis=1)
+        inner = (dk * k * np.exp(-0.25 * (k * width[:, None]) ** 2 + 1j * k * w[:, None]) / (k - k0[:, None])).sum(
+            axis=1
+        )
         residue = k0 * np.exp(-0.25 * (k0 * width) ** 2 + 1j * k0 * w)
         whole = (inner - np.where(ahead, 0.0, 2j * np.pi * residue)) / np.cos(t) ** 2
         total += float((weight * whole).sum().real)

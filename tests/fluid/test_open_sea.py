@@ -158,7 +158,7 @@ def test_waves_are_fitted_to_the_patch_and_statements_say_so():
 def test_defaults_follow_from_the_highest_waves_and_stay_open_in_the_dump():
     scene = patch()
     found = band_of(scene)
-    assert found.width == pytest.approx(0.75 * LENGTH) and found.rate == pytest.approx(4.0 * np.pi / PERIOD)
+    assert found.width == pytest.approx(0.75 * LENGTH) and found.rate == pytest.approx(3.0 * np.pi / PERIOD)
     assert scene.resolved()["sea"]["rim"] == {"width": None, "rate": None, "velocity": [0.0, 0.0]}
     assert load(scene.resolved()).resolved() == scene.resolved()
 

@@ -12,6 +12,7 @@ from ocean_sim.simulation import Simulation
 BASIN = {"length": 40.0, "width": 40.0, "depth": 7.5}
 SEA = {"basin": BASIN, "fluid": {"kind": "linear_waves", "height": 0.5, "period": 4.0}}
 PARTICLES = {"basin": BASIN, "fluid": {"kind": "mueller", "spacing": 2.5}}
+PATCH = PARTICLES | {"basin": BASIN | {"walls": "periodic"}}
 PARTS = [(slot, name) for slot in SLOTS for name in named(slot)]
 KINDS = [(slot, kind) for slot in SLOTS for kind in kinds(slot)]
 MANY = 20_000  # particles: scenes with more are stepped with a coarser lattice
@@ -26,7 +27,7 @@ def test_every_scene_validates_under_every_profile(name, profile):
 
 @pytest.mark.parametrize("slot, name", PARTS)
 def test_every_part_validates(slot, name):
-    scene = {"ship": SEA, "surface": PARTICLES | {"fluid": "thesis_6000"}}.get(slot, PARTICLES)
+    scene = {"ship": SEA, "surface": PARTICLES | {"fluid": "thesis_6000"}, "sea": PATCH}.get(slot, PARTICLES)
     assert getattr(load(scene | {slot: name}), slot) is not None
 
 
@@ -35,7 +36,8 @@ def test_every_kind_validates_and_says_its_own_name(slot, kind):
     model = config_of(slot, kind)
     assert issubclass(model, KindConfig)
     afloat = issubclass(model, ShipConfig) and not model.carried_as_body
-    config = getattr(load((SEA if afloat else PARTICLES) | {slot: {"kind": kind} | model.example}), slot)
+    scene = SEA if afloat else PATCH if slot == "sea" else PARTICLES
+    config = getattr(load(scene | {slot: {"kind": kind} | model.example}), slot)
     assert config.kind == kind and isinstance(config, model)
 
 

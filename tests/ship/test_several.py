@@ -7,15 +7,11 @@ import numpy as np
 import pytest
 
 from ocean_sim import load, run
-from ocean_sim.conventions import Diverged
-from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.observers import motion
-from ocean_sim.reading import schema
 from ocean_sim.reading.scene import observer_names
 from ocean_sim.result import Result
 from ocean_sim.simulation import Simulation
 from ocean_sim.state import file
-from tests.conftest import Start
 
 OFF = {name: None for name in observer_names() if name not in ("manifest", "health", "motion")}
 SEA = {"length": 240.0, "width": 240.0, "depth": 60.0, "walls": "none"}

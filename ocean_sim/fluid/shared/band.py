@@ -1,10 +1,10 @@
 """The band of a patch of open sea in which its water is relaxed towards the sea: how wide, how strong, which sea.
 
-In the band dv/dt = rate s^2 (sea - v), s from 0 where it begins to 1 at the seam opposite the ship; everywhere the sea
-is fed by what the scheme takes from it. A wave of complex height a over that of the sea then goes, in the ship's axes
+In the band dv/dt = rate s^PROFILE (sea - v), s from 0 where it begins to 1 at the seam opposite the ship. All water is
+fed by what the scheme takes from the sea. A wave of complex height a over that of the sea then goes, in the ship's axes
 and along its way xi, by
 
-    (group speed - U) da/dxi = -loss a + (rate s^2 / 2) (1 - a) + feed / 2,
+    (group speed - U) da/dxi = -loss a + (rate s^PROFILE / 2) (1 - a) + feed / 2,
 
 with U the ship's speed along it and `loss` the decay of its height less i times how much its frequency is too low. So
 feed = 2 loss holds it up wherever the ship sails, also with it, where no band can renew it.
@@ -19,12 +19,14 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.fluid.shared.initial import of_patch
 from ocean_sim.fluid.shared.lattice import Lattice
+from ocean_sim.waves.absorption import PROFILE
 
-WIDTH, RATE = 0.75, 2.0  # [wavelengths] on either side of the seam, [rad/s over rad/s of the highest waves]
+WIDTH, RATE = 0.75, 1.5  # [wavelengths] on either side of the seam, [rad/s over rad/s of the highest waves]
 MOST = 0.25  # of the patch that it takes on either side
 NARROW = 0.7  # [wavelengths] a band that is narrower gives back more than a twentieth of the waves that a ship makes
 WEAK = 0.07  # of the height of the sea that may be lacking at the ship
 PIECES = 400  # of the way round a patch
+NO_SPEED = 1e-3  # [group speeds] a ship that is nearer to it keeps up with the waves
 
 
 @dataclass(frozen=True)
@@ -44,39 +46,45 @@ class Band:
         return tuple(period for period in self.lattice.basin.periods if period)
 
     @cached_property
-    def main(self) -> tuple[int, float, float]:
-        """The axis of the patch along which the highest waves go mostly, their group speed along it [m/s], and the side
-        of the patch there [m]."""
+    def main(self) -> tuple[float, float]:
+        """Group speed [m/s] of the highest waves along the side of the patch that they go along mostly, and its length
+        [m]."""
         assert self.sea is not None
         k = self.sea.wavevector[self.sea.highest]
         axis = int(np.argmax(np.abs(k[: len(self.sides)])))
         speed = float(waves.group_speed(float(np.hypot(*k)), self.sea.depth, self.sea.gravity))
-        return axis, speed * abs(float(k[axis])) / float(np.hypot(*k)), self.sides[axis]
+        return speed * abs(float(k[axis])) / float(np.hypot(*k)), self.sides[axis]
 
-    def at_ship(self, with_waves: float) -> complex | None:
-        """Complex height of the highest waves at a ship over that of the sea, by the equation above; None where the
-        scheme's loss is unknown. `with_waves`: her speed along their way over their group speed."""
+    def along(self, with_waves: float) -> tuple[np.ndarray, np.ndarray] | None:
+        """Where on the patch along the way of the highest waves, from a ship [m], and their complex height there over
+        that of the sea, by the equation above; None where the scheme's loss is unknown. `with_waves`: her speed along
+        their way over their group speed."""
         if self.sea is None or self.losses is None:
             return None
         loss, feed = (complex(of[self.sea.highest]) for of in (self.losses, self.feed))
-        _, group, side = self.main
-        speed = (1.0 - with_waves) * group
+        group, side = self.main
         xi = (np.arange(PIECES) + 0.5) / PIECES * side - 0.5 * side
-        pull = 0.5 * self.rate * np.clip((np.abs(xi) - (0.5 * side - self.width)) / self.width, 0.0, 1.0) ** 2
-        if abs(speed) < 1e-3 * group:
-            return 0.5 * feed / loss if loss else 1.0
-        decay = np.exp(-(loss + pull) * side / PIECES / abs(speed))
-        aim = (pull + 0.5 * feed) / np.where(loss + pull == 0.0, 1.0, loss + pull)
+        pull = 0.5 * self.rate * np.clip((np.abs(xi) - (0.5 * side - self.width)) / self.width, 0.0, 1.0) ** PROFILE
+        taken = loss + pull
+        aim = np.divide(pull + 0.5 * feed, taken, out=np.ones(PIECES, dtype=complex), where=taken != 0.0)
+        speed = (1.0 - with_waves) * group
+        if abs(speed) < NO_SPEED * group:
+            return xi, aim
+        left = np.exp(-taken * side / PIECES / abs(speed))  # of what comes into a piece, less its aim
         order = range(PIECES) if speed > 0.0 else range(PIECES - 1, -1, -1)
-        a, once = 0.0j, 1.0 + 0.0j
-        for n in order:  # once round from 0, for what comes round in the end: a = once a + what it gains
-            a, once = aim[n] + (a - aim[n]) * decay[n], once * decay[n]
-        a = a / (1.0 - once) if once != 1.0 else 1.0 + 0.0j
-        for n in order:
-            if (speed > 0.0) == (xi[n] > 0.0):
-                break
-            a = aim[n] + (a - aim[n]) * decay[n]
-        return a
+        height, a = np.zeros(PIECES, dtype=complex), 0.0j
+        for _ in range(2):  # the second time round from what is there after the first, of all that is not lost
+            for n in order:
+                a = aim[n] + (a - aim[n]) * left[n]
+                height[n] = a
+            once = np.prod(left)
+            a = a / (1.0 - once) if once != 1.0 else 1.0 + 0.0j
+        return xi, height
+
+    def at_ship(self, with_waves: float) -> complex | None:
+        """The same at the ship."""
+        found = self.along(with_waves)
+        return complex(found[1][PIECES // 2]) if found is not None else None
 
     def statements(self) -> list[str]:
         """What it is, in numbers."""

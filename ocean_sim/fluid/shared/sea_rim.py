@@ -19,6 +19,7 @@ from ocean_sim.fluid import Displacing
 from ocean_sim.fluid.shared.band import Band
 from ocean_sim.runtime import Template
 from ocean_sim.waves import Components, profiles
+from ocean_sim.waves.absorption import PROFILE
 
 LEVELS = 10  # at and below the still level; the last number is a level above it
 WRITTEN = 40  # times in a period of the highest waves
@@ -231,7 +232,7 @@ class SeaRim:
         that of the band is implicit, so that no step overshoots."""
         s, a = self.share(x), tm.vec3(0.0)
         if s > 0.0 or ti.static(self.fed):
-            rate = self.rate * s * s
+            rate = self.rate * tm.max(s, 0.0) ** PROFILE
             if ti.static(self.waving):
                 sea = self.table.at(x)
                 a = rate / (1.0 + rate * dt) * (vec3(sea, 0) - v) + vec3(sea, 3)

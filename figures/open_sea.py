@@ -1,0 +1,86 @@
+"""A patch of open sea: height and phase of a regular wave along it, for five speeds of the rim, beside the model.
+
+Slices of three wavelengths under delta_sph, 40 particles to the wave, steepness ka 0.05; with the feed, and without it
+at the speed of the wave's own energy, where no rim can renew it. Dots: least squares of the velocities in windows of
+half a wavelength, over the last five periods of 25; lines: the equation of one line in `fluid/shared/band.py`.
+
+python figures/open_sea.py [--fast] [--out DIR]
+"""
+
+from typing import Any
+
+import numpy as np
+from _options import options, progress
+from _paper import BLUE, GREEN, INK, ORANGE, PALE, RED, keep, paper, table
+
+from ocean_sim.fluid.shared.band import band
+from ocean_sim.reading.scene import load, observer_names
+from ocean_sim.simulation import Simulation
+from ocean_sim.validation.open_sea import A_PERIOD, COARSE, FINE, GROUP, LENGTH, PATCH, PERIOD, K, around, patch
+from ocean_sim.validation.shared.state import sampled
+
+KA, PERIODS, FAST_PERIODS, JUDGED = 0.05, 25.0, 2.0, 5.0
+SPEEDS = {-1.0: BLUE, 0.0: INK, 0.5: GREEN, 1.0: RED, 1.5: ORANGE}  # [group speeds]
+PLACES = np.linspace(-1.25, 1.25, 11)  # [wavelengths] from the ship
+
+
+def scene(speed: float, feed: float | None, particles: int, periods: float) -> Any:
+    """The wave on a patch whose rim moves."""
+    rim = {"velocity": [speed * GROUP, 0.0]}
+    sea = {"height": 2.0 * KA / K, "period": PERIOD, "rim": rim, "feed": feed}
+    quiet = dict.fromkeys(name for name in observer_names() if name != "manifest")
+    return load(
+        quiet | patch(PATCH, particles, sea, periods), {"fluid": {"kind": "delta_sph", "spacing": LENGTH / particles}}
+    )
+
+
+def measured(config: Any, speed: float, report: Any) -> np.ndarray:
+    """Complex height over that of the sea at PLACES, over the last periods."""
+    found, until = [], config.duration
+    with Simulation(config) as simulation:
+        for water in sampled(simulation, until, PERIOD / A_PERIOD):
+            report(water.time / until)
+            if water.time > until - JUDGED * PERIOD:
+                found.append([around(water, KA / K, speed * GROUP * water.time + place)[0] for place in PLACES])
+    return np.mean(found, axis=0)
+
+
+def main() -> None:
+    asked = options(__doc__, "coarse water, two periods")
+    particles, periods = (COARSE, FAST_PERIODS) if asked.fast else (FINE, PERIODS)
+    cases = [(speed, None, colour) for speed, colour in SPEEDS.items()] + [(1.0, 0.0, RED)]
+    figure, rows = paper(10.0, 4.4), []
+    height, phase = figure.subplots(1, 2)
+    for number, (speed, feed, colour) in enumerate(cases):
+        config = scene(speed, feed, particles, periods)
+        name = f"{speed:+g} group speeds{'' if feed is None else ', no feed'}"
+        a = measured(config, speed, lambda part, n=number, name=name: progress((n + part) / len(cases), name))
+        model = band(config.fluid.lattice(config.preflight.tank))
+        assert model is not None
+        along = model.along(speed)
+        assert along is not None
+        style = "-" if feed is None else "--"
+        height.plot(along[0], np.abs(along[1]), style, color=colour, lw=1.2)
+        height.plot(
+            PLACES, np.abs(a), "o", color=colour, ms=4, label=name, fillstyle="full" if feed is None else "none"
+        )
+        phase.plot(PLACES, np.degrees(np.angle(a)), f"o{style}", color=colour, ms=4, lw=0.8)
+        rows += [
+            (speed, "" if feed is None else feed, x, abs(y), float(np.degrees(np.angle(y)))) for x, y in zip(PLACES, a)
+        ]
+    for panel, title in ((height, "height over that of the sea"), (phase, "phase [deg]")):
+        panel.axvspan(-1.5, -0.75, color=PALE, alpha=0.5)
+        panel.axvspan(0.75, 1.5, color=PALE, alpha=0.5)
+        panel.set(xlabel="from the ship, with the waves [wavelengths]", title=title, xlim=(-1.5, 1.5))
+        panel.grid(color=PALE, lw=0.7)
+    height.set_ylim(0.0, 1.2)
+    height.legend(fontsize=8)
+    head = [f"a patch of {PATCH:g} wavelengths, rim 0.75 on either side, ka {KA:g}, {particles} particles to the wave"]
+    head += [f"the mean of the last {JUDGED:g} of {periods:g} periods; feed: empty is the default"]
+    table(asked.out / "open_sea.csv", head, ["speed", "feed", "place", "height", "phase_deg"], rows)
+    keep(figure, asked.out / "open_sea.png")
+    progress(1.0, "done")
+
+
+if __name__ == "__main__":
+    main()

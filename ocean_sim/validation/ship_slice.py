@@ -2,6 +2,8 @@
 cylinder released, against linear theory.
 
 A cylinder of 0.1524 m is released 0.0254 m too high (Ito 1977; Yeung 1982): extrema by the multipoles of Ursell (1949).
+Its first extremum is 19 % too large and 5.4 % late, past its limits, the second 6 % and 4.7 %, the third 9 % and 4.9 %:
+ten spacings to the radius, over which a kernel of four spacings smooths what presses.
 """
 
 from functools import partial

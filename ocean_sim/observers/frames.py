@@ -65,6 +65,7 @@ class Frames(Observer):
         x, z = grid(basin, config.spacing or fluid.spacing)
         self.shape = (len(x), len(z))
         self.points = pairs(x, z)
+        self.cell = np.array([x[1] - x[0], z[1] - z[0]]) if len(z) > 1 else np.zeros(2)  # [m]; 0 in a slice
         self.ships: list[Ship] = []
         hulls: dict[str, object] = {}
         for name, ship in simulation.ships.items():
@@ -93,12 +94,14 @@ class Frames(Observer):
             return
         particles = simulation.fluid.particles
         shown = simulation.surface or simulation.fluid
-        frame: dict[str, np.ndarray] = {"elevation": shown.elevations(self.points).reshape(self.shape)}
+        origin = self.origin(simulation.fluid)
+        points = self.points + origin
+        frame: dict[str, np.ndarray] = {"elevation": shown.elevations(points).reshape(self.shape)}
         sea = simulation.fluid.plane_waves
         if sea is not None and simulation.fluid.answers:
-            known = waves.elevation(sea, self.points, simulation.time).reshape(self.shape)
-            frame["answer"] = frame["elevation"] - known
-        foam = simulation.fluid.foam(self.points)
+            known = waves.elevation(sea, points, simulation.time).reshape(self.shape)
+            frame |= {"answer": frame["elevation"] - known, "origin": origin}
+        foam = simulation.fluid.foam(points)
         if foam is not None:
             frame["foam"] = foam.reshape(self.shape)
         if simulation.surface is not None:
@@ -117,6 +120,14 @@ class Frames(Observer):
             f"frame_{self.count:05d}", time=simulation.time, **{key: single(array) for key, array in frame.items()}
         )
         self.count += 1
+
+    def origin(self, fluid: Fluid) -> np.ndarray:
+        """(2,) x and z of the middle of the points [m]: by whole cells near that of the ships, where they are free to
+        sail on a sea that answers to them; else that of the basin."""
+        if not (fluid.answers and self.ships and self.cell.all()):
+            return np.zeros(2)
+        middle = np.mean([ship.body.position[[0, 2]] for ship in self.ships], axis=0)
+        return self.cell * np.round(middle / self.cell)
 
     def resumed(self, changed: str) -> None:
         """Delete frames that were made after the state from which the run continues."""

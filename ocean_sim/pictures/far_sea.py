@@ -61,10 +61,11 @@ class FarSea:
         drawn = (self.fade_x**2 * k2) @ (self.fade_z**2).T
         self.variance = 0.5 * np.maximum(k2.sum() - drawn, 0.0)
 
-    def at(self, time: float) -> SeaSample:
-        """The sea at a time [s]."""
+    def at(self, time: float, origin: np.ndarray) -> SeaSample:
+        """The sea at a time [s], on nodes around an origin x, z [m]."""
         sea, share = self.sea, self.sea.grown(time)
-        turning = share * sea.amplitude * np.exp(1j * np.mod(sea.phase - sea.omega * time, 2.0 * pi))
+        phase = np.mod(sea.phase + sea.wavevector @ origin - sea.omega * time, 2.0 * pi)
+        turning = share * sea.amplitude * np.exp(1j * phase)
         x = self.along_x * turning
         z = self.along_z.T
         # The real part of a product of complex matrices is two products of real ones.

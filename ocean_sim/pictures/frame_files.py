@@ -29,6 +29,7 @@ class Frame:
             self.foam = (
                 file["foam"].astype(np.float64) if "foam" in file else None
             )  # share that broken crests made white
+            self.origin = file["origin"].astype(np.float64) if "origin" in file else np.zeros(2)  # of all these [m]
             self.position = file["position"] if "position" in file else None
             self.velocity = file["velocity"] if "velocity" in file else None
             self.ships = {key: (file[f"{key}_position"], file[f"{key}_turn"]) for key in ships_in(file, "_turn")}

@@ -26,6 +26,10 @@ class Picture:
         self.lower, self.upper = grid["lower"].copy(), grid["upper"].copy()
         self.upper[1] = max(0.12 * float(grid["depth"]), float(first.elevation.max()))
         flat = bool(self.lower[2] == self.upper[2])
+        if "sea_answers" in grid:  # ships are free to leave the basin
+            for track in log.tracks.values():
+                self.lower[[0, 2]] = np.minimum(self.lower, track.position.min(axis=0))[[0, 2]]
+                self.upper[[0, 2]] = np.maximum(self.upper, track.position.max(axis=0))[[0, 2]]
         models = {key: kept_model(grid, key) for key in ships_in(grid, "_vertices")}
         vessels = {
             key: Vessel(model.length, model.helm, log.tracks[key]) for key, model in models.items() if key in log.tracks

@@ -79,6 +79,7 @@ class Sea:
         shown["rippleVariance"] = slope_variance(state.wind.speed) if order.ripples else 0.0
         shown["rippleLongest"] = np.clip(2.0 * state.resolved, *RIPPLES)
         self.shaded.set(**shown)
+        self.origin = np.zeros(2)  # x, z of the nodes' [m]
         self.mirror: Mirror | None = None
         self.spray = Spray(stage, float(grid["spacing"])) if order.foam and state.exact is None else None
         sides = self.surface.x, self.surface.z
@@ -91,10 +92,11 @@ class Sea:
     def show(self, frame: Frame) -> None:
         now, surface, mesh = self.surface.at(frame), self.surface, self.shaded.mesh
         self.height = now.height
+        self.lie(frame.origin)
         crest = (now.height - self.state.level) / max(0.5 * self.state.height, 1e-3)
         white = np.maximum(surface.foam(now.convergence, self.order.foam_cover), surface.broken(frame))
         for wake in self.wakes:
-            white = np.maximum(white, wake.share(frame.time))
+            white = np.maximum(white, wake.share(frame.time, frame.origin))
         traits = np.stack([white, crest, now.variance], axis=-1)
         self.points[:, 1] = now.height.ravel()
         mesh.points = self.points
@@ -113,12 +115,19 @@ class Sea:
         if self.spray is not None and frame.position is not None:
             self.spray.show(frame.position, self.heights_at(frame.position[:, [0, 2]]))
 
+    def lie(self, origin: np.ndarray) -> None:
+        """Put the nodes around an origin x, z [m]."""
+        if not np.array_equal(origin, self.origin):
+            self.origin = origin
+            self.points[:, [0, 2]] = self.surface.nodes + origin
+            self.surface.grain = self.surface.grain_at(origin)
+
     def heights_at(self, positions: np.ndarray) -> np.ndarray:
         """(n,) drawn heights [m] at positions x, z (n, 2) [m]."""
         from scipy.interpolate import RegularGridInterpolator
 
         grid = self.surface.x, self.surface.z
-        return RegularGridInterpolator(grid, self.height, bounds_error=False, fill_value=None)(positions)
+        return RegularGridInterpolator(grid, self.height, bounds_error=False, fill_value=None)(positions - self.origin)
 
     def meet(self, k: int, hull: "Waterline", position: np.ndarray, turn: np.ndarray) -> float:
         """Where ship k meets the water: foam along its waterline, no water inside it, and the place of its mirror

@@ -15,7 +15,8 @@ GRAIN = 7.0  # [m] apart at which white water gathers along a crest
 
 
 class SeaSurface:
-    """Nodes of a grid that is even within the basin and widens to the horizon; only heights change."""
+    """Nodes of a grid that is even within the basin and widens to the horizon; only heights change, and the origin
+    where ships sail away."""
 
     def __init__(self, grid: Any, state: SeaState, nodes: int) -> None:
         """`nodes`: about how many lie within the basin."""
@@ -39,8 +40,12 @@ class SeaSurface:
         self.nodes = np.stack(np.meshgrid(self.x, self.z, indexing="ij"), axis=-1).reshape(-1, 2)
         self.triangles = triangles(len(self.x), len(self.z))
         self.near = np.ix_(self.blend_weight(0) > 0.0, self.blend_weight(1) > 0.0)
-        gathered = noise(self.nodes[:, 0] / GRAIN, self.nodes[:, 1] / GRAIN)[0]
-        self.grain = 0.5 + gathered.reshape(len(self.x), len(self.z))
+        self.grain = self.grain_at(np.zeros(2))
+
+    def grain_at(self, origin: np.ndarray) -> np.ndarray:
+        """(nx, nz) how readily white water gathers at the nodes around an origin x, z [m]."""
+        x, z = (self.nodes + origin).T / GRAIN
+        return 0.5 + noise(x, z)[0].reshape(len(self.x), len(self.z))
 
     def blend_weight(self, k: int) -> np.ndarray:
         """Share of the basin's own waves at the nodes along one side."""
@@ -57,7 +62,7 @@ class SeaSurface:
 
     def at(self, frame: Frame) -> far_sea.SeaSample:
         """Heights, convergence and lost slopes at all nodes (nx, nz)."""
-        far = self.far.at(frame.time)
+        far = self.far.at(frame.time, frame.origin)
         if self.state.exact is not None and frame.answer is None:
             return far
         x, z = self.own

@@ -23,11 +23,11 @@ class Wake:
         stern = track.position - STERN * vessel.length * track.turn[:, :, 2]
         self.position = stern[:, [0, 2]]
 
-    def share(self, time: float) -> np.ndarray:
-        """(nx, nz) at a time [s]."""
+    def share(self, time: float, origin: np.ndarray) -> np.ndarray:
+        """(nx, nz) at a time [s], on nodes around an origin x, z [m]."""
         share = np.zeros((len(self.x), len(self.z)))
         moments = np.linspace(max(self.time[0], time - AGE), time, STEPS)
-        position = np.stack([np.interp(moments, self.time, self.position[:, k]) for k in range(2)], axis=1)
+        position = np.stack([np.interp(moments, self.time, self.position[:, k]) for k in range(2)], axis=1) - origin
         along = np.diff(position, axis=0)
         length2 = np.maximum((along**2).sum(axis=1), 1e-9)
         seconds = max(float(moments[-1] - moments[0]), 1e-9) / (STEPS - 1)

@@ -20,7 +20,7 @@ def steaming(speed: float) -> wake.Wake:
 
 
 def test_a_wake_lies_where_the_stern_was_and_fades_with_age():
-    share = steaming(4.0).share(12.0)
+    share = steaming(4.0).share(12.0, np.zeros(2))
     middle, stern = np.abs(NODES).argmin(), -wake.STERN * 15.0
     on_track = share[middle]
     assert not on_track[NODES > stern + 4.0].any()  # none before the stern
@@ -34,9 +34,16 @@ def test_a_wake_lies_where_the_stern_was_and_fades_with_age():
     assert not share[np.abs(NODES) > 8.0].any()
 
 
+def test_a_wake_stays_where_it_is_while_the_nodes_follow_the_ship():
+    there, then = steaming(4.0).share(12.0, np.zeros(2)), steaming(4.0).share(12.0, np.array([0.0, -10.0]))
+    np.testing.assert_allclose(there[:, :-20], then[:, 20:], atol=1e-12)
+
+
 def test_a_ship_that_rests_leaves_no_wake():
-    assert not steaming(0.0).share(12.0).any()
-    assert steaming(2.0).share(12.0).max() == pytest.approx(0.5 * steaming(4.0).share(12.0).max(), rel=0.05)
+    assert not steaming(0.0).share(12.0, np.zeros(2)).any()
+    assert steaming(2.0).share(12.0, np.zeros(2)).max() == pytest.approx(
+        0.5 * steaming(4.0).share(12.0, np.zeros(2)).max(), rel=0.05
+    )
 
 
 def test_a_box_has_six_faces_that_look_outwards():

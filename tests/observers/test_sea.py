@@ -17,6 +17,7 @@ from ocean_sim.pictures import ripples as ripples_module
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 LOWER, UPPER = np.array([-20.0, -7.5, -15.0]), np.array([20.0, 0.0, 15.0])
 X, Z = points_module.middles(-20.0, 20.0, 1.25), points_module.middles(-15.0, 15.0, 1.25)
+HERE = np.zeros(2)
 GRID = {"x": X, "z": Z, "lower": LOWER, "upper": UPPER, "depth": 7.5, "spacing": 1.25}
 
 
@@ -27,7 +28,7 @@ def standing(time: float) -> SimpleNamespace:
     for p, q in [(2, 1), (4, 3), (7, 2), (3, 6), (9, 5)]:
         shape = np.outer(np.cos(p * np.pi * (X + 20.0) / 40.0), np.cos(q * np.pi * (Z + 15.0) / 30.0))
         height += 0.12 * np.cos(rng.uniform(1.0, 2.0) * time + rng.uniform(0.0, 6.28)) * shape
-    return SimpleNamespace(time=time, elevation=0.05 + height, answer=None)
+    return SimpleNamespace(time=time, elevation=0.05 + height, answer=None, origin=HERE)
 
 
 def spectrum(seed: int = 1) -> waves.Components:
@@ -49,14 +50,14 @@ def test_inside_the_basin_the_drawn_height_is_the_kept_one_within_a_millimetre()
     at_x, at_z = (np.abs(nodes[:, None] - known).argmin(axis=0) for nodes, known in ((surface.x, X), (surface.z, Z)))
     np.testing.assert_allclose(surface.x[at_x], X, atol=1e-9)  # the points that are known are nodes
     assert np.abs(drawn[np.ix_(at_x, at_z)] - frame.elevation).max() < 1e-3
-    shifted = SimpleNamespace(time=frame.time, elevation=frame.elevation + 0.01, answer=None)
+    shifted = SimpleNamespace(time=frame.time, elevation=frame.elevation + 0.01, answer=None, origin=HERE)
     assert np.abs(surface.at(shifted).height[np.ix_(at_x, at_z)] - frame.elevation).max() > 5e-3
 
 
 def test_a_sea_in_closed_form_is_drawn_as_it_is_at_every_node_of_the_basin():
     sea = spectrum()
     surface = sea_surface.SeaSurface(GRID, state(sea), 5_000)
-    drawn = surface.at(SimpleNamespace(time=12.3, elevation=np.zeros((len(X), len(Z))), answer=None))
+    drawn = surface.at(SimpleNamespace(time=12.3, elevation=np.zeros((len(X), len(Z))), answer=None, origin=HERE))
     inside = (np.abs(surface.x) <= 20.0)[:, None] & (np.abs(surface.z) <= 15.0)
     places = surface.nodes[inside.ravel()]
     assert np.abs(drawn.height[inside] - waves.elevation(sea, places, 12.3)).max() < 1e-9
@@ -65,12 +66,27 @@ def test_a_sea_in_closed_form_is_drawn_as_it_is_at_every_node_of_the_basin():
 def test_what_answers_to_a_ship_is_drawn_on_top_of_the_sea_and_ends_in_the_margin():
     sea, wake = spectrum(), standing(3.0).elevation
     surface = sea_surface.SeaSurface(GRID | {"sea_answers": np.array(True)}, state(sea), 12_000)
-    drawn = surface.at(SimpleNamespace(time=12.3, elevation=np.zeros_like(wake), answer=wake)).height
-    added = drawn - surface.far.at(12.3).height
+    drawn = surface.at(SimpleNamespace(time=12.3, elevation=np.zeros_like(wake), answer=wake, origin=HERE)).height
+    added = drawn - surface.far.at(12.3, HERE).height
     at_x, at_z = (np.abs(nodes[:, None] - known).argmin(axis=0) for nodes, known in ((surface.x, X), (surface.z, Z)))
     assert np.abs(added[np.ix_(at_x, at_z)] - wake).max() < 1e-3
     far = np.abs(surface.x) > 20.0 + 1.01 * surface.margin
     assert not added[far].any()
+
+
+def test_a_sea_that_is_left_behind_is_drawn_around_the_ships():
+    """The exact sea at the places where the nodes lie now, and what answers to ships on top of it there."""
+    sea, wake, away = spectrum(), standing(3.0).elevation, np.array([2.5, 250.0])
+    surface = sea_surface.SeaSurface(GRID | {"sea_answers": np.array(True)}, state(sea), 12_000)
+    frame = SimpleNamespace(time=12.3, elevation=np.zeros_like(wake), answer=0.0 * wake, origin=away)
+    drawn = surface.at(frame).height
+    inside = (np.abs(surface.x) <= 20.0)[:, None] & (np.abs(surface.z) <= 15.0)
+    places = surface.nodes[inside.ravel()] + away
+    assert np.abs(drawn[inside] - waves.elevation(sea, places, 12.3)).max() < 1e-9
+    frame.answer = wake
+    added = surface.at(frame).height - drawn
+    at_x, at_z = (np.abs(nodes[:, None] - known).argmin(axis=0) for nodes, known in ((surface.x, X), (surface.z, Z)))
+    assert np.abs(added[np.ix_(at_x, at_z)] - wake).max() < 1e-3
 
 
 def test_no_edge_shows_where_the_basin_ends():

@@ -126,7 +126,7 @@ def test_waves_that_the_grid_cannot_hold_widen_the_glint_instead():
     far = far_sea.FarSea(sea, x, x, np.full(2, -1.0), np.full(2, 1.0))
     slopes = 0.5 * ((sea.amplitude * sea.wavenumber) ** 2).sum()
     assert far.variance[4, 4] == pytest.approx(0.0, abs=1e-9) and far.variance[0, 0] == pytest.approx(0.5 * slopes)
-    assert abs(far.at(1.0).height[0, 0]) < 1e-9
+    assert abs(far.at(1.0, HERE).height[0, 0]) < 1e-9
 
 
 def test_crests_converge_by_their_wavenumber():

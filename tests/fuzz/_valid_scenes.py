@@ -180,11 +180,20 @@ def scenes(draw: Any, dimension: int | None = None) -> dict[str, Any]:
             scene["basin"].pop(key, None)
     if "ship" in scene and scene["fluid"]["kind"] not in ("linear_waves", "spectral_sea") and draw(st.integers(0, 9)):
         scene.setdefault("surface", draw(slot("surface", dimension)))
+    if scene["fluid"]["kind"] in ("mueller", "delta_sph", "dfsph") and draw(st.integers(0, 5)) == 0:
+        scene["sea"] = draw(slot("sea", dimension))
+        scene["basin"]["walls"] = "periodic"
+        for keys, part in (
+            (("wavemaker", "motion", "lid", "obstacles"), "basin"),
+            (("initial", "fill", "emitter"), "fluid"),
+        ):
+            for key in keys:
+                scene[part].pop(key, None)
     for key in ("title", "seed", "duration", "resolution"):
         if draw(st.booleans()):
             scene[key] = draw(CHOICES[key])
     observers = [name for name, node in SCHEMA["properties"].items() if node.get("anyOf", [{}])[-1] == {"type": "null"}]
-    for name in (name for name in observers if name not in ("wind", "surface", "ship", "platform", "fluid")):
+    for name in (name for name in observers if name not in ("sea", "wind", "surface", "ship", "platform", "fluid")):
         if name not in ("time_step", "manifest", "stream", "health") and draw(st.integers(0, 3)) == 0:
             scene[name] = draw(value(SCHEMA["properties"][name], dimension))
     return scene

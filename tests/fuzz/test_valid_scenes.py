@@ -37,6 +37,7 @@ def test_scenes_of_every_kind_are_drawn_and_their_preflight_is_made():
     assert len(scenes) == 120
     water = {"mueller", "delta_sph", "dfsph", "ballistic", "linear_waves", "spectral_sea"}
     assert water | {"cloth", "marching_cubes"} <= set(kinds)
+    assert sum(scene.sea is not None for scene in scenes) >= 3
     assert sum(bool(scene.ships) for scene in scenes) >= 5
     for scene in scenes:
         found = preflight(scene)

@@ -99,6 +99,15 @@ MORE = {
     "delta_sph, closed": {"basin": AROUND, **water("delta_sph", 0.1, **VORTICES), **TRACED},
     "delta_sph, emitter": {"basin": SLICE, **water("delta_sph", 0.1, **LEFT, **MOUTH)},
     "delta_sph, cloth": {"basin": SQUARE, **water("delta_sph"), **CLOTH, **GAUGES},
+    "delta_sph, patch of a sea": {
+        "basin": SLICE | {"walls": "periodic"},
+        **water("delta_sph", 0.1),
+        "sea": {"kind": "linear_waves", "height": 0.05, "period": 1.0, "rim": {"velocity": [2.0, 0.0]}},
+        **IN_SLICE,
+    },
+    "dfsph, patch of a sea, hydrostatic ship": afloat(
+        "dfsph", "hydrostatic", basin=TANK | {"walls": "periodic"}, surface="cloth", sea="calm"
+    ),
     "delta_sph, pressure ship": afloat("delta_sph", "pressure", wind="wide"),
     "dfsph, closed": {"basin": AROUND, **water("dfsph", 0.1, **VORTICES)},
     "dfsph, rolling tank": {"basin": SLICE | ROLLS, **water("dfsph", 0.1), **IN_SLICE},

@@ -142,3 +142,129 @@ def test_a_run_that_goes_on_from_a_checkpoint_leaves_the_same_bytes(tmp_path):
         assert (folder / name).read_bytes() == (tmp_path / "whole" / name).read_bytes(), name
     whole, cut = (json.loads((path / "manifest.json").read_text()) for path in (tmp_path / "whole", folder))
     assert whole["state_sha256"] == cut["state_sha256"]
+
+
+def test_two_ships_among_particles_push_each_other_through_the_water_and_momentum_is_kept():
+    """Boxes of kind `pressure` in a slice without walls or gravity to speak of: one is driven into the water, which
+    moves the other; what one of them is held back from is the negative control."""
+    water = {"kind": "delta_sph", "spacing": 0.1, "compression": 0.01, "reference_speed": 3.0}
+    water |= {"fill": [{"min": [-1.5, -0.7], "max": [1.5, -0.1]}]}
+    tank = {"length": 8.0, "depth": 2.0, "gravity": [0.0, -1e-15, 0.0], "walls": "none", "floor": "none"}
+    still = {"position": [0.7, -0.4, 0.0]}
+    scene = {"duration": 0.2, "basin": tank, "fluid": water, "runtime": {"precision": "f64", "threads": 1}}
+    scene |= OFF | {"motion": None, "ships": {"a": box(-0.7, position=[-0.7, -0.4, 0.0], velocity=[1.0, 0.0, 0.0])}}
+    scene["ships"]["b"] = box(0.0, **still)
+    with Simulation(load(scene)) as simulation:
+        before, start = momentum(simulation), Start(simulation)
+        simulation.run(0.2)
+        a, b = (ship.body for ship in simulation.ships.values())
+        assert a.velocity[0] < 0.9 and b.velocity[0] > 0.005
+        assert np.abs(momentum(simulation) - before).max() < 1e-11 * np.abs(before).max()
+        start.put_back()
+        simulation.ships["b"].free[:] = False
+        simulation.run(0.2)
+        assert np.abs(momentum(simulation) - before).max() > 1e-3 * np.abs(before).max()
+
+
+def test_two_ships_in_contact_with_particles_keep_momentum_and_each_has_her_impulse_in_the_accounts():
+    """Two boxes that are shot into a block of water that presses, from above and from the side."""
+    water = {"kind": "delta_sph", "spacing": 0.1, "compression": 0.01, "reference_speed": 3.0}
+    water |= {"fill": [{"min": [-0.6, -0.9, -0.3], "max": [0.6, -0.5, 0.3]}]}
+    tank = {"length": 3.0, "width": 2.0, "depth": 1.2, "gravity": [0.0, -1e-15, 0.0], "walls": "none", "floor": "none"}
+    shape = {"kind": "box", "length": 0.4, "breadth": 0.4, "height": 0.3}
+    hull = {"shape": shape, "mass": 60.0, "centre_of_mass": [0.0, 0.15, 0.0], "inertia": [2.0, 2.0, 2.0]}
+    ship = {"kind": "thesis", "hull": hull, "linear_damping": 0.0, "angular_damping": 0.0}
+    ships = {
+        "a": ship | {"position": [-0.3, -0.25, 0.0], "velocity": [0.0, -2.0, 0.1]},
+        "b": ship | {"position": [0.9, -0.7, 0.0], "velocity": [-2.0, 0.0, 0.0]},
+    }
+    scene = {"duration": 0.1, "basin": tank, "fluid": water, "surface": "cloth", "ships": ships}
+    scene |= OFF | {"motion": None, "time_step": {"kind": "fixed", "dt": 0.002}, "runtime": {"precision": "f64"}}
+    with Simulation(load(scene, {"runtime.threads": 1})) as simulation:
+        before = momentum(simulation)
+        simulation.run(0.1)
+        met = [ship.contact.impulse[0] for ship in simulation.ships.values()]
+        assert met[0][1] > 5.0 and met[1][0] > 5.0
+        assert np.abs(momentum(simulation) - before).max() < 1e-11 * 120.0
+        given = sum(contact.given for contact in simulation.fluid.contacts)
+        np.testing.assert_allclose(given, -sum(met), atol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("keys", "sentence"),
+    [
+        ({"ship": "yacht"}, "ship: give either `ship` or `ships`, not both"),
+        ({"ships": ["yacht"]}, "ships: expected a mapping of names to ships, got a list"),
+        ({"ships": {"2nd": "yacht"}}, "ships.2nd: '2nd' is not a name: letters, digits and _, a letter first"),
+        ({"ships": {"ship": "yacht"}}, "ships.ship: 'ship' is the name of a ship that is alone; choose another"),
+        ({"ships": {"a": "yaht"}}, "ships.a: no ship 'yaht'; did you mean 'yacht'?"),
+        ({"ships": {"a": {"kind": "yacht", "mas": 1.0}}}, "ships.a.mas: unknown key; did you mean 'mass'?"),
+        (
+            {"ships": {"a": {"kind": "pressure", "hull": "wigley"}}},
+            "ships.a: water of kind spectral_sea does not carry",
+        ),
+        (
+            {"ships.b.position": [4.0, 2.0]},
+            "ships.b.position: the hulls of a and b reach 4 m into each other; move one",
+        ),
+        ({"ships.b.position": [400.0, 0.0]}, "ships.b.position: x = 400 m is outside the basin"),
+        ({"platform": {"kind": "hexapod", "ship": "c"}}, "platform.ship: this scene has no ship 'c'; there are a, b"),
+        ({"render": {"ship": "c"}, "frames": {}}, "render.ship: this scene has no ship 'c'; there are a, b"),
+        ({"motion.point": "mast"}, "motion.point: a has no point 'mast'; it names none"),
+    ],
+)
+def test_what_is_wrong_with_ships_is_one_sentence_each(keys, sentence):
+    scene = at_sea({"a": BARGE, "b": BARGE | {"position": [APART, 0.0]}})
+    whole = {key: value for key, value in keys.items() if "." not in key}
+    with pytest.raises(SceneError) as refused:
+        load(scene | whole, {key: value for key, value in keys.items() if "." in key})
+    assert any(str(problem).removeprefix("scene: ").find(sentence) >= 0 for problem in refused.value.problems), str(
+        refused.value
+    )
+
+
+def test_ships_are_set_one_by_one_and_dumped_as_they_were():
+    scene = at_sea({"a": "barge20", "b": {"kind": "barge20", "position": [APART, 0.0]}})
+    sets = {"ships.a.position": [-5.0, 0.0], "ships.c.kind": "otter", "ships.c.position": [60.0, 0.0], "ships.b": None}
+    config = load(scene, sets)
+    assert list(config.ships) == ["a", "c"] and config.ships["a"].position == (-5.0, 0.0)
+    dump = config.resolved()
+    assert list(dump["ships"]) == ["a", "c"] and "ship" not in dump
+    assert json.dumps(load(dump).resolved()) == json.dumps(dump)
+    rows = {row.part: row.what for row in config.ledger()}
+    assert "cubes of the hull" in rows["ships.a"] and "Otter" in rows["ships.c"]
+    assert rows["motion"] == "motion_a.csv, motion_c.csv"
+    assert any(sentence.startswith("ships.c: the Otter's model") for sentence in config.warnings())
+    assert load(scene, {"ships": None, "motion": None}).resolved()["ship"] is None
+    assert schema.schema()["properties"]["ships"]["anyOf"][0]["type"] == "object"
+
+
+def test_the_longest_step_is_that_which_every_ship_bears():
+    small = BARGE | {"hull": {"shape": {"kind": "box", "length": 2.0, "breadth": 1.0, "height": 1.0}, "mass": 900.0}}
+    both = {"a": BARGE, "b": small | {"position": [APART, 0.0]}}
+    with Simulation(load(at_sea(both, {"kind": "linear_waves", "height": 0.0, "period": 9.0}))) as simulation:
+        forces = [ship.limits().force for ship in simulation.ships.values()]
+        assert forces[1] < forces[0] and simulation.limits().force == forces[1]
+
+
+def test_a_run_in_which_hulls_come_to_overlap_stops_with_what_where_and_when(tmp_path):
+    ships = {"a": BARGE, "b": BARGE | {"position": [18.0, 0.0], "velocity": [-4.0, 0.0, 0.0]}}
+    scene = at_sea(ships, {"kind": "linear_waves", "height": 0.0, "period": 9.0}, 10.0)
+    with pytest.raises(Diverged) as stopped:
+        run(load(scene, {"runtime.threads": 1}), tmp_path / "run")
+    sentence = str(stopped.value)
+    assert sentence.startswith("the hulls of a and b reach 0.") and "m into each other at (" in sentence
+    assert "contact between hulls is not modelled: keep them apart" in sentence and ", step " in sentence
+    assert Result(tmp_path / "run").events[-1]["event"] == "stopped"
+
+
+def test_a_platform_rides_in_the_ship_that_it_names(tmp_path):
+    ships = {"a": BARGE, "b": BARGE | PUSHED | {"position": [APART, 0.0]}}
+    calm = {"kind": "linear_waves", "height": 0.0, "period": 9.0}
+    moved = {}
+    for name in ("a", "b", None):
+        keys = {"platform": {"kind": "hexapod", "ship": name, "ramp": 0.0}, "platform_log": {}}
+        config = load(at_sea(ships, calm, 1.0, **keys), {"runtime.threads": 1})
+        assert any("rides in a, the first" in sentence for sentence in config.warnings()) == (name is None)
+        moved[name] = np.abs(run(config, tmp_path / str(name)).table("platform")["roll_rad"]).max()
+    assert moved["a"] == moved[None] < 1e-6 < 1e-3 < moved["b"]

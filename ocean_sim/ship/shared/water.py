@@ -12,7 +12,7 @@ import numpy as np
 import taichi as ti
 import taichi.math as tm
 
-from ocean_sim.fluid import Contact
+from ocean_sim.fluid import Contact, Hull
 from ocean_sim.runtime import Template
 from ocean_sim.ship.shared.distance import Distance
 
@@ -53,6 +53,10 @@ class SurroundingWater:
             self.speed = ti.Vector.field(3, float, shape=(ALONG, ACROSS, LEVELS))  # [m/s]
             self.pull = ti.Vector.field(3, float, shape=(ALONG, ACROSS, LEVELS))  # acceleration / gravity
 
+    def beside(self) -> list[Hull]:
+        """The hulls but its own that keep particles out."""
+        return [other.hull for other in self.others if other.hull.distance is not self.hull]
+
     @staticmethod
     def bytes(below: bool, word: int) -> int:
         """Memory that it takes."""
@@ -78,9 +82,8 @@ class SurroundingWater:
                 point.y = eta
                 _normal, away, _thinning = self.hull.at(turn.transpose() @ (point - position))
                 clear = away >= self.rim or k == 0 or k == ACROSS - 1
-                for other in ti.static(self.others):
-                    if ti.static(other.hull.distance is not self.hull):
-                        clear = clear and other.hull.away(point) >= self.rim
+                for other in ti.static(self.beside()):
+                    clear = clear and other.away(point) >= self.rim
                 self.asked[i, k] = int(clear)
             if ti.static(self.below):
                 for l in range(LEVELS):

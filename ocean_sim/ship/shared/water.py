@@ -7,6 +7,7 @@ hull as the nearest that does not.
 """
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 import taichi as ti
@@ -24,6 +25,8 @@ TOP = 4  # of the frame: the highest level [m]
 @ti.data_oriented
 class SurroundingWater:
     """Height of the water around a hull; of a closed form also its velocity and acceleration below."""
+
+    left_out: ClassVar[tuple[str, ...]] = ("others",)  # the water keeps them
 
     def __init__(
         self,

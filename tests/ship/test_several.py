@@ -10,6 +10,7 @@ from ocean_sim import load, run
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.observers import motion
+from ocean_sim.pictures import opengl
 from ocean_sim.reading import schema
 from ocean_sim.reading.scene import observer_names
 from ocean_sim.result import Result
@@ -17,6 +18,7 @@ from ocean_sim.simulation import Simulation
 from ocean_sim.state import file
 from tests.conftest import Start
 
+with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 OFF = {name: None for name in observer_names() if name not in ("manifest", "health", "motion")}
 SEA = {"length": 240.0, "width": 240.0, "depth": 60.0, "walls": "none"}
 CALM = {"kind": "spectral_sea", "tile": 96.0, "cells": 48}
@@ -268,3 +270,88 @@ def test_a_platform_rides_in_the_ship_that_it_names(tmp_path):
         assert any("rides in a, the first" in sentence for sentence in config.warnings()) == (name is None)
         moved[name] = np.abs(run(config, tmp_path / str(name)).table("platform")["roll_rad"]).max()
     assert moved["a"] == moved[None] < 1e-6 < 1e-3 < moved["b"]
+
+
+def test_frames_keep_every_ship_and_cameras_follow_the_one_that_is_named(tmp_path, capsys):
+    from ocean_sim.__main__ import answered
+    from ocean_sim.observers import render
+    from ocean_sim.pictures.frame_files import Frame, Log, frame_files
+
+    ships = {"a": BARGE | {"velocity": [0.0, 0.0, 2.0]}, "b": BARGE | {"position": [APART, 0.0]}}
+    ships["c"] = {"kind": "otter", "position": [60.0, 0.0]}
+    calm = {"kind": "linear_waves", "height": 0.0, "period": 9.0}
+    keys = {"frames": {"every": 0.5, "spacing": 20.0}}
+    folder = run(load(at_sea(ships, calm, 1.0, **keys), {"runtime.threads": 1}), tmp_path / "run").folder
+    files = frame_files(folder)
+    tracks = Log(files).tracks
+    assert list(Frame(files[0]).ships) == list(tracks) == ["ships.a", "ships.b"]  # the otter has no hull to draw
+    assert tracks["ships.a"].position[-1, 2] > 1.0 and abs(tracks["ships.b"].position[:, 0] - APART).max() < 1e-3
+    assert render.impossible(folder, "follow", (), "b") is None
+    assert answered(["render", str(folder), "--ship", "d"]) == 2
+    assert "this run draws no ship 'd'; there is a, b" in capsys.readouterr().err
+
+
+@with_opengl
+def test_every_ship_is_drawn_and_each_meets_the_water(tmp_path):
+    """Seen from above: a picture of both barges differs from that of one where the other lies, and nowhere else."""
+    from ocean_sim.observers import render
+
+    pictures, calm = [], {"kind": "linear_waves", "height": 0.0, "period": 9.0}
+    for name, ships in {"one": {"a": BARGE}, "both": {"a": BARGE, "b": BARGE | {"position": [APART, 0.0]}}}.items():
+        keys = {"frames": {"every": 0.1, "spacing": 4.0}}
+        run(load(at_sea(ships, calm, 0.1, **keys), {"runtime.threads": 1}), tmp_path / name)
+        options = {"camera": "fixed", "eye": (12.0, 60.0, 0.0), "target": (12.0, 0.0, 0.1), "caption": False}
+        [image] = render.images(tmp_path / name, [0.0], size=(160, 90), **options)
+        pictures.append(image.astype(float))
+    changed = np.abs(pictures[1] - pictures[0]).max(axis=2) > 25.0
+    half = changed.shape[1] // 2
+    sides = sorted([changed[:, :half].sum(), changed[:, half:].sum()])
+    assert sides[1] > 200 and sides[0] < 0.02 * sides[1]
+
+
+def test_a_preview_shows_every_hull_and_keys_steer_the_ship_that_the_panel_names():
+    from ocean_sim.pictures.panel import Panel
+    from ocean_sim.pictures.preview_scene import PreviewScene
+
+    calm = {"kind": "linear_waves", "height": 0.0, "period": 9.0}
+    with Simulation(load(at_sea({"a": BARGE, "b": BARGE | {"position": [APART, 0.0]}}, calm))) as simulation:
+        hulls = PreviewScene(simulation).afloat()
+        assert hulls is not None and np.ptp(hulls.vertices[:, 0]) > APART
+        assert hulls.triangles.max() == len(hulls.vertices) - 1
+        panel = Panel([], "still", ships=tuple(simulation.ships), ship="a")
+        panel.hold({"Up"}, 0.1)
+        assert panel.take("helm")
+        panel.person = simulation.ships[panel.ship].hand_over()
+        panel.hold({"Up"}, 1.0)
+        panel.press("h")
+        assert panel.ship == "b" and panel.person is None
+        simulation.run(0.2)
+        assert simulation.ships["a"].orders[0] > 0.0 == simulation.ships["b"].orders[0]
+        panel.press("h")
+        assert panel.ship == "a"
+
+
+def test_a_hull_over_particles_does_not_read_the_hole_that_another_one_makes():
+    """Two boxes afloat four spacings apart in still water keep upright; shown the hole of the other, each would heel."""
+    water = {"kind": "mueller", "spacing": 0.1, "kinematic_viscosity": 0.01, "compression": 0.008}
+    hull = {"shape": {"kind": "box", "length": 0.6, "breadth": 0.6, "height": 0.5}, "mass": 108.0}
+    ship = {"kind": "hydrostatic", "hull": hull | {"centre_of_mass": [0.0, 0.15, 0.0]}}
+    ships = {"a": ship | {"position": [-0.5, 0.0]}, "b": ship | {"position": [0.5, 0.0]}}
+    tank = {"length": 2.6, "width": 1.6, "depth": 0.6}
+    scene = (
+        {"duration": 0.1, "basin": tank, "fluid": water, "surface": "cloth", "ships": ships} | OFF | {"motion": None}
+    )
+    with Simulation(load(scene, {"runtime.threads": 1})) as simulation:
+        torques = {}
+        for beside in (True, False):
+            if not beside:
+                for one in simulation.ships.values():
+                    one.hull.water.others = ()
+                    one.hull.cubes = type(one.hull.cubes)(one.hull.still)  # its kernels anew
+            for name, one in simulation.ships.items():
+                load_on = one.load(simulation.wind_on_ship, simulation.fluid, simulation.surface)
+                torques[name, beside] = float(load_on.torque[2])
+    scale = 108.0 * 9.81 * 0.3
+    assert max(abs(torques[name, True]) for name in "ab") < 0.02 * scale
+    assert torques["a", False] * torques["b", False] < 0.0
+    assert min(abs(torques[name, False]) for name in "ab") > 2.0 * max(abs(torques[name, True]) for name in "ab")

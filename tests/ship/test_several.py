@@ -332,7 +332,7 @@ def test_a_preview_shows_every_hull_and_keys_steer_the_ship_that_the_panel_names
 
 
 def test_a_hull_over_particles_does_not_read_the_hole_that_another_one_makes():
-    """Two boxes afloat four spacings apart in still water keep upright; shown the hole of the other, each would heel."""
+    """Two boxes four spacings apart in still water keep upright; shown the hole of the other, each would heel."""
     water = {"kind": "mueller", "spacing": 0.1, "kinematic_viscosity": 0.01, "compression": 0.008}
     hull = {"shape": {"kind": "box", "length": 0.6, "breadth": 0.6, "height": 0.5}, "mass": 108.0}
     ship = {"kind": "hydrostatic", "hull": hull | {"centre_of_mass": [0.0, 0.15, 0.0]}}

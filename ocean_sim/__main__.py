@@ -184,6 +184,7 @@ def render(
     particles: Annotated[bool, typer.Option("--particles", help="Draw particles instead of the surface.")] = False,
     eye: Annotated[str | None, typer.Option(help="X,Y,Z [m] of the fixed camera.")] = None,
     target: Annotated[str | None, typer.Option(help="X,Y,Z [m] at which the fixed camera looks.")] = None,
+    ship: Annotated[str | None, typer.Option(help="Of several ships, the one that a camera follows.")] = None,
     out: Annotated[Path | None, typer.Option(help="By default the run folder.")] = None,
     json: Json = False,
 ) -> None:
@@ -200,6 +201,7 @@ def render(
         "particles": particles,
         "eye": numbers("--eye", eye),
         "target": numbers("--target", target),
+        "ship": ship,
     }
     render(run, asked, fps, out, json)
 

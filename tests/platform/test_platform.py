@@ -262,13 +262,13 @@ def test_the_platform_of_a_run_is_the_one_of_the_command(every, tmp_path):
     rows = dict.fromkeys(motion_log.columns(PARTS), np.zeros(301)) | columns(3.0)
     observers = {"motion": motion_log.Config(every=DT)}
     preflight = Preflight(observers, BasinConfig(length=9.0, width=9.0, depth=2.0).build(), 4, 3.0)
-    scene = SimpleNamespace(seed=7, platform=Config(), observers=observers, preflight=preflight)
+    scene = SimpleNamespace(seed=7, platform=Config(), ships={"ship": None}, observers=observers, preflight=preflight)
     simulation = SimpleNamespace(scene=scene)
     observer = platform_log.Config().build(tmp_path, simulation)
     taker = Taker()
     simulation.observers = [taker, observer]
-    motion = motion_log.Motion.__new__(motion_log.Motion)
-    motion.frame, motion.columns = "ship", motion_log.columns(PARTS)
+    motion = motion_log.Log.__new__(motion_log.Log)
+    motion.ship, motion.frame, motion.columns = SimpleNamespace(name="ship"), "ship", motion_log.columns(PARTS)
     for k, row in enumerate(zip(*rows.values())):
         motion.hand_on([row], simulation)
         if k % every == 0:

@@ -336,7 +336,7 @@ def test_contact_can_be_switched_off_and_a_hull_across_a_wall_is_refused():
     scene = floating()
     on = load(scene, QUIET)
     off = load(scene, QUIET | {"ship.contact": None})
-    assert len(on.preflight.solids) == 1 and off.preflight.solids == ()
+    assert len(on.preflight.solids) == 1 and off.preflight.solids == {}
     with pytest.raises(SceneError, match=r"reaches 0\.1 m through a wall across x"):
         load(scene, QUIET | {"ship.position": [0.6, 0.0]})
     load(scene, QUIET | {"ship.position": [0.6, 0.0], "ship.contact": None})

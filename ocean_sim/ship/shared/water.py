@@ -17,7 +17,7 @@ import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.columns import Columns
-from ocean_sim.fluid import ClosedForm, Contact
+from ocean_sim.fluid import ClosedForm, Contact, Hull
 from ocean_sim.runtime import Template
 from ocean_sim.ship.shared.distance import Distance
 from ocean_sim.ship.shared.pose import POSE, pose, turned, vector
@@ -106,6 +106,7 @@ class SurroundingWater(Around):
     """A surface over particles, or that of a closed form alone: asked anew each time, around where the hull is."""
 
     below = False
+    left_out: ClassVar[tuple[str, ...]] = ("others",)  # the water keeps them
 
     def __init__(
         self,
@@ -122,6 +123,10 @@ class SurroundingWater(Around):
         self.hollow = hollow is not None
         if hollow is not None:
             self.hull, self.rim, self.others, self.asked = hollow, rim, others, ti.field(int, shape=(ALONG, ACROSS))
+
+    def beside(self) -> list[Hull]:
+        """The hulls but its own that keep particles out."""
+        return [other.hull for other in self.others if other.hull.distance is not self.hull]
 
     @ti.func
     def look(self, water: Template, table: Template):
@@ -140,9 +145,8 @@ class SurroundingWater(Around):
             if ti.static(self.hollow):
                 _normal, away, _thinning = self.hull.at(turn.transpose() @ (node - position))
                 clear = away >= self.rim or k == 0 or k == ACROSS - 1
-                for other in ti.static(self.others):
-                    if ti.static(other.hull.distance is not self.hull):
-                        clear = clear and other.hull.away(node) >= self.rim
+                for hull in ti.static(self.beside()):
+                    clear = clear and hull.away(node) >= self.rim
                 self.asked[i, k] = int(clear)
         if ti.static(self.hollow):
             ti.loop_config(serialize=True)

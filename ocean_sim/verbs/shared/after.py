@@ -24,7 +24,7 @@ def render(folder: Path, asked: dict[str, Any], fps: float | None, out: Path | N
     if config is None:
         raise SceneError(problems)
     finished(folder)
-    sentence = impossible(folder, config.camera, config.stills)
+    sentence = impossible(folder, config.camera, config.stills, config.ship)
     if sentence is not None:
         raise console.Refused(sentence)
     options = config.model_dump() | ({} if fps is None else {"every": 1.0 / fps})

@@ -79,7 +79,8 @@ class LinearWaves(OpenWater):
         self.reference_speed = (sea.gravity * basin.depth) ** 0.5
         self.rest_density = config.rest_density
         self.status = status_of(sea, config.rest_density)
-        self.waves, self.time = PlaneWaves(sea), 0.0
+        self.waves = PlaneWaves(sea)
+        self.time = self.before = 0.0
 
     @property
     def plane_waves(self) -> waves.Components:
@@ -87,12 +88,12 @@ class LinearWaves(OpenWater):
 
     def begin(self, sea: waves.Components) -> None:
         """These waves, grown as the config says, from time 0 on; as many as there were, of the same depth."""
-        self.time = 0.0
+        self.time = self.before = 0.0
         self.waves.begin(self.config.growing(sea))
 
     def advance(self, dt: float) -> None:
         """One step of dt [s]."""
-        self.time += dt
+        self.before, self.time = self.time, self.time + dt
         self.waves.turn(self.time)
 
     def limits(self) -> Limits:

@@ -42,7 +42,8 @@ class OpenWater(Fluid):
     tiles: "Sequence[OnTile]" = ()
     drift: np.ndarray = np.zeros(2)  # x, z by which the current has carried the water [m]
     current: tuple[float, float] = (0.0, 0.0)  # along x and z [m/s]
-    time: float
+    time: float  # [s]
+    before: float  # when the last step began: where bodies are that take theirs after the water has [s]
 
     def internal_energy(self) -> float:
         """0: nothing is compressed [J]."""
@@ -52,7 +53,7 @@ class OpenWater(Fluid):
     def elevation(self, x, z):
         eta = self.waves.elevation(x, z)
         for sheet in ti.static(self.sheets):
-            eta += sheet.elevation(x, z)
+            eta += sheet.elevation(x, z, sheet.now)
         return eta
 
     @ti.func
@@ -61,7 +62,7 @@ class OpenWater(Fluid):
         y = self.waves.stretched(position, self.elevation(position.x, position.z))
         v = tm.vec3(self.current[0], 0.0, self.current[1]) + self.waves.velocity_at(position, y)
         for sheet in ti.static(self.sheets):
-            v += sheet.velocity(position.x, position.z, -y)
+            v += sheet.velocity(position.x, position.z, -y, sheet.now)
         return v
 
     @ti.func
@@ -70,24 +71,25 @@ class OpenWater(Fluid):
         y = self.waves.stretched(position, self.elevation(position.x, position.z))
         a = self.waves.acceleration_at(position, y)
         for sheet in ti.static(self.sheets):
-            a += sheet.acceleration(position.x, position.z, -y)
+            a += sheet.acceleration(position.x, position.z, -y, sheet.now)
         return a
 
     @ti.func
     def rise(self, x, z):
-        """Elevation of what is not plane waves [m]."""
+        """Elevation of what is not plane waves [m], when the last step began."""
         eta = 0.0
         for sheet in ti.static(self.sheets):
-            eta += sheet.elevation(x, z)
+            eta += sheet.elevation(x, z, sheet.before)
         return eta
 
     @ti.func
     def moving(self, x, z, depth):
-        """Velocity [m/s] and acceleration [m/s2] of what is not plane waves, at a depth of the unstretched column."""
+        """Velocity [m/s] and acceleration [m/s2] of what is not plane waves when the last step began, at
+        a depth of the unstretched column."""
         v, a = tm.vec3(self.current[0], 0.0, self.current[1]), tm.vec3(0.0)
         for sheet in ti.static(self.sheets):
-            v += sheet.velocity(x, z, depth)
-            a += sheet.acceleration(x, z, depth)
+            v += sheet.velocity(x, z, depth, sheet.before)
+            a += sheet.acceleration(x, z, depth, sheet.before)
         return v, a
 
     @property
@@ -152,6 +154,10 @@ class Felt(OpenWater):
     @property
     def time(self) -> float:  # type: ignore[override]
         return self.whole.time
+
+    @property
+    def before(self) -> float:  # type: ignore[override]
+        return self.whole.before
 
     @property
     def drift(self) -> np.ndarray:  # type: ignore[override]

@@ -14,7 +14,6 @@ from math import ceil, pi
 from typing import Literal
 
 import numpy as np
-import taichi as ti
 from pydantic import model_validator
 
 from ocean_sim import waves
@@ -33,6 +32,7 @@ from ocean_sim.fluid.shared.tile import PER_TILE, RIM, Layer, OnTile, Shown, Til
 from ocean_sim.fluid.shared.window import Window
 from ocean_sim.model import Vector2, quantity
 from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems
+from ocean_sim.runtime import asked_by_kernels
 from ocean_sim.wind import Wind
 
 CELLS = 128  # along a tile
@@ -241,7 +241,7 @@ class Config(waves.GrowingTrain, FluidConfig):
         cells, every = tile.cells * tile.rows, self.step_of(tile)
         why = f"fluid.cells {self.cells}"
         n = self.summed(preflight)
-        rows = [LedgerRow("fluid", f"{n} plane waves", 6 * word * n, "fluid.order 1", ADVANCE)]
+        rows = [LedgerRow("fluid", f"{n} plane waves", PlaneWaves.bytes(n, word), "fluid.order 1", ADVANCE)]
         if self.order == 3:
             size = cells * (6 * 8 + WORDS * word)
             rows.append(LedgerRow("fluid", f"a nonlinear sea of {cells} cells", size, why, STEEP * cells, every))
@@ -320,7 +320,7 @@ class Kept:
         return self.parts[:, 0] + 1j * self.parts[:, 1]
 
 
-@ti.data_oriented
+@asked_by_kernels
 class SpectralSea(OpenWater):
     """The sea. Its kernels read what comes from afar and what winds make: all that a ship feels that is alone."""
 

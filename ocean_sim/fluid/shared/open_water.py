@@ -11,6 +11,7 @@ from ocean_sim import waves
 from ocean_sim.fluid import Fluid, Limits, Status
 from ocean_sim.fluid.shared.plane_waves import PlaneWaves
 from ocean_sim.fluid.shared.window import Window
+from ocean_sim.runtime import asked_by_kernels
 
 if TYPE_CHECKING:  # they are imported only where there are tiles
     from ocean_sim.fluid.shared.sheet import Sheet
@@ -29,7 +30,6 @@ def status_of(sea: waves.Components, density: float) -> Status:
     return Status(float(fastest), float(hardest), density, density, 0, True)
 
 
-@ti.data_oriented
 class OpenWater(Fluid):
     """The sum, for kernels and for Python: kernels read the plane waves and the `sheets`, Python the plane waves and
     all `tiles`. Without more it is plane waves alone, in water that rests."""
@@ -142,7 +142,7 @@ class OpenWater(Fluid):
         return at, (eta, waves.stretched(self.waves.sea, points, eta))
 
 
-@ti.data_oriented
+@asked_by_kernels
 class Felt(OpenWater):
     """Open water as one of several ships feels it: without the waves that she makes herself."""
 

@@ -15,7 +15,7 @@ from ocean_sim import waves
 from ocean_sim.fluid.shared.plane_waves import PlaneWaves
 from ocean_sim.runtime import Doubles2
 
-TURNING = 0.65  # [rad] by which waves turn between the two times, those that give the water its jerks
+TURNING = 0.8  # [rad] by which waves turn between the two times, those that give the water its jerks
 FIRST, LATER, ALONG, ACROSS = range(4)  # angles: of the first node at both times, and to the next along and across
 
 

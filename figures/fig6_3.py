@@ -10,7 +10,8 @@ fetch from when the first gusts have passed. The slice moves by delta_sph, with 
 scheme does not lie still there without wind: its lattice breaks up by itself between 10 s and 30 s, into waves of 0.15
 to 0.3 m and a level 0.12 m lower, and of 4 sqrt m0 0.09 m have not gone after 120 s. By delta_sph still air has 0.02 m,
 nearly all of it a level that creeps.
-Every preset is noisy, so its seeds differ.
+Every preset is noisy, so its seeds differ. The third row is another water: spectral_sea, which is calm until the
+winds of the four printed presets press on it, on a tile of twice the basin; what they push along makes no waves there.
 
 python figures/fig6_3.py [--fast] [--out DIR]
 """
@@ -30,6 +31,7 @@ from ocean_sim.waves.record import evenly, zero_crossing_waves
 SETTLED, LASTS = 5.0, 15.0  # [s]
 QUIET = dict.fromkeys(("accuracy", "timings", "health", "frames", "render", "report"))
 PRESETS = ("noise_only", "narrow", "wide", "vortex", "calm", "breeze", "gale", "squall")
+SPECTRAL = {"kind": "spectral_sea", "tile": 80.0, "cells": 64}  # 1.25 m
 PRINTED = {"noise_only": "(a) ", "narrow": "(b) ", "wide": "(c) ", "vortex": "(d) "}
 FETCH, FETCHES, BEACH = "fetch [m]", (20.0, 40.0, 80.0), 40.0  # [m]
 GUST_SPEED, GUST_GAP, STEADY = 8.0, 40.0, 18.0  # [m/s], [m] from gust to gust, [s] when the first have passed
@@ -72,18 +74,20 @@ class Waves(NamedTuple):
     hs: float  # mean height of the highest third of all waves between zero up-crossings, of all gauges together [m]
     tz: float  # their mean period [s]
     crest: float  # [m]
-    circulation: float  # at the end [m2/s]; not a number in a slice
+    circulation: float  # at the end [m2/s]; not a number in a slice and where nothing turns
     chart: tuple[np.ndarray, np.ndarray, np.ndarray] | None  # places [m] and elevation [m] at the end
 
 
-def sea(wind: dict | str, length: float, seed: int, lasts: float, resolution: float) -> Waves:
-    """The sea that a wind raises."""
+def sea(
+    wind: dict | str, length: float, seed: int, lasts: float, resolution: float, fluid: str | dict = "thesis_6000"
+) -> Waves:
+    """The sea that a wind raises on a water."""
     scene = {
         "title": "figure 6-3",
         "seed": seed,
         "duration": lasts,
         "basin": {"length": length, "width": 40.0, "depth": 7.5},
-        "fluid": "thesis_6000",
+        "fluid": fluid,
         "wind": wind,
         "resolution": resolution,
         **QUIET,
@@ -98,13 +102,14 @@ def sea(wind: dict | str, length: float, seed: int, lasts: float, resolution: fl
             if simulation.time >= SETTLED:
                 times.append(simulation.time)
                 heights.append(simulation.fluid.elevations(gauges))
-            if simulation.time >= lasts - 2.0:
-                water = simulation.fluid.particles
+            water = simulation.fluid.particles
+            if water is not None and simulation.time >= lasts - 2.0:
                 turning.append(circulation(water.position.to_numpy(), water.velocity.to_numpy(), RING, 5.0))
         fine = [np.linspace(-0.48, 0.48, 49) * size for size in (length, 40.0)]
         x, z = np.meshgrid(*fine)
         top = simulation.fluid.elevations(np.stack([x.ravel(), z.ravel()], axis=1)).reshape(x.shape)
-    return Waves(*heights_of(times, heights), float(np.mean(turning)), (fine[0], fine[1], top))
+    turned = float(np.mean(turning)) if turning else float("nan")
+    return Waves(*heights_of(times, heights), turned, (fine[0], fine[1], top))
 
 
 def fetched(fetch: float, blowing: bool, seed: int, lasts: float) -> Waves:
@@ -155,18 +160,18 @@ def spread(values: list[float]) -> tuple[float, float]:
     return float(np.mean(values)), float(np.std(values, ddof=1)) if len(values) > 1 else 0.0
 
 
-def drawn(seas: dict[str, tuple], trends: dict[str, list[tuple]], path: Path) -> None:
-    """The sea under each preset from above, and the four trends."""
-    figure = paper(15.0, 11.2)
-    axes = figure.subplots(3, 4, height_ratios=(1.15, 1.15, 1.0))
-    for panel, (name, (chart, caption)) in zip(axes[:2].ravel(), seas.items()):
+def drawn(seas: dict[str, tuple], spectral: dict[str, tuple], trends: dict[str, list[tuple]], path: Path) -> None:
+    """The sea under each preset from above, that of spectral_sea, and the four trends."""
+    figure = paper(15.0, 14.8)
+    axes = figure.subplots(4, 4, height_ratios=(1.15, 1.15, 1.15, 1.0))
+    for panel, (name, (chart, caption)) in zip(axes[:3].ravel(), [*seas.items(), *spectral.items()]):
         x, z, top = chart
         image = panel.pcolormesh(x, z, top, vmin=-1.5, vmax=1.5, cmap="RdBu_r", shading="auto", rasterized=True)
         letter = PRINTED.get(name, "")
         panel.set_title(f"{letter}{name.replace('_', ' ')}\n{caption}", fontsize=9.5, loc="left")
         panel.set(aspect="equal", xlabel="x [m]", ylabel="z [m]")
-    figure.colorbar(image, ax=axes[:2].ravel().tolist(), label="elevation [m]", shrink=0.6)
-    for panel, (what, rows) in zip(axes[2], trends.items()):
+    figure.colorbar(image, ax=axes[:3].ravel().tolist(), label="elevation [m]", shrink=0.6)
+    for panel, (what, rows) in zip(axes[3], trends.items()):
         value, mean, deviation, still = np.array(rows).T
         panel.errorbar(value, mean, deviation, marker="o", capsize=3.0, color=BLUE, label="wind, mean and spread")
         panel.plot(value, still, "--", color=INK, label="still air")
@@ -198,9 +203,10 @@ def summary(runs: list[Waves]) -> str:
     rows = [spread([getattr(run, name) for run in runs]) for name in ("hs", "tz", "circulation")]
     (hs, hs_sd), (tz, tz_sd), (turn, turn_sd) = rows
     several = len(runs) > 1
+    turning = f", Γ {round(turn)}" + (f"±{turn_sd:.0f}" if several else "") + " m²/s" if np.isfinite(turn) else ""
     height = f"$H_s$ {hs:.2f}" + (f"±{hs_sd:.2f}" if several else "")
     period = f"$T_z$ {tz:.1f}" + (f"±{tz_sd:.1f}" if several else "")
-    return f"{height} m, {period} s, Γ {round(turn)}" + (f"±{turn_sd:.0f}" if several else "") + " m²/s"
+    return f"{height} m, {period} s{turning}"
 
 
 def main() -> None:
@@ -208,22 +214,35 @@ def main() -> None:
     seeds, resolution, lasts = ((1,), 2.0, 8.0) if asked.fast else ((1, 2, 3, 4, 5), 2.0, LASTS)
     steady = 35.0  # [s] also in haste: the waves must come to the end of the longest fetch
     cases = [("preset", name, name, 40.0) for name in PRESETS] + varied()
+    cases += [("spectral_sea", name, name, 40.0) for name in PRINTED]
     cases += [(FETCH, fetch, {}, fetch) for fetch in FETCHES]
     if asked.fast:  # the ends of each trend
-        cases = [case for k, case in enumerate(cases) if k < len(PRESETS) or (k - len(PRESETS)) % 3 != 1]
+        thinned = {
+            what: [case for case in cases if case[0] == what] for what in dict.fromkeys(case[0] for case in cases)
+        }
+        cases = [
+            case
+            for what, of in thinned.items()
+            for k, case in enumerate(of)
+            if what in ("preset", "spectral_sea") or k % 3 != 1
+        ]
     calm = sea("still", 40.0, seeds[0], lasts, resolution).hm0
     columns = ["what", "value", "length_m", "seeds", "hm0_m", "hm0_sd_m", "still_hm0_m", "still_over_hm0"]
     columns += ["crest_m", "circulation_m2_s", "circulation_sd_m2_s", "sigmas", "hs_m", "hs_sd_m", "tz_s", "tz_sd_s"]
-    seas, trends, rows = {}, {}, []
+    seas, spectral, trends, rows = {}, {}, {}, []
     for done, (what, value, wind, length) in enumerate(cases):
         runs = []
         for seed in seeds:
             share = (done + len(runs) / len(seeds)) / len(cases)
             progress(share, f"{what} {value}, seed {seed}")
-            runs.append(
-                fetched(value, True, seed, steady) if what == FETCH else sea(wind, length, seed, lasts, resolution)
-            )
-        still = fetched(value, False, seeds[0], steady).hm0 if what == FETCH else calm
+            if what == FETCH:
+                runs.append(fetched(value, True, seed, steady))
+            else:
+                water = SPECTRAL if what == "spectral_sea" else "thesis_6000"
+                runs.append(sea(wind, length, seed, lasts, resolution, water))
+        still = (
+            fetched(value, False, seeds[0], steady).hm0 if what == FETCH else 0.0 if what == "spectral_sea" else calm
+        )
         mean, deviation = spread([run.hm0 for run in runs])
         turn, scatter = spread([run.circulation for run in runs])
         sigmas = abs(turn) / (scatter / len(seeds) ** 0.5) if scatter > 0.0 else float("nan")
@@ -233,6 +252,8 @@ def main() -> None:
         if what == "preset":
             seas[value] = runs[0].chart, summary(runs)
             pictured(runs[0].chart, asked.out / f"fig6_3_{value}.png")
+        elif what == "spectral_sea":
+            spectral[f"spectral sea, {value}"] = runs[0].chart, summary(runs)
         else:
             trends.setdefault(what, []).append((value, mean, deviation, still))
     head = [f"thesis_6000 at {resolution:g} times its spacing; from {SETTLED:g} to {lasts:g} s"]
@@ -242,7 +263,7 @@ def main() -> None:
         "hm0: 4 sqrt m0 over time at 25 gauges; hs: highest third of the waves of all gauges, tz: their mean period"
     ]
     table(asked.out / "fig6_3.csv", head, columns, rows)
-    drawn(seas, trends, asked.out / "fig6_3.png")
+    drawn(seas, spectral, trends, asked.out / "fig6_3.png")
 
 
 if __name__ == "__main__":

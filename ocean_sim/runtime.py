@@ -7,7 +7,7 @@ from contextlib import redirect_stdout, suppress
 from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, TypeVar
 
 import taichi as ti
 from taichi._snode.fields_builder import FieldsBuilder
@@ -32,15 +32,23 @@ if TYPE_CHECKING:  # what a kernel is handed, as callers see it
 
     Array: TypeAlias = np.ndarray
     Array2: TypeAlias = np.ndarray
-    Doubles: TypeAlias = np.ndarray
     Doubles2: TypeAlias = np.ndarray
     Doubles3: TypeAlias = np.ndarray
     Template: TypeAlias = Any
 else:  # and as Taichi reads it
     Array, Array2 = ti.types.ndarray(ndim=1), ti.types.ndarray(ndim=2)
-    Doubles = ti.types.ndarray(dtype=ti.f64, ndim=1)
     Doubles2, Doubles3 = ti.types.ndarray(dtype=ti.f64, ndim=2), ti.types.ndarray(dtype=ti.f64, ndim=3)
     Template = ti.template()
+
+
+Asked = TypeVar("Asked", bound=type)
+
+
+def asked_by_kernels(kind: Asked) -> Asked:
+    """For a class that has functions for kernels but no kernel: what `ti.data_oriented` says of it, without what that
+    costs each time that Python reads an attribute, a microsecond and again for every base class."""
+    kind._data_oriented = True  # type: ignore[attr-defined]
+    return kind
 
 
 class BackendMissing(Lacking):

@@ -14,6 +14,7 @@ from ocean_sim.fluid.shared.plane_waves import NO_DRIFT, PlaneWaves
 from ocean_sim.fluid.shared.window import Window
 from ocean_sim.model import quantity
 from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems
+from ocean_sim.runtime import asked_by_kernels
 from ocean_sim.wind import Wind
 
 
@@ -57,7 +58,13 @@ class Config(waves.GrowingTrain, FluidConfig):
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         n, word = len(self.sea(preflight.tank).amplitude), preflight.word
         return [
-            LedgerRow("fluid", f"{n} plane waves", 6 * word * n, "fluid.kind is linear_waves: no particles", ADVANCE)
+            LedgerRow(
+                "fluid",
+                f"{n} plane waves",
+                PlaneWaves.bytes(n, word),
+                "fluid.kind is linear_waves: no particles",
+                ADVANCE,
+            )
         ]
 
     def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
@@ -67,7 +74,7 @@ class Config(waves.GrowingTrain, FluidConfig):
         return LinearWaves(self, basin)
 
 
-@ti.data_oriented
+@asked_by_kernels
 class LinearWaves(OpenWater):
     """The waves at one time; what they do follows from it."""
 
@@ -79,7 +86,8 @@ class LinearWaves(OpenWater):
         self.reference_speed = (sea.gravity * basin.depth) ** 0.5
         self.rest_density = config.rest_density
         self.status = status_of(sea, config.rest_density)
-        self.waves, self.time = PlaneWaves(sea), 0.0
+        self.waves = PlaneWaves(sea)
+        self.time = self.before = 0.0
 
     @property
     def plane_waves(self) -> waves.Components:
@@ -87,12 +95,12 @@ class LinearWaves(OpenWater):
 
     def begin(self, sea: waves.Components) -> None:
         """These waves, grown as the config says, from time 0 on; as many as there were, of the same depth."""
-        self.time = 0.0
+        self.time = self.before = 0.0
         self.waves.begin(self.config.growing(sea))
 
     def advance(self, dt: float) -> None:
         """One step of dt [s]."""
-        self.time += dt
+        self.before, self.time = self.time, self.time + dt
         self.waves.turn(self.time)
 
     def limits(self) -> Limits:

@@ -14,7 +14,6 @@ from math import ceil, pi
 from typing import Literal
 
 import numpy as np
-import taichi as ti
 
 from ocean_sim import waves
 from ocean_sim.basin import Basin
@@ -30,6 +29,7 @@ from ocean_sim.fluid.shared.tile import PER_TILE, RIM, Layer, OnTile, Shown, Til
 from ocean_sim.fluid.shared.window import Window
 from ocean_sim.model import Vector2, quantity
 from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems, called
+from ocean_sim.runtime import asked_by_kernels
 from ocean_sim.waves.seas import Seas
 from ocean_sim.wind import Wind
 
@@ -38,6 +38,7 @@ PART = 0.8  # [rad] by which a wave of SHORT cells turns in a step of the tiles
 SHORT = 4.0  # cells
 STEPS_PER_WAVE = 40  # of the highest wave, in a nonlinear sea
 ONSET = 5.0  # [periods] in which what is not linear sets in
+FEW = 4.0  # cells over a ship's breadth
 FITTING = 0.01  # part of its wavenumber by which a regular wave may be changed to fit a tile
 DRAWN = 4000  # plane waves that stand for a spectrum before they are fitted to a tile
 CELL, STEEP, READ = 6.0e-8, 9.0e-7, 3.0e-7  # [s] of processor time a step and cell of a tile
@@ -131,7 +132,14 @@ class Config(Seas, waves.GrowingTrain, FluidConfig):
             else:
                 found.append(f"order 3: waves shorter than {kept:.3g} m, four cells, are left out of the sea")
         for name, ship in preflight.ships.items():
-            if ship.look(preflight) is None:
+            look = ship.look(preflight)
+            if look is not None and look.breadth < FEW * tile.cell:
+                found.append(
+                    f"the breadth of {called(name)}, {look.breadth:.3g} m, is {look.breadth / tile.cell:.2g} cells of "
+                    f"{tile.cell:.3g} m; below {FEW:g} the waves that she makes are too long and too low: take more "
+                    "fluid.cells or a smaller fluid.tile"
+                )
+            if look is None:
                 found.append(f"a ship of kind {ship.kind} has no hull that could push the water: she makes no waves")
             else:
                 found.append(
@@ -165,7 +173,7 @@ class Config(Seas, waves.GrowingTrain, FluidConfig):
         cells, every = tile.cells * tile.rows, self.step_of(tile)
         why = f"fluid.cells {self.cells}"
         n = self.summed(preflight)
-        rows = [LedgerRow("fluid", f"{n} plane waves", 6 * word * n, "fluid.order 1", ADVANCE)]
+        rows = [LedgerRow("fluid", f"{n} plane waves", PlaneWaves.bytes(n, word), "fluid.order 1", ADVANCE)]
         if self.order == 3:
             size = cells * (6 * 8 + WORDS * word)
             rows.append(LedgerRow("fluid", f"a nonlinear sea of {cells} cells", size, why, STEEP * cells, every))
@@ -245,7 +253,7 @@ class Kept:
         return self.parts[:, 0] + 1j * self.parts[:, 1]
 
 
-@ti.data_oriented
+@asked_by_kernels
 class SpectralSea(OpenWater):
     """The sea. Its kernels read what comes from afar and what winds make: all that a ship feels that is alone."""
 
@@ -258,7 +266,8 @@ class SpectralSea(OpenWater):
         self.spacing = spacing(whole, tile)
         self.reference_speed = (tile.gravity * basin.depth) ** 0.5
         self.status = status_of(whole, density)
-        self.current, self.drift, self.time, self.then = config.current, np.zeros(2), 0.0, 0.0
+        self.current, self.drift = config.current, np.zeros(2)
+        self.time = self.before = self.then = 0.0
         self.waves = PlaneWaves(whole if config.order == 1 else waves.together([], tile.depth, tile.gravity))
         self.afar = whole
         self.steep, self.air, self.raised = None, None, None
@@ -321,7 +330,7 @@ class SpectralSea(OpenWater):
 
     def begin(self, sea: waves.Components) -> None:
         """These waves from afar from time 0 on; as many as there were, of the same depth."""
-        self.time = self.then = 0.0
+        self.time = self.before = self.then = 0.0
         for made in self.made:
             made.time, made.begun = 0.0, False
         self.afar = self.config.growing(sea)
@@ -349,7 +358,7 @@ class SpectralSea(OpenWater):
             self.push()
         if self.air is not None and self.raised is not None:
             self.air.gather(dt, self.drift, self.raised.layer.centre)
-        self.time += dt
+        self.before, self.time = self.time, self.time + dt
         self.drift = np.array(self.current) * self.time
         self.waves.turn(self.time, (float(self.drift[0]), float(self.drift[1])))
         if self.steep is not None:
@@ -429,10 +438,10 @@ class SpectralSea(OpenWater):
     def set_clocks(self) -> None:
         """Where the sheets lie, and between which of their times it is."""
         if self.steep is not None:
-            share = self.steep.share(self.time)
-            late = share if self.steep.number % 2 else 1.0 - share
+            first, last = self.steep.share(self.time), self.steep.share(self.before)
+            late = (first, last) if self.steep.number % 2 else (1.0 - first, 1.0 - last)
             self.sheets[0].set_clock(late, self.drift, self.middle())
-        late = (self.time - self.then) / self.step
+        late = (self.time - self.then) / self.step, (self.before - self.then) / self.step
         if self.raised is not None:
             self.sheets[-1].set_clock(late, self.drift, self.raised.layer.centre)
         for made, sheet in self.felt:

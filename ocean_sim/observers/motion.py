@@ -7,11 +7,12 @@ import numpy as np
 
 from ocean_sim.conventions import Frame, Motions, to_frame
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.csv_rows import CsvFile, heading, rounded
+from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.handed_on import TakesMotion, takers
 from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.parts import ALONE, LedgerRow, Preflight, Problems, called
 from ocean_sim.ship import Ship
+from ocean_sim.ship.shared.rigid_body import cross
 from ocean_sim.simulation import Observer, PeriodicConfig
 
 if TYPE_CHECKING:
@@ -105,6 +106,7 @@ class Log:
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation", ship: Ship) -> None:
         self.ship, self.frame = ship, config.frame
+        self.signs = to_frame(self.frame, np.eye(3)).sum(axis=1)  # each of our axes is plus or minus one of the frame's
         self.arm = ship.points[config.point] if config.point else np.zeros(3)
         self.sampled, self.gravity = Sampled(config.every), np.array(simulation.basin.gravity)
         self.number = 0
@@ -122,29 +124,28 @@ class Log:
         self.csv = CsvFile(folder / file_of(ship.name), head, self.columns)
 
     def observe(self, simulation: "Simulation") -> None:
-        rows: list[list[float]] = []
+        rows: list[list[str]] = []
         for time, values, _ in self.sampled.rows(simulation.time, self.continuous(self.row(self.ship))):
             angles, q = values[ANGLES], values[QUATERNION]
             values[ANGLES] = np.remainder(angles + np.pi, 2.0 * np.pi) - np.pi
             values[QUATERNION] = q / np.linalg.norm(q)
-            rows.append([time, self.number, *values])
-            self.csv.row(rows[-1])
+            rows.append(self.csv.row([time, self.number, *values.tolist()]))
             self.number += 1
         if rows:
             self.hand_on(rows, simulation)
 
-    def hand_on(self, rows: list[list[float]], simulation: "Simulation") -> None:
-        """Give rows, with the digits that the log has of them, to the observers that take them: what they make of
-        them then is what they would make of the file."""
+    def hand_on(self, rows: list[list[str]], simulation: "Simulation") -> None:
+        """Give rows, as the log shows them, to the observers that take them: what they make of them then is what they
+        would make of the file."""
         for observer in takers(simulation, TakesMotion):
-            table = np.array([rounded(row) for row in rows]).T
+            table = np.array([[float(number) for number in row] for row in rows]).T
             observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)
 
     def row(self, ship: Ship) -> np.ndarray:
         """All columns but time and number."""
         body, load, turn = ship.body, ship.last, ship.body.matrix
         arm, omega = turn @ self.arm, body.angular_velocity
-        felt = ship.acceleration + np.cross(ship.turning, arm) + np.cross(omega, np.cross(omega, arm))
+        felt = ship.acceleration + cross(ship.turning, arm) + cross(omega, cross(omega, arm))
         parts = np.concatenate([load.parts, load.parts.sum(axis=0, keepdims=True)])
         w, *vector = body.orientation
         return np.concatenate(
@@ -163,8 +164,7 @@ class Log:
 
     def named(self, motions: np.ndarray) -> np.ndarray:
         """Sway, heave and surge, or pitch, yaw and roll, positive as the frame's axes are."""
-        signs = to_frame(self.frame, np.eye(3)).sum(axis=1)  # each of our axes is plus or minus one of the frame's
-        return signs * motions
+        return self.signs * motions
 
     def continuous(self, row: np.ndarray) -> np.ndarray:
         """The row with angles and quaternion near those of the row before, so that lines between them are short."""

@@ -48,6 +48,7 @@ class Look(NamedTuple):
 
     name: str  # of its hull, if it has one, and of its shape
     submerged: float  # share of its volume that is under water at rest
+    breadth: float  # [m]
 
 
 class Outline(NamedTuple):

@@ -42,4 +42,4 @@ class Hydrostatic(FloatingShip):
         self.resistance = Resistance(config.damping, self.hull.still, np.zeros(6), munk=sway - surge)
 
     def damping(self, now: Immersion) -> np.ndarray:
-        return now.share * self.resistance.load(now.motion) @ self.body.matrix.T
+        return now.share * self.resistance.load(now.motion) @ now.body.matrix.T

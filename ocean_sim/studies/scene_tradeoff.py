@@ -30,6 +30,8 @@ SEEDS = {True: 2, False: 5}  # quick or not
 MOST_SETTINGS = 200
 MORE_IS_FINER = (
     "particles",
+    "cells",
+    "order",
     "support_ratio",
     "cells_per_draught",
     "max_density_iterations",

@@ -24,7 +24,7 @@ WAVES = {  # [rad/s]
 }
 LIMITS = {"heave": 5.0, "pitch": 10.0, "roll": 10.0}  # [%]
 LONG, SHORT = 3.0, 1.2  # [%], [rad/s]
-PERIODS, JUDGED, STEPS = 12, 4, 60  # waves that pass, those that are looked at, steps in each
+PERIODS, JUDGED, STEPS = 20, 4, 60  # waves that pass while they grow and then, those that are looked at, steps in each
 STEEPNESS = 0.002  # amplitude over the hull's length
 GIVEN = {"added_mass": {"roll": 1167.8e3}}  # [kg m2] of the barge, by the same potential flow
 SOURCE = "Capytaine, linear potential flow"
@@ -84,7 +84,7 @@ def problem(
         )
 
     return Problem(
-        at_sea(ship, LENGTH[hull], 0.01, heading_deg=180.0 if sea == "head" else 90.0, ramp=0.0),
+        at_sea(ship, LENGTH[hull], 0.01, heading_deg=180.0 if sea == "head" else 90.0),
         tuple(promises.values()),
         measure,
         name,

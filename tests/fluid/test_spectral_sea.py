@@ -15,6 +15,7 @@ from ocean_sim.fluid.shared.tile import Layer, Tile
 from ocean_sim.fluid.spectral_sea import Config, snapped
 from ocean_sim.parts import Preflight
 from ocean_sim.reading.scene import load, observer_names
+from ocean_sim.result import Result
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.sea import going, image, stokes
 from ocean_sim.wind.gusts import Config as Gusts
@@ -159,6 +160,47 @@ def test_kernels_read_the_tiles_as_python_does(sea, order):
     assert np.abs(found[:, 4:]).max() == pytest.approx(omega * np.abs(v).max(), rel=0.1)
 
 
+@pytest.mark.parametrize("far", [0.0, 9000.0])
+def test_a_window_holds_the_waves_within_a_few_thousandths(sea, far):
+    """Against the sums over all waves, wherever it lies: elevation to 0.02 % of the significant height; velocity and
+    acceleration, whose short waves turn the most, by their own rms to 0.1 and 0.6 %."""
+    spectrum = {"significant_wave_height": 1.2, "peak_period": 5.5, "spreading": 12.0, "heading_deg": 150.0}
+    fluid = sea(spectrum=spectrum, current=(0.5, 0.0))
+    fluid.advance(600.0)
+    size, step, depths = (25, 13), (0.7, 0.5), (0.0, 0.6, 1.2)
+    window, heading = fluid.window(size, step, depths), (0.6, 0.8)
+    middle = np.array([far + 0.3, -0.5 * far])
+    window.lay(middle, heading)
+    found = np.zeros((size[0] * size[1] * len(depths), 7))
+
+    @ti.kernel
+    def look(late: float, found: ti.types.ndarray(ndim=2)):
+        for i, k, l in ti.ndrange(25, 13, 3):
+            row = (i * 13 + k) * 3 + l
+            v, a = window.moving(i, k, l, late)
+            found[row, 0] = window.elevation(i, k, late)
+            for c in ti.static(range(3)):
+                found[row, 1 + c], found[row, 4 + c] = v[c], a[c]
+
+    i, k, l = (axis.ravel() for axis in np.meshgrid(*(np.arange(n) for n in (*size, 3)), indexing="ij"))
+    ahead, aside = (i - 12) * step[0], (k - 6) * step[1]
+    x = middle[0] + ahead * heading[0] + aside * heading[1] - fluid.drift[0]
+    z = middle[1] + ahead * heading[1] - aside * heading[0]
+    at = np.stack([x, -np.array(depths)[l], z], axis=1)
+    apart = []
+    for late in (0.0, 0.2, 0.5, 0.8, 1.0):
+        look(late, found)
+        time, d = fluid.before + late * window.span, 1e-3
+        v = [waves.linear_velocity(fluid.plane_waves, at, time + shift) for shift in (-d, 0.0, d)]
+        exact = [waves.elevation(fluid.plane_waves, at, time)[:, None], v[1], (v[2] - v[0]) / (2.0 * d)]
+        parts = (found[:, :1], found[:, 1:4], found[:, 4:])
+        apart.append([np.sqrt(np.mean((a - b) ** 2) / np.mean(b**2)) for a, b in zip(parts, exact)])
+    eta, speed, pull = np.max(apart, axis=0)
+    assert eta / 4.0 < 2e-4 and speed < 1e-3 and pull < 6e-3, (eta, speed, pull)
+    assert pull > 1e-4  # a cubic it is
+    assert window.span > 0.15
+
+
 def test_a_ship_alone_does_not_feel_what_she_makes_and_others_do(sea):
     alone, pair = sea(tile=60.0), sea(tile=60.0)
     ship, other = Float(), Float(12.0)
@@ -273,6 +315,29 @@ def test_breaking_takes_energy_from_steep_crests_alone_and_books_it(sea):
         assert (wave.breaking.lost > 0.0) == breaks
         assert wave.energy() + wave.breaking.lost == pytest.approx(first, rel=0.03)
         assert wave.energy() < first * (1.0 - 1e-3) or not breaks
+
+
+def test_where_crests_broke_the_water_is_white_for_a_while_and_the_log_counts_their_energy(tmp_path):
+    k = 2.0 * pi / 10.0
+    scene = {
+        "duration": 1.2,
+        "basin": FLUME,
+        "fluid": {"kind": "spectral_sea", "order": 3, "tile": 40.0, "cells": 128, "height": 0.1, "onset": 0.0}
+        | {"period": 2.0 * pi / np.sqrt(G * k), "ramp": 0.0},
+        "frames": {"every": 0.4, "spacing": 0.5},
+    }
+    quiet = {name: None for name in observer_names() if name not in ("accuracy", "frames", "manifest")}
+    config = load(scene, quiet)
+    with Simulation(config, tmp_path) as simulation:
+        wave = simulation.fluid.steep.sea
+        wave.begin(*stokes(0.42, k, wave.tile.nodes()[0][:, None])[:2])
+        simulation.run(config.duration)
+        broken = wave.breaking
+        assert simulation.fluid.work["breaking"] == pytest.approx(-1000.0 * broken.lost)
+    works = Result(tmp_path).table("accuracy")["work_breaking_J"]
+    assert works[0] == 0.0 and works[-1] < works[len(works) // 2] < 0.0
+    foam = [np.load(tmp_path / "frames" / f"frame_{n:05d}.npz")["foam"] for n in (0, 3)]
+    assert foam[0].max() == 0.0 and foam[1].max() == pytest.approx(1.0, abs=0.01) and foam[1].min() < 0.5
 
 
 def test_a_spectrum_fitted_to_a_tile_keeps_its_energy_and_direction():

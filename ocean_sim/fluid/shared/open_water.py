@@ -11,6 +11,7 @@ from ocean_sim import waves
 from ocean_sim.fluid import Fluid, Limits, Status
 from ocean_sim.fluid.shared.plane_waves import PlaneWaves
 from ocean_sim.fluid.shared.window import Window
+from ocean_sim.runtime import asked_by_kernels
 
 if TYPE_CHECKING:  # they are imported only where there are tiles
     from ocean_sim.fluid.shared.sheet import Sheet
@@ -29,7 +30,6 @@ def status_of(sea: waves.Components, density: float) -> Status:
     return Status(float(fastest), float(hardest), density, density, 0, True)
 
 
-@ti.data_oriented
 class OpenWater(Fluid):
     """The sum, for kernels and for Python: kernels read the plane waves and the `sheets`, Python the plane waves and
     all `tiles`. Without more it is plane waves alone, in water that rests."""
@@ -42,7 +42,8 @@ class OpenWater(Fluid):
     tiles: "Sequence[OnTile]" = ()
     drift: np.ndarray = np.zeros(2)  # x, z by which the current has carried the water [m]
     current: tuple[float, float] = (0.0, 0.0)  # along x and z [m/s]
-    time: float
+    time: float  # [s]
+    before: float  # when the last step began: where bodies are that take theirs after the water has [s]
 
     def internal_energy(self) -> float:
         """0: nothing is compressed [J]."""
@@ -52,7 +53,7 @@ class OpenWater(Fluid):
     def elevation(self, x, z):
         eta = self.waves.elevation(x, z)
         for sheet in ti.static(self.sheets):
-            eta += sheet.elevation(x, z)
+            eta += sheet.elevation(x, z, sheet.now)
         return eta
 
     @ti.func
@@ -61,7 +62,7 @@ class OpenWater(Fluid):
         y = self.waves.stretched(position, self.elevation(position.x, position.z))
         v = tm.vec3(self.current[0], 0.0, self.current[1]) + self.waves.velocity_at(position, y)
         for sheet in ti.static(self.sheets):
-            v += sheet.velocity(position.x, position.z, -y)
+            v += sheet.velocity(position.x, position.z, -y, sheet.now)
         return v
 
     @ti.func
@@ -70,24 +71,25 @@ class OpenWater(Fluid):
         y = self.waves.stretched(position, self.elevation(position.x, position.z))
         a = self.waves.acceleration_at(position, y)
         for sheet in ti.static(self.sheets):
-            a += sheet.acceleration(position.x, position.z, -y)
+            a += sheet.acceleration(position.x, position.z, -y, sheet.now)
         return a
 
     @ti.func
     def rise(self, x, z):
-        """Elevation of what is not plane waves [m]."""
+        """Elevation of what is not plane waves [m], when the last step began."""
         eta = 0.0
         for sheet in ti.static(self.sheets):
-            eta += sheet.elevation(x, z)
+            eta += sheet.elevation(x, z, sheet.before)
         return eta
 
     @ti.func
     def moving(self, x, z, depth):
-        """Velocity [m/s] and acceleration [m/s2] of what is not plane waves, at a depth of the unstretched column."""
+        """Velocity [m/s] and acceleration [m/s2] of what is not plane waves when the last step began, at
+        a depth of the unstretched column."""
         v, a = tm.vec3(self.current[0], 0.0, self.current[1]), tm.vec3(0.0)
         for sheet in ti.static(self.sheets):
-            v += sheet.velocity(x, z, depth)
-            a += sheet.acceleration(x, z, depth)
+            v += sheet.velocity(x, z, depth, sheet.before)
+            a += sheet.acceleration(x, z, depth, sheet.before)
         return v, a
 
     @property
@@ -140,7 +142,7 @@ class OpenWater(Fluid):
         return at, (eta, waves.stretched(self.waves.sea, points, eta))
 
 
-@ti.data_oriented
+@asked_by_kernels
 class Felt(OpenWater):
     """Open water as one of several ships feels it: without the waves that she makes herself."""
 
@@ -152,6 +154,10 @@ class Felt(OpenWater):
     @property
     def time(self) -> float:  # type: ignore[override]
         return self.whole.time
+
+    @property
+    def before(self) -> float:  # type: ignore[override]
+        return self.whole.before
 
     @property
     def drift(self) -> np.ndarray:  # type: ignore[override]

@@ -6,7 +6,6 @@ import taichi.math as tm
 from taichi.lang.util import to_numpy_type
 
 from ocean_sim import waves
-from ocean_sim.runtime import Doubles
 
 NO_DRIFT = (
     "the waves are of the first order: what drifts a ship in the mean, second-order forces, is not modelled; a mean "
@@ -21,10 +20,16 @@ class PlaneWaves:
     def __init__(self, sea: waves.Components) -> None:
         n = len(sea.amplitude)
         self.amplitude, self.phase, self.k, self.kx, self.kz, self.speed = (ti.field(float, shape=n) for _ in range(6))
+        self.at_first = ti.Vector.field(4, ti.f64, shape=n)  # phase, omega and k along x and z, in turns
         self.grown = ti.field(float, shape=())  # the share of their height that they have
         self.real = to_numpy_type(self.phase.dtype)
         self.begun = 0  # times
         self.begin(sea)
+
+    @staticmethod
+    def bytes(waves: int, word: int) -> int:
+        """Memory that it takes."""
+        return waves * (6 * word + 4 * 8) + word
 
     def begin(self, sea: waves.Components) -> None:
         """These waves from time 0 on; as many as there were, of the same depth."""
@@ -34,21 +39,21 @@ class PlaneWaves:
         fields = (self.amplitude, self.k, self.kx, self.kz, self.speed)
         for field, values in zip(fields, (sea.amplitude, sea.wavenumber, *sea.wavevector.T, speed)):
             field.from_numpy(np.ascontiguousarray(values, dtype=self.real))
+        turns = np.stack([sea.phase, sea.omega, *sea.wavevector.T], axis=1) / (2.0 * np.pi)
+        self.at_first.from_numpy(turns)
         self.turn(0.0)
 
     def turn(self, time: float, drift: tuple[float, float] = (0.0, 0.0)) -> None:
         """The waves at a time [s], carried by a current along x and z so far [m]; phases are kept in f64 and small,
         whatever the precision and length of the run."""
-        sea = self.sea
-        phase = sea.phase - sea.omega * time
-        if drift[0] or drift[1]:
-            phase -= sea.wavevector @ np.array(drift)
-        self.take(np.mod(phase, 2.0 * np.pi), sea.grown(time))
+        self.take(time, *drift, self.sea.grown(time))
 
     @ti.kernel
-    def take(self, phase: Doubles, share: float):
+    def take(self, time: ti.f64, x: ti.f64, z: ti.f64, share: float):
         for i in range(self.phase.shape[0]):
-            self.phase[i] = ti.cast(phase[i], float)
+            first = self.at_first[i]
+            turns = first[0] - first[1] * time - first[2] * x - first[3] * z
+            self.phase[i] = 2.0 * tm.pi * ti.cast(turns - ti.floor(turns), float)
         self.grown[None] = share
 
     @ti.func

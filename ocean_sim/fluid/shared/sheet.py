@@ -18,7 +18,7 @@ from ocean_sim.waves import profiles
 
 LEVELS = 6
 WORDS = 2 * (1 + 6 * LEVELS)  # numbers a cell
-CLOCK = ("share", "first_x", "first_z", "centre_x", "centre_z")  # the last four [m]
+CLOCK = ("now", "before", "first_x", "first_z", "centre_x", "centre_z")  # the last four [m]
 
 
 @ti.data_oriented
@@ -26,6 +26,8 @@ class Sheet:
     """What a tile shows around its centre; beyond its edges nothing, or the same again where it `repeats`."""
 
     left_out: ClassVar[tuple[str, ...]] = ("profiles",)
+    now: ClassVar[int] = 0  # of CLOCK: at the end of the water's last step,
+    before: ClassVar[int] = 1  # and at its beginning
 
     def __init__(self, tile: Tile, repeats: bool) -> None:
         self.tile, self.repeats = tile, repeats
@@ -52,13 +54,13 @@ class Sheet:
         values = tile.values(np.array(modes, dtype=single)).astype(self.real)
         self.take(slot, values)
 
-    def set_clock(self, share: float, drift: np.ndarray, centre: np.ndarray) -> None:
-        """How far the time is from the first to the second; how far the water has drifted, and the tile's centre in its
-        axes [m]."""
+    def set_clock(self, shares: tuple[float, float], drift: np.ndarray, centre: np.ndarray) -> None:
+        """How far the time is from the first to the second, `now` and `before`; how far the water has drifted, and the
+        tile's centre in its axes [m]."""
         tile = self.tile
         size = np.array([tile.side, tile.width])
         first = np.array([axis[0] for axis in tile.nodes()]) + size * np.round(centre / size) + drift
-        self.clock.from_numpy(np.array([share, *first, *(centre + drift)]))
+        self.clock.from_numpy(np.array([*shares, *first, *(centre + drift)]))
 
     @ti.kernel
     def take(self, slot: int, values: ti.types.ndarray(ndim=3)):  # type: ignore[valid-type]
@@ -72,13 +74,13 @@ class Sheet:
     @ti.func
     def place(self, x, z):
         """Cell and shares of the way to the next, and whether there is anything to be seen."""
-        a, b = (x - self.clock[1]) / self.cell, (z - self.clock[2]) / self.cell
+        a, b = (x - self.clock[2]) / self.cell, (z - self.clock[3]) / self.cell
         i, k = int(ti.floor(a)), int(ti.floor(b))
         there = True
         if ti.static(not self.repeats):
-            there = ti.abs(x - self.clock[3]) < 0.5 * self.cell * self.cells
+            there = ti.abs(x - self.clock[4]) < 0.5 * self.cell * self.cells
             if ti.static(self.rows > 1):
-                there = there and ti.abs(z - self.clock[4]) < 0.5 * self.cell * self.rows
+                there = there and ti.abs(z - self.clock[5]) < 0.5 * self.cell * self.rows
         return i, k, ti.cast(a - i, float), ti.cast(b - k, float), there
 
     @ti.func
@@ -102,10 +104,10 @@ class Sheet:
         )
 
     @ti.func
-    def elevation(self, x, z):
-        """[m]"""
+    def elevation(self, x, z, when: Template):
+        """[m], `now` or `before`."""
         i, k, a, b, there = self.place(x, z)
-        eta, late = 0.0, ti.cast(self.clock[0], float)
+        eta, late = 0.0, ti.cast(self.clock[when], float)
         if there:
             u, v = self.cubic(a), self.cubic(b)
             for p in range(4):
@@ -117,19 +119,19 @@ class Sheet:
         return eta
 
     @ti.func
-    def velocity(self, x, z, depth):
+    def velocity(self, x, z, depth, when: Template):
         """[m/s] at a depth of the unstretched column."""
-        return self.between(self.speed, x, z, depth)
+        return self.between(self.speed, x, z, depth, when)
 
     @ti.func
-    def acceleration(self, x, z, depth):
+    def acceleration(self, x, z, depth, when: Template):
         """[m/s2], likewise."""
-        return self.between(self.pull, x, z, depth)
+        return self.between(self.pull, x, z, depth, when)
 
     @ti.func
-    def between(self, field: Template, x, z, depth):
+    def between(self, field: Template, x, z, depth, when: Template):
         i, k, a, b, there = self.place(x, z)
-        total, late = tm.vec3(0.0), ti.cast(self.clock[0], float)
+        total, late = tm.vec3(0.0), ti.cast(self.clock[when], float)
         if there:
             depths = ti.Vector(self.depths)
             d = ti.min(depth, depths[LEVELS - 1])

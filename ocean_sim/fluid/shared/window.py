@@ -15,7 +15,7 @@ from ocean_sim import waves
 from ocean_sim.fluid.shared.plane_waves import PlaneWaves
 from ocean_sim.runtime import Doubles2
 
-TURNING = 0.65  # [rad] by which waves turn between the two times, those that give the water its jerks
+TURNING = 0.8  # [rad] by which waves turn between the two times, those that give the water its jerks
 FIRST, LATER, ALONG, ACROSS = range(4)  # angles: of the first node at both times, and to the next along and across
 
 
@@ -24,7 +24,7 @@ class Moving(Protocol):
 
     waves: PlaneWaves
     drift: np.ndarray  # x, z by which a current has carried it [m]
-    time: float  # [s]
+    before: float  # when the last step began: where bodies are that take theirs after the water has [s]
 
 
 @ti.data_oriented
@@ -59,7 +59,7 @@ class Window:
         """How far it is from the first of the two times to the second, how far the waves have grown, and whether the
         lattice still holds."""
         water = self.water
-        time, sea = water.time, water.waves
+        time, sea = water.before, water.waves
         late = (time - self.start) / self.span
         return late, sea.sea.grown(time), 0.0 <= late <= 1.0 and self.begun == sea.begun
 
@@ -80,7 +80,7 @@ class Window:
 
     def lay(self, centre: tuple[float, float], heading: tuple[float, float]) -> None:
         """Around a place x, z [m], its first axis along a unit vector in x and z, from now on."""
-        waves_, time = self.water.waves, self.water.time
+        waves_, time = self.water.waves, self.water.before
         sea = waves_.sea
         if self.begun != waves_.begun:
             self.begun = waves_.begun

@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
 
+REAL = (float, np.floating)
+
+
 def heading(simulation: "Simulation", rate: str, **more: object) -> dict[str, object]:
     """The comment lines that every CSV of a run begins with."""
     return {
@@ -26,12 +29,7 @@ def heading(simulation: "Simulation", rate: str, **more: object) -> dict[str, ob
 
 def text(value: object) -> str:
     """A number with nine significant digits, the same on every machine; anything else as it is."""
-    return format(value, ".9g") if isinstance(value, float | np.floating) else str(value)
-
-
-def rounded(values: Iterable[object]) -> np.ndarray:
-    """(n,) the numbers that a row of a CSV shows, as whoever reads it finds them."""
-    return np.array([float(text(value)) for value in values])
+    return format(value, ".9g") if isinstance(value, REAL) else str(value)
 
 
 class CsvFile:
@@ -44,10 +42,13 @@ class CsvFile:
             self.file.writelines(f"# {key}: {' '.join(text(value).split())}\n" for key, value in heading.items())
         self.row(self.columns)
 
-    def row(self, values: Iterable[object]) -> None:
+    def row(self, values: Iterable[object]) -> list[str]:
+        """Write a row; how it shows each value."""
+        shown = [text(value) for value in values]
         with naming(self.file.name):
-            self.file.write(",".join(text(value) for value in values) + "\n")
+            self.file.write(",".join(shown) + "\n")
             self.file.flush()
+        return shown
 
     def close(self) -> None:
         self.file.close()

@@ -34,7 +34,7 @@ from ocean_sim.ship.shared.wave_contact import FINE, RIM, Contact, WaveContact
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
 
-STEPS_A_PERIOD = 60  # of the fastest natural motion
+STEPS_A_PERIOD = 50  # of the fastest natural motion
 FORCE_NUMBER = 0.25  # the share of a limit that `courant` takes
 BODY, CUBE = 3.0e-4, 1.2e-7  # [s] of processor time a step
 FEW = 4.0  # spacings in a draught
@@ -85,7 +85,9 @@ class FloatingConfig(VesselConfig):
     def look(self, preflight: Preflight) -> Look:
         still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
         name = self.hull if isinstance(self.hull, str) else ""
-        return Look(f"{name} {self.whole_hull.shape.kind}", min(1.0, still.wanted / still.voxels.volume))
+        lower, upper = self.whole_hull.shape.bounds()
+        submerged = min(1.0, still.wanted / still.voxels.volume)
+        return Look(f"{name} {self.whole_hull.shape.kind}", submerged, float(upper[0] - lower[0]))
 
     def outline(self, preflight: Preflight) -> Outline:
         still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)

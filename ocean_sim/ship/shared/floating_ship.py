@@ -14,7 +14,9 @@ from ocean_sim.parts import called
 from ocean_sim.ship import Load
 from ocean_sim.ship.shared.cubes import Wetted
 from ocean_sim.ship.shared.floating import FloatingConfig, FloatingHull
+from ocean_sim.ship.shared.rigid_body import RigidBody
 from ocean_sim.ship.shared.vessel import Vessel
+from ocean_sim.ship.shared.water import SurroundingSea
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
 
@@ -26,6 +28,7 @@ class Immersion(NamedTuple):
     share: float  # of added mass, damping and thrust that is left, 0 to 1
     motion: np.ndarray  # (6,) velocity relative to the water, body axes [m/s], [rad/s]
     surface: Surface | Fluid
+    body: RigidBody
 
 
 class FloatingShip(Vessel):
@@ -44,16 +47,16 @@ class FloatingShip(Vessel):
         self.relative = np.zeros(6)  # velocity relative to the water, of the last load
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
-        hull, body = self.hull, self.body
+        hull, body = self.hull, self.centred if isinstance(self.hull.water, SurroundingSea) else self.body
         wet = hull.wetted(body, wind, surface)
-        now = Immersion(wet, hull.share(wet), hull.motion(body, wet), surface)
+        now = Immersion(wet, hull.share(wet), hull.motion(body, wet), surface, body)
         self.relative = now.motion
         return Load.of(self.answered(now, self.forces(now)), self.parts)
 
     def forces(self, now: Immersion) -> dict[str, np.ndarray]:
         """(2, 3) force [N] and torque about the centre of mass [N m] of each part, world axes, without what the water
         does back."""
-        wet, density, turn = now.wet, self.hull.still.density, self.body.matrix
+        wet, density, turn = now.wet, self.hull.still.density, now.body.matrix
         driven = self.actuators.load(now.motion, density, now.share)
         moored = self.hull.moorings
         return {
@@ -63,7 +66,7 @@ class FloatingShip(Vessel):
             "wind_drag": wet.wind_drag,
             "wind_lift": wet.wind_lift,
             "damping": self.damping(now),
-            **({"mooring": moored.load(self.body)} if moored is not None else {}),
+            **({"mooring": moored.load(now.body)} if moored is not None else {}),
             **{part: force @ turn.T for part, force in driven.items()},
         }
 

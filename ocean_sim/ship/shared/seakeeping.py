@@ -72,14 +72,14 @@ class SeakeepingShip(FloatingShip):
         resisted = self.resistance.load(now.motion)
         if self.memory is not None:
             resisted = resisted + self.memory.load(self.actuators.time, now.motion)
-        return now.share * resisted @ self.body.matrix.T
+        return now.share * resisted @ now.body.matrix.T
 
     def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The water's answer to the hull's own acceleration is part of `damping`, what its own acceleration does, of
         `wave`."""
         force, torque = sum(forces.values(), np.zeros((2, 3)))
         wet = now.wet
-        moved, carried = reaction(self.body, now.share * self.added, force, torque, wet.velocity, wet.acceleration)
+        moved, carried = reaction(now.body, now.share * self.added, force, torque, wet.velocity, wet.acceleration)
         return forces | {"wave": forces["wave"] + carried, "damping": forces["damping"] + moved}
 
     def advance(self, load: Load, dt: float) -> None:

@@ -147,6 +147,8 @@ class Vessel(ABC):
         self.sides: Sides | None = None  # walls and bed that stop it
         self.aground, self.groundings = False, 0
         self.contact: WaveContact | None = None  # where the hull and particles push each other
+        # A body, and what half a step has added to its velocity [m/s] and angular momentum [kg m2/s].
+        self.gained = body, np.zeros(3), np.zeros(3)
         self.acceleration, self.turning = np.zeros(3), np.zeros(3)  # of the last step, world axes [m/s2], [rad/s2]
         self.added = np.zeros(6)  # mass [kg] and inertia [kg m2] of water that moves along
         actuators.steer(body, 0.0)
@@ -180,6 +182,15 @@ class Vessel(ABC):
     def outline(self) -> Outline | None:
         """The room that it takes; None where it has no shape."""
         return None if self.corners is None else outline(self.corners, self.body)
+
+    @property
+    def centred(self) -> RigidBody:
+        """The body with the velocities of its own time: those that it has have led to where it is, so they are of half
+        a step before."""
+        body, (of, faster, more) = self.body, self.gained
+        if of is not body:
+            return body
+        return replace(body, velocity=body.velocity + faster, angular_momentum=body.angular_momentum + more)
 
     @abstractmethod
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
@@ -230,4 +241,6 @@ class Vessel(ABC):
         self.acceleration = (after.velocity - before.velocity) / dt
         self.turning = (after.angular_velocity - before.angular_velocity) / dt
         self.body, self.last = after, load
+        faster, more = after.velocity - before.velocity, after.angular_momentum - before.angular_momentum
+        self.gained = after, 0.5 * faster, 0.5 * more
         self.actuators.steer(after, dt)

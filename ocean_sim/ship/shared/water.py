@@ -18,21 +18,20 @@ import taichi.math as tm
 
 from ocean_sim.columns import Columns
 from ocean_sim.fluid import ClosedForm, Contact, Hull
-from ocean_sim.runtime import Template
+from ocean_sim.runtime import Template, asked_by_kernels
 from ocean_sim.ship.shared.distance import Distance
 from ocean_sim.ship.shared.pose import POSE, pose, turned, vector
 from ocean_sim.ship.shared.rigid_body import RigidBody
 
 ALONG, ACROSS, LEVELS = 25, 13, 4  # nodes; levels lie half a draught apart, downwards from the surface
 REACH = 1.1  # of the hull's half sizes
-SLACK = 0.05  # of the lattice's half sizes, by which a hull may leave its middle
+SLACK = 0.08  # of the lattice's half sizes, by which a hull may leave its middle
 TOP = 4  # of the frame: the highest level [m]
 # What kernels are handed: a body, the clock of the wind [s], and of the lattice its middle x, z [m], sine and cosine of
 # its heading, how much of its time has gone, and how far the waves have grown.
 HANDED = Columns(**POSE, since=1, step=1, middle=2, heading=2, late=1, share=1)
 
 
-@ti.data_oriented
 class Around:
     """A lattice around a hull, and the height of the water on it."""
 
@@ -101,7 +100,7 @@ class Around:
         return (1.0 - a) * near + a * far, -tm.vec3(slope * s + aside * c, 0.0, slope * c - aside * s)
 
 
-@ti.data_oriented
+@asked_by_kernels
 class SurroundingWater(Around):
     """A surface over particles, or that of a closed form alone: asked anew each time, around where the hull is."""
 
@@ -165,7 +164,7 @@ class SurroundingWater(Around):
         self.settle(position.x, position.z, heading.x, heading.y)
 
 
-@ti.data_oriented
+@asked_by_kernels
 class SurroundingSea(Around):
     """Water in closed form: its height, and its velocity and acceleration on levels of the unstretched column."""
 

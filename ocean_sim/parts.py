@@ -150,6 +150,8 @@ class FluidConfig(KindConfig):
     bears_shear: ClassVar[float] = 0.0
     """Shear that its particles bear without flowing, once they have lost their rows, over the pressure; as measured in
     the validation case wind_setup."""
+    bears: ClassVar[bool] = True
+    """Whether it has a pressure, which bears what floats on it."""
     carries_bodies: ClassVar[bool] = False
     """Whether it answers to a body within a step, so that a ship of kind `pressure` may float on it."""
 

@@ -216,7 +216,7 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
     there = {slot: part for slot, part in parts.items() if isinstance(part, PartConfig)}
     named_in = {slot for slot in SLOTS if slot in data and data[slot].data is not None}
     wrong = composition.failed | named_in - set(there)
-    observers = _observers(data, root, problems)
+    observers = _observers(data, root, problems, folder)
     problems += _lacking(observers, there, wrong, data, root)
     problems += _unsuited(there, data)
     if tank_config is not None and tank is not None and runtime is not None and heading is not None:
@@ -297,7 +297,9 @@ def _lacking(
     return problems
 
 
-def _observers(data: dict[str, Node], root: Node, problems: list[Problem]) -> dict[str, ObserverConfig]:
+def _observers(
+    data: dict[str, Node], root: Node, problems: list[Problem], folder: Path | None
+) -> dict[str, ObserverConfig]:
     """The observers that a scene names or does not switch off, in the order in which they take turns."""
     observers: dict[str, ObserverConfig] = {}
     aboard = data.get("ship") is not None and data["ship"].data is not None
@@ -309,7 +311,7 @@ def _observers(data: dict[str, Node], root: Node, problems: list[Problem]) -> di
             if name == "manifest":
                 problems.append(problem(node.location, name, "every run records what was run; this one cannot be null"))
             continue
-        config = validated(import_module(f"ocean_sim.observers.{name}").Config, node, (name,), problems)
+        config = validated(import_module(f"ocean_sim.observers.{name}").Config, node, (name,), problems, folder)
         if config is not None:
             observers[name] = config
     return dict(sorted(observers.items(), key=lambda item: (item[1].turn, item[0])))

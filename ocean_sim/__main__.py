@@ -288,6 +288,7 @@ def platform(
         str | None, typer.Option(help="udp://127.0.0.1:5005: replay in real time, to this machine unless named.")
     ] = None,
     packets: Annotated[str, typer.Option(help="ocean_sim or openmotionsim.")] = "ocean_sim",
+    key: Annotated[Path | None, typer.Option(help="A file whose content signs every packet of ocean_sim.")] = None,
     film: Annotated[bool, typer.Option("--film", help="Also film.gif: the hexapod in its liveliest 10 s.")] = False,
     out: Annotated[Path, typer.Option(help="Where platform.csv, metrics.csv and the pictures go.")] = Path(
         "runs/platform"
@@ -298,7 +299,7 @@ def platform(
     from ocean_sim.verbs.platform import platform
 
     with console.claim(out):
-        platform(log, geometry, washout, frame, stream, packets, film, out, json)
+        platform(log, geometry, washout, frame, stream, packets, key, film, out, json)
 
 
 @app.command()

@@ -207,6 +207,8 @@ class FluidConfig(KindConfig):
     the validation case wind_setup."""
     joins_a_sea: ClassVar[bool] = False
     """Whether its particles may be a patch of open sea."""
+    bears: ClassVar[bool] = True
+    """Whether it has a pressure, which bears what floats on it."""
     carries_bodies: ClassVar[bool] = False
     """Whether it answers to a body within a step, so that a ship of kind `pressure` may float on it."""
 

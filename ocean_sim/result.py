@@ -31,9 +31,10 @@ class Result:
 
     @cached_property
     def events(self) -> list[dict[str, Any]]:
-        """What happened on the way, one entry an event."""
+        """What happened on the way, one entry an event; without a last line that a killed run did not finish."""
         path = self.folder / "events.jsonl"
-        return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()] if path.is_file() else []
+        text = path.read_text(encoding="utf-8") if path.is_file() else ""
+        return [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()]
 
     def table(self, name: str) -> dict[str, np.ndarray]:
         """The columns of `<name>.csv`, each an array of its rows."""

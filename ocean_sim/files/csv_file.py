@@ -44,9 +44,7 @@ def columns(path: str | Path) -> dict[str, np.ndarray]:
     """Each column, (n,), of a table that a run wrote, as float64 or as words, by its name; none where there are no
     names. Raises Unreadable, a ValueError."""
     text = input_file.text(path)
-    _, names, rows = lines(text)
-    if rows and not text.endswith("\n") and len(cells(rows[-1])) < len(names):
-        rows.pop()
+    _, names, rows = lines(text[: text.rfind("\n") + 1])
     return {name: column(found) for name, found in by_column(path, names, rows).items()}
 
 

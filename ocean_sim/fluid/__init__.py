@@ -46,6 +46,11 @@ class Lattice(Protocol):
     """Where the particles of a water are at first, counted but not yet made."""
 
     @property
+    def boxes(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Lowest and highest corner of each box of water [m]."""
+        ...
+
+    @property
     def n(self) -> int:
         """Number of particles; where there is an emitter, the most there will be."""
         ...

@@ -1,6 +1,6 @@
 """Particles that ignore each other: exact parabolas under gravity, wind and walls (the listing's other method)."""
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 import taichi as ti
@@ -23,6 +23,8 @@ SUPPORT_RATIO = 2.0  # [spacings] the surface is smoothed over so much; nothing 
 
 class Config(WaterConfig):
     """Particles without interaction."""
+
+    bears: ClassVar[bool] = False
 
     kind: Literal["ballistic"] = "ballistic"
 

@@ -38,6 +38,7 @@ SOLVED_FOR = {
     "divergence": "mean compression in a step over the rest density",
 }
 SOLVED = ("iterations", "iterations_last", "error_last", "error_max", "unsolved")
+MOST_ROWS = 1000  # of a step: where it is longer than as many rows, it has two, for the line between them says no more
 COLUMNS = (
     "compression_mean",
     "compression_max",
@@ -71,7 +72,7 @@ class Accuracy(Observer):
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
         self.every = config.every
-        self.sampled = Sampled(config.every)
+        self.sampled = Sampled(config.every, most=MOST_ROWS)
         self.gravity = np.array(simulation.basin.gravity)  # [m/s2]
         self.pushing: list[str] = []
         self.surface = SurfaceFit(simulation.surface) if simulation.surface is not None else None

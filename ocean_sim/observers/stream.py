@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 from pydantic import field_validator
 
+from ocean_sim.files.input_file import FileName
 from ocean_sim.observers.shared.handed_on import TakesCommands
+from ocean_sim.parts import Preflight, Problems
 from ocean_sim.platform import Commands, Platform
-from ocean_sim.platform.shared.datagrams import Sender, address, packets
+from ocean_sim.platform.shared.datagrams import Sender, address, key_in, packets
 from ocean_sim.simulation import Observer, ObserverConfig
 
 if TYPE_CHECKING:
@@ -26,12 +28,25 @@ class Config(ObserverConfig):
     """Their format."""
     frame: Literal["flu", "ned", "ship"] = "flu"
     """The axes of their poses."""
+    key: FileName | None = None
+    """A file whose content signs every packet, of `ocean_sim` alone; null: they are not signed."""
 
     @field_validator("to")
     @classmethod
     def _is_an_address(cls, value: str) -> str:
         address(value)
         return value
+
+    def problems(self, preflight: Preflight) -> Problems:
+        if self.key is None:
+            return []
+        if self.packets != "ocean_sim":
+            return [(("key",), f"packets of {self.packets} have no place for a signature; take ocean_sim")]
+        try:
+            key_in(self.key)
+        except ValueError as error:
+            return [(("key",), str(error))]
+        return []
 
     def build(self, folder: Path, simulation: "Simulation") -> "Stream":
         scene = simulation.scene
@@ -50,7 +65,7 @@ class Stream(Observer, TakesCommands):
         self.new: list[Commands] = []  # rows that are not sent yet
         self.past = np.zeros((0, 6))  # the last two poses
         self.time, self.seq = 0.0, 0  # of the last row
-        self.sender = Sender(config.to, config.packets)
+        self.sender = Sender(config.to, config.packets, key_in(config.key) if config.key else b"")
 
     def take_commands(self, rows: Commands) -> None:
         self.new.append(rows)

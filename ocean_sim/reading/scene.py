@@ -246,7 +246,7 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
     there = {place: part for place, part in parts.items() if isinstance(part, PartConfig)}
     named_in = {place for place in places if _node(data, place) is not None}
     wrong = composition.failed | named_in - set(there)
-    observers = _observers(data, root, problems)
+    observers = _observers(data, root, problems, folder)
     problems += _lacking(observers, there, wrong, data, root)
     problems += _unsuited(there, data)
     if tank_config is not None and tank is not None and runtime is not None and heading is not None:
@@ -366,7 +366,9 @@ def _lacking(
     return problems
 
 
-def _observers(data: dict[str, Node], root: Node, problems: list[Problem]) -> dict[str, ObserverConfig]:
+def _observers(
+    data: dict[str, Node], root: Node, problems: list[Problem], folder: Path | None
+) -> dict[str, ObserverConfig]:
     """The observers that a scene names or does not switch off, in the order in which they take turns."""
     observers: dict[str, ObserverConfig] = {}
     aboard = ALONE in data or SEVERAL in data
@@ -378,7 +380,7 @@ def _observers(data: dict[str, Node], root: Node, problems: list[Problem]) -> di
             if name == "manifest":
                 problems.append(problem(node.location, name, "every run records what was run; this one cannot be null"))
             continue
-        config = validated(import_module(f"ocean_sim.observers.{name}").Config, node, (name,), problems)
+        config = validated(import_module(f"ocean_sim.observers.{name}").Config, node, (name,), problems, folder)
         if config is not None:
             observers[name] = config
     return dict(sorted(observers.items(), key=lambda item: (item[1].turn, item[0])))

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ocean_sim.files.input_file import Unreadable
 from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of, read
 from ocean_sim.observers.platform_log import heading
 from ocean_sim.observers.shared.csv_rows import CsvFile
@@ -30,6 +31,7 @@ def platform(
     frame: str | None,
     stream: str | None,
     packets: str,
+    key: Path | None,
     film: bool,
     out: Path,
     as_json: bool,
@@ -39,7 +41,7 @@ def platform(
         if name not in known:
             raise console.Refused(f"--{what}: there is no {name!r}{choice_sentence(name, known)[0]}")
     config = configured(geometry, washout)
-    sender = opened(stream, packets) if stream is not None else None
+    sender = opened(stream, packets, key) if stream is not None else None
     ride = opened_log(log, frame)
     machine = config.build(ride.every)
     done = joined([machine.follow(rows) for rows in ride.ride.chunks()])
@@ -76,9 +78,12 @@ def chosen(what: str, name: str) -> Node:
     raise console.Refused(f"--{what}: there is no {what} {name!r}{choice_sentence(name, named(what))[0]}")
 
 
-def opened(stream: str, packets: str) -> datagrams.Sender:
+def opened(stream: str, packets: str, key: Path | None) -> datagrams.Sender:
     try:
-        return datagrams.Sender(stream, packets)
+        secret = b"" if key is None else datagrams.key_in(str(key))
+        return datagrams.Sender(stream, packets, secret)
+    except Unreadable as error:
+        raise console.Refused(f"--key {error}") from None
     except ValueError as error:
         raise console.Refused(f"--stream: {error}") from None
     except OSError as error:

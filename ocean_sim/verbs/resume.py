@@ -44,7 +44,8 @@ def resumed(folder: Path, until: float | None, anyway: bool, as_json: bool) -> N
         changed = check(folder, kept, manifest["scene"], until, anyway)
     progress = Progress(config.duration, as_json)
     if not as_json:
-        start = "nothing was kept yet: it starts again" if kept is None else f"going on from t = {kept.time:.3f} s"
+        nothing = "nothing had begun before its first checkpoint: it starts at t = 0"
+        start = nothing if kept is None else f"going on from t = {kept.time:.3f} s"
         console.say(f"{folder}: {start}\n{kernels()}")
 
     def made() -> Result:
@@ -131,7 +132,8 @@ def newest(folder: Path, config: SceneConfig) -> file.Checkpoint:
     """The newest checkpoint that is whole; raises Refused."""
     paths, reason = [*file.kept(folder)], ""
     if not paths:
-        cure = "start it again" if "checkpoint" in config.observers else "name `checkpoint` in a scene to have them"
+        early = "it ended before its first one, so nothing had begun that could go on; start it again"
+        cure = early if "checkpoint" in config.observers else "name `checkpoint` in a scene to have them"
         raise console.Refused(f"{folder}: there is no checkpoint to go on from; {cure}")
     for path in paths:
         try:

@@ -1,5 +1,6 @@
 """What a user may say about water that is made of particles, whatever the scheme."""
 
+from collections.abc import Iterator
 from math import sqrt
 from typing import Annotated, Any, ClassVar
 
@@ -18,6 +19,7 @@ from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import FluidConfig, Preflight, Problems
 from ocean_sim.waves import Components
 
+COARSE = 1e-3  # [spacings] between two numbers: about a hundredth of the way of a particle in a step
 TIGHT = 2.0  # [spacings] thickness of a gate that holds still water back as a wall does
 
 
@@ -76,6 +78,7 @@ class WaterConfig(FluidConfig):
 
     def warnings(self, preflight: Preflight) -> list[str]:
         found, tank, spacing = super().warnings(preflight), preflight.tank, preflight.spacing
+        found += [*fallen(tank), *coarse_numbers(preflight)]
         for k, gate in tank.gates:
             box = tank.config.obstacles[k]
             thin = min(up - low for low, up in zip(box.min, box.max))
@@ -162,6 +165,26 @@ class WaterConfig(FluidConfig):
             elif inside(lattice.positions(), basin).any():
                 found.append((("initial", "path"), "some of these particles are inside an obstacle"))
         return found
+
+
+def fallen(basin: Basin) -> Iterator[str]:
+    """Where water that nothing holds goes."""
+    if basin.gravity[1] > 0.0 and basin.walls.y != "periodic" and not basin.closed:
+        yield f"gravity points upwards, {list(basin.gravity)} m/s2: the water falls out of the basin"
+    elif basin.gravity[1] < 0.0 and basin.config.floor == "none" and basin.walls.y != "periodic":
+        yield "the basin has no floor: the water falls out of it"
+
+
+def coarse_numbers(preflight: Preflight) -> Iterator[str]:
+    """Positions far from the origin have few digits left in single precision."""
+    basin, spacing = preflight.tank, preflight.spacing
+    far = float(np.abs([*basin.lower, *basin.upper]).max())
+    step = far * float(np.finfo(np.float32).eps)
+    if spacing is not None and preflight.word == 4 and step > COARSE * spacing:
+        yield (
+            f"single precision places particles {far:g} m from the origin to {step:.2g} m, "
+            f"{step / spacing:.2g} spacings; take runtime.precision: f64, or a basin around its water"
+        )
 
 
 def free_fall_speed(basin: Basin) -> float:

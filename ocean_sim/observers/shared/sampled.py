@@ -45,15 +45,18 @@ class Sampled:
 
     before: Sample | None
 
-    def __init__(self, every: float) -> None:
-        self.every = every
+    def __init__(self, every: float, most: float = math.inf) -> None:
+        """`most`: multiples that one step may pass; of more, the first and the last have rows."""
+        self.every, self.most = every, most
         self.multiples = Multiples(every)
         self.before = None
 
     def rows(self, time: float, values: np.ndarray, held: tuple = ()) -> list[Sample]:
         """The samples that the state at `time` completes."""
         now = Sample(time, np.asarray(values, dtype=np.float64), held)
-        rows = [between(self.before or now, now, k * self.every) for k in self.multiples.reached(time)]
+        passed = self.multiples.reached(time)
+        shown = passed if len(passed) <= self.most else (passed[0], passed[-1])
+        rows = [between(self.before or now, now, k * self.every) for k in shown]
         self.before = now
         return rows
 

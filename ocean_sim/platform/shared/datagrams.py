@@ -4,12 +4,15 @@
 uint32 sequence number, uint32 what was limited, float64 time [s], 6 float64 x, y, z [m] from neutral, roll, pitch, yaw
 [rad], 6 float64 leg lengths [m].
 
+With a key, 160 bytes: the 120, uint64 when the stream began [ns, since 1970], and HMAC-SHA256 of these 128.
+
 `openmotionsim`, 20 bytes, little-endian: 5 float32 time [s], yaw, pitch, roll [degrees], height [m].
 
 `python -m ocean_sim.platform.shared.datagrams udp://127.0.0.1:5005` receives packets and
-prints what comes.
+prints what comes; a further word names the file of a key.
 """
 
+import hmac
 import socket
 import struct
 import sys
@@ -20,12 +23,18 @@ from urllib.parse import urlsplit
 
 import numpy as np
 
+from ocean_sim.files import input_file, yaml_file
+from ocean_sim.parts import library
 from ocean_sim.platform import Commands
+from ocean_sim.platform.shared.guard import EVERY, Drive, Judge
+from ocean_sim.platform.shared.kinematics import Geometry, Hexapod
 from ocean_sim.platform.shared.motion_log import AXES, signs
 
 MAGIC, VERSION = b"OSPF", 1
 OURS = struct.Struct("<4sHHIId6d6d")
 THEIRS = struct.Struct("<5f")
+BEGAN, DIGEST = struct.Struct("<Q"), 32  # what a signed packet has besides: when its stream began, and its signature
+LEAST_KEY, MOST_KEY = 16, 4096  # bytes
 FORMATS = ("ocean_sim", "openmotionsim")
 FRAMES = ("flu", "ned", "ship")
 LOOPBACK = "127.0.0.1"
@@ -74,7 +83,39 @@ def unpacked(data: bytes) -> Packet:
     _, version, frame, seq, limited, moment, *rest = OURS.unpack(data)
     if version != VERSION or frame >= len(FRAMES):
         raise ValueError(f"a packet of version {version}, frame {frame}")
+    if not np.isfinite([moment, *rest]).all():
+        raise ValueError("a packet that holds what is not a number")
     return Packet(seq, moment, FRAMES[frame], tuple(rest[:6]), tuple(rest[6:]), limited)
+
+
+def along_flu(packet: Packet) -> np.ndarray:
+    """(6,) the pose of a packet along FLU."""
+    pose = np.array(packet.pose)
+    return np.concatenate([pose[:3] @ AXES[packet.frame], pose[3:] * signs(packet.frame)])
+
+
+def key_in(file: str) -> bytes:
+    """The key in a file, which sender and receiver share; raises Unreadable, a ValueError."""
+    key = input_file.content(file, MOST_KEY).strip()
+    if len(key) < LEAST_KEY:
+        raise input_file.Unreadable(file, f"a key has at least {LEAST_KEY} bytes, this one {len(key)}")
+    return key
+
+
+def signed(data: bytes, key: bytes, began: int) -> bytes:
+    """A packet with a signature, of a stream that began at a time [ns]."""
+    data += BEGAN.pack(began)
+    return data + hmac.digest(key, data, "sha256")
+
+
+def verified(data: bytes, key: bytes) -> tuple[bytes, int]:
+    """A packet without its signature, and when its stream began [ns]; raises ValueError."""
+    told, signature = data[:-DIGEST], data[-DIGEST:]
+    if len(data) != OURS.size + BEGAN.size + DIGEST or not hmac.compare_digest(
+        signature, hmac.digest(key, told, "sha256")
+    ):
+        raise ValueError("a packet that is not signed with our key")
+    return told[: OURS.size], BEGAN.unpack(told[OURS.size :])[0]
 
 
 def address(url: str) -> tuple[str, int]:
@@ -106,17 +147,20 @@ class Jitter(NamedTuple):
 
 
 class Sender:
-    """Sends rows at the pace of their own time. Raises ValueError where the address is malformed, OSError where the
-    host is unknown.
+    """Sends rows at the pace of their own time, with a key signed. Raises ValueError where the address is malformed or
+    the layout has no place for a signature, OSError where the host is unknown.
 
     A row that comes too late is sent at once and the clock is set by it: what follows keeps its pace, there is no
     burst.
     """
 
-    left_out = ("socket", "start", "sent", "due")  # what a checkpoint of it does not hold
+    left_out = ("socket", "start", "sent", "due", "key", "began")  # what a checkpoint of it does not hold
 
-    def __init__(self, url: str, layout: str = "ocean_sim") -> None:
+    def __init__(self, url: str, layout: str = "ocean_sim", key: bytes = b"") -> None:
+        if key and layout != "ocean_sim":
+            raise ValueError(f"packets of {layout} have no place for a signature; take ocean_sim")
         self.address, self.layout = address(url), layout
+        self.key, self.began = key, time.time_ns()
         try:
             kind = socket.getaddrinfo(*self.address, type=socket.SOCK_DGRAM)[0][0]
         except OSError as error:
@@ -129,6 +173,7 @@ class Sender:
     def send(self, packet: Packet) -> None:
         """Wait until it is time, then send."""
         data, now = packed(packet, self.layout), time.perf_counter()
+        data = signed(data, self.key, self.began) if self.key else data
         if self.start is None or now > self.start + packet.time:
             self.start = now - packet.time
         while (left := self.start + packet.time - time.perf_counter()) > 0.0:
@@ -153,22 +198,28 @@ class Smooth:
     """The pose that a platform is driven to by packets that come as they come.
 
     It lies on the line between the last two packets, one interval behind. Without packets it is held, and when
-    they return it moves over to them within `ramp` [s], also to those of a new stream. Packets that are
-    out of order are dropped and counted.
+    they begin or return it moves over to them within `ramp` [s], also to those of a new stream. After `home` [s]
+    without packets it moves back to neutral. Packets that are out of order are dropped and counted.
     """
 
-    def __init__(self, hold: float = 0.1, ramp: float = 3.0) -> None:
-        self.hold, self.ramp = hold, ramp
+    def __init__(self, hold: float = 0.1, ramp: float = 3.0, home: float = np.inf) -> None:
+        self.hold, self.ramp, self.home = hold, ramp, home
         self.last: Packet | None = None
         self.line: list[tuple[float, np.ndarray]] = []  # the last two poses, and when they came [s]
         self.returned, self.held = -np.inf, np.zeros(6)  # when packets came back [s], and the pose until then
         self.came = self.lost = self.reordered = self.stalls = self.strange = 0
 
+    def silence(self, now: float) -> float:
+        """Time since the last packet [s]."""
+        return now - self.line[-1][0] if self.line else np.inf
+
     def take(self, packet: Packet, now: float) -> None:
         """A packet that came at `now` [s]."""
         self.came += 1
-        if self.last is not None:
-            silent, ahead = now - self.line[-1][0] > self.hold, packet.seq - self.last.seq
+        if self.last is None:
+            self.returned = now
+        else:
+            silent, ahead = self.silence(now) > self.hold, packet.seq - self.last.seq
             if ahead <= 0 and not silent:
                 self.reordered += 1
                 return
@@ -186,28 +237,87 @@ class Smooth:
         (first, before), (second, after) = self.line[0], self.line[-1]
         part = min(1.0, (now - second) / (second - first)) if second > first else 1.0
         pose = before + part * (after - before)
-        s = min(1.0, max(0.0, (now - self.returned) / self.ramp))
-        return self.held + s**3 * (10.0 - 15.0 * s + 6.0 * s * s) * (pose - self.held)
+        pose = self.held + smoothly((now - self.returned) / self.ramp) * (pose - self.held)
+        return pose * (1.0 - smoothly((self.silence(now) - self.home) / self.ramp))
 
 
-def received(url: str, patience: float, report: Callable[[Packet], None]) -> Smooth:
-    """Wait for a first packet, then receive until nothing came for `patience` [s], reporting every packet; what is not
-    one of ours is counted as strange. Raises OSError or ValueError."""
+def smoothly(s: float) -> float:
+    """From 0 to 1 for s from 0 to 1, without a jump in acceleration."""
+    s = min(1.0, max(0.0, s))
+    return s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+
+
+class Receiver(Smooth):
+    """The pose, and the legs, of a platform that trusts no network.
+
+    A packet counts where it is whole and finite, from the source that the stream began with, newer than the one before,
+    and a pose to which the legs can have come since; with a `key`, also signed, and of no stream older than one seen.
+    All else is counted and dropped. In silence the platform brakes and holds its pose, then it goes home, and only
+    there a stream may come from elsewhere. The legs keep their limits whatever comes.
+    """
+
+    def __init__(
+        self, geometry: Geometry, key: bytes = b"", hold: float = 0.1, ramp: float = 3.0, home: float = 2.0
+    ) -> None:
+        super().__init__(hold, ramp, home)
+        hexapod = Hexapod(geometry)
+        self.judge, self.drive = Judge(geometry, hexapod, hold), Drive(geometry, hexapod)
+        self.key, self.began = key, 0  # when the stream began [ns], by its signature
+        self.source: object = None
+        self.foreign = self.implausible = 0
+
+    def hear(self, data: bytes, source: object, now: float) -> Packet | None:
+        """The packet in what came from a source at `now` [s], or None where it does not count."""
+        try:
+            inner, began = verified(data, self.key) if self.key else (data, 0)
+            packet = unpacked(inner)
+        except ValueError:
+            self.strange += 1
+            return None
+        if self.source not in (None, source) and self.silence(now) < self.home + self.ramp:
+            self.foreign += 1
+            return None
+        silent, pose = self.silence(now) > self.hold, along_flu(packet)
+        old = self.last is not None and packet.seq <= self.last.seq
+        again = began < self.began or (old and began == self.began)
+        if self.key and (again or (began > self.began and not silent)):
+            self.reordered += 1  # a signed stream goes on, or gives way to a later one; none is played again
+            return None
+        if (silent or not old) and not self.judge.passes(pose, packet.time, now, silent):
+            self.implausible += 1
+            return None
+        self.source, self.began = source, began
+        self.take(packet._replace(pose=tuple(pose)), now)
+        return packet
+
+    def advance(self, now: float) -> tuple[np.ndarray, np.ndarray]:
+        """(n, 6) lengths [m] and (n, 6) speeds [m/s] of the legs in the rows that are due until `now` [s]."""
+        return self.drive.advance(self.pose, now)
+
+
+def ready_made(name: str) -> Geometry:
+    """The geometry configs/geometry/<name>.yaml."""
+    return Geometry.model_validate(yaml_file.read(library("configs") / "geometry" / f"{name}.yaml").plain())
+
+
+def received(url: str, patience: float, report: Callable[[Packet], None], platform: Receiver | None = None) -> Receiver:
+    """Wait for a first packet that counts, then receive until none came for `patience` [s], whatever else came,
+    reporting every packet; by default for the platform `hexapod_a`. Raises OSError or ValueError."""
     host, port = address(url)
-    platform = Smooth()
+    platform = platform or Receiver(ready_made("hexapod_a"))
     with socket.socket(socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0][0], socket.SOCK_DGRAM) as listening:
         listening.bind((host, port))
-        while True:
+        listening.settimeout(EVERY)
+        while not platform.line or platform.silence(time.perf_counter()) < patience:
+            platform.advance(time.perf_counter())
             try:
-                packet = unpacked(listening.recv(2048))
+                data, source = listening.recvfrom(2048)
             except TimeoutError:
-                return platform
-            except ValueError:
-                platform.strange += 1
                 continue
-            listening.settimeout(patience)
-            platform.take(packet, time.perf_counter())
-            report(packet)
+            packet = platform.hear(data, source, time.perf_counter())
+            if packet is not None:
+                report(packet)
+        return platform
 
 
 def print_some(packet: Packet) -> None:
@@ -217,20 +327,21 @@ def print_some(packet: Packet) -> None:
         print(f"{packet.time:8.2f} s  {packet.frame}  x y z roll pitch yaw: {pose}", flush=True)
 
 
-def main(url: str = f"udp://{LOOPBACK}:5005") -> None:
+def main(url: str = f"udp://{LOOPBACK}:5005", key: str = "") -> None:
     """Receive a stream and print how it came."""
     print(f"waiting for packets at {url}", flush=True)
     try:
-        seen = received(url, 10.0, print_some)
+        platform = Receiver(ready_made("hexapod_a"), key_in(key) if key else b"")
+        seen = received(url, 10.0, print_some, platform)
     except (OSError, ValueError) as error:
         print(error if isinstance(error, ValueError) else f"{url}: {error.strerror or error}", file=sys.stderr)
         sys.exit(2)
     except KeyboardInterrupt:
         sys.exit(130)
-    kinds = ("lost", "out of order", "strange")
-    counts = zip(kinds, (seen.lost, seen.reordered, seen.strange))
+    kinds = ("lost", "out of order", "strange", "from elsewhere", "implausible")
+    counts = zip(kinds, (seen.lost, seen.reordered, seen.strange, seen.foreign, seen.implausible))
     print(f"{seen.came} packets, " + ", ".join(f"{count} {kind}" for kind, count in counts) + f"; {seen.stalls} stalls")
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:2])
+    main(*sys.argv[1:3])

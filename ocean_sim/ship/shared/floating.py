@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
-from math import isinf, pi, radians, sqrt
+from math import cos, isinf, pi, radians, sin, sqrt
 from typing import Any, ClassVar
 
 import numpy as np
@@ -102,9 +102,21 @@ class FloatingConfig(VesselConfig):
         reach = max(RIM, preflight.fluid.support_asked or RIM) * preflight.spacing
         return Solid(self.whole_hull.shape, still.matter.centre, body, False, felt=False, reach=reach)
 
+    def too_large(self, basin: Basin) -> str:
+        """How the hull is larger than the basin, in words; empty where it is not."""
+        beam, _, length = np.ptp(self.whole_hull.shape.bounds(), axis=0)
+        ahead, abeam = abs(cos(radians(self.heading_deg))), abs(sin(radians(self.heading_deg)))
+        spans = {"x": max(length * abeam, beam * ahead), "z": max(length * ahead, beam * abeam)}
+        sizes = dict(zip("xyz", np.subtract(basin.upper, basin.lower)))
+        beyond = [axis for axis in ("x", "z") if basin.dimension == 3 and spans[axis] > sizes[axis]]
+        sides = [f"{spans[axis]:.3g} m along {axis}, the basin {sizes[axis]:.3g} m" for axis in beyond]
+        return f"the hull takes {' and '.join(sides)}" if sides else ""
+
     def mismatches(self, preflight: Preflight) -> Problems:
         found, basin, spacing = Problems(), preflight.tank, preflight.spacing or 0.0
         solid = self.solid(preflight)
+        if preflight.fluid.made_of_particles and solid is None and self.too_large(basin):
+            return [(("hull",), self.too_large(basin))]
         if solid is not None:
             if memory(solid.shape, spacing / FINE, max(solid.reach, RIM * spacing), 8)[0] > MANY:
                 size = " x ".join(f"{x:.3g}" for x in np.ptp(solid.shape.bounds(), axis=0))
@@ -141,11 +153,25 @@ class FloatingConfig(VesselConfig):
             found.append((("hull",), message))
         return found
 
+    def unborne(self, preflight: Preflight) -> list[str]:
+        """Why there may be no water that bears the ship."""
+        fluid, (x, z) = preflight.fluid, (self.position[0], self.position[-1])
+        if not fluid.made_of_particles:
+            large = self.too_large(preflight.tank)
+            return [f"{large}: pictures show the basin alone, a sea in closed form goes on"] if large else []
+        found = [] if fluid.bears else [f"water of kind {fluid.kind} has no pressure: nothing bears the ship but a bed"]
+        boxes = preflight.untouched.boxes if preflight.untouched is not None else []
+        if preflight.tank.dimension == 3 and not any(
+            low[0] <= x <= up[0] and low[2] <= z <= up[2] for low, up in boxes
+        ):
+            found.append(f"there is no water under the ship at x = {x:g}, z = {z:g} m at first: it falls")
+        return found
+
     def warnings(self, preflight: Preflight) -> list[str]:
         hull = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
         if isinf(hull.draught):
             return [f"the ship weighs {hull.matter.mass:.4g} kg, more than its hull can carry: it sinks"]
-        found = []
+        found = self.unborne(preflight)
         cells = hull.draught / float(hull.voxels.size[1])
         if cells < 0.9 * self.cells_per_draught:
             found.append(f"the hull has {cells:.2g} cubes over its draught, as it draws little of its height")

@@ -12,7 +12,6 @@ from ocean_sim.observers.shared.handed_on import TakesMotion, takers
 from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.parts import ALONE, LedgerRow, Preflight, Problems, called
 from ocean_sim.ship import Ship
-from ocean_sim.ship.shared.rigid_body import cross
 from ocean_sim.simulation import Observer, PeriodicConfig
 
 if TYPE_CHECKING:
@@ -144,8 +143,7 @@ class Log:
     def row(self, ship: Ship) -> np.ndarray:
         """All columns but time and number."""
         body, load, turn = ship.body, ship.last, ship.body.matrix
-        arm, omega = turn @ self.arm, body.angular_velocity
-        felt = ship.acceleration + cross(ship.turning, arm) + cross(omega, cross(omega, arm))
+        felt = body.point_acceleration(self.arm, ship.acceleration, ship.turning)
         parts = np.concatenate([load.parts, load.parts.sum(axis=0, keepdims=True)])
         w, *vector = body.orientation
         return np.concatenate(

@@ -55,6 +55,11 @@ class RigidBody:
         """(4.15): world velocity [m/s] of such a point."""
         return self.velocity + cross(self.angular_velocity, self.matrix @ arm)
 
+    def point_acceleration(self, arm: np.ndarray, acceleration: np.ndarray, turning: np.ndarray) -> np.ndarray:
+        """World acceleration [m/s2] of such a point, from that of the centre of mass and the angular one [rad/s2]."""
+        away, omega = self.matrix @ arm, self.angular_velocity
+        return acceleration + cross(turning, away) + cross(omega, cross(omega, away))
+
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """a x b of two (3,), many times as quick as NumPy's."""

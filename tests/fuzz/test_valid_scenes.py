@@ -28,7 +28,7 @@ def drawn(count: int) -> list[SceneConfig]:
 
     draw()
     kinds = ("fluid", "surface", "ship", "wind")
-    return sorted(found[:count], key=lambda scene: [getattr(getattr(scene, slot), "kind", "") for slot in kinds])
+    return sorted(found[:count], key=lambda scene: [getattr(scene.parts().get(slot), "kind", "") for slot in kinds])
 
 
 def test_scenes_of_every_kind_are_drawn_and_their_preflight_is_made():

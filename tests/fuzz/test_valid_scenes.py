@@ -27,8 +27,8 @@ def drawn(count: int) -> list[SceneConfig]:
             found.append(config)
 
     draw()
-    parts = lambda scene: (scene.fluid, scene.surface, next(iter(scene.ships.values()), None), scene.wind, scene.sea)
-    return sorted(found[:count], key=lambda scene: [getattr(part, "kind", "") for part in parts(scene)])
+    kinds = ("fluid", "surface", "ship", "wind", "sea")
+    return sorted(found[:count], key=lambda scene: [getattr(scene.parts().get(slot), "kind", "") for slot in kinds])
 
 
 def test_scenes_of_every_kind_are_drawn_and_their_preflight_is_made():

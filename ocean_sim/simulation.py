@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, nullcontext, suppress
 from math import floor
 from pathlib import Path
 from typing import ClassVar
@@ -40,6 +40,9 @@ class Observer:
 
 class Concluding(Observer):
     """One that states how a run ended: closed after the others, which may fail to close."""
+
+    def amend(self) -> None:
+        """Called where one that was closed later has failed: state the outcome once more."""
 
 
 class ObserverConfig(PartConfig):
@@ -210,6 +213,7 @@ class Simulation:
         """Close every observer whatever another raises, an interrupt included; what they raised. The first failure is
         the outcome of a run that had come to its end."""
         failures: list[BaseException] = []
+        concluded: list[Concluding] = []
         for observer in sorted(self.observers, key=lambda observer: isinstance(observer, Concluding)):
             try:
                 observer.close()
@@ -217,6 +221,11 @@ class Simulation:
                 failures.append(failure)
                 if self.outcome == "done" and not isinstance(failure, KeyboardInterrupt):
                     self.note(failure)
+                    for earlier in concluded:
+                        with suppress(OSError):  # the failure that came first is told
+                            earlier.amend()
+            if isinstance(observer, Concluding):
+                concluded.append(observer)
         self.observers = []
         return failures
 

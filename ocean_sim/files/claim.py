@@ -42,8 +42,9 @@ class Claim:
     def __init__(self, folder: Path) -> None:
         self.folder, self.path, self.made = folder, folder / LOCK, not folder.exists()
         self.file = self.locked()
-        os.ftruncate(self.file, 0)
-        os.write(self.file, f"process {os.getpid()} on {socket.gethostname()}".encode())
+        with suppress(OSError):  # a full disk has no room for its name
+            os.ftruncate(self.file, 0)
+            os.write(self.file, f"process {os.getpid()} on {socket.gethostname()}".encode())
         for left in [*folder.glob(".*"), *folder.glob("frames/.*")]:
             if re.fullmatch(UNFINISHED, left.name) or left.name == RESERVE:
                 left.unlink()

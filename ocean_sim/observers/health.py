@@ -256,3 +256,8 @@ class Health(Concluding):
         self.event(outcome, **({"reason": self.simulation.reason} if self.simulation.reason else {}))
         if self.events is not None:
             self.events.close()
+
+    def amend(self) -> None:
+        if self.events is not None:
+            self.events = Path(self.events.name).open("a", encoding="utf-8")
+            self.close()

@@ -78,6 +78,9 @@ class Manifest(Concluding):
         }
         self.write()
 
+    def amend(self) -> None:
+        self.close()
+
     def write(self) -> None:
         with whole(self.path) as draft:
             draft.write_text(json.dumps(self.facts, indent=2) + "\n", encoding="utf-8")

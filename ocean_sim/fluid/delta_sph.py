@@ -81,10 +81,15 @@ class Config(SphConfig):
     def limited(self, smoothing: Smoothing, sound_speed: float, speed: float, acceleration: float) -> Limits:
         """Limits of the time step. Pairs rub at rates of up to 14 nu / h^2 (twice that of the Laplacian's sum), so
         viscosity counts twice; artificial viscosity counts with it."""
-        h, d = smoothing.length, smoothing.dimension
-        artificial = self.artificial_viscosity * h * sound_speed / (2.0 * (d + 2.0))
-        nu = 2.0 * (self.kinematic_viscosity + artificial)
+        nu = 2.0 * (self.kinematic_viscosity + self.artificial(smoothing, sound_speed))
         return limits(smoothing, sound_speed, nu, speed, acceleration)
+
+    def artificial(self, smoothing: Smoothing, sound_speed: float) -> float:
+        """Kinematic viscosity that the artificial one is, of water that is compressed [m2/s]."""
+        return self.artificial_viscosity * smoothing.length * sound_speed / (2.0 * (smoothing.dimension + 2.0))
+
+    def viscosity(self, basin: Basin) -> float:
+        return self.kinematic_viscosity + self.artificial(self.smoothing(basin), self.sound_speed(basin))
 
     def still_limits(self, preflight: Preflight) -> Limits:
         return self.limited(self.smoothing(preflight.tank), self.sound_speed(preflight.tank), 0.0, 0.0)

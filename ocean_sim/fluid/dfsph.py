@@ -84,7 +84,6 @@ class Config(SphConfig):
     """The most iterations for the divergence; steps that would need more are counted."""
 
     def viscosity(self, basin: Basin) -> float:
-        """Kinematic viscosity, the artificial one included [m2/s]."""
         h = self.smoothing(basin).length
         artificial = 0.0 if self.enclosed(basin) else self.artificial_viscosity * h * self.speed(basin)
         return self.kinematic_viscosity + artificial

@@ -134,13 +134,17 @@ class SphConfig(WaterConfig):
         """h c [m2/s], over which the scheme's own viscosity is stated."""
         return self.smoothing(basin).length * self.sound_speed(basin)
 
+    def viscosity(self, basin: Basin) -> float:
+        """Kinematic viscosity, an artificial one included [m2/s]."""
+        return self.kinematic_viscosity
+
     def losses(self, lattice: Lattice, sea: waves.Components) -> np.ndarray | None:
         basin, attenuation = lattice.basin, self.attenuation
         if attenuation is None or self.ratio(basin) != self.default_ratio[basin.dimension - 2]:
             return None
         k, height = sea.wavenumber, Train(sea, False).height
         share = np.array([attenuation.share(one, sea.depth, height, lattice.spacing, False) for one in k.tolist()])
-        decay = 2.0 * (self.kinematic_viscosity + share * self.scale(basin)) * k**2
+        decay = 2.0 * (self.viscosity(basin) + share * self.scale(basin)) * k**2
         return decay - 1j * sea.omega * (self.delay * (k * lattice.spacing) ** 2 - stokes(sea))
 
     def statements(self, preflight: Preflight) -> list[str]:

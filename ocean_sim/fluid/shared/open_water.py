@@ -17,7 +17,7 @@ if TYPE_CHECKING:  # they are imported only where there are tiles
     from ocean_sim.fluid.shared.sheet import Sheet
     from ocean_sim.fluid.shared.tile import OnTile
 
-ADVANCE = 7.0e-4  # [s] of processor time a step
+ADVANCE = 1.0e-4  # [s] of processor time a step
 POINTS_PER_WAVE = 16  # at which a wave is drawn
 SMOOTH = 0.04  # [periods] times a quarter (the force number of `courant`): a hundred steps a wave
 

@@ -36,7 +36,7 @@ from ocean_sim.wind import Wind
 
 STEPS_A_PERIOD = 50  # of the fastest natural motion
 FORCE_NUMBER = 0.25  # the share of a limit that `courant` takes
-BODY, CUBE = 3.0e-4, 1.2e-7  # [s] of processor time a step
+BODY, CUBE = 3.0e-4, 3.0e-8  # [s] of processor time a step
 FEW = 4.0  # spacings in a draught
 
 

@@ -221,8 +221,8 @@ class Simulation:
                 failures.append(failure)
                 if self.outcome == "done" and not isinstance(failure, KeyboardInterrupt):
                     self.note(failure)
-                    for earlier in concluded:
-                        with suppress(OSError):  # the failure that came first is told
+                    with suppress(OSError):  # the failure that came first is told
+                        for earlier in reversed(concluded):
                             earlier.amend()
             if isinstance(observer, Concluding):
                 concluded.append(observer)

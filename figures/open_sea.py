@@ -16,7 +16,7 @@ from _paper import BLUE, GREEN, INK, ORANGE, PALE, RED, keep, paper, table
 from ocean_sim.fluid.shared.band import band
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.open_sea import A_PERIOD, COARSE, FINE, GROUP, LENGTH, PATCH, PERIOD, K, around, patch
+from ocean_sim.validation.open_sea import A_PERIOD, COARSE, FINE, GROUP, PATCH, PERIOD, K, around, patch
 from ocean_sim.validation.shared.state import sampled
 
 KA, PERIODS, FAST_PERIODS, JUDGED = 0.05, 25.0, 2.0, 5.0
@@ -29,9 +29,9 @@ def scene(speed: float, feed: float | None, particles: int, periods: float) -> A
     rim = {"velocity": [speed * GROUP, 0.0]}
     sea = {"height": 2.0 * KA / K, "period": PERIOD, "rim": rim, "feed": feed}
     quiet = dict.fromkeys(name for name in observer_names() if name != "manifest")
-    return load(
-        quiet | patch(PATCH, particles, sea, periods), {"fluid": {"kind": "delta_sph", "spacing": LENGTH / particles}}
-    )
+    keys = quiet | patch(PATCH, particles, sea, periods)
+    keys["fluid"]["kind"] = "delta_sph"
+    return load(keys)
 
 
 def measured(config: Any, speed: float, report: Any) -> np.ndarray:

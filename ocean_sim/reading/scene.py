@@ -256,9 +256,12 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
         problems += _located("basin", tank_config.problems(tank, heading.duration), data["basin"])
         for name, part in (there | observers).items():
             problems += _located(name, part.problems(preflight), _node(data, name) or root)
-        if not problems and not wrong:
-            for name, part in (there | observers).items():
-                problems += _located(name, part.mismatches(preflight), _node(data, name) or root)
+        afloat = {name: part for name, part in there.items() if isinstance(part, ShipConfig)}
+        others = {name: part for name, part in (there | observers).items() if name not in afloat}
+        for asked in (afloat, others):  # the others count the particles around what floats
+            if not problems and not wrong:
+                for name, part in asked.items():
+                    problems += _located(name, part.mismatches(preflight), _node(data, name) or root)
         if not problems and not wrong:
             problems += _overlapping(preflight, data)
         if not problems and not wrong:

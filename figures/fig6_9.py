@@ -57,14 +57,15 @@ def stages() -> list[Stage]:
     source = methods("simulation", "Simulation")
     built: dict[str, set[str]] = {}
     for node in ast.walk(source["build"]):
-        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]).removeprefix("self.") in SLOTS:
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]).startswith("self."):
             built[ast.unparse(node.targets[0]).removeprefix("self.")] = own(node.value)
     found = []
     for node in ast.walk(source["step"]):
         if isinstance(node, ast.With) and ast.unparse(node.items[0].context_expr).startswith("self.stage("):
             name = ast.literal_eval(node.items[0].context_expr.args[0])
             calls = [ast.unparse(n.func).removeprefix("self.") for n in ast.walk(node) if isinstance(n, ast.Call)]
-            reads = set().union(*(own(line) for line in node.body)) | built.get(name, set())
+            used = [n.attr for n in ast.walk(node) if isinstance(n, ast.Attribute) and ast.unparse(n.value) == "self"]
+            reads = set().union(own(node), *(built.get(attribute, set()) for attribute in (name, *used)))
             calls = [call for call in calls if call.split(".")[0] in SLOTS]
             before = [slot for slot in SLOTS if slot in reads and slot != name]
             found.append(Stage(name, calls, before, kinds(name) if name in SLOTS else ()))

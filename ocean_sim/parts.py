@@ -16,13 +16,13 @@ from math import hypot
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, Self, cast
 
-from ocean_sim import waves
-from ocean_sim.basin.open_sea import Rim
 from ocean_sim.model import Model
 
 if TYPE_CHECKING:
     from ocean_sim import basin as basin_module
+    from ocean_sim import waves
     from ocean_sim.basin import Basin, Solid
+    from ocean_sim.basin.open_sea import Rim
     from ocean_sim.fluid import Fluid, Lattice, Limits
     from ocean_sim.platform import Platform
     from ocean_sim.runtime import RuntimeConfig
@@ -133,8 +133,9 @@ class KindConfig(PartConfig):
 class SeaConfig(KindConfig):
     """Keys of any sea that the particles of a scene are a patch of."""
 
-    rim: Rim
-    feed: float | None
+    if TYPE_CHECKING:  # keys of each kind
+        rim: Rim
+        feed: float | None
 
     @property
     @abstractmethod

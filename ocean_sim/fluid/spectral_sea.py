@@ -92,8 +92,6 @@ class Config(Seas, waves.GrowingTrain, FluidConfig):
     def problems(self, preflight: Preflight) -> Problems:
         basin = preflight.tank
         found = self.impossible(basin)
-        if found:
-            return found
         if basin.obstacles:
             found.append((("kind",), "a sea without sides goes through obstacles; leave basin.obstacles out"))
         if basin.rough_bed is not None:

@@ -41,7 +41,13 @@ def scripts(tmp_path, monkeypatch):
 
 def test_names_are_those_of_the_thesis_in_its_order():
     names = list(figure.scripts())
-    assert names[:3] == ["2-1", "2-2", "3-2"] and names[-4:] == ["errata", "stability", "speed-accuracy", "yacht-kinds"]
+    assert names[:3] == ["2-1", "2-2", "3-2"] and names[-5:] == [
+        "errata",
+        "stability",
+        "open-sea",
+        "speed-accuracy",
+        "yacht-kinds",
+    ]
     assert names.index("6-9") < names.index("6-10")
     assert len(names) == len(list(library("figures").glob("[!_]*.py")))
 

@@ -225,6 +225,7 @@ def leave_out(scene: dict[str, Any], path: list[str], dimension: int) -> None:
         at = inner
     if isinstance(at, dict) and at is not scene:
         if at is scene["fluid"]:
+            scene["basin"].pop("walls", None)  # periodic sides may be too near each other
             scene["fluid"] = plain("delta_sph" if path == ["fluid", "kind"] else at["kind"])
         elif path[-1] in at:
             del at[path[-1]]

@@ -12,6 +12,7 @@ from ocean_sim.simulation import Simulation
 BASIN = {"length": 40.0, "width": 40.0, "depth": 7.5}
 SEA = {"basin": BASIN, "fluid": {"kind": "linear_waves", "height": 0.5, "period": 4.0}}
 PARTICLES = {"basin": BASIN, "fluid": {"kind": "mueller", "spacing": 2.5}}
+PATCH = PARTICLES | {"basin": BASIN | {"walls": "periodic"}}
 KINDS = [(slot, kind) for slot in SLOTS for kind in kinds(slot)]
 QUIET = {"runtime.threads": 1, "resolution": 1.3}
 
@@ -45,7 +46,7 @@ def run(config: SceneConfig) -> list[bytes]:
 def of_kind(slot: str, kind: str) -> SceneConfig:
     """A small scene with this kind in it."""
     model = config_of(slot, kind)
-    base = SEA if slot == "platform" else PARTICLES
+    base = {"platform": SEA, "sea": PATCH}.get(slot, PARTICLES)
     if issubclass(model, ShipConfig):
         base = PARTICLES | {"fluid": {"kind": "delta_sph", "spacing": 2.5}} if model.carried_as_body else SEA
     example = dict(model.example)

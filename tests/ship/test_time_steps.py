@@ -19,7 +19,7 @@ def heave(dt: float) -> np.ndarray:
         while simulation.time < 24.0:
             simulation.step()
             if simulation.steps % every == 0:
-                rows.append(simulation.ship.body.position[1])
+                rows.append(next(iter(simulation.ships.values())).body.position[1])
     return np.array(rows)
 
 

@@ -55,7 +55,7 @@ def test_a_case_says_nothing_of_a_scheme():
     for problem in every_problem("fluid"):
         if problem.only:
             continue
-        assert set(problem.scene) <= {"duration", "basin", "fluid", "wind", "runtime"}
+        assert set(problem.scene) <= {"duration", "basin", "sea", "fluid", "wind", "runtime"}
         assert set(problem.scene["fluid"]) <= OF_A_CASE
         assert set(problem.scene.get("runtime", {})) <= {"precision"}
 

@@ -238,7 +238,7 @@ def started(
     a particle, where the water does not fill the basin."""
     if initial is not None:
         return initial.state(positions, basin, rest_density)
-    sea = of_patch(basin, apart(positions, basin))
+    sea = of_patch(basin, apart(positions, basin)) if basin.sea is not None else None
     if sea is not None:
         return carried(sea, positions, basin, rest_density)
     return positions, np.zeros_like(positions), still_pressure(positions, basin, rest_density, surface)

@@ -82,12 +82,18 @@ def afloat(scheme: str, kind: str, **keys) -> dict:
 
 CLOTH = {"surface": "cloth", "wind": "wide"}
 SCENES = {
-    "mueller, cloth, hydrostatic ship, gusts, platform": afloat("mueller", "hydrostatic", **CLOTH, **TRACED),
+    "delta_sph, patch of a sea": {
+        "basin": SLICE | {"walls": "periodic"},
+        **water("delta_sph", 0.1),
+        "sea": {"kind": "linear_waves", "height": 0.05, "period": 1.0, "rim": {"velocity": [2.0, 0.0]}},
+        **IN_SLICE,
+    },
     "ballistic, emitter, noise": {"basin": SLICE, **water("ballistic", 0.1, **LEFT, **MOUTH), "wind": "noise_only"},
-    "linear waves, dynamic ship, autopilot": sea("dynamic", AUTOPILOT | {"radiation": RADIATION}),
     "spectral sea of third order, dynamic ship, gusts": sea("dynamic", AUTOPILOT, fluid=STEEP),
 }  # fmt: skip
 MORE = {
+    "mueller, cloth, hydrostatic ship, gusts, platform": afloat("mueller", "hydrostatic", **CLOTH, **TRACED),
+    "linear waves, dynamic ship, autopilot": sea("dynamic", AUTOPILOT | {"radiation": RADIATION}),
     "dfsph, stress": {"basin": SQUARE, **water("dfsph"), "wind": {"kind": "stress"}, **GAUGES},
     "delta_sph, wavemaker": {"basin": SLICE | WAVEMAKER, **water("delta_sph", 0.1), **IN_SLICE},
     "delta_sph, absorbed towards a sea": {"basin": SLICE | DRIFTING, **water("delta_sph", 0.1), **IN_SLICE},
@@ -99,12 +105,6 @@ MORE = {
     "delta_sph, closed": {"basin": AROUND, **water("delta_sph", 0.1, **VORTICES), **TRACED},
     "delta_sph, emitter": {"basin": SLICE, **water("delta_sph", 0.1, **LEFT, **MOUTH)},
     "delta_sph, cloth": {"basin": SQUARE, **water("delta_sph"), **CLOTH, **GAUGES},
-    "delta_sph, patch of a sea": {
-        "basin": SLICE | {"walls": "periodic"},
-        **water("delta_sph", 0.1),
-        "sea": {"kind": "linear_waves", "height": 0.05, "period": 1.0, "rim": {"velocity": [2.0, 0.0]}},
-        **IN_SLICE,
-    },
     "dfsph, patch of a sea, hydrostatic ship": afloat(
         "dfsph", "hydrostatic", basin=TANK | {"walls": "periodic"}, surface="cloth", sea="calm"
     ),

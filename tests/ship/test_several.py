@@ -116,7 +116,7 @@ def test_her_own_waves_would_act_on_her_if_she_were_shown_the_whole_sea(abreast)
         assert whole.elevations(under)[0] < -1.0 < -0.1 < felt.elevations(under)[0]  # her draught is in her own waves
 
 
-@pytest.mark.parametrize("precision", ["f32", "f64"])
+@pytest.mark.parametrize("precision", ["f32", pytest.param("f64", marks=pytest.mark.slow)])
 def test_the_threads_change_no_byte(precision, tmp_path):
     waves = CALM | {"height": 0.5, "period": 4.0, "heading_deg": 30.0}
     scene = at_sea({"a": BARGE | PUSHED, "b": BARGE | {"position": [APART, 0.0]}}, waves, 1.0)
@@ -168,6 +168,7 @@ def test_two_ships_among_particles_push_each_other_through_the_water_and_momentu
         assert np.abs(momentum(simulation) - before).max() > 1e-3 * np.abs(before).max()
 
 
+@pytest.mark.slow
 def test_two_ships_in_contact_with_particles_keep_momentum_and_each_has_her_impulse_in_the_accounts():
     """Two boxes that are shot into a block of water that presses, from above and from the side."""
     water = {"kind": "delta_sph", "spacing": 0.1, "compression": 0.01, "reference_speed": 3.0}
@@ -291,6 +292,7 @@ def test_frames_keep_every_ship_and_cameras_follow_the_one_that_is_named(tmp_pat
     assert "this run draws no ship 'd'; there is a, b" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @with_opengl
 def test_every_ship_is_drawn_and_each_meets_the_water(tmp_path):
     """Seen from above: a picture of both barges differs from that of one where the other lies, and nowhere else."""
@@ -331,6 +333,7 @@ def test_a_preview_shows_every_hull_and_keys_steer_the_ship_that_the_panel_names
         assert panel.ship == "a"
 
 
+@pytest.mark.slow
 def test_a_hull_over_particles_does_not_read_the_hole_that_another_one_makes():
     """Two boxes four spacings apart in still water keep upright; shown the hole of the other, each would heel."""
     water = {"kind": "mueller", "spacing": 0.1, "kinematic_viscosity": 0.01, "compression": 0.008}

@@ -94,11 +94,11 @@ class Frames(Observer):
             return
         particles = simulation.fluid.particles
         shown = simulation.surface or simulation.fluid
-        origin = self.origin(simulation.fluid)
+        sea = simulation.fluid.plane_waves if simulation.fluid.answers else None
+        origin = np.zeros(2) if sea is None else self.origin()
         points = self.points + origin
         frame: dict[str, np.ndarray] = {"elevation": shown.elevations(points).reshape(self.shape)}
-        sea = simulation.fluid.plane_waves
-        if sea is not None and simulation.fluid.answers:
+        if sea is not None:
             known = waves.elevation(sea, points, simulation.time).reshape(self.shape)
             frame |= {"answer": frame["elevation"] - known, "origin": origin}
         foam = simulation.fluid.foam(points)
@@ -121,10 +121,10 @@ class Frames(Observer):
         )
         self.count += 1
 
-    def origin(self, fluid: Fluid) -> np.ndarray:
-        """(2,) x and z of the middle of the points [m]: by whole cells near that of the ships, where they are free to
-        sail on a sea that answers to them; else that of the basin."""
-        if not (fluid.answers and self.ships and self.cell.all()):
+    def origin(self) -> np.ndarray:
+        """(2,) x and z of the middle of the points [m] on a sea that answers to ships: by whole cells near that of the
+        ships, which are free to sail away; without any, and in a slice, that of the basin."""
+        if not (self.ships and self.cell.all()):
             return np.zeros(2)
         middle = np.mean([ship.body.position[[0, 2]] for ship in self.ships], axis=0)
         return self.cell * np.round(middle / self.cell)

@@ -82,5 +82,6 @@ def kept_surface(
     if "vertices" in data:
         return time, data["vertices"], data["triangles"], {"Normals": data["normals"]}
     x, z = np.meshgrid(grid["x"], grid["z"], indexing="ij")
-    points = np.stack([x, data["elevation"], z], axis=-1).reshape(-1, 3).astype(np.float32)
+    dx, dz = data.get("origin", np.zeros(2))
+    points = np.stack([x + dx, data["elevation"], z + dz], axis=-1).reshape(-1, 3).astype(np.float32)
     return time, points, triangles(*x.shape), {}

@@ -37,6 +37,11 @@ class Frame:
             self.mesh = [file[name] for name in ("vertices", "triangles", "normals")] if "vertices" in file else None
 
     @property
+    def place(self) -> np.ndarray:
+        """(3,) the origin of the heights, as a place at the height of the still water [m]."""
+        return np.insert(self.origin, 1, 0.0)
+
+    @property
     def folds(self) -> bool:
         """Whether the surface is more than a height above each point: some of its triangles do not face up."""
         if self.mesh is None:

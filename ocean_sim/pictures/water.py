@@ -34,6 +34,7 @@ class Water:
     def show(self, frame: Frame) -> None:
         eye = self.stage.camera.eye
         points, normals = self.mesh.surface(frame.elevation)
+        points += frame.place
         height = np.clip(points[:, 1] / max(2.5 * float(frame.elevation.std()), self.scale), -1.0, 1.0)
         self.surface.points = points.astype(np.float32)
         self.surface["colour"] = water_shading.display(water_shading.surface(points, normals, height, eye))

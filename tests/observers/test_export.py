@@ -3,8 +3,10 @@ import json
 import numpy as np
 import pytest
 
+from ocean_sim.basin.points import pairs
 from ocean_sim.files.vtkhdf import Series
 from ocean_sim.observers import frames
+from ocean_sim.pictures import export as export_module
 from ocean_sim.pictures.export import NothingToExport, export_run
 
 
@@ -61,6 +63,13 @@ def test_surfaces_read_back_facing_up(kept, kind):
         assert files[0].name == "surface.vtp.series" and series["files"][1]["time"] == pytest.approx(
             float(frame["time"])
         )
+
+
+def test_a_surface_lies_where_its_frame_says(tmp_path):
+    x, z, away = np.arange(3.0), np.arange(2.0), np.array([40.0, -7.5])
+    np.savez(tmp_path / "frame.npz", time=1.0, elevation=np.ones((3, 2)), origin=away)
+    _, points, _, _ = export_module.kept_surface(tmp_path / "frame.npz", {"x": x, "z": z})
+    np.testing.assert_allclose(points[:, [0, 2]], pairs(x, z) + away)
 
 
 def test_what_was_not_kept_is_named(kept, tmp_path):

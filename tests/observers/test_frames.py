@@ -4,6 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from ocean_sim import waves
+from ocean_sim.basin.points import pairs
 from ocean_sim.observers import frames, manifest
 from ocean_sim.parts import Preflight
 
@@ -24,6 +26,42 @@ def test_a_frame_is_the_first_state_at_or_after_its_time(tmp_path, watched):
     assert frame["position"].dtype == frame["velocity"].dtype == np.float32
     assert frame["position"].shape == (simulation.fluid.particles.n, 3) and frame["id"].dtype.kind == "i"
     assert bool(grid["has_surface"])
+
+
+def with_a_ship(simulation, x: float, z: float):
+    """The run with a ship in it, at a place [m]."""
+    body = SimpleNamespace(position=np.array([x, 0.0, z]), matrix=np.eye(3))
+    triangle = np.eye(3), np.arange(3)[None]
+    simulation.ships = {"ship": SimpleNamespace(name="ship", body=body, points={}, drawn=lambda: triangle)}
+    simulation.scene.ships = {"ship": SimpleNamespace(look=lambda preflight: None)}
+    simulation.scene.preflight = None
+    return simulation
+
+
+def test_a_ship_off_the_middle_of_a_tank_moves_no_frame(tmp_path, watched):
+    simulation = with_a_ship(watched(), 1.5, -2.0)
+    frames.Config().build(tmp_path, simulation).observe(simulation)
+    grid, frame = np.load(tmp_path / "frames/grid.npz"), np.load(tmp_path / "frames/frame_00000.npz")
+    exact = simulation.fluid.elevations(pairs(grid["x"], grid["z"]))
+    np.testing.assert_allclose(frame["elevation"].ravel(), exact, rtol=1e-5, atol=1e-6)
+    assert "origin" not in frame
+
+
+def test_frames_of_a_sea_that_answers_lie_around_the_ship(tmp_path, watched, monkeypatch):
+    """Within half a cell of her, and the heights are those of there."""
+    simulation = with_a_ship(watched(), 300.0, -2.0)
+    sea = waves.regular(0.5, 4.0, np.array([0.0, 1.0]), 5.0)
+    monkeypatch.setattr(type(simulation.fluid), "plane_waves", sea, raising=False)
+    monkeypatch.setattr(type(simulation.fluid), "answers", True, raising=False)
+    frames.Config().build(tmp_path, simulation).observe(simulation)
+    grid, frame = np.load(tmp_path / "frames/grid.npz"), np.load(tmp_path / "frames/frame_00000.npz")
+    cell = [grid["x"][1] - grid["x"][0], grid["z"][1] - grid["z"][0]]
+    assert (np.abs(frame["origin"] - [300.0, -2.0]) <= np.multiply(0.5, cell)).all()
+    assert np.allclose(frame["origin"] / cell, np.round(frame["origin"] / cell), atol=1e-4)
+    there = pairs(grid["x"], grid["z"]) + frame["origin"]
+    np.testing.assert_allclose(frame["elevation"].ravel(), simulation.fluid.elevations(there), atol=1e-4)
+    known = frame["elevation"] - frame["answer"]
+    np.testing.assert_allclose(known.ravel(), waves.elevation(sea, there, simulation.time), atol=1e-4)
 
 
 def test_a_slice_and_loose_particles_have_no_surface_to_draw(tmp_path, watched):

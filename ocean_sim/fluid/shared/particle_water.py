@@ -88,7 +88,7 @@ class ParticleWater(ParticleFluid):
 
     @property
     def answers(self) -> bool:
-        return True
+        return self.joined
 
     def meet(self, contact: Contact) -> None:
         """From the first step on feel the push of one more hull."""

@@ -51,7 +51,7 @@ from ocean_sim.wind import Wind
 PAIR = 3.0e-8  # [s] of processor time a neighbour, with the iterations that calm water needs
 ROW, VISCOUS_ROW = Columns(position=3, pressure=1), Columns(position=3, pressure=1, velocity=3)  # of the forces
 CALM = {"density": 0.1, "divergence": 0.003}  # [tolerances] errors below which water counts as calm
-BRIEF = 0.1  # of half the support over the reference speed: in shorter steps calm water compresses itself less
+BRIEF = 0.1  # of the smoothing length over the reference speed: in shorter steps calm water compresses itself less
 SLOW = 2.0  # of the reference speed: water counts as no slower when the next step is chosen, see `limits`
 LEAST = 0.05  # of its value on the lattice: A_ii is taken to be no less, which keeps coincident particles finite
 GAP = 0.1  # of what is missing in a gap that may close in a step; wider gaps close as fast as they are wide
@@ -73,7 +73,7 @@ class Config(SphConfig):
     minimum_pressure: float | None = quantity("Pa", 0.0, ge=0.0, le=0.0)
     """Zero: water with a free surface knows no negative pressures."""
     artificial_viscosity: float = quantity("1", 0.01, ge=0.0)
-    """alpha: under a free surface alpha times half the support times reference_speed is added to the viscosity."""
+    """alpha: under a free surface alpha times the smoothing length times reference_speed is added to the viscosity."""
     density_tolerance: float = quantity("1", 5.0e-4, gt=0.0)
     """Mean error of the density that a step may end with, over the rest density; calm water ends with less."""
     divergence_tolerance: float = quantity("1", 1.0e-3, gt=0.0)

@@ -14,7 +14,7 @@ from ocean_sim.files import yaml_file
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, PlatformConfig, Preflight, library, named
 from ocean_sim.platform import SINGULAR, Commands, Cue, WashoutConfig
-from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, rates_to_turn, rotation
+from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, rates_to_turn, rotation, smoothly
 from ocean_sim.platform.shared.limits import SAME, Legs, Workspace
 from ocean_sim.platform.shared.motion_log import Ride
 
@@ -141,8 +141,3 @@ class Moving:
         acceleration[:, 2] += GRAVITY
         spin = (rates_to_turn(pose[:, 3:]) @ rates[:, :, None])[:, :, 0]
         return np.einsum("nji,nj->ni", turn, acceleration), np.einsum("nji,nj->ni", turn, spin)
-
-
-def smoothly(s: np.ndarray) -> np.ndarray:
-    """10 s^3 - 15 s^4 + 6 s^5, from 0 to 1 without a jump in acceleration."""
-    return s**3 * (10.0 - 15.0 * s + 6.0 * s * s)

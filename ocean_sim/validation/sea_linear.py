@@ -12,7 +12,7 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.sea import SCHEMES, G, going, scene, sea_of
+from ocean_sim.validation.shared.sea import SCHEMES, G, going, risen, scene, sea_of
 
 if TYPE_CHECKING:
     from ocean_sim.fluid.shared.tile import Tile
@@ -85,8 +85,7 @@ def radiated(tile: "Tile", k: float, rim: bool) -> np.ndarray:
     dt, source = 2.0 * np.pi / omega / STEPS, tile.waves(np.exp(-((tile.nodes()[0] * k / 1.5) ** 2))[:, None])
     found = []
     for n in range(1, 30 * STEPS + 1):
-        risen = min(1.0, n / (4.0 * STEPS))
-        layer.advance(dt, risen**2 * (3.0 - 2.0 * risen) * np.cos(omega * n * dt) * source, np.zeros(2))
+        layer.advance(dt, risen(n / (4.0 * STEPS)) * np.cos(omega * n * dt) * source, np.zeros(2))
         if n > 28 * STEPS:
             found.append(layer.eta[:, 0] * np.exp(1j * omega * n * dt))
     middle, half = tile.cells // 2, round(FREE * tile.cells / (1 if rim else LARGE))

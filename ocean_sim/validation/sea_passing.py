@@ -16,7 +16,7 @@ from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.fluid import Displacing
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.sea import SCHEMES, G, scene, sea_of
+from ocean_sim.validation.shared.sea import SCHEMES, G, risen, scene, sea_of
 
 U, LENGTH, ABEAM = 5.0, 10.0, (1, 3)  # [m/s], [m], lengths
 SIDE, CELLS, STEP = 320.0, 160, 0.2  # [m], cells, [s]
@@ -72,8 +72,7 @@ def passed(simulation: Simulation) -> tuple:
     patch, other = Patch(), Patch()
     by_itself, by_another = sea_of(simulation).carry([patch, other])
     while simulation.time < END - 0.5 * STEP:
-        risen = min(1.0, simulation.time / RISE)
-        patch.share = risen**2 * (3.0 - 2.0 * risen)
+        patch.share = risen(simulation.time / RISE)
         patch.body.position = np.array([U * simulation.time, 0.0, 0.0])
         simulation.step()
     return by_another, by_itself, float(patch.body.position[0] + U * STEP)

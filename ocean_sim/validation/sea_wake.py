@@ -11,7 +11,7 @@ import numpy as np
 from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.sea import SCHEMES, G, image, scene, sea_of
+from ocean_sim.validation.shared.sea import SCHEMES, G, image, risen, scene, sea_of
 
 SPEEDS = (4.0, 5.0, 6.0)  # [m/s]
 SIDE, CELLS, STEP = 128.0, 128, 0.2  # [m], cells, [s]
@@ -60,11 +60,10 @@ def towed(simulation: Simulation, u: float) -> tuple[float, np.ndarray]:
     tile = sea_of(simulation).tile
     layer, steps, found = Layer(tile), round(END / STEP), []
     for n in range(1, steps + 1):
-        risen = min(1.0, n * STEP / RISE)
         centre = np.array([u * n * STEP, 0.0])
         x, z = image(tile, centre)
         patch = PRESSURE * np.exp(-((x / LONG) ** 2) - (z / BROAD) ** 2)
-        layer.advance(STEP, tile.waves(risen**2 * (3.0 - 2.0 * risen) * patch / WATER_DENSITY), centre)
+        layer.advance(STEP, tile.waves(risen(n * STEP / RISE) * patch / WATER_DENSITY), centre)
         if n > (1.0 - JUDGED) * steps:
             slope = tile.values(tile.slopes(tile.waves(layer.eta))[0])
             found.append((patch * slope).sum() * tile.cell**2)

@@ -17,6 +17,7 @@ from taichi.lang.util import to_numpy_type
 from ocean_sim.columns import vec3
 from ocean_sim.fluid import Displacing
 from ocean_sim.fluid.shared.band import Band
+from ocean_sim.fluid.shared.cubic import cubic
 from ocean_sim.runtime import Template
 from ocean_sim.waves import Components, profiles
 from ocean_sim.waves.absorption import PROFILE
@@ -138,17 +139,10 @@ class SeaTable:
 
     @ti.func
     def around(self, x, axis: Template):
-        """The first of four nodes around x [m] along an axis, and their weights (Keys 1981, IEEE Trans. ASSP 29)."""
+        """The first of four nodes around x [m] along an axis, and their weights."""
         at = (x - self.lower[axis]) * self.per_cell[axis]
         i = int(ti.floor(at))
-        s = at - i
-        weight = tm.vec4(
-            0.5 * s * (-1.0 + s * (2.0 - s)),
-            0.5 * (2.0 + s * s * (3.0 * s - 5.0)),
-            0.5 * s * (1.0 + s * (4.0 - 3.0 * s)),
-            0.5 * s * s * (s - 1.0),
-        )
-        return i - 1, weight
+        return i - 1, cubic(at - i)
 
     @ti.func
     def at(self, x):

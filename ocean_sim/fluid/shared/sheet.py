@@ -12,6 +12,7 @@ import taichi as ti
 import taichi.math as tm
 from taichi.lang.util import to_numpy_type
 
+from ocean_sim.fluid.shared.cubic import cubic
 from ocean_sim.fluid.shared.tile import PER_TILE, Tile
 from ocean_sim.runtime import Template
 from ocean_sim.waves import profiles
@@ -94,22 +95,12 @@ class Sheet:
         return k - self.rows * int(ti.floor(k / self.rows))
 
     @ti.func
-    def cubic(self, s):
-        """Weights of the four values around a share s (Keys 1981)."""
-        return tm.vec4(
-            0.5 * s * (-1.0 + s * (2.0 - s)),
-            0.5 * (2.0 + s * s * (3.0 * s - 5.0)),
-            0.5 * s * (1.0 + s * (4.0 - 3.0 * s)),
-            0.5 * s * s * (s - 1.0),
-        )
-
-    @ti.func
     def elevation(self, x, z, when: Template):
         """[m], `now` or `before`."""
         i, k, a, b, there = self.place(x, z)
         eta, late = 0.0, ti.cast(self.clock[when], float)
         if there:
-            u, v = self.cubic(a), self.cubic(b)
+            u, v = cubic(a), cubic(b)
             for p in range(4):
                 line, cell = 0.0, self.along(i + p - 1)
                 for q in range(4):

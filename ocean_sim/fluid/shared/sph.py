@@ -19,6 +19,7 @@ from ocean_sim.fluid.shared.field import Field
 from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.neighbours import ListSize, Neighbours
 from ocean_sim.fluid.shared.particle_water import ParticleWater
+from ocean_sim.fluid.shared.plane_waves import PlaneWaves
 from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.water import Lattice, WaterConfig, free_fall_speed
 from ocean_sim.model import quantity
@@ -218,7 +219,8 @@ def _of_areas(preflight: Preflight, n: int) -> list[LedgerRow]:
 def _of_targets(lattice: Lattice, word: int) -> list[LedgerRow]:
     """The ledger of the waves that absorbing sides let pass."""
     n = sum(len(zone.given.amplitude) for zone in zones(lattice) if zone.given is not None)
-    return [LedgerRow("fluid", f"{n} plane waves", 6 * word * n, "basin.walls: target of a side")] if n else []
+    size = PlaneWaves.bytes(n, word)
+    return [LedgerRow("fluid", f"{n} plane waves", size, "basin.walls: target of a side")] if n else []
 
 
 def _of_sea(lattice: Lattice, word: int) -> list[LedgerRow]:

@@ -27,7 +27,7 @@ from ocean_sim.files import input_file, yaml_file
 from ocean_sim.parts import library
 from ocean_sim.platform import Commands
 from ocean_sim.platform.shared.guard import EVERY, Drive, Judge
-from ocean_sim.platform.shared.kinematics import Geometry, Hexapod
+from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, smoothly
 from ocean_sim.platform.shared.motion_log import AXES, signs
 
 MAGIC, VERSION = b"OSPF", 1
@@ -237,14 +237,8 @@ class Smooth:
         (first, before), (second, after) = self.line[0], self.line[-1]
         part = min(1.0, (now - second) / (second - first)) if second > first else 1.0
         pose = before + part * (after - before)
-        pose = self.held + smoothly((now - self.returned) / self.ramp) * (pose - self.held)
-        return pose * (1.0 - smoothly((self.silence(now) - self.home) / self.ramp))
-
-
-def smoothly(s: float) -> float:
-    """From 0 to 1 for s from 0 to 1, without a jump in acceleration."""
-    s = min(1.0, max(0.0, s))
-    return s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+        pose = self.held + smoothly(np.clip((now - self.returned) / self.ramp, 0.0, 1.0)) * (pose - self.held)
+        return pose * (1.0 - smoothly(np.clip((self.silence(now) - self.home) / self.ramp, 0.0, 1.0)))
 
 
 class Receiver(Smooth):

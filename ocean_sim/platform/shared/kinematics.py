@@ -178,3 +178,8 @@ def rates_to_turn(angles: np.ndarray) -> np.ndarray:
     (_, b, c), (_, cb, cc) = np.sin(angles).T, np.cos(angles).T
     zero, one = np.zeros_like(b), np.ones_like(b)
     return np.array([[cc * cb, -c, zero], [c * cb, cc, zero], [-b, zero, one]]).transpose(2, 0, 1)
+
+
+def smoothly(s: np.ndarray) -> np.ndarray:
+    """10 s^3 - 15 s^4 + 6 s^5, from 0 to 1 without a jump in acceleration."""
+    return s**3 * (10.0 - 15.0 * s + 6.0 * s * s)

@@ -16,7 +16,6 @@ from ocean_sim.ship.shared.cubes import Wetted
 from ocean_sim.ship.shared.floating import FloatingConfig, FloatingHull
 from ocean_sim.ship.shared.rigid_body import RigidBody
 from ocean_sim.ship.shared.vessel import Vessel
-from ocean_sim.ship.shared.water import SurroundingSea
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
 
@@ -47,7 +46,7 @@ class FloatingShip(Vessel):
         self.relative = np.zeros(6)  # velocity relative to the water, of the last load
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
-        hull, body = self.hull, self.centred if isinstance(self.hull.water, SurroundingSea) else self.body
+        hull, body = self.hull, self.centred if self.hull.water.below else self.body
         wet = hull.wetted(body, wind, surface)
         now = Immersion(wet, hull.share(wet), hull.motion(body, wet), surface, body)
         self.relative = now.motion

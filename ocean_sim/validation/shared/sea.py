@@ -37,6 +37,12 @@ def image(tile: "Tile", centre: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return (dx - tile.side * np.round(dx / tile.side))[:, None], (dz - tile.width * np.round(dz / tile.width))[None, :]
 
 
+def risen(share: float) -> float:
+    """From 0 to 1 without a jump in speed, for a share from 0; 1 beyond 1."""
+    part = min(1.0, share)
+    return part**2 * (3.0 - 2.0 * part)
+
+
 def going(layer: "Layer", eta: np.ndarray) -> None:
     """Make an elevation (cells, rows) travel towards +x."""
     tile = layer.tile

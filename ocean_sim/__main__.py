@@ -150,7 +150,7 @@ def hull(
     name: Annotated[str, typer.Argument(help="A name in configs/hull/, or an STL, OBJ or PLY file.")],
     mass: Annotated[float | None, typer.Option(min=0.001, help="Of the whole ship [kg], if not as the hull.")] = None,
     cells: Annotated[float, typer.Option(min=1.0, max=64.0, help="Cubes over the draught.")] = 16.0,
-    out: Annotated[Path | None, typer.Option(help="The picture; by default <name>_hull.png, with --json none.")] = None,
+    out: Annotated[Path | None, typer.Option(help="The picture; by default runs/hull/<name>.png, with --json none.")] = None,
     json: Json = False,
 ) -> int:
     """Is this a ship: watertight, volume, draught, stability, natural periods, picture."""

@@ -94,4 +94,4 @@ def test_an_interrupt_names_what_can_still_be_done(tmp_path):
     assert str(run_verb.stopped(progress, tmp_path)).endswith(f"; `ocean-sim resume {tmp_path}` goes on")
     progress.time = 10.0
     sentence = str(run_verb.stopped(progress, tmp_path))
-    assert sentence == f"stopped while its pictures were drawn; {tmp_path} holds all else of the run"
+    assert sentence == f"stopped while its pictures were drawn; {tmp_path} holds all else of the run; `ocean-sim render {tmp_path}` draws them"

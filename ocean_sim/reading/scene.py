@@ -391,13 +391,13 @@ def _observers(
 
 def _scaled(root: Node, factor: float, dimension: int, notes: list[str]) -> Node:
     """The tree of a scene with every spacing of water, surface and ship times `factor`; a budget of particles shrinks
-    by what that leaves out."""
+    by what that leaves out. What `--set` gives stays as it is given."""
 
     def scaled(node: Node, path: tuple[str, ...]) -> Node:
         if isinstance(node.data, dict):
             return node.with_data({key: scaled(inner, (*path, key)) for key, inner in node.data.items()})
         value, number = node.data, node.data
-        if isinstance(value, bool) or not isinstance(value, int | float):
+        if isinstance(value, bool) or not isinstance(value, int | float) or node.location.file.startswith(OVERRIDE):
             return node
         if path[-1] in ("particles", "cap") and isinstance(value, int):
             number = max(1, round(value / factor**dimension))

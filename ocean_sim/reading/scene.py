@@ -243,6 +243,8 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
         composition.root = _scaled(composition.root, heading.resolution, tank.dimension, notes)
     places = _places(data)
     parts = {place: _model(place, None, composition, problems, folder) for place in places}
+    for place, node in composition.meant.items():  # the other keys of a part whose kind is misspelled
+        validated(config_of(slot_of(place), node.data["kind"].data), node, (place,), problems, folder)
     there = {place: part for place, part in parts.items() if isinstance(part, PartConfig)}
     named_in = {place for place in places if _node(data, place) is not None}
     wrong = composition.failed | named_in - set(there)

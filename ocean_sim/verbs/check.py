@@ -62,8 +62,7 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
     if memory > 0.9 * machine.memory():
         warnings.append(f"needs {memory / 1e9:.1f} GB of memory; this machine has {machine.memory() / 1e9:.1f} GB")
     steps = config.duration / dt
-    shared = sum(row.a_step(dt) for row in rows if row.part in LONGEST = 0.8  # the courant number of the profiles `ci` and `interactive`, up to which steps were found stable
-ON_ALL_THREADS)
+    shared = sum(row.a_step(dt) for row in rows if row.part in ON_ALL_THREADS)
     alone = sum(row.a_step(dt) for row in rows) - shared
     parts = {
         "start_s": START + (START_OF_PARTICLES if particles else 0.0),

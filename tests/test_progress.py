@@ -94,4 +94,5 @@ def test_an_interrupt_names_what_can_still_be_done(tmp_path):
     assert str(run_verb.stopped(progress, tmp_path)).endswith(f"; `ocean-sim resume {tmp_path}` goes on")
     progress.time = 10.0
     sentence = str(run_verb.stopped(progress, tmp_path))
-    assert sentence == f"stopped while its pictures were drawn; {tmp_path} holds all else of the run; `ocean-sim render {tmp_path}` draws them"
+    later = f"`ocean-sim render {tmp_path}` draws them"
+    assert sentence == f"stopped while its pictures were drawn; {tmp_path} holds all else of the run; {later}"

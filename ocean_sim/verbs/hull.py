@@ -63,7 +63,9 @@ def report(shape: Any, mass: float | None, cells: float) -> tuple[dict[str, Any]
             problems.append(f"cubes of {cubes.size[1]:.3g} m miss the mesh's volume by {off:+.1%}; take more --cells")
     facts: dict[str, Any] = {"volume_m3": cubes.volume, "displacement_kg": weight}
     if isinf(afloat.draught):
-        problems.append(f"{console.figures(weight)} kg is more than {console.figures(cubes.volume)} m3 can carry: it sinks")
+        problems.append(
+            f"{console.figures(weight)} kg is more than {console.figures(cubes.volume)} m3 can carry: it sinks"
+        )
         return facts | {**EMPTY, **facts, "gz": [], "periods_s": {}, "problems": problems}, notes
     gm, kb = afloat.metacentric_height(), afloat.kb
     if gm <= 0.0:

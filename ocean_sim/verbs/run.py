@@ -44,7 +44,7 @@ def run(
             console.say(f"writing {folder}")
             console.say(kernels())
             film(config)
-        report(lambda: simulated(config, folder, (progress,)), progress, config, folder, as_json)
+        report(lambda: simulated(config, folder, (progress,)), progress, config, folder, as_json, quiet)
 
 
 def film(config: SceneConfig) -> None:
@@ -55,7 +55,14 @@ def film(config: SceneConfig) -> None:
         console.say(f"after the run its pictures and film are drawn, {time}; --set render=null leaves them out")
 
 
-def report(made: Callable[[], Result], progress: Progress, config: SceneConfig, folder: Path, as_json: bool) -> None:
+def report(
+    made: Callable[[], Result],
+    progress: Progress,
+    config: SceneConfig,
+    folder: Path,
+    as_json: bool,
+    quiet: bool = False,
+) -> None:
     """Run, and print the outcome; raises Stopped where the run was interrupted."""
     try:
         result = made()
@@ -66,7 +73,7 @@ def report(made: Callable[[], Result], progress: Progress, config: SceneConfig, 
     if as_json:
         console.answer(facts)
     else:
-        console.say(summary(facts))
+        console.say(str(folder) if quiet else summary(facts))
 
 
 def stopped(progress: Progress, folder: Path) -> console.Stopped:

@@ -290,7 +290,8 @@ class Spectrum(Model):
     """Long-crested random waves, by their spectrum."""
 
     kind: Literal["jonswap", "pierson_moskowitz"] = "jonswap"
-    """`pierson_moskowitz`: a sea that has grown as far as its wind lets it; `jonswap`: a younger one, with a higher peak."""
+    """`pierson_moskowitz`: a sea that has grown as far as its wind lets it; `jonswap`: one that still
+    grows, with a higher peak."""
     significant_wave_height: float = quantity("m", gt=0.0)
     """Four times the standard deviation of the elevation."""
     peak_period: float = quantity("s", gt=0.0)

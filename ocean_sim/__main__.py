@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from ocean_sim.conventions import Failed, in_words
-from ocean_sim.machine import stoppable
+from ocean_sim.machine import extra_missing, extra_of, stoppable
 from ocean_sim.verbs.shared import console
 
 app = typer.Typer(
@@ -482,6 +482,8 @@ def meaning(error: BaseException) -> tuple[int, str, list[Any]]:
         return error.exit_code, error.sentence, [*error.problems]
     if isinstance(error, ImportError | OSError) and "libX11" in str(error):
         return 3, "Taichi needs the system library libX11: as root, apt-get install libx11-6", []
+    if isinstance(error, ModuleNotFoundError) and (extra := extra_of((error.name or "").partition(".")[0])):
+        return 3, extra_missing(extra) or str(error), []
     if isinstance(error, WrongUsage):
         return error.exit_code, error.message, []
     if isinstance(error, KeyboardInterrupt | typer.Abort):

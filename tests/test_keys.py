@@ -24,7 +24,7 @@ def test_every_key_has_a_meaning_and_its_path_is_found():
 
 def test_a_key_is_explained_with_and_without_its_kind(capsys):
     assert [key.path for key in found("wind.u10")] == ["wind.stress.u10"]
-    assert [key.path for key in found("ships.tug.moorings.0.stiffness")][0] == "ship.dynamic.moorings[].stiffness"
+    assert next(key.path for key in found("ships.tug.moorings.0.stiffness")) == "ship.dynamic.moorings[].stiffness"
     assert answered(["explain", "wind.stress.u10", "--json"]) == 0
     (told,) = json.loads(capsys.readouterr().out)
     assert (told["unit"], told["range"]) == ("m/s", ">= 0, <= 200")

@@ -123,7 +123,12 @@ def choices(slot: str) -> str:
 
 def key_table(rows: Sequence[Key]) -> str:
     cells = [
-        [code(key.path), key.takes + (f" [{key.unit}]" if key.unit not in ("", "1") else ""), code(key.default), key.range]
+        [
+            code(key.path),
+            key.takes + (f" [{key.unit}]" if key.unit not in ("", "1") else ""),
+            code(key.default),
+            key.range,
+        ]
         + [key.meaning]
         for key in rows
     ]
@@ -294,7 +299,10 @@ def errata() -> str:
     """What the thesis prints and what is meant, from the table that `figure errata` writes."""
     rows = rows_of("errata")
     names = ["where", "quantity", "unit", "as_printed", "corrected", "difference", "measured", "why"]
-    cells = [[row[name] if name in ("where", "quantity", "unit", "why") else short(row[name]) for name in names] for row in rows]
+    cells = [
+        [row[name] if name in ("where", "quantity", "unit", "why") else short(row[name]) for name in names]
+        for row in rows
+    ]
     heads = ["where", "quantity", "unit", "as printed", "corrected", "difference", "this program", "why"]
     return f"# Errata\n\n{(DOCS / 'errata.md.in').read_text(encoding='utf-8')}\n{table(heads, cells)}"
 
@@ -332,7 +340,10 @@ def blocks(path: Path) -> Iterator[tuple[bool, str]]:
     tree = ast.parse(path.read_text(encoding="utf-8"))
     words = ast.get_docstring(tree) or ""
     title, _, rest = words.partition("\n")
-    yield False, f"# {title.rstrip('.')}\n\n{rest.strip()}\n\n*This page is the script `docs/tutorials/{path.name}`; the tests run it.*"
+    yield (
+        False,
+        f"# {title.rstrip('.')}\n\n{rest.strip()}\n\n*This page is the script `docs/tutorials/{path.name}`; the tests run it.*",
+    )
     lines = path.read_text(encoding="utf-8").splitlines()
     body = lines[tree.body[0].end_lineno :] if words else lines
     text: list[str] = []

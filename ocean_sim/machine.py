@@ -11,7 +11,7 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-EXTRAS = {"pictures": ("pyvista", "vtk", "imageio", "imageio-ffmpeg"), "cluster": ("distributed",)}
+EXTRAS = {"pictures": ("pyvista", "vtk", "imageio", "imageio-ffmpeg", "matplotlib"), "cluster": ("distributed",)}
 SOURCES = (".py", ".csv")  # suffixes of the program's files that its numbers depend on
 
 

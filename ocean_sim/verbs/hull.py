@@ -27,7 +27,7 @@ def hull(name: str, mass: float | None, cells: float, out: Path | None, as_json:
         return 2
     picture = out or Path("runs/hull") / f"{Path(name).stem}.png" if out or not as_json else None
     if picture is not None:
-        draw(picture, shape, found)
+        picture = picture if console.drawn(draw, picture, shape, found) else None
     if as_json:
         console.answer(found)
     else:

@@ -58,7 +58,7 @@ def validate(
             rows += found
             runs.append((problem, scheme, finding))
         if runs:
-            draw(out / f"{case}.png", case, runs)
+            console.drawn(draw, out / f"{case}.png", case, runs)
         if runs and not as_json:
             show(case, rows[first:])
     write(out / "validate.csv", rows)

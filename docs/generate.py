@@ -177,8 +177,8 @@ def commands() -> str:
     group: Any = typer.main.get_command(app)
     text = [
         "# Commands\n",
-        "`./sandbox VERB` in a checkout and `ocean-sim VERB` are the same. Every verb has `--help`, and `--json` where a "
-        "program may read the answer.\n",
+        "`./sandbox VERB` in a checkout and `ocean-sim VERB` are the same. Every verb has `--help`, and `--json` where "
+        "a program may read the answer.\n",
         "| exit code | means |\n| --- | --- |\n| 0 | done |\n| 1 | the run failed: it diverged, the disk is full |\n"
         "| 2 | the input is wrong |\n| 3 | the machine lacks something |\n",
         "`--debug` on any verb shows the traceback of an error. `ocean-sim --install-completion` teaches your shell to "
@@ -340,10 +340,8 @@ def blocks(path: Path) -> Iterator[tuple[bool, str]]:
     tree = ast.parse(path.read_text(encoding="utf-8"))
     words = ast.get_docstring(tree) or ""
     title, _, rest = words.partition("\n")
-    yield (
-        False,
-        f"# {title.rstrip('.')}\n\n{rest.strip()}\n\n*This page is the script `docs/tutorials/{path.name}`; the tests run it.*",
-    )
+    note = f"*This page is the script `docs/tutorials/{path.name}`; the tests run it.*"
+    yield False, f"# {title.rstrip('.')}\n\n{rest.strip()}\n\n{note}"
     lines = path.read_text(encoding="utf-8").splitlines()
     body = lines[tree.body[0].end_lineno :] if words else lines
     text: list[str] = []

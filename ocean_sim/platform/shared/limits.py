@@ -3,10 +3,11 @@
 import numpy as np
 
 from ocean_sim.platform import LEG_ACCELERATION, LEG_SPEED, SINGULAR, STROKE
-from ocean_sim.platform.shared.kinematics import FINE, Geometry, Hexapod
+from ocean_sim.platform.shared.kinematics import FINE, Geometry, Hexapod, rates_to_turn
 
 KNEE = 0.75  # part of the stroke that is used as it is; the rest is approached ever more slowly
 SAME = 1e-9  # [m] of a leg
+LATE = 0.5  # of an acceleration: what is counted on in braking before the end of a stroke
 TURNS = np.repeat([0.0, 1.0], 3)
 NORM = 32
 EXACT = 1e-10  # part of the stroke
@@ -91,6 +92,80 @@ class Workspace:
             fits = self.hexapod.condition(middle[:, None] * pose) <= self.hexapod.condition_limit
             low, high = np.where(fits, middle, low), np.where(fits, high, middle)
         return low
+
+
+class Governor:
+    """Poses that a machine can follow without a jerk: they are followed exactly as long as its legs can, and where they
+    cannot, all motions are held back together, never one leg by itself, which would tilt and shake the platform.
+
+    A platform that fell behind catches up with at most an acceleration that is given, of its reference point and of
+    its joints as they turn, and no leg moves towards its end faster than it can stop with it.
+    """
+
+    def __init__(self, geometry: Geometry, hexapod: Hexapod, every: float, catch_up: float) -> None:
+        """`every`: time between rows [s]; `catch_up` [m/s2]."""
+        self.hexapod, self.every, self.catch_up = hexapod, every, catch_up
+        self.speed, self.acceleration = geometry.leg_speed, geometry.leg_acceleration
+        self.target = self.pose = np.zeros(6)  # the last one wanted, and the last one given
+        self.velocity = np.zeros(6)  # [m/s], [rad/s]
+
+    def follow(self, wanted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(n, 6) poses for the (n, 6) wanted, and (n,) which limits that took."""
+        n, dt = len(wanted), self.every
+        known = np.vstack([self.target, wanted])
+        moved = np.diff(self.hexapod.legs(known), axis=0) / dt
+        turn = np.abs(np.diff(moved, axis=0, prepend=moved[:1])).max(axis=1, initial=0.0)
+        reach = (np.abs(moved).max(axis=1) <= self.speed) & (turn <= self.acceleration * dt)
+        given, limited = wanted.copy(), np.zeros(n, dtype=int)
+        stumbles, k = np.flatnonzero(~reach).tolist(), 0
+        while k < n:
+            step = (wanted[k] - self.target) / dt
+            if self.follows(step, moved[k]):
+                end = next((s for s in stumbles if s > k), n)
+                self.pose, self.velocity = wanted[end - 1], (known[end] - known[end - 1]) / dt
+                k = end
+            else:
+                limited[k] = self.chase(step)
+                given[k] = self.pose
+                k += 1
+            self.target = wanted[k - 1]
+        return given, limited
+
+    def size(self, motion: np.ndarray) -> float:
+        """Of a change of the pose (6,): that of the reference point, or of the joints as they turn, if that is more."""
+        return max(float(np.linalg.norm(motion[:3])), self.hexapod.radius * float(np.linalg.norm(motion[3:])))
+
+    def follows(self, step: np.ndarray, moved: np.ndarray) -> bool:
+        """Whether the platform is where it should be and can take this velocity, with legs of this speed."""
+        if self.size(self.pose - self.target) > SAME or float(np.abs(moved).max()) > self.speed:
+            return False
+        change = step - self.velocity
+        allowed = self.acceleration * self.every * (1.0 + 1e-9)
+        return self.size(change) <= self.catch_up * self.every or float(np.abs(self.of_legs(change)).max()) <= allowed
+
+    def of_legs(self, motion: np.ndarray) -> np.ndarray:
+        """(6,) speeds of the legs [m/s] of a motion (6,) in the pose where it is."""
+        pose = self.pose[None]
+        turning = rates_to_turn(pose[:, 3:])[0] @ motion[3:]
+        return self.hexapod.jacobian(pose)[0] @ np.concatenate([motion[:3], turning])
+
+    def chase(self, step: np.ndarray) -> int:
+        """One row of a platform that cannot follow, and which limits held it."""
+        dt, a = self.every, self.catch_up
+        behind = self.target - self.pose
+        far = self.size(behind)
+        brake = np.sqrt((0.5 * a * dt) ** 2 + 2.0 * a * far) - 0.5 * a * dt  # stops in whole rows
+        aim = step + behind * (min(far / dt, brake) / far if far > 0.0 else 0.0)
+        legs, legs_aim = self.hexapod.legs(self.pose[None])[0], self.of_legs(aim)
+        left = np.where(legs_aim > 0.0, self.hexapod.high - legs, legs - self.hexapod.low)  # of the stroke
+        room = np.sqrt((0.5 * a * dt) ** 2 + 2.0 * LATE * a * np.maximum(left, 0.0)) - 0.5 * a * dt
+        share = float((np.minimum(self.speed, room) / np.maximum(np.abs(legs_aim), EXACT)).min())
+        aim = aim * min(1.0, share)
+        change = aim - self.velocity
+        hard = max(self.size(change) / a, float(np.abs(self.of_legs(change)).max()) / self.acceleration) / dt
+        self.velocity = self.velocity + change / max(1.0, hard)
+        self.pose = self.pose + self.velocity * dt
+        return (LEG_SPEED if share < 1.0 else 0) | (LEG_ACCELERATION if hard > 1.0 or share >= 1.0 else 0)
 
 
 class Legs:

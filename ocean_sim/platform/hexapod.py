@@ -89,7 +89,7 @@ class Moving:
         cue = self.washout.follow(ride)
         wanted = cue.pose * self.part(ride.time)[:, None]
         within, limited = self.workspace.scaled_back(wanted)
-        pose, slowed = self.governor.follow(within)
+        pose, slowed = self.governor.follow(within, wanted)
         free = self.hexapod.legs(pose)
         lengths = np.clip(free, self.hexapod.low, self.hexapod.high)
         legs, velocity, held = self.legs.follow(lengths)

@@ -7,6 +7,8 @@ from ocean_sim.platform.shared.kinematics import FINE, Geometry, Hexapod, rates_
 
 KNEE = 0.75  # part of the stroke that is used as it is; the rest is approached ever more slowly
 SAME = 1e-9  # [m] of a leg
+MORE = 1.05  # times what was asked for, that may be felt
+NEAR = 0.01  # [m] of a stroke, for which a leg is braked no harder than this far from its end
 LATE = 0.5  # of an acceleration: what is counted on in braking before the end of a stroke
 TURNS = np.repeat([0.0, 1.0], 3)
 NORM = 32
@@ -95,11 +97,13 @@ class Workspace:
 
 
 class Governor:
-    """Poses that a machine can follow without a jerk: they are followed exactly as long as its legs can, and where they
-    cannot, all motions are held back together, never one leg by itself, which would tilt and shake the platform.
+    """Poses that a machine can follow without a jerk: as long as its legs can and no more is felt than was asked for,
+    they are followed exactly; else all motions are held back together, never one leg by itself, which would tilt and
+    shake the platform.
 
     A platform that fell behind catches up with at most an acceleration that is given, of its reference point and of
-    its joints as they turn, and no leg moves towards its end faster than it can stop with it.
+    its joints as they turn. No leg moves towards its end faster than it can stop with it, and one that does is braked
+    evenly over what is left of its stroke.
     """
 
     def __init__(self, geometry: Geometry, hexapod: Hexapod, every: float, catch_up: float) -> None:
@@ -108,40 +112,55 @@ class Governor:
         self.speed, self.acceleration = geometry.leg_speed, geometry.leg_acceleration
         self.target = self.pose = np.zeros(6)  # the last one wanted, and the last one given
         self.velocity = np.zeros(6)  # [m/s], [rad/s]
+        self.asked = np.zeros((2, 6))  # the last two poses that were asked for, whether they fit or not
 
-    def follow(self, wanted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(n, 6) poses for the (n, 6) wanted, and (n,) which limits that took."""
+    def follow(self, wanted: np.ndarray, asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(n, 6) poses for the (n, 6) wanted, which are those asked for (n, 6) as far as they fit; and (n,) which limits
+        that took."""
         n, dt = len(wanted), self.every
-        known = np.vstack([self.target, wanted])
-        moved = np.diff(self.hexapod.legs(known), axis=0) / dt
+        known, free = np.vstack([self.target, wanted]), np.vstack([self.asked, asked])
+        self.asked = free[-2:]
+        felt = self.sizes(np.diff(free, n=2, axis=0)) / dt**2
+        steps = np.diff(known, axis=0) / dt
+        legs = self.hexapod.legs(known)
+        moved = np.diff(legs, axis=0) / dt
+        fastest = np.minimum(self.speed, self.stopping(self.catch_up, self.left(legs[1:], moved)))
         turn = np.abs(np.diff(moved, axis=0, prepend=moved[:1])).max(axis=1, initial=0.0)
-        reach = (np.abs(moved).max(axis=1) <= self.speed) & (turn <= self.acceleration * dt)
+        slow = (np.abs(moved) <= fastest).all(axis=1)
+        reach = slow & (turn <= self.acceleration * dt)
+        allowed = np.maximum(self.catch_up, MORE * felt) * dt
+        reach &= self.sizes(np.diff(steps, axis=0, prepend=steps[:1])) <= allowed
         given, limited = wanted.copy(), np.zeros(n, dtype=int)
         stumbles, k = np.flatnonzero(~reach).tolist(), 0
         while k < n:
-            step = (wanted[k] - self.target) / dt
-            if self.follows(step, moved[k]):
+            if slow[k] and self.follows(steps[k], allowed[k]):
                 end = next((s for s in stumbles if s > k), n)
-                self.pose, self.velocity = wanted[end - 1], (known[end] - known[end - 1]) / dt
+                self.pose, self.velocity = wanted[end - 1], steps[end - 1]
                 k = end
             else:
-                limited[k] = self.chase(step)
+                limited[k] = self.chase(steps[k])
                 given[k] = self.pose
                 k += 1
             self.target = wanted[k - 1]
         return given, limited
 
-    def size(self, motion: np.ndarray) -> float:
-        """Of a change of the pose (6,): that of the reference point, or of the joints as they turn, if that is more."""
-        return max(float(np.linalg.norm(motion[:3])), self.hexapod.radius * float(np.linalg.norm(motion[3:])))
+    def sizes(self, motion: np.ndarray) -> np.ndarray:
+        """(n,) of changes of the pose (n, 6) [m]: of the reference point, or of the joints as they turn, where that is
+        more."""
+        along, around = np.linalg.norm(motion[:, :3], axis=1), np.linalg.norm(motion[:, 3:], axis=1)
+        return np.maximum(along, self.hexapod.radius * around)
 
-    def follows(self, step: np.ndarray, moved: np.ndarray) -> bool:
-        """Whether the platform is where it should be and can take this velocity, with legs of this speed."""
-        if self.size(self.pose - self.target) > SAME or float(np.abs(moved).max()) > self.speed:
+    def size(self, motion: np.ndarray) -> float:
+        """Of one change (6,) [m]."""
+        return float(self.sizes(motion[None])[0])
+
+    def follows(self, step: np.ndarray, allowed: float) -> bool:
+        """Whether the platform is where it should be, and its change to this velocity no more than allowed."""
+        if self.size(self.pose - self.target) > SAME:
             return False
         change = step - self.velocity
-        allowed = self.acceleration * self.every * (1.0 + 1e-9)
-        return self.size(change) <= self.catch_up * self.every or float(np.abs(self.of_legs(change)).max()) <= allowed
+        hard = float(np.abs(self.of_legs(change)).max()) > self.acceleration * self.every * (1.0 + 1e-9)
+        return self.size(change) <= allowed * (1.0 + 1e-9) and not hard
 
     def of_legs(self, motion: np.ndarray) -> np.ndarray:
         """(6,) speeds of the legs [m/s] of a motion (6,) in the pose where it is."""
@@ -154,18 +173,26 @@ class Governor:
         dt, a = self.every, self.catch_up
         behind = self.target - self.pose
         far = self.size(behind)
-        brake = np.sqrt((0.5 * a * dt) ** 2 + 2.0 * a * far) - 0.5 * a * dt  # stops in whole rows
-        aim = step + behind * (min(far / dt, brake) / far if far > 0.0 else 0.0)
-        legs, legs_aim = self.hexapod.legs(self.pose[None])[0], self.of_legs(aim)
-        left = np.where(legs_aim > 0.0, self.hexapod.high - legs, legs - self.hexapod.low)  # of the stroke
-        room = np.sqrt((0.5 * a * dt) ** 2 + 2.0 * LATE * a * np.maximum(left, 0.0)) - 0.5 * a * dt
-        share = float((np.minimum(self.speed, room) / np.maximum(np.abs(legs_aim), EXACT)).min())
-        aim = aim * min(1.0, share)
-        change = aim - self.velocity
-        hard = max(self.size(change) / a, float(np.abs(self.of_legs(change)).max()) / self.acceleration) / dt
+        aim = step + behind * (min(1.0 / dt, self.stopping(a, far) / far) if far > 0.0 else 0.0)
+        legs, of_aim, of_now = self.hexapod.legs(self.pose[None])[0], self.of_legs(aim), self.of_legs(self.velocity)
+        room = self.stopping(LATE * a, self.left(legs, of_aim))
+        share = float((np.minimum(self.speed, room) / np.maximum(np.abs(of_aim), EXACT)).min())
+        needed = float((0.5 * of_now**2 / np.maximum(self.left(legs, of_now) - self.speed * dt, NEAR)).max())
+        change = aim * min(1.0, share) - self.velocity
+        most = max(a, needed / LATE)
+        hard = max(self.size(change) / most, float(np.abs(self.of_legs(change)).max()) / self.acceleration) / dt
         self.velocity = self.velocity + change / max(1.0, hard)
         self.pose = self.pose + self.velocity * dt
         return (LEG_SPEED if share < 1.0 else 0) | (LEG_ACCELERATION if hard > 1.0 or share >= 1.0 else 0)
+
+    def stopping(self, acceleration: float, left: np.ndarray | float) -> np.ndarray | float:
+        """Speed [m/s] from which something stops in whole rows on its way that is left [m]."""
+        lost = 0.5 * acceleration * self.every
+        return np.sqrt(lost**2 + 2.0 * acceleration * np.maximum(left, 0.0)) - lost
+
+    def left(self, legs: np.ndarray, speed: np.ndarray) -> np.ndarray:
+        """(6,) what is left of the stroke of each leg [m] in the direction of its speed."""
+        return np.where(speed > 0.0, self.hexapod.high - legs, legs - self.hexapod.low)
 
 
 class Legs:

@@ -7,7 +7,8 @@ from scipy.signal import sosfreqz
 from ocean_sim.platform import INPUT, TILT_RATE
 from ocean_sim.platform.hexapod import ready_made
 from ocean_sim.platform.shared.motion_log import Ride
-from ocean_sim.platform.washout.classical import Config, Travel, gravity
+from ocean_sim.platform.shared.washing import gravity
+from ocean_sim.platform.washout.classical import Config, Travel
 from tests.platform.conftest import DATA, ride
 
 FREE = np.array([[-np.inf, np.inf]] * 3)

@@ -281,13 +281,20 @@ def platform(
     log: Annotated[Path, typer.Argument(help="A motion log, or a run folder that has one.")],
     geometry: Annotated[str, typer.Option(help="A name in configs/geometry/, or a file.")] = "hexapod_a",
     washout: Annotated[str, typer.Option(help="A name in configs/washout/, or a file.")] = "ship",
+    ramp: Annotated[
+        float | None, typer.Option(min=0.0, help="Time [s] from neutral to the motion, and back at the end.")
+    ] = None,
+    sets: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="key=value over platform, washout and geometry: washout.tilt_rate_deg=2."),
+    ] = None,
     frame: Annotated[
         str | None, typer.Option(help="ship, ned or flu: the axes written; the motion log is written in them, too.")
     ] = None,
     stream: Annotated[
         str | None, typer.Option(help="udp://127.0.0.1:5005: replay in real time, to this machine unless named.")
     ] = None,
-    packets: Annotated[str, typer.Option(help="ocean_sim or openmotionsim.")] = "ocean_sim",
+    packets: Annotated[str, typer.Option(help="ocean_sim, openmotionsim, floats or text.")] = "ocean_sim",
     key: Annotated[Path | None, typer.Option(help="A file whose content signs every packet of ocean_sim.")] = None,
     film: Annotated[bool, typer.Option("--film", help="Also film.gif: the hexapod in its liveliest 10 s.")] = False,
     out: Annotated[Path, typer.Option(help="Where platform.csv, metrics.csv and the pictures go.")] = Path(
@@ -299,7 +306,8 @@ def platform(
     from ocean_sim.verbs.platform import platform
 
     with console.claim(out):
-        platform(log, geometry, washout, frame, stream, packets, key, film, out, json)
+        laid = [*(sets or []), *([] if ramp is None else [f"ramp={ramp!r}"])]
+        platform(log, geometry, washout, laid, frame, stream, packets, key, film, out, json)
 
 
 @app.command()

@@ -115,8 +115,8 @@ class Governor:
         self.asked = np.zeros((2, 6))  # the last two poses that were asked for, whether they fit or not
 
     def follow(self, wanted: np.ndarray, asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(n, 6) poses for the (n, 6) wanted, which are those asked for (n, 6) as far as they fit; and (n,) which limits
-        that took."""
+        """(n, 6) poses for the (n, 6) wanted, which are those asked for (n, 6) as far as they fit; and (n,) which
+        limits that took."""
         n, dt = len(wanted), self.every
         known, free = np.vstack([self.target, wanted]), np.vstack([self.asked, asked])
         self.asked = free[-2:]
@@ -173,7 +173,7 @@ class Governor:
         dt, a = self.every, self.catch_up
         behind = self.target - self.pose
         far = self.size(behind)
-        aim = step + behind * (min(1.0 / dt, self.stopping(a, far) / far) if far > 0.0 else 0.0)
+        aim = step + behind * (min(1.0 / dt, float(self.stopping(a, np.array(far))) / far) if far > 0.0 else 0.0)
         legs, of_aim, of_now = self.hexapod.legs(self.pose[None])[0], self.of_legs(aim), self.of_legs(self.velocity)
         room = self.stopping(LATE * a, self.left(legs, of_aim))
         share = float((np.minimum(self.speed, room) / np.maximum(np.abs(of_aim), EXACT)).min())
@@ -185,7 +185,7 @@ class Governor:
         self.pose = self.pose + self.velocity * dt
         return (LEG_SPEED if share < 1.0 else 0) | (LEG_ACCELERATION if hard > 1.0 or share >= 1.0 else 0)
 
-    def stopping(self, acceleration: float, left: np.ndarray | float) -> np.ndarray | float:
+    def stopping(self, acceleration: float, left: np.ndarray) -> np.ndarray:
         """Speed [m/s] from which something stops in whole rows on its way that is left [m]."""
         lost = 0.5 * acceleration * self.every
         return np.sqrt(lost**2 + 2.0 * acceleration * np.maximum(left, 0.0)) - lost

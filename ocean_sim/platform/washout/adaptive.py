@@ -1,9 +1,10 @@
 """Adaptive washout: the share of an acceleration that is travelled falls where the travel runs short, and recovers.
 
-Parrish, Dieudonne, Bowles & Martin (1975, J. Aircraft 12, 44), as in Reid and Nahon, UTIAS Report 296 (1985): along
-each axis the platform follows p a - 2 zeta omega v - omega^2 s of a scaled acceleration a, and the share p goes down the
-slope of a cost, half of (a - s'')^2 + W_s s^2 + W_v v^2 + W_p (p - 1)^2. So small motions pass nearly whole, at a corner
-lower than a fixed filter could afford, and large ones are scaled down evenly in place of being stopped by their limits.
+After Parrish, Dieudonne, Bowles & Martin (1975, J. Aircraft 12, 44), as in Reid and Nahon, UTIAS Report 296 (1985):
+along each axis the platform follows p a - 2 zeta omega v - omega^2 s of a scaled acceleration a, and the share p keeps a
+cost low, (a - s'')^2 + W_s s^2 + W_v v^2 + W_p (p - 1)^2. They go down its slope as they are; here p is what makes its
+mean of late least, in closed form, since all of s is proportional to a share that changes slowly: waves are not
+distorted. So small motions pass nearly whole, and large ones are scaled down evenly in place of being stopped.
 """
 
 from typing import Literal
@@ -12,8 +13,6 @@ import numpy as np
 
 from ocean_sim.model import quantity
 from ocean_sim.platform.shared.washing import NotNegative3, Positive3, Washing, WashingConfig
-
-LEAST = 0.02  # the smallest share
 
 
 class Config(WashingConfig):
@@ -26,10 +25,10 @@ class Config(WashingConfig):
     """Cost of a displacement along x, y and z."""
     velocity_weight: NotNegative3 = quantity("1/s2")
     """Cost of a velocity along x, y and z."""
-    share_weight: float = quantity("m2/s4", 0.1, ge=0.0)
-    """Cost of a share that is not 1."""
-    adaptation: float = quantity("s3/m2", 0.2, ge=0.0)
-    """How quickly the shares go down the slope of the cost."""
+    share_weight: float = quantity("m2/s4", 0.1, gt=0.0)
+    """Cost of a share that is not 1: accelerations whose square is well below it pass whole."""
+    memory: float = quantity("s", 10.0, gt=0.0)
+    """Over which the cost is averaged: longer than the waves, which it would distort."""
 
     def build(self, every: float, travel: np.ndarray) -> Washing:
         """`every`: time between rows [s]; `travel` (3, 2): lowest and highest x, y, z that can be reached [m]."""
@@ -43,24 +42,25 @@ class AdaptiveTravel:
         self.every, omega = every, config.return_frequency[axis]
         self.drag, self.pull = 2.0 * config.return_damping * omega, omega**2
         self.position_weight, self.velocity_weight = config.position_weight[axis], config.velocity_weight[axis]
-        self.share_weight, self.adaptation = config.share_weight, config.adaptation
+        self.share_weight, self.forgotten = config.share_weight, every / config.memory
         self.share = 1.0
         self.place, self.speed = 0.0, 0.0  # [m], [m/s]
-        self.place_slope, self.speed_slope = 0.0, 0.0  # how they change with the share
+        self.whole_place, self.whole_speed = 0.0, 0.0  # of a platform that travelled all of it
+        self.wanted, self.dear = 0.0, 0.0  # means of late: of a s'', and of s''^2 + W_s s^2 + W_v v^2 with share 1
 
     def of(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(n,) displacement [m] for (n,) scaled accelerations [m/s2]; none of them is cut."""
         dt, moved = self.every, []
         for a in acceleration.tolist():
-            rate = self.share * a - self.drag * self.speed - self.pull * self.place
-            rate_slope = a - self.drag * self.speed_slope - self.pull * self.place_slope
-            self.speed += rate * dt
-            self.speed_slope += rate_slope * dt
+            whole = a - self.drag * self.whole_speed - self.pull * self.whole_place
+            self.whole_speed += whole * dt
+            self.whole_place += self.whole_speed * dt
+            cost = whole**2 + self.position_weight * self.whole_place**2 + self.velocity_weight * self.whole_speed**2
+            self.wanted += (a * whole - self.wanted) * self.forgotten
+            self.dear += (cost - self.dear) * self.forgotten
+            best = (self.share_weight + self.wanted) / (self.share_weight + self.dear)
+            self.share = min(1.0, max(0.0, best))
+            self.speed += (self.share * a - self.drag * self.speed - self.pull * self.place) * dt
             self.place += self.speed * dt
-            self.place_slope += self.speed_slope * dt
-            slope = self.share_weight * (self.share - 1.0) - (a - rate) * rate_slope
-            slope += self.position_weight * self.place * self.place_slope
-            slope += self.velocity_weight * self.speed * self.speed_slope
-            self.share = min(1.0, max(LEAST, self.share - self.adaptation * slope * dt))
             moved.append(self.place)
         return np.array(moved), np.zeros(len(moved), dtype=bool)

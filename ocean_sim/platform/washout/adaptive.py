@@ -1,10 +1,10 @@
 """Adaptive washout: the share of an acceleration that is travelled falls where the travel runs short, and recovers.
 
 After Parrish, Dieudonne, Bowles & Martin (1975, J. Aircraft 12, 44), as in Reid and Nahon, UTIAS Report 296 (1985):
-along each axis the platform follows p a - 2 zeta omega v - omega^2 s of a scaled acceleration a, and the share p keeps a
-cost low, (a - s'')^2 + W_s s^2 + W_v v^2 + W_p (p - 1)^2. They go down its slope as they are; here p is what makes its
-mean of late least, in closed form, since all of s is proportional to a share that changes slowly: waves are not
-distorted. So small motions pass nearly whole, and large ones are scaled down evenly in place of being stopped.
+along each axis the platform follows p a - 2 zeta omega v - omega^2 s of a scaled acceleration a, and the share p keeps
+a cost low, (a - s'')^2 + W_s s^2 + W_v v^2 + W_p (p - 1)^2. They go down its slope; here p is what makes its mean of
+late least, in closed form, since all of s is proportional to a share that changes slowly: waves are not distorted. So
+small motions pass nearly whole, and large ones are scaled down evenly in place of being stopped.
 """
 
 from typing import Literal

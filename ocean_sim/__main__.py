@@ -228,18 +228,36 @@ def validate(
 
 @app.command()
 def hull(
-    name: Annotated[str, typer.Argument(help="A name in configs/hull/, or an STL, OBJ or PLY file.")],
+    name: Annotated[
+        str, typer.Argument(help="A hull, a ship or a scene by its name, a scene file, or an STL, OBJ or PLY file.")
+    ],
     mass: Annotated[float | None, typer.Option(min=0.001, help="Of the whole ship [kg], if not as the hull.")] = None,
+    draught: Annotated[float | None, typer.Option(min=0.0001, help="[m], upright, instead of a mass.")] = None,
+    kg: Annotated[float | None, typer.Option(help="Centre of mass over the keel [m].")] = None,
+    cg: Annotated[
+        str | None, typer.Option(help="X,Y,Z of the centre of mass [m], from the keel amidships, to port, up, forward.")
+    ] = None,
+    loading: Annotated[
+        Path | None, typer.Option(help="A loading condition: light, weights, tanks, openings (YAML).")
+    ] = None,
+    density: Annotated[float | None, typer.Option(min=1.0, help="Of the water [kg/m3]; by default 1000.")] = None,
+    ship: Annotated[str | None, typer.Option(help="Of several ships in a scene, this one.")] = None,
+    cross: Annotated[bool, typer.Option("--cross", help="Also cross curves of stability.")] = False,
     cells: Annotated[float, typer.Option(min=1.0, max=64.0, help="Cubes over the draught.")] = 16.0,
     out: Annotated[
         Path | None, typer.Option(help="The picture; by default runs/hull/<name>.png, with --json none.")
     ] = None,
     json: Json = False,
 ) -> int:
-    """Is this a ship: watertight, volume, draught, stability, natural periods, picture."""
-    from ocean_sim.verbs.hull import hull
+    """Is this a ship: watertight, volume, draught, trim, stability and its criteria, natural periods, picture."""
+    from ocean_sim.verbs.hull import Asked, hull
+    from ocean_sim.verbs.shared.after import numbers
 
-    return hull(name, mass, cells, out, json)
+    at = numbers("--cg", cg)
+    if at is not None and len(at) != 3:
+        raise console.Refused(f"--cg: {cg!r} is not like 0,1.2,-0.3")
+    centre = None if at is None else (at[0], at[1], at[2])
+    return hull(name, Asked(mass, draught, kg, centre, density, cells, cross), loading, ship, out, json)
 
 
 @app.command("bench-one", hidden=True)
@@ -364,13 +382,20 @@ def platform(
     log: Annotated[Path, typer.Argument(help="A motion log, or a run folder that has one.")],
     geometry: Annotated[str, typer.Option(help="A name in configs/geometry/, or a file.")] = "hexapod_a",
     washout: Annotated[str, typer.Option(help="A name in configs/washout/, or a file.")] = "ship",
+    ramp: Annotated[
+        float | None, typer.Option(min=0.0, help="Time [s] from neutral to the motion, and back at the end.")
+    ] = None,
+    sets: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="key=value over platform, washout and geometry: washout.tilt_rate_deg=2."),
+    ] = None,
     frame: Annotated[
         str | None, typer.Option(help="ship, ned or flu: the axes written; the motion log is written in them, too.")
     ] = None,
     stream: Annotated[
         str | None, typer.Option(help="udp://127.0.0.1:5005: replay in real time, to this machine unless named.")
     ] = None,
-    packets: Annotated[str, typer.Option(help="ocean_sim or openmotionsim.")] = "ocean_sim",
+    packets: Annotated[str, typer.Option(help="ocean_sim, openmotionsim, floats or text.")] = "ocean_sim",
     key: Annotated[Path | None, typer.Option(help="A file whose content signs every packet of ocean_sim.")] = None,
     film: Annotated[bool, typer.Option("--film", help="Also film.gif: the hexapod in its liveliest 10 s.")] = False,
     out: Annotated[Path, typer.Option(help="Where platform.csv, metrics.csv and the pictures go.")] = Path(
@@ -382,7 +407,8 @@ def platform(
     from ocean_sim.verbs.platform import platform
 
     with console.claim(out):
-        platform(log, geometry, washout, frame, stream, packets, key, film, out, json)
+        laid = [*(sets or []), *([] if ramp is None else [f"ramp={ramp!r}"])]
+        platform(log, geometry, washout, laid, frame, stream, packets, key, film, out, json)
 
 
 @app.command()

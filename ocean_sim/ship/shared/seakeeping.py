@@ -20,6 +20,7 @@ from ocean_sim.ship.shared.added_mass import AddedMass, reaction
 from ocean_sim.ship.shared.damping import Damping, Resistance
 from ocean_sim.ship.shared.floating import FloatingConfig
 from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
+from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.radiation import Memory, Radiation
 
 
@@ -39,6 +40,9 @@ class SeakeepingConfig(FloatingConfig):
         if file is not None:
             Radiation(file)
         return file
+
+    def moved_along(self, still: Hydrostatics) -> np.ndarray:
+        return self.added_mass.diagonal(still)
 
     def problems(self, preflight: Preflight) -> Problems:
         found = super().problems(preflight)

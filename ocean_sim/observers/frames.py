@@ -13,6 +13,7 @@ from ocean_sim.fluid import Fluid
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.sampled import Multiples
 from ocean_sim.parts import Preflight, key_of
+from ocean_sim.pictures import foam
 from ocean_sim.ship import Ship
 from ocean_sim.simulation import Observer, PeriodicConfig
 
@@ -20,7 +21,9 @@ if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
 
+SURFACE_FIELDS = 7  # elevation, foam, how far it was carried, velocity
 BYTES_PER_PARTICLE = 28  # position, velocity and id
+TOPMOST = 1.2  # [spacings] under the surface: the particles that carry foam
 LARGE = 2.0e9  # bytes that are worth a warning
 
 
@@ -41,7 +44,7 @@ class Config(PeriodicConfig):
         """A warning where the frames of a long or large run would fill a disk."""
         x, z = grid(preflight.tank, self.spacing or preflight.spacing or preflight.tank.depth)
         kept = preflight.particles if self.particles else 0
-        frame = 4 * len(x) * len(z) + BYTES_PER_PARTICLE * kept
+        frame = 4 * SURFACE_FIELDS * len(x) * len(z) + BYTES_PER_PARTICLE * kept
         size = frame * (preflight.duration / self.every + 1.0)
         if size < LARGE:
             return []
@@ -66,6 +69,10 @@ class Frames(Observer):
         self.shape = (len(x), len(z))
         self.points = pairs(x, z)
         self.cell = np.array([x[1] - x[0], z[1] - z[0]]) if len(z) > 1 else np.zeros(2)  # [m]; 0 in a slice
+        open_air = basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0)
+        self.white = foam.Field(self.shape, self.cell) if open_air else None
+        self.wind_speed = simulation.scene.wind.strongest
+        self.before = np.zeros(2)  # origin of the frame before [m]
         self.ships: list[Ship] = []
         hulls: dict[str, object] = {}
         for name, ship in simulation.ships.items():
@@ -86,7 +93,7 @@ class Frames(Observer):
             obstacles=np.array(basin.fixed).reshape(-1, 2, 3),
             **hulls,
             **plane_waves(fluid),
-            has_surface=basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0),
+            has_surface=open_air,
         )
 
     def observe(self, simulation: "Simulation") -> None:
@@ -101,9 +108,8 @@ class Frames(Observer):
         if sea is not None:
             known = waves.elevation(sea, points, simulation.time).reshape(self.shape)
             frame |= {"answer": frame["elevation"] - known, "origin": origin}
-        foam = simulation.fluid.foam(points)
-        if foam is not None:
-            frame["foam"] = foam.reshape(self.shape)
+        if self.white is not None:
+            frame |= self.whitened(simulation, points, frame["elevation"], origin)
         if simulation.surface is not None:
             mesh = simulation.surface.mesh()
             frame |= {"vertices": mesh.vertices, "triangles": mesh.triangles, "normals": mesh.normals}
@@ -120,6 +126,23 @@ class Frames(Observer):
             f"frame_{self.count:05d}", time=simulation.time, **{key: single(array) for key, array in frame.items()}
         )
         self.count += 1
+
+    def whitened(
+        self, simulation: "Simulation", points: np.ndarray, elevation: np.ndarray, origin: np.ndarray
+    ) -> dict[str, np.ndarray]:
+        """The white water at the points, how far its grain has been carried, and the velocity of the surface."""
+        assert self.white is not None
+        self.white.shift(np.round((origin - self.before) / self.cell))
+        self.before = origin
+        velocity = surface_velocity(simulation.fluid, points, elevation)
+        made = simulation.fluid.foam(points)
+        if made is None:
+            source = foam.convergence(elevation, *self.cell)
+            wanted = min(max(foam.monahan(self.wind_speed), foam.cover(source)), foam.MOST)
+            self.white.advance(simulation.time, velocity[..., [0, 2]], source, wanted)
+        else:
+            self.white.advance(simulation.time, velocity[..., [0, 2]], made.reshape(self.shape), None)
+        return {"foam": self.white.white, "carried": self.white.carried, "surface_velocity": velocity}
 
     def origin(self) -> np.ndarray:
         """(2,) x and z of the middle of the points [m] on a sea that answers to ships: by whole cells near that of the
@@ -149,6 +172,24 @@ def appearance(simulation: "Simulation", ship: Ship) -> dict[str, object]:
         return {}
     helm = ship.points.get("helm", np.zeros(0))
     return {f"{key}_look": look.name, f"{key}_helm": helm, f"{key}_submerged": look.submerged}
+
+
+def surface_velocity(fluid: Fluid, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
+    """(nx, nz, 3) of the water at the surface over the points [m/s]: of particles the mean of those in the topmost layer
+    of each cell."""
+    particles = fluid.particles
+    if particles is None:
+        return fluid.velocities(np.insert(points, 1, elevation.ravel(), axis=1)).reshape(*elevation.shape, 3)
+    x, v = particles.position.to_numpy().astype(float), particles.velocity.to_numpy().astype(float)
+    low, (nx, nz) = points[0], elevation.shape
+    cell = (points[-1] - low) / np.maximum(np.array([nx, nz]) - 1, 1)
+    i, k = (np.round((x[:, axis] - low[n]) / cell[n]).astype(int) for n, axis in enumerate((0, 2)))
+    i, k = np.clip(i, 0, nx - 1), np.clip(k, 0, nz - 1)
+    top = x[:, 1] > elevation[i, k] - TOPMOST * fluid.spacing
+    at = (i * nz + k)[top]
+    count = np.maximum(np.bincount(at, minlength=nx * nz), 1)
+    parts = [np.bincount(at, weights=v[top, axis], minlength=nx * nz) / count for axis in range(3)]
+    return np.stack(parts, axis=-1).reshape(nx, nz, 3)
 
 
 def plane_waves(fluid: Fluid) -> dict[str, np.ndarray]:

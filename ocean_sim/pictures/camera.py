@@ -35,6 +35,22 @@ class Camera(NamedTuple):
     angle: float = VIEW_ANGLE  # [deg], vertical
     near: float | None = None  # [m] the least distance that is drawn; None: as befits a picture of the whole basin
 
+    def spread(self, aspect: float) -> tuple[float, float]:
+        """How far to either side of its heading a picture `aspect` times as wide as high sees, and how far below the
+        horizon [rad]."""
+        right = np.cross(self.forward, self.up)
+        high = np.tan(np.radians(self.angle) / 2.0)
+        v, u = (part.ravel() for part in np.meshgrid(np.linspace(-1.0, 1.0, 9), np.linspace(-1.0, 1.0, 9)))
+        rays = self.forward + high * (v[:, None] * self.up + aspect * u[:, None] * right)
+        rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+        level = np.hypot(rays[:, 0], rays[:, 2])
+        lowest = float(np.arcsin(np.clip(-rays[:, 1], 0.0, 1.0)).max())
+        if level.min() < 0.3:
+            return np.pi, lowest
+        heading = np.arctan2(self.forward[2], self.forward[0])
+        aside = np.mod(np.arctan2(rays[:, 2], rays[:, 0]) - heading + np.pi, 2.0 * np.pi) - np.pi
+        return float(np.abs(aside).max()), lowest
+
 
 class Track(NamedTuple):
     """Where the ship was in every frame."""

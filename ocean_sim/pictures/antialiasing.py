@@ -3,7 +3,7 @@ and a pixel takes of its neighbour across the edge what the edge would cover of 
 
 import numpy as np
 
-LEAST, RELATIVE = 16.0, 0.125  # contrast of brightness of 255, and over the brightest around, from which there is an edge
+LEAST, RELATIVE = 26.0, 0.2  # contrast of brightness of 255, and over the brightest around, from which there is an edge
 STEPS = (1.0, 1.0, 1.0, 1.5, 2.0, 4.0, 8.0)  # pixels by which an edge is followed
 SINGLE = 0.6  # of the blur of what is a single pixel wide
 LUMA = np.array([0.299, 0.587, 0.114], np.float32)

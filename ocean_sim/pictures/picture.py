@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.parts import key_of
-from ocean_sim.pictures import far_sea, sea_state, sky, water_shading
+from ocean_sim.pictures import antialiasing, far_sea, sea_state, sky, water_shading
 from ocean_sim.pictures.camera import Camera, Operator, Vessel
 from ocean_sim.pictures.frame_files import Frame, Log, ships_in
 from ocean_sim.pictures.obstacles import Obstacles
 from ocean_sim.pictures.order import Order, RenderFailed
 from ocean_sim.pictures.particles import Particles
 from ocean_sim.pictures.sea import Sea
-from ocean_sim.pictures.ship import DrawnShip, kept_model
+from ocean_sim.pictures.ship import DrawnShip, ShadedShip, kept_model
 from ocean_sim.pictures.stage import Stage
 from ocean_sim.pictures.water import NODES, Shell, Water
 
@@ -66,10 +66,15 @@ class Picture:
             self.content = Water(stage, grid, NODES[order.quality])
         fixed = grid.get("obstacles", np.zeros((0, 2, 3)))
         self.obstacles = Obstacles(stage, fixed, self.lower, self.upper)
-        before = set(self.plotter.actors)
-        self.ships = {key: DrawnShip(stage, model) for key, model in models.items()}
-        if isinstance(self.content, Sea) and order.quality == "final":
-            self.content.reflect([actor for name, actor in self.plotter.actors.items() if name not in before])
+        self.ships: dict[str, DrawnShip | ShadedShip] = {}
+        if isinstance(self.content, Sea):
+            shaded = {key: self.content.ship(model) for key, model in models.items()}
+            self.ships |= shaded
+            if shaded:
+                self.content.reflect(list(shaded.values()))
+        else:
+            self.ships |= {key: DrawnShip(stage, model) for key, model in models.items()}
+        self.smoothed = True
         self.caption = self.plotter.add_text("t", position=(14, 10), font_size=9, color="#eef3f6", shadow=True)
         self.aim()
 
@@ -121,14 +126,15 @@ class Picture:
         self.plotter.add_mesh(plane, scalars="colour", rgba=True, lighting=False)
 
     def draw(self, frame: Frame) -> np.ndarray:
-        for key, pose in frame.ships.items():
-            self.ships[key].show(*pose)
         self.move(self.operator.at(frame.time))
+        for key, pose in frame.ships.items():
+            self.ships[key].show(*pose, self.stage.camera.eye)
         self.content.show(frame)
         self.obstacles.show(frame)
         self.caption.input = f"t = {frame.time:.2f} s" if self.order.caption else ""
         self.plotter.render()
-        return self.plotter.screenshot(None, return_img=True)
+        image = self.plotter.screenshot(None, return_img=True)
+        return image if self.smoothed else antialiasing.smooth(image)
 
     def move(self, camera: Camera) -> None:
         """Look from another position; the sky goes with the eye."""
@@ -140,7 +146,9 @@ class Picture:
         self.aim()
 
     def smooth(self, on: bool) -> None:
-        """Whether edges are smoothed: slow, so only for final pictures and the preview."""
+        """Whether edges are smoothed by many samples of each pixel: slow, so only for final pictures and the preview;
+        else in the finished picture."""
+        self.smoothed = on
         if on:
             self.plotter.enable_anti_aliasing("ssaa")
         else:

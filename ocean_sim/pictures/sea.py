@@ -15,6 +15,8 @@ from ocean_sim.pictures.order import Order
 from ocean_sim.pictures.sea_state import SeaState
 from ocean_sim.pictures.sea_surface import SeaSurface
 from ocean_sim.pictures.sea_surface import grain as grain_of
+from ocean_sim.pictures.ship import ShadedShip
+from ocean_sim.pictures.ship_model import Model
 from ocean_sim.pictures.spray import Spray
 from ocean_sim.pictures.stage import Stage
 from ocean_sim.pictures.wake import Wake
@@ -59,8 +61,8 @@ class Sea:
         """`vessels`: ships by their keys, where they go."""
         self.stage, self.order, self.state = stage, order, state
         self.surface = SeaSurface(grid, state, NODES[order.quality])
-        sky = sky_module.cloudy() if order.sky else sky_module.clear()
-        image = water_glsl.texture(sky.image, smaller=True, repeat=True)
+        sky = self.sky = sky_module.cloudy() if order.sky else sky_module.clear()
+        image = self.image = water_glsl.texture(sky.image, smaller=True, repeat=True)
         self.hulls = {key: Waterline(grid, key) for key in ships_in(grid, "_vertices")}
         rows, columns = HULL_PIXELS
         self.gap = np.zeros((max(len(self.hulls), 1), rows, columns, 3), np.float32)  # [m], a map for each ship
@@ -110,9 +112,13 @@ class Sea:
         for name, value in zip(TRAITS, values, strict=True):
             part.mesh.point_data[name] = value.astype(np.float32)
 
-    def reflect(self, actors: list[Any]) -> None:
-        """Mirrors the actors of ships from now on."""
-        self.mirror = Mirror(self.stage, actors, self.mirrored)
+    def ship(self, model: Model) -> ShadedShip:
+        """A ship in the light of this sea, not mirrored yet."""
+        return ShadedShip(self.stage, model, self.sky, self.image)
+
+    def reflect(self, ships: list[ShadedShip]) -> None:
+        """Mirrors ships from now on."""
+        self.mirror = Mirror(self.stage, [ship.shaded for ship in ships], self.mirrored)
 
     def show(self, frame: Frame) -> None:
         self.show_basin(frame)

@@ -251,18 +251,9 @@ class Shaded:
         self, mesh: Any, body: str, functions: str, textures: dict[str, Any], attributes: Sequence[str] = ()
     ) -> None:
         """`attributes`: names of three letters of the mesh's vectors that the program reads, as nrmW of nrm."""
-        from vtkmodules.vtkCommonDataModel import vtkDataObject
-        from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
-
-        mapper = vtkPolyDataMapper()
-        mapper.SetInputData(mesh)
-        mapper.ScalarVisibilityOff()
-        mapper.SetVBOShiftScaleMethod(0)  # positions reach the shader as they are
-        self.mesh, self.actor = mesh, vtkActor()
-        self.actor.SetMapper(mapper)
+        self.mesh, self.attributes, self.textures = mesh, attributes, textures
+        self.actor = self.drawn()
         program = self.actor.GetShaderProperty()
-        for name in attributes:
-            mapper.MapDataArrayToVertexAttribute(f"{name}In", name, vtkDataObject.FIELD_ASSOCIATION_POINTS, -1)
         taken = "".join(f"in vec3 {name}In; out vec3 {name}W;\n" for name in attributes)
         given = "".join(f"in vec3 {name}W;\n" for name in attributes)
         copied = "".join(f"  {name}W = {name}In;\n" for name in attributes)
@@ -275,8 +266,28 @@ class Shaded:
         program.AddFragmentShaderReplacement("//VTK::TMap::Dec", True, declared, False)
         program.AddFragmentShaderReplacement("//VTK::Light::Impl", True, body, False)
         self.uniforms = program.GetFragmentCustomUniforms()
-        for name, image in textures.items():
-            self.actor.GetProperty().SetTexture(name, image)
+
+    def drawn(self) -> Any:
+        """An actor of the mesh with its attributes and textures."""
+        from vtkmodules.vtkCommonDataModel import vtkDataObject
+        from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
+
+        mapper, actor = vtkPolyDataMapper(), vtkActor()
+        mapper.SetInputData(self.mesh)
+        mapper.ScalarVisibilityOff()
+        mapper.SetVBOShiftScaleMethod(0)  # positions reach the shader as they are
+        for name in self.attributes:
+            mapper.MapDataArrayToVertexAttribute(f"{name}In", name, vtkDataObject.FIELD_ASSOCIATION_POINTS, -1)
+        actor.SetMapper(mapper)
+        for name, image in self.textures.items():
+            actor.GetProperty().SetTexture(name, image)
+        return actor
+
+    def twin(self) -> Any:
+        """An actor of the same mesh and program, for another plotter, whose textures are its own."""
+        twin = self.drawn()
+        twin.SetShaderProperty(self.actor.GetShaderProperty())
+        return twin
 
     def set(self, **values: Any) -> None:
         """Numbers, triples and 4 x 4 matrices for the fragment program."""

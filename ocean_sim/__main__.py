@@ -185,6 +185,9 @@ def render(
     eye: Annotated[str | None, typer.Option(help="X,Y,Z [m] of the fixed camera.")] = None,
     target: Annotated[str | None, typer.Option(help="X,Y,Z [m] at which the fixed camera looks.")] = None,
     ship: Annotated[str | None, typer.Option(help="Of several ships, the one that a camera follows.")] = None,
+    caption: Annotated[bool, typer.Option("--caption/--no-caption", help="Write the time into the pictures.")] = True,
+    outline: Annotated[bool, typer.Option("--outline", help="Draw where the basin ends.")] = False,
+    scale_bar: Annotated[bool, typer.Option("--scale-bar", help="Draw a bar of so many metres.")] = False,
     out: Annotated[Path | None, typer.Option(help="By default the run folder.")] = None,
     json: Json = False,
 ) -> None:
@@ -202,6 +205,9 @@ def render(
         "eye": numbers("--eye", eye),
         "target": numbers("--target", target),
         "ship": ship,
+        "caption": caption,
+        "outline": outline,
+        "scale_bar": scale_bar,
     }
     render(run, asked, fps, out, json)
 

@@ -1,6 +1,7 @@
 """Keeps what a picture or an export needs: particles, the height of the water, its surface, and
 where the ships are; one file a frame. What is of a ship begins with the key she is written under."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -16,6 +17,7 @@ from ocean_sim.parts import Preflight, key_of
 from ocean_sim.pictures import foam
 from ocean_sim.ship import Ship
 from ocean_sim.simulation import Observer, PeriodicConfig
+from ocean_sim.surface import Mesh
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -112,6 +114,8 @@ class Frames(Observer):
             frame |= self.whitened(simulation, points, frame["elevation"], origin)
         if simulation.surface is not None:
             mesh = simulation.surface.mesh()
+            if origin.any():
+                mesh = unrolled(mesh, origin, simulation.basin.periods)
             frame |= {"vertices": mesh.vertices, "triangles": mesh.triangles, "normals": mesh.normals}
         if simulation.basin.gates:
             frame["gates"] = np.array(simulation.basin.gates_at(simulation.time)).reshape(-1, 2, 3)
@@ -119,7 +123,8 @@ class Frames(Observer):
             key = key_of(ship.name)
             frame |= {f"{key}_position": ship.body.position, f"{key}_turn": ship.body.matrix}  # body to world
         if self.config.particles and particles is not None:
-            frame["position"] = particles.position.to_numpy()
+            x = particles.position.to_numpy()
+            frame["position"] = x + shifts(x, origin, simulation.basin.periods) if origin.any() else x
             frame["velocity"] = particles.velocity.to_numpy()
             frame["id"] = particles.id.to_numpy()
         self.write(
@@ -134,7 +139,7 @@ class Frames(Observer):
         assert self.white is not None
         self.white.shift(np.round((origin - self.before) / self.cell))
         self.before = origin
-        velocity = surface_velocity(simulation.fluid, points, elevation)
+        velocity = surface_velocity(simulation.fluid, points, elevation, simulation.basin.periods)
         made = simulation.fluid.foam(points)
         if made is None:
             source = foam.convergence(elevation, *self.cell)
@@ -174,13 +179,35 @@ def appearance(simulation: "Simulation", ship: Ship) -> dict[str, object]:
     return {f"{key}_look": look.name, f"{key}_helm": helm, f"{key}_submerged": look.submerged}
 
 
-def surface_velocity(fluid: Fluid, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
+def shifts(x: np.ndarray, origin: np.ndarray, period: Sequence[float]) -> np.ndarray:
+    """(n, 3) by how many whole lengths of periodic sides points (n, 3) lie away from where they are nearest to an
+    origin x, z [m]; 0 along the others."""
+    length = np.array([period[0], 0.0, period[2]])
+    away = np.insert(origin, 1, 0.0) - x
+    return length * np.round(away / np.where(length > 0.0, length, np.inf))
+
+
+def unrolled(mesh: Mesh, origin: np.ndarray, period: Sequence[float]) -> Mesh:
+    """A surface between periodic sides, its triangles put where they are nearest to an origin x, z [m]."""
+    corners = mesh.vertices[mesh.triangles]
+    shift = np.repeat(shifts(corners.mean(axis=1), origin, period), 3, axis=0)
+    at = np.column_stack([mesh.triangles.ravel(), np.round(shift, 6)])
+    kept, which = np.unique(at, axis=0, return_inverse=True)
+    number = kept[:, 0].astype(int)
+    vertices = (mesh.vertices[number] + kept[:, 1:]).astype(mesh.vertices.dtype)
+    return Mesh(vertices, which.reshape(-1, 3).astype(mesh.triangles.dtype), mesh.normals[number])
+
+
+def surface_velocity(
+    fluid: Fluid, points: np.ndarray, elevation: np.ndarray, period: Sequence[float] = (0.0, 0.0, 0.0)
+) -> np.ndarray:
     """(nx, nz, 3) of the water at the surface over the points [m/s]: of particles the mean of those in the topmost layer
     of each cell."""
     particles = fluid.particles
     if particles is None:
         return fluid.velocities(np.insert(points, 1, elevation.ravel(), axis=1)).reshape(*elevation.shape, 3)
     x, v = particles.position.to_numpy().astype(float), particles.velocity.to_numpy().astype(float)
+    x = x + shifts(x, 0.5 * (points[0] + points[-1]), period)
     low, (nx, nz) = points[0], elevation.shape
     cell = (points[-1] - low) / np.maximum(np.array([nx, nz]) - 1, 1)
     i, k = (np.round((x[:, axis] - low[n]) / cell[n]).astype(int) for n, axis in enumerate((0, 2)))

@@ -12,14 +12,15 @@ MARGIN = 1.05
 BAND = 1.3  # room above and below the water for words, in the picture from the side
 HEADROOM = 0.24  # of the basin's length: sky above the water in perspective pictures
 TOWARDS = {  # direction of view, and what is up in the picture
-    "third_person": ((-0.60, -0.27, -0.77), (0.0, 1.0, 0.0)),
+    "third_person": ((0.30, -0.27, -0.92), (0.0, 1.0, 0.0)),  # the sun shines from the left
     "top": ((0.0, -1.0, 0.0), (0.0, 0.0, -1.0)),
     "side": ((0.0, 0.0, -1.0), (0.0, 1.0, 0.0)),
 }
 
 
-FAR = 6.0  # lengths of a ship; in a longer basin `third_person` follows it
-SHIPS = 1.5  # lengths of a ship that it sees each way then
+FAR = 2.5  # lengths of a ship; in a longer basin `third_person` follows it
+SHIPS = 0.85  # lengths of a ship that it sees each way then
+KEEL = 0.12  # lengths of a ship below the water that it sees
 BEHIND, ABOVE, QUARTER = 1.9, 0.5, 22.0  # lengths of a ship and [deg] to starboard, from which `follow` looks at it
 LAG = 0.9, 1.6  # [s] in which `follow` makes up for 1 - 1/e of a change of position and of heading
 ROUND, RISE = 2.2, 0.55  # lengths of a ship: radius and height of `orbit`
@@ -112,7 +113,7 @@ class Operator:
         lower[1], upper[1] = self.lower[1], self.upper[1]
         if (self.upper - self.lower).max() <= FAR * length:
             return self.standing
-        lower[1] = max(lower[1], -length)
+        lower[1] = max(lower[1], -KEEL * length)
         return placed("third_person", lower, upper, self.aspect)
 
     def orbit(self, time: float) -> Camera:

@@ -13,7 +13,7 @@ from ocean_sim.waves import Components
 OUT = 14000.0  # [m] where the drawn sea ends, behind the fog
 MARGIN = 0.2  # of the basin's shorter side: where its own waves give way to the far ones, within its walls
 NODES_PER_WAVE = (2.5, 3.5)  # at which a wave is not drawn, and is fully drawn
-PIXELS_PER_WAVE = (2.0, 6.0)  # across which the slopes of a wave fade into the width of the glint
+PIXELS_PER_WAVE = (1.2, 4.0)  # across which the slopes of a wave fade into the width of the glint
 COMPONENTS = 160  # plane waves that stand for the spectrum of a basin
 STRONGEST = 128  # plane waves of a sea that are drawn far away
 RAYS = 240  # of the fan in which the far sea is drawn
@@ -134,7 +134,7 @@ class Fan:
         spacing = np.maximum(np.gradient(distance), distance * (angle[1] - angle[0]))
         self.drawn = np.clip((length / spacing[:, None] - least) / (enough - least), 0.0, 1.0)
         far = np.hypot(distance, step)
-        footprint = pixel * far / np.sqrt(np.maximum(step / far, 0.01))
+        footprint = pixel * far / np.maximum(step / far, 0.003)  # of a pixel, along its ray
         least, enough = PIXELS_PER_WAVE
         seen_slopes = self.drawn * np.clip((length / footprint[:, None] - least) / (enough - least), 0.0, 1.0)
         self.sloping = seen_slopes

@@ -12,15 +12,15 @@ from ocean_sim.waves import Components
 
 OUT = 14000.0  # [m] where the drawn sea ends, behind the fog
 MARGIN = 0.2  # of the basin's shorter side: where its own waves give way to the far ones, within its walls
-NODES_PER_WAVE = (2.5, 3.5)  # at which a wave is not drawn, and is fully drawn
+NODES_PER_WAVE = (2.0, 3.0)  # at which a wave is not drawn, and is fully drawn
 PIXELS_PER_WAVE = (1.2, 4.0)  # across which the slopes of a wave fade into the width of the glint
 COMPONENTS = 160  # plane waves that stand for the spectrum of a basin
-STRONGEST = 128  # plane waves of a sea that are drawn far away
-RAYS = 240  # of the fan in which the far sea is drawn
+STRONGEST = 96  # plane waves of a sea that are drawn far away
+RAYS = 120, 320  # least and most of the fan in which the far sea is drawn
 NEAREST = 0.35  # [heights of the eye] away, or nearer, where the first ring lies
 WIDENING, BEYOND = 0.03, 1.09  # spacing of rings over their distance, and in the farthest over the one before
 REACHES = ((400.0, 0.06), (1000.0, 0.20))  # [m] to which waves but this share of the variance, the shortest, are drawn
-TURN = np.radians(20.0)  # by which the eye turns before the fan does
+TURN = np.radians(8.0)  # by which the eye turns before the fan does
 ASTREAM, PHASES, PLACES = 0x5_0000, 0x5_0001, 0x5_0002  # streams of random numbers
 
 
@@ -70,21 +70,21 @@ def strongest(sea: Components, most: int = STRONGEST) -> Components:
         return sea
     kept = np.sort(np.argsort(sea.amplitude)[::-1][:most])
     scale = np.sqrt((sea.amplitude**2).sum() / (sea.amplitude[kept] ** 2).sum())
-    return replace(
-        sea, amplitude=scale * sea.amplitude[kept], wavevector=sea.wavevector[kept], phase=sea.phase[kept]
-    )
+    return replace(sea, amplitude=scale * sea.amplitude[kept], wavevector=sea.wavevector[kept], phase=sea.phase[kept])
+
+
+def shortest(sea: Components) -> list[float]:
+    """Of the waves that are drawn to each of REACHES, the length of the shortest [m]."""
+    order = np.argsort(sea.wavenumber)[::-1]
+    held = np.cumsum(sea.amplitude[order] ** 2)
+    lengths = 2.0 * pi / np.maximum(sea.wavenumber[order], 1e-9)
+    return [float(lengths[np.searchsorted(held, share * held[-1])]) if held[-1] > 0.0 else OUT for _, share in REACHES]
 
 
 def rings(sea: Components, first: float) -> np.ndarray:
     """Distances [m] of rings around an eye, out to the horizon: close enough for the waves of the sea, but for the
     shortest ones, as far as REACHES."""
-    order = np.argsort(sea.wavenumber)[::-1]
-    held = np.cumsum(sea.amplitude[order] ** 2)
-    lengths = 2.0 * pi / np.maximum(sea.wavenumber[order], 1e-9)
-    caps = [
-        float(lengths[np.searchsorted(held, share * held[-1])]) / NODES_PER_WAVE[1] if held[-1] > 0.0 else np.inf
-        for _, share in REACHES
-    ]
+    caps = [length / NODES_PER_WAVE[1] for length in shortest(sea)]
     distances = [first]
     step = max(WIDENING * first, 0.02)
     while distances[-1] < OUT:
@@ -122,7 +122,9 @@ class Fan:
         below = min(max((seen[3] + 0.5) * TURN, 0.05), 0.49 * pi)
         first = max(min(NEAREST * step, 0.7 * step / float(np.tan(below))), 0.3)
         distance = rings(self.sea, first)
-        angle = bucket + np.linspace(-reach, reach, RAYS + 1)
+        far, length = REACHES[-1][0], shortest(self.sea)[-1]
+        rays = int(np.clip(2.0 * reach * far * NODES_PER_WAVE[1] / length, *RAYS))
+        angle = bucket + np.linspace(-reach, reach, rays + 1)
         away = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
         self.shape = len(distance), len(angle)
         self.nodes = (distance[:, None, None] * away).reshape(-1, 2)

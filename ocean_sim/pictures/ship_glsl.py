@@ -41,7 +41,8 @@ SHIP = f"""
   vec3 c = {number(BRIGHTER)} * colW * ({vector(light.SUNSHINE)} * sun + above) * (1.0 - 0.8 * attW.x);
   float ci = clamp(dot(n, e), 0.0, 1.0), share = {number(COAT)} + {number(1.0 - COAT)} * pow(1.0 - ci, 5.0);
   vec3 ray = 2.0 * dot(n, e) * n - e;
-  vec3 seen = ray.y > 0.0 ? skyAt(normalize(ray), mix(5.0, 1.0, attW.x)) : {number(BRIGHTER)} * {vector(light.FROM_BELOW)};
+  vec3 seen = {number(BRIGHTER)} * {vector(light.FROM_BELOW)};
+  if (ray.y > 0.0) seen = skyAt(normalize(ray), mix(5.0, 1.0, attW.x));
   c += share * mix(0.35, 1.6, attW.x) * attW.y * min(seen, vec3(3.0));
   vec3 h = normalize(sunDir + e);
   float c2 = max(dot(h, n), 0.001);
@@ -105,4 +106,3 @@ def openness(corners: np.ndarray, normals: np.ndarray) -> np.ndarray:
             open_air &= ~full[tuple(at.T)]
         seen, weight = seen + facing * open_air, weight + facing
     return 0.25 + 0.75 * seen / weight
-

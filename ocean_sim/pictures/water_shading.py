@@ -290,8 +290,8 @@ def side(position: np.ndarray, normal: np.ndarray, depth: np.ndarray, eye: np.nd
 
 
 def relief(normal: np.ndarray, height: np.ndarray) -> np.ndarray:
-    """Linear RGB (n, 3) of the surface as a map, seen from straight above: dark troughs, pale crests, lit from the upper
-    left, its slopes made steeper until they are seen; `height` as in `surface`."""
+    """Linear RGB (n, 3) of the surface as a map, seen from straight above: dark troughs, pale crests, lit from the
+    upper left, its slopes made steeper until they are seen; `height` as in `surface`."""
     slope = -normal[:, [0, 2]] / normal[:, 1:2]
     steeper = MAP_SLOPE / max(float(slope.std()), 1e-3 * MAP_SLOPE)
     tilted = unit(np.stack([-steeper * slope[:, 0], np.ones(len(slope)), -steeper * slope[:, 1]], axis=1))

@@ -215,8 +215,12 @@ def render(
 @app.command()
 def export(
     run: Annotated[Path, typer.Argument(help="A run folder.")],
-    particles: Annotated[str | None, typer.Option(help="vtkhdf: for ParaView.")] = None,
+    particles: Annotated[
+        str | None, typer.Option(help="vtkhdf: all in one file; ply: points, one file a frame.")
+    ] = None,
     surface: Annotated[str | None, typer.Option(help="ply or vtp: one mesh a frame; vtkhdf: all in one file.")] = None,
+    scene: Annotated[str | None, typer.Option(help="usd or glb: water, ships and particles in one file.")] = None,
+    z_up: Annotated[bool, typer.Option("--z-up", help="Z is up, in place of y.")] = False,
     every: Annotated[int, typer.Option(min=1, help="Every how many frames.")] = 1,
     out: Annotated[Path | None, typer.Option(help="By default the folder export/ of the run.")] = None,
     json: Json = False,
@@ -224,7 +228,7 @@ def export(
     """Files for ParaView and Blender."""
     from ocean_sim.verbs.shared.after import export
 
-    export(run, particles, surface, every, out, json)
+    export(run, particles, surface, scene, z_up, every, out, json)
 
 
 @app.command()

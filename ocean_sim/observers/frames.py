@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 SURFACE_FIELDS = 7  # elevation, foam, how far it was carried, velocity
-BYTES_PER_PARTICLE = 28  # position, velocity and id
+BYTES_PER_PARTICLE = 32  # position, velocity, id and pressure
 TOPMOST = 1.2  # [spacings] under the surface: the particles that carry foam
 LARGE = 2.0e9  # bytes that are worth a warning
 
@@ -127,6 +127,7 @@ class Frames(Observer):
             frame["position"] = x + shifts(x, origin, simulation.basin.periods) if origin.any() else x
             frame["velocity"] = particles.velocity.to_numpy()
             frame["id"] = particles.id.to_numpy()
+            frame["pressure"] = particles.pressure.to_numpy()[: particles.n]
         self.write(
             f"frame_{self.count:05d}", time=simulation.time, **{key: single(array) for key, array in frame.items()}
         )
@@ -180,7 +181,7 @@ def appearance(simulation: "Simulation", ship: Ship) -> dict[str, object]:
 
 
 def shifts(x: np.ndarray, origin: np.ndarray, period: Sequence[float]) -> np.ndarray:
-    """(n, 3) by how many whole lengths of periodic sides points (n, 3) lie away from where they are nearest to an
+    """(n, 3) by how many whole lengths of periodic sides [m] points (n, 3) lie away from where they are nearest to an
     origin x, z [m]; 0 along the others."""
     length = np.array([period[0], 0.0, period[2]])
     away = np.insert(origin, 1, 0.0) - x
@@ -201,8 +202,8 @@ def unrolled(mesh: Mesh, origin: np.ndarray, period: Sequence[float]) -> Mesh:
 def surface_velocity(
     fluid: Fluid, points: np.ndarray, elevation: np.ndarray, period: Sequence[float] = (0.0, 0.0, 0.0)
 ) -> np.ndarray:
-    """(nx, nz, 3) of the water at the surface over the points [m/s]: of particles the mean of those in the topmost layer
-    of each cell."""
+    """(nx, nz, 3) of the water at the surface over the points [m/s]: of particles the mean of those in the topmost
+    layer of each cell."""
     particles = fluid.particles
     if particles is None:
         return fluid.velocities(np.insert(points, 1, elevation.ravel(), axis=1)).reshape(*elevation.shape, 3)

@@ -1,5 +1,5 @@
-"""Edges of a finished picture made smooth, after Lottes' FXAA (2009, NVIDIA): an edge is followed both ways to its ends,
-and a pixel takes of its neighbour across the edge what the edge would cover of it. Only pixels at edges cost time."""
+"""Edges of a finished picture made smooth, after Lottes' FXAA (2009, NVIDIA): an edge is followed both ways to its
+ends, and a pixel takes of its neighbour across the edge what the edge would cover of it. Only pixels at edges cost time."""
 
 import numpy as np
 
@@ -52,7 +52,7 @@ def smooth(image: np.ndarray) -> np.ndarray:
 def followed(
     flat: np.ndarray, at: np.ndarray, across: np.ndarray, along: np.ndarray, edge: np.ndarray, most: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """How far along an edge its end lies (n,) [pixels], and by how much the brightness there is off that of the edge."""
+    """How far along an edge its end lies (n,) [pixels], and by how much the brightness there is off the edge's."""
     distance, off = np.zeros(len(at), np.float32), np.zeros(len(at), np.float32)
     going = np.arange(len(at))
     for step in STEPS:

@@ -1,5 +1,5 @@
 """Edges of a finished picture made smooth, after Lottes' FXAA (2009, NVIDIA): an edge is followed both ways to its
-ends, and a pixel takes of its neighbour across the edge what the edge would cover of it. Only pixels at edges cost time."""
+ends, and a pixel takes of its neighbour across it what the edge would cover. Only pixels at edges cost time."""
 
 import numpy as np
 

@@ -29,8 +29,8 @@ def export_run(
     z_up: bool = False,
 ) -> list[Path]:
     """Write `particles` (vtkhdf, ply), `surface` (ply, vtp, vtkhdf) and, all that was drawn in one file, `scene` (usd,
-    glb) of every `every`-th frame into `out`; returns the files. Ships go with a surface, a mesh each where it was. `z_up`:
-    with z up in place of y."""
+    glb) of every `every`-th frame into `out`; returns the files. Ships go with a surface, a mesh each where she was.
+    `z_up`: with z up in place of y."""
     frames = sorted((folder / "frames").glob("frame_*.npz"))[::every]
     if not frames:
         raise NothingToExport(f"{folder} has no frames; run with the observer `frames`")

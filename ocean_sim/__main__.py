@@ -286,6 +286,9 @@ def render(
     eye: Annotated[str | None, typer.Option(help="X,Y,Z [m] of the fixed camera.")] = None,
     target: Annotated[str | None, typer.Option(help="X,Y,Z [m] at which the fixed camera looks.")] = None,
     ship: Annotated[str | None, typer.Option(help="Of several ships, the one that a camera follows.")] = None,
+    caption: Annotated[bool, typer.Option("--caption/--no-caption", help="Write the time into the pictures.")] = True,
+    outline: Annotated[bool, typer.Option("--outline", help="Draw where the basin ends.")] = False,
+    scale_bar: Annotated[bool, typer.Option("--scale-bar", help="Draw a bar of so many metres.")] = False,
     out: Annotated[Path | None, typer.Option(help="By default the run folder.")] = None,
     json: Json = False,
 ) -> None:
@@ -303,6 +306,9 @@ def render(
         "eye": numbers("--eye", eye),
         "target": numbers("--target", target),
         "ship": ship,
+        "caption": caption,
+        "outline": outline,
+        "scale_bar": scale_bar,
     }
     render(run, asked, fps, out, json)
 
@@ -310,8 +316,12 @@ def render(
 @app.command()
 def export(
     run: Annotated[Path, typer.Argument(help="A run folder.")],
-    particles: Annotated[str | None, typer.Option(help="vtkhdf: for ParaView.")] = None,
+    particles: Annotated[
+        str | None, typer.Option(help="vtkhdf: all in one file; ply: points, one file a frame.")
+    ] = None,
     surface: Annotated[str | None, typer.Option(help="ply or vtp: one mesh a frame; vtkhdf: all in one file.")] = None,
+    scene: Annotated[str | None, typer.Option(help="usd or glb: water, ships and particles in one file.")] = None,
+    z_up: Annotated[bool, typer.Option("--z-up", help="Z is up, in place of y.")] = False,
     every: Annotated[int, typer.Option(min=1, help="Every how many frames.")] = 1,
     out: Annotated[Path | None, typer.Option(help="By default the folder export/ of the run.")] = None,
     json: Json = False,
@@ -319,7 +329,7 @@ def export(
     """Files for ParaView and Blender."""
     from ocean_sim.verbs.shared.after import export
 
-    export(run, particles, surface, every, out, json)
+    export(run, particles, surface, scene, z_up, every, out, json)
 
 
 @app.command()

@@ -190,6 +190,11 @@ class WindConfig(KindConfig):
         """Whether there is no wind."""
         return False
 
+    @property
+    def strongest(self) -> float:
+        """Highest speed 10 m above the water that it states [m/s]; 0 where it states none."""
+        return 0.0
+
     @abstractmethod
     def build(self, basin: Basin, seed: int) -> Wind: ...
 

@@ -14,7 +14,7 @@ from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.absorption import warnings as of_zones
 from ocean_sim.fluid.shared.absorption import zones
 from ocean_sim.fluid.shared.attenuation import Attenuation, Train, trains
-from ocean_sim.fluid.shared.band import band, stokes
+from ocean_sim.fluid.shared.band import band
 from ocean_sim.fluid.shared.field import Field
 from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.neighbours import ListSize, Neighbours
@@ -146,7 +146,7 @@ class SphConfig(WaterConfig):
         k, height = sea.wavenumber, Train(sea, False).height
         share = np.array([attenuation.share(one, sea.depth, height, lattice.spacing, False) for one in k.tolist()])
         decay = 2.0 * (self.viscosity(basin) + share * self.scale(basin)) * k**2
-        return decay - 1j * sea.omega * (self.delay * (k * lattice.spacing) ** 2 - stokes(sea))
+        return decay - 1j * sea.omega * self.delay * (k * lattice.spacing) ** 2
 
     def statements(self, preflight: Preflight) -> list[str]:
         basin = preflight.tank

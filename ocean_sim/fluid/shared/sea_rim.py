@@ -228,11 +228,16 @@ class SeaRim:
         self.ships = tuple(ships)
         self.place(0.0)
 
+    def where(self, time: float) -> np.ndarray:
+        """(2,) x, z in the world [m] opposite which it lies: the middle of the ships, or of what it follows at a
+        time [s]."""
+        if self.ships:
+            return np.mean([ship.body.position[[0, 2]] for ship in self.ships], axis=0)
+        return self.velocity * time
+
     def place(self, time: float) -> None:
         """Where it is at a time [s], or where the ships are."""
-        at = self.velocity * time
-        if self.ships:
-            at = np.mean([ship.body.position[[0, 2]] for ship in self.ships], axis=0)
+        at = self.where(time)
         around = np.where(self.periods > 0.0, self.periods, np.inf)
         at = np.where(self.periods > 0.0, at - self.periods * np.round(at / around), 0.0)
         self.middle.from_numpy(at.astype(to_numpy_type(self.middle.dtype)))

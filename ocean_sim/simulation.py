@@ -148,7 +148,7 @@ class Simulation:
         dt = self.next_dt
         with self.stage("wind"):
             if self.basin.sea is not None:
-                self.wind.follow(self.fluid.middle)
+                self.wind.follow(self.fluid.patch_centre)
             self.wind.advance(dt)  # Algorithm 1
         with self.stage("fluid"):
             self.fluid.advance(dt)  # (2.27)

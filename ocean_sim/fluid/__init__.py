@@ -293,7 +293,7 @@ class Fluid(Protocol):
         return False
 
     @property
-    def middle(self) -> np.ndarray:
+    def patch_centre(self) -> np.ndarray:
         """(2,) x, z in the world [m] of the middle of a patch of open sea, which follows its ships; elsewhere of the
         basin."""
         return np.zeros(2)

@@ -7,6 +7,7 @@ import pytest
 import taichi as ti
 
 from ocean_sim import waves
+from ocean_sim.files.csv_file import columns
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid.shared.band import Band, band, stokes
 from ocean_sim.fluid.shared.initial import of_patch
@@ -240,3 +241,29 @@ def test_a_nonlinear_sea_resolves_its_defaults_and_feeds_without_stokes():
     assert "nonlinear to third order on 60 cells" in said
     assert load(scene.resolved()).resolved() == scene.resolved()
     assert patch({"kind": "spectral_sea", "order": 1} | REGULAR | {"kind": "spectral_sea"}).sea.nonlinear is None
+
+
+def test_gauges_ride_with_the_patch_beside_fixed_ones(tmp_path):
+    """The point that they ride with moves as fast as the crests, around the whole patch: each reads its own phase."""
+    speed = LENGTH / PERIOD
+    sea = REGULAR | {"rim": {"velocity": [speed, 0.0]}}
+    along = {"crest": {"at": [0.0], "rides": True}, "down": {"at": [0.25 * LENGTH], "rides": True}, "fixed": [0.0]}
+    depth = {"at": [0.0, -0.5], "rides": True}
+    keys = {"elevation": along, "pressure": {"ahead": depth}, "every": 0.1 * PERIOD}
+    scene = patch(sea, gauges=keys, duration=0.5 * PERIOD)
+    assert load(scene.resolved()).resolved() == scene.resolved()
+    with Simulation(scene, tmp_path) as simulation:
+        simulation.run(0.5 * PERIOD)
+        read_off = simulation.fluid.elevations(np.array([[0.5 * LENGTH, 0.0]]))[0]
+    table = columns(tmp_path / "gauges.csv")
+    assert table["crest_m"][0] == table["fixed_m"][0]
+    assert table["crest_m"][-1] == pytest.approx(read_off, abs=2e-3)
+    assert np.abs(table["crest_m"] - 0.05).max() < 0.015 < np.abs(table["fixed_m"] - 0.05).max()
+    assert np.abs(table["down_m"]).max() < 0.015
+    assert np.ptp(table["ahead_Pa"]) < 0.1 * table["ahead_Pa"].mean()
+    assert "[0.0] m from the middle of what it rides with" in (tmp_path / "gauges.csv").read_text()
+
+
+def test_gauges_ride_on_an_open_sea_alone():
+    gauge = {"gauges": {"elevation": {"a": {"at": [0.0], "rides": True}}}}
+    assert "rides over a patch of open sea alone" in refused(sea=None, **gauge)

@@ -98,7 +98,9 @@ class Band:
         found = [f"{head}; the sea is fitted to the patch: {count}, the highest of {size}"]
         if self.nonlinear is not None:
             cells = " x ".join(str(n) for n in cells_of(self)[: len(self.sides)])
-            found.append(f"the sea is nonlinear to third order on {cells} cells, fully so {self.nonlinear.onset:.3g} s on")
+            found.append(
+                f"the sea is nonlinear to third order on {cells} cells; that sets in in {self.nonlinear.onset:.3g} s"
+            )
         at_rest, following = self.at_ship(0.0), self.at_ship(1.0)
         if at_rest is None or following is None:
             return [*found, "how much of its height the sea has at the ship is not known for this scheme"]

@@ -91,7 +91,7 @@ class ParticleWater(ParticleFluid):
         return self.joined
 
     @property
-    def middle(self) -> np.ndarray:
+    def patch_centre(self) -> np.ndarray:
         return self.rim.where(self.time) if self.joined else np.zeros(2)
 
     def meet(self, contact: Contact) -> None:

@@ -1,4 +1,5 @@
-"""A nonlinear sea around a patch: evolved on a tile that lies on it, a cell a particle spacing, and read at any level."""
+"""A nonlinear sea around a patch: it evolves on a tile over the patch, a cell a particle spacing, and is read at all
+levels."""
 
 from typing import ClassVar
 
@@ -35,7 +36,7 @@ class SteepSource:
         lower = (basin.lower[0], basin.lower[2] if rows > 1 else first[1])
         self.turn = np.exp(kx * (lower[0] - first[0]) + kz * (lower[1] - first[1])) / (cells * rows)
         along = np.round(np.fft.fftfreq(cells) * cells).astype(int)
-        self.places = np.ix_(along % count[0], np.arange(tile.columns) % count[1])
+        self.places = (along % count[0])[:, None], (np.arange(tile.columns) % count[1])[None, :]
 
     def modes(self, time: float) -> np.ndarray:
         left = time - self.sea.time
@@ -49,7 +50,7 @@ class SteepSource:
         found = np.zeros((len(self.shapes), 6, *self.count), dtype=np.complex128)
         for level, shape in enumerate(self.shapes):
             for n, of in enumerate(both):
-                found[level, 3 * n : 3 * n + 3][:, *self.places] = shape * of
+                found[level, 3 * n : 3 * n + 3, self.places[0], self.places[1]] = shape * of
         return whole(found, self.sea.tile)
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ocean_sim import basin as basin_module
     from ocean_sim import waves
     from ocean_sim.basin import Basin, Solid
-    from ocean_sim.basin.open_sea import Rim
+    from ocean_sim.basin.open_sea import Nonlinear, Rim
     from ocean_sim.fluid import Fluid, Lattice, Limits
     from ocean_sim.platform import Platform
     from ocean_sim.runtime import RuntimeConfig
@@ -141,6 +141,11 @@ class SeaConfig(KindConfig):
     @abstractmethod
     def significant_height(self) -> float:
         """[m]; 0 in calm water."""
+
+    @property
+    def nonlinear(self) -> Nonlinear | None:
+        """How it is nonlinear; None: it is the sum of its plane waves."""
+        return None
 
     @abstractmethod
     def plane_waves(self, basin: waves.Tank) -> waves.Components | None:

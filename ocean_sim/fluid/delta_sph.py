@@ -26,7 +26,7 @@ from ocean_sim.columns import Columns, vec3
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.accounts import DIFFUSION, PRESSURE, VISCOSITY, WALLS
-from ocean_sim.fluid.shared.attenuation import Attenuation
+from ocean_sim.fluid.shared.attenuation import Attenuation, Delay
 from ocean_sim.fluid.shared.grid import STATE
 from ocean_sim.fluid.shared.images import displaced, hydrostatic_offset, reflected_free_slip
 from ocean_sim.fluid.shared.neighbours import ListSize
@@ -62,8 +62,8 @@ class Config(SphConfig):
     carries_bodies: ClassVar[bool] = True
     bears_shear: ClassVar[float] = 1.0e-3
     fineness: ClassVar[int] = 3
-    attenuation: ClassVar = Attenuation(even=0.0, flat=1.0e-3, steep=3.8e-3, travelling=2.2)
-    delay: ClassVar = 0.36  # 12 layers, k depth pi, in space: validation case standing_wave_3d
+    attenuation: ClassVar = Attenuation(0.0, flat=1.0e-3, steep=3.8e-3, travelling=Attenuation(0.0, 2.2e-3, 8.4e-3))
+    delay: ClassVar = Delay(0.33, high=0.12)
     default_ratio: ClassVar[tuple[float, float]] = (NEUTRAL_RATIO, NEUTRAL_RATIO)
     kernel: ClassVar[Kernel] = NEUTRAL
     kind: Literal["delta_sph"] = "delta_sph"

@@ -21,6 +21,7 @@ from ocean_sim.parts import ALONE
 from ocean_sim.simulation import NOWHERE, Concluding, PeriodicConfig
 
 if TYPE_CHECKING:
+    from ocean_sim.ship import Ship
     from ocean_sim.simulation import Simulation
 
 POSITIONS_EVERY = 50  # steps between two checks of all positions, which are copied for it
@@ -83,6 +84,9 @@ class Health(Concluding):
         self.clipped, self.clipped_reported = 0, -QUIET
         self.groundings = dict.fromkeys(simulation.ships, 0)
         self.grounding_reported = dict.fromkeys(simulation.ships, -QUIET)
+        self.airborne = dict.fromkeys(simulation.ships, False)
+        self.flown = dict.fromkeys(simulation.ships, 0.0)  # [m/s] upwards when it was last in the air
+        self.flight_reported = dict.fromkeys(simulation.ships, -QUIET)
         self.event(
             "start",
             particles=self.n,
@@ -122,6 +126,7 @@ class Health(Concluding):
         self.judge_hulls(simulation)
         self.note_limit(simulation)
         self.note_grounding(simulation)
+        self.note_flight(simulation)
         if self.n > 0:
             self.note_clipping(simulation)
 
@@ -267,11 +272,19 @@ class Health(Concluding):
         for name, ship in simulation.ships.items():
             if ship.groundings > self.groundings[name]:
                 if simulation.time >= self.grounding_reported[name] + QUIET:
-                    x, _, z = ship.body.position
-                    which = {} if name == ALONE else {"ship": name}
-                    self.event("the hull meets the bed", **which, x_m=round(float(x), 3), z_m=round(float(z), 3))
+                    self.event("the hull meets the bed", **where(name, ship))
                     self.grounding_reported[name] = simulation.time
                 self.groundings[name] = ship.groundings
+
+    def note_flight(self, simulation: "Simulation") -> None:
+        """The whole hull has left the water, or some of it is in the water again."""
+        for name, ship in simulation.ships.items():
+            if ship.airborne:
+                self.flown[name] = float(ship.body.velocity[1])
+            if ship.airborne != self.airborne[name] and simulation.time >= self.flight_reported[name] + QUIET:
+                what, speed = "leaves" if ship.airborne else "meets", round(self.flown[name], 3)
+                self.event(f"the hull {what} the water", **where(name, ship), speed_m_s=speed)
+                self.airborne[name], self.flight_reported[name] = ship.airborne, simulation.time
 
     def note_limit(self, simulation: "Simulation") -> None:
         limit = simulation.time_step.limited_by
@@ -299,3 +312,10 @@ class Health(Concluding):
         if self.events is not None:
             self.events = Path(self.events.name).open("a", encoding="utf-8")
             self.close()
+
+
+def where(name: str, ship: "Ship") -> dict[str, object]:
+    """Which ship of several, and where she is, for an event."""
+    x, _, z = ship.body.position
+    which = {} if name == ALONE else {"ship": name}
+    return which | {"x_m": round(float(x), 3), "z_m": round(float(z), 3)}

@@ -124,7 +124,7 @@ def test_it_ends_physical_or_says_why_not(begun, scheme, extreme, monkeypatch):
 @pytest.mark.parametrize("scheme", ["mueller", "delta_sph"])
 @pytest.mark.parametrize("extreme", ["compression 1", "stiffness 100"])
 def test_it_does_so_for_ten_crossings_of_sound(begun, scheme, extreme, monkeypatch):
-    """The others of EXTREMES last as long as they are, but syrup: no sound crosses it, and its steps are microseconds."""
+    """The others of EXTREMES last as long; no sound crosses syrup, and its steps are microseconds."""
     sentence = run(begun, scheme, extreme, monkeypatch, crossings=10.0)
     assert not sentence or ("t = " in sentence and "try" in sentence)
     assert not sentence or extreme not in PHYSICAL[scheme], sentence

@@ -22,6 +22,7 @@ from ocean_sim.ship.shared.floating import FloatingConfig
 from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.radiation import Memory, Radiation
+from ocean_sim.ship.shared.slamming import Slamming
 
 
 class SeakeepingConfig(FloatingConfig):
@@ -70,6 +71,8 @@ class SeakeepingShip(FloatingShip):
             self.memory, self.added[radiation.numbers] = Memory(radiation), radiation.response.added
             radiated = [Motions._fields[k] for k in radiation.numbers]
         self.resistance = Resistance(config.damping, self.hull.still, self.added, radiated)
+        if self.contact is None:
+            self.slamming = Slamming(self.hull.still, float(self.added[1]))
         self.longest = self.hull.limits(Motions(*self.added)._asdict())
 
     def damping(self, now: Immersion) -> np.ndarray:

@@ -154,7 +154,12 @@ class Server:
         from aiohttp import web
 
         self.stopping = asyncio.Event()
-        app = web.Application(middlewares=[web.middleware(self.guarded)])
+
+        @web.middleware
+        async def guard(request: web.Request, handler: Any) -> Any:
+            return await self.guarded(request, handler)
+
+        app = web.Application(middlewares=[guard])
         app.router.add_get("/watch", self.watched)
         for path in self.files:
             app.router.add_get(path, self.given)

@@ -178,7 +178,7 @@ function tabs() {
     tab(next);
     $(`to-${next}`).focus();
   };
-  tab(names.includes(state.tab) ? state.tab : "play");
+  tab(names.includes(state.tab) ? state.tab : LIVE ? "play" : "plots");
 }
 
 function tab(name) {
@@ -481,8 +481,10 @@ function draw() {
     if (!world.after) return;
     world.seen = shifted(camera.eye(world, w, height), w, height, n);
     world.draw(world.seen, state.content, options);
-    if (state.rig && world.legs) inset(world, x, w, height, ratio);
   });
+  const first = state.worlds[0];
+  $("rig").hidden = !(state.rig && first?.legs);
+  if (!$("rig").hidden) inset(first, ratio);
   gl.disable(gl.SCISSOR_TEST);
   state.time = state.worlds[0]?.time ?? 0;
   $("clock").textContent = `t = ${state.time.toFixed(2)} s`;
@@ -496,16 +498,16 @@ function shifted(eye, width, height, n) {
   return { ...eye, projection: p };
 }
 
-// The motion platform in a corner.
-function inset(world, x, width, height, ratio) {
-  const side = Math.round(Math.min(190 * ratio, 0.3 * width)), bottom = Math.round((innerWidth > 820 ? 14 : innerHeight * 0.42 + 130) * ratio);
-  gl.viewport(x + 10 * ratio, bottom, side, side);
-  gl.scissor(x + 10 * ratio, bottom, side, side);
-  gl.clear(gl.DEPTH_BUFFER_BIT);
+// The motion platform in a card of its own, in the first picture alone.
+function inset(world, ratio) {
+  const box = $("rig").getBoundingClientRect(), at = [box.left, innerHeight - box.bottom, box.width, box.height].map((v) => Math.round(v * ratio));
+  gl.viewport(...at);
+  gl.scissor(...at);
+  gl.clearColor(0.07, 0.13, 0.19, 1);
+  gl.clear(gl.DEPTH_BUFFER_BIT | gl.COLOR_BUFFER_BIT);
   const { platform } = world.still, unit = Math.hypot(...platform.base[0]), high = 0.6 * platform.longest;
-  const turn = 0.8, eye = [Math.sin(turn) * 4.4 * unit, high + 1.7 * unit, -Math.cos(turn) * 4.4 * unit], target = [0, high * 0.75, 0];
-  world.drawPlatform({ view: M.look(eye, target, [0, 1, 0]), projection: M.perspective(0.6, 1, 0.1, 100) });
-  gl.viewport(x, 0, width, height);
+  const turn = 0.8, eye = [Math.sin(turn) * 3.9 * unit, high + 1.5 * unit, -Math.cos(turn) * 3.9 * unit], target = [0, high * 0.62, 0];
+  world.drawPlatform({ view: M.look(eye, target, [0, 1, 0]), projection: M.perspective(0.62, box.width / box.height, 0.1, 100) });
 }
 
 let last = performance.now(), slow = 0, plotted = 0, counted = 0;

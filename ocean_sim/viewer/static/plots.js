@@ -14,6 +14,7 @@ class Plots {
   constructor(box) {
     this.box = box;
     this.sets = [];
+    this.cards = [];
   }
 
   // `worlds`: the scalars of each, [{scalars, name}].

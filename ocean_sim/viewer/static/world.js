@@ -329,7 +329,7 @@ class World {
     gl.enable(gl.DEPTH_TEST);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     for (const ship of this.ships) this.drawShip(ship, view, lit, level);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, eye.target || null);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, eye.framebuffer || null);
     gl.viewport(...was);
     if (scissor) gl.enable(gl.SCISSOR_TEST);
     gl.activeTexture(gl.TEXTURE3);

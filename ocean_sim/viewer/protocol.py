@@ -53,7 +53,7 @@ class Act(Model):
     """A button: `take` and `leave` are about the helm, which one page has at a time; whoever presses another button, or
     sends any other command that changes the simulation, takes it where it is free."""
 
-    do: Literal["pause", "play", "step", "reset", "record", "stop", "take", "leave", "amidships", "scene", "scenes", "keys"]
+    do: Literal["pause", "play", "step", "reset", "record", "stop", "take", "leave", "scene", "scenes", "keys"]
 
 
 class Speed(Model):
@@ -72,7 +72,7 @@ class Slide(Model):
 
 
 class Steer(Model):
-    """Throttle, -1 to 1, and rudder [rad, positive turns to port] of a ship, both of which a person orders from now on."""
+    """Throttle, -1 to 1, and rudder [rad, positive turns to port] of a ship, which a person orders from now on."""
 
     do: Literal["steer"]
     ship: Word

@@ -202,7 +202,9 @@ class Recorded:
         rows: list[dict[str, str]] = []
         columns: list[np.ndarray] = []
 
-        def add(log: dict[str, np.ndarray], column: str, label: str, unit: str, group: str, factor: float = 1.0) -> None:
+        def add(
+            log: dict[str, np.ndarray], column: str, label: str, unit: str, group: str, factor: float = 1.0
+        ) -> None:
             values = np.asarray(log[column], float)
             values = np.unwrap(values) if column == "yaw_rad" else values
             rows.append({"name": f"{group}_{label}".replace(" ", "_"), "label": label, "unit": unit, "group": group})

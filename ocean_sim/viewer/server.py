@@ -27,8 +27,10 @@ WAITING = 256  # commands that are not obeyed yet, and messages that are not sen
 BURST, A_SECOND = 240, 120  # messages that one watcher may send
 STALLED = 30.0  # [s] that a watcher may take for one message
 IDLE = 60.0  # [s] after which another may take the helm from who does not touch it
-POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; " \
+POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
     "connect-src 'self' ws: wss:; base-uri 'none'; form-action 'none'"
+)
 
 File = Callable[[], bytes]  # the content of an address
 
@@ -253,7 +255,9 @@ class Server:
         except BadMessage as error:
             self.refused += 1
             with suppress(RuntimeError):
-                asyncio.get_running_loop().create_task(watcher.socket.close(code=1008, message=error.sentence.encode()[:120]))
+                asyncio.get_running_loop().create_task(
+                    watcher.socket.close(code=1008, message=error.sentence.encode()[:120])
+                )
             return False
         if order.do == "take":
             self.grasp(watcher.number)
@@ -263,7 +267,9 @@ class Server:
         elif order.do not in LOOKS and not self.grasp(watcher.number):
             self.post(watcher.number, {"type": "said", "text": "Another page has the helm.", "bad": True})
         elif len(self.inbox) >= WAITING:
-            self.post(watcher.number, {"type": "said", "text": "The simulation is busy; this was not taken.", "bad": True})
+            self.post(
+                watcher.number, {"type": "said", "text": "The simulation is busy; this was not taken.", "bad": True}
+            )
         else:
             self.inbox.append(Order(watcher.number, order))
             self.arrived.set()

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Protocol
 from ocean_sim.conventions import Diverged, Failed, in_words
 from ocean_sim.files.claim import Claim
 from ocean_sim.files.whole_file import whole
-from ocean_sim.files.yaml_file import SceneError, setting
+from ocean_sim.files.yaml_file import SceneError, mapping, setting
 from ocean_sim.observers.shared.page import text as as_yaml
 from ocean_sim.parts import library, named
 from ocean_sim.pictures.panel import Panel, sliders_of
@@ -357,15 +357,11 @@ class Session:
         """Tell everybody what may be set, and how it stands."""
         simulation, panel = self.simulation, self.panel
         assert simulation is not None
-        sliders = [
-            {"label": s.label, "value": s.value, "low": s.low, "high": s.high, "given": s.value if s.label not in self.moved else None}
-            for s in panel.sliders
-        ]
+        sliders = [{"label": s.label, "value": s.value, "low": s.low, "high": s.high} for s in panel.sliders]
         ships = [
-            {"name": name, "throttle": ship.orders[0], "rudder": ship.orders[1], "person": name in self.persons,
-             "route": self.routes.get(name, [])}
+            {"name": name, "throttle": ship.orders[0], "rudder": ship.orders[1], "route": self.routes.get(name, [])}
             for name, ship in simulation.ships.items()
-        ]  # fmt: skip
+        ]
         self.desk.tell(
             None,
             type="panel",
@@ -391,9 +387,12 @@ class Session:
 
 def wind_name(source: Source) -> str:
     """The preset of wind that a source names, or that it is the scene's own."""
-    wind = source.overrides.get("wind")
+    written = mapping(source.text, source.name).data.get("wind")
+    wind = source.overrides.get("wind", written)
     name = getattr(wind, "data", wind)
-    return name if isinstance(name, str) else SCENE
+    if any(key.startswith("wind.") for key in source.overrides) or not isinstance(name, str | None):
+        return SCENE
+    return name or "still"
 
 
 def replaces(order: Order) -> tuple[str, ...]:

@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.pictures import foam, light, ripples, sky, water_glsl, water_shading
+from ocean_sim.pictures import foam, light, sky, water_glsl, water_shading
 from ocean_sim.pictures.preview_scene import SPEEDS
 from ocean_sim.pictures.sea_state import wind_of
 from ocean_sim.pictures.ship_hull import Hull
 from ocean_sim.pictures.ship_model import modelled
-from ocean_sim.viewer.protocol import FULL, VERSION, boxed, packet
+from ocean_sim.viewer.protocol import VERSION, boxed, packet
 from ocean_sim.waves import Components
 
 GAP_CELLS, GAP_REACH = 64, 3.0  # of the map of distances to a hull at rest; [m] around it
@@ -62,13 +62,12 @@ class Setting(NamedTuple):
         """Lower and upper corner of where particles are shown [m]."""
         size = self.upper - self.lower
         room = np.array([0.02 * size[0], 0.0, 0.02 * size[2]])
-        return self.lower - room - [0.0, 0.02 * size[1], 0.0], self.upper * [1.0, 0.0, 1.0] + room + [
-            0.0,
-            max(size[1], 0.2 * size[0]),
-            0.0,
-        ]
+        above = max(size[1], 0.2 * size[0])  # of the still water: room for what leaps
+        low, high = self.lower - room, self.upper + room
+        low[1], high[1] = low[1] - 0.02 * size[1], above
+        return low, high
 
-    def packet(self, **more: Any) -> bytes:
+    def packet(self) -> bytes:
         """The still, deflated."""
         arrays: dict[str, np.ndarray] = {}
         boxes: dict[str, Any] = {}
@@ -98,7 +97,7 @@ class Setting(NamedTuple):
             "tank": bool(self.flat or any((self.scene.get("basin") or {}).get(key) for key in FITTINGS)),
             "platform": platform.get("geometry") if isinstance(platform.get("geometry"), dict) else None,
             "wind": (self.scene.get("wind") or {}).get("kind", "still"),
-            "kind": (self.scene.get("fluid") or {}).get("kind", ""),
+            "fluid": (self.scene.get("fluid") or {}).get("kind", ""),
             "gravity": GRAVITY,
             "speeds": plain(SPEEDS),
             "light": {
@@ -107,7 +106,7 @@ class Setting(NamedTuple):
             "shaders": shaders(len(ships)),
             "uniforms": uniforms,
         }
-        return zlib.compress(packet("still", arrays, boxes, **{k: v for k, v in header.items() if k != "kind"}, fluid=header["kind"], **more), 6)
+        return zlib.compress(packet("still", arrays, boxes, **header), 6)
 
     def ship(self, k: int, vessel: Vessel, arrays: dict[str, np.ndarray], boxes: dict[str, Any]) -> dict[str, Any]:
         """A ship's model and the map of distances to her waterline at rest, both in body axes."""
@@ -144,9 +143,8 @@ class Setting(NamedTuple):
         wind = wind_of(dict(self.scene), self.waves, height)
         if self.waves is not None:
             most = np.argsort(self.waves.amplitude)[::-1][:FAR_WAVES]
-            kept = self.waves.amplitude[most] * np.sqrt(
-                (self.waves.amplitude**2).sum() / max((self.waves.amplitude[most] ** 2).sum(), 1e-30)
-            )
+            energy, kept = self.waves.amplitude**2, self.waves.amplitude[most]
+            kept = kept * np.sqrt(energy.sum() / max(energy[most].sum(), 1e-30))
             rows = np.column_stack([kept, self.waves.wavevector[most], self.waves.omega[most], self.waves.phase[most]])
             resolved = pi / float(self.waves.wavenumber.max())
         else:
@@ -176,9 +174,7 @@ def invented(angle: float, length: float, spacing: float) -> np.ndarray:
     amplitude *= 0.25 * np.sqrt(2.0 / (amplitude**2).sum())
     k = 2.0 * pi / wavelength
     phase = 2.0 * pi * np.mod(0.754877666 * np.arange(INVENTED), 1.0)
-    return np.column_stack(
-        [amplitude, k * np.cos(angle + turn), k * np.sin(angle + turn), np.sqrt(GRAVITY * k), phase]
-    )
+    return np.column_stack([amplitude, k * np.cos(angle + turn), k * np.sin(angle + turn), np.sqrt(GRAVITY * k), phase])
 
 
 def shaders(ships: int) -> dict[str, str]:
@@ -220,6 +216,3 @@ def plain(value: Any) -> Any:
     """Numbers as JSON has them, with six digits, which is plenty for a picture."""
     array = np.asarray(value, dtype=float)
     return [plain(part) for part in array] if array.ndim else float(f"{float(array):.7g}")
-
-
-__all__ = ["FULL", "GAP_CELLS", "Setting", "Vessel", "invented", "plain", "ripples", "shared_exponent", "sky_packet"]

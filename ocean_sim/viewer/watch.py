@@ -11,8 +11,9 @@ import numpy as np
 from ocean_sim.basin.points import middles, pairs
 from ocean_sim.observers.shared.handed_on import TakesMotion
 from ocean_sim.pictures.preview_scene import PreviewScene
+from ocean_sim.platform import Platform
 from ocean_sim.platform.shared.motion_log import ride_of
-from ocean_sim.simulation import Observer
+from ocean_sim.simulation import Observer, PeriodicConfig
 from ocean_sim.viewer.protocol import boxed, packet
 from ocean_sim.viewer.still import Setting, Vessel
 
@@ -31,6 +32,9 @@ STAGES = ("wind", "fluid", "surface", "ship", "observers")
 class Audience(Protocol):
     """Who watches."""
 
+    fresh: bool
+    """Whether somebody has not seen a frame yet."""
+
     @property
     def watchers(self) -> int:
         """How many there are."""
@@ -43,18 +47,6 @@ class Audience(Protocol):
     def show(self, frame: bytes) -> None:
         """The newest frame."""
         ...
-
-
-class Nobody:
-    """An audience of none."""
-
-    watchers = 0
-
-    def begin(self, still: bytes) -> None:
-        return
-
-    def show(self, frame: bytes) -> None:
-        return
 
 
 class Watch(Observer, TakesMotion):
@@ -74,12 +66,14 @@ class Watch(Observer, TakesMotion):
         self.follows = simulation.fluid.in_closed_form is not None and not self.setting.flat
         scene = simulation.scene
         motion = scene.observers.get("motion")
-        self.platform, self.ridden, self.commands = None, "", np.zeros(12, np.float32)
+        self.platform: Platform | None = None
+        self.ridden, self.commands = "", np.zeros(12, np.float32)
         if scene.platform is not None and simulation.ships and motion is not None:
-            self.platform = scene.platform.build(getattr(motion, "every"))  # noqa: B009 (a periodic observer)
+            assert isinstance(motion, PeriodicConfig)
+            self.platform = scene.platform.build(motion.every)
             self.ridden = scene.platform.ridden([*simulation.ships])
         self.taken: dict[str, float] = defaultdict(float)  # by stage, since the last frame [s]
-        self.spent = {name: 0.0 for name in STAGES}  # milliseconds a step
+        self.spent = dict.fromkeys(STAGES, 0.0)  # milliseconds a step
         self.mark = (perf_counter(), simulation.time, simulation.steps)
         self.pace = 0.0
         self.around(simulation)
@@ -105,7 +99,7 @@ class Watch(Observer, TakesMotion):
 
     def observe(self, simulation: "Simulation") -> None:
         now = perf_counter()
-        if self.audience.watchers and now - self.last >= 1.0 / RATE:
+        if self.audience.watchers and (self.audience.fresh or now - self.last >= 1.0 / RATE):
             self.show(now)
 
     def show(self, now: float) -> None:
@@ -127,7 +121,9 @@ class Watch(Observer, TakesMotion):
 
     def frame(self) -> bytes:
         """One moment, as the protocol has it."""
-        simulation, arrays, boxes = self.simulation, {}, {}
+        simulation = self.simulation
+        arrays: dict[str, np.ndarray] = {}
+        boxes: dict[str, Any] = {}
         origin = self.origin()
         if self.setting.surface:
             shown, points = simulation.surface or simulation.fluid, self.points + origin
@@ -146,7 +142,7 @@ class Watch(Observer, TakesMotion):
             boxes["particles"] = {"low": self.low.tolist(), "high": self.high.tolist()}
         if self.platform is not None:
             arrays["platform"] = self.commands
-        if self.seq % LINES_EVERY == 0:
+        if self.seq % LINES_EVERY == 0 or self.audience.fresh:
             ends, hues = self.scene.lines()
             arrays["lines"] = ends.astype(np.float32)
             arrays["hues"] = np.rint(255.0 * hues).astype(np.uint8)
@@ -162,7 +158,7 @@ class Watch(Observer, TakesMotion):
         )
 
     def origin(self) -> np.ndarray:
-        """(2,) x and z of the middle of the heights [m]: by whole cells near the ships, where the water is everywhere."""
+        """(2,) x and z of the middle of the heights [m]: by whole cells near the ships, where water is everywhere."""
         ships = self.simulation.ships.values()
         if not (self.follows and ships):
             return np.zeros(2)
@@ -177,7 +173,7 @@ class Watch(Observer, TakesMotion):
         count = int(particles.count.now)
         every = -(-particles.n // MOST)
         order = particles.id.to_numpy()[:count]
-        chosen = np.flatnonzero(order % every == 0) if every > 1 else slice(None)
+        chosen: Any = np.flatnonzero(order % every == 0) if every > 1 else slice(None)
         place = order[chosen] // every
         position = particles.position.to_numpy()[:count][chosen].astype(np.float32, copy=False)
         velocity = particles.velocity.to_numpy()[:count][chosen]

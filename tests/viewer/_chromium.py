@@ -32,7 +32,14 @@ class Page:
         assert program is not None
         self.log = (Path(self.folder.name) / "log").open("w")
         self.process = subprocess.Popen(
-            [program, *FLAGS, *more, f"--window-size={size[0]},{size[1]}", f"--user-data-dir={self.folder.name}/user", "about:blank"],
+            [
+                program,
+                *FLAGS,
+                *more,
+                f"--window-size={size[0]},{size[1]}",
+                f"--user-data-dir={self.folder.name}/user",
+                "about:blank",
+            ],
             stdout=self.log,
             stderr=subprocess.STDOUT,
         )
@@ -71,7 +78,10 @@ class Page:
                 return message["result"]
             if message.get("method") in ("Runtime.exceptionThrown", "Log.entryAdded"):
                 self.said.append(json.dumps(message["params"])[:600])
-            if message.get("method") == "Runtime.consoleAPICalled" and message["params"]["type"] in ("error", "warning"):
+            if message.get("method") == "Runtime.consoleAPICalled" and message["params"]["type"] in (
+                "error",
+                "warning",
+            ):
                 self.said.append(str([one.get("value", one.get("description")) for one in message["params"]["args"]]))
 
     def ask(self, method: str, **values: Any) -> dict[str, Any]:
@@ -100,7 +110,9 @@ class Page:
 
     def key(self, key: str, down: float = 0.0) -> None:
         """Press a key for so long [s]."""
-        code = {" ": 32, "ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, "Tab": 9}.get(key, ord(key[0].upper()))
+        code = {" ": 32, "ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, "Tab": 9}.get(
+            key, ord(key[0].upper())
+        )
         values = {"key": key, "windowsVirtualKeyCode": code}
         text = {"text": key} if len(key) == 1 else {}
         self.ask("Input.dispatchKeyEvent", type="keyDown", **values, **text)

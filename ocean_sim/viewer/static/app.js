@@ -346,7 +346,7 @@ $("ask").onclick = () => $("help").showModal();
 $("showLines").onchange = () => { state.lines = $("showLines").checked; state.dirty = true; };
 $("showMirror").onchange = () => { state.mirror = $("showMirror").checked; state.dirty = true; };
 $("showRig").onchange = () => { state.rig = $("showRig").checked; state.dirty = true; };
-$("showSea").onchange = () => { for (const world of state.worlds) { world.sea = $("showSea").checked; world.mesh(); } state.dirty = true; };
+$("showSea").onchange = () => { for (const world of state.worlds) { world.sea = $("showSea").checked && !!world.surfaces.sea; } state.dirty = true; };
 $("scrub").oninput = () => { pausedIs(true); seek(state.begin + ($("scrub").value / 1000) * (state.end - state.begin)); };
 
 function theme(name) { root.dataset.theme = name; store("theme", name); state.dirty = true; }
@@ -470,7 +470,7 @@ function draw() {
   const ratio = Math.min(devicePixelRatio || 1, 2) * state.scale;
   const width = Math.max(Math.round(canvas.clientWidth * ratio), 2), height = Math.max(Math.round(canvas.clientHeight * ratio), 2);
   if (canvas.width !== width || canvas.height !== height) { canvas.width = width; canvas.height = height; }
-  const n = state.worlds.length, options = { lines: state.lines, mirror: state.mirror };
+  const n = state.worlds.length, options = { lines: state.lines, mirror: state.mirror, light: root.dataset.theme === "light" };
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   gl.enable(gl.SCISSOR_TEST);
   state.worlds.forEach((world, k) => {
@@ -492,8 +492,9 @@ function draw() {
 
 // The middle of the picture is that of the part which no panel hides.
 function shifted(eye, width, height, n) {
-  if (n > 1 || document.body.classList.contains("folded")) return eye;
   const box = $("panel").getBoundingClientRect(), p = [...eye.projection];
+  p[9] -= 0.07;  // the dock
+  if (n > 1 || document.body.classList.contains("folded")) return { ...eye, projection: p };
   if (innerWidth > 820) p[8] += box.width / innerWidth; else p[9] -= 0.85 * (box.height / innerHeight);
   return { ...eye, projection: p };
 }

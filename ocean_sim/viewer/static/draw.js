@@ -337,11 +337,12 @@ class Painter {
     if (!this.waters.has(key)) {
       const { common, functions, water, sky } = still.shaders, top = declared(still.uniforms);
       const body = `${top}in vec3 posW, nrmW, attW;\n${common}${functions}void main() {${water}}`;
-      const dome = `${top}in vec3 posW;\nuniform float studio;\n${common}void main() {${sky}
+      const dome = `${top}in vec3 posW;\nuniform float studio;
+uniform vec3 ground;\n${common}void main() {${sky}
   vec3 d = normalize(posW - eyeW);
   float below = clamp(-d.y, 0.0, 1.0);
-  vec3 ground = mix(fragOutput0.rgb, vec3(0.20, 0.25, 0.30), 1.0 - exp(-below / 0.10));
-  fragOutput0.rgb = mix(fragOutput0.rgb, ground, studio * step(d.y, 0.0));
+  vec3 floor_ = mix(fragOutput0.rgb, ground, 1.0 - exp(-below / 0.07));
+  fragOutput0.rgb = mix(fragOutput0.rgb, floor_, studio * step(d.y, 0.0));
 }`;
       this.waters.set(key, { water: new Program(this.gl, WATER_VERTEX, body), dome: new Program(this.gl, SKY_VERTEX, dome) });
     }

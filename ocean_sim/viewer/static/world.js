@@ -23,7 +23,8 @@ class World {
     this.gaps = texture(gl, 2, gl.LINEAR);
     this.mirror = texture(gl, 3, gl.LINEAR_MIPMAP_LINEAR);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 1, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
-    this.mesh();
+    this.cell = (2 * this.reach[0]) / this.nx;
+    this.surfaces = { tank: this.mesh(false), sea: still.basin.flat ? null : this.mesh(true) };
     this.sides();
     this.ships = still.ships.map((ship, k) => this.model(ship, k));
     this.gapMap = new Float32Array(96 * 96 * Math.max(this.ships.length, 1)).fill(9);
@@ -39,11 +40,11 @@ class World {
     this.time = 0;
   }
 
-  mesh() {
+  mesh(sea) {
     const { gl } = this, quality = Math.min(2.6, 190 / Math.max(this.nx, this.nz)), sides = [0, 1].map((k) => {
       const n = Math.round(clamp(quality * [this.nx, this.nz][k], 16, 256)), low = this.middle[k] - this.reach[k];
       const inner = Array.from({ length: n + 1 }, (_, i) => low + (2 * this.reach[k] * i) / n);
-      if (!this.sea) return inner;
+      if (!sea) return inner;
       const beyond = [];
       for (let step = inner[1] - inner[0], d = 0; d < OUT;) {
         step *= d < this.reach[k] ? 1.04 : 1.1;
@@ -52,16 +53,14 @@ class World {
       }
       return [...beyond.map((d) => inner[0] - d).reverse(), ...inner, ...beyond.map((d) => inner[n] + d)];
     });
-    this.cell = sides[0][(sides[0].length >> 1) + 1] - sides[0][sides[0].length >> 1];
     const [xs, zs] = sides, nodes = new Float32Array(2 * xs.length * zs.length), triangles = [];
     xs.forEach((x, i) => zs.forEach((z, j) => nodes.set([x, z], 2 * (i * zs.length + j))));
     for (let i = 0; i + 1 < xs.length; i++) for (let j = 0; j + 1 < zs.length; j++) {
       const a = i * zs.length + j, b = a + zs.length;
       triangles.push(a, a + 1, b, b, a + 1, b + 1);
     }
-    this.count = triangles.length;
     const indices = buffer(gl, new Uint32Array(triangles), gl.ELEMENT_ARRAY_BUFFER);
-    this.surface = array(gl, [[0, buffer(gl, nodes), 2]], indices);
+    return { vertices: array(gl, [[0, buffer(gl, nodes), 2]], indices), count: triangles.length };
   }
 
   sides() {
@@ -169,12 +168,12 @@ class World {
     this.level = this.still.sea.exact ? 0 : mean;
     this.height += (now - this.height) * (this.before ? 0.08 : 1);
     if (flat) { foam.fill(0); return; }
-    const dx = 1 / this.step[0] ** 2, dz = 1 / this.step[1] ** 2, sharp = 0.16 / Math.max(this.step[0], 0.3), steep = this.height > 0.12;
+    const dx = 1 / this.step[0] ** 2, dz = 1 / this.step[1] ** 2, sharp = 0.26 / Math.max(this.step[0], 0.3), steep = this.height > 0.12;
     for (let i = 0; i < nx; i++) for (let j = 0; j < nz; j++) {
       const k = i * nz + j;
       const curve = (h[k] * 2 - h[Math.max(i - 1, 0) * nz + j] - h[Math.min(i + 1, nx - 1) * nz + j]) * dx +
         (h[k] * 2 - h[i * nz + Math.max(j - 1, 0)] - h[i * nz + Math.min(j + 1, nz - 1)]) * dz;
-      let white = steep && h[k] > mean ? clamp(0.55 * (curve / sharp - 1), 0, 0.8) : 0;
+      let white = steep && h[k] > mean ? clamp(0.45 * (curve / sharp - 1), 0, 0.55) : 0;
       if (known) white = Math.max(white, known[k] / 255);
       foam[k] = Math.max(foam[k] * fade, white);
     }
@@ -240,7 +239,7 @@ class World {
   draw(eye, content, options) {
     const { gl, painter, still } = this, view = M.mul(eye.projection, eye.view), lit = { ...painter.sky.lit, ...still.light };
     if (!this.after) return;
-    const water = content !== "particles" && still.surface, sea = this.sea && water, pixel = (2 * Math.tan(eye.angle / 2)) / eye.pixels;
+    const water = content !== "particles" && still.surface, sea = this.sea && content === "water" && water, pixel = (2 * Math.tan(eye.angle / 2)) / eye.pixels;
     const mirrored = options.mirror && water && this.ships.length ? this.reflect(eye, lit) : null;
     gl.enable(gl.DEPTH_TEST);
     gl.disable(gl.BLEND);
@@ -251,19 +250,19 @@ class World {
     turned[12] = turned[13] = turned[14] = 0;
     const back = M.inverse(M.mul(eye.projection, turned));
     gl.depthMask(false);
-    this.programs.dome.use({ ...uniforms, useFog: 1, eyeW: [0, 0, 0], back, studio: sea ? 0 : 1 });
+    this.programs.dome.use({ ...uniforms, useFog: 1, eyeW: [0, 0, 0], back, studio: sea ? 0 : 1, ground: options.light ? [0.74, 0.80, 0.85] : [0.15, 0.20, 0.26] });
     gl.bindVertexArray(painter.empty);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
     gl.depthMask(true);
     this.solids(view, lit);
     if (content !== "water") this.drawBalls(view, eye, content === "both");
     for (const ship of this.ships) if (!options.hide || options.hide !== ship) this.drawShip(ship, view, lit, -1e9);
-    if (water) this.drawWater(view, uniforms, content === "both", mirrored, pixel);
+    if (water) this.drawWater(view, uniforms, content === "both", sea, mirrored, pixel);
     if (options.lines) this.drawLines(view);
     gl.bindVertexArray(null);
   }
 
-  drawWater(view, uniforms, thin, mirrored, pixel) {
+  drawWater(view, uniforms, thin, sea, mirrored, pixel) {
     const { gl, still, painter } = this;
     const known = { tile: 1, tileFirst: this.first, tileStep: this.step, tileSize: [this.nx, this.nz], origin: this.origin, reach: this.reach };
     gl.activeTexture(gl.TEXTURE1);
@@ -275,24 +274,23 @@ class World {
     const { waves, exact, ramp } = still.sea, size = exact ? (ramp > 0 ? Math.min(this.time / ramp, 1) : 1) : Math.max(this.height, 0.02);
     const flat = waves.flatMap(([a, kx, kz, omega, phase]) => [a * size, kx, kz, (phase - omega * this.time) % (2 * Math.PI)]);
     gl.enable(gl.BLEND);
-    if (!this.sea || thin) {  // the cut sides
+    if (!sea) {  // the cut sides
       gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
       gl.depthMask(!thin);
-      if (!this.sea) {
-        painter.side.use({ ...known, view, bed: this.bed, alpha: thin ? 0.22 : 0.93 });
-        gl.bindVertexArray(this.wall);
-        gl.drawArrays(gl.TRIANGLES, 0, this.wallCount);
-      }
+      painter.side.use({ ...known, view, bed: this.bed, alpha: thin ? 0.22 : 0.93 });
+      gl.bindVertexArray(this.wall);
+      gl.drawArrays(gl.TRIANGLES, 0, this.wallCount);
     }
     gl.blendColor(0, 0, 0, thin ? 0.42 : 1);
     gl.blendFunc(gl.CONSTANT_ALPHA, gl.ONE_MINUS_CONSTANT_ALPHA);
     this.programs.water.use({
-      ...uniforms, ...hulls, ...known, view, waves: flat, waveCount: waves.length, farShare: this.sea ? 1 : 0, level: this.level,
+      ...uniforms, ...hulls, ...known, view, waves: flat, waveCount: waves.length, farShare: sea ? 1 : 0, level: this.level,
       crest: Math.max(0.5 * this.height, 0.02), cell: this.cell, margin: Math.min(...this.reach),
-      useFog: this.sea ? 1 : 0,
+      useFog: sea ? 1 : 0,
     });
-    gl.bindVertexArray(this.surface);
-    gl.drawElements(gl.TRIANGLES, this.count, gl.UNSIGNED_INT, 0);
+    const surface = this.surfaces[sea ? "sea" : "tank"];
+    gl.bindVertexArray(surface.vertices);
+    gl.drawElements(gl.TRIANGLES, surface.count, gl.UNSIGNED_INT, 0);
     gl.depthMask(true);
     gl.disable(gl.BLEND);
   }
@@ -432,6 +430,6 @@ class World {
   free() {
     const { gl } = this;
     for (const one of [this.tile, this.gaps, this.mirror]) gl.deleteTexture(one);
-    for (const one of [this.surface, this.wall, this.balls.vertices, this.lines.vertices, ...this.ships.map((s) => s.vertices)]) gl.deleteVertexArray(one);
+    for (const one of [this.surfaces.tank.vertices, this.surfaces.sea?.vertices, this.wall, this.balls.vertices, this.lines.vertices, ...this.ships.map((s) => s.vertices)]) gl.deleteVertexArray(one || null);
   }
 }

@@ -345,12 +345,55 @@ def preview(
     ] = None,
     camera: Annotated[str | None, typer.Option(help="third_person, helm, top or side.")] = None,
     content: Annotated[str | None, typer.Option(help="surface, particles or both.")] = None,
+    browser: Annotated[bool, typer.Option("--browser", help="In the browser instead, as `serve` does.")] = False,
     json: Json = False,
 ) -> None:
     """A window to play with: look, steer, move sliders; or the same pictures without a window."""
+    if browser:
+        from ocean_sim.verbs.serve import serve
+
+        if frames is not None or camera is not None or content is not None:
+            raise typer.BadParameter("--browser takes neither --frames nor --camera nor --content")
+        serve([scene], profile, sets or [], "127.0.0.1", None, True, out, json)
+        return
     from ocean_sim.verbs.preview import preview
 
     preview(scene, profile, sets or [], frames, out, camera, content, json)
+
+
+@app.command()
+def serve(
+    targets: Annotated[
+        list[str], typer.Argument(metavar="SCENE|RUN...", help="A scene, a finished run, or two of them side by side.")
+    ],
+    profile: Profile = None,
+    sets: Sets = None,
+    host: Annotated[
+        str, typer.Option(help="Who may reach it: 0.0.0.0 is every machine, by an address with a random token.")
+    ] = "127.0.0.1",
+    port: Annotated[int | None, typer.Option(min=1, max=65535, help="By default 8765, or any that is free.")] = None,
+    show: Annotated[bool, typer.Option("--open/--no-open", help="Open the browser where there is one.")] = True,
+    out: Annotated[
+        Path | None, typer.Option(help="Where records and saved scenes go; by default runs/<scene>-browser.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """A page in the browser: play with a scene, or look at a finished run; prints its address."""
+    from ocean_sim.verbs.serve import serve
+
+    serve(targets, profile, sets or [], host, port, show, out, json)
+
+
+@app.command()
+def report(
+    runs: Annotated[list[Path], typer.Argument(metavar="RUN [RUN]", help="A run folder, or two to be compared.")],
+    out: Annotated[Path | None, typer.Option(help="The page; by default replay.html in the run folder.")] = None,
+    json: Json = False,
+) -> None:
+    """A page with the replay of a run, or of two side by side: one file that opens without a server."""
+    from ocean_sim.verbs.serve import report
+
+    report(runs, out, json)
 
 
 @app.command()

@@ -228,18 +228,36 @@ def validate(
 
 @app.command()
 def hull(
-    name: Annotated[str, typer.Argument(help="A name in configs/hull/, or an STL, OBJ or PLY file.")],
+    name: Annotated[
+        str, typer.Argument(help="A hull, a ship or a scene by its name, a scene file, or an STL, OBJ or PLY file.")
+    ],
     mass: Annotated[float | None, typer.Option(min=0.001, help="Of the whole ship [kg], if not as the hull.")] = None,
+    draught: Annotated[float | None, typer.Option(min=0.0001, help="[m], upright, instead of a mass.")] = None,
+    kg: Annotated[float | None, typer.Option(help="Centre of mass over the keel [m].")] = None,
+    cg: Annotated[
+        str | None, typer.Option(help="X,Y,Z of the centre of mass [m], from the keel amidships, to port, up, forward.")
+    ] = None,
+    loading: Annotated[
+        Path | None, typer.Option(help="A loading condition: light, weights, tanks, openings (YAML).")
+    ] = None,
+    density: Annotated[float | None, typer.Option(min=1.0, help="Of the water [kg/m3]; by default 1000.")] = None,
+    ship: Annotated[str | None, typer.Option(help="Of several ships in a scene, this one.")] = None,
+    cross: Annotated[bool, typer.Option("--cross", help="Also cross curves of stability.")] = False,
     cells: Annotated[float, typer.Option(min=1.0, max=64.0, help="Cubes over the draught.")] = 16.0,
     out: Annotated[
         Path | None, typer.Option(help="The picture; by default runs/hull/<name>.png, with --json none.")
     ] = None,
     json: Json = False,
 ) -> int:
-    """Is this a ship: watertight, volume, draught, stability, natural periods, picture."""
-    from ocean_sim.verbs.hull import hull
+    """Is this a ship: watertight, volume, draught, trim, stability and its criteria, natural periods, picture."""
+    from ocean_sim.verbs.hull import Asked, hull
+    from ocean_sim.verbs.shared.after import numbers
 
-    return hull(name, mass, cells, out, json)
+    at = numbers("--cg", cg)
+    if at is not None and len(at) != 3:
+        raise console.Refused(f"--cg: {cg!r} is not like 0,1.2,-0.3")
+    centre = None if at is None else (at[0], at[1], at[2])
+    return hull(name, Asked(mass, draught, kg, centre, density, cells, cross), loading, ship, out, json)
 
 
 @app.command("bench-one", hidden=True)
@@ -268,6 +286,9 @@ def render(
     eye: Annotated[str | None, typer.Option(help="X,Y,Z [m] of the fixed camera.")] = None,
     target: Annotated[str | None, typer.Option(help="X,Y,Z [m] at which the fixed camera looks.")] = None,
     ship: Annotated[str | None, typer.Option(help="Of several ships, the one that a camera follows.")] = None,
+    caption: Annotated[bool, typer.Option("--caption/--no-caption", help="Write the time into the pictures.")] = True,
+    outline: Annotated[bool, typer.Option("--outline", help="Draw where the basin ends.")] = False,
+    scale_bar: Annotated[bool, typer.Option("--scale-bar", help="Draw a bar of so many metres.")] = False,
     out: Annotated[Path | None, typer.Option(help="By default the run folder.")] = None,
     json: Json = False,
 ) -> None:
@@ -285,6 +306,9 @@ def render(
         "eye": numbers("--eye", eye),
         "target": numbers("--target", target),
         "ship": ship,
+        "caption": caption,
+        "outline": outline,
+        "scale_bar": scale_bar,
     }
     render(run, asked, fps, out, json)
 
@@ -292,8 +316,12 @@ def render(
 @app.command()
 def export(
     run: Annotated[Path, typer.Argument(help="A run folder.")],
-    particles: Annotated[str | None, typer.Option(help="vtkhdf: for ParaView.")] = None,
+    particles: Annotated[
+        str | None, typer.Option(help="vtkhdf: all in one file; ply: points, one file a frame.")
+    ] = None,
     surface: Annotated[str | None, typer.Option(help="ply or vtp: one mesh a frame; vtkhdf: all in one file.")] = None,
+    scene: Annotated[str | None, typer.Option(help="usd or glb: water, ships and particles in one file.")] = None,
+    z_up: Annotated[bool, typer.Option("--z-up", help="Z is up, in place of y.")] = False,
     every: Annotated[int, typer.Option(min=1, help="Every how many frames.")] = 1,
     out: Annotated[Path | None, typer.Option(help="By default the folder export/ of the run.")] = None,
     json: Json = False,
@@ -301,7 +329,7 @@ def export(
     """Files for ParaView and Blender."""
     from ocean_sim.verbs.shared.after import export
 
-    export(run, particles, surface, every, out, json)
+    export(run, particles, surface, scene, z_up, every, out, json)
 
 
 @app.command()
@@ -317,12 +345,55 @@ def preview(
     ] = None,
     camera: Annotated[str | None, typer.Option(help="third_person, helm, top or side.")] = None,
     content: Annotated[str | None, typer.Option(help="surface, particles or both.")] = None,
+    browser: Annotated[bool, typer.Option("--browser", help="In the browser instead, as `serve` does.")] = False,
     json: Json = False,
 ) -> None:
     """A window to play with: look, steer, move sliders; or the same pictures without a window."""
+    if browser:
+        from ocean_sim.verbs.serve import serve
+
+        if frames is not None or camera is not None or content is not None:
+            raise typer.BadParameter("--browser takes neither --frames nor --camera nor --content")
+        serve([scene], profile, sets or [], "127.0.0.1", None, True, out, json)
+        return
     from ocean_sim.verbs.preview import preview
 
     preview(scene, profile, sets or [], frames, out, camera, content, json)
+
+
+@app.command()
+def serve(
+    targets: Annotated[
+        list[str], typer.Argument(metavar="SCENE|RUN...", help="A scene, a finished run, or two of them side by side.")
+    ],
+    profile: Profile = None,
+    sets: Sets = None,
+    host: Annotated[
+        str, typer.Option(help="Who may reach it: 0.0.0.0 is every machine, by an address with a random token.")
+    ] = "127.0.0.1",
+    port: Annotated[int | None, typer.Option(min=1, max=65535, help="By default 8765, or any that is free.")] = None,
+    show: Annotated[bool, typer.Option("--open/--no-open", help="Open the browser where there is one.")] = True,
+    out: Annotated[
+        Path | None, typer.Option(help="Where records and saved scenes go; by default runs/<scene>-browser.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """A page in the browser: play with a scene, or look at a finished run; prints its address."""
+    from ocean_sim.verbs.serve import serve
+
+    serve(targets, profile, sets or [], host, port, show, out, json)
+
+
+@app.command()
+def report(
+    runs: Annotated[list[Path], typer.Argument(metavar="RUN [RUN]", help="A run folder, or two to be compared.")],
+    out: Annotated[Path | None, typer.Option(help="The page; by default replay.html in the run folder.")] = None,
+    json: Json = False,
+) -> None:
+    """A page with the replay of a run, or of two side by side: one file that opens without a server."""
+    from ocean_sim.verbs.serve import report
+
+    report(runs, out, json)
 
 
 @app.command()
@@ -364,13 +435,20 @@ def platform(
     log: Annotated[Path, typer.Argument(help="A motion log, or a run folder that has one.")],
     geometry: Annotated[str, typer.Option(help="A name in configs/geometry/, or a file.")] = "hexapod_a",
     washout: Annotated[str, typer.Option(help="A name in configs/washout/, or a file.")] = "ship",
+    ramp: Annotated[
+        float | None, typer.Option(min=0.0, help="Time [s] from neutral to the motion, and back at the end.")
+    ] = None,
+    sets: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="key=value over platform, washout and geometry: washout.tilt_rate_deg=2."),
+    ] = None,
     frame: Annotated[
         str | None, typer.Option(help="ship, ned or flu: the axes written; the motion log is written in them, too.")
     ] = None,
     stream: Annotated[
         str | None, typer.Option(help="udp://127.0.0.1:5005: replay in real time, to this machine unless named.")
     ] = None,
-    packets: Annotated[str, typer.Option(help="ocean_sim or openmotionsim.")] = "ocean_sim",
+    packets: Annotated[str, typer.Option(help="ocean_sim, openmotionsim, floats or text.")] = "ocean_sim",
     key: Annotated[Path | None, typer.Option(help="A file whose content signs every packet of ocean_sim.")] = None,
     film: Annotated[bool, typer.Option("--film", help="Also film.gif: the hexapod in its liveliest 10 s.")] = False,
     out: Annotated[Path, typer.Option(help="Where platform.csv, metrics.csv and the pictures go.")] = Path(
@@ -382,7 +460,8 @@ def platform(
     from ocean_sim.verbs.platform import platform
 
     with console.claim(out):
-        platform(log, geometry, washout, frame, stream, packets, key, film, out, json)
+        laid = [*(sets or []), *([] if ramp is None else [f"ramp={ramp!r}"])]
+        platform(log, geometry, washout, laid, frame, stream, packets, key, film, out, json)
 
 
 @app.command()

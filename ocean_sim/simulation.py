@@ -152,6 +152,8 @@ class Simulation:
             raise RuntimeError("this simulation is closed, and its memory is freed; step it inside its `with` block")
         dt = self.next_dt
         with self.stage("wind"):
+            if self.basin.sea is not None:
+                self.wind.follow(self.fluid.patch_centre)
             self.wind.advance(dt)  # Algorithm 1
         with self.stage("fluid"):
             self.fluid.advance(dt)  # (2.27)

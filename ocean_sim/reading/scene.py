@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import PrivateAttr
 
 from ocean_sim import basin
-from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of, problem, read, shown
+from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, mapping, node_of, problem, read, shown
 from ocean_sim.model import Model, quantity
 from ocean_sim.parts import (
     ALONE,
@@ -168,13 +168,28 @@ def load(
     try:
         folder = None if isinstance(source, dict) else scene_path(source).parent.absolute()
         scene = node_of(source, Location("scene")) if isinstance(source, dict) else read(scene_path(source))
-        layer, problems = profile_layer(profile)
-        sets = {key: _override(key, value) for key, value in (overrides or {}).items()}
-        composition = composed(scene, layer, sets)
-        problems += composition.problems
-        config = _checked(composition, problems, folder)
+        return _loaded(scene, folder, overrides, profile)
     except RecursionError:
         raise SceneError([Problem("scene", None, None, "", "nested too deeply")]) from None
+
+
+def load_text(
+    text: str, name: str, folder: Path, overrides: dict[str, Any] | None = None, profile: str | None = None
+) -> SceneConfig:
+    """The same of a text, as if it stood in a file of this name in a folder, to which its names of files are relative."""
+    try:
+        return _loaded(mapping(text, name), folder.absolute(), overrides, profile)
+    except RecursionError:
+        raise SceneError([Problem(name, None, None, "", "nested too deeply")]) from None
+
+
+def _loaded(scene: Node, folder: Path | None, overrides: dict[str, Any] | None, profile: str | None) -> SceneConfig:
+    """The scene that a mapping is; raises SceneError."""
+    layer, problems = profile_layer(profile)
+    sets = {key: _override(key, value) for key, value in (overrides or {}).items()}
+    composition = composed(scene, layer, sets)
+    problems += composition.problems
+    config = _checked(composition, problems, folder)
     if problems or config is None:
         raise SceneError(problems)
     return config

@@ -1,9 +1,11 @@
 """`ocean-sim check`: what a scene would take, before anything is allocated."""
 
+from math import isinf
 from typing import Any
 
 from ocean_sim import machine
 from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.parts import called
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.time_step import Known
 from ocean_sim.time_step.courant import Config as Courant
@@ -83,7 +85,24 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         "stable_limited_by": limit,
         "estimated_wall_s": None if parts["steps_s"] is None else sum(filter(None, parts.values())),
         "estimated_by_part": parts,
+        "ships": ships(config),
         "ledger": rows,
+    }
+
+
+def ships(config: SceneConfig) -> dict[str, dict[str, Any]]:
+    """Draught, metacentric heights and natural periods of every ship that a hull carries, by its name."""
+    found = {name: ship.floats(config.preflight) for name, ship in config.ships.items()}
+    return {
+        name: {
+            "displacement_kg": each.displacement,
+            "draught_m": None if isinf(each.draught) else each.draught,
+            "gm_m": each.gm,
+            "gm_longitudinal_m": each.gm_longitudinal,
+            "periods_s": each.periods,
+        }
+        for name, each in found.items()
+        if each is not None
     }
 
 
@@ -158,6 +177,13 @@ def long(found: dict[str, Any], config: SceneConfig) -> None:
     heads = ["part", "fields", "MB", "kernels", "of a step", "why"]
     console.table("\nwhat is allocated and compiled (kernels: at most), and why", heads, rows)
     console.say()
+    for name, ship in found["ships"].items():
+        if ship["draught_m"] is not None:
+            periods = ", ".join(f"{motion} {t:.3g} s" for motion, t in ship["periods_s"].items() if t is not None)
+            console.say(
+                f"{called(name)}: {ship['displacement_kg']:.5g} kg, draught {ship['draught_m']:.3g} m, GM "
+                f"{ship['gm_m']:.3g} m, along {ship['gm_longitudinal_m']:.3g} m; natural periods: {periods}"
+            )
     for sentence in found["statements"]:
         console.say(sentence)
     for note in found["notes"]:

@@ -92,7 +92,7 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
     except ImportError:
         raise UsdMissing from None
     shots = [float(arrays(frame)["time"]) for frame in (frames[0], frames[-1])]
-    times = np.linspace(*shots, len(frames))
+    times = np.linspace(shots[0], shots[1], len(frames))
     per_second = rate(times)
     with whole(path) as draft:
         stage = Usd.Stage.CreateInMemory()

@@ -83,7 +83,7 @@ def section(cells: int) -> dict[str, Any]:
 
 
 def measured() -> dict[float, dict[str, float]]:
-    """First harmonics over the amplitude, and over k times it, by period; by the accelerometers, repetitions in mean."""
+    """First harmonics over the amplitude, and over k times it, by period; by accelerometers, mean of repetitions."""
     table = csv_file.columns(table_path("sundsdal2025_section"))
     own = table["scenario"] == "heave+roll"
     found = {}

@@ -20,12 +20,12 @@ class WaveField:
         self.sea = sea
 
     @classmethod
-    def of(cls, scene: str | Path | dict[str, Any]) -> "WaveField":
+    def of(cls, scene: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None) -> "WaveField":
         """The waves of a scene whose water is a closed form, or a patch of a sea; raises SceneError or Refused."""
         from ocean_sim.reading.scene import load
         from ocean_sim.simulation import Simulation
 
-        with Simulation(load(scene)) as simulation:
+        with Simulation(load(scene, overrides)) as simulation:
             sea = simulation.fluid.plane_waves
         if sea is None:
             raise Refused("the water of this scene is no sum of plane waves; linear_waves and spectral_sea are")

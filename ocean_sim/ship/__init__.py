@@ -32,6 +32,12 @@ class Load:
             parts[names.index(name)] = force
         return cls(parts)
 
+    def plus(self, name: str, more: np.ndarray, names: tuple[str, ...]) -> "Load":
+        """With more of one part, (2, 3)."""
+        parts = self.parts.copy()
+        parts[names.index(name)] += more
+        return Load(parts)
+
     @property
     def force(self) -> np.ndarray:
         """Their sum, (3,), world axes [N]."""
@@ -105,6 +111,7 @@ class Ship(Protocol):
     last: Load  # what acted in the last step
     acceleration: np.ndarray  # (3,) of the centre of mass in the last step, world axes [m/s2]
     turning: np.ndarray  # (3,) angular acceleration in the last step, world axes [rad/s2]
+    airborne: bool  # whether none of its hull was under water in the last step
     groundings: int  # how often the hull has met the bed, each time after it was free
     added: np.ndarray  # (6,) mass [kg] and inertia [kg m2] of the water that moves along, in the order of `Motions`
 

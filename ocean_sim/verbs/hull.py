@@ -45,9 +45,9 @@ def hull(name: str, asked: Asked, loading: Path | None, ship: str | None, out: P
             raise console.Refused("\n".join(problems)) from None
         console.answer({"error": problems[0], **EMPTY, "gz": [], "periods_s": {}, "problems": problems})
         return 2
-    picture = out or Path(f"{Path(name).stem}_hull.png") if out or not as_json else None
+    picture = out or Path("runs/hull") / f"{Path(name).stem}.png" if out or not as_json else None
     if picture is not None:
-        draw(picture, shape, found)
+        picture = picture if console.drawn(draw, picture, shape, found) else None
     if as_json:
         console.answer(found)
     else:
@@ -174,7 +174,9 @@ def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> t
             problems.append(f"cubes of {cubes.size[1]:.3g} m miss the mesh's volume by {off:+.1%}; take more --cells")
     facts: dict[str, Any] = {"volume_m3": cubes.volume, "displacement_kg": weight}
     if isinf(afloat.draught):
-        problems.append(f"{weight:.4g} kg is more than {cubes.volume:.4g} m3 can carry: it sinks")
+        problems.append(
+            f"{console.figures(weight)} kg is more than {console.figures(cubes.volume)} m3 can carry: it sinks"
+        )
         return facts | {**EMPTY, **facts, "gz": [], "periods_s": {}, "problems": problems}, notes
     lost = 0.0 if condition is None else condition.moment / weight
     stability = Stability(afloat, lost, None if condition is None else condition.openings)
@@ -242,13 +244,13 @@ def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | Non
         stem, _, unit = key.rpartition("_")
         if isinstance(value, float) and unit in units:
             where = f", {found['flooding_at']}" if key == "flooding_deg" else ""
-            rows.append([stem.replace("_", " "), f"{value:.4g} {units[unit]}{where}"])
+            rows.append([stem.replace("_", " "), f"{console.figures(value)} {units[unit]}{where}"])
     for motion, period in found["periods_s"].items():
         shown = "none" if period is None else f"{period:.3g} s ({found['dry_periods_s'][motion]:.3g} s without water)"
         rows.append([f"{motion} period", shown])
     console.table("", ["", ""], rows)
     if found["gz"]:
-        levers = [[f"{row['heel_deg']:g}", f"{row['gz_m']:.4f}"] for row in found["gz"]]
+        levers = [[f"{row['heel_deg']:g}", f"{round(row['gz_m'], 4) + 0.0:.4f}"] for row in found["gz"]]
         console.table("\nrighting lever", ["heel [deg]", "GZ [m]"], levers)
         asked = [
             [row["name"], f"{row['value']:.4g} {row['unit']}", f"{row['least']:g}", "yes" if row["ok"] else "no"]

@@ -152,7 +152,7 @@ def written(
         if frame is not None:
             changed = log.head | {"frame": frame, "axes": motion_log.AXES_IN_WORDS[frame]}
             table(folder / f"motion_{frame}.csv", changed, log.names, motion_log.converted(log, frame))
-        pictures.draw(folder, done, config, machine, film)
+        console.drawn(pictures.draw, folder, done, config, machine, film)
         return [path.replace(out / path.name) for path in sorted(folder.iterdir())]
 
 

@@ -179,11 +179,23 @@ class FloatingConfig(VesselConfig):
             found.append(f"there is no water under the ship at x = {x:g}, z = {z:g} m at first: it falls")
         return found
 
+    def high(self, hull: Hydrostatics, preflight: Preflight) -> list[str]:
+        """Whether the ship begins more than a draught above where it floats."""
+        if self.afloat_at_first:
+            return []
+        above = self.position[1] - afloat_pose(hull)[0]
+        if above <= hull.draught:
+            return []
+        speed = sqrt(2.0 * -preflight.tank.gravity[1] * (above - hull.draught))
+        fall = f"the ship begins {above:.3g} m above where it floats, more than its draught of {hull.draught:.3g} m"
+        rule = "a rule of its waterplane, not the pressures, says what slamming does"
+        return [f"{fall}: it falls on the water at {speed:.2g} m/s, and {rule}"]
+
     def warnings(self, preflight: Preflight) -> list[str]:
         hull = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
         if isinf(hull.draught):
             return [f"the ship weighs {hull.matter.mass:.4g} kg, more than its hull can carry: it sinks"]
-        found = self.unborne(preflight)
+        found = self.unborne(preflight) + self.high(hull, preflight)
         cells = hull.draught / float(hull.voxels.size[1])
         if cells < 0.9 * self.cells_per_draught:
             found.append(f"the hull has {cells:.2g} cubes over its draught, as it draws little of its height")

@@ -23,6 +23,7 @@ from ocean_sim.ship.shared.floating import FloatingConfig
 from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.radiation import Memory, Radiation
+from ocean_sim.ship.shared.slamming import Slamming
 
 
 class SeakeepingConfig(FloatingConfig):
@@ -81,6 +82,8 @@ class SeakeepingShip(FloatingShip):
         if self.scattering is not None:
             self.sea, self.through[self.scattering.numbers] = fluid.in_closed_form, 0.0
         self.resistance = Resistance(config.damping, self.hull.still, self.added, radiated)
+        if self.contact is None:
+            self.slamming = Slamming(self.hull.still, float(self.added[1]))
         self.longest = self.hull.limits(Motions(*self.added)._asdict())
 
     def damping(self, now: Immersion) -> np.ndarray:

@@ -51,7 +51,8 @@ class Entry(Model):
 
 
 def entries() -> list[Entry]:
-    return [Entry.model_validate(row) for row in read(library("figures") / "gallery" / LIST).plain()]
+    listed = read(library("figures") / "gallery" / LIST).plain()["pictures"]
+    return [Entry.model_validate(row) for row in listed]
 
 
 def stale(folder: Path) -> list[Entry]:

@@ -16,13 +16,11 @@ from ocean_sim.files.whole_file import whole
 from ocean_sim.files.yaml_file import read
 from ocean_sim.model import Model
 from ocean_sim.parts import PACKAGE, library
-from ocean_sim.reading.scene import load
 from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.verbs.shared import console
 
 LIST, STAMPS = "gallery.yaml", "stamps.json"
 SIZE, QUALITY = "1280x720", 88  # of a picture, and as a JPEG
-WATCHES = ("render", "report", "accuracy", "health", "timings")  # observers that change no picture
 RUN = ("render", "report", "accuracy", "timings")  # observers that a run for pictures does without
 
 
@@ -37,9 +35,10 @@ class Entry(Model):
 
     @property
     def stamp(self) -> str:
-        """A hash of the scene, of the command and of how pictures look: another one calls for another picture."""
-        scene = {key: value for key, value in load(self.scene).resolved().items() if key not in WATCHES}
-        asked = [scene, self.until, self.draw, pictures.LOOK]
+        """A hash of what the scene says, of the command and of how pictures look: another one calls for another
+        picture."""
+        scene = read(library("scenes") / f"{self.scene}.yaml").plain()
+        asked = [{key: value for key, value in scene.items() if key != "title"}, self.until, self.draw, pictures.LOOK]
         return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:16]
 
     def commands(self, run: str) -> tuple[list[str], list[str]]:

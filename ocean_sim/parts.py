@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     from ocean_sim import basin as basin_module
     from ocean_sim import waves
     from ocean_sim.basin import Basin, Solid
-    from ocean_sim.basin.open_sea import Rim
+    from ocean_sim.basin.open_sea import Nonlinear, Rim
     from ocean_sim.fluid import Fluid, Lattice, Limits
     from ocean_sim.platform import Platform
     from ocean_sim.runtime import RuntimeConfig
-    from ocean_sim.ship import Look, Outline, Ship
+    from ocean_sim.ship import Afloat, Look, Outline, Ship
     from ocean_sim.surface import Surface
     from ocean_sim.time_step import TimeStep
     from ocean_sim.wind import Wind
@@ -141,6 +141,11 @@ class SeaConfig(KindConfig):
     @abstractmethod
     def significant_height(self) -> float:
         """[m]; 0 in calm water."""
+
+    @property
+    def nonlinear(self) -> Nonlinear | None:
+        """How it is nonlinear; None: it is the sum of its plane waves."""
+        return None
 
     @abstractmethod
     def plane_waves(self, basin: waves.Tank) -> waves.Components | None:
@@ -314,6 +319,10 @@ class ShipConfig(KindConfig):
 
     def look(self, preflight: Preflight) -> Look | None:
         """What a picture needs besides its triangles; None where it has no shape."""
+        return None
+
+    def floats(self, preflight: Preflight) -> Afloat | None:
+        """How she floats in still water; None where no hull says it."""
         return None
 
     def outline(self, preflight: Preflight) -> Outline | None:

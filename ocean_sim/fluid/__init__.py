@@ -293,6 +293,12 @@ class Fluid(Protocol):
         return False
 
     @property
+    def patch_centre(self) -> np.ndarray:
+        """(2,) x, z in the world [m] of the middle of a patch of open sea, which follows its ships; elsewhere of the
+        basin."""
+        return np.zeros(2)
+
+    @property
     def count(self) -> int:
         """Number of particles now, 0 of a closed form."""
         return 0 if self.particles is None else int(self.particles.count.now)

@@ -117,8 +117,7 @@ class Config(PeriodicConfig):
         """How many pictures the film of a run of this duration [s] has; 0 without a film."""
         return int(duration / self.every * (1.0 + 1e-9)) + 1 if self.film else 0
 
-    def film_time(self, duration: float) -> float:
-        """Wall time [s] that the film takes on two cores without a graphics card."""
+    def picture_time(self, duration: float) -> float:
         return self.film_pictures(duration) * PICTURE[self.quality] * self.size[0] * self.size[1] / (1280.0 * 720.0)
 
     def build(self, folder: Path, simulation: "Simulation") -> "Render":

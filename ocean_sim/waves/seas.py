@@ -8,10 +8,25 @@ from pydantic import model_validator
 from ocean_sim import waves
 from ocean_sim.files import csv_file
 from ocean_sim.files.input_file import FileName, Unreadable
-from ocean_sim.model import quantity
+from ocean_sim.model import Model, quantity
 
+ONSET = 5.0  # [periods] in which what is not linear sets in
 COLUMNS = ("amplitude_m", "period_s", "heading_deg", "phase_deg")
 Problems = list[tuple[tuple[str | int, ...], str]]  # where below the sea, and a sentence
+
+
+class Steepening(Model):
+    """How a linear sea becomes a nonlinear one."""
+
+    onset: float | None = quantity("s", None, ge=0.0)
+    """Time in which what is not linear sets in, at order 3 (Dommermuth 2000); null: five periods."""
+    breaking: bool = True
+    """Whether crests of a nonlinear sea break where the water on them moves faster than 0.85 of their speed (Barthelemy
+    et al. 2018, J. Fluid Mech. 841)."""
+
+    def onset_in(self, period: float) -> float:
+        """The time [s], with this period of the highest waves [s]."""
+        return ONSET * period if self.onset is None else self.onset
 
 
 class Seas(waves.OpenTrain):

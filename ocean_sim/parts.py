@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from ocean_sim.fluid import Fluid, Lattice, Limits
     from ocean_sim.platform import Platform
     from ocean_sim.runtime import RuntimeConfig
-    from ocean_sim.ship import Look, Outline, Ship
+    from ocean_sim.ship import Afloat, Look, Outline, Ship
     from ocean_sim.surface import Surface
     from ocean_sim.time_step import TimeStep
     from ocean_sim.wind import Wind
@@ -195,6 +195,11 @@ class WindConfig(KindConfig):
         """Whether there is no wind."""
         return False
 
+    @property
+    def strongest(self) -> float:
+        """Highest speed 10 m above the water that it states [m/s]; 0 where it states none."""
+        return 0.0
+
     @abstractmethod
     def build(self, basin: Basin, seed: int) -> Wind: ...
 
@@ -314,6 +319,10 @@ class ShipConfig(KindConfig):
 
     def look(self, preflight: Preflight) -> Look | None:
         """What a picture needs besides its triangles; None where it has no shape."""
+        return None
+
+    def floats(self, preflight: Preflight) -> Afloat | None:
+        """How she floats in still water; None where no hull says it."""
         return None
 
     def outline(self, preflight: Preflight) -> Outline | None:

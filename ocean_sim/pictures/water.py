@@ -37,7 +37,11 @@ class Water:
         points += frame.place
         height = np.clip(points[:, 1] / max(2.5 * float(frame.elevation.std()), self.scale), -1.0, 1.0)
         self.surface.points = points.astype(np.float32)
-        self.surface["colour"] = water_shading.display(water_shading.surface(points, normals, height, eye))
+        camera = self.stage.camera
+        if camera.parallel_height is not None or camera.forward[1] < -0.97:
+            self.surface["colour"] = water_shading.display(water_shading.relief(normals, height))
+        else:
+            self.surface["colour"] = water_shading.display(water_shading.surface(points, normals, height, eye))
         sides, depth = self.mesh.sides(points), self.mesh.side_depth
         self.sides.points = sides.astype(np.float32)
         self.sides["colour"] = water_shading.display(water_shading.side(sides, self.mesh.side_normals, depth, eye))

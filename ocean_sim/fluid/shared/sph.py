@@ -31,6 +31,8 @@ if TYPE_CHECKING:  # it is imported only where there are bodies
 
 PARTICLE = 1.8e-7  # [s] of processor time that a particle takes in a step apart from its neighbours
 NOTABLE = 0.1  # of the viscosity that was asked for: what a scheme adds is worth saying from there on
+STIFF = 10.0  # times the stiffness of 1 % compression: from there on it costs more than it gives
+SQUEEZED = 0.05  # compression at the bed that is worth saying
 SAMPLE = 2.0  # times what a particle takes with its neighbours: of a solid body's sample, with what it adds to theirs
 
 
@@ -111,9 +113,26 @@ class SphConfig(WaterConfig):
         found, basin = super().warnings(preflight), preflight.tank
         if basin.rough_bed is not None:
             found += basin.rough_bed.warnings(self.lattice(basin).row)
+        if "compression" not in self.unheeded:
+            found += self.of_stiffness(basin)
         around = band(self.began(preflight))
         found += around.warnings() if around is not None else []
         return [*found, *of_zones(zones(self.began(preflight)))]
+
+    def of_stiffness(self, basin: Basin) -> list[str]:
+        """Whether the water is much stiffer, or much softer, than 1 % of compression asks for."""
+        stiffness, speed = self.sound_speed(basin) ** 2, self.speed(basin)
+        times, compression = 0.01 * stiffness / speed**2, speed**2 / stiffness
+        if times >= STIFF * (1.0 - 1e-9):
+            more = f"{times:.3g} times that of 1 % compression"
+            cost = f"the time step is {sqrt(times):.2g} times shorter, and a lattice that gives way blows up more"
+            return [f"a stiffness of {stiffness:.4g} m2/s2 is {more}: {cost}; 1 % needs {100.0 * speed**2:.4g} m2/s2"]
+        if compression > SQUEEZED:
+            squeezed = f"water that falls at {speed:.4g} m/s is compressed by {compression:.2g} of its density"
+            return [
+                f"{squeezed}, more than {SQUEEZED:g}: levels and pressures are off by as much; take compression 0.01"
+            ]
+        return []
 
     def sized(self, lattice: Lattice, reads: int, carried: int = 0) -> ListSize:
         """How large grid and lists are for laws that read so many fields."""

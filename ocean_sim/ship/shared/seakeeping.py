@@ -20,7 +20,9 @@ from ocean_sim.ship.shared.added_mass import AddedMass, reaction
 from ocean_sim.ship.shared.damping import Damping, Resistance
 from ocean_sim.ship.shared.floating import FloatingConfig
 from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
+from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.radiation import Memory, Radiation
+from ocean_sim.ship.shared.slamming import Slamming
 
 
 class SeakeepingConfig(FloatingConfig):
@@ -39,6 +41,9 @@ class SeakeepingConfig(FloatingConfig):
         if file is not None:
             Radiation(file)
         return file
+
+    def moved_along(self, still: Hydrostatics) -> np.ndarray:
+        return self.added_mass.diagonal(still)
 
     def problems(self, preflight: Preflight) -> Problems:
         found = super().problems(preflight)
@@ -66,6 +71,8 @@ class SeakeepingShip(FloatingShip):
             self.memory, self.added[radiation.numbers] = Memory(radiation), radiation.response.added
             radiated = [Motions._fields[k] for k in radiation.numbers]
         self.resistance = Resistance(config.damping, self.hull.still, self.added, radiated)
+        if self.contact is None:
+            self.slamming = Slamming(self.hull.still, float(self.added[1]))
         self.longest = self.hull.limits(Motions(*self.added)._asdict())
 
     def damping(self, now: Immersion) -> np.ndarray:

@@ -26,19 +26,8 @@ def run(tmp_path_factory):
     (folder / "frames").mkdir()
     x = np.linspace(-19.0, 19.0, 20)
     box = np.array([[a, b, c] for a in (-2.0, 2.0) for b in (-1.0, 1.0) for c in (-6.0, 6.0)])
-    faces = [
-        [0, 1, 3],
-        [0, 3, 2],
-        [4, 6, 7],
-        [4, 7, 5],
-        [0, 4, 5],
-        [0, 5, 1],
-        [2, 3, 7],
-        [2, 7, 6],
-        [0, 2, 6],
-        [0, 6, 4],
-    ]
-    faces += [[1, 5, 7], [1, 7, 3]]
+    sides = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    faces = [[a, *pair] for a, b, c, d in sides for pair in ((b, c), (c, d))]
     np.savez(
         folder / "frames" / "grid.npz",
         **dict(x=x, z=x, lower=[-20.0, -5.0, -20.0], upper=[20.0, 5.0, 20.0], depth=5.0, spacing=2.0, every=0.05),

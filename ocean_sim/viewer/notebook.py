@@ -8,7 +8,7 @@ from ocean_sim.result import Result
 from ocean_sim.simulation import Simulation
 from ocean_sim.viewer.page import page
 from ocean_sim.viewer.replay import replay_file
-from ocean_sim.viewer.server import Server
+from ocean_sim.viewer.server import File, Server
 from ocean_sim.viewer.still import sky_packet
 from ocean_sim.viewer.watch import Watch
 
@@ -41,7 +41,10 @@ def view(what: "Simulation | Result | str | Path", height: int = 560) -> View:
     """
     if isinstance(what, Simulation):
         document = page("Ocean Sim", {"mode": "live"})
-        files = {"/": ("text/html; charset=utf-8", lambda: document), "/sky": ("application/octet-stream", sky_packet)}
+        files: dict[str, tuple[str, File]] = {
+            "/": ("text/html; charset=utf-8", lambda: document),
+            "/sky": ("application/octet-stream", sky_packet),
+        }
         server = Server(files, port=0, hello={"drives": False})
         watch = Watch(what, server)
         what.observers.append(watch)

@@ -14,7 +14,7 @@ from ocean_sim.ship.shared.radiation import Radiation
 from ocean_sim.validation.shared.ship import at_sea, floating
 from ocean_sim.validation.shared.tables import table_path
 
-BARGE = Path(__file__).parent / "data" / "barge20_capytaine.nc"  # by Capytaine 3.0.0, 15 x 6 x 2 panels
+BARGE = Path(__file__).parent / "data" / "barge20_capytaine.nc"  # by Capytaine 3.0.0, 24 x 10 x 3 panels
 MOTIONS = ("sway", "heave", "surge", "pitch", "yaw", "roll")
 
 
@@ -23,10 +23,11 @@ def test_a_file_of_capytaine_gives_what_the_table_of_a_finer_mesh_does():
     assert tuple(found.motions) == MOTIONS and found.scattered is not None
     for name, unit in (("heave", "kg"), ("pitch", "kg_m2")):
         k = found.motions.index(name)
-        added = np.interp(found.omega, finer["omega_rad_s"], finer[f"{name}_added_{unit}"])
-        np.testing.assert_allclose(found.added[k], added, rtol=0.10)
-        damping = np.interp(found.omega, finer["omega_rad_s"], finer[f"{name}_damping_{unit}_s"])
-        np.testing.assert_allclose(found.damping[k], damping, atol=0.06 * damping.max())
+        both = found.omega <= finer["omega_rad_s"][-1]
+        added = np.interp(found.omega[both], finer["omega_rad_s"], finer[f"{name}_added_{unit}"])
+        np.testing.assert_allclose(found.added[k, both], added, rtol=0.05)
+        damping = np.interp(found.omega[both], finer["omega_rad_s"], finer[f"{name}_damping_{unit}_s"])
+        np.testing.assert_allclose(found.damping[k, both], damping, atol=0.05 * damping.max())
     assert Radiation(str(BARGE)).numbers == list(range(6))
 
 

@@ -451,6 +451,20 @@ def figure(
 
 
 @app.command()
+def gallery(
+    names: Annotated[list[str] | None, typer.Argument(help="Of pictures; by default those that are old.")] = None,
+    check: Annotated[bool, typer.Option("--check", help="Only list those that are old, with their commands.")] = False,
+    every: Annotated[bool, typer.Option("--all", help="Make all of them.")] = False,
+    out: Annotated[Path | None, typer.Option(help="By default figures/gallery of this checkout.")] = None,
+    json: Json = False,
+) -> int:
+    """The pictures of the README, made again by the commands that it prints."""
+    from ocean_sim.verbs.gallery import gallery
+
+    return gallery(names or [], check, every, out, json)
+
+
+@app.command()
 def platform(
     log: Annotated[Path, typer.Argument(help="A motion log, or a run folder that has one.")],
     geometry: Annotated[str, typer.Option(help="A name in configs/geometry/, or a file.")] = "hexapod_a",

@@ -12,7 +12,10 @@ fmpy = pytest.importorskip("fmpy")
 
 def test_a_unit_is_opened_and_run_by_fmpy(tmp_path):
     done = subprocess.run(
-        [sys.executable, "-m", "ocean_sim.fmu", str(tmp_path)], capture_output=True, text=True, env=os.environ.copy()
+        [sys.executable, "-m", "ocean_sim.gym.unit", str(tmp_path)],
+        capture_output=True,
+        text=True,
+        env=os.environ.copy(),
     )
     assert done.returncode == 0, done.stderr
     unit = str(tmp_path / "OceanBoat.fmu")

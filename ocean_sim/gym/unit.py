@@ -1,9 +1,9 @@
 """A boat in a random sea as a functional mock-up unit, FMI 2.0 co-simulation: helm and throttle in, motions out.
 
-`python -m ocean_sim.fmu FOLDER` writes `OceanBoat.fmu` (extra `fmi`). The unit holds no interpreter: the machine that
-runs it needs Python with `ocean-sim` and `pythonfmu`. Parameters are the sea's significant height [m], peak period [s],
-heading [deg] and seed; outputs are surge, sway, heave [m], roll, pitch, yaw [rad] in the axes of the world (x to the
-bow of heading 0, y to port, z up), the speed [m/s] and the elevation under the bow [m].
+`python -m ocean_sim.gym.unit FOLDER` writes `OceanBoat.fmu` (extra `fmi`). The unit holds no interpreter: the machine
+that runs it needs Python with `ocean-sim` and `pythonfmu`. Parameters are the sea's significant height [m], peak period
+[s], heading [deg] and seed; outputs are surge, sway, heave [m], roll, pitch, yaw [rad] in the axes of the world (x to
+the bow of heading 0, y to port, z up), the speed [m/s] and the elevation under the bow [m].
 """
 
 import sys
@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 
 from ocean_sim import waves
-from ocean_sim.boats import Boat, Boats
+from ocean_sim.gym.boats import Boat, Boats
 
 try:
     from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 except ImportError:
-    raise ImportError("ocean_sim.fmu needs pythonfmu: pip install 'ocean-sim[fmi]'") from None
+    raise ImportError("ocean_sim.gym.unit needs pythonfmu: pip install 'ocean-sim[fmi]'") from None
 
 COMPONENTS, DEPTH, STEP = 20, 50.0, 0.1  # waves, [m], and at most [s] at once
 IN = ("helm", "throttle")

@@ -9,7 +9,7 @@ from latex2mathml.converter import convert
 
 sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parent.parent)]
 
-import generate
+import generate  # noqa: E402
 
 project = "Ocean Sim"
 copyright = "Ocean Sim contributors"

@@ -20,6 +20,11 @@ from ocean_sim.reading.sentences import of_module, sentence
 DOCS = Path(__file__).parent
 RESULTS = DOCS / "results"
 TUTORIALS = ("first_scene", "gust_and_real_wind", "dam_break_on_a_box", "yacht_in_waves", "platform_and_rig")
+NUMBERS = {
+    "3-7": "the transmitted angle ends at 48.59 degrees; asin(1 / 1.333) is 48.61",
+    "6-1": "6000 particles; 32 x 6 x 32 = 6144",
+    "6-2": "none, but the cloth is said to be the cheaper; measured, it is ten times (see which surface)",
+}
 NO_FIGURE = {
     "3-1": "a textbook sketch of a cube of marching cubes",
     "3-4": "a sketch of a cloth laid on particles; figure 6-1 shows it done",
@@ -27,6 +32,26 @@ NO_FIGURE = {
     "3-6": "a textbook sketch of refraction; figure 3-7 has its angles",
     "3-8": "a diagram of a graphics pipeline of its time",
     "4-1": "a textbook sketch of two frames of axes",
+}
+
+
+ELSEWHERE = {
+    "2-D, two-dimensional": "a slice: a basin without a `width`",
+    "3-D, three-dimensional": "in space: a basin with one",
+    "smoothing length h, 2h, kernel radius": "support radius; `support_ratio` is that over the spacing",
+    "ghost, mirror or dummy particles": "images, seen in a flat side; samples, of a solid body",
+    "CFL number, CFL limit": "`time_step.courant_number`; the limit `acoustic`",
+    "density error": "compression",
+    "particle size, resolution dx": "`spacing`",
+    "inlet, inflow": "`fluid.emitter`",
+    "numerical beach, sponge layer, relaxation zone": "an absorbing side; with a target, one that relaxes the water",
+    "wave probe, pressure probe, sensor": "gauge",
+    "template, preset": "a ready-made part, in `configs/`",
+    "plug-in": "a kind, which is a module in the folder of its slot",
+    "WCSPH": "`delta_sph`, `mueller`",
+    "motion cueing": "`washout`",
+    "Stewart platform": "hexapod",
+    "draft, beam": "draught, breadth",
 }
 
 
@@ -177,8 +202,8 @@ def commands() -> str:
     group: Any = typer.main.get_command(app)
     text = [
         "# Commands\n",
-        "`./sandbox VERB` in a checkout and `ocean-sim VERB` are the same. Every verb has `--help`, and `--json` where a "
-        "program may read the answer.\n",
+        "`./sandbox VERB` in a checkout and `ocean-sim VERB` are the same. Every verb has `--help`, and `--json` where "
+        "a program may read the answer.\n",
         "| exit code | means |\n| --- | --- |\n| 0 | done |\n| 1 | the run failed: it diverged, the disk is full |\n"
         "| 2 | the input is wrong |\n| 3 | the machine lacks something |\n",
         "`--debug` on any verb shows the traceback of an error. `ocean-sim --install-completion` teaches your shell to "
@@ -276,19 +301,19 @@ def figures() -> str:
     from ocean_sim.verbs.figure import scripts
     from ocean_sim.verbs.figure import sentence as shows
 
-    took = {row["figure"]: row for row in rows_of("figures")}
+    took = {row["figure"]: float(row["fast_s"]) for row in rows_of("figures")}
     cells = []
     for name, path in scripts().items():
         if name[0].isdigit():
-            fast = took.get(name, {}).get("fast_s", "")
             what = shows(path).partition(": ")[2] or shows(path)
-            cells.append([name, what, f"`ocean-sim figure {name}`", f"{float(fast):.0f} s" if fast else "not measured"])
+            time = [f"{took[name]:.0f} s" if name in took else ""] if took else []
+            cells.append([name, what, f"`ocean-sim figure {name}`", NUMBERS.get(name, "none"), *time])
     left = [[name, why] for name, why in NO_FIGURE.items()]
     return "\n".join(
         [
             "# The thesis, figure by figure\n",
             (DOCS / "figures.md.in").read_text(encoding="utf-8"),
-            table(["figure", "ours", "command", "time with --fast"], cells),
+            table(["figure", "ours", "command", "its number, and ours", *(["time, `--fast`"] if took else [])], cells),
             "## Not drawn\n",
             table(["figure", "is"], left),
         ]
@@ -324,7 +349,16 @@ def glossary() -> str:
     lines = [line for line in words.strip().splitlines() if line.strip()]
     split = [re.split(r" {2,}", line, maxsplit=1) for line in lines]
     cells = [[pair[0], pair[1] if len(pair) > 1 else ""] for pair in split]
-    return f"# Glossary, units and axes\n\n{axes}\n{table(['word', 'is'], cells)}"
+    elsewhere = [[theirs, ours] for theirs, ours in ELSEWHERE.items()]
+    return "\n".join(
+        [
+            "# Glossary, units and axes\n",
+            axes,
+            table(["word", "is"], cells),
+            "## What others call it\n",
+            table(["in papers and other programs", "here"], elsewhere),
+        ]
+    )
 
 
 # --- tutorials
@@ -340,10 +374,8 @@ def blocks(path: Path) -> Iterator[tuple[bool, str]]:
     tree = ast.parse(path.read_text(encoding="utf-8"))
     words = ast.get_docstring(tree) or ""
     title, _, rest = words.partition("\n")
-    yield (
-        False,
-        f"# {title.rstrip('.')}\n\n{rest.strip()}\n\n*This page is the script `docs/tutorials/{path.name}`; the tests run it.*",
-    )
+    note = f"*This page is the script `docs/tutorials/{path.name}`; the tests run it.*"
+    yield False, f"# {title.rstrip('.')}\n\n{rest.strip()}\n\n{note}"
     lines = path.read_text(encoding="utf-8").splitlines()
     body = lines[tree.body[0].end_lineno :] if words else lines
     text: list[str] = []

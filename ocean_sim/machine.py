@@ -38,8 +38,8 @@ def extra_missing(extra: str) -> str | None:
     missing = [package for package in EXTRAS[extra] if installed(package) is None]
     if not missing:
         return None
-    words = " and ".join(missing)
-    return f"{words} {'is' if len(missing) == 1 else 'are'} not installed; `pip install '.[{extra}]'` in the checkout brings what is missing"
+    lacks = f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} not installed"
+    return f"{lacks}; `pip install '.[{extra}]'` in the checkout brings what is missing"
 
 
 def extra_of(module: str) -> str | None:

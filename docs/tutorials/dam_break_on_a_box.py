@@ -27,7 +27,8 @@ print(scene.preflight.particles, "particles")
 result = ocean_sim.run(scene, out="runs/dam_break")
 
 # %%
-# The column sinks, and the front arrives at the box after about half a second: until then the gauge on its front is dry.
+# The column sinks, and the front arrives at the box after about half a second: until then the gauge on its front is
+# dry.
 
 time = result.gauges["time_s"]
 column, front = result.gauges["column_m"], result.gauges["front_Pa"]

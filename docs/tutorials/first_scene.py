@@ -26,8 +26,9 @@ frames: null                                       # keep nothing to draw
 """)
 
 # %%
-# On the command line you would now type `ocean-sim check first.yaml` and `ocean-sim run first.yaml`. From Python the same
-# is two calls. What a scene may say is checked when it is loaded: a misspelled key is refused with the likeliest one.
+# On the command line you would now type `ocean-sim check first.yaml` and `ocean-sim run first.yaml`. From Python the
+# same is two calls. What a scene may say is checked when it is loaded: a misspelled key is refused with the likeliest
+# one.
 
 import ocean_sim
 

@@ -17,6 +17,7 @@ from ocean_sim.model import quantity
 from ocean_sim.observers.shared.energy import driven, mechanical, stored_by_weight
 from ocean_sim.observers.shared.escaped import beyond
 from ocean_sim.observers.shared.level import level_ratio
+from ocean_sim.observers.shared.momentum import Momentum
 from ocean_sim.parts import ALONE
 from ocean_sim.simulation import NOWHERE, Concluding, PeriodicConfig
 
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 POSITIONS_EVERY = 50  # steps between two checks of all positions, which are copied for it
 ENERGY_EVERY = 0.05  # [depth over reference speed] at most between two checks of the energy, however long the steps
 GAIN_REPORTED = 0.01  # of the same scale as `max_energy_gain`: less is not reported
+MOMENTUM_REPORTED = 1e-4  # over all impulses: more from nowhere is reported
 QUIET = 0.5  # [s] at least between two events of one kind
 FIRM = 100.0  # stiffness over the square of the reference speed that holds the water within 1 %
 STIFF = 10.0  # times the stiffness that holds the water within 1 %: from there on it is the likeliest cause
@@ -79,6 +81,8 @@ class Health(Concluding):
         self.first_level = float("nan")
         self.energy_every = ENERGY_EVERY * basin.depth / fluid.reference_speed if self.judged else 0.0  # [s]
         self.energy_seen, self.gain_reported = 0.0, False
+        self.momentum: Momentum | None = None
+        self.momentum_reported = False
         self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
         self.limit, self.limit_reported = "", -QUIET
         self.clipped, self.clipped_reported = 0, -QUIET
@@ -112,6 +116,8 @@ class Health(Concluding):
     def observe(self, simulation: "Simulation") -> None:
         if self.judged and self.first_energy is None:
             self.first_energy = self.energies()
+        if self.momentum is None and self.n > 0 and simulation.fluid.impulse:
+            self.momentum = Momentum(simulation)
         if self.levelled and isnan(self.first_level):
             particles = with_particles(simulation.fluid).particles
             self.first_level = level_ratio(particles.position.to_numpy(), particles.spacing, simulation.basin)
@@ -158,6 +164,7 @@ class Health(Concluding):
             what = "position, velocity or density stopped being a number"
             yield self.sentence(f"{what} for {len(lost)} of {len(finite)} particles", position, lost[:1])
             return
+        self.note_momentum()
         if self.too_dense(status.max_density):
             ratio = status.max_density / particles.rest_density
             what = f"density reached {status.max_density:.4g} kg/m^3, {ratio:.3g} x the rest density"
@@ -188,6 +195,14 @@ class Health(Concluding):
                     f"{self.last_frame()}"
                 )
         yield from self.energy_violations()
+
+    def note_momentum(self) -> None:
+        """Once, where the water's momentum is not what all forces have given it."""
+        if self.momentum is not None and not self.momentum_reported:
+            share = self.momentum.from_nowhere(self.simulation)
+            if not share <= MOMENTUM_REPORTED:
+                self.event("momentum from nowhere", over_all_impulses=float(f"{share:.3g}"), bound=MOMENTUM_REPORTED)
+                self.momentum_reported = True
 
     def energies(self) -> tuple[float, float]:
         """Of motion and height, and of compression [J]."""

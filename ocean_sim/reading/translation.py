@@ -186,8 +186,8 @@ def _located(error: Any, model: type[BaseModel], root: Node) -> _Found:
     shape = error["type"] in SHAPES or (error["type"] == "literal_error" and isinstance(node.data, dict | list))
     shape = shape and union == path
     context = error.get("ctx", {})
-    inner = next((t for t in types if _is_model(t)), None)
-    return _Found(error["type"], error["msg"], context, path, node, field, keys, inner, union, member, shape)
+    held = next((t for t in types if _is_model(t)), None)
+    return _Found(error["type"], error["msg"], context, path, node, field, keys, held, union, member, shape)
 
 
 def _members(annotation: Any) -> list[Any]:

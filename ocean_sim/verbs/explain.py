@@ -18,9 +18,9 @@ def explain(word: str, as_json: bool) -> None:
         return
     same = grouped(found(word) or [key for key in keys() if key.path.split(".")[-1] == word])
     if not same:
-        paths = {key.path for key in keys()}
-        shorter = {path.partition(".")[0] for path in paths} | {path.rpartition(".")[2] for path in paths}
-        end, _ = choice_sentence(word, sorted(paths | shorter))
+        whole = {key.path for key in keys()}
+        shorter = {path.partition(".")[0] for path in whole} | {path.rpartition(".")[2] for path in whole}
+        end, _ = choice_sentence(word, sorted(whole | shorter))
         ends = sorted({key.path for key in keys() if key.path.split(".")[-1] == word.split(".")[-1]})
         raise console.Refused(f"there is no key {word!r}{elsewhere(ends) or end}")
     if as_json:

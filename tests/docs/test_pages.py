@@ -131,7 +131,7 @@ from pathlib import Path
 import ocean_sim
 from ocean_sim.simulation import Simulation
 OFF = dict.fromkeys(("frames", "render", "report", "timings"))
-TANK = {"basin": {"length": 6.0, "width": 6.0, "depth": 2.0}, "duration": 0.05} | OFF
+TANK = {"basin": {"length": 6.0, "width": 6.0, "depth": 2.0}, "duration": 0.05, "accuracy": {"every": 0.01}} | OFF
 SPH = {"kind": "mueller", "spacing": 0.5}
 BOX = {"kind": "planing", "hull": "wigley"}
 SEA = {"kind": "linear_waves", "height": 0.0, "period": 3.0}

@@ -12,8 +12,9 @@ if TYPE_CHECKING:
     from ocean_sim.reading.scene import load
     from ocean_sim.result import run
     from ocean_sim.simulation import Simulation
+    from ocean_sim.viewer.notebook import view
 
-__all__ = ["Simulation", "load", "run"]
+__all__ = ["Simulation", "load", "run", "view"]
 
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "False")  # before Taichi is imported
 os.environ.setdefault("TI_SKIP_VERSION_CHECK", "ON")  # it would ask a server once a day, with a number of this machine
@@ -33,4 +34,8 @@ def __getattr__(name: str) -> Any:
         from ocean_sim.simulation import Simulation
 
         return Simulation
+    if name == "view":
+        from ocean_sim.viewer.notebook import view
+
+        return view
     raise AttributeError(f"module 'ocean_sim' has no attribute {name!r}")

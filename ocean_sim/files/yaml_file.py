@@ -133,9 +133,14 @@ def read(path: Path, name: str | None = None) -> Node:
     """The mapping in a file; raises SceneError naming the file as `name`."""
     name = name or shown(path)
     try:
-        node = parsed(text(path, MOST_BYTES), Location(name, 1, 1))
+        return mapping(text(path, MOST_BYTES), name)
     except Unreadable as error:
         raise SceneError([Problem(name, None, None, "", error.reason)]) from None
+
+
+def mapping(content: str, name: str) -> Node:
+    """The mapping that a text is; raises SceneError, which calls it `name`."""
+    node = parsed(content, Location(name, 1, 1))
     if node.data is None:
         raise SceneError([problem(Location(name, 1, 1), "", "this file is empty; a mapping was expected")])
     if not node.is_mapping:

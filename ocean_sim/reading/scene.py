@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import PrivateAttr
 
 from ocean_sim import basin
-from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of, problem, read, shown
+from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, mapping, node_of, problem, read, shown
 from ocean_sim.model import Model, quantity
 from ocean_sim.parts import (
     ALONE,
@@ -168,13 +168,28 @@ def load(
     try:
         folder = None if isinstance(source, dict) else scene_path(source).parent.absolute()
         scene = node_of(source, Location("scene")) if isinstance(source, dict) else read(scene_path(source))
-        layer, problems = profile_layer(profile)
-        sets = {key: _override(key, value) for key, value in (overrides or {}).items()}
-        composition = composed(scene, layer, sets)
-        problems += composition.problems
-        config = _checked(composition, problems, folder)
+        return _loaded(scene, folder, overrides, profile)
     except RecursionError:
         raise SceneError([Problem("scene", None, None, "", "nested too deeply")]) from None
+
+
+def load_text(
+    text: str, name: str, folder: Path, overrides: dict[str, Any] | None = None, profile: str | None = None
+) -> SceneConfig:
+    """The same of a text, as if it stood in a file of this name in a folder, from which its names of files start."""
+    try:
+        return _loaded(mapping(text, name), folder.absolute(), overrides, profile)
+    except RecursionError:
+        raise SceneError([Problem(name, None, None, "", "nested too deeply")]) from None
+
+
+def _loaded(scene: Node, folder: Path | None, overrides: dict[str, Any] | None, profile: str | None) -> SceneConfig:
+    """The scene that a mapping is; raises SceneError."""
+    layer, problems = profile_layer(profile)
+    sets = {key: _override(key, value) for key, value in (overrides or {}).items()}
+    composition = composed(scene, layer, sets)
+    problems += composition.problems
+    config = _checked(composition, problems, folder)
     if problems or config is None:
         raise SceneError(problems)
     return config
@@ -243,6 +258,8 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
         composition.root = _scaled(composition.root, heading.resolution, tank.dimension, notes)
     places = _places(data)
     parts = {place: _model(place, None, composition, problems, folder) for place in places}
+    for place, node in composition.meant.items():  # the other keys of a part whose kind is misspelled
+        validated(config_of(slot_of(place), node.data["kind"].data), node, (place,), problems, folder)
     there = {place: part for place, part in parts.items() if isinstance(part, PartConfig)}
     named_in = {place for place in places if _node(data, place) is not None}
     wrong = composition.failed | named_in - set(there)
@@ -391,13 +408,13 @@ def _observers(
 
 def _scaled(root: Node, factor: float, dimension: int, notes: list[str]) -> Node:
     """The tree of a scene with every spacing of water, surface and ship times `factor`; a budget of particles shrinks
-    by what that leaves out."""
+    by what that leaves out. What `--set` gives stays as it is given."""
 
     def scaled(node: Node, path: tuple[str, ...]) -> Node:
         if isinstance(node.data, dict):
             return node.with_data({key: scaled(inner, (*path, key)) for key, inner in node.data.items()})
         value, number = node.data, node.data
-        if isinstance(value, bool) or not isinstance(value, int | float):
+        if isinstance(value, bool) or not isinstance(value, int | float) or node.location.file.startswith(OVERRIDE):
             return node
         if path[-1] in ("particles", "cap") and isinstance(value, int):
             number = max(1, round(value / factor**dimension))

@@ -57,6 +57,16 @@ class Look(NamedTuple):
     breadth: float  # [m]
 
 
+class Afloat(NamedTuple):
+    """How a ship floats in still water."""
+
+    displacement: float  # [kg]
+    draught: float  # [m]; infinite where she sinks
+    gm: float  # metacentric heights [m]
+    gm_longitudinal: float
+    periods: dict[str, float | None]  # natural, of heave, roll and pitch [s]; None where nothing rights her
+
+
 class Outline(NamedTuple):
     """The room that a hull takes: its outline from above, and between which heights it lies."""
 

@@ -13,8 +13,8 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.absorption import warnings as of_zones
 from ocean_sim.fluid.shared.absorption import zones
-from ocean_sim.fluid.shared.attenuation import Attenuation, Train, trains
-from ocean_sim.fluid.shared.band import band, stokes
+from ocean_sim.fluid.shared.attenuation import Attenuation, Delay, Train, trains
+from ocean_sim.fluid.shared.band import band, cells_of
 from ocean_sim.fluid.shared.field import Field
 from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.neighbours import ListSize, Neighbours
@@ -44,8 +44,8 @@ class SphConfig(WaterConfig):
 
     attenuation: ClassVar[Attenuation | None] = None
     """Viscosity that the scheme adds to waves; None where it has not been measured."""
-    delay: ClassVar[float] = 0.0
-    """Share by which the scheme lengthens the period of waves, over (wavenumber times spacing)^2; as measured."""
+    delay: ClassVar[Delay] = Delay(0.0)
+    """By how much the scheme lengthens the period of waves."""
     joins_a_sea: ClassVar[bool] = True
     default_ratio: ClassVar[tuple[float, float]]
     """Default of `support_ratio` in a slice and in space."""
@@ -165,7 +165,7 @@ class SphConfig(WaterConfig):
         k, height = sea.wavenumber, Train(sea, False).height
         share = np.array([attenuation.share(one, sea.depth, height, lattice.spacing, False) for one in k.tolist()])
         decay = 2.0 * (self.viscosity(basin) + share * self.scale(basin)) * k**2
-        return decay - 1j * sea.omega * (self.delay * (k * lattice.spacing) ** 2 - stokes(sea))
+        return decay - 1j * sea.omega * self.delay.share(k, height, lattice.spacing)
 
     def statements(self, preflight: Preflight) -> list[str]:
         basin = preflight.tank
@@ -247,10 +247,17 @@ def _of_sea(lattice: Lattice, word: int) -> list[LedgerRow]:
     around = band(lattice)
     if around is None or around.sea is None:
         return []
-    from ocean_sim.fluid.shared.sea_rim import memory
+    from ocean_sim.fluid.shared.sea_rim import WRITTEN, memory
 
     what = f"a table of {len(around.sea.amplitude)} plane waves"
-    return [LedgerRow("fluid", what, memory(around, around.sea, word), "sea")]
+    found = [LedgerRow("fluid", what, memory(around, around.sea, word), "sea")]
+    if around.nonlinear is not None:
+        from ocean_sim.fluid.shared.high_order import STEEP
+
+        cells = int(np.prod(cells_of(around)))
+        what, why = f"a nonlinear sea of {cells} cells", "sea.kind is spectral_sea"
+        found.append(LedgerRow("fluid", what, 6 * 8 * cells, why, STEEP * cells, around.sea.period / WRITTEN))
+    return found
 
 
 def _of_bodies(grid: GridSize, word: int, each: float, accounts: bool) -> list[LedgerRow]:

@@ -45,6 +45,8 @@ class Run:
         """The body of the page from top to bottom."""
         yield f"<h1>{html.escape(self.title)}</h1>"
         yield self.outcome()
+        if (self.folder / "replay.html").exists():
+            yield '<p><a href="replay.html">Replay of the run</a>: look around, and scrub in time.</p>'
         yield from self.pictures()
         yield table(self.facts())
         yield from self.warnings()
@@ -143,8 +145,11 @@ class Run:
         if "leg1_m" not in log:
             return
         time = log["time_s"]
+        machine = (self.scene.get("platform") or {}).get("geometry")
+        ends = machine if isinstance(machine, dict) else {}
+        reach = {name: ends[name] for name in ("shortest", "longest") if name in ends}  # [m]
         yield "<h2>Motion platform</h2>"
-        yield plot(curves(time, {f"leg {k}": log[f"leg{k}_m"] for k in range(1, 7)}, "length of the legs [m]"))
+        yield plot(curves(time, {f"leg {k}": log[f"leg{k}_m"] for k in range(1, 7)}, "length of the legs [m]", reach))
         speed = {f"leg {k}": log[f"leg{k}_velocity_m_s"] for k in range(1, 7)}
         yield plot(curves(time, speed, "velocity of the legs [m/s]"))
         pose = {name: np.degrees(log[f"{name}_rad"]) for name in ("roll", "pitch", "yaw")}

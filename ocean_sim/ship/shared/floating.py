@@ -10,13 +10,13 @@ import numpy as np
 from pydantic import ValidationInfo, field_validator
 
 from ocean_sim.basin import Basin
-from ocean_sim.conventions import WATER_DENSITY
+from ocean_sim.conventions import WATER_DENSITY, Motions
 from ocean_sim.files.input_file import relative_to_scene
 from ocean_sim.fluid import Contact as Contacting
 from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, named
-from ocean_sim.ship import Look, Outline
+from ocean_sim.ship import Afloat, Look, Outline
 from ocean_sim.ship.shared.cubes import Cubes, Wetted
 from ocean_sim.ship.shared.distance import MANY, Distance, memory
 from ocean_sim.ship.shared.drawn import drawn
@@ -81,6 +81,18 @@ class FloatingConfig(VesselConfig):
     def afloat(self, gravity: float, density: float) -> Hydrostatics:
         """The hull in still water; raises ValueError."""
         return self.whole_hull.afloat(self.cells_per_draught, density, gravity)
+
+    def moved_along(self, still: Hydrostatics) -> np.ndarray:
+        """(6,) added mass [kg] and inertia [kg m2] that her law of motion has, in the order of `Motions`."""
+        return np.zeros(6)
+
+    def floats(self, preflight: Preflight) -> Afloat:
+        still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
+        if isinf(still.draught):
+            return Afloat(still.matter.mass, still.draught, 0.0, 0.0, {})
+        across, along = still.metacentric_height(), still.metacentric_height(0)
+        periods = still.periods(Motions(*self.moved_along(still).tolist())._asdict())
+        return Afloat(still.matter.mass, still.draught, across, along, periods)
 
     def look(self, preflight: Preflight) -> Look:
         still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)

@@ -1,0 +1,141 @@
+"""`ocean-sim serve`: a page in the browser to play with a scene, or to look at finished runs; `ocean-sim report`."""
+
+import json
+import os
+import secrets
+import sys
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from threading import Event
+from typing import Any
+
+from ocean_sim.machine import stoppable
+from ocean_sim.verbs.list import entries
+from ocean_sim.verbs.run import MANIFEST
+from ocean_sim.verbs.shared import console
+
+HTML, BYTES, JSON = "text/html; charset=utf-8", "application/octet-stream", "application/json"
+
+
+def serve(
+    targets: list[str],
+    profile: str | None,
+    sets: list[str],
+    host: str,
+    port: int | None,
+    show: bool,
+    out: Path | None,
+    as_json: bool,
+) -> None:
+    """Serve the page until Ctrl-C."""
+    runs = [Path(target) for target in targets if (Path(target) / MANIFEST).exists()]
+    if len(runs) == len(targets) and len(runs) <= 2:
+        if profile or sets:
+            raise console.Refused("a finished run is only shown: --profile and --set are of scenes")
+        watch_runs(runs, host, port, show, as_json)
+    elif len(targets) == 1:
+        play(targets[0], profile, sets, host, port, show, out, as_json)
+    else:
+        raise console.Refused("give one scene, or one or two run folders")
+
+
+def play(
+    scene: str,
+    profile: str | None,
+    sets: list[str],
+    host: str,
+    port: int | None,
+    show: bool,
+    out: Path | None,
+    as_json: bool,
+) -> None:
+    """A scene, stepped here and shown in the page."""
+    from ocean_sim.viewer.server import Server
+    from ocean_sim.viewer.session import Session, Source
+
+    source = Source.of(scene, profile, console.settings(sets))
+    source.load()  # what is wrong with it is told before anything is opened
+    with stoppable(), Server(live_files(source.name), host, port, token(host), {"drives": True}) as server:
+        announce(server, as_json, show, "building; the page shows the water as soon as it is there")
+        with suppress(KeyboardInterrupt):
+            folder = out or Path("runs") / f"{source.name}-browser"
+            with Session(source, server, folder, lambda: entries("scenes")) as session:
+                session.play()
+    if not as_json:
+        console.say("stopped")
+
+
+def live_files(title: str) -> dict[str, Any]:
+    """The addresses of a page that shows a simulation."""
+    from ocean_sim.reading.schema import schema
+    from ocean_sim.viewer.page import page
+    from ocean_sim.viewer.still import sky_packet
+
+    return {
+        "/": (HTML, lambda: page(f"{title} · Ocean Sim", {"mode": "live"})),
+        "/sky": (BYTES, sky_packet),
+        "/schema": (JSON, cache(lambda: json.dumps(schema()).encode())),
+    }
+
+
+def watch_runs(runs: list[Path], host: str, port: int | None, show: bool, as_json: bool) -> None:
+    """One finished run, or two side by side."""
+    from ocean_sim.viewer.page import page
+    from ocean_sim.viewer.replay import Recorded
+    from ocean_sim.viewer.server import Server
+    from ocean_sim.viewer.still import sky_packet
+
+    found = [Recorded(run) for run in runs]
+    start = {"mode": "replay", "held": False, "runs": [{"title": run.title, "name": run.folder.name} for run in found]}
+    files: dict[str, Any] = {"/": (HTML, lambda: page("Ocean Sim", start)), "/sky": (BYTES, sky_packet)}
+    for k, run in enumerate(found):
+        files |= {f"/still/{k}": (BYTES, cache(run.still)), f"/replay/{k}": (BYTES, cache(run.stream))}
+    with stoppable(), Server(files, host, port, token(host), {"drives": False}) as server:
+        announce(server, as_json, show, "")
+        with suppress(KeyboardInterrupt):
+            Event().wait()
+
+
+def token(host: str) -> str:
+    """What an address must hold that other machines can reach."""
+    from ocean_sim.viewer.server import LOCAL
+
+    return "" if host in LOCAL else secrets.token_urlsafe(24)
+
+
+def announce(server: Any, as_json: bool, show: bool, more: str) -> None:
+    """Print the address, and open the browser where there is one."""
+    if as_json:
+        console.answer({"address": server.address})
+    else:
+        console.say(f"{server.address}\nCtrl-C stops" + (f"; {more}" if more else ""))
+    if show and not as_json and screen():
+        import webbrowser
+
+        webbrowser.open(server.address)
+
+
+def screen() -> bool:
+    """Whether a person may sit at this machine."""
+    return sys.platform in ("darwin", "win32") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def report(runs: list[Path], out: Path | None, as_json: bool) -> None:
+    """One page with the replay of a run, or of two, that needs no server; and report.html anew."""
+    from ocean_sim.observers.shared import run_report
+    from ocean_sim.viewer.replay import replay_file
+
+    if len(runs) > 2:
+        raise console.Refused("a page holds the replay of one run, or of two")
+    path = out or runs[0] / "replay.html"
+    if path.is_dir():
+        path = path / "replay.html"
+    replay_file(runs, path)
+    files = [path]
+    if len(runs) == 1 and out is None:
+        files.append(run_report.write(runs[0]))
+    if as_json:
+        console.answer({"files": files, "bytes": path.stat().st_size})
+    else:
+        console.say(f"{path} ({path.stat().st_size / 1e6:.2f} MB)")

@@ -1,0 +1,261 @@
+"""A finished run as a replay: its still and all of its frames in two packets, and a page that holds them."""
+
+import json
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ocean_sim.conventions import Refused
+from ocean_sim.files import csv_file
+from ocean_sim.files.whole_file import whole
+from ocean_sim.pictures.frame_files import Frame, frame_files, ships_in
+from ocean_sim.viewer.page import page
+from ocean_sim.viewer.protocol import FULL, boxed, differences, packet
+from ocean_sim.viewer.still import Setting, Vessel, sky_packet
+from ocean_sim.viewer.watch import CELLS, elevation_gauges
+from ocean_sim.waves import Components
+
+RATE = 20.0  # moments a second of simulated time, at most
+MOMENTS = 1600  # at most
+FINE = 0.001, 0.006  # [m] to which heights and positions of particles are kept
+FULL_SIZE = 2_150_000  # bytes of a stream that holds every particle; beyond it every second, third, ... is kept
+SHARE = 2  # moments from one in which particles are kept to the next
+PLOTTED = {
+    "heave_m": ("heave", "heave", "m", 1.0),
+    "roll_rad": ("roll", "angles", "deg", 57.29577951308232),
+    "pitch_rad": ("pitch", "angles", "deg", 57.29577951308232),
+    "yaw_rad": ("heading", "yaw", "deg", 57.29577951308232),
+    "surge_velocity_m_s": ("surge velocity", "speed", "m/s", 1.0),
+    "throttle": ("throttle", "orders", "1", 1.0),
+    "rudder_rad": ("rudder", "orders", "deg", 57.29577951308232),
+}  # column: label, group, unit and factor
+
+
+class Recorded:
+    """A run folder, read for a replay; raises Refused where it is none, or kept no frames."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        try:
+            manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+            self.scene: dict[str, Any] = manifest["scene"]
+        except (OSError, ValueError, KeyError, TypeError):
+            raise Refused(f"{folder}: this is not a run folder (there is no manifest.json that can be read)") from None
+        files = frame_files(folder)
+        if not files or not (folder / "frames" / "grid.npz").is_file():
+            raise Refused(f"{folder}: this run kept no frames to replay; run it without frames=null")
+        with np.load(folder / "frames" / "grid.npz") as file:
+            self.grid = {name: file[name] for name in file.files}
+        self.files = thinned(files, float(self.grid.get("every", 0.033)))
+        self.title = self.scene.get("title") or folder.name
+
+    @property
+    def strides(self) -> tuple[int, int]:
+        """Of the points of the heights that are kept, along x and z."""
+        return tuple(-(-len(self.grid[axis]) // CELLS) for axis in "xz")  # type: ignore[return-value]
+
+    def keys(self) -> list[str]:
+        return [key for key in ships_in(self.grid, "_vertices") if f"{key}_look" in self.grid]
+
+    def still(self) -> bytes:
+        """What is told once, with the names of what is plotted."""
+        return self.setting(self.numbers(np.zeros(1))[0]).packet()
+
+    def setting(self, scalars: list[dict[str, str]]) -> Setting:
+        """What is told once."""
+        grid, (i, j) = self.grid, self.strides
+        vessels = [
+            Vessel(
+                key.partition(".")[2] or key,
+                grid[f"{key}_vertices"].astype(float),
+                grid[f"{key}_triangles"].astype(int),
+                str(grid[f"{key}_look"]),
+                float(grid[f"{key}_submerged"]),
+                grid[f"{key}_helm"],
+            )
+            for key in self.keys()
+        ]
+        waves = None
+        if "sea_amplitude" in grid:
+            ramp = float(grid["sea_ramp"]) if "sea_ramp" in grid else 0.0
+            depth = float(grid["depth"])
+            waves = Components(grid["sea_amplitude"], grid["sea_wavevector"], grid["sea_phase"], depth, ramp=ramp)
+        flat = len(grid["z"]) == 1
+        first = Frame(self.files[0])
+        return Setting(
+            title=self.title,
+            scene=self.scene,
+            lower=grid["lower"].astype(float),
+            upper=grid["upper"].astype(float),
+            x=grid["x"][::i].astype(float),
+            z=grid["z"][::j].astype(float),
+            spacing=float(grid["spacing"]),
+            surface=bool(grid["has_surface"]) or flat,
+            obstacles=grid["obstacles"].astype(float).reshape(-1, 2, 3),
+            waves=waves,
+            vessels=vessels,
+            gauges=elevation_gauges(self.scene, flat),
+            particles=0 if first.position is None else len(first.position),
+            scalars=scalars,
+        )
+
+    def stream(self) -> bytes:
+        """All moments, deflated."""
+        setting, (i, j) = self.setting([]), self.strides
+        low, high = setting.box
+        times, heights, foams, poses, origins, particles, speeds = [], [], [], [], [], [], []
+        every = 1
+        for k, path in enumerate(self.files):
+            frame = Frame(path)
+            times.append(frame.time)
+            origins.append(frame.origin)
+            heights.append(frame.elevation[::i, ::j].ravel())
+            if frame.foam is not None:
+                foams.append(frame.foam[::i, ::j].ravel())
+            poses.append([self.pose(*frame.ships[key]) for key in self.keys()])
+            if frame.position is not None and k % SHARE == 0:
+                with np.load(path) as file:
+                    order = file["id"].astype(int)
+                particles.append(self.in_order(frame.position, order))
+                assert frame.velocity is not None
+                speeds.append(self.in_order(np.linalg.norm(frame.velocity, axis=1)[:, None], order))
+        tall = np.nan_to_num(np.array(heights))
+        top = max(FULL * FINE[0], float(np.abs(tall).max()))
+        _, scalars = self.numbers(np.array(times))
+        arrays = {
+            "height": differences(np.rint(tall * (FULL / top)).astype(np.int16)),
+            "poses": np.array(poses, np.float32).reshape(len(times), -1),
+            "origins": np.array(origins, np.float32),
+            "scalars": np.nan_to_num(scalars).astype(np.float32),
+        }
+        boxes: dict[str, Any] = {"height": {"delta": True, "low": -top, "high": top}}
+        platform = self.platform(np.array(times))
+        if platform is not None:
+            arrays["platform"] = platform
+        if foams:
+            arrays["foam"] = differences(np.rint(255.0 * np.clip(foams, 0.0, 1.0)).astype(np.int16))
+            boxes["foam"] = {"delta": True}
+        header = {"times": [round(t, 6) for t in times], "fastest": 1.0}
+        if particles:
+            most = max(len(each) for each in particles)
+            whole_run = np.full((len(particles), most, 3), np.nan, np.float32)
+            pace = np.zeros((len(particles), most), np.float32)
+            for k, each in enumerate(particles):
+                whole_run[k, : len(each)], pace[k, : len(each)] = each, np.nan_to_num(speeds[k][:, 0])
+            fastest = max(0.5, float(np.quantile(pace, 0.999)))
+            header["fastest"] = fastest
+            wide = np.maximum(0.5 * (high - low), FULL * FINE[1])
+            middle = 0.5 * (high + low)
+            boxes["particles"] = {"delta": True, "low": (middle - wide).tolist(), "high": (middle + wide).tolist()}
+            boxes["particles"] |= {"every": SHARE}
+            boxes["speed"] = {"delta": True, "every": SHARE}
+            places = boxed(whole_run, (middle - wide).astype(np.float32), (middle + wide).astype(np.float32))
+            tints = (np.minimum(pace / fastest, 1.0) * 31.0).astype(np.int16) * 8
+            while True:
+                kept = slice(None, None, every)
+                arrays["particles"] = differences(places[:, kept].reshape(len(places), -1))
+                arrays["speed"] = differences(tints[:, kept])
+                data = zlib.compress(packet("replay", arrays, boxes, **header), 9)
+                if len(data) <= FULL_SIZE or arrays["particles"].size < 20_000:
+                    return data
+                every += max(1, round(every * (len(data) / FULL_SIZE - 1.0)))
+        return zlib.compress(packet("replay", arrays, boxes, **header), 9)
+
+    @staticmethod
+    def in_order(values: np.ndarray, order: np.ndarray) -> np.ndarray:
+        """By identity; what is not there yet is no number."""
+        found = np.full((int(order.max()) + 1 if len(order) else 0, values.shape[1]), np.nan, np.float32)
+        found[order] = values
+        return found
+
+    @staticmethod
+    def pose(position: np.ndarray, turn: np.ndarray) -> list[float]:
+        """Position and quaternion w, x, y, z of a matrix from body to world (Shepperd 1978)."""
+        m = turn.astype(float)
+        four = np.array([1.0 + m[0, 0] + m[1, 1] + m[2, 2], *(1.0 + 2.0 * m[a, a] - np.trace(m) for a in range(3))])
+        k = int(four.argmax())
+        w, x, y, z = (m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]), m[0], m[1], m[2]
+        rows = np.array(
+            [
+                [four[0], *w],
+                [w[0], four[1], x[1] + y[0], x[2] + z[0]],
+                [w[1], x[1] + y[0], four[2], y[2] + z[1]],
+                [w[2], x[2] + z[0], y[2] + z[1], four[3]],
+            ]
+        )
+        q = rows[k] / np.linalg.norm(rows[k])
+        return [*(float(v) for v in position), *(q if q[0] >= 0.0 else -q)]
+
+    def table(self, name: str) -> dict[str, np.ndarray]:
+        """The columns of a CSV of the run; empty where there is none."""
+        path = self.folder / name
+        try:
+            log = csv_file.columns(path) if path.exists() else {}
+        except ValueError:
+            return {}
+        return log if log and len(log.get("time_s", ())) else {}
+
+    def numbers(self, times: np.ndarray) -> tuple[list[dict[str, str]], np.ndarray]:
+        """What is plotted, and its numbers (moments, k) at some times."""
+        rows: list[dict[str, str]] = []
+        columns: list[np.ndarray] = []
+
+        def add(
+            log: dict[str, np.ndarray], column: str, label: str, unit: str, group: str, factor: float = 1.0
+        ) -> None:
+            values = np.asarray(log[column], float)
+            values = np.unwrap(values) if column == "yaw_rad" else values
+            rows.append({"name": f"{group}_{label}".replace(" ", "_"), "label": label, "unit": unit, "group": group})
+            columns.append(factor * np.interp(times, log["time_s"], values))
+
+        gauges = self.table("gauges.csv")
+        for column in [name for name in gauges if name.endswith("_m")]:
+            add(gauges, column, column.removesuffix("_m"), "m", "elevation")
+        ships = self.scene.get("ships") or {}
+        logs = {name: self.table(f"motion_{name}.csv") for name in ships} if ships else {"": self.table("motion.csv")}
+        for name, log in logs.items():
+            for column, (label, group, unit, factor) in PLOTTED.items():
+                if column in log:
+                    add(log, column, f"{label} {name}".strip(), unit, group, factor)
+        platform = self.table("platform.csv")
+        for k in range(1, 7):
+            if f"leg{k}_m" in platform:
+                add(platform, f"leg{k}_m", f"leg {k}", "m", "legs")
+        accuracy = self.table("accuracy.csv")
+        if "compression_max" in accuracy:
+            add(accuracy, "compression_max", "largest compression", "%", "compression", 100.0)
+        timings = self.table("timings.csv")
+        if "real_time_factor" in timings:
+            add(timings, "real_time_factor", "simulated over wall time", "x", "pace")
+        for column in [name for name in timings if name.endswith("_ms_per_step")]:
+            add(timings, column, column.removesuffix("_ms_per_step"), "ms/step", "cost")
+        return rows, np.array(columns).T.reshape(len(times), -1)
+
+    def platform(self, times: np.ndarray) -> np.ndarray | None:
+        """(moments, 12) pose and legs at some times."""
+        log = self.table("platform.csv")
+        names = ("x_m", "y_m", "z_m", "roll_rad", "pitch_rad", "yaw_rad", *(f"leg{k}_m" for k in range(1, 7)))
+        if not all(name in log for name in names):
+            return None
+        return np.array([np.interp(times, log["time_s"], log[name]) for name in names], np.float32).T
+
+
+def thinned(files: list[Path], every: float) -> list[Path]:
+    """The frames that a replay holds: RATE a second, at most MOMENTS."""
+    step = max(1, round(1.0 / (RATE * max(every, 1e-9))), -(-len(files) // MOMENTS))
+    return files[::step]
+
+
+def replay_file(folders: list[Path], path: Path) -> Path:
+    """Write one page that holds the replay of a run, or of two side by side, and needs nothing else."""
+    runs = [Recorded(folder) for folder in folders]
+    data = {"sky": sky_packet()}
+    for k, run in enumerate(runs):
+        data |= {f"still{k}": run.still(), f"replay{k}": run.stream()}
+    title = " and ".join(run.title for run in runs)
+    start = {"mode": "replay", "held": True, "runs": [{"title": run.title, "name": run.folder.name} for run in runs]}
+    with whole(path) as draft:
+        draft.write_bytes(page(title, start, data))
+    return path

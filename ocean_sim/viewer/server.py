@@ -1,0 +1,329 @@
+"""The server behind the page: a thread of its own that sends the newest frame to each watcher and takes commands.
+
+A watcher that cannot keep up gets fewer frames: each waits for its own socket alone, and only the newest frame is kept.
+What comes in is bounded in length, in rate and in number.
+"""
+
+import asyncio
+import hmac
+import json
+import threading
+from collections import deque
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from time import monotonic
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from ocean_sim.conventions import Failed, Lacking, Refused
+from ocean_sim.viewer.protocol import LONGEST, LOOKS, VERSION, BadMessage, Command, command
+
+if TYPE_CHECKING:
+    from aiohttp import web
+
+PORT = 8765
+LOCAL = ("127.0.0.1", "localhost", "::1")
+MOST_WATCHERS = 64
+WAITING = 256  # commands that are not obeyed yet, and messages that are not sent to one watcher
+BURST, A_SECOND = 240, 120  # messages that one watcher may send
+STALLED = 30.0  # [s] that a watcher may take for one message
+IDLE = 60.0  # [s] after which another may take the helm from who does not touch it
+POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
+    "connect-src 'self' ws: wss:; base-uri 'none'; form-action 'none'"
+)
+
+File = Callable[[], bytes]  # the content of an address
+
+
+class Order(NamedTuple):
+    """A command, and who gave it."""
+
+    watcher: int
+    command: Command
+
+
+class Watcher:
+    """A page that is open."""
+
+    def __init__(self, number: int, socket: "web.WebSocketResponse") -> None:
+        self.number, self.socket = number, socket
+        self.texts: deque[str] = deque(maxlen=WAITING)
+        self.still: bytes | None = None  # the last that was sent
+        self.frame: bytes | None = None
+        self.woken = asyncio.Event()
+        self.allowance, self.asked = float(BURST), monotonic()
+
+    def may_ask(self) -> bool:
+        """Whether one more message is within the rate."""
+        now = monotonic()
+        self.allowance = min(BURST, self.allowance + A_SECOND * (now - self.asked))
+        self.asked = now
+        self.allowance -= 1.0
+        return self.allowance >= 0.0
+
+
+class Server:
+    """An address that a browser can open; an `Audience` for a `Watch`. Use it as a context manager."""
+
+    def __init__(
+        self,
+        files: Mapping[str, tuple[str, File]],
+        host: str = "127.0.0.1",
+        port: int | None = None,
+        token: str = "",
+        hello: Mapping[str, Any] | None = None,
+    ) -> None:
+        """`files`: type and content by path; `token`: what an address must hold, if anything; `hello`: what a page is
+        told first. Raises Lacking where aiohttp is not installed, and Refused where the port is taken."""
+        try:
+            import aiohttp.web  # noqa: F401
+        except ImportError:
+            raise Lacking("the page needs aiohttp: pip install 'ocean-sim[browser]'") from None
+        self.files, self.host, self.token, self.hello = files, host, token, dict(hello or {})
+        self.all: dict[int, Watcher] = {}
+        self.inbox: deque[Order] = deque()
+        self.arrived = threading.Event()  # a command, or a watcher
+        self.fresh = True  # whether the next frame is for somebody new
+        self.watchers, self.helm, self.touched = 0, 0, 0.0
+        self.still: bytes | None = None
+        self.frame: bytes | None = None
+        self.panel: dict[str, Any] = {}
+        self.count = self.refused = 0
+        self.loop = asyncio.new_event_loop()
+        self.ready, self.failure, self.port = threading.Event(), "", port
+        self.thread = threading.Thread(target=self.work, name="viewer", daemon=True)
+        self.thread.start()
+        self.ready.wait()
+        if self.failure:
+            self.thread.join()
+            raise Refused(self.failure)
+
+    @property
+    def local(self) -> bool:
+        """Whether only this machine can reach it."""
+        return self.host in LOCAL
+
+    @property
+    def address(self) -> str:
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return f"http://{host}:{self.port}/" + (f"?token={self.token}" if self.token else "")
+
+    # in the thread of the simulation
+
+    def begin(self, still: bytes) -> None:
+        self.loop.call_soon_threadsafe(self.take_still, still)
+
+    def show(self, frame: bytes) -> None:
+        self.fresh = False
+        self.loop.call_soon_threadsafe(self.take_frame, frame)
+
+    def tell(self, watcher: int | None, **message: Any) -> None:
+        """Text to one watcher, or to all; a `panel` is kept for those who come later."""
+        self.loop.call_soon_threadsafe(self.post, watcher, message)
+
+    def orders(self) -> list[Order]:
+        """The commands that have come in since the last call."""
+        found = []
+        with suppress(IndexError):
+            while True:
+                found.append(self.inbox.popleft())
+        return found
+
+    def close(self) -> None:
+        """Say goodbye to all watchers, and stop."""
+        if self.thread.is_alive():
+            with suppress(RuntimeError):
+                self.loop.call_soon_threadsafe(self.stopping.set)
+            self.thread.join(5.0)
+
+    def __enter__(self) -> "Server":
+        return self
+
+    def __exit__(self, *failure: object) -> None:
+        self.close()
+
+    # in its own thread
+
+    def work(self) -> None:
+        asyncio.set_event_loop(self.loop)
+        try:
+            self.loop.run_until_complete(self.serve())
+        finally:
+            self.ready.set()
+            self.loop.close()
+
+    async def serve(self) -> None:
+        from aiohttp import web
+
+        self.stopping = asyncio.Event()
+
+        @web.middleware
+        async def guard(request: web.Request, handler: Any) -> Any:
+            return await self.guarded(request, handler)
+
+        app = web.Application(middlewares=[guard])
+        app.router.add_get("/watch", self.watched)
+        for path in self.files:
+            app.router.add_get(path, self.given)
+        runner = web.AppRunner(app, access_log=None, shutdown_timeout=1.0)
+        await runner.setup()
+        try:
+            for port in [self.port] if self.port is not None else [PORT, 0]:
+                try:
+                    site = web.TCPSite(runner, self.host, port, reuse_address=True)
+                    await site.start()
+                    self.port = runner.addresses[0][1]
+                    break
+                except OSError as error:
+                    self.failure = f"--port {port} on {self.host}: {error.strerror or error}; choose another"
+            else:
+                return
+            self.failure = ""
+            self.ready.set()
+            await self.stopping.wait()
+            for watcher in [*self.all.values()]:
+                with suppress(Exception):
+                    await watcher.socket.close(code=1001, message=b"the server has stopped")
+        finally:
+            await runner.cleanup()
+
+    async def guarded(self, request: "web.Request", handler: Any) -> Any:
+        """Refuse who has not the token; where there is none, pages of other sites, and names of other machines."""
+        from aiohttp import web
+
+        if self.token:
+            if not hmac.compare_digest(request.query.get("token", "").encode(), self.token.encode()):
+                raise web.HTTPForbidden(text="This address needs the token that the server printed.\n")
+        else:
+            name = request.host.rsplit(":", 1)[0].strip("[]")
+            origin = request.headers.get("Origin")
+            if name not in LOCAL or (origin is not None and origin.split("//")[-1] != request.host):
+                raise web.HTTPForbidden(text="This server answers only pages of its own, on this machine.\n")
+        return await handler(request)
+
+    async def given(self, request: "web.Request") -> Any:
+        from aiohttp import web
+
+        kind, content = self.files[request.path]
+        try:
+            body = await asyncio.get_running_loop().run_in_executor(None, content)
+        except Failed as error:
+            raise web.HTTPNotFound(text=error.sentence) from None
+        head = {"Cache-Control": "no-cache", "X-Content-Type-Options": "nosniff", "Referrer-Policy": "no-referrer"}
+        if kind.startswith("text/html"):
+            head["Content-Security-Policy"] = POLICY
+        return web.Response(body=body, headers={"Content-Type": kind, **head})
+
+    async def watched(self, request: "web.Request") -> Any:
+        """The socket of one page."""
+        from aiohttp import WSMsgType, web
+
+        if len(self.all) >= MOST_WATCHERS:
+            raise web.HTTPServiceUnavailable(text="too many watchers\n")
+        socket = web.WebSocketResponse(max_msg_size=LONGEST, heartbeat=15.0, compress=False)
+        await socket.prepare(request)
+        self.count += 1
+        watcher = self.all[self.count] = Watcher(self.count, socket)
+        self.watchers, self.fresh = len(self.all), True
+        self.arrived.set()
+        self.post(watcher.number, {"type": "hello", "protocol": VERSION, "you": watcher.number, **self.hello})
+        if self.panel:
+            self.post(watcher.number, self.panel)
+        self.stands()
+        sending = asyncio.create_task(self.send(watcher))
+        try:
+            async for message in socket:
+                if message.type != WSMsgType.TEXT or not self.heard(watcher, message.data):
+                    break
+        finally:
+            sending.cancel()
+            del self.all[watcher.number]
+            self.watchers = len(self.all)
+            if self.helm == watcher.number:
+                self.helm = 0
+            self.stands()
+            with suppress(Exception):
+                await socket.close(code=1008 if socket.close_code is None else 1000)
+        return socket
+
+    def heard(self, watcher: Watcher, text: str) -> bool:
+        """Take one message; whether the connection stays."""
+        try:
+            if not watcher.may_ask():
+                raise BadMessage("too many messages")
+            order = command(text)
+        except BadMessage as error:
+            self.refused += 1
+            with suppress(RuntimeError):
+                asyncio.get_running_loop().create_task(
+                    watcher.socket.close(code=1008, message=error.sentence.encode()[:120])
+                )
+            return False
+        if order.do == "take":
+            self.grasp(watcher.number)
+        elif order.do == "leave":
+            self.helm = 0 if self.helm == watcher.number else self.helm
+            self.stands()
+        elif order.do not in LOOKS and not self.grasp(watcher.number):
+            self.post(watcher.number, {"type": "said", "text": "Another page has the helm.", "bad": True})
+        elif len(self.inbox) >= WAITING:
+            self.post(
+                watcher.number, {"type": "said", "text": "The simulation is busy; this was not taken.", "bad": True}
+            )
+        else:
+            self.inbox.append(Order(watcher.number, order))
+            self.arrived.set()
+        return True
+
+    def grasp(self, number: int) -> bool:
+        """Give the helm to a watcher where it is free, or its holder idle; whether this one has it."""
+        now = monotonic()
+        if self.helm in (0, number) or now - self.touched > IDLE:
+            changed = self.helm != number
+            self.helm, self.touched = number, now
+            if changed:
+                self.stands()
+        return self.helm == number
+
+    def stands(self) -> None:
+        """Tell everybody who has the helm."""
+        self.post(None, {"type": "helm", "holder": self.helm, "watchers": len(self.all)})
+
+    def post(self, number: int | None, message: dict[str, Any]) -> None:
+        if message.get("type") == "panel" and number is None:
+            self.panel = message
+        text = json.dumps(message, allow_nan=False, default=str)
+        for watcher in self.all.values() if number is None else filter(None, [self.all.get(number)]):
+            watcher.texts.append(text)
+            watcher.woken.set()
+
+    def take_still(self, still: bytes) -> None:
+        self.still, self.frame = still, None
+        self.wake()
+
+    def take_frame(self, frame: bytes) -> None:
+        self.frame = frame
+        self.wake()
+
+    def wake(self) -> None:
+        for watcher in self.all.values():
+            watcher.woken.set()
+
+    async def send(self, watcher: Watcher) -> None:
+        """What is new, whenever this watcher is ready for it."""
+        watcher.woken.set()
+        with suppress(ConnectionError, asyncio.TimeoutError):
+            while True:
+                await watcher.woken.wait()
+                watcher.woken.clear()
+                while watcher.texts:
+                    await asyncio.wait_for(watcher.socket.send_str(watcher.texts.popleft()), STALLED)
+                if self.still is not None and watcher.still is not self.still:
+                    watcher.still = self.still
+                    await asyncio.wait_for(watcher.socket.send_bytes(self.still), STALLED)
+                frame = self.frame
+                if frame is not None and watcher.frame is not frame and watcher.still is self.still:
+                    watcher.frame = frame
+                    await asyncio.wait_for(watcher.socket.send_bytes(frame), STALLED)
+        with suppress(Exception):
+            await watcher.socket.close(code=1008)

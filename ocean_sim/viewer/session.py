@@ -1,0 +1,413 @@
+"""A scene that is played with from pages: stepped in the thread that built it, told by the commands that come in."""
+
+import json
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from math import atan2, hypot, pi, remainder
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
+from typing import Any, NamedTuple, Protocol
+
+from ocean_sim.conventions import Diverged, Failed, in_words
+from ocean_sim.files.claim import Claim
+from ocean_sim.files.whole_file import whole
+from ocean_sim.files.yaml_file import SceneError, mapping, setting
+from ocean_sim.parts import library, named
+from ocean_sim.pictures.panel import Panel, sliders_of
+from ocean_sim.reading.scene import SceneConfig, load_text, packaged_scenes, scene_path
+from ocean_sim.simulation import Simulation
+from ocean_sim.viewer import protocol as p
+from ocean_sim.viewer.keys import keys
+from ocean_sim.viewer.server import Order
+from ocean_sim.viewer.watch import Audience, Watch
+
+BUDGET = 0.04  # [s] of steps between two looks at what has come in
+NAP = 0.05  # [s] to wait for commands where there is nothing to do
+ALWAYS = ("gauges", "motion", "health")  # observers that play along; files of theirs go to a folder that is thrown away
+SCENE = "of the scene"  # a wind that is not a preset
+LEAST_BEHIND = 0.1  # [s] of wall time that a simulation which is too slow for its speed may lag behind
+
+
+class Desk(Audience, Protocol):
+    """Where commands come from and answers go to."""
+
+    arrived: Any
+    fresh: bool
+
+    def orders(self) -> list[Order]: ...
+    def tell(self, watcher: int | None, **message: Any) -> None: ...
+
+
+class Source(NamedTuple):
+    """What is played: a text, its name and folder, and what is laid over it."""
+
+    text: str
+    name: str
+    folder: Path
+    profile: str | None = None
+    overrides: Mapping[str, Any] = {}
+
+    @classmethod
+    def of(cls, scene: str | Path, profile: str | None = None, overrides: Mapping[str, Any] | None = None) -> "Source":
+        path = scene_path(scene)
+        return cls(path.read_text(encoding="utf-8"), path.stem, path.parent, profile, dict(overrides or {}))
+
+    def load(self) -> SceneConfig:
+        """The scene; raises SceneError with every problem, located in the text."""
+        return load_text(self.text, self.name, self.folder, dict(self.overrides), self.profile)
+
+
+class Session:
+    """One simulation after another, each with a `Watch`; use it as a context manager."""
+
+    def __init__(self, source: Source, desk: Desk, out: Path, described: Callable[[], list[dict[str, str]]]) -> None:
+        """`out`: where records and saved scenes go; `described`: what a page lists of packaged scenes."""
+        self.source, self.desk, self.out, self.described = source, desk, out, described
+        self.panel = Panel([*named("wind"), "still"], "")
+        self.speed, self.due = 1.0, 0.0
+        self.simulation: Simulation | None = None
+        self.away: TemporaryDirectory | None = None
+        self.claim: Claim | None = None  # of the run folder of a record
+        self.touched: list[str] = []  # what was set by hand in a record
+        self.moved: dict[str, float] = {}  # sliders, by label
+        self.routes: dict[str, list[tuple[float, float]]] = {}
+        self.persons: dict[str, Any] = {}
+        self.done = False
+        self.start(source.load())
+
+    def start(self, config: SceneConfig, folder: Path | None = None) -> None:
+        """Build a simulation, whose files go to a folder that is thrown away unless one is given."""
+        self.config = config
+        if folder is None:
+            self.away = TemporaryDirectory(prefix="ocean-sim-")
+            kept = {name: part for name, part in config.observers.items() if name in ALWAYS}
+            config = config.model_copy(update={"observers": kept})
+        self.simulation = Simulation(config, folder or Path(self.away.name))  # type: ignore[union-attr]
+        self.watch = Watch(self.simulation, self.desk)
+        self.simulation.observers.append(self.watch)
+        self.panel.wind = wind_name(self.source)
+        self.panel.bind(sliders_of(self.simulation))
+        self.panel.message, self.persons, self.routes, self.due = "", {}, {}, 0.0
+        self.report()
+        self.watch.show(perf_counter())
+
+    def end(self) -> None:
+        """Close what is played, and let go of its folder."""
+        if self.simulation is not None:
+            simulation, self.simulation = self.simulation, None
+            if self.claim is not None:
+                simulation.outcome = "done" if simulation.outcome == "running" else simulation.outcome
+                if self.touched:
+                    with whole(self.claim.folder / "touched.txt") as draft:
+                        draft.write_text("\n".join([*self.touched, ""]), encoding="utf-8")
+            try:
+                simulation.close()
+            finally:
+                if self.claim is not None:
+                    self.say(f"recorded: {self.claim.folder}")
+                    self.claim.close()
+                    self.claim, self.touched = None, []
+                if self.away is not None:
+                    self.away.cleanup()
+                    self.away = None
+
+    def play(self) -> None:
+        """Go on until it is ended, by an interrupt or by `done`."""
+        last = perf_counter()
+        while not self.done:
+            now = perf_counter()
+            wall, last = now - last, now
+            self.desk.arrived.clear()
+            self.obey()
+            self.go_on(wall)
+
+    def go_on(self, wall: float) -> None:
+        """Steps for so much wall time as has gone by [s], as many as there is time for."""
+        panel, begin = self.panel, perf_counter()
+        if panel.take("step"):
+            self.step()
+            self.watch.show(perf_counter())
+        assert self.simulation is not None
+        if panel.paused:
+            if self.desk.fresh and self.desk.watchers:
+                self.watch.show(perf_counter())
+            self.desk.arrived.wait(NAP)
+            return
+        fast = self.speed == 0.0
+        self.due = 0.0 if fast else min(self.due + wall * self.speed, LEAST_BEHIND * self.speed)
+        while (fast or self.due > 0.0) and not panel.paused and perf_counter() - begin < BUDGET:
+            self.due -= self.simulation.next_dt
+            self.step()
+        if not fast and self.due <= 0.0 and not panel.paused:
+            self.desk.arrived.wait(min(-self.due / self.speed, NAP))
+
+    def step(self) -> None:
+        """One step; a simulation that leaves the physical world, or a record that is complete, stops here."""
+        simulation = self.simulation
+        assert simulation is not None
+        try:
+            self.steer()
+            simulation.run(simulation.time + 0.5 * simulation.next_dt)
+        except Diverged as failure:
+            self.panel.paused, self.panel.message = True, f"diverged: {failure}. Reset starts again."
+            self.watch.show(perf_counter())
+            self.report()
+        if self.claim is not None and simulation.time >= self.config.duration:
+            self.panel.paused = True
+            self.rebuild(self.source)
+
+    def steer(self) -> None:
+        """Persons who sail a route look where they are."""
+        simulation = self.simulation
+        assert simulation is not None
+        for name, points in list(self.routes.items()):
+            ship, person = simulation.ships[name], self.persons[name]
+            rudder, arrived = towards(ship, points[0])
+            person.give(person.throttle, rudder)
+            if arrived:
+                points.pop(0)
+            if not points:
+                del self.routes[name]
+                person.give(person.throttle, 0.0)
+                self.say(f"{name}: the end of the route")
+                self.report()
+
+    def obey(self) -> None:
+        """What has come in; the newest of those that replace one another."""
+        orders = self.desk.orders()
+        last = {replaces(order): k for k, order in enumerate(orders)}
+        changed = False
+        for k, order in enumerate(orders):
+            if last[replaces(order)] != k and replaces(order)[0]:
+                continue
+            try:
+                changed = self.take(order) or changed
+            except SceneError as error:
+                self.problems(order.watcher, error)
+            except Failed as error:
+                self.say(error.sentence, order.watcher, bad=True)
+            except (OSError, MemoryError, RuntimeError) as error:
+                self.say(in_words(error), order.watcher, bad=True)
+                if self.simulation is None:
+                    raise
+        if changed:
+            self.report()
+
+    def take(self, order: Order) -> bool:
+        """Do what a command says; whether the panel has changed."""
+        command, panel = order.command, self.panel
+        match command:
+            case p.Act(do="pause" | "play"):
+                panel.paused = command.do == "pause"
+                self.watch.show(perf_counter())
+            case p.Act(do="step"):
+                panel.do("step")
+            case p.Act(do="reset"):
+                self.rebuild(self.source)
+            case p.Act(do="record"):
+                self.record()
+            case p.Act(do="stop"):
+                self.rebuild(self.source)
+            case p.Act(do="scene"):
+                self.tell_scene(order.watcher)
+                return False
+            case p.Act(do="scenes"):
+                self.desk.tell(order.watcher, type="scenes", rows=self.described())
+                return False
+            case p.Act(do="keys"):
+                self.desk.tell(order.watcher, type="keys", rows=keys(self.config))
+                return False
+            case p.Speed(value=value):
+                self.speed, self.due = value, 0.0
+            case p.Slide(key=label, value=value):
+                slider = next((each for each in panel.sliders if each.label == label), None)
+                if slider is None:
+                    raise Failed(f"there is no slider {label!r} here")
+                slider.move(value)
+                self.moved[label] = slider.value
+                self.note(f"{label} = {slider.value:g}")
+            case p.Steer(ship=ship, throttle=throttle, rudder=rudder):
+                self.routes.pop(ship, None)
+                self.person(ship).give(throttle, rudder)
+                self.note(f"{ship}: throttle {throttle:g}, rudder {rudder:g} rad")
+                return False
+            case p.Route(ship=ship, points=points):
+                person = self.person(ship)
+                self.routes.pop(ship, None)
+                if points:
+                    self.routes[ship] = [*points]
+                    person.give(person.throttle or 0.6, person.rudder)
+                else:
+                    person.give(person.throttle, 0.0)
+                self.note(f"{ship}: route {points}")
+            case p.Wind(name=name):
+                if name not in panel.winds:
+                    raise Failed(f"there is no wind {name!r}")
+                rest = {key: value for key, value in self.source.overrides.items() if key.split(".")[0] != "wind"}
+                self.rebuild(self.source._replace(overrides=rest | {"wind": name}))
+            case p.Change(key=key, value=value):
+                path, node = setting(f"{key}={value}")
+                self.rebuild(self.source._replace(overrides={**self.source.overrides, path: node}))
+            case p.Check(text=text):
+                self.check(order.watcher, text)
+                return False
+            case p.Apply(text=text):
+                self.rebuild(self.source._replace(text=text, overrides={}))
+                self.desk.tell(order.watcher, type="problems", problems=[])
+            case p.Open(name=name):
+                if name not in packaged_scenes():
+                    raise Failed(f"there is no scene {name!r}")
+                self.moved = {}
+                self.panel.sliders = []
+                self.rebuild(Source.of(library("scenes") / f"{name}.yaml", self.source.profile))
+                self.tell_scene(None)
+            case p.Save(name=name):
+                self.save(name)
+                return False
+        return True
+
+    def person(self, ship: str) -> Any:
+        """Who steers a ship by hand; raises Failed."""
+        assert self.simulation is not None
+        if ship not in self.simulation.ships:
+            raise Failed(f"there is no ship {ship!r} here")
+        if ship not in self.persons:
+            self.persons[ship] = self.simulation.ships[ship].hand_over()
+        return self.persons[ship]
+
+    def rebuild(self, source: Source, folder: Path | None = None) -> None:
+        """Play a source from its beginning; the one that is played goes on where it cannot be loaded."""
+        config = source.load()
+        if folder is not None:
+            config = load_text(
+                source.text, source.name, source.folder, {**source.overrides, "render": None}, source.profile
+            )
+        self.say("building anew ...")
+        before = self.source
+        self.end()
+        try:
+            self.source = source
+            self.start(config, folder)
+        except (Failed, MemoryError, RuntimeError) as error:
+            if source == before:
+                raise
+            self.say(in_words(error), bad=True)
+            self.source = before
+            self.start(before.load())
+        self.say("")
+
+    def record(self) -> None:
+        """Begin anew, and keep the whole run folder."""
+        config = self.source.load()
+        folder = next(path for k in range(1, 10_000) if not (path := self.out / f"{self.source.name}-{k}").exists())
+        claim = Claim(folder)
+        try:
+            self.rebuild(self.source, folder)
+        except BaseException:
+            claim.close()
+            raise
+        self.claim, self.panel.paused = claim, False
+        for label, value in self.moved.items():
+            self.note(f"{label} = {value:g}")
+        self.say(f"recording {config.duration:g} s into {folder}")
+
+    def note(self, what: str) -> None:
+        """Keep what was set by hand in a record: its scene does not say it."""
+        if self.claim is not None and self.simulation is not None:
+            self.touched.append(f"t = {self.simulation.time:.6f} s: {what}")
+
+    def check(self, watcher: int, text: str) -> None:
+        try:
+            self.source._replace(text=text, overrides={}).load()
+        except SceneError as error:
+            self.problems(watcher, error)
+        else:
+            self.desk.tell(watcher, type="problems", problems=[])
+
+    def problems(self, watcher: int, error: SceneError) -> None:
+        """What is wrong with a scene, at its lines."""
+        rows = [each._asdict() for each in error.problems[:100]]
+        self.desk.tell(watcher, type="problems", problems=rows)
+        self.say(str(error.problems[0]) if error.problems else error.sentence, watcher, bad=True)
+
+    def save(self, name: str) -> None:
+        """The scene as it is played: its text, or where more was set than it says, all of its keys."""
+        path = self.out / f"{name}.yaml"
+        if path.exists():
+            raise Failed(f"{path}: there is such a file already; choose another name")
+        moved = [f"# set by hand: {label} = {value:g}" for label, value in self.moved.items()]
+        body = self.source.text
+        if self.source.overrides or self.source.profile:
+            body = "\n".join(f"{key}: {json.dumps(value)}" for key, value in self.config.resolved().items())
+        self.out.mkdir(parents=True, exist_ok=True)
+        with whole(path) as draft:
+            draft.write_text("\n".join([*moved, body.rstrip(), ""]), encoding="utf-8")
+        self.say(f"saved: {path}")
+
+    def tell_scene(self, watcher: int | None) -> None:
+        """The text that is played, and what is laid over it."""
+        laid = [f"{key}={getattr(value, 'data', value)}" for key, value in self.source.overrides.items()]
+        self.desk.tell(watcher, type="scene", name=self.source.name, text=self.source.text, sets=laid)
+
+    def say(self, text: str, watcher: int | None = None, bad: bool = False) -> None:
+        self.desk.tell(watcher, type="said", text=text, bad=bad)
+
+    def report(self) -> None:
+        """Tell everybody what may be set, and how it stands."""
+        simulation, panel = self.simulation, self.panel
+        assert simulation is not None
+        sliders = [{"label": s.label, "value": s.value, "low": s.low, "high": s.high} for s in panel.sliders]
+        ships = [
+            {"name": name, "throttle": ship.orders[0], "rudder": ship.orders[1], "route": self.routes.get(name, [])}
+            for name, ship in simulation.ships.items()
+        ]
+        self.desk.tell(
+            None,
+            type="panel",
+            paused=panel.paused,
+            speed=self.speed,
+            wind=panel.wind,
+            winds=[*([panel.wind] if panel.wind == SCENE else []), *panel.winds],
+            sliders=sliders,
+            ships=ships,
+            message=panel.message,
+            recording=str(self.claim.folder) if self.claim is not None else "",
+            scene=self.source.name,
+            duration=self.config.duration,
+        )
+
+    def __enter__(self) -> "Session":
+        return self
+
+    def __exit__(self, *failure: object) -> None:
+        with suppress(Failed):
+            self.end()
+
+
+def wind_name(source: Source) -> str:
+    """The preset of wind that a source names, or that it is the scene's own."""
+    written = mapping(source.text, source.name).data.get("wind")
+    wind = source.overrides.get("wind", written)
+    name = getattr(wind, "data", wind)
+    if any(key.startswith("wind.") for key in source.overrides) or not isinstance(name, str | None):
+        return SCENE
+    return name or "still"
+
+
+def replaces(order: Order) -> tuple[str, ...]:
+    """What a command has in common with those that it replaces; empty words where it replaces none."""
+    command = order.command
+    if isinstance(command, p.Slide):
+        return ("slide", command.key)
+    if isinstance(command, p.Steer):
+        return ("steer", command.ship)
+    return ("speed",) if isinstance(command, p.Speed) else ("", str(id(order)))
+
+
+def towards(ship: Any, point: tuple[float, float]) -> tuple[float, bool]:
+    """The rudder [rad] that brings a ship to a point x, z [m], and whether she is there, within her own length."""
+    body = ship.body
+    x, z = point[0] - float(body.position[0]), point[1] - float(body.position[2])
+    error = remainder(atan2(x, z) - float(body.angles[1]), 2.0 * pi)
+    return 1.5 * (error - 2.0 * float(body.angular_velocity[1])), hypot(x, z) < 8.0

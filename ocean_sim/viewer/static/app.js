@@ -1,0 +1,591 @@
+// The page: what is shown, what is pressed, and the socket or the replay behind it.
+const $ = (id) => document.getElementById(id);
+const root = document.documentElement;
+const LIVE = START.mode === "live";
+const TOKEN = new URLSearchParams(location.search).get("token");
+const WITH = TOKEN ? `?token=${encodeURIComponent(TOKEN)}` : "";
+
+function store(key, value) {
+  try { if (value === undefined) return localStorage.getItem(key); localStorage.setItem(key, value); } catch { /* a file of its own has none */ }
+  return null;
+}
+
+const canvas = $("sea");
+const gl = canvas.getContext("webgl2", { antialias: true, alpha: false, powerPreference: "high-performance", preserveDrawingBuffer: true, xrCompatible: false });
+if (!gl) { $("coverText").textContent = "This browser has no WebGL 2, by which the sea is drawn."; throw new Error("no WebGL 2"); }
+gl.getExtension("EXT_color_buffer_float");
+gl.getExtension("EXT_color_buffer_half_float");
+gl.getExtension("OES_texture_float_linear");
+gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+
+const painter = new Painter(gl), camera = new Camera(), plots = new Plots($("plots"));
+const state = {
+  worlds: [], content: "water", lines: true, rig: true, mirror: true, me: 0, holder: 0, watchers: 0, drives: true,
+  panel: null, paused: true, connected: false, scale: 1, replays: [], time: 0, speed: 1, drawn: 0, frames: 0,
+  throttle: 0, rudder: 0, steered: 0, picking: false, dirty: true,
+};
+window.oceanSim = { state, camera, painter, plots, XR, M };  // for those who look into the page, tests among them
+
+// --- what comes in ------------------------------------------------------------------------------------------------------
+
+function begin(stills) {
+  for (const world of state.worlds) world.free();
+  state.worlds = stills.map((still) => new World(gl, painter, still));
+  const first = state.worlds[0], still = first.still;
+  $("title").textContent = state.worlds.length > 1 ? START.runs.map((run) => run.name).join("  |  ") : still.title;
+  $("title").title = stills.map((one) => one.title).join(" | ");
+  $("count").hidden = !still.particles && still.fluid === "";
+  $("count").textContent = still.particles ? `${still.particles.toLocaleString("en")} particles` : still.fluid.replaceAll("_", " ");
+  $("showSea").checked = first.sea;
+  $("steering").hidden = !LIVE || !state.drives || !first.ships.length;
+  $("rigCheck").hidden = $("ridesCheck").hidden = !still.platform;
+  plots.begin(state.worlds.map((world, k) => ({ scalars: world.still.scalars, name: START.runs?.[k]?.name || world.still.title })));
+  const contents = [...(still.surface ? ["water"] : []), ...(still.particles ? ["particles"] : []), ...(still.surface && still.particles ? ["both"] : [])];
+  if (!contents.includes(state.content)) state.content = contents[0] || "water";
+  segments($("contents"), contents, () => state.content, (name) => { state.content = name; state.dirty = true; });
+  const modes = camera.modes(first);
+  if (!modes.includes(camera.mode)) camera.mode = modes[0];
+  segments($("cameras"), modes, () => camera.mode, (name) => { camera.mode = name; camera.turn = camera.tilt = 0; state.dirty = true; });
+  camera.ship = Math.min(camera.ship, Math.max(first.ships.length - 1, 0));
+  $("whichShip").hidden = first.ships.length < 2;
+  $("whichShip").innerHTML = first.ships.map((ship, k) => `<option value="${k}">${escaped(ship.name)}</option>`).join("");
+  $("whichShip").value = camera.ship;
+  state.dirty = true;
+}
+
+function segments(box, names, now, choose) {
+  const words = { water: "Water", particles: "Particles", both: "Both", orbit: "Orbit", follow: "Follow", helm: "Helm", top: "Top", side: "Side" };
+  box.innerHTML = names.map((name) => `<button role="radio" data-name="${name}">${words[name]}</button>`).join("");
+  box.hidden = names.length < 2;
+  const mark = () => { for (const b of box.children) b.setAttribute("aria-checked", b.dataset.name === now()); };
+  for (const b of box.children) b.onclick = () => { choose(b.dataset.name); mark(); };
+  box.mark = mark;
+  box.pick = (name) => { if (names.includes(name)) { choose(name); mark(); } };
+  mark();
+}
+
+const live = {
+  queue: [], arrived: 0, gap: 0.05,
+
+  open() {
+    const address = `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/watch${WITH}`;
+    const socket = this.socket = new WebSocket(address);
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => { this.tries = 0; state.connected = true; link(); };
+    socket.onclose = (event) => {
+      state.connected = false;
+      link();
+      if (event.code === 1008 && event.reason) say(event.reason, true);
+      this.tries = (this.tries || 0) + 1;
+      setTimeout(() => this.open(), Math.min(500 * 1.6 ** this.tries, 8000));
+    };
+    this.chain = Promise.resolve();
+    socket.onmessage = (event) => { this.chain = this.chain.then(() => this.take(event.data)).catch((error) => { console.error(error); say(String(error), true); }); };
+  },
+
+  async take(data) {
+    if (typeof data === "string") return heard(JSON.parse(data));
+    const head = unpack(await inflated(data));
+    if (head.kind === "still") {
+      if (head.protocol !== 1) throw new Error("the server speaks another version; load the page again");
+      this.queue = [];
+      begin([head]);
+    } else if (head.kind === "frame") {
+      const now = performance.now() / 1000, last = this.queue[this.queue.length - 1];
+      if (last) this.gap += 0.1 * (clamp(now - this.arrived, 0.01, 0.4) - this.gap);
+      this.arrived = now;
+      head.at = now;
+      if (last && head.time < last.time) this.queue = [];
+      this.queue.push(head);
+      if (this.queue.length > 6) this.queue.shift();
+      plots.add(0, head.time, head.data.scalars);
+      state.frames++;
+      numbers(head);
+      state.dirty = true;
+    }
+  },
+
+  // The moment to show: a frame's length behind the newest, so that there is one on both sides.
+  show(now) {
+    const { queue } = this, world = state.worlds[0];
+    if (!queue.length || !world) return false;
+    const at = now - this.gap * 1.15;
+    while (queue.length > 2 && queue[1].at <= at) queue.shift();
+    const [a, b] = queue.length > 1 ? queue : [queue[0], queue[0]], span = b.at - a.at;
+    world.show(a, b, span > 0 ? clamp((at - a.at) / span, 0, 1) : 1);
+    return at < queue[queue.length - 1].at + 0.2;
+  },
+};
+
+function send(message) {
+  if (LIVE && state.connected && live.socket.readyState === 1) live.socket.send(JSON.stringify(message));
+}
+
+function heard(message) {
+  switch (message.type) {
+    case "hello": state.me = message.you; state.drives = message.drives; document.body.classList.toggle("passive", !message.drives); tabs(); send({ do: "scene" }); break;
+    case "helm": state.holder = message.holder; state.watchers = message.watchers; helmBar(); link(); break;
+    case "panel": panel(message); break;
+    case "problems": editor.show(message.problems); if (message.problems.length) editor.number(); break;
+    case "scene":
+      $("sceneName").textContent = `${message.name}.yaml`;
+      $("sceneSets").textContent = message.sets.length ? `with ${message.sets.join(", ")}` : "";
+      if (editor.text.value === editor.original || !editor.original) editor.load(message.text);
+      break;
+    case "scenes": scenes(message.rows); break;
+    case "keys": keyRows(message.rows); break;
+    case "said": say(message.text, message.bad); break;
+  }
+}
+
+function link() {
+  const chip = $("link");
+  chip.hidden = !LIVE;
+  chip.classList.toggle("off", !state.connected);
+  chip.textContent = !state.connected ? "looking for the server" : state.watchers > 1 ? `live, ${state.watchers} watching` : "live";
+  if (!state.worlds.length) $("coverText").textContent = state.connected ? "Building the sea ..." : "Looking for the server ...";
+}
+
+function say(text, bad) {
+  const box = $("said");
+  clearTimeout(say.timer);
+  if (!text) { box.classList.remove("on"); return; }
+  box.textContent = text;
+  box.classList.toggle("bad", !!bad);
+  box.classList.add("on");
+  say.timer = setTimeout(() => box.classList.remove("on"), bad ? 8000 : 4500);
+}
+
+function numbers(head) {
+  const names = state.worlds[0].still.scalars, at = names.findIndex((s) => s.name === "pace");
+  const pace = head.data.scalars[at];
+  $("pace").hidden = at < 0 || state.paused;
+  if (at >= 0) $("pace").textContent = `${short(pace)} × real time`;
+}
+
+// --- panel --------------------------------------------------------------------------------------------------------------
+
+const TABS = { play: "Controls", plots: "Plots", scene: "Scene", scenes: "Scenes", keys: "All keys" };
+function tabs() {
+  const names = LIVE && state.drives ? ["play", "plots", "scene", "scenes", "keys"] : ["play", "plots"];
+  $("tabs").innerHTML = names.map((name) => `<button role="tab" id="to-${name}" aria-controls="tab-${name}">${TABS[name]}</button>`).join("");
+  for (const name of names) $(`to-${name}`).onclick = () => tab(name);
+  $("tabs").onkeydown = (event) => {
+    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (!step) return;
+    event.stopPropagation();
+    const at = names.indexOf(state.tab), next = names[(at + step + names.length) % names.length];
+    tab(next);
+    $(`to-${next}`).focus();
+  };
+  tab(names.includes(state.tab) ? state.tab : LIVE ? "play" : "plots");
+}
+
+function tab(name) {
+  state.tab = name;
+  for (const section of document.querySelectorAll("#panel section")) section.hidden = section.id !== `tab-${name}`;
+  for (const button of $("tabs").children) {
+    button.setAttribute("aria-selected", button.id === `to-${name}`);
+    button.tabIndex = button.id === `to-${name}` ? 0 : -1;
+  }
+  document.body.classList.toggle("wide", name === "scene");
+  if (name === "scenes") send({ do: "scenes" });
+  if (name === "keys") send({ do: "keys" });
+  if (name === "scene") {
+    send({ do: "scene" });
+    if (!editor.schema) fetch(`/schema${WITH}`).then((reply) => reply.json()).then((schema) => { editor.schema = schema; }).catch(() => {});
+  }
+  if (name === "plots") plots.draw(state.time);
+}
+
+function mayTouch() { return !LIVE || state.holder === 0 || state.holder === state.me; }
+
+function helmBar() {
+  const other = LIVE && !mayTouch();
+  $("helmBar").hidden = !other;
+  $("helmText").textContent = "Another page has the helm; you watch.";
+  for (const one of document.querySelectorAll("#tab-play input, #tab-play select, #go, #one, #reset, #speed, #apply, #record")) {
+    if (!one.closest(".group:has(#showLines)")) one.disabled = other || (LIVE && !state.drives && ["go", "one", "reset", "speed", "record"].includes(one.id));
+  }
+}
+
+function panel(now) {
+  state.panel = now;
+  pausedIs(now.paused);
+  speeds(now.speed);
+  $("wind").innerHTML = now.winds.map((name) => `<option${name === now.wind ? " selected" : ""}>${escaped(name)}</option>`).join("");
+  $("windGroup").hidden = !state.drives;
+  $("message").hidden = !now.message;
+  $("message").textContent = now.message;
+  $("record").textContent = now.recording ? "Stop recording" : "Record a run";
+  $("record").classList.toggle("on", !!now.recording);
+  const box = $("sliders"), key = now.sliders.map((s) => `${s.label} ${s.low} ${s.high}`).join();
+  if (box.dataset.key !== key) {
+    box.dataset.key = key;
+    box.innerHTML = now.sliders.map((s, k) => `<label class="slider">${escaped(s.label)} <output></output>` +
+      `<input type="range" min="0" max="1000" data-k="${k}"><small><span>${short(s.low)}</span><span>${short(s.high)}</span></small></label>`).join("") ||
+      '<p class="hint">Nothing of this scene can be moved while it runs; see All keys.</p>';
+    for (const input of box.querySelectorAll("input")) {
+      const s = now.sliders[input.dataset.k];
+      input.setAttribute("aria-label", s.label);
+      input.oninput = () => {
+        const value = s.low + (input.value / 1000) * (s.high - s.low);
+        input.closest("label").querySelector("output").textContent = short(value);
+        send({ do: "slide", key: s.label, value });
+      };
+    }
+  }
+  for (const input of box.querySelectorAll("input")) {
+    const s = now.sliders[input.dataset.k];
+    if (document.activeElement !== input) {
+      input.value = (1000 * (s.value - s.low)) / (s.high - s.low);
+      input.closest("label").querySelector("output").textContent = short(s.value);
+    }
+  }
+  const ship = now.ships[camera.ship];
+  if (ship) {
+    if (performance.now() - state.steered > 1500) { state.throttle = ship.throttle; state.rudder = ship.rudder; helmShows(); }
+    if (state.worlds[0]) state.worlds[0].route = ship.route;
+  }
+  helmBar();
+  state.dirty = true;
+}
+
+function pausedIs(paused) {
+  state.paused = paused;
+  $("go").setAttribute("aria-label", paused ? "Play" : "Pause");
+  $("goShape").setAttribute("d", paused ? "M7 4l13 8-13 8z" : "M7 5h4v14H7zM13 5h4v14h-4z");
+  if (paused) $("pace").hidden = true;
+}
+
+function speeds(now) {
+  const values = LIVE ? [0.1, 0.25, 0.5, 1, 2, 4, 0] : [0.1, 0.25, 0.5, 1, 2, 4, 8];
+  if (!values.includes(now)) values.unshift(now);
+  $("speed").innerHTML = values.map((v) => `<option value="${v}"${v === now ? " selected" : ""}>${v ? `${v} ×` : "max"}</option>`).join("");
+  state.speed = now;
+}
+
+function helmShows() {
+  const degrees = (state.rudder * 180) / Math.PI;
+  $("rudder").value = -degrees;
+  $("throttle").value = state.throttle;
+  $("rudderOut").textContent = `${Math.abs(degrees).toFixed(0)}° ${Math.abs(degrees) < 0.5 ? "" : degrees > 0 ? "port" : "starboard"}`;
+  $("throttleOut").textContent = `${Math.round(100 * state.throttle)} %`;
+  $("wheelTurn").setAttribute("transform", `rotate(${(-degrees * 180) / 35})`);
+}
+
+function steer(throttle, rudder) {
+  const world = state.worlds[0], ship = world?.ships[camera.ship];
+  if (!ship || !LIVE || !mayTouch()) return;
+  state.throttle = clamp(throttle, -1, 1);
+  state.rudder = clamp(rudder, -0.611, 0.611);
+  state.steered = performance.now();
+  world.route = [];
+  helmShows();
+  clearTimeout(steer.timer);
+  steer.timer = setTimeout(() => send({ do: "steer", ship: ship.name, throttle: state.throttle, rudder: state.rudder }), 30);
+}
+
+function scenes(rows) {
+  const draw = () => {
+    const find = $("sceneFilter").value.toLowerCase();
+    $("scenes").innerHTML = rows.filter((r) => `${r.name} ${r.sentence}`.toLowerCase().includes(find)).map((r) =>
+      `<li><button data-name="${escaped(r.name)}"><b>${escaped(r.sentence || r.name)}</b><span>${escaped(r.name)}</span></button></li>`).join("");
+    for (const b of $("scenes").querySelectorAll("button")) b.onclick = () => { editor.original = editor.text.value; send({ do: "open", name: b.dataset.name }); say("Building the scene ..."); };
+  };
+  $("sceneFilter").oninput = draw;
+  draw();
+}
+
+function keyRows(rows) {
+  const draw = () => {
+    const find = $("keyFilter").value.toLowerCase(), shown = rows.filter((r) => `${r.key} ${r.what}`.toLowerCase().includes(find)).slice(0, 120);
+    $("keys").innerHTML = shown.map((r, k) => {
+      const range = r.low !== undefined || r.high !== undefined ? `${r.low !== undefined ? `${r.low_open ? "above" : "from"} ${short(r.low)} ` : ""}${r.high !== undefined ? `${r.high_open ? "below" : "to"} ${short(r.high)}` : ""}` : "";
+      const words = r.choices || (r.type === "switch" ? [true, false] : null), label = `aria-label="${escaped(r.key)}"`;
+      const field = words ? `<select data-k="${k}" ${label}>${words.map((w) => `<option${w === r.value ? " selected" : ""}>${escaped(w)}</option>`).join("")}</select>`
+        : `<input data-k="${k}" ${label} value="${escaped(r.value ?? "")}" placeholder="${r.value === null ? "open" : ""}">`;
+      return `<div class="key"><code>${escaped(r.key)}${r.unit && r.unit !== "1" ? ` [${escaped(r.unit)}]` : ""}</code>${field}<p>${escaped(r.what)} ${escaped(range)}</p></div>`;
+    }).join("");
+    for (const field of $("keys").querySelectorAll("[data-k]")) field.onchange = () => {
+      const r = shown[field.dataset.k];
+      send({ do: "change", key: r.key, value: String(field.value).trim() || "null" });
+      say(`${r.key}: building anew ...`);
+    };
+  };
+  $("keyFilter").oninput = draw;
+  draw();
+}
+
+const editor = new Editor(document.querySelector(".editor"), send);
+$("apply").onclick = () => { send({ do: "apply", text: editor.text.value }); editor.original = editor.text.value; };
+$("revert").onclick = () => { editor.load(editor.original); send({ do: "scene" }); };
+$("save").onclick = () => {
+  const name = $("saveName").value.trim();
+  if (!/^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$/.test(name)) { say("A name has letters, digits, _ and -, at most 64.", true); return; }
+  send({ do: "save", name });
+};
+$("takeHelm").onclick = () => send({ do: "take" });
+$("wind").onchange = () => { send({ do: "wind", name: $("wind").value }); say("Building with another wind ..."); };
+$("rudder").oninput = () => steer(state.throttle, (-$("rudder").value * Math.PI) / 180);
+$("throttle").oninput = () => steer(+$("throttle").value, state.rudder);
+$("amidships").onclick = () => steer(state.throttle, 0);
+$("whichShip").onchange = () => { camera.ship = +$("whichShip").value; if (state.panel) panel(state.panel); state.dirty = true; };
+$("routeMode").onclick = () => picking(!state.picking);
+$("routeClear").onclick = () => { const world = state.worlds[0]; world.route = []; send({ do: "route", ship: world.ships[camera.ship].name, points: [] }); };
+$("record").onclick = () => send({ do: state.panel?.recording ? "stop" : "record" });
+$("still").onclick = still;
+$("csv").onclick = () => keep(new Blob([plots.csv()], { type: "text/csv" }), "curves.csv");
+$("go").onclick = go;
+$("one").onclick = () => { if (LIVE) send({ do: "step" }); else { pausedIs(true); const r = state.replays[0]; seek(r.times[Math.min(r.before(state.time) + 1, r.times.length - 1)] + 1e-6); } };
+$("reset").onclick = () => { if (LIVE) { send({ do: "reset" }); } else seek(state.begin); };
+$("speed").onchange = () => { state.speed = +$("speed").value; send({ do: "speed", value: state.speed }); };
+$("theme").onclick = () => theme(root.dataset.theme === "light" ? "dark" : "light");
+$("fold").onclick = () => { const folded = document.body.classList.toggle("folded"); $("fold").setAttribute("aria-expanded", !folded); state.dirty = true; };
+$("ask").onclick = () => $("help").showModal();
+$("showLines").onchange = () => { state.lines = $("showLines").checked; state.dirty = true; };
+$("showMirror").onchange = () => { state.mirror = $("showMirror").checked; state.dirty = true; };
+$("showRig").onchange = () => { state.rig = $("showRig").checked; state.dirty = true; };
+$("rides").onchange = () => { state.rides = $("rides").checked; };
+$("showSea").onchange = () => { for (const world of state.worlds) { world.sea = $("showSea").checked && !!world.surfaces.sea; } state.dirty = true; };
+$("scrub").oninput = () => { pausedIs(true); seek(state.begin + ($("scrub").value / 1000) * (state.end - state.begin)); };
+
+function theme(name) { root.dataset.theme = name; store("theme", name); state.dirty = true; }
+theme(new URLSearchParams(location.search).get("theme") || store("theme") || (matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark"));
+
+function go() {
+  if (LIVE) { send({ do: state.paused ? "play" : "pause" }); pausedIs(!state.paused); return; }
+  if (state.paused && state.time >= state.end - 1e-6) seek(state.begin);
+  pausedIs(!state.paused);
+}
+
+function picking(on) {
+  state.picking = on;
+  $("routeMode").setAttribute("aria-pressed", on);
+  canvas.classList.toggle("aim", on);
+  if (on) say("Click on the water, waypoint by waypoint.");
+}
+
+function waypoint(x, y) {
+  const world = state.worlds[0], ship = world.ships[camera.ship], at = camera.hit(world.seen, x, y, world.level);
+  if (!at || !ship || !mayTouch()) return;
+  world.route = [...world.route, [+at[0].toFixed(2), +at[2].toFixed(2)]];
+  send({ do: "route", ship: ship.name, points: world.route });
+}
+
+function keep(blob, name) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 2000);
+}
+function still() { draw(); canvas.toBlob((blob) => keep(blob, `ocean_${state.time.toFixed(2)}s.png`)); }
+
+// --- mouse, fingers, keys -----------------------------------------------------------------------------------------------
+
+const fingers = new Map();
+canvas.onpointerdown = (event) => {
+  canvas.setPointerCapture(event.pointerId);
+  fingers.set(event.pointerId, { x: event.clientX, y: event.clientY, button: event.button, moved: 0 });
+};
+canvas.onpointermove = (event) => {
+  const finger = fingers.get(event.pointerId);
+  if (!finger) return;
+  const right = (event.clientX - finger.x) / innerHeight, down = (event.clientY - finger.y) / innerHeight;
+  finger.moved += Math.hypot(right, down);
+  if (fingers.size === 2) {
+    const [a, b] = [...fingers.values()], before = Math.hypot(a.x - b.x, a.y - b.y);
+    finger.x = event.clientX;
+    finger.y = event.clientY;
+    camera.nearer(before / Math.max(Math.hypot(a.x - b.x, a.y - b.y), 1));
+    camera.pan(0.5 * right, 0.5 * down);
+  } else {
+    finger.x = event.clientX;
+    finger.y = event.clientY;
+    if (finger.button === 2 || event.shiftKey) camera.pan(right, down); else camera.drag(right, down);
+  }
+  state.dirty = true;
+};
+canvas.onpointerup = canvas.onpointercancel = (event) => {
+  const finger = fingers.get(event.pointerId);
+  fingers.delete(event.pointerId);
+  if (state.picking && finger && finger.moved < 0.01 && event.type === "pointerup") {
+    waypoint((2 * event.clientX) / innerWidth - 1, 1 - (2 * event.clientY) / innerHeight);
+  }
+};
+canvas.oncontextmenu = (event) => event.preventDefault();
+canvas.addEventListener("wheel", (event) => { event.preventDefault(); camera.nearer(Math.exp(0.0012 * event.deltaY)); state.dirty = true; }, { passive: false });
+
+let wheelHeld = null;
+$("wheel").onpointerdown = (event) => { $("wheel").setPointerCapture(event.pointerId); wheelHeld = event.clientX; };
+$("wheel").onpointermove = (event) => { if (wheelHeld !== null) { steer(state.throttle, state.rudder - 0.006 * (event.clientX - wheelHeld)); wheelHeld = event.clientX; } };
+$("wheel").onpointerup = $("wheel").onpointercancel = () => { wheelHeld = null; };
+
+const down = new Set();
+addEventListener("keydown", (event) => {
+  const typing = event.target.closest("input:not([type=range]), textarea, select, dialog");
+  if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
+  const onButton = event.target.closest("button, input");
+  const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+  if (onButton && (key === " " || key === "Enter" || key.startsWith("Arrow"))) return;
+  const modes = ["orbit", "follow", "helm", "top", "side"];
+  const acts = {
+    " ": go, n: () => $("one").click(), r: () => $("reset").click(), c: () => camera.reset(), p: still, l: () => $("theme").click(), m: () => $("fold").click(),
+    v: () => { const all = ["water", "particles", "both"].filter((n) => $("contents").querySelector(`[data-name=${n}]`)); $("contents").pick(all[(all.indexOf(state.content) + 1) % all.length]); },
+    x: () => steer(state.throttle, 0), "?": () => $("help").showModal(),
+    h: () => { const n = state.worlds[0]?.ships.length; if (n) { camera.ship = (camera.ship + 1) % n; $("whichShip").value = camera.ship; if (state.panel) panel(state.panel); } },
+    ",": () => faster(-1), ".": () => faster(1),
+  };
+  if (/^[1-5]$/.test(key)) $("cameras").pick(modes[key - 1]);
+  else if (acts[key] && !event.repeat) acts[key]();
+  else if (/^(Arrow(Up|Down|Left|Right)|[wasdqe])$/.test(key)) down.add(key);
+  else return;
+  event.preventDefault();
+  state.dirty = true;
+});
+addEventListener("keyup", (event) => down.delete(event.key.length === 1 ? event.key.toLowerCase() : event.key));
+addEventListener("blur", () => down.clear());
+
+function faster(step) {
+  const options = [...$("speed").options], at = $("speed").selectedIndex;
+  $("speed").selectedIndex = clamp(at + step, 0, options.length - 1);
+  $("speed").onchange();
+}
+
+function holdKeys(seconds) {
+  if (!down.size) return;
+  const has = (name) => (down.has(name) ? 1 : 0), ships = LIVE && state.worlds[0]?.ships.length;
+  const ahead = has("ArrowUp") - has("ArrowDown"), port = has("ArrowLeft") - has("ArrowRight");
+  if (ships && (ahead || port)) steer(state.throttle + 0.5 * seconds * ahead, state.rudder + 0.35 * seconds * port);
+  const right = has("d") - has("a") - (ships ? 0 : port), up = has("w") - has("s") + (ships ? 0 : ahead);
+  if (right || up) camera.drag(0.35 * seconds * right, 0.35 * seconds * up);
+  if (has("q")) camera.nearer(0.4 ** seconds);
+  if (has("e")) camera.nearer(2.5 ** seconds);
+  state.dirty = true;
+}
+
+// --- pictures -----------------------------------------------------------------------------------------------------------
+
+function draw() {
+  const ratio = Math.min(devicePixelRatio || 1, 2) * state.scale;
+  const width = Math.max(Math.round(canvas.clientWidth * ratio), 2), height = Math.max(Math.round(canvas.clientHeight * ratio), 2);
+  if (canvas.width !== width || canvas.height !== height) { canvas.width = width; canvas.height = height; }
+  const n = state.worlds.length, options = { lines: state.lines, mirror: state.mirror, light: root.dataset.theme === "light" };
+  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  gl.enable(gl.SCISSOR_TEST);
+  state.worlds.forEach((world, k) => {
+    const x = Math.round((k * width) / n), w = Math.round(((k + 1) * width) / n) - x;
+    gl.viewport(x, 0, w, height);
+    gl.scissor(x, 0, w, height);
+    gl.clear(gl.DEPTH_BUFFER_BIT);
+    if (!world.after) return;
+    world.seen = shifted(camera.eye(world, w, height), w, height, n);
+    world.draw(world.seen, state.content, options);
+  });
+  const first = state.worlds[0];
+  $("rig").hidden = !(state.rig && first?.legs);
+  if (!$("rig").hidden) inset(first, ratio);
+  gl.disable(gl.SCISSOR_TEST);
+  state.time = state.worlds[0]?.time ?? 0;
+  $("clock").textContent = `t = ${state.time.toFixed(2)} s`;
+}
+
+// The middle of the picture is that of the part which no panel hides.
+function shifted(eye, width, height, n) {
+  const box = $("panel").getBoundingClientRect(), p = [...eye.projection];
+  p[9] -= 0.07;  // the dock
+  if (n > 1 || document.body.classList.contains("folded")) return { ...eye, projection: p };
+  if (innerWidth > 820) p[8] += box.width / innerWidth; else p[9] -= 0.85 * (box.height / innerHeight);
+  return { ...eye, projection: p };
+}
+
+// The motion platform in a card of its own, in the first picture alone.
+function inset(world, ratio) {
+  const box = $("rig").getBoundingClientRect(), at = [box.left, innerHeight - box.bottom, box.width, box.height].map((v) => Math.round(v * ratio));
+  gl.viewport(...at);
+  gl.scissor(...at);
+  gl.clearColor(0.07, 0.13, 0.19, 1);
+  gl.clear(gl.DEPTH_BUFFER_BIT | gl.COLOR_BUFFER_BIT);
+  const { platform } = world.still, unit = Math.hypot(...platform.base[0]), high = 0.6 * platform.longest;
+  const turn = 0.8, eye = [Math.sin(turn) * 3.9 * unit, high + 1.5 * unit, -Math.cos(turn) * 3.9 * unit], target = [0, high * 0.62, 0];
+  world.drawPlatform({ view: M.look(eye, target, [0, 1, 0]), projection: M.perspective(0.62, box.width / box.height, 0.1, 100) });
+}
+
+let last = performance.now(), slow = 0, plotted = 0, counted = 0;
+function tick(now) {
+  requestAnimationFrame(tick);
+  const seconds = Math.min((now - last) / 1000, 0.25);
+  last = now;
+  holdKeys(seconds);
+  let moving = false;
+  if (XR.session) return;  // the headset asks for its own pictures
+  if (LIVE) moving = live.show(now / 1000);
+  else if (state.replays.length && !state.paused) { seek(state.time + seconds * state.speed); moving = true; if (state.time >= state.end) { pausedIs(true); } }
+  if (state.worlds.length && (moving || state.dirty)) {
+    const begun = performance.now();
+    draw();
+    state.drawn++;
+    state.dirty = false;
+    if (state.worlds[0].after && !$("cover").classList.contains("gone")) $("cover").classList.add("gone");
+    // Coarser pixels where the machine cannot follow.
+    slow = 0.92 * slow + 0.08 * Math.max(seconds * 1000, performance.now() - begun);
+    if (++counted > 40 && slow > 55 && state.scale > 0.5) { state.scale = Math.max(0.5, state.scale * 0.8); counted = 0; }
+  }
+  if (now - plotted > 150 && state.tab === "plots") { plots.draw(state.time); plotted = now; }
+}
+
+// --- replay -------------------------------------------------------------------------------------------------------------
+
+function seek(time) {
+  state.time = clamp(time, state.begin, state.end);
+  state.replays.forEach((replay, k) => {
+    const at = Math.min(state.time, replay.end), i = replay.before(at), j = Math.min(i + 1, replay.times.length - 1);
+    const a = replay.frame(i), b = replay.frame(j), span = b.time - a.time;
+    state.worlds[k].show(a, b, span > 0 ? clamp((at - a.time) / span, 0, 1) : 0);
+  });
+  $("scrub").value = (1000 * (state.time - state.begin)) / Math.max(state.end - state.begin, 1e-9);
+  $("scrub").setAttribute("aria-valuetext", `${state.time.toFixed(2)} seconds`);
+  $("clock").textContent = `t = ${state.time.toFixed(2)} of ${state.end.toFixed(2)} s`;
+  state.dirty = true;
+}
+
+async function fetched(path, id) {
+  if (START.held) return unpack(await inflated(held(id)));
+  const reply = await fetch(path + WITH);
+  if (!reply.ok) throw new Error(await reply.text());
+  return unpack(await inflated(await reply.arrayBuffer()));
+}
+
+async function replay() {
+  $("scrubBar").hidden = false;
+  for (const id of ["windGroup", "sliders", "record"]) $(id).hidden = true;
+  $("sliders").parentElement.hidden = true;
+  $("coverText").textContent = "Unpacking the replay ...";
+  const stills = await Promise.all(START.runs.map((_, k) => fetched(`/still/${k}`, `still${k}`)));
+  const heads = await Promise.all(START.runs.map((_, k) => fetched(`/replay/${k}`, `replay${k}`)));
+  begin(stills);
+  state.replays = heads.map((head) => new Replay(head));
+  state.begin = Math.min(...state.replays.map((r) => r.times[0]));
+  state.end = Math.max(...state.replays.map((r) => r.end));
+  state.replays.forEach((r, k) => plots.fill(k, r));
+  if (START.runs.length > 1) {
+    $("names").innerHTML = START.runs.map((run, k) => `<span style="left:${(100 * (k + 0.5)) / START.runs.length}%">${escaped(run.name)}</span>`).join("") + '<i style="left:50%"></i>';
+    document.body.classList.add("folded");
+  }
+  seek(state.begin);
+  pausedIs(false);
+}
+
+speeds(1);
+tabs();
+link();
+requestAnimationFrame(tick);
+addEventListener("resize", () => { state.dirty = true; });
+fetched("/sky", "sky").then((head) => { painter.sky.take(head); state.dirty = true; }).catch(() => {});
+XR.offer((now) => {
+  if (LIVE) live.show(now / 1000);
+  else if (!state.paused) seek(state.time + 0.011 * state.speed);
+});
+if (LIVE) live.open();
+else replay().catch((error) => { console.error(error); $("coverText").textContent = `This replay cannot be shown: ${error.message}`; });

@@ -1,0 +1,95 @@
+// Where the eye is: around the basin, around a ship, at the helm, or above.
+const OUTSIDE = (35 * Math.PI) / 180, HELM = (62 * Math.PI) / 180;
+
+class Camera {
+  constructor() {
+    this.mode = "orbit";
+    this.ship = 0;
+    this.reset();
+  }
+
+  reset() {
+    Object.assign(this, { azimuth: 0.66, height: 0.34, distance: 1, shift: [0, 0, 0], turn: 0, tilt: 0, heading: null });
+  }
+
+  drag(right, up) {
+    if (this.mode === "helm") {
+      this.turn = clamp(this.turn - 1.6 * right, -2.8, 2.8);
+      this.tilt = clamp(this.tilt + 1.2 * up, -0.7, 0.7);
+    } else {
+      this.azimuth -= 3.2 * right;
+      this.height = clamp(this.height + 2.2 * up, 0.03, 1.5);
+    }
+  }
+
+  pan(right, up) {
+    const s = Math.sin(this.azimuth), c = Math.cos(this.azimuth), reach = this.far || 10;
+    this.shift = V.add(this.shift, V.scale([-c * right - s * up, 0, s * right - c * up], reach));
+  }
+
+  nearer(factor) { this.distance = clamp(this.distance * factor, 0.08, 6); }
+
+  modes(world) {
+    const flat = world.still.basin.flat;
+    return flat ? ["orbit", "side"] : ["orbit", ...(world.ships.length ? ["follow", "helm"] : []), "top"];
+  }
+
+  // {position, view, projection, angle, pixels, width}
+  eye(world, width, height) {
+    const aspect = width / height, ship = world.ships[this.ship] || world.ships[0], pose = ship && world.poses[world.ships.indexOf(ship)];
+    let mode = this.modes(world).includes(this.mode) ? this.mode : "orbit";
+    if (mode === "helm" && pose) return this.helm(ship, width, height);
+    const { size } = world, long = Math.max(size[0], size[2]), follow = mode === "follow" && pose;
+    let target = V.add(world.middleOf, [0, world.level, 0]), span = Math.hypot(size[0], size[2] || world.ribbon);
+    if (world.still.basin.flat) span = 0.9 * size[0];
+    const wide = ship && long > 5 * ship.length && pose;
+    if (follow || wide) {
+      target = [pose.position[0], world.level + 0.08 * ship.length, pose.position[2]];
+      span = (follow ? 2.6 : 4.5) * ship.length;
+    }
+    let azimuth = this.azimuth, rise = this.height;
+    if (follow) {
+      const m = ship.pose, heading = Math.atan2(m[8], m[10]);
+      this.heading = this.heading === null ? heading : this.heading + 0.04 * Math.atan2(Math.sin(heading - this.heading), Math.cos(heading - this.heading));
+      azimuth += this.heading + Math.PI - 0.1;
+    }
+    if (mode === "side") { azimuth = 0; rise = 0.02; }
+    const angle = aspect < 0.8 ? OUTSIDE * 1.35 : OUTSIDE, fit = Math.max(1, 1.25 / aspect);
+    const far = ((0.62 * span) / Math.tan(angle / 2)) * this.distance * Math.min(fit, 2) * (mode === "top" ? 1.05 : 0.86);
+    this.far = far;
+    target = V.add(target, this.shift);
+    let up = [0, 1, 0], towards;
+    if (mode === "top") {
+      towards = [0, 1, 0];
+      up = [0, 0, -1];
+    } else {
+      const flat = Math.cos(rise);
+      towards = [flat * Math.sin(azimuth), Math.sin(rise), flat * Math.cos(azimuth)];
+    }
+    let position = V.add(target, V.scale(towards, far));
+    const floor = world.heightAt(position[0], position[2]) + 0.35;
+    if (world.sea && position[1] < floor) position[1] = floor;
+    return {
+      position, target, angle, width, pixels: height, view: M.look(position, target, up),
+      projection: M.perspective(angle, aspect, Math.max(0.004 * far, 0.05), 30000),
+    };
+  }
+
+  helm(ship, width, height) {
+    const m = ship.pose, position = M.point(m, ship.helm), c = Math.cos(this.turn), s = Math.sin(this.turn);
+    const ahead = M.turn(m, V.unit([s, -0.10 + Math.tan(this.tilt), c])), up = M.turn(m, [0, 1, 0]);
+    const angle = width < height ? HELM * 1.2 : HELM;
+    return {
+      position, target: V.add(position, ahead), angle, width, pixels: height, view: M.look(position, V.add(position, ahead), up),
+      projection: M.perspective(angle, width / height, 0.08, 30000),
+    };
+  }
+
+  // Where a point of the picture (x, y from -1 to 1) meets the still water; null above the horizon.
+  hit(eye, x, y, level) {
+    const back = M.inverse(M.mul(eye.projection, eye.view)), w = (z) => back[3] * x + back[7] * y + back[11] * z + back[15];
+    const near = V.scale(M.point(back, [x, y, -1]), 1 / w(-1)), far = V.scale(M.point(back, [x, y, 1]), 1 / w(1));
+    const d = V.sub(far, near), s = (level - near[1]) / d[1];
+    return s > 0 && s <= 1 ? V.add(near, V.scale(d, s)) : null;
+  }
+}

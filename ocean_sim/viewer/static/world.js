@@ -1,0 +1,435 @@
+// One simulation as it is drawn: what never changes is made once, two moments are held, and what lies between is shown.
+class World {
+  constructor(gl, painter, still) {
+    Object.assign(this, { gl, painter, still });
+    this.programs = painter.water(still);
+    const { nx, nz, step, first } = still.tile, { lower, upper } = still.basin;
+    this.size = V.sub(upper, lower);
+    this.nx = nx;
+    this.nz = Math.max(nz, 2);  // a slice is shown as a ribbon
+    this.ribbon = still.basin.flat ? Math.max(0.06 * this.size[0], 2 * still.spacing) : 0;
+    this.step = [step[0], nz > 1 ? step[1] : this.ribbon];
+    this.first = [first[0], nz > 1 ? first[1] : -0.5 * this.ribbon];
+    this.middle = [0, 1].map((k) => this.first[k] + 0.5 * this.step[k] * ([this.nx, this.nz][k] - 1));
+    this.reach = [0.5 * this.step[0] * this.nx, nz > 1 ? 0.5 * this.step[1] * this.nz : 0.5 * this.ribbon];
+    this.bed = lower[1];
+    this.sea = !still.tank;  // whether water goes on around the basin
+    this.level = 0;
+    this.height = 0.2;  // significant, smoothed [m]
+    this.heights = new Float32Array(this.nx * this.nz);
+    this.foam = new Float32Array(this.nx * this.nz);
+    this.both = new Float32Array(2 * this.nx * this.nz);
+    this.tile = texture(gl, 1, gl.NEAREST);
+    this.gaps = texture(gl, 2, gl.LINEAR);
+    this.mirror = texture(gl, 3, gl.LINEAR_MIPMAP_LINEAR);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 1, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+    this.cell = (2 * this.reach[0]) / this.nx;
+    this.surfaces = { tank: this.mesh(false), sea: still.basin.flat ? null : this.mesh(true) };
+    this.sides();
+    this.ships = still.ships.map((ship, k) => this.model(ship, k));
+    this.gapMap = new Float32Array(96 * 96 * Math.max(this.ships.length, 1)).fill(9);
+    this.balls = this.particles();
+    this.lines = { count: 0, ends: gl.createBuffer(), hues: gl.createBuffer() };
+    this.lines.vertices = array(gl, [[0, this.lines.ends, 3], [1, this.lines.hues, 3, gl.UNSIGNED_BYTE, true]]);
+    this.trail = [];  // of the first ship
+    this.route = [];
+    this.before = this.after = null;
+    this.share = 0;
+    this.poses = [];
+    this.origin = [0, 0];
+    this.time = 0;
+  }
+
+  mesh(sea) {
+    const { gl } = this, quality = Math.min(2.6, 190 / Math.max(this.nx, this.nz)), sides = [0, 1].map((k) => {
+      const n = Math.round(clamp(quality * [this.nx, this.nz][k], 16, 256)), low = this.middle[k] - this.reach[k];
+      const inner = Array.from({ length: n + 1 }, (_, i) => low + (2 * this.reach[k] * i) / n);
+      if (!sea) return inner;
+      const beyond = [];
+      for (let step = inner[1] - inner[0], d = 0; d < OUT;) {
+        step *= d < this.reach[k] ? 1.04 : 1.1;
+        d += step;
+        beyond.push(d);
+      }
+      return [...beyond.map((d) => inner[0] - d).reverse(), ...inner, ...beyond.map((d) => inner[n] + d)];
+    });
+    const [xs, zs] = sides, nodes = new Float32Array(2 * xs.length * zs.length), triangles = [];
+    xs.forEach((x, i) => zs.forEach((z, j) => nodes.set([x, z], 2 * (i * zs.length + j))));
+    for (let i = 0; i + 1 < xs.length; i++) for (let j = 0; j + 1 < zs.length; j++) {
+      const a = i * zs.length + j, b = a + zs.length;
+      triangles.push(a, a + 1, b, b, a + 1, b + 1);
+    }
+    const indices = buffer(gl, new Uint32Array(triangles), gl.ELEMENT_ARRAY_BUFFER);
+    return { vertices: array(gl, [[0, buffer(gl, nodes), 2]], indices), count: triangles.length };
+  }
+
+  sides() {
+    const { gl } = this, n = 96, rows = 6, nodes = [];
+    const low = [0, 1].map((k) => this.middle[k] - this.reach[k]), high = [0, 1].map((k) => this.middle[k] + this.reach[k]);
+    const rims = [[low, [high[0], low[1]]], [[high[0], low[1]], high], [high, [low[0], high[1]]], [[low[0], high[1]], low]];
+    for (const [a, b] of rims) for (let i = 0; i < n; i++) for (let j = 0; j < rows; j++) {
+      const at = (s, d) => [a[0] + (b[0] - a[0]) * s, a[1] + (b[1] - a[1]) * s, d];
+      const [s, t] = [i / n, (i + 1) / n], [d, e] = [j / rows, (j + 1) / rows];
+      nodes.push(...at(s, d), ...at(t, d), ...at(t, e), ...at(s, d), ...at(t, e), ...at(s, e));
+    }
+    this.wall = array(gl, [[0, buffer(gl, new Float32Array(nodes)), 3]]);
+    this.wallCount = nodes.length / 3;
+  }
+
+  model(ship, k) {
+    const { gl, still } = this, about = still.about[`corners${k}`];
+    const vertices = array(gl, [
+      [0, buffer(gl, still.data[`corners${k}`]), 3, gl.SHORT, true],
+      [1, buffer(gl, still.data[`normals${k}`]), 3, gl.BYTE, true],
+      [2, buffer(gl, still.data[`paint${k}`]), 4, gl.UNSIGNED_BYTE, true],
+    ]);
+    const gap = still.data[`gap${k}`] && { ...still.about[`gap${k}`], map: still.data[`gap${k}`] };
+    return { ...ship, vertices, count: about.shape[0], low: about.low, high: about.high, gap, pose: M.one(), box: null };
+  }
+
+  particles() {
+    const { gl } = this, made = { before: gl.createBuffer(), after: gl.createBuffer(), speed: gl.createBuffer(), count: 0 };
+    made.vertices = array(gl, [
+      [0, made.before, 3, gl.SHORT, true], [1, made.after, 3, gl.SHORT, true], [2, made.speed, 1, gl.UNSIGNED_BYTE, true],
+    ]);
+    return made;
+  }
+
+  get middleOf() {
+    const { lower, upper } = this.still.basin;
+    return [0.5 * (lower[0] + upper[0]), 0, 0.5 * (lower[2] + upper[2])];
+  }
+
+  // Two moments, and how far it is from the first to the second.
+  show(before, after, share) {
+    const fresh = before !== this.before || after !== this.after;
+    if (fresh) this.take(before, after);
+    this.share = share;
+    this.time = before.time + (after.time - before.time) * share;
+    this.origin = share < 0.5 ? before.origin : after.origin;
+    this.blend();
+    const a = before.data.poses, b = after.data.poses;
+    if (a && b) {
+      this.poses = this.ships.map((_, k) => {
+        const p = [...a.subarray(7 * k, 7 * k + 7)], q = [...b.subarray(7 * k, 7 * k + 7)];
+        return { position: V.mix(p.slice(0, 3), q.slice(0, 3), share), turn: Q.mix(p.slice(3), q.slice(3), share) };
+      });
+      this.ships.forEach((ship, k) => { ship.pose = M.pose(this.poses[k].turn, this.poses[k].position); });
+    }
+    const legs = after.data.platform, past = before.data.platform;
+    this.legs = legs && past ? Array.from(legs, (v, k) => past[k] + (v - past[k]) * share) : null;
+  }
+
+  take(before, after) {
+    const { gl } = this, balls = this.balls;
+    if (after.data.lines) {
+      gl.bindBuffer(gl.ARRAY_BUFFER, this.lines.ends);
+      gl.bufferData(gl.ARRAY_BUFFER, after.data.lines, gl.DYNAMIC_DRAW);
+      gl.bindBuffer(gl.ARRAY_BUFFER, this.lines.hues);
+      const hues = new Uint8Array(2 * after.data.hues.length);
+      for (let k = 0; k < after.data.hues.length / 3; k++) {
+        hues.set(after.data.hues.subarray(3 * k, 3 * k + 3), 6 * k);
+        hues.set(after.data.hues.subarray(3 * k, 3 * k + 3), 6 * k + 3);
+      }
+      gl.bufferData(gl.ARRAY_BUFFER, hues, gl.DYNAMIC_DRAW);
+      this.lines.count = after.data.lines.length / 3;
+    }
+    const p = before.data.particles, q = after.data.particles;
+    if (p && q) {
+      balls.count = Math.min(p.length, q.length) / 3;
+      gl.bindBuffer(gl.ARRAY_BUFFER, balls.before);
+      gl.bufferData(gl.ARRAY_BUFFER, p, gl.DYNAMIC_DRAW);
+      gl.bindBuffer(gl.ARRAY_BUFFER, balls.after);
+      gl.bufferData(gl.ARRAY_BUFFER, q, gl.DYNAMIC_DRAW);
+      gl.bindBuffer(gl.ARRAY_BUFFER, balls.speed);
+      gl.bufferData(gl.ARRAY_BUFFER, after.data.speed, gl.DYNAMIC_DRAW);
+      const box = after.about.particles;
+      Object.assign(balls, { low: box.low, high: box.high, fastest: after.fastest });
+    }
+    if (after.data.height) this.whiten(after);
+    const pose = after.data.poses;
+    if (pose && pose.length) {
+      const last = this.trail[this.trail.length - 1], here = [pose[0], pose[1], pose[2]];
+      if (last && V.length(V.sub(here, last)) > 60) this.trail = [];
+      if (!last || V.length(V.sub(here, last)) > 0.4) this.trail.push(here);
+      if (this.trail.length > 600) this.trail.shift();
+    }
+    this.before = before;
+    this.after = after;
+  }
+
+  // Foam: where crests are sharp it appears at once, then it fades; what the simulation knows of it counts, too.
+  whiten(after) {
+    const { nx, nz, foam } = this, h = after.data.height, flat = this.still.basin.flat, known = after.data.foam;
+    const past = this.before ? Math.abs(after.time - this.before.time) : 0, fade = Math.exp(-Math.min(past, 1) / 1.6);
+    let sum = 0, squares = 0;
+    for (let k = 0; k < h.length; k++) { sum += h[k]; squares += h[k] * h[k]; }
+    const mean = sum / h.length, now = 4 * Math.sqrt(Math.max(squares / h.length - mean * mean, 0));
+    this.level = this.still.sea.exact ? 0 : mean;
+    this.height += (now - this.height) * (this.before ? 0.08 : 1);
+    if (flat) { foam.fill(0); return; }
+    const dx = 1 / this.step[0] ** 2, dz = 1 / this.step[1] ** 2, sharp = 0.26 / Math.max(this.step[0], 0.3), steep = this.height > 0.12;
+    for (let i = 0; i < nx; i++) for (let j = 0; j < nz; j++) {
+      const k = i * nz + j;
+      const curve = (h[k] * 2 - h[Math.max(i - 1, 0) * nz + j] - h[Math.min(i + 1, nx - 1) * nz + j]) * dx +
+        (h[k] * 2 - h[i * nz + Math.max(j - 1, 0)] - h[i * nz + Math.min(j + 1, nz - 1)]) * dz;
+      let white = steep && h[k] > mean ? clamp(0.45 * (curve / sharp - 1), 0, 0.55) : 0;
+      if (known) white = Math.max(white, known[k] / 255);
+      foam[k] = Math.max(foam[k] * fade, white);
+    }
+  }
+
+  blend() {
+    const { gl, heights, both, foam } = this, a = this.before.data.height, b = this.after.data.height, s = this.share;
+    if (a && b) {
+      const flat = this.still.basin.flat;
+      for (let k = 0; k < heights.length; k++) {
+        const i = flat ? k >> 1 : k;
+        heights[k] = a[i] + (b[i] - a[i]) * s;
+        both[2 * k] = heights[k];
+        both[2 * k + 1] = foam[k];
+      }
+    }
+    gl.activeTexture(gl.TEXTURE1);
+    gl.bindTexture(gl.TEXTURE_2D, this.tile);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG32F, this.nz, this.nx, 0, gl.RG, gl.FLOAT, both);
+  }
+
+  // Height of the water at a place [m].
+  heightAt(x, z) {
+    const q = [(x - this.origin[0] - this.first[0]) / this.step[0], (z - this.origin[1] - this.first[1]) / this.step[1]];
+    const i = clamp(q[0], 0, this.nx - 1.001), j = clamp(q[1], 0, this.nz - 1.001), a = Math.floor(i), b = Math.floor(j);
+    const at = (m, n) => this.heights[m * this.nz + n], s = i - a, t = j - b;
+    return (at(a, b) * (1 - s) + at(a + 1, b) * s) * (1 - t) + (at(a, b + 1) * (1 - s) + at(a + 1, b + 1) * s) * t;
+  }
+
+  // The maps of distances to the hulls, turned from body to world.
+  meet() {
+    const n = 96, values = {};
+    this.ships.forEach((ship, k) => {
+      values[`useHull${k}`] = 0;
+      if (!ship.gap || !this.poses[k]) return;
+      const { near, far, map, shape: [cells] } = ship.gap, m = ship.pose, heading = Math.atan2(m[8], m[10]);
+      const c = Math.cos(heading), s = Math.sin(heading), at = this.poses[k].position;
+      const corners = [[near[0], near[1]], [far[0], near[1]], far, [near[0], far[1]]].map(([x, z]) => [c * x + s * z, -s * x + c * z]);
+      const low = [0, 1].map((a) => Math.min(...corners.map((p) => p[a]))), high = [0, 1].map((a) => Math.max(...corners.map((p) => p[a])));
+      for (let j = 0; j < n; j++) for (let i = 0; i < n; i++) {
+        const x = low[0] + ((i + 0.5) / n) * (high[0] - low[0]), z = low[1] + ((j + 0.5) / n) * (high[1] - low[1]);
+        const u = ((c * x - s * z - near[0]) / (far[0] - near[0])) * cells - 0.5, v = ((s * x + c * z - near[1]) / (far[1] - near[1])) * cells - 0.5;
+        const a = clamp(Math.floor(u), 0, cells - 2), b = clamp(Math.floor(v), 0, cells - 2), p = clamp(u - a, 0, 1), q = clamp(v - b, 0, 1);
+        const o = b * cells + a;
+        this.gapMap[(k * n + j) * n + i] =
+          (map[o] * (1 - p) + map[o + 1] * p) * (1 - q) + (map[o + cells] * (1 - p) + map[o + cells + 1] * p) * q;
+      }
+      values[`useHull${k}`] = 1;
+      values[`hullBox${k}`] = [low[0] + at[0], low[1] + at[2], 0];
+      values[`hullSize${k}`] = [high[0] - low[0], high[1] - low[1], 1];
+      values[`mirrorAt${k}`] = at;
+      values[`mirrorSize${k}`] = 0.5 * ship.beam;
+      values[`mirrorReach${k}`] = ship.length;
+    });
+    const { gl } = this;
+    gl.activeTexture(gl.TEXTURE2);
+    gl.bindTexture(gl.TEXTURE_2D, this.gaps);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R16F, n, n * Math.max(this.ships.length, 1), 0, gl.RED, gl.FLOAT, this.gapMap);
+    return values;
+  }
+
+  // Draw into the viewport that is set. `eye`: {position, view, projection, angle, pixels}; `content`: water, particles or both.
+  draw(eye, content, options) {
+    const { gl, painter, still } = this, view = M.mul(eye.projection, eye.view), lit = { ...painter.sky.lit, ...still.light };
+    if (!this.after) return;
+    const water = content !== "particles" && still.surface, sea = this.sea && content === "water" && water, pixel = (2 * Math.tan(eye.angle / 2)) / eye.pixels;
+    const mirrored = options.mirror && water && this.ships.length ? this.reflect(eye, lit) : null;
+    gl.enable(gl.DEPTH_TEST);
+    gl.disable(gl.BLEND);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, painter.sky.texture);
+    const uniforms = { ...still.uniforms, ...painter.sky.lit, eyeW: eye.position, time: this.time, pixel, sky: 0, hull: 2, mirror: 3 };
+    const turned = [...eye.view];
+    turned[12] = turned[13] = turned[14] = 0;
+    const back = M.inverse(M.mul(eye.projection, turned));
+    gl.depthMask(false);
+    this.programs.dome.use({ ...uniforms, useFog: 1, eyeW: [0, 0, 0], back, studio: sea ? 0 : 1, ground: options.light ? [0.74, 0.80, 0.85] : [0.15, 0.20, 0.26] });
+    gl.bindVertexArray(painter.empty);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    gl.depthMask(true);
+    this.solids(view, lit);
+    if (content !== "water") this.drawBalls(view, eye, content === "both");
+    for (const ship of this.ships) if (!options.hide || options.hide !== ship) this.drawShip(ship, view, lit, -1e9);
+    if (water) this.drawWater(view, uniforms, content === "both", sea, mirrored, pixel);
+    if (options.lines) this.drawLines(view);
+    gl.bindVertexArray(null);
+  }
+
+  drawWater(view, uniforms, thin, sea, mirrored, pixel) {
+    const { gl, still, painter } = this;
+    const known = { tile: 1, tileFirst: this.first, tileStep: this.step, tileSize: [this.nx, this.nz], origin: this.origin, reach: this.reach };
+    gl.activeTexture(gl.TEXTURE1);
+    gl.bindTexture(gl.TEXTURE_2D, this.tile);
+    const hulls = this.meet();
+    gl.activeTexture(gl.TEXTURE3);
+    gl.bindTexture(gl.TEXTURE_2D, this.mirror);
+    if (mirrored) Object.assign(hulls, { useMirror: 1, mirrorView: mirrored, mirrorPixel: 2 * pixel });
+    const { waves, exact, ramp } = still.sea, size = exact ? (ramp > 0 ? Math.min(this.time / ramp, 1) : 1) : Math.max(this.height, 0.02);
+    const flat = waves.flatMap(([a, kx, kz, omega, phase]) => [a * size, kx, kz, (phase - omega * this.time) % (2 * Math.PI)]);
+    gl.enable(gl.BLEND);
+    if (!sea) {  // the cut sides
+      gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+      gl.depthMask(!thin);
+      painter.side.use({ ...known, view, bed: this.bed, alpha: thin ? 0.22 : 0.93 });
+      gl.bindVertexArray(this.wall);
+      gl.drawArrays(gl.TRIANGLES, 0, this.wallCount);
+    }
+    gl.blendColor(0, 0, 0, thin ? 0.42 : 1);
+    gl.blendFunc(gl.CONSTANT_ALPHA, gl.ONE_MINUS_CONSTANT_ALPHA);
+    this.programs.water.use({
+      ...uniforms, ...hulls, ...known, view, waves: flat, waveCount: waves.length, farShare: sea ? 1 : 0, level: this.level,
+      crest: Math.max(0.5 * this.height, 0.02), cell: this.cell, margin: Math.min(...this.reach),
+      useFog: sea ? 1 : 0,
+    });
+    const surface = this.surfaces[sea ? "sea" : "tank"];
+    gl.bindVertexArray(surface.vertices);
+    gl.drawElements(gl.TRIANGLES, surface.count, gl.UNSIGNED_INT, 0);
+    gl.depthMask(true);
+    gl.disable(gl.BLEND);
+  }
+
+  drawShip(ship, view, lit, above) {
+    const { gl, painter } = this;
+    painter.ship.use({ ...lit, view, pose: ship.pose, low: ship.low, high: ship.high, above });
+    gl.bindVertexArray(ship.vertices);
+    gl.drawArrays(gl.TRIANGLES, 0, ship.count);
+  }
+
+  // The ships as the water mirrors them, into a texture; the matrix from the world to it.
+  reflect(eye, lit) {
+    const { gl } = this, width = Math.max(eye.width >> 1, 2), height = Math.max(eye.pixels >> 1, 2);
+    if (!this.pool || this.pool.width !== width || this.pool.height !== height) {
+      gl.activeTexture(gl.TEXTURE3);
+      gl.bindTexture(gl.TEXTURE_2D, this.mirror);
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, width, height, 0, gl.RGBA, gl.UNSIGNED_BYTE, null);
+      const frame = this.pool ? this.pool.frame : gl.createFramebuffer(), depth = this.pool ? this.pool.depth : gl.createRenderbuffer();
+      gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, this.mirror, 0);
+      gl.bindRenderbuffer(gl.RENDERBUFFER, depth);
+      gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT16, width, height);
+      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth);
+      this.pool = { width, height, frame, depth };
+    }
+    const p = this.poses[0].position, level = this.heightAt(p[0], p[2]);
+    const flip = [1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 2 * level, 0, 1], view = M.mul(M.mul(eye.projection, eye.view), flip);
+    const was = gl.getParameter(gl.VIEWPORT), scissor = gl.isEnabled(gl.SCISSOR_TEST);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.pool.frame);
+    gl.disable(gl.SCISSOR_TEST);
+    gl.viewport(0, 0, width, height);
+    gl.clearColor(0, 0, 0, 0);
+    gl.enable(gl.DEPTH_TEST);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    for (const ship of this.ships) this.drawShip(ship, view, lit, level);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, eye.framebuffer || null);
+    gl.viewport(...was);
+    if (scissor) gl.enable(gl.SCISSOR_TEST);
+    gl.activeTexture(gl.TEXTURE3);
+    gl.bindTexture(gl.TEXTURE_2D, this.mirror);
+    gl.generateMipmap(gl.TEXTURE_2D);
+    return view;
+  }
+
+  drawBalls(view, eye, small) {
+    const { gl, painter, balls, still } = this;
+    if (!balls.count) return;
+    painter.ball.use({
+      view, low: balls.low, high: balls.high, share: this.share, radius: (small ? 0.30 : 0.42) * still.spacing,
+      scale: (2 * eye.pixels) / (2 * Math.tan(eye.angle / 2)), speeds: still.speeds.flat(),
+    });
+    gl.bindVertexArray(balls.vertices);
+    gl.drawArrays(gl.POINTS, 0, balls.count);
+  }
+
+  drawLines(view) {
+    const { gl, painter } = this;
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    if (this.lines.count) {
+      painter.line.use({ view, alpha: 0.85 });
+      gl.bindVertexArray(this.lines.vertices);
+      gl.drawArrays(gl.LINES, 0, this.lines.count);
+    }
+    const path = [...(this.route.length && this.poses[0] ? [this.poses[0].position] : []), ...this.route.map(([x, z]) => [x, this.level, z])];
+    if (path.length > 1) {
+      const ends = new Float32Array(path.flatMap((p) => [p[0], p[1] + 0.4, p[2]])), hues = new Float32Array(path.flatMap(() => [1, 0.82, 0.25]));
+      const made = array(gl, [[0, buffer(gl, ends), 3], [1, buffer(gl, hues), 3]]);
+      painter.line.use({ view, alpha: 1 });
+      gl.bindVertexArray(made);
+      gl.drawArrays(gl.LINE_STRIP, 0, path.length);
+      gl.deleteVertexArray(made);
+    }
+    gl.disable(gl.BLEND);
+  }
+
+  // Obstacles, gauges as buoys, waypoints.
+  solids(view, lit) {
+    const { gl, painter, still } = this, draw = (what, pose, paint) => {
+      painter.solid.use({ ...lit, view, pose, paint });
+      gl.bindVertexArray(what.vertices);
+      gl.drawArrays(gl.TRIANGLES, 0, what.count);
+    };
+    for (const [low, high] of still.obstacles) {
+      const half = V.scale(V.sub(high, low), 0.5), at = V.add(low, half);
+      if (still.basin.flat) { half[2] = 0.5 * this.ribbon; at[2] = 0; }
+      draw(painter.box, sized(at, half), [0.62, 0.60, 0.56, 1]);
+    }
+    const mark = clamp(0.006 * Math.max(this.size[0], this.size[2]), 0.08, 0.35);
+    for (const name in still.gauges) {
+      const [x, z] = still.gauges[name], y = this.heightAt(x, z);
+      draw(painter.ball3, sized([x, y, z], [mark, mark, mark]), [0.95, 0.42, 0.10, 1]);
+      draw(painter.rod, along([x, y, z], [x, y + 5 * mark, z], 0.18 * mark), [0.95, 0.95, 0.95, 1]);
+    }
+    this.route.forEach(([x, z]) => {
+      const y = this.heightAt(x, z);
+      draw(painter.rod, along([x, y - 0.5, z], [x, y + 2.2, z], 0.10), [1, 0.82, 0.25, 1]);
+      draw(painter.ball3, sized([x, y + 2.3, z], [0.35, 0.35, 0.35]), [1, 0.82, 0.25, 1]);
+    });
+  }
+
+  // The motion platform: base, six legs coloured by how much of their stroke they use, and the platform they carry.
+  drawPlatform(eye) {
+    const { gl, painter, still, legs } = this, geometry = still.platform;
+    if (!geometry || !legs) return;
+    const view = M.mul(eye.projection, eye.view), lit = { ...painter.sky.lit, ...still.light };
+    const up = ([x, y, z]) => [y, z, x];  // X forward, Y left, Z up to this page's axes
+    const [a, b, c] = legs.slice(3, 6), [sa, ca, sb, cb, sc, cc] = [a, b, c].flatMap((t) => [Math.sin(t), Math.cos(t)]);
+    const R = [[cc * cb, cc * sb * sa - sc * ca, cc * sb * ca + sc * sa], [sc * cb, sc * sb * sa + cc * ca, sc * sb * ca - cc * sa], [-sb, cb * sa, cb * ca]];
+    const joints = geometry.platform.map((p) => R.map((row) => V.dot(row, p)));
+    const gap = [0, 1].map((k) => joints[0][k] + legs[k] - geometry.base[0][k]);
+    const rise = Math.sqrt(Math.max(legs[6] ** 2 - gap[0] ** 2 - gap[1] ** 2, 0)) + geometry.base[0][2] - joints[0][2];
+    const top = joints.map((p) => up([p[0] + legs[0], p[1] + legs[1], p[2] + rise])), base = geometry.base.map(up);
+    const draw = (what, pose, paint) => {
+      painter.solid.use({ ...lit, view, pose, paint });
+      gl.bindVertexArray(what.vertices);
+      gl.drawArrays(gl.TRIANGLES, 0, what.count);
+    };
+    gl.enable(gl.DEPTH_TEST);
+    const unit = V.length(base[0]), low = geometry.shortest, high = geometry.longest;
+    base.forEach((p, k) => {
+      draw(painter.rod, along(p, base[(k + 1) % 6], 0.03 * unit), [0.30, 0.34, 0.38, 1]);
+      draw(painter.ball3, sized(p, [0.05 * unit, 0.05 * unit, 0.05 * unit]), [0.2, 0.22, 0.25, 1]);
+      const used = Math.abs(legs[6 + k] - 0.5 * (low + high)) / (0.5 * (high - low));
+      const paint = used > 0.95 ? [0.93, 0.22, 0.16, 1] : used > 0.75 ? [0.98, 0.66, 0.10, 1] : [0.16, 0.66, 0.50, 1];
+      const half = V.mix(p, top[k], 0.55);
+      draw(painter.rod, along(p, half, 0.045 * unit), [0.55, 0.58, 0.62, 1]);
+      draw(painter.rod, along(half, top[k], 0.028 * unit), paint);
+      draw(painter.rod, along(top[k], top[(k + 1) % 6], 0.035 * unit), [0.92, 0.93, 0.95, 1]);
+    });
+    const middle = V.scale(top.reduce(V.add), 1 / 6), bow = V.mix(top[0], top[5], 0.5);
+    draw(painter.rod, along(middle, V.add(middle, V.scale(V.sub(bow, middle), 0.8)), 0.03 * unit), [0.30, 0.70, 1, 1]);
+    draw(painter.ball3, sized(middle, [0.06 * unit, 0.06 * unit, 0.06 * unit]), [0.92, 0.93, 0.95, 1]);
+  }
+
+  free() {
+    const { gl } = this;
+    for (const one of [this.tile, this.gaps, this.mirror]) gl.deleteTexture(one);
+    for (const one of [this.surfaces.tank.vertices, this.surfaces.sea?.vertices, this.wall, this.balls.vertices, this.lines.vertices, ...this.ships.map((s) => s.vertices)]) gl.deleteVertexArray(one || null);
+  }
+}

@@ -1,0 +1,218 @@
+"""What a page is told of a simulation once: basin, ships as triangles, the sea around it, and the programs of water."""
+
+import zlib
+from collections.abc import Mapping, Sequence
+from functools import cache
+from math import pi
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ocean_sim.conventions import GRAVITY
+from ocean_sim.pictures import foam, light, sky, water_glsl, water_shading
+from ocean_sim.pictures.preview_scene import SPEEDS
+from ocean_sim.pictures.sea_state import wind_of
+from ocean_sim.pictures.ship_hull import Hull
+from ocean_sim.pictures.ship_model import modelled
+from ocean_sim.viewer.protocol import VERSION, boxed, packet
+from ocean_sim.waves import Components
+
+GAP_CELLS, GAP_REACH = 64, 3.0  # of the map of distances to a hull at rest; [m] around it
+FAR_WAVES = 40  # plane waves of the sea around the basin, at most
+INVENTED = 28  # of them where only the basin's own water is known
+SKY_WIDTH = 1024  # pixels
+RIPPLES = 0.02, 3.0  # [m] between which the longest ripple lies
+
+
+class Vessel(NamedTuple):
+    """A ship as a picture needs her."""
+
+    name: str
+    vertices: np.ndarray  # (n, 3) from the centre of mass, body axes [m]
+    triangles: np.ndarray  # (m, 3)
+    look: str
+    submerged: float  # share of her volume
+    helm: np.ndarray  # (3,) [m], or nothing
+
+
+class Setting(NamedTuple):
+    """Where the water is, and what is around it."""
+
+    title: str
+    scene: Mapping[str, Any]  # resolved
+    lower: np.ndarray  # (3,) [m]
+    upper: np.ndarray  # (3,) [m]
+    x: np.ndarray  # (nx,) of the heights, from their origin [m]
+    z: np.ndarray  # (nz,) [m]
+    spacing: float  # [m]
+    surface: bool  # whether there are heights to show
+    obstacles: np.ndarray  # (k, 2, 3) [m]
+    waves: Components | None  # of water in closed form
+    vessels: Sequence[Vessel]
+    gauges: Mapping[str, Sequence[float]]  # x, z [m] by name
+    particles: int
+    scalars: Sequence[Mapping[str, str]]  # name, label, unit and group of each
+
+    @property
+    def flat(self) -> bool:
+        return len(self.z) == 1
+
+    @property
+    def box(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper corner of where particles are shown [m]."""
+        size = self.upper - self.lower
+        room = np.array([0.02 * size[0], 0.0, 0.02 * size[2]])
+        above = max(size[1], 0.2 * size[0])  # of the still water: room for what leaps
+        low, high = self.lower - room, self.upper + room
+        low[1], high[1] = low[1] - 0.02 * size[1], above
+        return low, high
+
+    def packet(self) -> bytes:
+        """The still, deflated."""
+        arrays: dict[str, np.ndarray] = {}
+        boxes: dict[str, Any] = {}
+        ships = [self.ship(k, vessel, arrays, boxes) for k, vessel in enumerate(self.vessels)]
+        low, high = self.box
+        sea, uniforms = self.sea()
+        platform = self.scene.get("platform") or {}
+        header = {
+            "protocol": VERSION,
+            "title": self.title,
+            "basin": {"lower": plain(self.lower), "upper": plain(self.upper), "flat": self.flat},
+            "tile": {
+                "nx": len(self.x),
+                "nz": len(self.z),
+                "step": [step(self.x), step(self.z)],
+                "first": [float(self.x[0]), float(self.z[0])],
+            },
+            "box": [plain(low), plain(high)],
+            "spacing": float(self.spacing),
+            "surface": self.surface,
+            "particles": self.particles,
+            "obstacles": plain(self.obstacles),
+            "ships": ships,
+            "gauges": {name: [float(v) for v in place] for name, place in self.gauges.items()},
+            "scalars": list(self.scalars),
+            "sea": sea,
+            "tank": bool(self.flat or any((self.scene.get("basin") or {}).get(key) for key in FITTINGS)),
+            "platform": platform.get("geometry") if isinstance(platform.get("geometry"), dict) else None,
+            "wind": (self.scene.get("wind") or {}).get("kind", "still"),
+            "fluid": (self.scene.get("fluid") or {}).get("kind", ""),
+            "gravity": GRAVITY,
+            "speeds": plain(SPEEDS),
+            "light": {
+                name: plain(getattr(light, name)) for name in ("SUNSHINE", "FROM_ABOVE", "FROM_BELOW", "MIRRORED")
+            },
+            "shaders": shaders(len(ships)),
+            "uniforms": uniforms,
+        }
+        return zlib.compress(packet("still", arrays, boxes, **header), 6)
+
+    def ship(self, k: int, vessel: Vessel, arrays: dict[str, np.ndarray], boxes: dict[str, Any]) -> dict[str, Any]:
+        """A ship's model and the map of distances to her waterline at rest, both in body axes."""
+        model = modelled(vessel.vertices, vessel.triangles, vessel.submerged, vessel.look, vessel.helm)
+        corners = model.mesh.corners.reshape(-1, 3)
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        arrays[f"corners{k}"] = boxed(corners, low, high)
+        boxes[f"corners{k}"] = {"low": plain(low), "high": plain(high)}
+        arrays[f"normals{k}"] = np.rint(127.0 * model.mesh.normals.reshape(-1, 3)).astype(np.int8)
+        paint = np.concatenate([model.mesh.colour ** (1.0 / 2.2), model.mesh.gloss[:, None]], axis=1)
+        arrays[f"paint{k}"] = np.repeat(np.rint(255.0 * np.clip(paint, 0.0, 1.0)).astype(np.uint8), 3, axis=0)
+        hull = Hull(vessel.vertices, vessel.triangles, vessel.submerged)
+        line = foam.waterline(vessel.vertices, vessel.triangles, hull.over_water(vessel.vertices))
+        wet = len(line) > 2
+        if wet:
+            near, far = line.min(axis=(0, 1)) - GAP_REACH, line.max(axis=(0, 1)) + GAP_REACH
+            share = (np.arange(GAP_CELLS) + 0.5) / GAP_CELLS
+            x, z = (near[a] + share * (far[a] - near[a]) for a in (0, 1))
+            gap = foam.distance(np.stack(np.meshgrid(x, z), axis=-1).reshape(-1, 2), line)
+            arrays[f"gap{k}"] = gap.astype(np.float32).reshape(GAP_CELLS, GAP_CELLS)
+            boxes[f"gap{k}"] = {"near": plain(near), "far": plain(far)}
+        return {
+            "name": vessel.name,
+            "length": float(model.length),
+            "beam": float(np.ptp(vessel.vertices[:, 0])),
+            "helm": plain(model.helm),
+            "draught": float(hull.over_water(hull.lower)) * -1.0,
+            "wet": wet,
+        }
+
+    def sea(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """The plane waves around the basin, and the numbers for the program of water."""
+        height = self.waves.significant_height if self.waves is not None else 0.5
+        wind = wind_of(dict(self.scene), self.waves, height)
+        if self.waves is not None:
+            most = np.argsort(self.waves.amplitude)[::-1][:FAR_WAVES]
+            energy, kept = self.waves.amplitude**2, self.waves.amplitude[most]
+            kept = kept * np.sqrt(energy.sum() / max(energy[most].sum(), 1e-30))
+            rows = np.column_stack([kept, self.waves.wavevector[most], self.waves.omega[most], self.waves.phase[most]])
+            resolved = pi / float(self.waves.wavenumber.max())
+        else:
+            rows = invented(wind.angle, float(min(np.ptp([self.lower[0], self.upper[0]]), 200.0)), self.spacing)
+            resolved = self.spacing
+        uniforms = water_glsl.plain(len(self.vessels)) | water_glsl.switched(water_shading.Terms())
+        uniforms |= {
+            "hullFoam": np.array([0.75, 0.55, 0.0]),
+            "windAngle": wind.angle,
+            "rippleVariance": water_shading.slope_variance(wind.speed),
+            "rippleLongest": float(np.clip(2.0 * resolved, *RIPPLES)),
+        }
+        known = {"waves": plain(rows), "exact": self.waves is not None, "ramp": self.waves.ramp if self.waves else 0.0}
+        return known, {name: plain(np.asarray(value, dtype=float).T) for name, value in uniforms.items()}
+
+
+FITTINGS = ("motion", "wavemaker", "lid", "obstacles")  # of a basin that is a tank, not a piece of sea
+
+
+def invented(angle: float, length: float, spacing: float) -> np.ndarray:
+    """(INVENTED, 5) plane waves around a wind's angle with a significant height of 1 m: amplitude, wavevector, angular
+    frequency, phase. They stand for a sea of which only the basin is known."""
+    share = (np.arange(INVENTED) + 0.5) / INVENTED
+    wavelength = max(4.0 * spacing, 0.08 * length) ** (1.0 - share) * (0.7 * length) ** share
+    turn = 0.9 * np.sin(2.399963 * (np.arange(INVENTED) + 1.0) * 7.0)
+    amplitude = wavelength * np.cos(turn) ** 2
+    amplitude *= 0.25 * np.sqrt(2.0 / (amplitude**2).sum())
+    k = 2.0 * pi / wavelength
+    phase = 2.0 * pi * np.mod(0.754877666 * np.arange(INVENTED), 1.0)
+    return np.column_stack([amplitude, k * np.cos(angle + turn), k * np.sin(angle + turn), np.sqrt(GRAVITY * k), phase])
+
+
+def shaders(ships: int) -> dict[str, str]:
+    """The programs of the pictures, to which a page adds the declarations of another GLSL."""
+    return {
+        "common": water_glsl.COMMON,
+        "functions": water_glsl.WATER_FUNCTIONS,
+        "water": water_glsl.water(ships),
+        "sky": water_glsl.SKY,
+    }
+
+
+@cache
+def sky_packet(width: int = SKY_WIDTH) -> bytes:
+    """The sky and its smaller copies in shared-exponent colours, rows above the horizon alone; deflated."""
+    seen = sky.cloudy(width=width)
+    levels = {f"level{k}": shared_exponent(image[: max(len(image) // 2, 1)]) for k, image in enumerate(seen.levels)}
+    lit = {name: plain(value) for name, value in water_glsl.lit_by(seen).items()}
+    return zlib.compress(packet("sky", levels, lit=lit), 6)
+
+
+def shared_exponent(image: np.ndarray) -> np.ndarray:
+    """(rows, columns) uint32: three 9-bit mantissas and a 5-bit exponent, as RGB9_E5 of OpenGL has it."""
+    colours = np.clip(image, 0.0, 65000.0)
+    largest = colours.max(axis=-1)
+    exponent = np.clip(np.ceil(np.log2(np.maximum(largest, 2.0**-16))), -15, 16)
+    unit = 2.0 ** (exponent - 9)
+    parts = np.minimum(np.rint(colours / unit[..., None]), 511).astype(np.uint32)
+    stored = (exponent + 15).astype(np.uint32)
+    return parts[..., 0] | parts[..., 1] << 9 | parts[..., 2] << 18 | stored << 27
+
+
+def step(places: np.ndarray) -> float:
+    """Distance of places along a line [m]; 0 of a single one."""
+    return float(places[1] - places[0]) if len(places) > 1 else 0.0
+
+
+def plain(value: Any) -> Any:
+    """Numbers as JSON has them, with six digits, which is plenty for a picture."""
+    array = np.asarray(value, dtype=float)
+    return [plain(part) for part in array] if array.ndim else float(f"{float(array):.7g}")

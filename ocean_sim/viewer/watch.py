@@ -1,0 +1,279 @@
+"""Frames of a simulation that goes on, for whoever watches; an observer that reads and never writes."""
+
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import contextmanager
+from time import perf_counter
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from ocean_sim.basin.points import middles, pairs
+from ocean_sim.observers.shared.handed_on import TakesMotion
+from ocean_sim.pictures.preview_scene import PreviewScene
+from ocean_sim.platform import Platform
+from ocean_sim.platform.shared.motion_log import ride_of
+from ocean_sim.simulation import Observer, PeriodicConfig
+from ocean_sim.viewer.protocol import boxed, packet
+from ocean_sim.viewer.still import Setting, Vessel
+
+if TYPE_CHECKING:
+    from ocean_sim.simulation import Simulation
+
+RATE = 20.0  # frames a second of wall time, at most
+CELLS = 128  # heights along a side, at most
+MOST = 60_000  # particles that are shown: of more, every second, third, ...
+LINES_EVERY = 4  # frames between drawings of the wind
+FAST = 0.5  # [m/s] the least speed that has the brightest colour
+SHIPS = 4  # whose motions are plotted
+STAGES = ("wind", "fluid", "surface", "ship", "observers")
+
+
+class Audience(Protocol):
+    """Who watches."""
+
+    fresh: bool
+    """Whether somebody has not seen a frame yet."""
+
+    @property
+    def watchers(self) -> int:
+        """How many there are."""
+        ...
+
+    def begin(self, still: bytes) -> None:
+        """Another simulation is shown from now on."""
+        ...
+
+    def show(self, frame: bytes) -> None:
+        """The newest frame."""
+        ...
+
+
+class Watch(Observer, TakesMotion):
+    """Shows an audience the newest state, RATE times a second of wall time; what nobody waits for is not made."""
+
+    left_out = ("audience", "simulation", "taken", "spent", "last", "mark", "scene", "platform")
+
+    def __init__(self, simulation: "Simulation", audience: Audience) -> None:
+        self.simulation, self.audience = simulation, audience
+        self.last = -1.0  # wall time of the last frame [s]
+        self.seq, self.fastest = 0, FAST
+        self.scene = PreviewScene(simulation)
+        self.setting = setting_of(simulation)
+        self.points = pairs(self.setting.x, self.setting.z)
+        self.low, self.high = (corner.astype(np.float32) for corner in self.setting.box)
+        self.gauges = np.array([*self.setting.gauges.values()], dtype=float).reshape(-1, 2)
+        self.follows = simulation.fluid.in_closed_form is not None and not self.setting.flat
+        scene = simulation.scene
+        motion = scene.observers.get("motion")
+        self.platform: Platform | None = None
+        self.ridden, self.commands = "", np.zeros(12, np.float32)
+        if scene.platform is not None and simulation.ships and motion is not None:
+            assert isinstance(motion, PeriodicConfig)
+            self.platform = scene.platform.build(motion.every)
+            self.ridden = scene.platform.ridden([*simulation.ships])
+        self.taken: dict[str, float] = defaultdict(float)  # by stage, since the last frame [s]
+        self.spent = dict.fromkeys(STAGES, 0.0)  # milliseconds a step
+        self.mark = (perf_counter(), simulation.time, simulation.steps)
+        self.pace = 0.0
+        self.around(simulation)
+        audience.begin(self.setting.packet())
+
+    def around(self, simulation: "Simulation") -> None:
+        """Measure stages inside of whatever measures them already."""
+        inner, taken = simulation.stage, self.taken
+
+        @contextmanager
+        def stage(name: str) -> Iterator[None]:
+            with inner(name):
+                entered = perf_counter()
+                yield
+                taken[name] += perf_counter() - entered
+
+        simulation.stage = stage  # type: ignore[method-assign, assignment]
+
+    def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
+        if ship == self.ridden and self.platform is not None:
+            done = self.platform.follow(ride_of(rows, frame))
+            self.commands = np.concatenate([done.pose[-1], done.legs[-1]]).astype(np.float32)
+
+    def observe(self, simulation: "Simulation") -> None:
+        now = perf_counter()
+        if self.audience.watchers and (self.audience.fresh or now - self.last >= 1.0 / RATE):
+            self.show(now)
+
+    def show(self, now: float) -> None:
+        """Make a frame of what is now."""
+        self.last = now
+        self.measure(now)
+        self.audience.show(self.frame())
+        self.seq += 1
+
+    def measure(self, now: float) -> None:
+        """How fast it goes, and what each stage takes, since the last frame."""
+        wall, time, steps = self.mark
+        done = self.simulation.steps - steps
+        if done:
+            self.pace = (self.simulation.time - time) / max(now - wall, 1e-9)
+            self.spent = {name: 1e3 * self.taken[name] / done for name in STAGES}
+        self.taken.clear()
+        self.mark = (now, self.simulation.time, self.simulation.steps)
+
+    def frame(self) -> bytes:
+        """One moment, as the protocol has it."""
+        simulation = self.simulation
+        arrays: dict[str, np.ndarray] = {}
+        boxes: dict[str, Any] = {}
+        origin = self.origin()
+        if self.setting.surface:
+            shown, points = simulation.surface or simulation.fluid, self.points + origin
+            heights = shown.elevations(points)
+            arrays["height"] = heights.astype(np.float16)
+            white = simulation.fluid.foam(points)
+            if white is not None:
+                arrays["foam"] = np.rint(255.0 * np.clip(white, 0.0, 1.0)).astype(np.uint8)
+        else:
+            heights = np.zeros(1)
+        if self.setting.vessels:
+            bodies = [simulation.ships[vessel.name].body for vessel in self.setting.vessels]
+            arrays["poses"] = np.array([[*body.position, *body.orientation] for body in bodies], np.float32)
+        if self.setting.particles:
+            arrays |= self.particles()
+            boxes["particles"] = {"low": self.low.tolist(), "high": self.high.tolist()}
+        if self.platform is not None:
+            arrays["platform"] = self.commands
+        if self.seq % LINES_EVERY == 0 or self.audience.fresh:
+            ends, hues = self.scene.lines()
+            arrays["lines"] = ends.astype(np.float32)
+            arrays["hues"] = np.rint(255.0 * hues).astype(np.uint8)
+        arrays["scalars"] = np.nan_to_num(np.array(self.scalars(heights), np.float32), posinf=0.0, neginf=0.0)
+        return packet(
+            "frame",
+            arrays,
+            boxes,
+            time=round(simulation.time, 6),
+            seq=self.seq,
+            origin=[round(float(v), 4) for v in origin],
+            fastest=round(self.fastest, 4),
+        )
+
+    def origin(self) -> np.ndarray:
+        """(2,) x and z of the middle of the heights [m]: by whole cells near the ships, where water is everywhere."""
+        ships = self.simulation.ships.values()
+        if not (self.follows and ships):
+            return np.zeros(2)
+        cell = np.array([self.setting.x[1] - self.setting.x[0], self.setting.z[1] - self.setting.z[0]])
+        middle = np.mean([ship.body.position[[0, 2]] for ship in ships], axis=0)
+        return cell * np.round(middle / cell)
+
+    def particles(self) -> dict[str, np.ndarray]:
+        """Positions in the box and speeds, by identity: in storage order none would stay itself."""
+        particles = self.simulation.fluid.particles
+        assert particles is not None
+        count = int(particles.count.now)
+        every = -(-particles.n // MOST)
+        order = particles.id.to_numpy()[:count]
+        chosen: Any = np.flatnonzero(order % every == 0) if every > 1 else slice(None)
+        place = order[chosen] // every
+        position = particles.position.to_numpy()[:count][chosen].astype(np.float32, copy=False)
+        velocity = particles.velocity.to_numpy()[:count][chosen]
+        speed = np.sqrt(np.einsum("ij,ij->i", velocity, velocity))
+        if len(speed):
+            self.fastest = max(self.fastest, float(np.partition(speed, -1 - len(speed) // 500)[-1 - len(speed) // 500]))
+        most = int(place.max()) + 1 if len(place) else 0
+        whole, pace = np.full((most, 3), -32768, np.int16), np.zeros(most, np.uint8)
+        whole[place] = boxed(position, self.low, self.high)
+        pace[place] = np.minimum(255.0 / self.fastest * speed, 255.0).astype(np.uint8)
+        return {"particles": whole, "speed": pace}
+
+    def scalars(self, heights: np.ndarray) -> list[float]:
+        """The numbers that are plotted, in the order of the still's `scalars`."""
+        simulation = self.simulation
+        values = [*(simulation.fluid.elevations(self.gauges) if len(self.gauges) else [])]
+        values.append(4.0 * float(np.std(heights)))
+        for ship in [*simulation.ships.values()][:SHIPS]:
+            body, (throttle, rudder) = ship.body, ship.orders
+            ahead = float(body.velocity @ body.matrix[:, 2])
+            pitch, yaw, roll = np.degrees(body.angles)
+            values += [body.position[1], roll, pitch, yaw, ahead, throttle, np.degrees(rudder)]
+        if self.platform is not None:
+            values += [*self.commands[6:]]
+        if self.setting.particles:
+            fluid = simulation.fluid
+            values.append(100.0 * (fluid.status.max_density / fluid.rest_density - 1.0))
+        return [float(v) for v in values] + [self.pace, 1e3 * simulation.next_dt, *self.spent.values()]
+
+
+def setting_of(simulation: "Simulation") -> Setting:
+    """What a page is told of a simulation once."""
+    scene, basin, fluid = simulation.scene, simulation.basin, simulation.fluid
+    lower, upper = (np.array(corner, dtype=float) for corner in (basin.lower, basin.upper))
+    flat = basin.dimension == 2
+    x, z = tile(lower, upper, fluid.spacing, flat)
+    surface = not basin.closed and (fluid.particles is None or fluid.sound_speed > 0.0)
+    vessels = []
+    for name, ship in simulation.ships.items():
+        shape, look = ship.drawn(), scene.ships[name].look(scene.preflight)
+        if shape is not None and look is not None:
+            helm = ship.points.get("helm", np.zeros(0))
+            vessels.append(Vessel(name, shape[0], shape[1], look.name, look.submerged, helm))
+    gauges = elevation_gauges(scene.resolved(), flat)
+    platform = scene.platform is not None and bool(simulation.ships) and "motion" in scene.observers
+    return Setting(
+        title=scene.title or "Untitled scene",
+        scene=scene.resolved(),
+        lower=lower,
+        upper=upper,
+        x=x,
+        z=z,
+        spacing=fluid.spacing,
+        surface=surface,
+        obstacles=np.array(basin.fixed, dtype=float).reshape(-1, 2, 3),
+        waves=fluid.plane_waves,
+        vessels=vessels,
+        gauges=gauges,
+        particles=0 if fluid.particles is None else -(-fluid.particles.n // -(-fluid.particles.n // MOST)),
+        scalars=[
+            *names(gauges, [*simulation.ships][:SHIPS], platform, fluid.particles is not None),
+            {"name": "pace", "label": "simulated over wall time", "unit": "x", "group": "pace"},
+            {"name": "dt", "label": "time step", "unit": "ms", "group": "dt"},
+            *({"name": f"cost_{name}", "label": name, "unit": "ms/step", "group": "cost"} for name in STAGES),
+        ],
+    )
+
+
+def tile(lower: np.ndarray, upper: np.ndarray, spacing: float, flat: bool) -> tuple[np.ndarray, np.ndarray]:
+    """x and z [m] of the heights that are shown: half a cell from every side, at most CELLS along each."""
+    sides = (0, 2)
+    x, z = (middles(lower[a], upper[a], max(spacing, (upper[a] - lower[a]) / CELLS)) for a in sides)
+    return x, np.zeros(1) if flat else z
+
+
+def elevation_gauges(scene: dict[str, Any], flat: bool) -> dict[str, tuple[float, float]]:
+    """x, z [m] of the gauges of elevation of a resolved scene; the middle of the basin where it names none."""
+    named = (scene.get("gauges") or {}).get("elevation") or {}
+    found = {name: (float(place[0]), float(place[1]) if len(place) > 1 else 0.0) for name, place in named.items()}
+    return found or {"middle": (0.0, 0.0)}
+
+
+def names(gauges: Any, ships: list[str], platform: bool, particles: bool) -> list[dict[str, str]]:
+    """Name, label, unit and group of the numbers that are plotted of water, ships and platform."""
+
+    def row(name: str, label: str, unit: str, group: str) -> dict[str, str]:
+        return {"name": name, "label": label, "unit": unit, "group": group}
+
+    rows = [row(f"eta_{name}", name, "m", "elevation") for name in gauges]
+    rows.append(row("height", "significant wave height", "m", "height"))
+    for name in ships:
+        many = f" {name}" if len(ships) > 1 else ""
+        rows.append(row(f"heave_{name}", f"heave{many}", "m", "heave"))
+        rows += [row(f"{angle}_{name}", f"{angle}{many}", "deg", "angles") for angle in ("roll", "pitch")]
+        rows.append(row(f"yaw_{name}", f"heading{many}", "deg", "yaw"))
+        rows.append(row(f"speed_{name}", f"speed ahead{many}", "m/s", "speed"))
+        rows.append(row(f"throttle_{name}", f"throttle{many}", "1", "orders"))
+        rows.append(row(f"rudder_{name}", f"rudder{many}", "deg", "orders"))
+    if platform:
+        rows += [row(f"leg{k}", f"leg {k}", "m", "legs") for k in range(1, 7)]
+    if particles:
+        rows.append(row("compression", "largest compression", "%", "compression"))
+    return rows

@@ -145,7 +145,7 @@ def test_a_scene_is_played_in_the_page(tmp_path):
             still = browser.js(now)
             browser.wait(f"{now} !== {json.dumps(still)}")
             slide = "document.querySelector('#sliders input[aria-label^=\"wind strength\"]')"
-            browser.wait(slide)
+            browser.wait(f"{slide} !== null")
             browser.js(f"{slide}.value = 1000; {slide}.oninput()")
             browser.wait("oceanSim.state.panel.sliders[0].value === 3")
             heading = "oceanSim.state.worlds[0].poses[0].turn[2]"

@@ -152,7 +152,7 @@ def test_a_scene_is_played_in_the_page(tmp_path):
             browser.js("document.getElementById('throttle').value = 1; document.getElementById('throttle').oninput()")
             browser.js("document.getElementById('sea').focus()")
             browser.key("ArrowLeft", 1.5)
-            assert browser.js("oceanSim.state.rudder") > 0.1
+            assert browser.js("oceanSim.state.rudder") > 0.02  # to port; how far depends on how fast pictures are drawn
             browser.wait("oceanSim.state.panel.ships[0].name === 'ship' && oceanSim.state.time > 0.5", 120.0)
             before = browser.js(heading)
             browser.wait(f"Math.abs({heading} - {before}) > 2e-4", 120.0)

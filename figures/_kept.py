@@ -3,9 +3,11 @@
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
+from _options import Said
 
 from ocean_sim.observers import render
 from ocean_sim.reading.scene import load
@@ -69,9 +71,16 @@ def film(folder: Path, path: Path, **options: Any) -> None:
 
 
 def save(path: Path, picture: np.ndarray) -> None:
-    """A picture (height, width, 3) as a PNG."""
+    """A picture (height, width, 3) as a PNG, with the figure's number and caption below it; a hasty one says so."""
     import imageio.v2 as imageio
+    from PIL import Image, ImageDraw, ImageFont
 
+    width = picture.shape[1]
+    size = max(10, width // 90)
+    words = wrap(f"{'--fast, coarse. ' if Said.fast else ''}{Said.caption}", int(1.9 * width / size))
+    strip = Image.new("RGB", (width, (len(words) + 1) * (size + 4)), "white")
+    ImageDraw.Draw(strip).multiline_text((8, 4), "\n".join(words), fill="#44525c", font=ImageFont.load_default(size))
+    picture = np.concatenate([picture, np.asarray(strip)])
     imageio.imwrite(path, picture, format="png", compress_level=9)
 
 

@@ -5,6 +5,13 @@ import sys
 from pathlib import Path
 
 
+class Said:
+    """What every picture of the figure says of itself."""
+
+    caption = ""  # number and what it shows
+    fast = False  # whether haste left something out
+
+
 def options(doc: str | None, fast: str, **files: str) -> argparse.Namespace:
     """`fast` and `out`, a folder that is there. The first paragraph of `doc` says what the figure is, `fast` what haste
     leaves out."""
@@ -15,6 +22,8 @@ def options(doc: str | None, fast: str, **files: str) -> argparse.Namespace:
         parser.add_argument(f"--{name}", type=Path, help=what)
     found = parser.parse_args()
     found.out.mkdir(parents=True, exist_ok=True)
+    Said.caption = " ".join((doc or "").split("\n\n")[0].split()).removesuffix(": CSV and PNG.")
+    Said.fast = found.fast
     return found
 
 

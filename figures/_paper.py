@@ -3,7 +3,10 @@
 import csv
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
+
+from _options import Said
 
 from ocean_sim.palette import BLUE as BLUE
 from ocean_sim.palette import GREEN as GREEN
@@ -14,6 +17,8 @@ from ocean_sim.palette import SKY as SKY
 
 INK, GREY, PALE = "#16242c", "#7a8790", "#dde5ea"
 DPI = 150
+NARROW, LETTERS = 4.0, 16.0  # [inch] at most, of a panel without a caption; letters of one in an inch
+HASTY = "--fast: coarse"
 
 
 def paper(width: float, height: float) -> Any:
@@ -27,7 +32,15 @@ def paper(width: float, height: float) -> Any:
 
 
 def keep(figure: Any, path: Path) -> None:
-    """The figure as a PNG, the same bytes each time."""
+    """The figure as a PNG with its number and caption, the same bytes each time; a hasty one says so."""
+    width = figure.get_figwidth()
+    if width > NARROW:
+        words = wrap(Said.caption, int(width * LETTERS))
+        figure.supxlabel("\n".join(words), x=0.01, ha="left", fontsize=8.0, color=GREY)
+    if Said.fast:
+        figure.text(
+            0.5, 0.5, HASTY, rotation=24.0, ha="center", va="center", fontsize=4.0 * width, color=INK, alpha=0.10
+        )
     figure.savefig(path, dpi=DPI, metadata={"Software": None})
 
 

@@ -21,6 +21,8 @@ from ocean_sim.simulation import Simulation
 from ocean_sim.surface.shared.mesh import Mesh
 
 SCENE, MOMENT, ROUNDS = "thesis/fig6_3c_wide", 6.0, 9  # [s]; medians of so many
+HIGH = 2.0  # [m] to which colours reach
+SOON = 3.0  # [s] in haste: the gust has come in
 
 
 def taken(make: Callable[[], object]) -> float:
@@ -51,18 +53,27 @@ def flying_edges(cubes: Any) -> Callable[[], Any]:
     return lambda: image.contour([0.0], values, method="flying_edges")
 
 
-def drawn(meshes: dict[str, Mesh], captions: dict[str, str], path: Path) -> None:
-    """Both surfaces, seen from the same place."""
-    figure = paper(14.0, 5.0)
+def drawn(meshes: dict[str, Mesh], captions: dict[str, str], off: np.ndarray, path: Path) -> None:
+    """Both surfaces, seen from the same place, and the map of what is between them; `off`: x, z [m] and
+    that [spacings]."""
+    figure = paper(17.0, 5.2)
+    chart = figure.add_subplot(1, 3, 3)
+    most = float(np.percentile(np.abs(off[:, 2]), 98))
+    shown = chart.scatter(*off[:, :2].T, c=off[:, 2], s=22.0, marker="s", cmap="PuOr", vmin=-most, vmax=most)
+    chart.set(aspect="equal", xlabel="x [m]", ylabel="z [m]", title="cloth minus marching cubes")
+    figure.colorbar(shown, ax=chart, label="[spacings]", shrink=0.7)
     for k, (name, mesh) in enumerate(meshes.items()):
-        axes = figure.add_subplot(1, 2, k + 1, projection="3d")
+        axes = figure.add_subplot(1, 3, k + 1, projection="3d")
         x, y, z = mesh.vertices.T
-        axes.plot_trisurf(x, z, y, triangles=mesh.triangles, color="#8cc4e0", linewidth=0.12, edgecolor=INK)
+        shaded = axes.plot_trisurf(
+            x, z, y, triangles=mesh.triangles, cmap="GnBu_r", vmin=-HIGH, vmax=HIGH, linewidth=0.12, edgecolor=INK
+        )
         axes.set_box_aspect((np.ptp(x), np.ptp(z), 20.0), zoom=1.05)  # heights larger
         axes.set_title(f"{name.replace('_', ' ')}: {captions[name]}", y=0.97)
         axes.set(xlabel="x [m]", ylabel="z [m]", zlabel="y [m]", zlim=(-4.0, 4.0), zticks=(-4, -2, 0, 2, 4))
         axes.set(xticks=(-20, -10, 0, 10, 20), yticks=(-20, -10, 0, 10, 20))
         axes.view_init(elev=24.0, azim=-60.0)
+    figure.colorbar(shaded, ax=axes, label="y [m]", shrink=0.5, orientation="horizontal")
     keep(figure, path)
 
 
@@ -72,7 +83,7 @@ def main() -> None:
     config = load(SCENE, {"render": None, "frames": None, "accuracy": None, "surface": "cloth", **coarse})
     other = load(SCENE, {"surface": "marching_cubes", **coarse}).preflight.surface
     with Simulation(config) as simulation:
-        simulation.run(until=0.2 if asked.fast else MOMENT)
+        simulation.run(until=SOON if asked.fast else MOMENT)
         cloth, fluid = simulation.surface, simulation.fluid
         cubes, spacing = other.build(simulation.basin, fluid), fluid.particles.spacing
         top = highest(fluid.particles.position.to_numpy().astype(float), simulation.basin, spacing)
@@ -90,6 +101,7 @@ def main() -> None:
         for name, surface in (("cloth", cloth), ("marching_cubes", cubes)):
             mean, rms = (value / spacing for value in fit(surface, top))
             rows.append((name, times[name], len(whole[name].triangles), mean, rms, open_edges(whole[name].triangles)))
+        between = (cloth.elevations(top[:, [0, 2]]) - cubes.elevations(top[:, [0, 2]])) / spacing
         cut = flying_edges(cubes)
         triangles = cut().regular_faces
         rows.append(("flying_edges", taken(cut), len(triangles), rows[1][3], rows[1][4], open_edges(triangles)))
@@ -101,7 +113,7 @@ def main() -> None:
     timed = [(name, round(ms, 4)) for name, ms, *_ in rows] + [("step of the water", round(step, 4))]
     table(asked.out / "fig6_2_timings.csv", [f"medians of {ROUNDS} [ms]"], ["surface", "ms"], timed)
     captions = {name: f"{ms:.2f} ms, {count} triangles, {rms:.3f} spacings" for name, ms, count, _, rms, _ in rows}
-    drawn(meshes, captions, asked.out / "fig6_2.png")
+    drawn(meshes, captions, np.column_stack([top[:, [0, 2]], between]), asked.out / "fig6_2.png")
 
 
 if __name__ == "__main__":

@@ -36,6 +36,7 @@ PRINTED = {"noise_only": "(a) ", "narrow": "(b) ", "wide": "(c) ", "vortex": "(d
 FETCH, FETCHES, BEACH = "fetch [m]", (20.0, 40.0, 80.0), 40.0  # [m]
 GUST_SPEED, GUST_GAP, STEADY = 8.0, 40.0, 18.0  # [m/s], [m] from gust to gust, [s] when the first have passed
 SLICE = {"kind": "delta_sph", "spacing": 1.25, "kinematic_viscosity": 1.0}
+COUNTED = 20  # waves of all gauges from which a period is told in a picture
 RING = 8.0  # [m] radius at which circulation is taken
 
 
@@ -74,6 +75,7 @@ class Waves(NamedTuple):
     hs: float  # mean height of the highest third of all waves between zero up-crossings, of all gauges together [m]
     tz: float  # their mean period [s]
     crest: float  # [m]
+    waves: int  # whole ones of all gauges together
     circulation: float  # at the end [m2/s]; not a number in a slice and where nothing turns
     chart: tuple[np.ndarray, np.ndarray, np.ndarray] | None  # places [m] and elevation [m] at the end
 
@@ -135,8 +137,9 @@ def fetched(fetch: float, blowing: bool, seed: int, lasts: float) -> Waves:
     return Waves(*heights_of(times, heights), float("nan"), None)
 
 
-def heights_of(times: list[float], heights: list[np.ndarray]) -> tuple[float, float, float, float]:
-    """4 sqrt m0, mean of the highest third [m], mean period [s] and highest crest [m] of all gauges together."""
+def heights_of(times: list[float], heights: list[np.ndarray]) -> tuple[float, float, float, float, int]:
+    """4 sqrt m0, mean of the highest third [m], mean period [s], highest crest [m] and number of waves of all gauges
+    together."""
     record = np.array(heights)
     waves = [zero_crossing_waves(*level(np.array(times), height)) for height in record.T]
     sizes, periods = (np.concatenate([each[k] for each in waves]) for k in (0, 1))
@@ -146,6 +149,7 @@ def heights_of(times: list[float], heights: list[np.ndarray]) -> tuple[float, fl
         float(highest.mean()) if len(sizes) else float("nan"),
         float(periods.mean()) if len(sizes) else float("nan"),
         float(record.max()),
+        len(sizes),
     )
 
 
@@ -200,18 +204,19 @@ def pictured(chart: tuple[np.ndarray, np.ndarray, np.ndarray], path: Path) -> No
 
 def summary(runs: list[Waves]) -> str:
     """Height, period and circulation of a wind with their spread over seeds, for a picture."""
-    rows = [spread([getattr(run, name) for run in runs]) for name in ("hs", "tz", "circulation")]
+    rows = [spread([getattr(run, name) for run in runs]) for name in ("hm0", "tz", "circulation")]
     (hs, hs_sd), (tz, tz_sd), (turn, turn_sd) = rows
     several = len(runs) > 1
     turning = f", Γ {round(turn)}" + (f"±{turn_sd:.0f}" if several else "") + " m²/s" if np.isfinite(turn) else ""
-    height = f"$H_s$ {hs:.2f}" + (f"±{hs_sd:.2f}" if several else "")
-    period = f"$T_z$ {tz:.1f}" + (f"±{tz_sd:.1f}" if several else "")
-    return f"{height} m, {period} s{turning}"
+    height = f"$4\\sqrt{{m_0}}$ {hs:.2f}" + (f"±{hs_sd:.2f}" if several else "")
+    counted = np.isfinite(tz) and min(run.waves for run in runs) >= COUNTED  # else the record is too short for a period
+    period = f", $T_z$ {tz:.1f}" + (f"±{tz_sd:.1f}" if several else "") + " s" if counted else ""
+    return f"{height} m{period}{turning}"
 
 
 def main() -> None:
     asked = options(__doc__, "one seed, and shorter")
-    seeds, resolution, lasts = ((1,), 2.0, 8.0) if asked.fast else ((1, 2, 3, 4, 5), 2.0, LASTS)
+    seeds, resolution, lasts = ((1,), 2.0, 12.0) if asked.fast else ((1, 2, 3, 4, 5), 2.0, LASTS)
     steady = 35.0  # [s] also in haste: the waves must come to the end of the longest fetch
     cases = [("preset", name, name, 40.0) for name in PRESETS] + varied()
     cases += [("spectral_sea", name, name, 40.0) for name in PRINTED]

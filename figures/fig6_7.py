@@ -101,7 +101,7 @@ def drawn(pictures: list[np.ndarray], frames: list[Frame], sides: tuple, rows: n
 
 def main() -> None:
     asked = options(__doc__, "coarser particles, shorter, small pictures")
-    lasts, size = (0.8, (320, 180)) if asked.fast else (LASTS, (960, 540))
+    lasts, size = (2.0, (320, 180)) if asked.fast else (LASTS, (960, 540))
     with TemporaryDirectory() as place:
         progress(0.0, "a yacht in water of particles")
         run = kept(scene(1.6 if asked.fast else 0.8, lasts), Path(place, "run"))

@@ -2,7 +2,8 @@
 
 Slices of three wavelengths under delta_sph, 40 particles to the wave, steepness ka 0.05; with the feed, and without it
 at the speed of the wave's own energy, where no rim can renew it. Dots: least squares of the velocities in windows of
-half a wavelength, over the last five periods of 25; lines: the equation of one line in `fluid/shared/band.py`.
+half a wavelength, over the last five periods of 25; lines: the equation of one line in `fluid/shared/band.py`, in which
+a wave without a feed that keeps up with the rim is lost outside it.
 
 python figures/open_sea.py [--fast] [--out DIR]
 """
@@ -20,6 +21,7 @@ from ocean_sim.validation.open_sea import A_PERIOD, COARSE, FINE, GROUP, PATCH, 
 from ocean_sim.validation.shared.state import sampled
 
 KA, PERIODS, FAST_PERIODS, JUDGED = 0.05, 25.0, 2.0, 5.0
+LEAST = 0.01  # height over that of the sea below which a phase says nothing
 SPEEDS = {-1.0: BLUE, 0.0: INK, 0.5: GREEN, 1.0: RED, 1.5: ORANGE}  # [group speeds]
 PLACES = np.linspace(-1.25, 1.25, 11)  # [wavelengths] from the ship
 
@@ -34,13 +36,13 @@ def scene(speed: float, feed: float | None, particles: int, periods: float) -> A
     return load(keys)
 
 
-def measured(config: Any, speed: float, report: Any) -> np.ndarray:
-    """Complex height over that of the sea at PLACES, over the last periods."""
+def measured(config: Any, speed: float, judged: float, report: Any) -> np.ndarray:
+    """Complex height over that of the sea at PLACES, over the last periods, `judged` of them."""
     found, until = [], config.duration
     with Simulation(config) as simulation:
         for water in sampled(simulation, until, PERIOD / A_PERIOD):
             report(water.time / until)
-            if water.time > until - JUDGED * PERIOD:
+            if water.time > until - judged * PERIOD:
                 found.append([around(water, KA / K, speed * GROUP * water.time + place)[0] for place in PLACES])
     return np.mean(found, axis=0)
 
@@ -49,22 +51,25 @@ def main() -> None:
     asked = options(__doc__, "coarse water, two periods")
     particles, periods = (COARSE, FAST_PERIODS) if asked.fast else (FINE, PERIODS)
     cases = [(speed, None, colour) for speed, colour in SPEEDS.items()] + [(1.0, 0.0, RED)]
+    judged = min(JUDGED, 0.5 * periods)
     figure, rows = paper(10.0, 4.4), []
     height, phase = figure.subplots(1, 2)
     for number, (speed, feed, colour) in enumerate(cases):
         config = scene(speed, feed, particles, periods)
         name = f"{speed:+g} group speeds{'' if feed is None else ', no feed'}"
-        a = measured(config, speed, lambda part, n=number, name=name: progress((n + part) / len(cases), name))
+        a = measured(config, speed, judged, lambda part, n=number, name=name: progress((n + part) / len(cases), name))
         model = band(config.fluid.lattice(config.preflight.tank))
         assert model is not None
         along = model.along(speed)
         assert along is not None
         style = "-" if feed is None else "--"
-        height.plot(along[0], np.abs(along[1]), style, color=colour, lw=1.2)
-        height.plot(
-            PLACES, np.abs(a), "o", color=colour, ms=4, label=name, fillstyle="full" if feed is None else "none"
-        )
-        phase.plot(PLACES, np.degrees(np.angle(a)), f"o{style}", color=colour, ms=4, lw=0.8)
+        seen = np.abs(along[1]) > LEAST  # a wave that is lost has no phase
+        for panel, line, dots in (
+            (height, np.abs(along[1]), np.abs(a)),
+            (phase, np.where(seen, np.degrees(np.angle(along[1])), np.nan), np.degrees(np.angle(a))),
+        ):
+            panel.plot(along[0], line, style, color=colour, lw=1.2)
+            panel.plot(PLACES, dots, "o", color=colour, ms=4, label=name, fillstyle="full" if feed is None else "none")
         rows += [
             (speed, "" if feed is None else feed, x, abs(y), float(np.degrees(np.angle(y)))) for x, y in zip(PLACES, a)
         ]
@@ -73,10 +78,11 @@ def main() -> None:
         panel.axvspan(0.75, 1.5, color=PALE, alpha=0.5)
         panel.set(xlabel="from the ship, with the waves [wavelengths]", title=title, xlim=(-1.5, 1.5))
         panel.grid(color=PALE, lw=0.7)
+        panel.text(1.125, 0.02, "rim", transform=panel.get_xaxis_transform(), ha="center", fontsize=8)
     height.set_ylim(0.0, 1.2)
-    height.legend(fontsize=8)
+    height.legend(fontsize=8, title="dots: particles; lines: model", title_fontsize=8)
     head = [f"a patch of {PATCH:g} wavelengths, rim 0.75 on either side, ka {KA:g}, {particles} particles to the wave"]
-    head += [f"the mean of the last {JUDGED:g} of {periods:g} periods; feed: empty is the default"]
+    head += [f"the mean of the last {judged:g} of {periods:g} periods; feed: empty is the default"]
     table(asked.out / "open_sea.csv", head, ["speed", "feed", "place", "height", "phase_deg"], rows)
     keep(figure, asked.out / "open_sea.png")
     progress(1.0, "done")

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["Simulation", "load", "run", "view"]
 
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "False")  # before Taichi is imported
+os.environ.setdefault("TI_SKIP_VERSION_CHECK", "ON")  # it would ask a server once a day, with a number of this machine
 
 
 def __getattr__(name: str) -> Any:

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from ocean_sim.conventions import Failed, in_words
-from ocean_sim.machine import stoppable
+from ocean_sim.machine import extra_missing, extra_of, stoppable
 from ocean_sim.verbs.shared import console
 
 app = typer.Typer(
@@ -16,7 +16,7 @@ app = typer.Typer(
     epilog="Exit codes: 0 done, 1 the run failed, 2 the input is wrong, 3 the machine lacks something. "
     "With --debug anywhere, an error shows its traceback.",
     no_args_is_help=True,
-    add_completion=False,
+    add_completion=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
@@ -24,13 +24,62 @@ app = typer.Typer(
 # what typer raises where the command line is wrong; some of its versions take it from click, some bring their own
 WrongUsage: Any = typer.BadParameter.__mro__[2]
 
-Scene = Annotated[str, typer.Argument(help="A scene file, or the name of a packaged scene (ocean-sim list scenes).")]
-Profile = Annotated[str | None, typer.Option(help="What the machine can afford: a name in configs/run/.")]
+
+def scenes(begun: str) -> list[str]:
+    """For a shell that completes: packaged scenes, and scene files."""
+    from ocean_sim.reading.scene import packaged_scenes
+
+    folder = Path(begun) if begun.endswith("/") else Path(begun).parent
+    there = [path for path in folder.glob("*") if path.is_dir() or path.suffix in (".yaml", ".yml")]
+    files = [f"{path}/" if path.is_dir() else str(path) for path in there]
+    return [name for name in (*packaged_scenes(), *sorted(files)) if name.startswith(begun)]
+
+
+def profiles(begun: str) -> list[str]:
+    from ocean_sim.parts import named
+
+    return [name for name in named("run") if name.startswith(begun)]
+
+
+def paths_of_keys(begun: str) -> list[str]:
+    from ocean_sim.reading.keys import keys
+
+    return [key.path for key in keys() if key.path.startswith(begun)]
+
+
+Scene = Annotated[
+    str,
+    typer.Argument(
+        help="A scene file, or the name of a packaged scene (ocean-sim list scenes).", autocompletion=scenes
+    ),
+]
+Profile = Annotated[
+    str | None,
+    typer.Option(help="What the machine can afford: a name in configs/run/.", autocompletion=profiles),
+]
 Sets = Annotated[
     list[str] | None, typer.Option("--set", help="key=value laid over the scene, as in fluid.spacing=0.8.")
 ]
 Out = Annotated[Path | None, typer.Option(help="The run folder; by default runs/<scene>.")]
 Json = Annotated[bool, typer.Option("--json", help="Answer in JSON.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Print the run folder alone, and errors.")]
+
+
+def show_version(asked: bool) -> None:
+    if asked:
+        from ocean_sim.machine import installed
+
+        console.say(f"ocean-sim {installed('ocean-sim')}")
+        raise typer.Exit
+
+
+@app.callback()
+def program(
+    version: Annotated[
+        bool, typer.Option("--version", help="The version, and nothing else.", callback=show_version, is_eager=True)
+    ] = False,
+) -> None:
+    """A particle ocean with wind, ships and a motion platform, from a YAML scene to pictures and data."""
 
 
 @app.command()
@@ -42,13 +91,14 @@ def run(
     until: Annotated[float | None, typer.Option(help="Simulated time [s], instead of the scene's duration.")] = None,
     overwrite: Annotated[bool, typer.Option(help="Write into --out even where there is a run already.")] = False,
     frame: Annotated[str | None, typer.Option(help="Axes of motion.csv: ship, ned or flu.")] = None,
+    quiet: Quiet = False,
     json: Json = False,
 ) -> None:
     """Simulate a scene and write its run folder."""
     from ocean_sim.verbs.run import run
 
     axes = [] if frame is None else [f"motion.frame={frame}"]
-    run(scene, profile, [*(sets or []), *axes], out, until, overwrite, json)
+    run(scene, profile, [*(sets or []), *axes], out, until, overwrite, json, quiet)
 
 
 @app.command()
@@ -56,12 +106,13 @@ def resume(
     run: Annotated[Path, typer.Argument(help="A run folder with checkpoints.")],
     until: Annotated[float | None, typer.Option(help="Simulated time [s], instead of the scene's duration.")] = None,
     anyway: Annotated[bool, typer.Option("--anyway", help="Even where the program has changed since.")] = False,
+    quiet: Quiet = False,
     json: Json = False,
 ) -> None:
     """Go on with a run from its last checkpoint."""
     from ocean_sim.verbs.resume import resume
 
-    resume(run, until, anyway, json)
+    resume(run, until, anyway, json, quiet)
 
 
 @app.command()
@@ -70,6 +121,33 @@ def check(scene: Scene, profile: Profile = None, sets: Sets = None, json: Json =
     from ocean_sim.verbs.check import check
 
     check(scene, profile, sets or [], json)
+
+
+@app.command()
+def explain(
+    key: Annotated[
+        str, typer.Argument(help="As in wind.stress.u10, or without the kind: wind.u10.", autocompletion=paths_of_keys)
+    ],
+    json: Json = False,
+) -> None:
+    """One key of a scene: meaning, unit, default, range, example."""
+    from ocean_sim.verbs.explain import explain
+
+    explain(key, json)
+
+
+@app.command()
+def new(
+    file: Annotated[Path, typer.Argument(help="The scene file to write.")],
+    source: Annotated[
+        str, typer.Option("--from", help="The scene that it begins as: a name or a file.", autocompletion=scenes)
+    ] = "showcase",
+    json: Json = False,
+) -> None:
+    """A scene of your own to start from, every key with a comment."""
+    from ocean_sim.verbs.new import new
+
+    new(file, source, json)
 
 
 @app.command("list")
@@ -136,27 +214,50 @@ def validate(
     coarse: Annotated[bool, typer.Option("--coarse", help="At twice the spacing or more, for a quick look.")] = False,
     sets: Sets = None,
     out: Annotated[Path, typer.Option(help="Where validate.csv and the pictures go.")] = Path("runs/validate"),
+    junit: Annotated[
+        Path | None, typer.Option(help="Also a report in the XML that services for continuous integration read.")
+    ] = None,
     json: Json = False,
 ) -> int:
     """Problems with known answers: value, reference, error, tolerance, and where the tolerance comes from."""
     from ocean_sim.verbs.validate import validate
 
     with console.claim(out):
-        return validate(cases or [], scheme or [], slow, coarse, sets or [], out, json)
+        return validate(cases or [], scheme or [], slow, coarse, sets or [], out, junit, json)
 
 
 @app.command()
 def hull(
-    name: Annotated[str, typer.Argument(help="A name in configs/hull/, or an STL, OBJ or PLY file.")],
+    name: Annotated[
+        str, typer.Argument(help="A hull, a ship or a scene by its name, a scene file, or an STL, OBJ or PLY file.")
+    ],
     mass: Annotated[float | None, typer.Option(min=0.001, help="Of the whole ship [kg], if not as the hull.")] = None,
+    draught: Annotated[float | None, typer.Option(min=0.0001, help="[m], upright, instead of a mass.")] = None,
+    kg: Annotated[float | None, typer.Option(help="Centre of mass over the keel [m].")] = None,
+    cg: Annotated[
+        str | None, typer.Option(help="X,Y,Z of the centre of mass [m], from the keel amidships, to port, up, forward.")
+    ] = None,
+    loading: Annotated[
+        Path | None, typer.Option(help="A loading condition: light, weights, tanks, openings (YAML).")
+    ] = None,
+    density: Annotated[float | None, typer.Option(min=1.0, help="Of the water [kg/m3]; by default 1000.")] = None,
+    ship: Annotated[str | None, typer.Option(help="Of several ships in a scene, this one.")] = None,
+    cross: Annotated[bool, typer.Option("--cross", help="Also cross curves of stability.")] = False,
     cells: Annotated[float, typer.Option(min=1.0, max=64.0, help="Cubes over the draught.")] = 16.0,
-    out: Annotated[Path | None, typer.Option(help="The picture; by default <name>_hull.png, with --json none.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="The picture; by default runs/hull/<name>.png, with --json none.")
+    ] = None,
     json: Json = False,
 ) -> int:
-    """Is this a ship: watertight, volume, draught, stability, natural periods, picture."""
-    from ocean_sim.verbs.hull import hull
+    """Is this a ship: watertight, volume, draught, trim, stability and its criteria, natural periods, picture."""
+    from ocean_sim.verbs.hull import Asked, hull
+    from ocean_sim.verbs.shared.after import numbers
 
-    return hull(name, mass, cells, out, json)
+    at = numbers("--cg", cg)
+    if at is not None and len(at) != 3:
+        raise console.Refused(f"--cg: {cg!r} is not like 0,1.2,-0.3")
+    centre = None if at is None else (at[0], at[1], at[2])
+    return hull(name, Asked(mass, draught, kg, centre, density, cells, cross), loading, ship, out, json)
 
 
 @app.command("bench-one", hidden=True)
@@ -185,6 +286,9 @@ def render(
     eye: Annotated[str | None, typer.Option(help="X,Y,Z [m] of the fixed camera.")] = None,
     target: Annotated[str | None, typer.Option(help="X,Y,Z [m] at which the fixed camera looks.")] = None,
     ship: Annotated[str | None, typer.Option(help="Of several ships, the one that a camera follows.")] = None,
+    caption: Annotated[bool, typer.Option("--caption/--no-caption", help="Write the time into the pictures.")] = True,
+    outline: Annotated[bool, typer.Option("--outline", help="Draw where the basin ends.")] = False,
+    scale_bar: Annotated[bool, typer.Option("--scale-bar", help="Draw a bar of so many metres.")] = False,
     out: Annotated[Path | None, typer.Option(help="By default the run folder.")] = None,
     json: Json = False,
 ) -> None:
@@ -202,6 +306,9 @@ def render(
         "eye": numbers("--eye", eye),
         "target": numbers("--target", target),
         "ship": ship,
+        "caption": caption,
+        "outline": outline,
+        "scale_bar": scale_bar,
     }
     render(run, asked, fps, out, json)
 
@@ -209,8 +316,12 @@ def render(
 @app.command()
 def export(
     run: Annotated[Path, typer.Argument(help="A run folder.")],
-    particles: Annotated[str | None, typer.Option(help="vtkhdf: for ParaView.")] = None,
+    particles: Annotated[
+        str | None, typer.Option(help="vtkhdf: all in one file; ply: points, one file a frame.")
+    ] = None,
     surface: Annotated[str | None, typer.Option(help="ply or vtp: one mesh a frame; vtkhdf: all in one file.")] = None,
+    scene: Annotated[str | None, typer.Option(help="usd or glb: water, ships and particles in one file.")] = None,
+    z_up: Annotated[bool, typer.Option("--z-up", help="Z is up, in place of y.")] = False,
     every: Annotated[int, typer.Option(min=1, help="Every how many frames.")] = 1,
     out: Annotated[Path | None, typer.Option(help="By default the folder export/ of the run.")] = None,
     json: Json = False,
@@ -218,7 +329,7 @@ def export(
     """Files for ParaView and Blender."""
     from ocean_sim.verbs.shared.after import export
 
-    export(run, particles, surface, every, out, json)
+    export(run, particles, surface, scene, z_up, every, out, json)
 
 
 @app.command()
@@ -306,6 +417,26 @@ def waves(
 
 
 @app.command()
+def sea(
+    scene: Scene,
+    sets: Sets = None,
+    swd: Annotated[Path | None, typer.Option(help="A spectral-wave-data file (.swd) to write.")] = None,
+    openfast: Annotated[
+        Path | None, typer.Option(help="An elevation file of OpenFAST (.Elev, WaveMod 5) to write.")
+    ] = None,
+    at: Annotated[str, typer.Option(help="X,Z [m] of the place of that elevation.")] = "0,0",
+    every: Annotated[float, typer.Option(min=0.001, help="Time between its rows [s].")] = 0.1,
+    until: Annotated[float | None, typer.Option(min=0.001, help="Its end [s]; by default that of the scene.")] = None,
+    json: Json = False,
+) -> None:
+    """The waves of a scene as files for other programs: spectral-wave-data, OpenFAST."""
+    from ocean_sim.verbs.sea import sea
+    from ocean_sim.verbs.shared.after import numbers
+
+    sea(scene, sets or [], swd, openfast, numbers("--at", at) or [], every, until, json)
+
+
+@app.command()
 def figure(
     names: Annotated[list[str], typer.Argument(help="As in 6-3, or all of the thesis (ocean-sim list figures).")],
     fast: Annotated[bool, typer.Option("--fast", help="Coarse and short, for a quick look.")] = False,
@@ -320,17 +451,38 @@ def figure(
 
 
 @app.command()
+def gallery(
+    names: Annotated[list[str] | None, typer.Argument(help="Of pictures; by default those that are old.")] = None,
+    check: Annotated[bool, typer.Option("--check", help="Only list those that are old, with their commands.")] = False,
+    every: Annotated[bool, typer.Option("--all", help="Make all of them.")] = False,
+    out: Annotated[Path | None, typer.Option(help="By default figures/gallery of this checkout.")] = None,
+    json: Json = False,
+) -> int:
+    """The pictures of the README, made again by the commands that it prints."""
+    from ocean_sim.verbs.gallery import gallery
+
+    return gallery(names or [], check, every, out, json)
+
+
+@app.command()
 def platform(
     log: Annotated[Path, typer.Argument(help="A motion log, or a run folder that has one.")],
     geometry: Annotated[str, typer.Option(help="A name in configs/geometry/, or a file.")] = "hexapod_a",
     washout: Annotated[str, typer.Option(help="A name in configs/washout/, or a file.")] = "ship",
+    ramp: Annotated[
+        float | None, typer.Option(min=0.0, help="Time [s] from neutral to the motion, and back at the end.")
+    ] = None,
+    sets: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="key=value over platform, washout and geometry: washout.tilt_rate_deg=2."),
+    ] = None,
     frame: Annotated[
         str | None, typer.Option(help="ship, ned or flu: the axes written; the motion log is written in them, too.")
     ] = None,
     stream: Annotated[
         str | None, typer.Option(help="udp://127.0.0.1:5005: replay in real time, to this machine unless named.")
     ] = None,
-    packets: Annotated[str, typer.Option(help="ocean_sim or openmotionsim.")] = "ocean_sim",
+    packets: Annotated[str, typer.Option(help="ocean_sim, openmotionsim, floats or text.")] = "ocean_sim",
     key: Annotated[Path | None, typer.Option(help="A file whose content signs every packet of ocean_sim.")] = None,
     film: Annotated[bool, typer.Option("--film", help="Also film.gif: the hexapod in its liveliest 10 s.")] = False,
     out: Annotated[Path, typer.Option(help="Where platform.csv, metrics.csv and the pictures go.")] = Path(
@@ -342,7 +494,8 @@ def platform(
     from ocean_sim.verbs.platform import platform
 
     with console.claim(out):
-        platform(log, geometry, washout, frame, stream, packets, key, film, out, json)
+        laid = [*(sets or []), *([] if ramp is None else [f"ramp={ramp!r}"])]
+        platform(log, geometry, washout, laid, frame, stream, packets, key, film, out, json)
 
 
 @app.command()
@@ -442,6 +595,8 @@ def meaning(error: BaseException) -> tuple[int, str, list[Any]]:
         return error.exit_code, error.sentence, [*error.problems]
     if isinstance(error, ImportError | OSError) and "libX11" in str(error):
         return 3, "Taichi needs the system library libX11: as root, apt-get install libx11-6", []
+    if isinstance(error, ModuleNotFoundError) and (extra := extra_of((error.name or "").partition(".")[0])):
+        return 3, extra_missing(extra) or str(error), []
     if isinstance(error, WrongUsage):
         return error.exit_code, error.message, []
     if isinstance(error, KeyboardInterrupt | typer.Abort):

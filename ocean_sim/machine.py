@@ -11,6 +11,7 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+EXTRAS = {"pictures": ("pyvista", "vtk", "imageio", "imageio-ffmpeg", "matplotlib"), "cluster": ("distributed",)}
 SOURCES = (".py", ".csv")  # suffixes of the program's files that its numbers depend on
 
 
@@ -30,6 +31,21 @@ def installed(package: str) -> str | None:
         return version(package)
     except PackageNotFoundError:
         return None
+
+
+def extra_missing(extra: str) -> str | None:
+    """What to install where a package of an extra is missing, in a sentence; None where all are there."""
+    missing = [package for package in EXTRAS[extra] if installed(package) is None]
+    if not missing:
+        return None
+    lacks = f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} not installed"
+    return f"{lacks}; `pip install '.[{extra}]'` in the checkout brings what is missing"
+
+
+def extra_of(module: str) -> str | None:
+    """The extra that brings a module."""
+    package = {"vtkmodules": "vtk", "imageio_ffmpeg": "imageio-ffmpeg", "dask": "distributed"}.get(module, module)
+    return next((extra for extra, packages in EXTRAS.items() if package in packages), None)
 
 
 @cache

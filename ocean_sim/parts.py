@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     from ocean_sim import basin as basin_module
     from ocean_sim import waves
     from ocean_sim.basin import Basin, Solid
-    from ocean_sim.basin.open_sea import Rim
+    from ocean_sim.basin.open_sea import Nonlinear, Rim
     from ocean_sim.fluid import Fluid, Lattice, Limits
     from ocean_sim.platform import Platform
     from ocean_sim.runtime import RuntimeConfig
-    from ocean_sim.ship import Look, Outline, Ship
+    from ocean_sim.ship import Afloat, Look, Outline, Ship
     from ocean_sim.surface import Surface
     from ocean_sim.time_step import TimeStep
     from ocean_sim.wind import Wind
@@ -142,6 +142,11 @@ class SeaConfig(KindConfig):
     def significant_height(self) -> float:
         """[m]; 0 in calm water."""
 
+    @property
+    def nonlinear(self) -> Nonlinear | None:
+        """How it is nonlinear; None: it is the sum of its plane waves."""
+        return None
+
     @abstractmethod
     def plane_waves(self, basin: waves.Tank) -> waves.Components | None:
         """The sea by linear theory, before it is fitted to the patch; None in calm water."""
@@ -189,6 +194,11 @@ class WindConfig(KindConfig):
     def still(self) -> bool:
         """Whether there is no wind."""
         return False
+
+    @property
+    def strongest(self) -> float:
+        """Highest speed 10 m above the water that it states [m/s]; 0 where it states none."""
+        return 0.0
 
     @abstractmethod
     def build(self, basin: Basin, seed: int) -> Wind: ...
@@ -309,6 +319,10 @@ class ShipConfig(KindConfig):
 
     def look(self, preflight: Preflight) -> Look | None:
         """What a picture needs besides its triangles; None where it has no shape."""
+        return None
+
+    def floats(self, preflight: Preflight) -> Afloat | None:
+        """How she floats in still water; None where no hull says it."""
         return None
 
     def outline(self, preflight: Preflight) -> Outline | None:

@@ -15,16 +15,9 @@ from ocean_sim.__main__ import answered
 from ocean_sim.reading.scene import load
 from ocean_sim.result import Result
 from ocean_sim.result import run as run_scene
+from tests.fuzz._small_sea import SMALL_SEA
 
-SEA = {
-    "duration": 0.2,
-    "basin": {"length": 20.0, "width": 20.0, "depth": 5.0, "walls": "none"},
-    "fluid": {"kind": "linear_waves", "height": 0.5, "period": 3.0},
-    "gauges": {"elevation": {"here": [0.1, 0.2]}, "every": 0.02},
-    "runtime": {"threads": 1},
-    "render": None,
-    "frames": None,
-}
+SEA = SMALL_SEA | {"duration": 0.2, "frames": None}
 
 
 class Fails:
@@ -71,7 +64,7 @@ def test_whatever_fails_is_the_outcome(tmp_path, failure, reason, closing):
 
 def test_a_part_that_cannot_be_built_is_the_outcome(tmp_path, monkeypatch):
     """An observer that takes its turn after the manifest has said that the run is going on."""
-    scene = load(SEA | {"fluid": {"kind": "linear_waves", "height": 0.5, "period": 3.0}, "checkpoint": {"every": 0.1}})
+    scene = load(SEA | {"checkpoint": {"every": 0.1}})
     failure = OSError(30, "Read-only file system", "somewhere")
     monkeypatch.setattr(type(scene.observers["checkpoint"]), "build", lambda *_: (_ for _ in ()).throw(failure))
     with pytest.raises(OSError, match="Read-only"):

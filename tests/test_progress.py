@@ -78,9 +78,9 @@ def test_a_film_is_estimated_once_from_its_first_pictures(clock, capsys):
 
 def test_a_run_with_a_film_says_so_and_how_to_leave_it_out(capsys):
     run_verb.film(load(SEA))  # 10 pictures of 960 x 540, the draft of 1280 x 720 taking 0.27 s
-    time = f"about {2.7 * 0.5625:.1f} s on two cores"
-    cure = "--set render=null leaves it out"
-    assert capsys.readouterr().out == f"after the run a film of 10 pictures is drawn, {time}; {cure}\n"
+    time = f"about {2.7 * 0.5625:.1f} s on two idle cores"
+    cure = "--set render=null leaves them out"
+    assert capsys.readouterr().out == f"after the run its pictures and film are drawn, {time}; {cure}\n"
     run_verb.film(load(SEA, {"render.film": False}))
     run_verb.film(load(SEA, {"render": None}))
     assert capsys.readouterr().out == ""
@@ -94,4 +94,5 @@ def test_an_interrupt_names_what_can_still_be_done(tmp_path):
     assert str(run_verb.stopped(progress, tmp_path)).endswith(f"; `ocean-sim resume {tmp_path}` goes on")
     progress.time = 10.0
     sentence = str(run_verb.stopped(progress, tmp_path))
-    assert sentence == f"stopped while its pictures were drawn; {tmp_path} holds all else of the run"
+    later = f"`ocean-sim render {tmp_path}` draws them"
+    assert sentence == f"stopped while its pictures were drawn; {tmp_path} holds all else of the run; {later}"

@@ -84,7 +84,7 @@ accuracy: 3
         "mine.yaml:13:17: runtime.arch: 'cdua' is not a choice; did you mean 'cuda'?",
         "mine.yaml:13:32: runtime.threads: expected a whole number, got 2.0",
         "mine.yaml:13:42: runtime.pin: expected true or false, got 1",
-        "mine.yaml:14:11: accuracy: expected a mapping, got 3",
+        "mine.yaml:14:11: accuracy: expected a mapping, got 3, as in {every: ...}",
     ]
 
 

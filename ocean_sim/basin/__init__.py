@@ -57,11 +57,17 @@ class Walls(Model):
     """The kind of wall on each side; `x` stands for both `x_min` and `x_max`, and so does `z`."""
 
     x: OneSide = "reflecting"
+    """Both sides across x."""
     z: OneSide = "reflecting"
+    """Both sides across z."""
     x_min: OneSide | None = None
+    """At the lowest x; null: as `x`."""
     x_max: OneSide | None = None
+    """At the highest x; null: as `x`."""
     z_min: OneSide | None = None
+    """At the lowest z; null: as `z`."""
     z_max: OneSide | None = None
+    """At the highest z; null: as `z`."""
     y: Literal["periodic"] | None = None
     """`periodic`: what leaves through the bed comes in at the still surface; there is neither then."""
 
@@ -84,6 +90,7 @@ class Lid(Model):
     """A flat lid at the height of the still water."""
 
     slip: Slip = "no_slip"
+    """Whether water sticks to it."""
     velocity: Vector3 = quantity("m/s", (0.0, 0.0, 0.0))
     """It slides in its own plane."""
 

@@ -1,9 +1,12 @@
 """A basin that is a patch of open sea: its sides are periodic, and opposite the ship its water is that of the sea."""
 
-from typing import Protocol
+from fractions import Fraction
+from typing import NamedTuple, Protocol
 
 from ocean_sim import waves
 from ocean_sim.model import Model, Vector2, quantity
+
+MOST_PARTS = 64  # of a side of a patch, of which the other is a whole number
 
 
 class Rim(Model):
@@ -20,6 +23,13 @@ class Rim(Model):
     """Of the point that the band lies opposite to, along x and z, where there is no ship; it starts at the origin."""
 
 
+class Nonlinear(NamedTuple):
+    """How a sea is nonlinear."""
+
+    onset: float  # [s] in which what is not linear sets in
+    breaking: bool  # whether its crests break
+
+
 class OpenSea(Protocol):
     """The sea that a patch is part of."""
 
@@ -32,6 +42,21 @@ class OpenSea(Protocol):
         """Of the sea [m]; 0 in calm water."""
         ...
 
+    @property
+    def nonlinear(self) -> Nonlinear | None:
+        """How it is nonlinear; None: it is the sum of its plane waves."""
+        ...
+
     def plane_waves(self, basin: waves.Tank) -> waves.Components | None:
         """The sea by linear theory, before it is fitted to the patch; None in calm water."""
         ...
+
+
+def width_over_length(periods: tuple[float, float, float]) -> Fraction | None:
+    """Of a patch with these periods [m], as a ratio of whole numbers, 1 in a slice; None where there is none of up to
+    MOST_PARTS."""
+    if not periods[2]:
+        return Fraction(1)
+    share = periods[2] / periods[0]
+    found = Fraction(share).limit_denominator(MOST_PARTS)
+    return found if abs(found / share - 1.0) < 1e-9 else None

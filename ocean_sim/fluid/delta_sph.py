@@ -26,7 +26,7 @@ from ocean_sim.columns import Columns, vec3
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.accounts import DIFFUSION, PRESSURE, VISCOSITY, WALLS
-from ocean_sim.fluid.shared.attenuation import Attenuation
+from ocean_sim.fluid.shared.attenuation import Attenuation, Delay
 from ocean_sim.fluid.shared.grid import STATE
 from ocean_sim.fluid.shared.images import displaced, hydrostatic_offset, reflected_free_slip
 from ocean_sim.fluid.shared.neighbours import ListSize
@@ -49,6 +49,7 @@ LAG = 0.42  # bulk viscosity over h^2 / dt at most: longer steps than the defaul
 CUT, WHOLE = 0.90, 0.97  # share of a kernel that is filled at which nothing and everything diffuses
 STRETCHED, SHEARED = 0.1, 0.6  # spin over strain, both squared, from and up to which diffusion comes back there
 MEMORY = 3.0  # [depth over reference speed] over which spin and strain are remembered
+SELDOM = 1.0 / 64.0  # of that time between two looks at them
 CALM = 1e-4  # [c / h] strain below which water is still
 IMPACT = 1.0  # of the dissipation between particles that meet, over their density and the square of their speed
 CARRIED, GRADED = 2, 3  # deviation of the density, damped pressure over density squared; share, spin, strain
@@ -61,8 +62,8 @@ class Config(SphConfig):
     carries_bodies: ClassVar[bool] = True
     bears_shear: ClassVar[float] = 1.0e-3
     fineness: ClassVar[int] = 3
-    attenuation: ClassVar = Attenuation(even=0.0, flat=1.0e-3, steep=3.8e-3, travelling=2.2)
-    delay: ClassVar = 0.36  # 12 layers, k depth pi, in space: validation case standing_wave_3d
+    attenuation: ClassVar = Attenuation(0.0, flat=1.0e-3, steep=3.8e-3, travelling=Attenuation(0.0, 2.2e-3, 8.4e-3))
+    delay: ClassVar = Delay(0.33, high=0.12)
     default_ratio: ClassVar[tuple[float, float]] = (NEUTRAL_RATIO, NEUTRAL_RATIO)
     kernel: ClassVar[Kernel] = NEUTRAL
     kind: Literal["delta_sph"] = "delta_sph"
@@ -210,9 +211,7 @@ class Continuity:
         h, rho_0 = fluid.smoothing.length, fluid.rest_density
         self.diffusion = 2.0 * fluid.config.density_diffusion * h * fluid.sound_speed / rho_0
         self.heavier = rho_0 / fluid.sound_speed**2  # density [kg/m3] over p / rho [m2/s2]
-        self.flat = fluid.smoothing.dimension == 2
-        graded = {"filled": 1, "spin": 1, "strain": 2} if self.flat else {"filled": 1, "spin": 3, "strain": 6}
-        self.terms = Columns(rate=1, diffusion=1, **({"crowding": 3} if fluid.shifting else graded))
+        self.terms = Columns(rate=1, diffusion=1, **({"crowding": 3} if fluid.shifting else {"filled": 1}))
         # What `filled` sums up to on a lattice [kg/m3], times slope.
         whole = Stencil(fluid.smoothing, fluid.spacing).filled
         self.whole = whole * fluid.smoothing.dimension * rho_0
@@ -257,17 +256,6 @@ class Continuity:
         if ti.static(not self.fluid.shifting):
             total[self.terms.diffusion] *= tm.min(own[self.row.share], other[self.row.share])
             total[self.terms.filled] = weight * r * r
-            turn = tm.cross(x_ij, v_ij)
-            if ti.static(self.flat):
-                total[self.terms.spin] = weight * turn.z
-                total[self.terms.strain] = weight * (x_ij.x * v_ij.x - x_ij.y * v_ij.y)
-                total[self.terms.strain + 1] = weight * (x_ij.x * v_ij.y + x_ij.y * v_ij.x)
-            else:
-                for k in ti.static(range(3)):
-                    a, b = ti.static((k + 1) % 3, (k + 2) % 3)
-                    total[self.terms.spin + k] = weight * turn[k]
-                    total[self.terms.strain + k] = weight * x_ij[k] * v_ij[k]
-                    total[self.terms.strain + 3 + k] = weight * (x_ij[a] * v_ij[b] + x_ij[b] * v_ij[a])
         if ti.static(self.fluid.shifting):
             near = self.fluid.closeness(r)
             weight *= 1.0 + CROWDING * near * near * near * near
@@ -276,24 +264,11 @@ class Continuity:
         return total
 
     @ti.func
-    def grade(self, i, total, dt):
+    def grade(self, i, total):
         """Find which share of the diffusion particle i takes part in: all where its kernel is filled; none next to a
         free surface, but for water that is sheared there (spin as great as strain) and not merely stretched, as by
         waves (a switch as that of Balsara 1995, J. Comput. Phys. 121)."""
-        fluid, per_density = self.fluid, self.fluid.slope / self.fluid.rest_density
-        spin, strain = 0.0, 0.0  # squared, times (rest density / slope)^2; both the same in shear
-        if ti.static(self.flat):
-            spin = total[self.terms.spin] ** 2
-            strain = total[self.terms.strain] ** 2 + total[self.terms.strain + 1] ** 2
-        else:
-            along = vec3(total, self.terms.strain)
-            mean = along.sum() / 3.0
-            for k in ti.static(range(3)):
-                spin += total[self.terms.spin + k] ** 2
-                strain += 2.0 * (along[k] - mean) ** 2 + total[self.terms.strain + 3 + k] ** 2
-        lately = tm.min(1.0, dt / fluid.memory)
-        spin = tm.mix(fluid.spin[i], per_density * per_density * spin, lately)
-        strain = tm.mix(fluid.strain[i], per_density * per_density * strain, lately)
+        fluid, spin, strain = self.fluid, self.fluid.spin[i], self.fluid.strain[i]
         filled = fluid.slope * total[self.terms.filled] / self.whole
         inside = tm.clamp((filled - CUT) / (WHOLE - CUT), 0.0, 1.0)
         sheared = tm.clamp((spin / (strain + fluid.calm) - STRETCHED) / (SHEARED - STRETCHED), 0.0, 1.0)
@@ -321,7 +296,7 @@ class Continuity:
             for k, component in ti.static(enumerate(fluid.shift)):
                 component[i] = -gradient[k]
         else:
-            self.grade(i, total, dt)
+            self.grade(i, total)
         fluid.accounts.count_density(group, rho_0 + excess)
         if ti.static(fluid.accounts.impulses):
             closer, p = particles.mass * dt * fluid.slope, fluid.pressure_of(deviation) / (rho_0 + deviation) ** 2
@@ -329,6 +304,63 @@ class Continuity:
             fluid.accounts.count_work(group, DIFFUSION, closer * diffused * p)
             fluid.accounts.count_work(group, PRESSURE, damped)
             fluid.accounts.count_work(group, VISCOSITY, -damped)
+
+
+@ti.data_oriented
+class Shear:
+    """Spin and strain of the water around each particle, remembered over a while: seldom looked at, since they are
+    dear."""
+
+    row, apart = Columns(position=3, velocity=3), False
+
+    def __init__(self, fluid: "DeltaSph") -> None:
+        self.fluid, self.reads, self.dimension = fluid, fluid.grid.moved[: STATE.id], fluid.smoothing.dimension
+        self.terms = Columns(gradient=self.dimension**2)
+        if fluid.boundary is not None:
+            self.boundary, self.solid = fluid.boundary, fluid.boundary.summed(self)
+
+    @ti.func
+    def begin(self, group):
+        """Nothing is counted."""
+
+    @ti.func
+    def image(self, other, mirror):
+        return reflected_free_slip(mirror, other)
+
+    @ti.func
+    def sample(self, own, s, d, mirror):
+        """A sample of a solid body moves with it."""
+        return displaced(own, d, self.boundary.own_velocity(s, mirror))
+
+    @ti.func
+    def pair(self, own, other):
+        """x_ij v_ij, to be times -m grad W / x_ij."""
+        x_ij = self.fluid.smoothing.between(own, other, self.row.position)
+        v_ij = self.fluid.smoothing.between(own, other, self.row.velocity)
+        lever, total = self.fluid.smoothing.pair_gradient(x_ij), ti.Vector.zero(float, self.terms.size)
+        for j, k in ti.static(ti.ndrange(self.dimension, self.dimension)):
+            total[self.terms.gradient + self.dimension * j + k] = lever[j] * v_ij[k]
+        return total
+
+    @ti.func
+    def finish(self, i, own, total, beyond, group):
+        """Both squared: in shear they are the same."""
+        fluid = self.fluid
+        if ti.static(fluid.bodies):
+            total += self.solid.total(vec3(own, self.row.position), own)
+        gradient = ti.Matrix.zero(float, self.dimension, self.dimension)  # of velocity k along axis j [1/s]
+        for j, k in ti.static(ti.ndrange(self.dimension, self.dimension)):
+            term = total[self.terms.gradient + self.dimension * j + k]
+            gradient[j, k] = -fluid.slope / fluid.rest_density * term
+        spin, strain, mean = 0.0, 0.0, gradient.trace() / self.dimension
+        for j, k in ti.static(ti.ndrange(self.dimension, self.dimension)):
+            if ti.static(j == k):
+                strain += 2.0 * (gradient[j, k] - mean) ** 2
+            if ti.static(j < k):
+                spin += (gradient[j, k] - gradient[k, j]) ** 2
+                strain += (gradient[j, k] + gradient[k, j]) ** 2
+        for k, now in ti.static(((1, spin), (2, strain))):
+            fluid.fresh[k][i] = tm.mix(fluid.fresh[k][i], now, fluid.lately[None])
 
 
 @ti.data_oriented
@@ -357,12 +389,15 @@ class DeltaSph(Sph):
             self.share, self.spin, self.strain = self.carried[CARRIED:]  # of diffusion, and squares [1/s2]
             self.fresh = tuple(ti.field(float, shape=particles.n) for _ in range(GRADED))  # the same at its end
             self.memory = MEMORY * basin.depth / self.reference_speed  # [s]
+            self.unseen, self.lately = 0.0, ti.field(float, shape=())  # [s] since the shear was looked at; over memory
             self.calm = (CALM * self.sound_speed / self.smoothing.length) ** 2  # [1/s2]
         self.per_density = 1.0 / particles.rest_density  # [m3/kg]
         self.per_reach = 1.0 / (NEAR * particles.spacing)  # [1/m]
         q = 1.0 - 1.0 / NEAR
         self.per_W_spacing = 1.0 / (q**4 * (5.0 - 4.0 * q))
         self.momentum, self.continuity = Momentum(self), Continuity(self)
+        if not self.shifting:
+            self.shear = Shear(self)
         self.compress(sizes.grid.lattice.ends()[0])
         self.begin()
 
@@ -390,6 +425,11 @@ class DeltaSph(Sph):
 
     def step(self, dt: float) -> None:
         self.leap(dt, self.status.max_speed, self.wind.since, self.summary)
+        if not self.shifting:
+            self.unseen += dt
+            if self.unseen > SELDOM * self.memory:
+                self.remember(min(1.0, self.unseen / self.memory))
+                self.unseen = 0.0
 
     @ti.func
     def leave(self, i, x, v):
@@ -462,6 +502,12 @@ class DeltaSph(Sph):
         self.neighbours.walk(self.momentum, True)
         self.neighbours.walk(self.continuity, False)
         self.accounts.summarise(summary)
+
+    @ti.kernel
+    def remember(self, lately: float):
+        """Let the spin and strain of now count with this weight among those remembered."""
+        self.lately[None] = lately
+        self.neighbours.walk(self.shear, False)
 
     def limits(self) -> Limits:
         return self.config.limited(self.smoothing, self.sound_speed, self.max_speed, self.status.max_acceleration)

@@ -31,7 +31,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.accounts import BED, GRAVITY, PRESSURE, SEA, SHIP, VISCOSITY, WALLS, WIND
-from ocean_sim.fluid.shared.attenuation import Attenuation
+from ocean_sim.fluid.shared.attenuation import Attenuation, Delay
 from ocean_sim.fluid.shared.force import Force
 from ocean_sim.fluid.shared.images import hydrostatic_offset, mirrored, turned
 from ocean_sim.fluid.shared.law import PositionLaw
@@ -62,8 +62,9 @@ class Config(SphConfig):
 
     bears_shear: ClassVar[float] = 1.0e-3
     fineness: ClassVar[int] = 2
-    attenuation: ClassVar = Attenuation(even=4.0e-4, flat=4.0e-3, steep=1.0e-2)  # besides the artificial viscosity
-    delay: ClassVar = 0.27  # 12 layers, k depth pi, in space: validation case standing_wave_3d
+    attenuation: ClassVar = Attenuation(4.0e-4, 4.0e-3, 1.0e-2, travelling=Attenuation(4.0e-4, steep=8.0e-2))
+    """Besides the artificial viscosity."""
+    delay: ClassVar = Delay(0.2)
     unheeded: ClassVar[tuple[str, ...]] = ("compression",)
     default_ratio: ClassVar[tuple[float, float]] = (NEUTRAL_RATIO, NEUTRAL_RATIO)
     kernel: ClassVar[Kernel] = NEUTRAL

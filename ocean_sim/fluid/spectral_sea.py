@@ -21,7 +21,7 @@ from ocean_sim.conventions import WATER_DENSITY, Diverged
 from ocean_sim.fluid import Displacing, Fluid, Limits
 from ocean_sim.fluid.shared.air_pressure import AirPressure
 from ocean_sim.fluid.shared.breaking import Breaking
-from ocean_sim.fluid.shared.high_order import KEPT, HighOrder
+from ocean_sim.fluid.shared.high_order import STEEP, STEPS_PER_WAVE, HighOrder, evolving, step_of
 from ocean_sim.fluid.shared.open_water import ADVANCE, POINTS_PER_WAVE, SMOOTH, Felt, OpenWater, status_of
 from ocean_sim.fluid.shared.plane_waves import NO_DRIFT, PlaneWaves
 from ocean_sim.fluid.shared.sheet import WORDS, Sheet
@@ -30,21 +30,17 @@ from ocean_sim.fluid.shared.window import Window
 from ocean_sim.model import Vector2, quantity
 from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems, called
 from ocean_sim.runtime import asked_by_kernels
-from ocean_sim.waves.seas import Seas
+from ocean_sim.waves.seas import Seas, Steepening
 from ocean_sim.wind import Wind
 
 CELLS = 128  # along a tile
-PART = 0.8  # [rad] by which a wave of SHORT cells turns in a step of the tiles
-SHORT = 4.0  # cells
-STEPS_PER_WAVE = 40  # of the highest wave, in a nonlinear sea
-ONSET = 5.0  # [periods] in which what is not linear sets in
 FEW = 4.0  # cells over a ship's breadth
 FITTING = 0.01  # part of its wavenumber by which a regular wave may be changed to fit a tile
 DRAWN = 4000  # plane waves that stand for a spectrum before they are fitted to a tile
-CELL, STEEP, READ = 6.0e-8, 9.0e-7, 3.0e-7  # [s] of processor time a step and cell of a tile
+CELL, READ = 6.0e-8, 3.0e-7  # [s] of processor time a step and cell of a tile
 
 
-class Config(Seas, waves.GrowingTrain, FluidConfig):
+class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
     """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `seas` on top of them;
     the sea has no sides."""
 
@@ -61,11 +57,6 @@ class Config(Seas, waves.GrowingTrain, FluidConfig):
     step: float | None = quantity("s", None, gt=0.0)
     """Time between two steps of the tiles; null: waves of four cells turn by 0.8 rad in it, and of a nonlinear sea the
     highest by a fortieth of its period at most."""
-    onset: float | None = quantity("s", None, ge=0.0)
-    """Time in which what is not linear sets in, at order 3 (Dommermuth 2000); null: five periods."""
-    breaking: bool = True
-    """Whether crests of a nonlinear sea break where the water on them moves faster than 0.85 of their speed (Barthelemy
-    et al. 2018, J. Fluid Mech. 841)."""
     rest_density: float = quantity("kg/m3", WATER_DENSITY, gt=0.0)
     """Density of the water."""
 
@@ -85,8 +76,7 @@ class Config(Seas, waves.GrowingTrain, FluidConfig):
         """Time between steps of the tiles [s]."""
         if self.step is not None:
             return self.step
-        k = 2.0 * pi / (SHORT * tile.cell)
-        step = PART / float(waves.angular_frequency(k, tile.depth, tile.gravity))
+        step = step_of(tile)
         return min(step, self.highest[1] / STEPS_PER_WAVE) if self.order == 3 and self.highest is not None else step
 
     def problems(self, preflight: Preflight) -> Problems:
@@ -288,17 +278,8 @@ class SpectralSea(OpenWater):
 
     def nonlinear(self, sea: waves.Components) -> HighOrder:
         """The nonlinear sea that these waves grow into."""
-        config, tile = self.config, replace(self.tile, part=KEPT)
-        period = config.highest[1] if config.highest is not None else 0.0
-        breaking = Breaking(tile, heading(sea), period) if config.breaking and period else None
-        steep = HighOrder(tile, ONSET * period if config.onset is None else config.onset, breaking)
-        x, z = (axis.ravel() for axis in np.meshgrid(*tile.nodes(), indexing="ij"))
-        points = np.stack([x, z], axis=1)
-        late = waves.Components(
-            sea.amplitude * sea.gravity / sea.omega, sea.wavevector, sea.phase - 0.5 * pi, sea.depth, sea.gravity
-        )
-        steep.begin(*(waves.elevation(of, points).reshape(tile.shape) for of in (sea, late)))
-        return steep
+        period = self.config.highest[1] if self.config.highest is not None else 0.0
+        return evolving(sea, self.tile, self.config.onset_in(period), self.config.breaking, period)
 
     @property
     def plane_waves(self) -> waves.Components:
@@ -452,12 +433,6 @@ class SpectralSea(OpenWater):
 def spacing(sea: waves.Components, tile: Tile) -> float:
     """Distance of points that show the highest waves [m]; in calm water two cells."""
     return sea.wavelength / POINTS_PER_WAVE if sea.amplitude.any() else 2.0 * tile.cell
-
-
-def heading(sea: waves.Components) -> np.ndarray:
-    """(2,) unit vector along x and z where the energy of waves goes to."""
-    ahead = (sea.amplitude[:, None] ** 2 * sea.wavevector / sea.wavenumber[:, None]).sum(axis=0)
-    return ahead / max(float(np.linalg.norm(ahead)), 1e-30)
 
 
 def snapped(sea: waves.Components, tile: Tile) -> waves.Components:

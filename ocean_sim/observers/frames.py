@@ -1,6 +1,7 @@
 """Keeps what a picture or an export needs: particles, the height of the water, its surface, and
 where the ships are; one file a frame. What is of a ship begins with the key she is written under."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -13,14 +14,18 @@ from ocean_sim.fluid import Fluid
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.sampled import Multiples
 from ocean_sim.parts import Preflight, key_of
+from ocean_sim.pictures import foam
 from ocean_sim.ship import Ship
 from ocean_sim.simulation import Observer, PeriodicConfig
+from ocean_sim.surface import Mesh
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
 
-BYTES_PER_PARTICLE = 28  # position, velocity and id
+SURFACE_FIELDS = 7  # elevation, foam, how far it was carried, velocity
+BYTES_PER_PARTICLE = 32  # position, velocity, id and pressure
+TOPMOST = 1.2  # [spacings] under the surface: the particles that carry foam
 LARGE = 2.0e9  # bytes that are worth a warning
 
 
@@ -41,7 +46,7 @@ class Config(PeriodicConfig):
         """A warning where the frames of a long or large run would fill a disk."""
         x, z = grid(preflight.tank, self.spacing or preflight.spacing or preflight.tank.depth)
         kept = preflight.particles if self.particles else 0
-        frame = 4 * len(x) * len(z) + BYTES_PER_PARTICLE * kept
+        frame = 4 * SURFACE_FIELDS * len(x) * len(z) + BYTES_PER_PARTICLE * kept
         size = frame * (preflight.duration / self.every + 1.0)
         if size < LARGE:
             return []
@@ -66,6 +71,10 @@ class Frames(Observer):
         self.shape = (len(x), len(z))
         self.points = pairs(x, z)
         self.cell = np.array([x[1] - x[0], z[1] - z[0]]) if len(z) > 1 else np.zeros(2)  # [m]; 0 in a slice
+        open_air = basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0)
+        self.white = foam.Field(self.shape, self.cell) if open_air else None
+        self.wind_speed = simulation.scene.wind.strongest
+        self.before = np.zeros(2)  # origin of the frame before [m]
         self.ships: list[Ship] = []
         hulls: dict[str, object] = {}
         for name, ship in simulation.ships.items():
@@ -86,7 +95,7 @@ class Frames(Observer):
             obstacles=np.array(basin.fixed).reshape(-1, 2, 3),
             **hulls,
             **plane_waves(fluid),
-            has_surface=basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0),
+            has_surface=open_air,
         )
 
     def observe(self, simulation: "Simulation") -> None:
@@ -101,11 +110,12 @@ class Frames(Observer):
         if sea is not None:
             known = waves.elevation(sea, points, simulation.time).reshape(self.shape)
             frame |= {"answer": frame["elevation"] - known, "origin": origin}
-        foam = simulation.fluid.foam(points)
-        if foam is not None:
-            frame["foam"] = foam.reshape(self.shape)
+        if self.white is not None:
+            frame |= self.whitened(simulation, points, frame["elevation"], origin)
         if simulation.surface is not None:
             mesh = simulation.surface.mesh()
+            if origin.any():
+                mesh = unrolled(mesh, origin, simulation.basin.periods)
             frame |= {"vertices": mesh.vertices, "triangles": mesh.triangles, "normals": mesh.normals}
         if simulation.basin.gates:
             frame["gates"] = np.array(simulation.basin.gates_at(simulation.time)).reshape(-1, 2, 3)
@@ -113,13 +123,32 @@ class Frames(Observer):
             key = key_of(ship.name)
             frame |= {f"{key}_position": ship.body.position, f"{key}_turn": ship.body.matrix}  # body to world
         if self.config.particles and particles is not None:
-            frame["position"] = particles.position.to_numpy()
+            x = particles.position.to_numpy()
+            frame["position"] = x + shifts(x, origin, simulation.basin.periods) if origin.any() else x
             frame["velocity"] = particles.velocity.to_numpy()
             frame["id"] = particles.id.to_numpy()
+            frame["pressure"] = particles.pressure.to_numpy()[: particles.n]
         self.write(
             f"frame_{self.count:05d}", time=simulation.time, **{key: single(array) for key, array in frame.items()}
         )
         self.count += 1
+
+    def whitened(
+        self, simulation: "Simulation", points: np.ndarray, elevation: np.ndarray, origin: np.ndarray
+    ) -> dict[str, np.ndarray]:
+        """The white water at the points, how far its grain has been carried, and the velocity of the surface."""
+        assert self.white is not None
+        self.white.shift(np.round((origin - self.before) / self.cell))
+        self.before = origin
+        velocity = surface_velocity(simulation.fluid, points, elevation, simulation.basin.periods)
+        made = simulation.fluid.foam(points)
+        if made is None:
+            source = foam.convergence(elevation, *self.cell)
+            wanted = min(max(foam.monahan(self.wind_speed), foam.cover(source)), foam.MOST)
+            self.white.advance(simulation.time, velocity[..., [0, 2]], source, wanted)
+        else:
+            self.white.advance(simulation.time, velocity[..., [0, 2]], made.reshape(self.shape), None)
+        return {"foam": self.white.white, "carried": self.white.carried, "surface_velocity": velocity}
 
     def origin(self) -> np.ndarray:
         """(2,) x and z of the middle of the points [m] on a sea that answers to ships: by whole cells near that of the
@@ -149,6 +178,46 @@ def appearance(simulation: "Simulation", ship: Ship) -> dict[str, object]:
         return {}
     helm = ship.points.get("helm", np.zeros(0))
     return {f"{key}_look": look.name, f"{key}_helm": helm, f"{key}_submerged": look.submerged}
+
+
+def shifts(x: np.ndarray, origin: np.ndarray, period: Sequence[float]) -> np.ndarray:
+    """(n, 3) by how many whole lengths of periodic sides [m] points (n, 3) lie away from where they are nearest to an
+    origin x, z [m]; 0 along the others."""
+    length = np.array([period[0], 0.0, period[2]])
+    away = np.insert(origin, 1, 0.0) - x
+    return length * np.round(away / np.where(length > 0.0, length, np.inf))
+
+
+def unrolled(mesh: Mesh, origin: np.ndarray, period: Sequence[float]) -> Mesh:
+    """A surface between periodic sides, its triangles put where they are nearest to an origin x, z [m]."""
+    corners = mesh.vertices[mesh.triangles]
+    shift = np.repeat(shifts(corners.mean(axis=1), origin, period), 3, axis=0)
+    at = np.column_stack([mesh.triangles.ravel(), np.round(shift, 6)])
+    kept, which = np.unique(at, axis=0, return_inverse=True)
+    number = kept[:, 0].astype(int)
+    vertices = (mesh.vertices[number] + kept[:, 1:]).astype(mesh.vertices.dtype)
+    return Mesh(vertices, which.reshape(-1, 3).astype(mesh.triangles.dtype), mesh.normals[number])
+
+
+def surface_velocity(
+    fluid: Fluid, points: np.ndarray, elevation: np.ndarray, period: Sequence[float] = (0.0, 0.0, 0.0)
+) -> np.ndarray:
+    """(nx, nz, 3) of the water at the surface over the points [m/s]: of particles the mean of those in the topmost
+    layer of each cell."""
+    particles = fluid.particles
+    if particles is None:
+        return fluid.velocities(np.insert(points, 1, elevation.ravel(), axis=1)).reshape(*elevation.shape, 3)
+    x, v = particles.position.to_numpy().astype(float), particles.velocity.to_numpy().astype(float)
+    x = x + shifts(x, 0.5 * (points[0] + points[-1]), period)
+    low, (nx, nz) = points[0], elevation.shape
+    cell = (points[-1] - low) / np.maximum(np.array([nx, nz]) - 1, 1)
+    i, k = (np.round((x[:, axis] - low[n]) / cell[n]).astype(int) for n, axis in enumerate((0, 2)))
+    i, k = np.clip(i, 0, nx - 1), np.clip(k, 0, nz - 1)
+    top = x[:, 1] > elevation[i, k] - TOPMOST * fluid.spacing
+    at = (i * nz + k)[top]
+    count = np.maximum(np.bincount(at, minlength=nx * nz), 1)
+    parts = [np.bincount(at, weights=v[top, axis], minlength=nx * nz) / count for axis in range(3)]
+    return np.stack(parts, axis=-1).reshape(nx, nz, 3)
 
 
 def plane_waves(fluid: Fluid) -> dict[str, np.ndarray]:

@@ -1,4 +1,5 @@
-"""Gauges: the height of the water and its pressure at fixed points, read from the fluid, never from a drawn surface.
+"""Gauges: the height of the water and its pressure at points that are fixed, or ride with the ships or the patch of
+open sea; read from the fluid, never from a drawn surface.
 
 A pressure sensor may have a face: what it reads then is the mean over a disc, in a slice over a segment. The mean is
 that of SEGMENT equal parts of the segment, by their middles: exact for what is linear along it. In space it is that of
@@ -32,10 +33,21 @@ Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_lengt
 SEGMENT = 9  # points of a sensor in a slice
 RINGS = (6, 12)  # points on the rings of a sensor in space
 DISC = sum(RINGS)
+RIDING = " from the middle of what it rides with"
+
+
+class Wave(Model):
+    """A gauge of the height of the water that may ride."""
+
+    at: Column = quantity("m")
+    """Where it is [x, z]; in a slice [x]."""
+    rides: bool = False
+    """Whether `at` is seen from the middle of the ships, or of a patch of open sea that has none, and goes with it; it
+    does not turn with them."""
 
 
 class Sensor(Model):
-    """A pressure sensor with a face of some size, flush with a wall."""
+    """A pressure sensor with a face of some size, flush with a wall, or one that rides."""
 
     at: Point = quantity("m")
     """The middle of its face [x, y, z]; in a slice [x, y]."""
@@ -44,6 +56,9 @@ class Sensor(Model):
     normal: Point | None = quantity("1", None)
     """Where its face looks to, of any length; by default straight away from the nearest side, bed, lid or face of a
     fixed obstacle, so that the sensor is flush with it."""
+    rides: bool = False
+    """Whether `at` is seen from the middle of the ships, or of a patch of open sea that has none, and goes with it; it
+    does not turn with them."""
 
     def facing(self, basin: Basin) -> np.ndarray | None:
         """(3,) unit vector across its face; None where nothing says."""
@@ -98,11 +113,11 @@ class Config(PeriodicConfig):
     turn: ClassVar[int] = -1
     leaves: ClassVar[str] = "gauges.csv"
     takes: ClassVar[tuple[float, float]] = (3.4e-4, 4.3e-9)
-    elevation: dict[Name, Column] = {}
-    """Height of the water at points [x, z] in metres; in a slice [x]."""
+    elevation: dict[Name, Column | Wave] = {}
+    """Height of the water at points [x, z] in metres; in a slice [x]. One that rides is {at: [x, z], rides: true}."""
     pressure: dict[Name, Point | Sensor] = {}
     """Pressure of the water at points [x, y, z] in metres, also on bed and walls; in a slice [x, y]; 0 where dry. A
-    sensor with a face is {at: [x, y, z], diameter: 0.09}."""
+    sensor with a face is {at: [x, y, z], diameter: 0.09}, one that rides {at: [x, y, z], rides: true}."""
     every: float = quantity("s", 0.05, gt=0.0)
     """Simulated time between rows."""
 
@@ -115,10 +130,19 @@ class Config(PeriodicConfig):
     def problems(self, preflight: Preflight) -> Problems:
         return self.misplaced(preflight.tank)
 
+    def mismatches(self, preflight: Preflight) -> Problems:
+        return [(key, sentence) for key in self.riding if (sentence := unridden(preflight))]
+
+    @property
+    def riding(self) -> list[Key]:
+        """The gauges that ride."""
+        waves: list[Key] = [("elevation", name) for name, wave in self.waves.items() if wave.rides]
+        return [*waves, *(("pressure", name) for name, sensor in self.sensors.items() if sensor.rides)]
+
     def misplaced(self, basin: Basin) -> Problems:
         """What is wrong with the points in this basin."""
         points: dict[Key, tuple[tuple[float, ...], str]]
-        points = {("elevation", name): (point, "xz") for name, point in self.elevation.items()}
+        points = {("elevation", name): (wave.at, "xz") for name, wave in self.waves.items()}
         sensors: dict[Key, Sensor] = {("pressure", name): sensor for name, sensor in self.sensors.items()}
         points |= {key: (sensor.at, "xyz") for key, sensor in sensors.items()}
         found = [(key, misplaced(point, axes, basin)) for key, (point, axes) in points.items()]
@@ -127,6 +151,11 @@ class Config(PeriodicConfig):
         if self.elevation and basin.periods[1] > 0.0:
             found.append((("elevation",), "a basin that is periodic along y has no surface"))
         return [(key, sentence) for key, sentence in found if sentence is not None]
+
+    @property
+    def waves(self) -> dict[str, Wave]:
+        """Those of elevation, a point as one that does not ride."""
+        return {n: w if isinstance(w, Wave) else Wave(at=w) for n, w in self.elevation.items()}
 
     @property
     def sensors(self) -> dict[str, Sensor]:
@@ -138,6 +167,15 @@ class Config(PeriodicConfig):
         if problems:
             raise ValueError("; ".join(f"gauges.{'.'.join(map(str, key))}: {text}" for key, text in problems))
         return Gauges(self, folder, simulation)
+
+
+def unridden(preflight: Preflight) -> str | None:
+    """Why no gauge can ride in a scene, or None."""
+    if preflight.tank.sea is not None:
+        return None
+    if preflight.fluid.made_of_particles:
+        return "it rides over a patch of open sea alone; this water stays where it is: leave rides out, or name a sea"
+    return None if preflight.ships else "there is no ship that it could ride with; leave rides out"
 
 
 def misplaced(point: tuple[float, ...], axes: str, basin: Basin) -> str | None:
@@ -177,9 +215,10 @@ def ill_faced(sensor: Sensor, basin: Basin) -> str | None:
 
 def read_at(sensor: Sensor, points: int) -> str:
     """Where a sensor reads so many points, for the heading of the table."""
+    place = f"{list(sensor.at)} m{RIDING if sensor.rides else ''}"
     if points == 1:
-        return f"pressure at {list(sensor.at)} m"
-    return f"mean pressure over {sensor.diameter:g} m about {list(sensor.at)} m, of {points} points"
+        return f"pressure at {place}"
+    return f"mean pressure over {sensor.diameter:g} m about {place}, of {points} points"
 
 
 def lowered(simulation: "Simulation") -> dict[str, object]:
@@ -191,18 +230,32 @@ def lowered(simulation: "Simulation") -> dict[str, object]:
     return {"hydrostatic_offset": f"the water's own weight lowers its level by {by}"}
 
 
+def middle(simulation: "Simulation") -> np.ndarray:
+    """(2,) x, z [m] of what gauges ride with."""
+    if simulation.ships:
+        return np.mean([ship.body.position[[0, 2]] for ship in simulation.ships.values()], axis=0)
+    return simulation.fluid.patch_centre
+
+
 class Gauges(Observer):
     """gauges.csv: one column a gauge."""
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
         self.every = config.every
-        self.columns = np.array([(*point, 0.0)[:2] for point in config.elevation.values()]).reshape(-1, 2)  # x, z [m]
+        gauged = config.waves
+        self.columns = np.array([(*wave.at, 0.0)[:2] for wave in gauged.values()]).reshape(-1, 2)  # x, z [m]
         sensors = config.sensors
         faces = {name: sensor.points(simulation.basin) for name, sensor in sensors.items()}
         self.points = np.concatenate([np.zeros((0, 3)), *faces.values()])  # [m]
         self.sizes = np.array([len(face) for face in faces.values()], dtype=int)  # how many of them are of each sensor
+        self.columns_ride = np.array([[wave.rides] for wave in gauged.values()], dtype=float).reshape(-1, 1)
+        ride = [sensor.rides for sensor in sensors.values()]
+        self.points_ride = np.repeat(np.array(ride, dtype=float), self.sizes)[:, None]  # 1 of those that ride, else 0
         self.sampled = Sampled(config.every)
-        meaning = {f"{name}_m": f"elevation at {list(point)} m" for name, point in config.elevation.items()}
+        meaning = {
+            f"{name}_m": f"elevation at {list(wave.at)} m{RIDING if wave.rides else ''}"
+            for name, wave in gauged.items()
+        }
         meaning |= {f"{name}_Pa": read_at(sensors[name], len(face)) for name, face in faces.items()}
         self.csv = CsvFile(
             folder / "gauges.csv",
@@ -212,11 +265,13 @@ class Gauges(Observer):
 
     def observe(self, simulation: "Simulation") -> None:
         fluid, parts = simulation.fluid, []
+        x, z = middle(simulation)
         if len(self.columns):
-            parts.append(fluid.elevations(self.columns))
+            parts.append(fluid.elevations(self.columns + self.columns_ride * [x, z]))
         if len(self.points):
             begins = np.cumsum(self.sizes) - self.sizes
-            parts.append(np.add.reduceat(fluid.pressures(self.points), begins) / self.sizes)
+            pressures = fluid.pressures(self.points + self.points_ride * [x, 0.0, z])
+            parts.append(np.add.reduceat(pressures, begins) / self.sizes)
         for time, values, _ in self.sampled.rows(simulation.time, np.concatenate(parts)):
             self.csv.row([time, *values])
 

@@ -4,6 +4,7 @@ import json
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 from itertools import combinations
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -13,18 +14,24 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.files.whole_file import naming
 from ocean_sim.fluid import with_particles
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.energy import driven, total
+from ocean_sim.observers.shared.energy import driven, mechanical, stored_by_weight
 from ocean_sim.observers.shared.escaped import beyond
+from ocean_sim.observers.shared.level import level_ratio
+from ocean_sim.observers.shared.momentum import Momentum
 from ocean_sim.parts import ALONE
 from ocean_sim.simulation import NOWHERE, Concluding, PeriodicConfig
 
 if TYPE_CHECKING:
+    from ocean_sim.ship import Ship
     from ocean_sim.simulation import Simulation
 
 POSITIONS_EVERY = 50  # steps between two checks of all positions, which are copied for it
 ENERGY_EVERY = 0.05  # [depth over reference speed] at most between two checks of the energy, however long the steps
 GAIN_REPORTED = 0.01  # of the same scale as `max_energy_gain`: less is not reported
+MOMENTUM_REPORTED = 1e-4  # over all impulses: more from nowhere is reported
 QUIET = 0.5  # [s] at least between two events of one kind
+FIRM = 100.0  # stiffness over the square of the reference speed that holds the water within 1 %
+STIFF = 10.0  # times the stiffness that holds the water within 1 %: from there on it is the likeliest cause
 
 
 class Config(PeriodicConfig):
@@ -38,12 +45,16 @@ class Config(PeriodicConfig):
     """Speed that no particle may exceed; by default ten times the fluid's reference speed."""
     max_density_ratio: float = quantity("1", 1.5, gt=1.0)
     """Density that no particle may exceed, as a multiple of the rest density."""
+    max_level_ratio: float = quantity("1", 1.25, gt=1.0)
+    """How high the centre of mass of the water may come to lie over the bed, as a multiple of where that of the same
+    water in the same columns would lie at rest, or of where it began: water that swells lies higher. Not judged where
+    water enters or a lid holds it down."""
     max_distance: float | None = quantity("m", None, gt=0.0)
     """How far from the basin a particle may get where no wall stops it; by default one diagonal of the basin."""
 
     max_energy_gain: float = quantity("1", 0.1, gt=0.0)
     """Energy that water may gain which nothing but gravity drives, over its mass times the square of the fluid's
-    reference speed."""
+    reference speed: of motion, height and compression together, and of motion and height alone."""
 
     def build(self, folder: Path, simulation: "Simulation") -> "Health":
         return Health(self, None if folder is NOWHERE else folder, simulation)
@@ -52,7 +63,7 @@ class Config(PeriodicConfig):
 class Health(Concluding):
     """Looks at the fluid after every step; events.jsonl has start, limits of the time step, clipping and the end."""
 
-    first_energy: float | None
+    first_energy: tuple[float, float] | None  # of motion and height, and of compression [J]
 
     def __init__(self, config: Config, folder: Path | None, simulation: "Simulation") -> None:
         self.config, self.every, self.folder, self.simulation = config, config.every, folder, simulation
@@ -62,14 +73,24 @@ class Health(Concluding):
         self.max_speed = config.max_speed or 10.0 * fluid.reference_speed
         self.max_distance = config.max_distance or float(np.linalg.norm(self.upper - self.lower))
         self.judged = self.n > 0 and fluid.sound_speed > 0.0 and not driven(simulation)
-        self.first_energy = None  # [J]
+        self.first_energy = None
+        self.stored = stored_by_weight(simulation) if self.judged else 0.0  # [J]
+        self.levelled = (
+            self.n > 0 and fluid.sound_speed > 0.0 and not basin.closed and not simulation.scene.fluid.driven
+        )
+        self.first_level = float("nan")
         self.energy_every = ENERGY_EVERY * basin.depth / fluid.reference_speed if self.judged else 0.0  # [s]
         self.energy_seen, self.gain_reported = 0.0, False
+        self.momentum: Momentum | None = None
+        self.momentum_reported = False
         self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
         self.limit, self.limit_reported = "", -QUIET
         self.clipped, self.clipped_reported = 0, -QUIET
         self.groundings = dict.fromkeys(simulation.ships, 0)
         self.grounding_reported = dict.fromkeys(simulation.ships, -QUIET)
+        self.airborne = dict.fromkeys(simulation.ships, False)
+        self.flown = dict.fromkeys(simulation.ships, 0.0)  # [m/s] upwards when it was last in the air
+        self.flight_reported = dict.fromkeys(simulation.ships, -QUIET)
         self.event(
             "start",
             particles=self.n,
@@ -94,7 +115,12 @@ class Health(Concluding):
 
     def observe(self, simulation: "Simulation") -> None:
         if self.judged and self.first_energy is None:
-            self.first_energy = total(simulation)
+            self.first_energy = self.energies()
+        if self.momentum is None and self.n > 0 and simulation.fluid.impulse:
+            self.momentum = Momentum(simulation)
+        if self.levelled and isnan(self.first_level):
+            particles = with_particles(simulation.fluid).particles
+            self.first_level = level_ratio(particles.position.to_numpy(), particles.spacing, simulation.basin)
         if self.n > 0 and simulation.steps > 0:
             if self.suspicious() or simulation.steps % POSITIONS_EVERY == 0:
                 sentence = next(self.violations(), None)
@@ -106,6 +132,7 @@ class Health(Concluding):
         self.judge_hulls(simulation)
         self.note_limit(simulation)
         self.note_grounding(simulation)
+        self.note_flight(simulation)
         if self.n > 0:
             self.note_clipping(simulation)
 
@@ -137,6 +164,7 @@ class Health(Concluding):
             what = "position, velocity or density stopped being a number"
             yield self.sentence(f"{what} for {len(lost)} of {len(finite)} particles", position, lost[:1])
             return
+        self.note_momentum()
         if self.too_dense(status.max_density):
             ratio = status.max_density / particles.rest_density
             what = f"density reached {status.max_density:.4g} kg/m^3, {ratio:.3g} x the rest density"
@@ -157,25 +185,51 @@ class Health(Concluding):
             what = f"{np.count_nonzero(distance > self.max_distance)} particles left the basin"
             far = f"the farthest by {distance.max():.4g} m (bound {self.max_distance:.4g} m)"
             yield self.sentence(f"{what}, {far}", position, [distance.argmax()])
-
+        if self.levelled:
+            level = level_ratio(position, particles.spacing, self.simulation.basin)
+            bound = self.config.max_level_ratio * max(self.first_level, 1.0)
+            if not level <= bound:
+                high = f"its centre of mass lies {level:.3g} x as high over the bed as that of as much water at rest"
+                yield (
+                    f"the water has swollen: {high} (bound {bound:.3g}), {self.moment()}; {self.advice()}"
+                    f"{self.last_frame()}"
+                )
         yield from self.energy_violations()
 
+    def note_momentum(self) -> None:
+        """Once, where the water's momentum is not what all forces have given it."""
+        if self.momentum is not None and not self.momentum_reported:
+            share = self.momentum.from_nowhere(self.simulation)
+            if not share <= MOMENTUM_REPORTED:
+                self.event("momentum from nowhere", over_all_impulses=float(f"{share:.3g}"), bound=MOMENTUM_REPORTED)
+                self.momentum_reported = True
+
+    def energies(self) -> tuple[float, float]:
+        """Of motion and height, and of compression [J]."""
+        return mechanical(self.simulation), self.simulation.fluid.internal_energy()
+
     def energy_violations(self) -> Iterator[str]:
-        """Energy that no force has given: an unstable scheme creates it long before one particle is out of bounds."""
+        """Energy that no force has given: an unstable scheme creates it long before one particle is out of bounds, and
+        a stiff one has it in its first lattice, which motion and height get when it gives way."""
         if self.judged and self.first_energy is not None:
-            fluid = self.simulation.fluid
+            fluid, bound = self.simulation.fluid, self.config.max_energy_gain
             scale = with_particles(fluid).particles.mass * self.n * fluid.reference_speed**2
-            gain = (total(self.simulation) - self.first_energy) / scale
+            moved, squeezed = (now - then for now, then in zip(self.energies(), self.first_energy))
+            gain, given = (moved + squeezed) / scale, (moved - self.stored) / scale
             self.energy_seen = self.simulation.time
             if not (gain <= GAIN_REPORTED or self.gain_reported):
-                self.event("energy from nowhere", over_m_v2=round(gain, 6), bound=self.config.max_energy_gain)
+                self.event("energy from nowhere", over_m_v2=round(gain, 6), bound=bound)
                 self.gain_reported = True
-            if not gain <= self.config.max_energy_gain:
-                of = f"of its mass times the square of {fluid.reference_speed:.4g} m/s"
+            of = f"of its mass times the square of {fluid.reference_speed:.4g} m/s (bound {100.0 * bound:g} %)"
+            if not gain <= bound:
                 yield (
-                    f"the water gained energy from nowhere, {100.0 * gain:.3g} % {of} "
-                    f"(bound {100.0 * self.config.max_energy_gain:g} %), {self.moment()}; try a larger "
+                    f"the water gained energy from nowhere, {100.0 * gain:.3g} % {of}, {self.moment()}; try a larger "
                     f"fluid.kinematic_viscosity, or a shorter time step{self.last_frame()}"
+                )
+            if not given <= bound:
+                yield (
+                    f"the water rises or moves with nothing to drive it: it gained {100.0 * given:.3g} % {of}, "
+                    f"{self.moment()}; {self.advice()}{self.last_frame()}"
                 )
 
     def moment(self) -> str:
@@ -195,11 +249,15 @@ class Health(Concluding):
             return "particles of this fluid ignore each other: try a weaker wind, walls around the basin, or a floor"
         held = 0.01 * fluid.sound_speed**2 / pull if pull > 0.0 else float("inf")  # depth at 1 % compression [m]
         if held < 0.1 * basin.depth:
-            stiffness, wanted = fluid.sound_speed**2, 100.0 * pull * basin.depth  # [m^2/s^2]
+            stiffness, wanted = fluid.sound_speed**2, FIRM * pull * basin.depth  # [m^2/s^2]
             return (
                 f"stiffness {stiffness:.4g} m^2/s^2 holds only {held:.2g} m of water within 1 % and the basin is"
                 f" {basin.depth:g} m deep: try fluid.compression: 0.01, or a stiffness of {wanted:.4g}"
             )
+        needed = FIRM * fluid.reference_speed**2  # [m2/s2] for 1 %
+        if fluid.sound_speed**2 >= STIFF * needed:
+            times = f"{fluid.sound_speed**2 / needed:.3g} times that of 1 % compression"
+            return f"stiffness {fluid.sound_speed**2:.4g} m^2/s^2 is {times}: try fluid.compression: 0.01"
         limits = fluid.limits()
         limit, shortest = min(asdict(limits).items(), key=lambda item: item[1])
         return scene.time_step.advice(limit, shortest)
@@ -229,11 +287,19 @@ class Health(Concluding):
         for name, ship in simulation.ships.items():
             if ship.groundings > self.groundings[name]:
                 if simulation.time >= self.grounding_reported[name] + QUIET:
-                    x, _, z = ship.body.position
-                    which = {} if name == ALONE else {"ship": name}
-                    self.event("the hull meets the bed", **which, x_m=round(float(x), 3), z_m=round(float(z), 3))
+                    self.event("the hull meets the bed", **where(name, ship))
                     self.grounding_reported[name] = simulation.time
                 self.groundings[name] = ship.groundings
+
+    def note_flight(self, simulation: "Simulation") -> None:
+        """The whole hull has left the water, or some of it is in the water again."""
+        for name, ship in simulation.ships.items():
+            if ship.airborne:
+                self.flown[name] = float(ship.body.velocity[1])
+            if ship.airborne != self.airborne[name] and simulation.time >= self.flight_reported[name] + QUIET:
+                what, speed = "leaves" if ship.airborne else "meets", round(self.flown[name], 3)
+                self.event(f"the hull {what} the water", **where(name, ship), speed_m_s=speed)
+                self.airborne[name], self.flight_reported[name] = ship.airborne, simulation.time
 
     def note_limit(self, simulation: "Simulation") -> None:
         limit = simulation.time_step.limited_by
@@ -261,3 +327,10 @@ class Health(Concluding):
         if self.events is not None:
             self.events = Path(self.events.name).open("a", encoding="utf-8")
             self.close()
+
+
+def where(name: str, ship: "Ship") -> dict[str, object]:
+    """Which ship of several, and where she is, for an event."""
+    x, _, z = ship.body.position
+    which = {} if name == ALONE else {"ship": name}
+    return which | {"x_m": round(float(x), 3), "z_m": round(float(z), 3)}

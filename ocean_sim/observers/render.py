@@ -52,12 +52,12 @@ class Config(PeriodicConfig):
     """What the fixed camera looks at."""
     ship: str | None = None
     """The name of the ship that a camera follows; null: the first."""
-    size: tuple[int, int] = Field((960, 540), strict=False, json_schema_extra={"unit": "pixels"})
+    size: tuple[int, int] = Field((1280, 720), strict=False, json_schema_extra={"unit": "pixels"})
     """Width and height of the pictures, even numbers."""
     particles: bool = False
     """Draw the particles, coloured by speed, in place of the surface of the water."""
     quality: Quality = "draft"
-    """`draft`: quick; `final`: finer mesh, smooth edges and the ship mirrored in the water."""
+    """`draft`: quick; `final`: a finer mesh and many samples of each pixel."""
     far_sea: bool = True
     """Draw the sea around the basin out to the horizon; without it, a block of water with cut sides. A basin that
     moves, has a wavemaker, a lid or obstacles, or runs dry somewhere is a tank: it stays a block, and so does a surface
@@ -70,6 +70,12 @@ class Config(PeriodicConfig):
     """Share of the sea that is white, as measured under a wind; by default what its crests call for."""
     sky: bool = True
     """Draw a scattered sky with clouds; without it, a clear gradient."""
+    caption: bool = True
+    """Write the time into the pictures."""
+    outline: bool = False
+    """Draw where the basin ends, on the water."""
+    scale_bar: bool = False
+    """Draw a bar of so many metres, as long as they are at the ship, or else in the middle of the basin."""
     film: bool = True
     """Make film.mp4."""
     stills: list[Moment] = Field([], json_schema_extra={"unit": "s"})
@@ -111,8 +117,7 @@ class Config(PeriodicConfig):
         """How many pictures the film of a run of this duration [s] has; 0 without a film."""
         return int(duration / self.every * (1.0 + 1e-9)) + 1 if self.film else 0
 
-    def film_time(self, duration: float) -> float:
-        """Wall time [s] that the film takes on two cores without a graphics card."""
+    def picture_time(self, duration: float) -> float:
         return self.film_pictures(duration) * PICTURE[self.quality] * self.size[0] * self.size[1] / (1280.0 * 720.0)
 
     def build(self, folder: Path, simulation: "Simulation") -> "Render":
@@ -159,7 +164,7 @@ def render_run(
     *,
     camera: Name = "third_person",
     quality: Quality = "draft",
-    size: tuple[int, int] = (960, 540),
+    size: tuple[int, int] = (1280, 720),
     particles: bool = False,
     every: float = 0.033,
     film: bool = True,

@@ -11,7 +11,8 @@ from ocean_sim.files.input_file import FileName
 from ocean_sim.observers.shared.handed_on import TakesCommands
 from ocean_sim.parts import Preflight, Problems
 from ocean_sim.platform import Commands, Platform
-from ocean_sim.platform.shared.datagrams import Sender, address, key_in, packets
+from ocean_sim.platform.shared.datagrams import Sender, address, key_in
+from ocean_sim.platform.shared.packets import packets
 from ocean_sim.simulation import Observer, ObserverConfig
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ class Config(ObserverConfig):
 
     to: str = "udp://127.0.0.1:5005"
     """Where packets go; another machine only when it is named."""
-    packets: Literal["ocean_sim", "openmotionsim"] = "ocean_sim"
+    packets: Literal["ocean_sim", "openmotionsim", "floats", "text"] = "ocean_sim"
     """Their format."""
     frame: Literal["flu", "ned", "ship"] = "flu"
     """The axes of their poses."""
@@ -89,5 +90,7 @@ class Stream(Observer, TakesCommands):
         self.send_new()
         if len(self.past):
             self.send(self.platform.settled(self.past[[0, -1]], self.time, self.seq))
-        print(f"stream to {self.config.to}: {self.sender.jitter()}", file=sys.stderr, flush=True)
+        latency = self.sender.latency()
+        back = f"; {latency}" if latency is not None else ""
+        print(f"stream to {self.config.to}: {self.sender.jitter()}{back}", file=sys.stderr, flush=True)
         self.sender.close()

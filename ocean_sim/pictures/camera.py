@@ -12,14 +12,15 @@ MARGIN = 1.05
 BAND = 1.3  # room above and below the water for words, in the picture from the side
 HEADROOM = 0.24  # of the basin's length: sky above the water in perspective pictures
 TOWARDS = {  # direction of view, and what is up in the picture
-    "third_person": ((-0.60, -0.27, -0.77), (0.0, 1.0, 0.0)),
+    "third_person": ((0.30, -0.27, -0.92), (0.0, 1.0, 0.0)),  # the sun shines from the left
     "top": ((0.0, -1.0, 0.0), (0.0, 0.0, -1.0)),
     "side": ((0.0, 0.0, -1.0), (0.0, 1.0, 0.0)),
 }
 
 
-FAR = 6.0  # lengths of a ship; in a longer basin `third_person` follows it
-SHIPS = 1.5  # lengths of a ship that it sees each way then
+FAR = 2.5  # lengths of a ship; in a longer basin `third_person` follows it
+SHIPS = 0.85  # lengths of a ship that it sees each way then
+KEEL = 0.12  # lengths of a ship below the water that it sees
 BEHIND, ABOVE, QUARTER = 1.9, 0.5, 22.0  # lengths of a ship and [deg] to starboard, from which `follow` looks at it
 LAG = 0.9, 1.6  # [s] in which `follow` makes up for 1 - 1/e of a change of position and of heading
 ROUND, RISE = 2.2, 0.55  # lengths of a ship: radius and height of `orbit`
@@ -34,6 +35,22 @@ class Camera(NamedTuple):
     parallel_height: float | None  # [m] half the height of the picture in parallel projection; None: perspective
     angle: float = VIEW_ANGLE  # [deg], vertical
     near: float | None = None  # [m] the least distance that is drawn; None: as befits a picture of the whole basin
+
+    def spread(self, aspect: float) -> tuple[float, float]:
+        """How far to either side of its heading a picture `aspect` times as wide as high sees, and how far below the
+        horizon [rad]."""
+        right = np.cross(self.forward, self.up)
+        high = np.tan(np.radians(self.angle) / 2.0)
+        v, u = (part.ravel() for part in np.meshgrid(np.linspace(-1.0, 1.0, 9), np.linspace(-1.0, 1.0, 9)))
+        rays = self.forward + high * (v[:, None] * self.up + aspect * u[:, None] * right)
+        rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+        level = np.hypot(rays[:, 0], rays[:, 2])
+        lowest = float(np.arcsin(np.clip(-rays[:, 1], 0.0, 1.0)).max())
+        if level.min() < 0.3:
+            return np.pi, lowest
+        heading = np.arctan2(self.forward[2], self.forward[0])
+        aside = np.mod(np.arctan2(rays[:, 2], rays[:, 0]) - heading + np.pi, 2.0 * np.pi) - np.pi
+        return float(np.abs(aside).max()), lowest
 
 
 class Track(NamedTuple):
@@ -96,7 +113,7 @@ class Operator:
         lower[1], upper[1] = self.lower[1], self.upper[1]
         if (self.upper - self.lower).max() <= FAR * length:
             return self.standing
-        lower[1] = max(lower[1], -length)
+        lower[1] = max(lower[1], -KEEL * length)
         return placed("third_person", lower, upper, self.aspect)
 
     def orbit(self, time: float) -> Camera:

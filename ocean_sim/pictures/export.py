@@ -1,6 +1,7 @@
 """Files for ParaView and Blender from the frames of a finished run; nothing here needs OpenGL."""
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -9,79 +10,139 @@ from ocean_sim.conventions import Failed
 from ocean_sim.files.input_file import arrays
 from ocean_sim.files.vtkhdf import Series
 from ocean_sim.files.whole_file import whole
-from ocean_sim.pictures.water_mesh import triangles
+from ocean_sim.pictures import export_scene
+from ocean_sim.pictures.export_scene import Shot, upright
 
 
 class NothingToExport(Failed):
     """The run did not keep what was asked for; the message names what to switch on."""
 
 
-def export_run(folder: Path, particles: str | None, surface: str | None, out: Path, every: int = 1) -> list[Path]:
-    """Write `particles` (vtkhdf) and `surface` (ply, vtp, vtkhdf) of every `every`-th frame into `out`; returns the
-    files."""
+def export_run(
+    folder: Path,
+    particles: str | None,
+    surface: str | None,
+    out: Path,
+    every: int = 1,
+    *,
+    scene: str | None = None,
+    z_up: bool = False,
+) -> list[Path]:
+    """Write `particles` (vtkhdf, ply), `surface` (ply, vtp, vtkhdf) and, all that was drawn in one file, `scene` (usd,
+    glb) of every `every`-th frame into `out`; returns the files. Ships go with a surface, a mesh each where she was.
+    `z_up`: with z up in place of y."""
     frames = sorted((folder / "frames").glob("frame_*.npz"))[::every]
     if not frames:
         raise NothingToExport(f"{folder} has no frames; run with the observer `frames`")
     out.mkdir(parents=True, exist_ok=True)
+    grid = arrays(folder / "frames" / "grid.npz")
     files = []
     if particles is not None:
-        files.append(export_particles(frames, out / "particles.vtkhdf"))
+        files += export_particles(frames, grid, particles, out, z_up)
     if surface is not None:
-        files += export_surface(frames, arrays(folder / "frames" / "grid.npz"), surface, out)
+        files += export_surface(frames, grid, surface, out, z_up)
+    if scene == "usd":
+        files.append(export_scene.export_usd(frames, grid, out / "run.usdc", z_up))
+    if scene == "glb":
+        files.append(export_scene.export_glb(frames, grid, out / "run.glb"))
     return files
 
 
-def export_particles(frames: list[Path], path: Path) -> Path:
-    """One file with all moments: points with `velocity` and `id`."""
+def shots(frames: list[Path], grid: dict[str, np.ndarray], z_up: bool) -> Iterator[Shot]:
+    return upright((export_scene.shot(frame, grid) for frame in frames), z_up)
+
+
+def export_particles(
+    frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
+) -> list[Path]:
+    """Points with `velocity`, `id` and `pressure`: one file with all moments (vtkhdf), or one a moment (ply)."""
+    if "position" not in arrays(frames[0]):
+        raise NothingToExport("these frames hold no particles; run with frames.particles: true")
+    kept = ((shot.time, shot.particles["position"], shot.particles) for shot in shots(frames, grid, z_up))
+    if kind == "ply":
+        return [
+            saved(out / f"particles_{k:05d}.ply", x, None, without(fields, "position"))
+            for k, (_, x, fields) in enumerate(kept)
+        ]
+    path = out / "particles.vtkhdf"
     with Series(path, "Vertices") as series:
-        for frame in frames:
-            data = arrays(frame)
-            if "position" not in data:
-                raise NothingToExport("these frames hold no particles; run with frames.particles: true")
-            x = data["position"]
-            fields = {name: data[name] for name in ("velocity", "id") if name in data}
-            series.add(float(data["time"]), x, np.arange(len(x))[:, None], **fields)
-    return path
+        for time, x, fields in kept:
+            series.add(time, x, np.arange(len(x))[:, None], **without(fields, "position"))
+    return [path]
 
 
-def export_surface(frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path) -> list[Path]:
-    """The scene's surface, or the heights that its particles have: surface_00000 and so on, for ParaView with a list of
-    their times (`vtp`) or all in one file (`vtkhdf`). Y is up, as in the run."""
+def without(fields: dict[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
+    return {key: values for key, values in fields.items() if key != name}
+
+
+def export_surface(
+    frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
+) -> list[Path]:
+    """The scene's surface, or the heights that its particles have, with foam and velocity: surface_00000 and so on, for
+    ParaView with a list of their times (`vtp`) or all in one file (`vtkhdf`); and every ship where she is."""
     if len(grid["z"]) < 2:
         raise NothingToExport("a slice has a line for a surface; export its particles")
-    meshes = (kept_surface(frame, grid) for frame in frames)
+    files: dict[str, list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]] = {"surface": []}
+    drawn = {key: model.mesh for key, model in export_scene.models(grid).items()}
+    for shot in shots(frames, grid, z_up):
+        files["surface"].append((shot.time, shot.points, shot.faces, shot.fields))
+        for key, mesh in drawn.items():
+            position, turn = shot.ships[key]
+            corners = mesh.corners.reshape(-1, 3)
+            points = (corners @ turn.T + position).astype(np.float32)
+            numbers = np.arange(len(corners)).reshape(-1, 3)
+            colour = (255.0 * display(np.repeat(mesh.colour, 3, axis=0))).astype(np.uint8)
+            name = export_scene.named(key)
+            files.setdefault(name, []).append((shot.time, points, numbers, {"RGB": colour}))
+    made = []
+    for name, moments in files.items():
+        made += moments_saved(out, name, kind, moments)
+    return made
+
+
+def display(linear: np.ndarray) -> np.ndarray:
+    """Linear RGB as a screen shows it, 0 to 1."""
+    return np.clip(linear, 0.0, 1.0) ** (1.0 / 2.2)
+
+
+def moments_saved(
+    out: Path, name: str, kind: str, moments: list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]
+) -> list[Path]:
+    """A mesh at several times [s] in files of a kind."""
     if kind == "vtkhdf":
-        path = out / "surface.vtkhdf"
+        path = out / f"{name}.vtkhdf"
         with Series(path, "Polygons") as series:
-            for time, points, faces, fields in meshes:
+            for time, points, faces, fields in moments:
                 series.add(time, points, faces, **fields)
         return [path]
+    files = [
+        saved(out / f"{name}_{k:05d}.{kind}", points, faces, fields)
+        for k, (_, points, faces, fields) in enumerate(moments)
+    ]
+    if kind == "ply":
+        return files
+    listed = [{"name": file.name, "time": moment[0]} for file, moment in zip(files, moments)]
+    index = out / f"{name}.vtp.series"
+    index.write_text(json.dumps({"file-series-version": "1.0", "files": listed}, indent=1) + "\n", encoding="utf-8")
+    return [index, *files]
+
+
+def saved(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: dict[str, np.ndarray]) -> Path:
+    """One mesh, or points alone; a PLY file holds what its readers know: normals, and `foam` as grey."""
     import pyvista
 
-    listed = []
-    for k, (time, points, faces, fields) in enumerate(meshes):
-        mesh = pyvista.PolyData.from_regular_faces(points, faces)
-        if fields:
-            mesh.point_data.active_normals = fields["Normals"]
-        listed.append({"name": f"surface_{k:05d}.{kind}", "time": time})
-        with whole(out / str(listed[-1]["name"])) as draft:
+    mesh = pyvista.PolyData(points) if faces is None else pyvista.PolyData.from_regular_faces(points, faces)
+    for name, values in fields.items():
+        mesh.point_data[name] = values
+    if "Normals" in fields:
+        mesh.point_data.active_normals = fields["Normals"]
+    with whole(path) as draft:
+        if path.suffix != ".ply":
             mesh.save(draft)
-    if kind == "ply":
-        return [out / str(entry["name"]) for entry in listed]
-    index = out / "surface.vtp.series"
-    index.write_text(json.dumps({"file-series-version": "1.0", "files": listed}, indent=1) + "\n", encoding="utf-8")
-    return [index, *(out / str(entry["name"]) for entry in listed)]
-
-
-def kept_surface(
-    frame: Path, grid: dict[str, np.ndarray]
-) -> tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]:
-    """Time [s], points, triangles and, of a surface, normals."""
-    data = arrays(frame)
-    time = float(data["time"])
-    if "vertices" in data:
-        return time, data["vertices"], data["triangles"], {"Normals": data["normals"]}
-    x, z = np.meshgrid(grid["x"], grid["z"], indexing="ij")
-    dx, dz = data.get("origin", np.zeros(2))
-    points = np.stack([x + dx, data["elevation"], z + dz], axis=-1).reshape(-1, 3).astype(np.float32)
-    return time, points, triangles(*x.shape), {}
+        elif "RGB" in fields:
+            mesh.save(draft, texture=fields["RGB"])
+        elif "foam" in fields:
+            mesh.save(draft, texture=np.repeat((255.0 * fields["foam"]).astype(np.uint8)[:, None], 3, axis=1))
+        else:
+            mesh.save(draft)
+    return path

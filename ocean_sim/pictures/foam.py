@@ -9,9 +9,15 @@ from ocean_sim.waves.orbits import falling
 # Kennedy (1983, J. Phys. Oceanogr. 13) take 0.4 for the points where breaking begins.
 BREAKING = 0.30
 MOST = 0.10  # share of the sea that may be white where none is asked for
-MIDDLE, SPREAD = 0.521, 0.137  # mean and standard deviation of `patches`
+LASTS = 3.5  # [s] in which foam falls to a third (Monahan & Zietlow 1969, J. Geophys. Res. 74: 3.85 s in salt water)
+RAMP = 0.3  # of the area that turns white: its edge, less than wholly white
+SETTLES = 9.0  # [s] in which the grain of foam forgets how far the water has carried it
+MIDDLE, SPREAD = 0.550, 0.160  # mean and standard deviation of `patches`
 SCALE = 1.6  # of the grain of foam [1/m]
-SOFT = 0.28  # of a share: how far the edges of foam fade
+TURNED = (0.8253, 0.5646)  # cosine and sine by which each octave of the grain is turned against the one before
+BENT = 0.9  # by which the grain is bent, so that it follows no axis
+SOFT = 0.24  # of a share: how far the edges of foam fade
+FINE = 0.45  # [m] footprint of a pixel beyond which the grain is not drawn
 
 
 def convergence(elevation: np.ndarray, spacing_x: float, spacing_z: float) -> np.ndarray:
@@ -39,15 +45,87 @@ def shares(drawn_together: np.ndarray, wanted: float, among: np.ndarray | None =
     return np.clip(1.0 - upper / (2.0 * min(wanted, 0.5)), 0.0, 1.0)
 
 
+def monahan(speed: float) -> float:
+    """Share of the sea that is white in a wind [m/s] at 10 m (Monahan & O'Muircheartaigh 1980, J. Phys. Oceanogr. 10,
+    equation 5)."""
+    return 3.84e-6 * max(speed, 0.0) ** 3.41
+
+
+class Field:
+    """White water that lasts: it is born where crests converge, is carried with the water and fades.
+
+    Its mean is kept at what crests or the wind call for: as much is born as has faded.
+    """
+
+    def __init__(self, shape: tuple[int, int], cell: np.ndarray) -> None:
+        """`cell`: sides of a cell along x and z [m]."""
+        self.cell, self.time = cell, 0.0
+        self.white = np.zeros(shape)  # share of each cell
+        self.carried = np.zeros((*shape, 2))  # by which the grain has been moved along x and z [m]
+        self.started = False
+
+    def advance(self, time: float, velocity: np.ndarray, source: np.ndarray, wanted: float | None) -> None:
+        """To a time [s], with the velocity of the surface along x and z (nx, nz, 2) [m/s].
+
+        `source`: convergence, of which as much turns white as keeps the mean at `wanted`; or, without one, the share
+        that has just been made white.
+        """
+        step = max(time - self.time, 0.0) if self.started else 0.0
+        self.time, self.started = time, True
+        if step > 0.0:
+            self.carry(velocity * step)
+            self.white *= np.exp(-step / LASTS)
+            self.carried *= np.exp(-step / SETTLES)
+        born = source if wanted is None else born_to(self.white, source, wanted)
+        self.white = np.maximum(self.white, born)
+
+    def carry(self, way: np.ndarray) -> None:
+        """All of it by a way (nx, nz, 2) [m]; what comes in from beyond is as it is at the edge."""
+        from scipy.ndimage import map_coordinates
+
+        at = np.indices(self.white.shape) - np.moveaxis(way / self.cell, -1, 0)
+        self.white = np.clip(map_coordinates(self.white, at, order=3, mode="nearest"), 0.0, 1.0)
+        parts = (map_coordinates(self.carried[..., k], at, order=3, mode="nearest") for k in range(2))
+        self.carried = np.stack(list(parts), axis=-1) + way
+
+    def shift(self, cells: np.ndarray) -> None:
+        """The grid moves by whole cells along x and z; what it comes upon bears no foam yet."""
+        for axis, n in enumerate(int(k) for k in cells):
+            if n:
+                self.white, self.carried = np.roll(self.white, -n, axis), np.roll(self.carried, -n, axis)
+                new = [slice(None), slice(None)]
+                new[axis] = slice(-n, None) if n > 0 else slice(None, -n)
+                self.white[tuple(new)], self.carried[tuple(new)] = 0.0, 0.0
+
+
+def born_to(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np.ndarray:
+    """New white water where convergence is strongest, so much that the mean with the old is the wanted cover."""
+    if white.mean() >= wanted or np.ptp(drawn_together) == 0.0:
+        return np.zeros_like(white)
+    rank = np.argsort(np.argsort(-drawn_together, axis=None)).reshape(white.shape) / white.size
+    low, high = 0.0, 1.0
+
+    def born(area: float) -> np.ndarray:
+        return np.clip((area - rank) / (RAMP * max(area, 1e-9)), 0.0, 1.0)
+
+    for _ in range(24):
+        area = 0.5 * (low + high)
+        low, high = (area, high) if np.maximum(white, born(area)).mean() < wanted else (low, area)
+    return born(high)
+
+
 def patches(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """The grain of foam at positions [m], about 0 to 1: blobs and threads."""
-
-    def at(scale: float, shift: float) -> np.ndarray:
-        return noise(x * SCALE * scale + shift, z * SCALE * scale + shift)[0]
-
-    blobs = 0.5 * at(1.7, 3.0) + 0.3 * at(4.1, 0.0) + 0.2 * at(9.7, 0.0)
-    thick, thin = 1.0 - np.abs(2.0 * at(2.6, 9.0) - 1.0), 1.0 - np.abs(2.0 * at(6.3, 2.0) - 1.0)
-    return 0.55 * blobs + 0.30 * thick**2 + 0.25 * thin**2
+    """The grain of foam at positions [m], about 0 to 1: lace of threads around bubbles, in clumps."""
+    x, z = SCALE * x, SCALE * z
+    bend_x, bend_z = noise(0.6 * x + 3.0, 0.6 * z + 7.0)[0] - 0.5, noise(0.6 * x + 23.0, 0.6 * z + 11.0)[0] - 0.5
+    x, z = x + BENT * bend_x, z + BENT * bend_z
+    clumps = noise(0.45 * x, 0.45 * z)[0]
+    grain, scale = 0.42 * clumps, 1.3
+    for share in (0.30, 0.26, 0.20):
+        x, z = TURNED[0] * x - TURNED[1] * z, TURNED[1] * x + TURNED[0] * z
+        ridge = 1.0 - np.abs(2.0 * noise(scale * x + 9.0, scale * z + 9.0)[0] - 1.0)
+        grain, scale = grain + share * ridge * ridge, 2.1 * scale
+    return grain
 
 
 def white(share: np.ndarray, x: np.ndarray, z: np.ndarray, footprint: np.ndarray) -> np.ndarray:
@@ -56,7 +134,7 @@ def white(share: np.ndarray, x: np.ndarray, z: np.ndarray, footprint: np.ndarray
     rank = 1.0 / (1.0 + np.exp(-1.702 * (patches(x, z) - MIDDLE) / SPREAD))
     low = np.maximum(rank - SOFT, 0.0)
     edge = np.clip((share - low) / (2.0 * SOFT), 0.0, 1.0)
-    fine = np.clip(1.0 - footprint / 0.3, 0.0, 1.0)
+    fine = np.clip(1.0 - footprint / FINE, 0.0, 1.0)
     return np.where(share > 0.0, share + (edge * edge * (3.0 - 2.0 * edge) - share) * fine, 0.0)
 
 

@@ -12,12 +12,11 @@ NEAR = 0.1  # [m] before the mirrored eye
 
 
 class Mirror:
-    """A second plotter with the ship's actors, seen from a mirrored eye; what lies under water is cut off."""
+    """A second plotter with the ships, seen from a mirrored eye; what lies under water is cut off."""
 
-    def __init__(self, stage: Stage, actors: list[Any], image: Any) -> None:
+    def __init__(self, stage: Stage, ships: list[water_glsl.Shaded], image: Any) -> None:
         """`image`: the texture that the mirror's picture goes to."""
         from vtkmodules.vtkCommonDataModel import vtkPlane
-        from vtkmodules.vtkRenderingCore import vtkActor
 
         width, height = stage.size
         self.stage, self.image = stage, image
@@ -26,19 +25,10 @@ class Mirror:
         self.plotter.set_background("black")
         self.water = vtkPlane()
         self.water.SetNormal(0.0, 1.0, 0.0)
-        self.pairs = []
-        for actor in actors:
-            twin = vtkActor()
-            above = actor.GetMapper()
-            mapper = above.NewInstance()
-            mapper.ShallowCopy(above)
-            mapper.SetInputDataObject(above.GetInputDataObject(0, 0))
-            mapper.RemoveAllClippingPlanes()
-            mapper.AddClippingPlane(self.water)
-            twin.ShallowCopy(actor)
-            twin.SetMapper(mapper)
+        for ship in ships:
+            twin = ship.twin()
+            twin.GetMapper().AddClippingPlane(self.water)
             self.plotter.add_actor(twin, reset_camera=False, render=False)
-            self.pairs.append((actor, twin))
 
     def show(self, level: float) -> np.ndarray:
         """Draws the ship mirrored at a level [m]; returns the matrix (4, 4) from the world to the mirror's picture."""
@@ -50,10 +40,6 @@ class Mirror:
         camera.up, camera.view_angle = tuple(-up * flip), above.view_angle
         camera.clipping_range = (NEAR, above.clipping_range[1])
         self.water.SetOrigin(0.0, level, 0.0)
-        for actor, twin in self.pairs:
-            twin.SetUserMatrix(actor.GetUserMatrix())
-            twin.SetPosition(actor.GetPosition())
-            twin.SetOrientation(actor.GetOrientation())
         self.plotter.render()
         seen = self.plotter.screenshot(None, return_img=True, transparent_background=True)
         seen[:, :, :3] = seen[:, :, :3] * (seen[:, :, 3:] / 255.0)  # so that smaller copies keep the ship's colours

@@ -10,6 +10,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from ocean_sim.conventions import Lacking
+from ocean_sim.machine import extra_missing
 
 WINDOWS = ("vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow")  # EGL draws faster here, OSMesa is the other way
 REMEDY = "apt-get install --no-install-recommends libegl1 libgl1-mesa-dri"
@@ -27,7 +28,8 @@ class OpenGLMissing(Lacking):
     """This machine cannot draw off screen; the message names what to install."""
 
     def __init__(self) -> None:
-        super().__init__(f"this machine has no OpenGL to draw pictures with; install it with `{REMEDY}`")
+        missing = f"this machine has no OpenGL to draw pictures with; install it with `{REMEDY}`"
+        super().__init__(extra_missing("pictures") or missing)
 
 
 def environment(window: str) -> dict[str, str]:
@@ -41,6 +43,8 @@ def window() -> str | None:
     """The class of VTK window that draws off screen here, or None. A success is remembered in the user's cache."""
     from ocean_sim.runtime import cache_directory
 
+    if extra_missing("pictures"):
+        return None
     note = cache_directory() / "opengl.json"
     signature = hashlib.sha256(repr((sys.executable, version("vtk"), version("pyvista"))).encode()).hexdigest()
     remembered = recall(note)

@@ -32,6 +32,8 @@ class Order:
     ship: str | None = None  # the name of the one that the camera follows; None: the first
     preview: bool = True
     caption: bool = True
+    outline: bool = False  # of the basin, on the water
+    scale_bar: bool = False
     far_sea: bool = True
     ripples: bool = True
     foam: bool = True

@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.parts import key_of
-from ocean_sim.pictures import far_sea, sea_state, sky, water_shading
+from ocean_sim.pictures import antialiasing, far_sea, marks, sea_state, sky, water_shading
 from ocean_sim.pictures.camera import Camera, Operator, Vessel
 from ocean_sim.pictures.frame_files import Frame, Log, ships_in
 from ocean_sim.pictures.obstacles import Obstacles
 from ocean_sim.pictures.order import Order, RenderFailed
 from ocean_sim.pictures.particles import Particles
 from ocean_sim.pictures.sea import Sea
-from ocean_sim.pictures.ship import DrawnShip, kept_model
+from ocean_sim.pictures.ship import DrawnShip, ShadedShip, kept_model
 from ocean_sim.pictures.stage import Stage
 from ocean_sim.pictures.water import NODES, Shell, Water
 
@@ -24,6 +24,7 @@ class Picture:
     def __init__(self, grid: Any, order: Order, first: Frame, fastest: float, log: Log) -> None:
         self.order = order
         self.lower, self.upper = grid["lower"].copy(), grid["upper"].copy()
+        self.sides = self.lower[[0, 2]].copy(), self.upper[[0, 2]].copy()
         self.upper[1] = max(0.12 * float(grid["depth"]), float(first.elevation.max()))
         flat = bool(self.lower[2] == self.upper[2])
         if "sea_answers" in grid:  # ships are free to leave the basin
@@ -51,7 +52,8 @@ class Picture:
         self.reach = float(max(np.linalg.norm(stage.camera.eye - middle), np.linalg.norm(size)))  # [m]
         bare = flat or order.particles or not bool(grid["has_surface"]) or first.folds
         state = None if bare or not order.far_sea else sea_state.of_run(Path(order.folder), grid)
-        self.at_sea = state is not None and state.open and stage.camera.parallel_height is None
+        from_above = order.camera == "top"  # a map
+        self.at_sea = state is not None and state.open and not from_above and stage.camera.parallel_height is None
         if not self.at_sea:
             self.backdrop()
         if order.particles or not bool(grid["has_surface"]):
@@ -66,11 +68,18 @@ class Picture:
             self.content = Water(stage, grid, NODES[order.quality])
         fixed = grid.get("obstacles", np.zeros((0, 2, 3)))
         self.obstacles = Obstacles(stage, fixed, self.lower, self.upper)
-        before = set(self.plotter.actors)
-        self.ships = {key: DrawnShip(stage, model) for key, model in models.items()}
-        if isinstance(self.content, Sea) and order.quality == "final":
-            self.content.reflect([actor for name, actor in self.plotter.actors.items() if name not in before])
-        self.caption = self.plotter.add_text("t", position=(14, 10), font_size=9, color="#eef3f6", shadow=True)
+        self.ships: dict[str, DrawnShip | ShadedShip] = {}
+        if isinstance(self.content, Sea):
+            shaded = {key: self.content.ship(model) for key, model in models.items()}
+            self.ships |= shaded
+            if shaded:
+                self.content.reflect(list(shaded.values()))
+        else:
+            self.ships |= {key: DrawnShip(stage, model) for key, model in models.items()}
+        self.smoothed = True
+        self.caption = marks.words(stage, " ", (14, 10)) if order.caption else None
+        self.scale_bar = marks.ScaleBar(stage) if order.scale_bar else None
+        self.outline = marks.Outline(stage, grid["lower"], grid["upper"]) if order.outline else None
         self.aim()
 
     def aim(self) -> None:
@@ -108,10 +117,10 @@ class Picture:
         plane = self.stage.pyvista.Plane(
             center=(middle[0], self.lower[1] - 0.005 * size[1], middle[2]),  # below a dry bed
             direction=(0.0, 1.0, 0.0),
-            i_size=2.4 * size[2],
-            j_size=2.4 * size[0],
-            i_resolution=80,
-            j_resolution=80,
+            i_size=5.0 * size[2],
+            j_size=5.0 * size[0],
+            i_resolution=160,
+            j_resolution=160,
         )
         away = np.asarray(plane.points, dtype=float) + 0.5 * size[1] * sky.SUN
         outside = np.maximum(0.0, np.maximum(self.lower - away, away - self.upper))[:, [0, 2]]
@@ -121,14 +130,33 @@ class Picture:
         self.plotter.add_mesh(plane, scalars="colour", rgba=True, lighting=False)
 
     def draw(self, frame: Frame) -> np.ndarray:
-        for key, pose in frame.ships.items():
-            self.ships[key].show(*pose)
         self.move(self.operator.at(frame.time))
-        self.content.show(frame)
+        for key, pose in frame.ships.items():
+            self.ships[key].show(*pose, self.stage.camera.eye)
         self.obstacles.show(frame)
-        self.caption.input = f"t = {frame.time:.2f} s" if self.order.caption else ""
+        self.content.show(frame)
+        if self.caption is not None:
+            self.caption.input = f"t = {frame.time:.2f} s"
+        if self.outline is not None:
+            self.outline.show(frame.origin, self.heights_at(frame, self.outline.around + frame.origin))
+        if self.scale_bar is not None:
+            ships = [position for position, _ in frame.ships.values()]
+            self.scale_bar.show(ships[0] if ships else 0.5 * (self.lower + self.upper) * [1.0, 0.0, 1.0])
         self.plotter.render()
-        return self.plotter.screenshot(None, return_img=True)
+        image = self.plotter.screenshot(None, return_img=True)
+        if not self.smoothed:
+            image = antialiasing.smooth(image)
+        if self.scale_bar is not None:
+            self.scale_bar.draw(image)
+        return image
+
+    def heights_at(self, frame: Frame, positions: np.ndarray) -> np.ndarray:
+        """(n,) drawn heights of the water at positions x, z (n, 2) [m]; of a tank those of the nearest kept points."""
+        if isinstance(self.content, Sea):
+            return self.content.heights_at(positions)
+        share = (positions - self.sides[0]) / np.maximum(self.sides[1] - self.sides[0], 1e-9)
+        index = [np.clip((share[:, k] * n).astype(int), 0, n - 1) for k, n in enumerate(frame.elevation.shape)]
+        return frame.elevation[index[0], index[1]]
 
     def move(self, camera: Camera) -> None:
         """Look from another position; the sky goes with the eye."""
@@ -140,13 +168,15 @@ class Picture:
         self.aim()
 
     def smooth(self, on: bool) -> None:
-        """Whether edges are smoothed: slow, so only for final pictures and the preview."""
+        """Whether edges are smoothed by many samples of each pixel: slow, so only for final pictures and the preview;
+        else in the finished picture."""
+        self.smoothed = on
         if on:
             self.plotter.enable_anti_aliasing("ssaa")
         else:
             self.plotter.disable_anti_aliasing()
 
     def close(self) -> None:
-        if isinstance(self.content, Sea):
+        if isinstance(self.content, Sea | Shell):
             self.content.close()
         self.plotter.close()

@@ -1,22 +1,29 @@
 """The sea in a picture: the basin's surface, the far sea around it, the sky above, shaded per pixel."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from ocean_sim import waves
 from ocean_sim.pictures import far_sea, foam, water_glsl
 from ocean_sim.pictures import sky as sky_module
 from ocean_sim.pictures.camera import Vessel
+from ocean_sim.pictures.far_sea import Fan
 from ocean_sim.pictures.frame_files import Frame, ships_in
 from ocean_sim.pictures.mirror import SHARE, Mirror
 from ocean_sim.pictures.order import Order
 from ocean_sim.pictures.sea_state import SeaState
 from ocean_sim.pictures.sea_surface import SeaSurface
+from ocean_sim.pictures.sea_surface import grain as grain_of
+from ocean_sim.pictures.ship import ShadedShip
+from ocean_sim.pictures.ship_model import Model
 from ocean_sim.pictures.spray import Spray
 from ocean_sim.pictures.stage import Stage
-from ocean_sim.pictures.wake import Wake
+from ocean_sim.pictures.wake import Kelvin, Wake
 from ocean_sim.pictures.water_shading import EXPOSURE, FOG, Terms, slope_variance
 
+TRAITS = "nrm", "att", "car"  # normal; white, crest, variance of slopes; place by which foam finds its grain
 NODES = {"draft": 25_000, "final": 90_000}  # of the drawn surface within the basin
 SMOOTHED = 1.5  # pixels across which a final picture is smoothed
 RIPPLES = 0.02, 3.0  # [m] between which the longest ripple lies
@@ -30,7 +37,7 @@ class Dome:
     def __init__(self, stage: Stage, sky: sky_module.Sky, image: Any) -> None:
         dome = stage.pyvista.Icosphere(radius=1.0, nsub=3)
         self.directions = np.asarray(dome.points, dtype=np.float32)
-        self.shaded = water_glsl.Shaded(dome, water_glsl.SKY, "", {"sky": image}, attributes=False)
+        self.shaded = water_glsl.Shaded(dome, water_glsl.SKY, "", {"sky": image})
         self.shaded.set(exposure=EXPOSURE, fogReach=FOG, useFog=1.0)
         stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
 
@@ -49,28 +56,27 @@ class Waterline:
 
 
 class Sea:
-    """A surface that is the basin's inside it, blends into the far sea around it, and ends behind the fog."""
+    """A surface that is the basin's inside it, becomes the far sea before its sides, and ends behind the fog."""
 
     def __init__(self, stage: Stage, order: Order, vessels: dict[str, Vessel], grid: Any, state: SeaState) -> None:
         """`vessels`: ships by their keys, where they go."""
         self.stage, self.order, self.state = stage, order, state
         self.surface = SeaSurface(grid, state, NODES[order.quality])
-        self.points = np.insert(self.surface.nodes, 1, 0.0, axis=1).astype(np.float32)
-        mesh = stage.pyvista.PolyData.from_regular_faces(self.points, self.surface.triangles)
-        for name in ("nrm", "att"):
-            mesh.point_data[name] = np.zeros((len(self.points), 3), np.float32)
-        sky = sky_module.cloudy() if order.sky else sky_module.clear()
-        image = water_glsl.texture(sky.image, smaller=True, repeat=True)
+        sky = self.sky = sky_module.cloudy() if order.sky else sky_module.clear()
+        image = self.image = water_glsl.texture(sky.image, smaller=True, repeat=True)
         self.hulls = {key: Waterline(grid, key) for key in ships_in(grid, "_vertices")}
         rows, columns = HULL_PIXELS
         self.gap = np.zeros((max(len(self.hulls), 1), rows, columns, 3), np.float32)  # [m], a map for each ship
         self.gaps = water_glsl.texture(self.gap.reshape(-1, columns, 3))
         self.mirrored = water_glsl.texture(np.zeros((2, 2, 4), np.uint8), smaller=True)
         textures = {"sky": image, "hull": self.gaps, "mirror": self.mirrored}
-        program = water_glsl.water(len(self.hulls)), water_glsl.WATER_FUNCTIONS
-        self.shaded = water_glsl.Shaded(mesh, *program, textures, attributes=True)
+        body, functions = water_glsl.water(len(self.hulls), "carW.xz"), water_glsl.WATER_FUNCTIONS
+        self.near = water_glsl.Shaded(self.mesh_of(self.surface), body, functions, textures, TRAITS)
+        empty = stage.pyvista.PolyData()
+        self.far = water_glsl.Shaded(empty, water_glsl.BEYOND + body, functions, textures, TRAITS)
         self.dome = Dome(stage, sky, image)
-        stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
+        for part in (self.near, self.far):
+            stage.plotter.add_actor(part.actor, reset_camera=False, render=False)
         glint = None if order.glint == "none" else order.glint
         terms = Terms(order.fresnel, order.reflection, order.body, glint, order.foam)
         shown = water_glsl.plain(len(self.hulls)) | water_glsl.lit_by(sky) | water_glsl.switched(terms)
@@ -78,56 +84,133 @@ class Sea:
         shown["windAngle"] = state.wind.angle
         shown["rippleVariance"] = slope_variance(state.wind.speed) if order.ripples else 0.0
         shown["rippleLongest"] = np.clip(2.0 * state.resolved, *RIPPLES)
-        self.shaded.set(**shown)
+        self.set(**shown)
         self.origin = np.zeros(2)  # x, z of the nodes' [m]
         self.mirror: Mirror | None = None
         self.spray = Spray(stage, float(grid["spacing"])) if order.foam and state.exact is None else None
         sides = self.surface.x, self.surface.z
         self.wakes = [Wake(of, self.hulls[key].beam, *sides) for key, of in vessels.items()] if order.foam else []
+        alone = state.exact is not None and "sea_answers" not in grid  # the water of the run knows of no ship
+        self.kelvins = [Kelvin(of, self.hulls[key].beam) for key, of in vessels.items()] if alone else []
 
-    def reflect(self, actors: list[Any]) -> None:
-        """Mirrors the actors of ships from now on."""
-        self.mirror = Mirror(self.stage, actors, self.mirrored)
+    def mesh_of(self, part: "SeaSurface | Fan") -> Any:
+        """The nodes and triangles of a part of the sea, with room for what is told of them."""
+        points = np.insert(part.nodes, 1, 0.0, axis=1).astype(np.float32)
+        mesh = self.stage.pyvista.PolyData.from_regular_faces(points, part.triangles)
+        for name in TRAITS:
+            mesh.point_data[name] = np.zeros((len(points), 3), np.float32)
+        return mesh
+
+    def set(self, **values: Any) -> None:
+        """Numbers for the programs of the basin and of the sea around it."""
+        for part in (self.near, self.far):
+            part.set(**values)
+
+    def lay(
+        self, part: water_glsl.Shaded, points: np.ndarray, normals: np.ndarray, traits: np.ndarray, grain: np.ndarray
+    ) -> None:
+        """Points [m], normals, (white, crest, variance) and the places by which foam finds its grain (n, 2) [m]."""
+        part.mesh.points = points.astype(np.float32)
+        values = normals, traits, np.insert(grain, 1, 0.0, axis=1)
+        for name, value in zip(TRAITS, values, strict=True):
+            part.mesh.point_data[name] = value.astype(np.float32)
+
+    def ship(self, model: Model) -> ShadedShip:
+        """A ship in the light of this sea, not mirrored yet."""
+        return ShadedShip(self.stage, model, self.sky, self.image)
+
+    def reflect(self, ships: list[ShadedShip]) -> None:
+        """Mirrors ships from now on."""
+        self.mirror = Mirror(self.stage, [ship.shaded for ship in ships], self.mirrored)
 
     def show(self, frame: Frame) -> None:
-        now, surface, mesh = self.surface.at(frame), self.surface, self.shaded.mesh
-        self.height = now.height
-        self.lie(frame.origin)
-        crest = (now.height - self.state.level) / max(0.5 * self.state.height, 1e-3)
-        white = np.maximum(surface.foam(now.convergence, self.order.foam_cover), surface.broken(frame))
-        for wake in self.wakes:
-            white = np.maximum(white, wake.share(frame.time, frame.origin))
-        traits = np.stack([white, crest, now.variance], axis=-1)
-        self.points[:, 1] = now.height.ravel()
-        mesh.points = self.points
-        mesh.point_data["nrm"] = surface.normals(now.height).reshape(-1, 3).astype(np.float32)
-        mesh.point_data["att"] = traits.reshape(-1, 3).astype(np.float32)
-        order, angle = self.order, np.radians(self.stage.plotter.camera.view_angle)
-        pixel = 2.0 * np.tan(angle / 2.0) / order.size[1]  # [rad]
+        self.show_basin(frame)
+        self.show_beyond(frame)
+        order, eye = self.order, self.stage.camera.eye
+        pixel = self.pixel
         fine = pixel / SMOOTHED if order.quality == "final" else pixel
-        self.shaded.set(eyeW=self.stage.camera.eye, time=frame.time, pixel=fine, mirrorPixel=SHARE * pixel)
-        self.dome.stand(self.stage.camera.eye)
+        self.set(eyeW=eye, time=frame.time, pixel=fine, mirrorPixel=SHARE * pixel)
+        self.dome.stand(eye)
         levels = [self.meet(k, hull, *frame.ships[key]) for k, (key, hull) in enumerate(self.hulls.items())]
         if levels:
             water_glsl.fill(self.gaps.GetInput(), self.gap.reshape(-1, HULL_PIXELS[1], 3))
         if self.mirror is not None and levels:
-            self.shaded.set(useMirror=1.0, mirrorView=self.mirror.show(float(np.mean(levels))))
+            self.set(useMirror=1.0, mirrorView=self.mirror.show(float(np.mean(levels))))
         if self.spray is not None and frame.position is not None:
             self.spray.show(frame.position, self.heights_at(frame.position[:, [0, 2]]))
 
-    def lie(self, origin: np.ndarray) -> None:
-        """Put the nodes around an origin x, z [m]."""
-        if not np.array_equal(origin, self.origin):
-            self.origin = origin
-            self.points[:, [0, 2]] = self.surface.nodes + origin
-            self.surface.grain = self.surface.grain_at(origin)
+    @property
+    def pixel(self) -> float:
+        """Angle of a pixel [rad]."""
+        angle = np.radians(self.stage.plotter.camera.view_angle)
+        return 2.0 * float(np.tan(angle / 2.0)) / self.order.size[1]
+
+    def crest(self, height: np.ndarray) -> np.ndarray:
+        """0 at rest, 1 on a crest."""
+        return (height - self.state.level) / max(0.5 * self.state.height, 1e-3)
+
+    def show_basin(self, frame: Frame) -> None:
+        now, surface = self.surface.at(frame), self.surface
+        for kelvin in self.kelvins:
+            waves_behind = kelvin.height(frame.time, surface.nodes + frame.origin).reshape(now.height.shape)
+            now = replace(now, height=now.height + surface.share * waves_behind)
+        self.frame, self.height = frame, now.height
+        if not np.array_equal(frame.origin, self.origin):
+            self.origin = frame.origin
+            surface.grain = surface.grain_at(frame.origin)
+        fresh = surface.foam(now.convergence, self.order.foam_cover)
+        nodes = surface.nodes + self.origin
+        white, grain = fresh, nodes
+        if frame.foam is not None:
+            kept = surface.carried(frame.foam)
+            if self.order.foam_cover is not None:
+                kept = foam.shares(kept + 1e-3 * fresh, self.order.foam_cover)
+            white = np.maximum(kept, (1.0 - surface.share) * fresh)
+        if frame.carried is not None:
+            moved = [surface.carried(frame.carried[..., k]).ravel() for k in range(2)]
+            grain = nodes - np.stack(moved, axis=-1)
+        for wake in self.wakes:
+            white = np.maximum(white, wake.share(frame.time, frame.origin))
+        traits = np.stack([np.clip(white, 0.0, 1.0), self.crest(now.height), now.variance], axis=-1)
+        points = np.insert(nodes, 1, now.height.ravel(), axis=1)
+        self.lay(self.near, points, surface.normals(now.height).reshape(-1, 3), traits.reshape(-1, 3), grain)
+
+    def show_beyond(self, frame: Frame) -> None:
+        """The sea outside the basin, on a fan around the eye."""
+        surface, camera = self.surface, self.stage.camera
+        fan = surface.fan
+        aspect = self.order.size[0] / self.order.size[1]
+        half, lowest = camera.spread(aspect)
+        heading = float(np.arctan2(camera.forward[2], camera.forward[0]))
+        if fan.look(float(camera.eye[1]) - self.state.level, heading, half, lowest, self.pixel):
+            made = self.mesh_of(fan)
+            self.far.mesh.DeepCopy(made)
+        height, slope_x, slope_z, drawn_together = np.moveaxis(surface.around(frame, camera.eye), -1, 0)
+        nodes = fan.nodes + camera.eye[[0, 2]]
+        white = np.zeros(fan.shape)
+        if self.order.foam:
+            gathered = drawn_together * grain_of(*nodes.T).reshape(fan.shape)
+            white = foam.shares(gathered, surface.wanted, surface.known)
+        variance = np.broadcast_to(fan.lost[:, None], fan.shape)
+        traits = np.stack([white, self.crest(height), variance], axis=-1).reshape(-1, 3)
+        normals = np.stack([-slope_x, np.ones_like(height), -slope_z], axis=-1).reshape(-1, 3)
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        self.lay(self.far, np.insert(nodes, 1, height.ravel(), axis=1), normals, traits, nodes)
+        lap = 0.5 * np.array([surface.x[1] - surface.x[0], surface.z[1] - surface.z[0]])  # that no gap is seen
+        low, high = surface.lower + self.origin + lap, surface.upper + self.origin - lap
+        self.far.set(innerLow=np.insert(low, 1, 0.0), innerHigh=np.insert(high, 1, 0.0))
 
     def heights_at(self, positions: np.ndarray) -> np.ndarray:
         """(n,) drawn heights [m] at positions x, z (n, 2) [m]."""
         from scipy.interpolate import RegularGridInterpolator
 
-        grid = self.surface.x, self.surface.z
-        return RegularGridInterpolator(grid, self.height, bounds_error=False, fill_value=None)(positions - self.origin)
+        surface = self.surface
+        at = RegularGridInterpolator((surface.x, surface.z), self.height, bounds_error=False)(positions - self.origin)
+        outside = np.isnan(at)
+        if outside.any():
+            sea, share = surface.beyond, self.state.grown(self.frame.time)
+            at[outside] = self.state.level + share * waves.elevation(sea, positions[outside], self.frame.time)
+        return at
 
     def meet(self, k: int, hull: "Waterline", position: np.ndarray, turn: np.ndarray) -> float:
         """Where ship k meets the water: foam along its waterline, no water inside it, and the place of its mirror
@@ -136,7 +219,7 @@ class Sea:
         above = vertices[:, 1] - self.heights_at(vertices[:, [0, 2]])
         line = foam.waterline(vertices, hull.triangles, above)
         wet = len(line) > 2
-        self.shaded.set(**{f"useHull{k}": float(wet)})
+        self.set(**{f"useHull{k}": float(wet)})
         if wet:
             low, high = line.min(axis=(0, 1)) - HULL_REACH, line.max(axis=(0, 1)) + HULL_REACH
             rows, columns = HULL_PIXELS
@@ -144,9 +227,9 @@ class Sea:
             z = low[1] + (np.arange(rows) + 0.5) / rows * (high[1] - low[1])
             gap = foam.distance(np.stack(np.meshgrid(x, z), axis=-1).reshape(-1, 2), line)
             self.gap[k] = gap.astype(np.float32).reshape(rows, columns, 1)
-            self.shaded.set(**{f"hullBox{k}": np.append(low, 0.0), f"hullSize{k}": np.append(high - low, 1.0)})
+            self.set(**{f"hullBox{k}": np.append(low, 0.0), f"hullSize{k}": np.append(high - low, 1.0)})
         mirrored = {"At": position, "Size": 0.5 * hull.beam, "Reach": hull.length}
-        self.shaded.set(**{f"mirror{name}{k}": value for name, value in mirrored.items()})
+        self.set(**{f"mirror{name}{k}": value for name, value in mirrored.items()})
         return float(self.heights_at(line.reshape(-1, 2) if wet else position[None, [0, 2]]).mean())
 
     def close(self) -> None:

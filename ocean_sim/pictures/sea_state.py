@@ -12,7 +12,8 @@ from ocean_sim.pictures.ripples import Wind
 from ocean_sim.waves import Components
 from ocean_sim.wind.shared.air_load import stated_speed
 
-FRAMES = 24  # of a run, from which its spectrum is taken
+FRAMES = 48  # of a run, from which its spectrum is taken, and how its waves grow
+SWELLS = 3.0  # [s] by which the far sea lags behind the basin's
 GENTLEST, STRONGEST = 2.0, 14.0  # [m/s] wind that ripples follow
 FITTINGS = ("motion", "wavemaker", "lid", "obstacles")  # of a basin that is a tank
 DRY = 0.5  # share of the depth below which the water of a sea never falls
@@ -28,12 +29,19 @@ class SeaState(NamedTuple):
     height: float  # [m] four times the standard deviation of the elevation
     resolved: float  # [m] between particles, or half the shortest wave
     open: bool  # whether the basin is a piece of sea: covered by water in every frame, and no tank with fittings
+    times: np.ndarray  # (n,) [s]
+    shares: np.ndarray  # (n,) of the height of the estimated waves then
+
+    def grown(self, time: float) -> float:
+        """Share of their height that the waves around the basin have at a time [s]."""
+        return self.exact.grown(time) if self.exact is not None else float(np.interp(time, self.times, self.shares))
 
 
 def of_run(folder: Path, grid: Any) -> SeaState:
     """From the frames that a run kept, and its scene where a manifest lies next to them."""
     files = frame_files(folder)
-    frames = [Frame(path).elevation for path in files[:: max(1, len(files) // FRAMES)]]
+    kept = [Frame(path) for path in files[:: max(1, len(files) // FRAMES)]]
+    frames, times = [frame.elevation for frame in kept], np.array([frame.time for frame in kept])
     size = tuple(float(grid["upper"][k] - grid["lower"][k]) for k in (0, 2))
     height = 4.0 * float(np.mean([np.std(e) for e in frames]))
     scene = scene_of(folder)
@@ -59,7 +67,18 @@ def of_run(folder: Path, grid: Any) -> SeaState:
         float(grid["spacing"]) if exact is None else np.pi / float(exact.wavenumber.max()),
         all(e.min() > -DRY * depth for e in frames)
         and not any((scene.get("basin") or {}).get(key) for key in FITTINGS),
+        times,
+        running(times, np.array([np.std(e) for e in frames])),
     )
+
+
+def running(times: np.ndarray, deviation: np.ndarray) -> np.ndarray:
+    """Deviations of the elevation that lag behind those of the frames, over their root mean square; 0 in calm water."""
+    variance = deviation**2
+    for k in range(1, len(times)):
+        near = 1.0 - np.exp(-(times[k] - times[k - 1]) / SWELLS)
+        variance[k] = variance[k - 1] + near * (variance[k] - variance[k - 1])
+    return np.sqrt(variance / max(float(np.mean(deviation**2)), 1e-12))
 
 
 def scene_of(folder: Path) -> dict[str, Any]:

@@ -4,11 +4,13 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.pictures import water_shading
+from ocean_sim.pictures import ship_glsl, water_glsl, water_shading
 from ocean_sim.pictures.light import lit
 from ocean_sim.pictures.order import RenderFailed
 from ocean_sim.pictures.ship_model import Model, modelled
+from ocean_sim.pictures.sky import Sky
 from ocean_sim.pictures.stage import Stage
+from ocean_sim.pictures.water_shading import EXPOSURE, FOG
 
 
 def kept_model(grid: Any, key: str) -> Model:
@@ -36,7 +38,39 @@ class DrawnShip:
         self.shape["colour"] = np.zeros((len(self.corners), 3), np.uint8)
         stage.plotter.add_mesh(self.shape, scalars="colour", rgb=True, lighting=False, smooth_shading=False)
 
-    def show(self, position: np.ndarray, turn: np.ndarray) -> None:
-        """At a position of its centre of mass [m], turned by a matrix from body to world axes."""
+    def show(self, position: np.ndarray, turn: np.ndarray, eye: np.ndarray) -> None:
+        """At a position of its centre of mass [m], turned by a matrix from body to world axes, for an eye [m]."""
         self.shape.points = (self.corners @ turn.T + position).astype(np.float32)
         self.shape["colour"] = water_shading.display(lit(self.normals @ turn.T, self.paint, self.gloss))
+
+
+class ShadedShip:
+    """A model in the light of a sea's sun and sky, pixel by pixel."""
+
+    def __init__(self, stage: Stage, model: Model, sky: Sky, image: Any) -> None:
+        """`image`: the sky's texture."""
+        mesh = model.mesh
+        self.sky, self.corners, self.normals = sky, mesh.corners.reshape(-1, 3), mesh.normals.reshape(-1, 3)
+        shape = stage.pyvista.PolyData.from_regular_faces(
+            self.corners.astype(np.float32), np.arange(len(self.corners)).reshape(-1, 3)
+        )
+        gloss, seen = np.repeat(mesh.gloss, 3), ship_glsl.openness(self.corners, self.normals)
+        traits = self.normals, np.repeat(mesh.colour, 3, axis=0), np.stack([gloss, seen, 0.0 * gloss], axis=1)
+        for name, values in zip(ship_glsl.TRAITS, traits, strict=True):
+            shape.point_data[name] = values.astype(np.float32)
+        self.shade = ship_glsl.Shade(mesh.corners, float(np.linalg.norm(self.corners, axis=1).max()))
+        self.map = water_glsl.texture(np.zeros((2, 2, 3), np.float32))
+        textures = {"sky": image, "shade": self.map}
+        self.shaded = water_glsl.Shaded(shape, ship_glsl.SHIP, ship_glsl.FUNCTIONS, textures, ship_glsl.TRAITS)
+        self.shaded.set(exposure=EXPOSURE, fogReach=FOG, useFog=1.0, **water_glsl.lit_by(sky))
+        stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
+
+    def show(self, position: np.ndarray, turn: np.ndarray, eye: np.ndarray) -> None:
+        """At a position of its centre of mass [m], turned by a matrix from body to world axes, for an eye [m]."""
+        mesh = self.shaded.mesh
+        mesh.points = (self.corners @ turn.T + position).astype(np.float32)
+        mesh.point_data["nrm"] = (self.normals @ turn.T).astype(np.float32)
+        depth, right, up = self.shade.map(turn, self.sky.sun)
+        water_glsl.fill(self.map.GetInput(), depth)
+        length = self.shade.length
+        self.shaded.set(shipAt=position, shipLength=length, sunRight=right, sunUp=up, eyeW=eye)

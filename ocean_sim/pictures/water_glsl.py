@@ -4,6 +4,7 @@ Numbers come from those files, so that each law is written once; the tests compa
 declares uniforms and samplers itself; a mistake in a shader only logs and draws nothing.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -69,13 +70,21 @@ vec3 noise(vec2 p) {{
 }}
 float patches(vec2 q) {{
   q *= {number(foam.SCALE)};
-  float blobs = 0.5 * noise(q * 1.7 + 3.0).x + 0.3 * noise(q * 4.1).x + 0.2 * noise(q * 9.7).x;
-  float thick = 1.0 - abs(2.0 * noise(q * 2.6 + 9.0).x - 1.0), thin = 1.0 - abs(2.0 * noise(q * 6.3 + 2.0).x - 1.0);
-  return 0.55 * blobs + 0.30 * thick * thick + 0.25 * thin * thin;
+  q += {number(foam.BENT)} * (vec2(noise(0.6 * q + vec2(3.0, 7.0)).x, noise(0.6 * q + vec2(23.0, 11.0)).x) - 0.5);
+  float grain = 0.42 * noise(0.45 * q).x, scale = 1.3;
+  vec3 shares = vec3(0.30, 0.26, 0.20);
+  for (int o = 0; o < 3; o++) {{
+    q = vec2({number(foam.TURNED[0])} * q.x - {number(foam.TURNED[1])} * q.y,
+             {number(foam.TURNED[1])} * q.x + {number(foam.TURNED[0])} * q.y);
+    float ridge = 1.0 - abs(2.0 * noise(scale * q + 9.0).x - 1.0);
+    grain += shares[o] * ridge * ridge;
+    scale *= 2.1;
+  }}
+  return grain;
 }}
 float white(float share, vec2 q, float footprint) {{
   if (share <= 0.0) return 0.0;
-  float fine = clamp(1.0 - footprint / 0.3, 0.0, 1.0);
+  float fine = clamp(1.0 - footprint / {number(foam.FINE)}, 0.0, 1.0);
   if (fine <= 0.0) return share;
   float rank = 1.0 / (1.0 + exp(-1.702 * (patches(q) - {number(foam.MIDDLE)}) / {number(foam.SPREAD)}));
   float edge = clamp((share - max(rank - {number(foam.SOFT)}, 0.0)) / {number(2 * foam.SOFT)}, 0.0, 1.0);
@@ -111,9 +120,9 @@ vec3 fromWithin(float height, vec3 n, vec3 e, float ct) {{
   float through = 0.25 * up + 1.9 * sunLight.y * (0.30 + 1.3 * behind * behind) * thin * (0.25 + tilt);
   return 2.0 * up * {vector(w.BODY)} + {vector(w.THIN)} * through * (0.55 + 0.45 * ct);
 }}
-vec3 foamColour(vec3 n) {{
+vec3 foamColour(vec3 n, float white) {{
   float sunny = max(0.7 * dot(n, sunDir) + 0.3 * sunDir.y + 0.06, 0.0);
-  return {vector(w.FOAM)} * (1.25 * skyLight + 1.75 * sunLight * sunny);
+  return mix({vector(w.THIN_FOAM)}, {vector(w.FOAM)}, white) * (1.25 * skyLight + 1.75 * sunLight * sunny);
 }}
 vec3 sunGlint(vec3 n, vec3 e, float variance) {{
   vec3 h = normalize(sunDir + e);
@@ -126,9 +135,9 @@ vec3 sunGlint(vec3 n, vec3 e, float variance) {{
 """
 
 
-def water(ships: int) -> str:
+def water(ships: int, grain: str = "posW.xz") -> str:
     """The program of water around so many ships; the maps of distances to their hulls lie one over another in one
-    texture."""
+    texture. `grain`: the place by which foam finds its grain: its own, or where it was born."""
     hulls = "".join(hull(k, ships) for k in range(ships))
     mirrors = "".join(mirror(k) for k in range(ships))
     return f"""
@@ -160,7 +169,8 @@ def water(ships: int) -> str:
   vec3 c = useReflection * reflectance * mirrored;
   c += useBody * (1.0 - reflectance) * fromWithin(attW.y, n, e, refracted(ci));
   if (glintKind > 0.5 && glintKind < 1.5) c += sunGlint(n, e, variance) * (1.0 - hidden);
-  c = mix(c, foamColour(n), useFoam * white(clamp(share, 0.0, 1.0), posW.xz, footprint));
+  float foamy = white(clamp(share, 0.0, 1.0), {grain}, footprint);
+  c = mix(c, foamColour(n, foamy), useFoam * foamy);
   fragOutput0 = vec4(filmic(foggy(c, away, dist)), 1.0);
 """
 
@@ -198,6 +208,10 @@ def mirror(k: int) -> str:
 """
 
 
+BEYOND = """
+  if (all(greaterThan(posW.xz, innerLow.xz)) && all(lessThan(posW.xz, innerHigh.xz))) discard;
+"""  # of the far sea: the basin is drawn by its own surface
+
 SKY = "  fragOutput0 = vec4(filmic(skyAt(normalize(posW - eyeW), 0.0)), 1.0);\n"
 
 
@@ -233,23 +247,16 @@ def fill(data: Any, image: np.ndarray) -> None:
 class Shaded:
     """An actor of triangles that carries its own fragment program; its points are world coordinates [m]."""
 
-    def __init__(self, mesh: Any, body: str, functions: str, textures: dict[str, Any], *, attributes: bool) -> None:
-        from vtkmodules.vtkCommonDataModel import vtkDataObject
-        from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
-
-        mapper = vtkPolyDataMapper()
-        mapper.SetInputData(mesh)
-        mapper.ScalarVisibilityOff()
-        mapper.SetVBOShiftScaleMethod(0)  # positions reach the shader as they are
-        self.mesh, self.actor = mesh, vtkActor()
-        self.actor.SetMapper(mapper)
+    def __init__(
+        self, mesh: Any, body: str, functions: str, textures: dict[str, Any], attributes: Sequence[str] = ()
+    ) -> None:
+        """`attributes`: names of three letters of the mesh's vectors that the program reads, as nrmW of nrm."""
+        self.mesh, self.attributes, self.textures = mesh, attributes, textures
+        self.actor = self.drawn()
         program = self.actor.GetShaderProperty()
-        arrays = {"nrm": "vec3", "att": "vec3"} if attributes else {}
-        for name in arrays:
-            mapper.MapDataArrayToVertexAttribute(f"{name}In", name, vtkDataObject.FIELD_ASSOCIATION_POINTS, -1)
-        taken = "".join(f"in {kind} {name}In; out {kind} {name}W;\n" for name, kind in arrays.items())
-        given = "".join(f"in {kind} {name}W;\n" for name, kind in arrays.items())
-        copied = "".join(f"  {name}W = {name}In;\n" for name in arrays)
+        taken = "".join(f"in vec3 {name}In; out vec3 {name}W;\n" for name in attributes)
+        given = "".join(f"in vec3 {name}W;\n" for name in attributes)
+        copied = "".join(f"  {name}W = {name}In;\n" for name in attributes)
         keep = "//VTK::Normal::Dec\n"
         program.AddVertexShaderReplacement("//VTK::Normal::Dec", True, f"{keep}{taken}out vec3 posW;\n", False)
         body_of_vertex = f"//VTK::Normal::Impl\n{copied}  posW = vertexMC.xyz;\n"
@@ -259,8 +266,28 @@ class Shaded:
         program.AddFragmentShaderReplacement("//VTK::TMap::Dec", True, declared, False)
         program.AddFragmentShaderReplacement("//VTK::Light::Impl", True, body, False)
         self.uniforms = program.GetFragmentCustomUniforms()
-        for name, image in textures.items():
-            self.actor.GetProperty().SetTexture(name, image)
+
+    def drawn(self) -> Any:
+        """An actor of the mesh with its attributes and textures."""
+        from vtkmodules.vtkCommonDataModel import vtkDataObject
+        from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
+
+        mapper, actor = vtkPolyDataMapper(), vtkActor()
+        mapper.SetInputData(self.mesh)
+        mapper.ScalarVisibilityOff()
+        mapper.SetVBOShiftScaleMethod(0)  # positions reach the shader as they are
+        for name in self.attributes:
+            mapper.MapDataArrayToVertexAttribute(f"{name}In", name, vtkDataObject.FIELD_ASSOCIATION_POINTS, -1)
+        actor.SetMapper(mapper)
+        for name, image in self.textures.items():
+            actor.GetProperty().SetTexture(name, image)
+        return actor
+
+    def twin(self) -> Any:
+        """An actor of the same mesh and program, for another plotter, whose textures are its own."""
+        twin = self.drawn()
+        twin.SetShaderProperty(self.actor.GetShaderProperty())
+        return twin
 
     def set(self, **values: Any) -> None:
         """Numbers, triples and 4 x 4 matrices for the fragment program."""

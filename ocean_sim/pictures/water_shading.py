@@ -18,9 +18,13 @@ DEEP = np.array([0.004, 0.030, 0.050])  # light that returns from the depth, lin
 CREST = np.array([0.020, 0.160, 0.150])  # light through thin water
 GLASS = np.array([0.020, 0.210, 0.260])  # the cut side of the water, at the top
 
+TROUGH, REST, PEAK = np.array([[0.004, 0.030, 0.075], [0.030, 0.150, 0.230], [0.420, 0.620, 0.620]])  # of the map
+MAP_LIGHT, MAP_SLOPE = unit(np.array([-0.55, 0.62, -0.55])), 0.35  # where its light is; deviation of its slopes
+
 BODY = np.array([0.0036, 0.0200, 0.0350])  # light from the depth of the sea under a sky of radiance 1
 THIN = np.array([0.010, 0.085, 0.088])  # light that comes through crests
 FOAM = np.array([0.70, 0.75, 0.78])  # reflectance of foam
+THIN_FOAM = np.array([0.30, 0.43, 0.50])  # of a film of bubbles, through which the water shows
 BRIGHTEST = 12.0  # to which the mirrored sky is cut: no single pixel burns
 HDR_THRESHOLD, HDR_EXCESS, HDR_FACTOR = 0.9, 0.6, 3.0  # of (3.16); the thesis's 100 is meant for a sky of at most 1
 SHININESS = 120.0
@@ -133,10 +137,10 @@ def foam_by_height(height: np.ndarray, texture: np.ndarray | float = 1.0) -> np.
     return np.clip(np.clip(height / FOAM_HEIGHT, 0.0, 1.0) * texture * FOAM_GAIN, 0.0, 1.0)
 
 
-def foam_colour(normal: np.ndarray, light: "Light") -> np.ndarray:
-    """White, under the sun and the sky."""
+def foam_colour(normal: np.ndarray, white: np.ndarray, light: "Light") -> np.ndarray:
+    """White under the sun and the sky, grey-blue where foam is thin."""
     sunny = np.maximum(0.7 * (normal @ light.sun) + 0.3 * light.sun[1] + 0.06, 0.0)[:, None]
-    return FOAM * (1.25 * light.sky + 1.75 * light.sunlight * sunny)
+    return (THIN_FOAM + (FOAM - THIN_FOAM) * white) * (1.25 * light.sky + 1.75 * light.sunlight * sunny)
 
 
 def foggy(colour: np.ndarray, horizon: np.ndarray, distance: np.ndarray, reach: float = FOG) -> np.ndarray:
@@ -204,7 +208,7 @@ def final_colour(water: Water, sky: Sky, terms: Terms = Terms(), fog: float = FO
         colour += sun_glint(normal, to_eye, water.variance, sky.sun, sky.sunlight)
     if terms.foam:
         white = np.clip(water.foam, 0.0, 1.0)[:, None]
-        colour = colour * (1.0 - white) + foam_colour(normal, light) * white
+        colour = colour * (1.0 - white) + foam_colour(normal, white, light) * white
     return foggy(colour, horizon(-to_eye, sky), water.distance, fog) if terms.fog else colour
 
 
@@ -283,6 +287,18 @@ def side(position: np.ndarray, normal: np.ndarray, depth: np.ndarray, eye: np.nd
     lit = 0.55 + 0.45 * np.clip(normal @ unit(SUN * [1.0, 0.0, 1.0]), -0.4, 1.0)[:, None]
     inside = DEEP * 0.5 + GLASS * np.exp(-3.2 * depth[:, None]) * lit
     return inside * (1.0 - share) + 0.35 * HORIZON * share
+
+
+def relief(normal: np.ndarray, height: np.ndarray) -> np.ndarray:
+    """Linear RGB (n, 3) of the surface as a map, seen from straight above: dark troughs, pale crests, lit from the
+    upper left, its slopes made steeper until they are seen; `height` as in `surface`."""
+    slope = -normal[:, [0, 2]] / normal[:, 1:2]
+    steeper = MAP_SLOPE / max(float(slope.std()), 1e-3 * MAP_SLOPE)
+    tilted = unit(np.stack([-steeper * slope[:, 0], np.ones(len(slope)), -steeper * slope[:, 1]], axis=1))
+    lit = np.clip(tilted @ MAP_LIGHT, 0.0, 1.0)[:, None]
+    share = np.clip(0.5 + 0.5 * height, 0.0, 1.0)[:, None]
+    paint = np.where(share < 0.5, TROUGH + 2.0 * share * (REST - TROUGH), REST + (2.0 * share - 1.0) * (PEAK - REST))
+    return paint * (0.25 + 1.1 * lit)
 
 
 def filmic(radiance: np.ndarray, exposure: float = 1.15) -> np.ndarray:

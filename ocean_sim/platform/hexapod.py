@@ -15,7 +15,7 @@ from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, PlatformConfig, Preflight, library, named
 from ocean_sim.platform import SINGULAR, Commands, Cue, WashoutConfig
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, rates_to_turn, rotation, smoothly
-from ocean_sim.platform.shared.limits import SAME, Legs, Workspace
+from ocean_sim.platform.shared.limits import SAME, Governor, Legs, Workspace
 from ocean_sim.platform.shared.motion_log import Ride
 
 # A washout is one file, washout/<kind>.py: a Config with its `kind`, which builds what follows a ride.
@@ -35,6 +35,9 @@ class Config(PlatformConfig):
     """A name in configs/washout/, or a washout itself."""
     ramp: float = quantity("s", 3.0, ge=0.0)
     """Time over which the platform goes over from neutral to the motion, and of a stream back to neutral at its end."""
+
+    catch_up: float = quantity("m/s2", 2.0, gt=0.0)
+    """Largest acceleration of a platform that fell behind: beyond what the washout asks for nothing more is felt."""
 
     @field_validator("geometry", "washout", mode="before")
     @classmethod
@@ -75,6 +78,7 @@ class Moving:
         self.hexapod = Hexapod(geometry)
         self.workspace = Workspace(self.hexapod)
         self.washout = washout.build(every, self.workspace.ends[:3])
+        self.governor = Governor(geometry, self.hexapod, every, config.catch_up)
         self.legs = Legs(geometry, every, self.hexapod.neutral_legs)
         self.start: float | None = None  # [s]
         self.past = np.zeros((2, 6))  # the last two poses
@@ -84,9 +88,12 @@ class Moving:
             self.start = float(ride.time[0])
         cue = self.washout.follow(ride)
         wanted = cue.pose * self.part(ride.time)[:, None]
-        pose, limited = self.workspace.scaled_back(wanted)
-        legs, velocity, held = self.legs.follow(self.hexapod.legs(pose))
-        limited |= cue.limited | held | self.stood(pose, legs, held > 0)
+        within, limited = self.workspace.scaled_back(wanted)
+        pose, slowed = self.governor.follow(within, wanted)
+        free = self.hexapod.legs(pose)
+        lengths = np.clip(free, self.hexapod.low, self.hexapod.high)
+        legs, velocity, held = self.legs.follow(lengths)
+        limited |= cue.limited | slowed | held | self.stood(pose, legs, (held > 0) | (free != lengths).any(axis=1))
         force, rate = self.felt(pose)
         return Commands(ride.time, ride.seq, pose, legs, velocity, force, rate, limited, cue)
 

@@ -38,6 +38,7 @@ class Composition:
     root: Node
     slots: dict[str, Choice | None] = field(default_factory=dict)  # by place
     failed: set[str] = field(default_factory=set)  # places that already have a problem of their own
+    meant: dict[str, Node] = field(default_factory=dict)  # what stands there if its kind is the likeliest one
     problems: list[Problem] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
@@ -57,6 +58,10 @@ class Composition:
             self.problems += error.problems
             self.slots[place] = None
             self.failed.add(place)
+            kind = next((found.suggestion for found in error.problems if found.suggestion), None)
+            if node.is_mapping and kind in known(slot_of(place)):
+                meant = node.data["kind"].with_data(kind)
+                self.meant[place] = chosen(place, node.with_data(node.data | {"kind": meant})).whole()
 
     def named_ships(self, node: Node) -> Iterator[tuple[str, Node]]:
         """The place and node of each ship in a mapping of them; what is none is a problem."""

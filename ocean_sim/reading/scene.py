@@ -258,6 +258,8 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
         composition.root = _scaled(composition.root, heading.resolution, tank.dimension, notes)
     places = _places(data)
     parts = {place: _model(place, None, composition, problems, folder) for place in places}
+    for place, node in composition.meant.items():  # the other keys of a part whose kind is misspelled
+        validated(config_of(slot_of(place), node.data["kind"].data), node, (place,), problems, folder)
     there = {place: part for place, part in parts.items() if isinstance(part, PartConfig)}
     named_in = {place for place in places if _node(data, place) is not None}
     wrong = composition.failed | named_in - set(there)
@@ -406,13 +408,13 @@ def _observers(
 
 def _scaled(root: Node, factor: float, dimension: int, notes: list[str]) -> Node:
     """The tree of a scene with every spacing of water, surface and ship times `factor`; a budget of particles shrinks
-    by what that leaves out."""
+    by what that leaves out. What `--set` gives stays as it is given."""
 
     def scaled(node: Node, path: tuple[str, ...]) -> Node:
         if isinstance(node.data, dict):
             return node.with_data({key: scaled(inner, (*path, key)) for key, inner in node.data.items()})
         value, number = node.data, node.data
-        if isinstance(value, bool) or not isinstance(value, int | float):
+        if isinstance(value, bool) or not isinstance(value, int | float) or node.location.file.startswith(OVERRIDE):
             return node
         if path[-1] in ("particles", "cap") and isinstance(value, int):
             number = max(1, round(value / factor**dimension))

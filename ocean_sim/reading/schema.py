@@ -8,14 +8,16 @@ from pydantic import BaseModel
 from pydantic.json_schema import GenerateJsonSchema
 
 from ocean_sim import basin
+from ocean_sim.files.yaml_file import Location, node_of
 from ocean_sim.parts import ALONE, SEVERAL, SLOTS, config_of, kinds, named
-from ocean_sim.reading.composition import known
+from ocean_sim.reading.composition import chosen, known
 from ocean_sim.reading.scene import Heading, observer_names
+from ocean_sim.reading.sentences import sentence
 from ocean_sim.runtime import RuntimeConfig
 
 
 def schema() -> dict[str, Any]:
-    """JSON Schema, draft 2020-12."""
+    """JSON Schema, draft 2020-12; descriptions as editors show them, with unit and default."""
     definitions: dict[str, Any] = {}
     properties = dict(_properties(Heading, definitions))
     properties["basin"] = _model(basin.Config, definitions)
@@ -29,7 +31,7 @@ def schema() -> dict[str, Any]:
         module = import_module(f"ocean_sim.observers.{name}")
         described = {"description": (module.__doc__ or "").split("\n")[0]}
         properties[name] = described | {"anyOf": [_model(module.Config, definitions), {"type": "null"}]}
-    return {
+    found = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Ocean Sim scene",
         "description": "SI units and radians unless a key says otherwise.",
@@ -39,6 +41,10 @@ def schema() -> dict[str, Any]:
         "additionalProperties": False,
         "$defs": dict(sorted(definitions.items())),
     }
+    for node in (found, *definitions.values()):
+        for inner in node.get("properties", {}).values():
+            _explain(inner, definitions)
+    return found
 
 
 def text() -> str:
@@ -49,13 +55,43 @@ def text() -> str:
 def _slot(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:
     """A name, a mapping with `kind`, or null."""
     module = import_module(f"ocean_sim.{slot}")
-    choices: list[dict[str, Any]] = [{"enum": known(slot)}] if known(slot) else []
+    words = known(slot)
+    told = [sentence(slot, word) for word in words]
+    choices: list[dict[str, Any]] = [{"enum": words, "markdownEnumDescriptions": told}] if words else []
     choices += [_model(config_of(slot, kind), definitions, kind) for kind in kinds(slot)]
     ready_made = sorted(set(named(slot)) - set(kinds(slot)))
-    if ready_made:
-        kind_is = {"properties": {"kind": {"enum": ready_made}}, "required": ["kind"]}
-        choices.append({"type": "object", "description": "A ready-made part with some keys of its own.", **kind_is})
+    choices += [_ready_made(slot, name, definitions) for name in ready_made]
     return {"description": (module.__doc__ or "").split(":")[0], "anyOf": [*choices, {"type": "null"}]}
+
+
+def _ready_made(slot: str, name: str, definitions: dict[str, Any]) -> dict[str, Any]:
+    """A ready-made part with some keys of its own: those of its kind, none of them required."""
+    kind = chosen(slot, node_of(name, Location(name))).kind
+    own = definitions[_name(config_of(slot, kind))]
+    properties = own["properties"] | {"kind": {"const": name, "description": sentence(slot, name)}}
+    return {
+        "type": "object",
+        "description": sentence(slot, name),
+        "properties": properties,
+        "required": ["kind"],
+        "additionalProperties": False,
+    }
+
+
+def _explain(node: dict[str, Any], definitions: dict[str, Any]) -> None:
+    """Append unit and default to a description, which is what editors show; `meaning` keeps it without."""
+    if "meaning" in node or "const" in node:
+        return
+    union = node.get("anyOf", node.get("oneOf", [node]))
+    names = [member["$ref"].removeprefix("#/$defs/") for member in union if "$ref" in member]
+    of_model = next((definitions[name].get("description", "") for name in names), "")
+    meaning = node.get("description") or of_model
+    if not meaning:
+        return
+    unit, default = node.get("unit", ""), node.get("default")
+    more = f" [{unit}]" if unit not in ("", "1") else ""
+    more += f" Default: {json.dumps(default)}." if default not in (None, [], {}, "") else ""
+    node |= {"meaning": meaning, "description": f"{meaning}{more}"}
 
 
 def _properties(model: type[BaseModel], definitions: dict[str, Any]) -> dict[str, Any]:

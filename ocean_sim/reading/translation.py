@@ -16,6 +16,7 @@ from ocean_sim.files.yaml_file import Node, Problem, described, problem
 
 LEAST, MOST = 1e-60, 1e15  # size of a number in SI units that a scene may hold
 MANY = 200  # errors of one part beyond which the rest is of the same kind
+EXAMPLES = 2  # keys of a mapping that a sentence shows where none is required
 FEW = 24  # choices that still fit in a sentence
 BOUNDS = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
 SHAPES = {
@@ -31,6 +32,52 @@ SHAPES = {
     "list_type": "a list",
     "tuple_type": "a list",
     "none_required": "null",
+}
+
+SHORTEST = 3  # letters of the beginning of a word by which it is known
+
+# What other programs call it, and what it may be called here; the first that there is counts.
+SYNONYMS = {
+    word: tuple(meant.split())
+    for words, meant in {
+        "speed wind_speed u windspeed": "u10 velocity wind_speed reference_speed",
+        "direction heading angle bearing course yaw dir": "heading_deg",
+        "pos location place origin xyz": "position centre at",
+        "center": "centre",
+        "dt step timestep delta_t": "time_step dt every",
+        "cfl courant": "courant_number time_step",
+        "output outputs save vtk snapshots dump": "frames every",
+        "viscosity nu mu": "kinematic_viscosity",
+        "density rho rho0": "rest_density",
+        "size dimensions extent domain_size": "length half_size size",
+        "dx particle_spacing particle_size radius_of_particles": "spacing",
+        "smoothing_length kernel_radius support_radius": "support_ratio",
+        "time end_time t_end tmax stop_time total_time simulation_time": "duration end stop",
+        "hs h_s swh wave_height": "significant_wave_height height",
+        "tp t_p wave_period": "peak_period period",
+        "amplitude": "height amplitude",
+        "boundary boundaries bc sides": "walls",
+        "water liquid sph": "fluid",
+        "tank domain box": "basin",
+        "boat vessel": "ship",
+        "boats vessels": "ships",
+        "mesh geometry stl": "hull shape surface geometry",
+        "probes sensors probe wave_gauges": "gauges",
+        "camera video film movie pictures": "render camera film",
+        "g": "gravity",
+        "c c0 sound_speed speed_of_sound": "reference_speed compression",
+        "type model method scheme name": "kind",
+        "n count number num_particles": "particles",
+        "draft": "draught",
+        "beam": "breadth",
+        "cog cg center_of_mass centre_of_gravity": "centre_of_mass",
+        "backend device gpu cpu": "arch runtime",
+        "dtype float": "precision",
+        "waves spectrum": "spectrum initial",
+        "wsph wcsph sph_scheme": "delta_sph",
+        "muller": "mueller",
+    }.items()
+    for word in words.split()
 }
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -69,10 +116,18 @@ def dotted(path: Path) -> str:
 
 
 def likeliest(word: str, choices: Any) -> str | None:
-    """The choice that a mistyped word most likely meant."""
+    """The choice that a word most likely meant: one that it begins or that begins it, another word for the same, or
+    one that is spelled almost so."""
     by_lower = {str(choice).lower(): str(choice) for choice in choices}
-    close = get_close_matches(word.lower(), by_lower, n=1)
-    return by_lower[close[0]] if close else None
+    lower = word.lower().replace("-", "_").replace(" ", "_")
+    if lower in by_lower:
+        return by_lower[lower]
+    begun = [choice for choice in by_lower if choice.startswith(lower) and len(lower) >= SHORTEST]
+    begun += [choice for choice in by_lower if lower.startswith(f"{choice}_")]
+    others = [choice for choice in SYNONYMS.get(lower, ()) if choice in by_lower]
+    close = get_close_matches(lower, by_lower, n=1)
+    found = next(iter([*sorted(begun, key=len), *others, *close]), None)
+    return by_lower[found] if found is not None else None
 
 
 def choice_sentence(word: str, choices: Any) -> tuple[str, str | None]:
@@ -103,6 +158,7 @@ class _Found(NamedTuple):
     node: Node  # the deepest node on that path
     field: FieldInfo | None  # the last field passed on the way
     keys: tuple[str, ...]  # what could be written instead of an unknown key
+    model: type[BaseModel] | None  # that of the value, where it is a mapping
     union: Path | None  # the path of the first union on the way, and
     member: str  # which of its members reports it
     shape: bool  # the value has another shape than the member expects
@@ -130,7 +186,8 @@ def _located(error: Any, model: type[BaseModel], root: Node) -> _Found:
     shape = error["type"] in SHAPES or (error["type"] == "literal_error" and isinstance(node.data, dict | list))
     shape = shape and union == path
     context = error.get("ctx", {})
-    return _Found(error["type"], error["msg"], context, path, node, field, keys, union, member, shape)
+    held = next((t for t in types if _is_model(t)), None)
+    return _Found(error["type"], error["msg"], context, path, node, field, keys, held, union, member, shape)
 
 
 def _members(annotation: Any) -> list[Any]:
@@ -244,7 +301,7 @@ def _sentence(found: _Found, prefix: Path) -> Problem:
         end, suggestion = choice_sentence(str(context.get("tag", "")), choices)
         message = "missing key" if found.kind == "union_tag_not_found" else f"{context['tag']!r} is not a choice{end}"
     elif found.kind in SHAPES:
-        message = f"expected {SHAPES[found.kind]}, got {value}{_hint(found)}"
+        message = f"expected {SHAPES[found.kind]}, got {value}{_hint(found)}{_as_in(found)}"
     elif found.kind in ("value_error", "assertion_error"):
         message = str(context.get("error", found.message))
     else:
@@ -258,6 +315,15 @@ def _hint(found: _Found) -> str:
     if found.kind == "float_type" and isinstance(text, str) and text.replace(",", "", 1).replace("-", "", 1).isdigit():
         return f"; did you mean {text.replace(',', '.')}?"
     return ""
+
+
+def _as_in(found: _Found) -> str:
+    """What a mapping that was expected looks like: the keys that it must have, else its first ones."""
+    if SHAPES[found.kind] != "a mapping" or found.model is None:
+        return ""
+    fields = found.model.model_fields
+    names = [name for name, field in fields.items() if field.is_required()] or [*fields][:EXAMPLES]
+    return f", as in {{{', '.join(f'{name}: ...' for name in names)}}}"
 
 
 def _entries(count: int) -> str:

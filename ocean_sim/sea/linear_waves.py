@@ -2,30 +2,10 @@
 
 from typing import Literal
 
-from ocean_sim import waves
-from ocean_sim.basin.open_sea import Rim
-from ocean_sim.model import quantity
-from ocean_sim.parts import Preflight, Problems, SeaConfig
-from ocean_sim.waves.seas import Seas
+from ocean_sim.sea.shared.written import Written
 
 
-class Config(Seas, SeaConfig):
+class Config(Written):
     """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `seas` on top of them."""
 
     kind: Literal["linear_waves"] = "linear_waves"
-    rim: Rim = Rim()
-    feed: float | None = quantity("1/s", None, ge=0.0)
-    """Rate at which the velocity of the sea is added to that of all water, which holds the waves up between the rims;
-    null: what the scheme takes from waves of each length, and by how much it delays them, as far as that has been
-    measured; 0: none."""
-
-    @property
-    def significant_height(self) -> float:
-        return 0.0 if self.highest is None else self.highest[0]
-
-    def plane_waves(self, basin: waves.Tank) -> waves.Components | None:
-        sea = self.sea_of(basin)
-        return sea if sea.amplitude.any() else None
-
-    def problems(self, preflight: Preflight) -> Problems:
-        return self.impossible(preflight.tank) or super().problems(preflight)

@@ -32,6 +32,12 @@ class Load:
             parts[names.index(name)] = force
         return cls(parts)
 
+    def plus(self, name: str, more: np.ndarray, names: tuple[str, ...]) -> "Load":
+        """With more of one part, (2, 3)."""
+        parts = self.parts.copy()
+        parts[names.index(name)] += more
+        return Load(parts)
+
     @property
     def force(self) -> np.ndarray:
         """Their sum, (3,), world axes [N]."""
@@ -49,6 +55,16 @@ class Look(NamedTuple):
     name: str  # of its hull, if it has one, and of its shape
     submerged: float  # share of its volume that is under water at rest
     breadth: float  # [m]
+
+
+class Afloat(NamedTuple):
+    """How a ship floats in still water."""
+
+    displacement: float  # [kg]
+    draught: float  # [m]; infinite where she sinks
+    gm: float  # metacentric heights [m]
+    gm_longitudinal: float
+    periods: dict[str, float | None]  # natural, of heave, roll and pitch [s]; None where nothing rights her
 
 
 class Outline(NamedTuple):
@@ -95,6 +111,7 @@ class Ship(Protocol):
     last: Load  # what acted in the last step
     acceleration: np.ndarray  # (3,) of the centre of mass in the last step, world axes [m/s2]
     turning: np.ndarray  # (3,) angular acceleration in the last step, world axes [rad/s2]
+    airborne: bool  # whether none of its hull was under water in the last step
     groundings: int  # how often the hull has met the bed, each time after it was free
     added: np.ndarray  # (6,) mass [kg] and inertia [kg m2] of the water that moves along, in the order of `Motions`
 

@@ -17,6 +17,7 @@ from ocean_sim.ship.shared.added_mass import by_rule
 from ocean_sim.ship.shared.damping import Damping, Resistance
 from ocean_sim.ship.shared.floating import FloatingConfig
 from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
+from ocean_sim.ship.shared.slamming import Slamming
 
 
 class Config(FloatingConfig):
@@ -38,8 +39,10 @@ class Hydrostatic(FloatingShip):
 
     def __init__(self, name: str, config: Config, basin: Basin, fluid: Fluid) -> None:
         super().__init__(name, config, basin, fluid)
-        sway, _, surge = by_rule(self.hull.still)[:3]
+        sway, heave, surge = by_rule(self.hull.still)[:3]
         self.resistance = Resistance(config.damping, self.hull.still, np.zeros(6), munk=sway - surge)
+        if self.contact is None:
+            self.slamming = Slamming(self.hull.still, heave)
 
     def damping(self, now: Immersion) -> np.ndarray:
         return now.share * self.resistance.load(now.motion) @ now.body.matrix.T

@@ -44,4 +44,9 @@ def names() -> list[str]:
 
 def problems(name: str, *, slow: bool = False, coarse: bool = False) -> "list[Problem]":
     """The set-ups of a case; `slow` adds those that take minutes, `coarse` takes two or more times the spacing."""
-    return [problem for problem in import_module(f"{__name__}.{name}").problems(coarse) if slow or not problem.slow]
+    found = [problem for problem in import_module(f"{__name__}.{name}").problems(coarse) if slow or not problem.slow]
+    if not coarse:
+        return found
+    from ocean_sim.validation.shared.coarse import coarse as made_coarse
+
+    return [made_coarse(name, problem) for problem in found]

@@ -1,15 +1,20 @@
 """`ocean-sim check`: what a scene would take, before anything is allocated."""
 
+from math import isinf
 from typing import Any
 
 from ocean_sim import machine
 from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.parts import called
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.time_step import Known
 from ocean_sim.time_step.courant import Config as Courant
 from ocean_sim.verbs.shared import console
 
 NOTHING = dict.fromkeys(("particles", "memory_mb", "time_step", "limited_by", "estimated_wall_s"))
+LONGEST = 0.8  # the courant number of the profiles `ci` and `interactive`, up to which steps were found stable
+ON_ALL_THREADS = ("wind", "fluid", "surface")  # the slots whose work is shared among threads; the rest is done by one
+START, START_OF_PARTICLES = 3.1, 3.4  # [s] imports and kernels out of their cache, and what particles add; measured
 
 
 def check(scene: str, profile: str | None, sets: list[str], as_json: bool) -> None:
@@ -51,13 +56,21 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
     still = config.fluid.still_limits(known)
     dt = time_step.next(Known(still))
     stable, limit = Courant().shortest(still)
-    if dt > 1.05 * stable:
-        over = f"{dt / stable:.2g} times the {stable:.3g} s that courant would take in still water ({limit} limit)"
+    longest, ruling = Courant(courant_number=LONGEST).shortest(still)
+    if dt > 1.05 * longest:
+        over = f"{dt / longest:.2g} times the {longest:.3g} s that stayed stable in still water ({ruling} limit)"
         warnings.append(f"the time step of {dt:.3g} s is {over}")
     threads = config.runtime.threads or machine.cores()
     if memory > 0.9 * machine.memory():
         warnings.append(f"needs {memory / 1e9:.1f} GB of memory; this machine has {machine.memory() / 1e9:.1f} GB")
-    seconds = config.duration / dt * sum(row.a_step(dt) for row in rows) / threads
+    steps = config.duration / dt
+    shared = sum(row.a_step(dt) for row in rows if row.part in ON_ALL_THREADS)
+    alone = sum(row.a_step(dt) for row in rows) - shared
+    parts = {
+        "start_s": START + (START_OF_PARTICLES if particles else 0.0),
+        "steps_s": steps * (shared / threads + alone) if particles else None,  # that of closed forms is not measured
+        "pictures_s": sum(part.picture_time(config.duration) for part in config.observers.values()),
+    }
     return {
         "ok": True,
         "problems": [],
@@ -70,8 +83,26 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         "limited_by": time_step.limited_by,
         "stable_time_step": stable,
         "stable_limited_by": limit,
-        "estimated_wall_s": seconds if particles else None,  # the cost of closed forms is not measured
+        "estimated_wall_s": None if parts["steps_s"] is None else sum(filter(None, parts.values())),
+        "estimated_by_part": parts,
+        "ships": ships(config),
         "ledger": rows,
+    }
+
+
+def ships(config: SceneConfig) -> dict[str, dict[str, Any]]:
+    """Draught, metacentric heights and natural periods of every ship that a hull carries, by its name."""
+    found = {name: ship.floats(config.preflight) for name, ship in config.ships.items()}
+    return {
+        name: {
+            "displacement_kg": each.displacement,
+            "draught_m": None if isinf(each.draught) else each.draught,
+            "gm_m": each.gm,
+            "gm_longitudinal_m": each.gm_longitudinal,
+            "periods_s": each.periods,
+        }
+        for name, each in found.items()
+        if each is not None
     }
 
 
@@ -94,10 +125,13 @@ def ledger(found: dict[str, Any], config: SceneConfig) -> list[dict[str, Any]]:
 
 
 def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
-    """An estimate from what each part was measured to take; what observers do when the run is over is not in it."""
-    seconds = found["estimated_wall_s"]
-    about = f"about {console.duration(seconds)}" if seconds is not None else "no estimate of the wall time"
-    return f"{about} for {config.duration:g} s"
+    """An estimate from what each part was measured to take on an idle machine, with all kernels in the cache."""
+    parts, whole = found["estimated_by_part"], found["estimated_wall_s"]
+    shown = {"start": parts["start_s"], "steps": parts["steps_s"], "pictures": parts["pictures_s"]}
+    terms = ", ".join(f"{name} {console.duration(seconds)}" for name, seconds in shown.items() if seconds)
+    if whole is None:
+        return f"no estimate of the wall time of the steps ({terms}) for {config.duration:g} s"
+    return f"about {console.duration(whole)} for {config.duration:g} s on an idle machine ({terms})"
 
 
 def short(found: dict[str, Any], config: SceneConfig) -> str:
@@ -125,8 +159,7 @@ def long(found: dict[str, Any], config: SceneConfig) -> None:
             ["stable", f"{found['stable_time_step']:.4g} s in still water, limited by: {found['stable_limited_by']}"],
             [
                 "wall time",
-                wall_time(found, config)
-                + (" (an estimate, without pictures and reports)" if found["estimated_wall_s"] else ""),
+                wall_time(found, config),
             ],
         ],
     )
@@ -144,6 +177,13 @@ def long(found: dict[str, Any], config: SceneConfig) -> None:
     heads = ["part", "fields", "MB", "kernels", "of a step", "why"]
     console.table("\nwhat is allocated and compiled (kernels: at most), and why", heads, rows)
     console.say()
+    for name, ship in found["ships"].items():
+        if ship["draught_m"] is not None:
+            periods = ", ".join(f"{motion} {t:.3g} s" for motion, t in ship["periods_s"].items() if t is not None)
+            console.say(
+                f"{called(name)}: {ship['displacement_kg']:.5g} kg, draught {ship['draught_m']:.3g} m, GM "
+                f"{ship['gm_m']:.3g} m, along {ship['gm_longitudinal_m']:.3g} m; natural periods: {periods}"
+            )
     for sentence in found["statements"]:
         console.say(sentence)
     for note in found["notes"]:

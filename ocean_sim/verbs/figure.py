@@ -11,6 +11,7 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import Any, NamedTuple
 
+from ocean_sim.machine import extra_missing
 from ocean_sim.parts import PACKAGE, library
 from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.verbs.shared import console
@@ -54,6 +55,8 @@ def sentence(path: Path) -> str:
 def figure(names: list[str], fast: bool, out: Path, as_json: bool) -> int:
     """Draw figures one after the other and report; the exit code is 1 where one failed, and the others are there."""
     known = scripts()
+    if missing := extra_missing("pictures"):
+        raise console.Lacking(f"figures are pictures: {missing}")
     for name in names:
         if name not in known and name != ALL:
             raise console.Refused(f"there is no figure {name!r}{choice_sentence(name, [*known, ALL])[0]}")

@@ -2,32 +2,52 @@
 
 from math import isinf
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ocean_sim.conventions import GRAVITY, WATER_DENSITY
 from ocean_sim.verbs.shared import console
+
+if TYPE_CHECKING:
+    from ocean_sim.ship.shared.hull import Hull
+    from ocean_sim.ship.shared.hydrostatics import Hydrostatics
+    from ocean_sim.ship.shared.stability import Loading, Stability
 
 HALF = 0.5  # of the water's density: what a hull without a mass is taken to weigh
 EMPTY = dict.fromkeys(("volume_m3", "displacement_kg", "draught_m", "kb_m", "bm_m", "gm_m"))
 
 
-def hull(name: str, mass: float | None, cells: float, out: Path | None, as_json: bool) -> int:
+class Asked(NamedTuple):
+    """What a user gives besides the hull."""
+
+    mass: float | None = None  # [kg]
+    draught: float | None = None  # [m], in place of the mass
+    kg: float | None = None  # [m] over the keel
+    cg: tuple[float, float, float] | None = None  # [m] from the hull's origin
+    density: float | None = None  # of the water [kg/m3]
+    cells: float = 16.0  # cubes over the draught
+    cross: bool = False  # cross curves, too
+
+
+def hull(name: str, asked: Asked, loading: Path | None, ship: str | None, out: Path | None, as_json: bool) -> int:
     """Describe a hull; the exit code is 2 where it is not one."""
-    from ocean_sim.ship.shared.hull import explained, hull_of
+    from ocean_sim.ship.shared.hull import explained
     from ocean_sim.ship.shared.mesh import BadMesh
 
+    condition = None if loading is None else condition_of(loading)
     try:
-        shape = hull_of(name)
-        found, notes = report(shape, mass, cells)
+        shape, density = found_hull(name, ship)
+        found, notes = report(shape, asked._replace(density=asked.density or density), condition)
     except ValueError as error:
+        if isinstance(error, console.Refused):
+            raise
         problems = error.problems if isinstance(error, BadMesh) else [f"{name}: {explained(error)}"]
         if not as_json:
             raise console.Refused("\n".join(problems)) from None
         console.answer({"error": problems[0], **EMPTY, "gz": [], "periods_s": {}, "problems": problems})
         return 2
-    picture = out or Path(f"{Path(name).stem}_hull.png") if out or not as_json else None
+    picture = out or Path("runs/hull") / f"{Path(name).stem}.png" if out or not as_json else None
     if picture is not None:
-        draw(picture, shape, found)
+        picture = picture if console.drawn(draw, picture, shape, found) else None
     if as_json:
         console.answer(found)
     else:
@@ -35,27 +55,118 @@ def hull(name: str, mass: float | None, cells: float, out: Path | None, as_json:
     return 0
 
 
-def report(shape: Any, mass: float | None, cells: float) -> tuple[dict[str, Any], list[str]]:
-    """What `hull` answers, and sentences for people."""
-    from ocean_sim.ship.shared.added_mass import by_rule
-    from ocean_sim.ship.shared.hull import COARSE
-    from ocean_sim.ship.shared.hydrostatics import HEELS
+def found_hull(name: str, ship: str | None) -> "tuple[Hull, float]":
+    """The hull of a name in configs/hull/ or configs/ship/, of a mesh file, or of a ship in a scene, and the density of
+    its water [kg/m3]; raises ValueError, SceneError or Refused."""
+    from ocean_sim.parts import library, named
+    from ocean_sim.ship.shared.hull import MESHES, hull_of
+
+    scene = Path(name).suffix in (".yaml", ".yml") or (library("scenes") / f"{name}.yaml").is_file()
+    if name in named("hull") or Path(name).suffix.lower() in MESHES:
+        return hull_of(name), WATER_DENSITY
+    if not scene and name not in named("ship"):
+        hulls, ships = ", ".join(named("hull")), ", ".join(named("ship"))
+        raise console.Refused(
+            f"there is no hull {name!r}, and it is no scene and no {', '.join(MESHES)} file; there are the hulls "
+            f"{hulls}, and those of the ships {ships}"
+        )
+    from ocean_sim.reading.scene import load
+    from ocean_sim.ship.shared.floating import FloatingConfig
+
+    if scene:
+        config = load(name)
+    else:
+        flat: dict[str, Any] = {"kind": "linear_waves", "height": 0.0, "period": 10.0}
+        config = load({"basin": {"length": 1e4, "width": 1e4, "depth": 1e3}, "fluid": flat, "ship": name})
+    floating = {key: part for key, part in config.ships.items() if isinstance(part, FloatingConfig)}
+    if not floating:
+        raise console.Refused(f"{name} has no ship that floats by the volume of a hull")
+    if ship is None and len(floating) > 1:
+        raise console.Refused(f"{name} has several ships; name one with --ship: {', '.join(floating)}")
+    if ship is not None and ship not in floating:
+        raise console.Refused(f"--ship: there is no {ship!r} with a hull; there are {', '.join(floating)}")
+    chosen = floating[ship] if ship is not None else next(iter(floating.values()))
+    return chosen.whole_hull, config.fluid.rest_density
+
+
+def condition_of(path: Path) -> "Loading":
+    """A loading condition; raises SceneError."""
+    from ocean_sim.files.yaml_file import Problem, SceneError, read
+    from ocean_sim.reading.translation import validated
+    from ocean_sim.ship.shared.stability import Loading
+
+    problems: list[Problem] = []
+    found = validated(Loading, read(path), (), problems)
+    if found is None:
+        raise SceneError(problems)
+    return found
+
+
+def loaded(shape: "Hull", asked: Asked, condition: "Loading | None", notes: list[str]) -> "Hull":
+    """The hull with its mass and its centre as asked for; what is said of neither is told in the notes."""
     from ocean_sim.ship.shared.voxels import voxels
 
-    notes, problems = [], []
-    solid = shape.shape.closed() if shape.shape.is_mesh else None
-    if solid is not None:
+    mass, centre = asked.mass or shape.mass, shape.centre_of_mass
+    if condition is not None:
+        mass, at = condition.matter
+        centre = (float(at[0]), float(at[1]), float(at[2]))
+    if asked.draught is not None:
+        mass = mass_at(shape, asked)
+        notes.append(f"at a draught of {asked.draught:g} m it carries {mass:.5g} kg")
+    if mass is None:
+        from ocean_sim.ship.shared.hull import COARSE
+
+        lower, upper = shape.shape.bounds()
+        mass = HALF * density_of(asked) * voxels(shape.shape, float(upper[1] - lower[1]) / COARSE).volume
+        notes.append(f"no mass is given: taken as {HALF:g} of the water's density (--mass sets another)")
+    if asked.cg is not None:
+        centre = asked.cg
+    if asked.kg is not None:
+        x, _, z = centre or (0.0, 0.0, 0.0)
+        if centre is None:
+            lower, upper = shape.shape.bounds()
+            cubes = voxels(shape.shape, float(upper[1] - lower[1]) / 24.0)
+            x, z = float(cubes.centroid[0]), float(cubes.centroid[2])
+        centre = (x, float(shape.shape.bounds()[0][1]) + asked.kg, z)
+    if centre is None:
+        notes.append("no centre of mass is given: that of a hull of one matter (--kg or --cg set another)")
+    return shape.model_copy(update={"mass": mass, "centre_of_mass": centre})
+
+
+def density_of(asked: Asked) -> float:
+    return asked.density or WATER_DENSITY
+
+
+def mass_at(shape: "Hull", asked: Asked) -> float:
+    """What the hull carries at the draught asked for, upright [kg]; raises Refused."""
+    from ocean_sim.ship.shared.hydrostatics import UP
+
+    assert asked.draught is not None
+    lower, upper = shape.shape.bounds()
+    if not asked.draught < float(upper[1] - lower[1]):
+        raise console.Refused(f"--draught: the hull is {float(upper[1] - lower[1]):g} m high, less than the draught")
+    some = shape.model_copy(update={"mass": 1.0})
+    still = some.floating(asked.draught / asked.cells, density_of(asked), GRAVITY, 1.0)
+    return density_of(asked) * float(still.wet(UP, still.keel + asked.draught).sum())
+
+
+def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> tuple[dict[str, Any], list[str]]:
+    """What `hull` answers, and sentences for people."""
+    from ocean_sim.ship.shared.shapes import MeshFile
+    from ocean_sim.ship.shared.stability import Stability
+
+    notes: list[str] = []
+    problems: list[str] = []
+    solid = None
+    if isinstance(shape.shape, MeshFile):
+        solid = shape.shape.closed()
         from ocean_sim.ship.shared.mesh import guessed, read
 
         guess = guessed(read(Path(shape.shape.file)), shape.shape)
         notes.append(f"watertight, {len(solid.faces)} faces; {guess.sentence()}")
-    weight = mass or shape.mass
-    if weight is None:
-        lower, upper = shape.shape.bounds()
-        weight = HALF * WATER_DENSITY * voxels(shape.shape, float(upper[1] - lower[1]) / COARSE).volume
-        notes.append(f"no mass is given: taken as {HALF:g} of the water's density (--mass sets another)")
-    afloat = shape.model_copy(update={"mass": weight}).afloat(cells, WATER_DENSITY, GRAVITY)
-    cubes = afloat.voxels
+    whole = loaded(shape, asked, condition, notes)
+    afloat = whole.afloat(asked.cells, density_of(asked), GRAVITY)
+    cubes, weight = afloat.voxels, afloat.matter.mass
     if solid is not None:
         off = cubes.volume / solid.volume - 1.0
         notes.append(f"{len(cubes.share)} cubes of {cubes.size[1]:.3g} m hold {off:+.2%} of the mesh's volume more")
@@ -63,28 +174,63 @@ def report(shape: Any, mass: float | None, cells: float) -> tuple[dict[str, Any]
             problems.append(f"cubes of {cubes.size[1]:.3g} m miss the mesh's volume by {off:+.1%}; take more --cells")
     facts: dict[str, Any] = {"volume_m3": cubes.volume, "displacement_kg": weight}
     if isinf(afloat.draught):
-        problems.append(f"{weight:.4g} kg is more than {cubes.volume:.4g} m3 can carry: it sinks")
+        problems.append(
+            f"{console.figures(weight)} kg is more than {console.figures(cubes.volume)} m3 can carry: it sinks"
+        )
         return facts | {**EMPTY, **facts, "gz": [], "periods_s": {}, "problems": problems}, notes
+    lost = 0.0 if condition is None else condition.moment / weight
+    stability = Stability(afloat, lost, None if condition is None else condition.openings)
+    if stability.gm <= 0.0:
+        problems.append(f"unstable upright: GM = {stability.gm:.3g} m")
+    return facts | stated(afloat, stability, asked.cross) | {"notes": notes, "problems": problems}, notes
+
+
+def stated(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[str, Any]:
+    """Draught, heights, trim, levers, criteria and periods of a ship that floats."""
+    from math import degrees
+
+    from ocean_sim.ship.shared.added_mass import by_rule
+    from ocean_sim.ship.shared.floating import afloat_pose
+    from ocean_sim.ship.shared.hydrostatics import HEELS
+    from ocean_sim.ship.shared.rigid_body import matrix
+    from ocean_sim.ship.shared.stability import CROSS
+
     gm, kb = afloat.metacentric_height(), afloat.kb
-    if gm <= 0.0:
-        problems.append(f"unstable upright: GM = {gm:.3g} m")
     added = by_rule(afloat)
     extra = {"heave": added[1], "pitch": added[3], "roll": added[5]}
     kg = float(afloat.matter.centre[1]) - afloat.keel
-    return facts | {
+    _, rest = afloat_pose(afloat)
+    turn = matrix(rest)
+    heels = [0.0, *HEELS]
+    by_heel = dict(zip(stability.heels.tolist(), stability.levers.tolist()))
+    levers = [by_heel[heel] for heel in heels]
+    angle, opening = stability.flooding
+    found: dict[str, Any] = {
         "draught_m": afloat.draught,
         "kb_m": kb,
         "bm_m": gm + kg - kb,
-        "gm_m": gm,
+        "gm_m": stability.gm,
         "gm_longitudinal_m": afloat.metacentric_height(0),
         "kg_m": kg,
+        "free_surface_m": stability.lost,
         "waterplane_m2": afloat.waterplane,
-        "gz": [{"heel_deg": heel, "gz_m": afloat.gz(heel)} for heel in (0.0, *HEELS)],
+        "trim_deg": degrees(float(-turn[1, 2])),
+        "heel_deg": degrees(float(turn[1, 0])),
+        "gz": [{"heel_deg": heel, "gz_m": lever} for heel, lever in zip(heels, levers)],
+        "vanishing_deg": stability.vanishing,
+        "flooding_deg": None if isinf(angle) else angle,
+        "flooding_at": opening or None,
+        "criteria": [{**row._asdict(), "ok": row.ok} for row in stability.criteria],
         "periods_s": afloat.periods(extra),
         "dry_periods_s": afloat.periods(),
-        "notes": notes,
-        "problems": problems,
-    }, notes
+    }
+    if cross:
+        curves = stability.cross_curves()
+        found["cross"] = [
+            {"displacement_kg": mass, "kn": [{"heel_deg": h, "kn_m": kn} for h, kn in zip(CROSS, levers)]}
+            for mass, levers in curves.items()
+        ]
+    return found
 
 
 def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | None) -> None:
@@ -92,19 +238,29 @@ def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | Non
     console.say(name)
     for note in notes:
         console.say(note)
-    units = {"m3": "m3", "kg": "kg", "m2": "m2", "m": "m"}
+    units = {"m3": "m3", "kg": "kg", "m2": "m2", "m": "m", "deg": "deg"}
     rows = []
     for key, value in found.items():
         stem, _, unit = key.rpartition("_")
         if isinstance(value, float) and unit in units:
-            rows.append([stem.replace("_", " "), f"{value:.4g} {units[unit]}"])
+            where = f", {found['flooding_at']}" if key == "flooding_deg" else ""
+            rows.append([stem.replace("_", " "), f"{console.figures(value)} {units[unit]}{where}"])
     for motion, period in found["periods_s"].items():
         shown = "none" if period is None else f"{period:.3g} s ({found['dry_periods_s'][motion]:.3g} s without water)"
         rows.append([f"{motion} period", shown])
     console.table("", ["", ""], rows)
     if found["gz"]:
-        levers = [[f"{row['heel_deg']:g}", f"{row['gz_m']:.4f}"] for row in found["gz"]]
+        levers = [[f"{row['heel_deg']:g}", f"{round(row['gz_m'], 4) + 0.0:.4f}"] for row in found["gz"]]
         console.table("\nrighting lever", ["heel [deg]", "GZ [m]"], levers)
+        asked = [
+            [row["name"], f"{row['value']:.4g} {row['unit']}", f"{row['least']:g}", "yes" if row["ok"] else "no"]
+            for row in found["criteria"]
+        ]
+        console.table("\nIMO A.749(18), 3.1.2", ["", "", "at least", "met"], asked)
+    if found.get("cross"):
+        heads = ["kg", *(f"{row['heel_deg']:g} deg" for row in found["cross"][0]["kn"])]
+        rows = [[f"{c['displacement_kg']:.5g}", *(f"{row['kn_m']:.4f}" for row in c["kn"])] for c in found["cross"]]
+        console.table("\ncross curves KN [m]", heads, rows)
     for problem in found["problems"]:
         console.say(f"problem: {problem}")
     if picture is not None:

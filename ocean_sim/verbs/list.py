@@ -1,10 +1,7 @@
 """`ocean-sim list`: what there is to choose from, each with one sentence; no kind is imported for it."""
 
-import ast
-from pathlib import Path
-
-from ocean_sim.files.yaml_file import read
 from ocean_sim.parts import PACKAGE, SLOTS, kinds, library, named
+from ocean_sim.reading.sentences import of_file, of_module
 from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.validation import names
 from ocean_sim.verbs import figure
@@ -50,17 +47,3 @@ def entries(section: str) -> list[dict[str, str]]:
 
 def row(section: str, name: str, what: str, sentence: str) -> dict[str, str]:
     return {"slot": section, "name": name, "what": what, "sentence": sentence}
-
-
-def of_module(path: Path) -> str:
-    """The first line of a module's docstring."""
-    return (ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or "").split("\n")[0]
-
-
-def of_file(path: Path) -> str:
-    """The title in a file, or else its first comment line."""
-    title = read(path).data.get("title")
-    if title is not None and isinstance(title.data, str):
-        return title.data
-    comments = [line for line in path.read_text(encoding="utf-8").splitlines() if line.startswith("# ")]
-    return next((line[2:] for line in comments if "yaml-language-server" not in line), "")

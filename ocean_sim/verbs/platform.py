@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.files.input_file import Unreadable
-from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of, read
+from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, merged, node_of, read
 from ocean_sim.observers.platform_log import heading
 from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.parts import library, named
-from ocean_sim.platform import COLUMNS, Commands, Cue
+from ocean_sim.platform import COLUMNS, LEGS, Commands, Cue
 from ocean_sim.platform.hexapod import Config, Moving
 from ocean_sim.platform.shared import datagrams, motion_log
+from ocean_sim.platform.shared import packets as wire
 from ocean_sim.platform.shared.metrics import Metric, metrics
 from ocean_sim.platform.shared.motion_log import AXES, MotionLog
 from ocean_sim.reading.translation import choice_sentence, validated
@@ -28,6 +29,7 @@ def platform(
     log: Path,
     geometry: str,
     washout: str,
+    sets: list[str],
     frame: str | None,
     stream: str | None,
     packets: str,
@@ -37,10 +39,10 @@ def platform(
     as_json: bool,
 ) -> None:
     """Follow a log and report; everything is computed before anything is written."""
-    for what, name, known in (("frame", frame or "flu", AXES), ("packets", packets, datagrams.FORMATS)):
+    for what, name, known in (("frame", frame or "flu", AXES), ("packets", packets, wire.FORMATS)):
         if name not in known:
             raise console.Refused(f"--{what}: there is no {name!r}{choice_sentence(name, known)[0]}")
-    config = configured(geometry, washout)
+    config = configured(geometry, washout, sets)
     sender = opened(stream, packets, key) if stream is not None else None
     ride = opened_log(log, frame)
     machine = config.build(ride.every)
@@ -49,21 +51,33 @@ def platform(
     files = written(out, ride, done, found, config, machine, frame, film)
     if not as_json:
         show(done, found, files)
-    jitter = streamed(sender, done, machine, frame or "flu") if sender is not None else None
+    jitter = latency = None
+    if sender is not None:
+        jitter, latency = streamed(sender, done, machine, frame or "flu"), sender.latency()
+        files += reported(out, sender)
     if as_json:
         answer: dict[str, Any] = {"log": log, "rows": len(done.time), "every_s": ride.every, "files": files}
         answer["metrics"] = [metric._asdict() for metric in found]
         answer["stream"] = jitter._asdict() if jitter is not None else None
+        answer["latency"] = latency._asdict() if latency is not None else None
         console.answer(answer)
     elif jitter is not None:
         console.say(f"{stream}: {jitter}")
+        if latency is not None:
+            console.say(f"{stream}: {latency}")
 
 
-def configured(geometry: str, washout: str) -> Config:
-    """The platform of a geometry and a washout, each a name or a file; raises SceneError or Refused."""
+def configured(geometry: str, washout: str, sets: Sequence[str] = ()) -> Config:
+    """The platform of a geometry and a washout, each a name or a file, and of what is set over them; raises SceneError
+    or Refused."""
     nodes = {"geometry": chosen("geometry", geometry), "washout": chosen("washout", washout)}
+    whole = node_of(nodes, Location("--geometry, --washout"))
+    for key, value in console.settings([*sets]).items():
+        for part in reversed(key.split(".")):
+            value = node_of({part: value}, value.location)
+        whole = merged(whole, value)
     problems: list[Problem] = []
-    config = validated(Config, node_of(nodes, Location("--geometry, --washout")), (), problems)
+    config = validated(Config, whole, (), problems)
     if config is None:
         raise SceneError(problems)
     return config
@@ -115,7 +129,7 @@ def joined(parts: Sequence[Commands]) -> Commands:
 def turned(done: Commands, frame: str) -> Commands:
     """Commands along the axes of another frame."""
     force, rate = done.felt_force @ AXES[frame].T, done.felt_rate @ AXES[frame].T
-    return done._replace(pose=datagrams.in_frame(done.pose, frame), felt_force=force, felt_rate=rate)
+    return done._replace(pose=wire.in_frame(done.pose, frame), felt_force=force, felt_rate=rate)
 
 
 def written(
@@ -138,8 +152,21 @@ def written(
         if frame is not None:
             changed = log.head | {"frame": frame, "axes": motion_log.AXES_IN_WORDS[frame]}
             table(folder / f"motion_{frame}.csv", changed, log.names, motion_log.converted(log, frame))
-        pictures.draw(folder, done, config, machine, film)
+        console.drawn(pictures.draw, folder, done, config, machine, film)
         return [path.replace(out / path.name) for path in sorted(folder.iterdir())]
+
+
+def reported(out: Path, sender: datagrams.Sender) -> list[Path]:
+    """legs.csv: where the legs were, by the platform's own reports, and when they came; nothing where there are
+    none."""
+    if not sender.readings:
+        return []
+    begin = sender.sent[0]
+    head = {"time": "since the first packet went out", "leg": "lengths that the platform reports"}
+    names = ("time_s", "seq", *(f"leg{k}_actual_m" for k in LEGS), "stopped")
+    rows = [[came - begin, found.seq, *found.legs, int(found.stopped)] for came, found in sender.readings]
+    table(out / "legs.csv", head, names, rows)
+    return [out / "legs.csv"]
 
 
 def table(path: Path, head: dict[str, Any], columns: Sequence[str], rows: Any) -> None:
@@ -153,13 +180,13 @@ def table(path: Path, head: dict[str, Any], columns: Sequence[str], rows: Any) -
 def streamed(sender: datagrams.Sender, done: Commands, machine: Moving, frame: str) -> datagrams.Jitter:
     """Send every row at its time, and then the way back to neutral, also when a person stops it."""
     try:
-        for packet in datagrams.packets(done, frame):
+        for packet in wire.packets(done, frame):
             sender.send(packet)
     finally:
         last = max(0, len(sender.sent) - 1)
         past = done.pose[[max(0, last - 1), last]]
         back = machine.settled(past, float(done.time[last]), int(done.seq[last]))
-        for packet in datagrams.packets(back, frame):
+        for packet in wire.packets(back, frame):
             sender.send(packet)
         sender.close()
     return sender.jitter()

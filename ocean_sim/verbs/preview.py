@@ -12,6 +12,7 @@ from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.reading.translation import validated
 from ocean_sim.simulation import Simulation
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.bar import Bar
 
 OWN = "of the scene"  # a wind that is not a preset
 BUDGET = 0.1  # [s] wall time for steps between two pictures of a window
@@ -94,6 +95,7 @@ class Session:
 
         self.open(show=False)
         self.folder.mkdir(parents=True, exist_ok=True)
+        bar = Bar(frames, quiet)
         for number in range(frames):
             self.advance(number * self.look.every)
             begin = perf_counter()
@@ -102,8 +104,8 @@ class Session:
             self.milliseconds.append(1e3 * (perf_counter() - begin))
             write(self.folder / picture(number), image)
             self.pictures += 1
-            if not quiet and (number + 1) % 10 == 0:
-                console.say(f"picture {number + 1} of {frames}, t = {self.simulation.time:.2f} s")
+            bar.show(number + 1, f"picture {number + 1} of {frames}, t = {self.simulation.time:.2f} s")
+        bar.close()
 
     def advance(self, until: float) -> None:
         """Step until a time [s]."""

@@ -22,15 +22,15 @@ if TYPE_CHECKING:
 SHOWN = 3  # differences that are named
 
 
-def resume(folder: Path, until: float | None, anyway: bool, as_json: bool) -> None:
+def resume(folder: Path, until: float | None, anyway: bool, as_json: bool, quiet: bool = False) -> None:
     """Go on with a run."""
     if not (folder / MANIFEST).is_file():
         raise console.Refused(f"{folder}: this is not a run folder (there is no {MANIFEST})")
     with Claim(folder):
-        resumed(folder, until, anyway, as_json)
+        resumed(folder, until, anyway, as_json, quiet)
 
 
-def resumed(folder: Path, until: float | None, anyway: bool, as_json: bool) -> None:
+def resumed(folder: Path, until: float | None, anyway: bool, as_json: bool, quiet: bool) -> None:
     """The same in a folder that is claimed."""
     manifest = manifest_of(folder)
     config = scene_of(folder, manifest, until)
@@ -42,8 +42,8 @@ def resumed(folder: Path, until: float | None, anyway: bool, as_json: bool) -> N
     else:
         kept = newest(folder, config)
         changed = check(folder, kept, manifest["scene"], until, anyway)
-    progress = Progress(config.duration, as_json)
-    if not as_json:
+    progress = Progress(config.duration, as_json or quiet)
+    if not (as_json or quiet):
         nothing = "nothing had begun before its first checkpoint: it starts at t = 0"
         start = nothing if kept is None else f"going on from t = {kept.time:.3f} s"
         console.say(f"{folder}: {start}\n{kernels()}")
@@ -53,7 +53,7 @@ def resumed(folder: Path, until: float | None, anyway: bool, as_json: bool) -> N
             return simulated(config, folder, (progress,))
         return gone_on(config, kept, folder, progress, changed)
 
-    report(made, progress, config, folder, as_json)
+    report(made, progress, config, folder, as_json, quiet)
 
 
 def gone_on(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: Progress, changed: str = "") -> Result:

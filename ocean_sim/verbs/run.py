@@ -29,6 +29,7 @@ def run(
     until: float | None,
     overwrite: bool,
     as_json: bool,
+    quiet: bool = False,
 ) -> None:
     """Simulate a scene and write its run folder."""
     overrides = console.settings(sets)
@@ -36,42 +37,51 @@ def run(
         overrides["duration"] = until_node(until)
     config = load(scene, overrides, profile)
     with run_folder(scene_path(scene).stem, out, overwrite) as folder:
-        progress = Progress(config.duration, as_json)
-        if not as_json:
+        silent = as_json or quiet
+        progress = Progress(config.duration, silent)
+        if not silent:
             console.say(short(preflight(config), config))
             console.say(f"writing {folder}")
             console.say(kernels())
             film(config)
-        report(lambda: simulated(config, folder, (progress,)), progress, config, folder, as_json)
+        report(lambda: simulated(config, folder, (progress,)), progress, config, folder, as_json, quiet)
 
 
 def film(config: SceneConfig) -> None:
     """Print the estimated time of the film, and how to leave it out; its first pictures give a better estimate."""
-    render: Any = config.observers.get("render")
-    pictures = 0 if render is None else render.film_pictures(config.duration)
-    if pictures:
-        time = f"about {console.duration(render.film_time(config.duration))} on two cores"
-        console.say(f"after the run a film of {pictures} pictures is drawn, {time}; --set render=null leaves it out")
+    seconds = sum(part.picture_time(config.duration) for part in config.observers.values())
+    if seconds:
+        time = f"about {console.duration(seconds)} on two idle cores"
+        console.say(f"after the run its pictures and film are drawn, {time}; --set render=null leaves them out")
 
 
-def report(made: Callable[[], Result], progress: Progress, config: SceneConfig, folder: Path, as_json: bool) -> None:
+def report(
+    made: Callable[[], Result],
+    progress: Progress,
+    config: SceneConfig,
+    folder: Path,
+    as_json: bool,
+    quiet: bool = False,
+) -> None:
     """Run, and print the outcome; raises Stopped where the run was interrupted."""
     try:
         result = made()
     except KeyboardInterrupt:
         raise stopped(progress, folder) from None
-    facts = progress.summary() | written(result, config)
+    facts = progress.summary() | {"outcome": result.manifest.get("outcome"), "warnings": config.warnings()}
+    facts |= written(result, config)
     if as_json:
         console.answer(facts)
     else:
-        console.say(summary(facts))
+        console.say(str(folder) if quiet else summary(facts))
 
 
 def stopped(progress: Progress, folder: Path) -> console.Stopped:
     """The message for a run that was interrupted."""
     progress.close()
     if progress.time >= progress.duration * (1.0 - 1e-12):
-        return console.Stopped(f"stopped while its pictures were drawn; {folder} holds all else of the run")
+        later = f"`ocean-sim render {folder}` draws them"
+        return console.Stopped(f"stopped while its pictures were drawn; {folder} holds all else of the run; {later}")
     cure = f"; `ocean-sim resume {folder}` goes on" if any(folder.glob("checkpoint_*.h5")) else ""
     return console.Stopped(f"stopped at t = {progress.time:.3f} s; {folder} holds what was written{cure}")
 
@@ -151,7 +161,7 @@ def summary(facts: dict[str, Any]) -> str:
     factor, limits = f"{facts['real_time_factor']:.2g} x real time after the start", facts["limited_by"]
     lines = [
         f"{facts['particles']} particles, {facts['steps']} steps, {facts['simulated_s']:.3g} s simulated in "
-        f"{console.duration(facts['wall_s'])}, start included; {factor}",
+        f"{console.duration(facts['wall_s']['start'] + facts['wall_s']['steps'])}, start included; {factor}",
         f"time step limited by {', '.join(f'{name} {share:.0%}' for name, share in limits.items())}",
     ]
     if worst := facts["worst_compression"]:

@@ -30,7 +30,9 @@ def stability(scene: str | None, quick: bool, workers: int | None, out: Path, as
     for axis in AXES:
         here = [row for row in table if row["map"] == axis.name]
         if here:
-            maps.draw(out / f"stability_{axis.name.replace(' ', '_')}.png", f"{axis.name} [{axis.unit}]", here)
+            console.drawn(
+                maps.draw, out / f"stability_{axis.name.replace(' ', '_')}.png", f"{axis.name} [{axis.unit}]", here
+            )
     if as_json:
         console.answer(table)
     else:

@@ -58,7 +58,7 @@ def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None
     table_module.write(out / "equal.csv", fair)
     for trial in TRIALS:
         if drawn[trial.case]:
-            pareto.draw(out / f"tradeoff_{trial.case}.png", trial, drawn[trial.case], speed)
+            console.drawn(pareto.draw, out / f"tradeoff_{trial.case}.png", trial, drawn[trial.case], speed)
             if not as_json:
                 show(f"{trial.case}: {trial.quantity}", drawn[trial.case], speed)
     if as_json:

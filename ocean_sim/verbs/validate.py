@@ -13,7 +13,14 @@ from ocean_sim.verbs.shared import console
 
 
 def validate(
-    cases: list[str], schemes: list[str], slow: bool, coarse: bool, sets: list[str], out: Path, as_json: bool
+    cases: list[str],
+    schemes: list[str],
+    slow: bool,
+    coarse: bool,
+    sets: list[str],
+    out: Path,
+    junit: Path | None,
+    as_json: bool,
 ) -> int:
     """Run cases under schemes and report; the exit code is 1 where a promise was missed."""
     wanted = cases or names()
@@ -51,10 +58,12 @@ def validate(
             rows += found
             runs.append((problem, scheme, finding))
         if runs:
-            draw(out / f"{case}.png", case, runs)
+            console.drawn(draw, out / f"{case}.png", case, runs)
         if runs and not as_json:
             show(case, rows[first:])
     write(out / "validate.csv", rows)
+    if junit is not None:
+        write_junit(junit, rows)
     missed = [row for row in rows if not row["ok"]]
     if as_json:
         console.answer(rows)
@@ -91,6 +100,27 @@ def line(row: dict[str, Any]) -> list[str]:
 def number(value: float | None) -> str:
     """A number for people; one that could not be measured is a dash."""
     return "-" if value is None else f"{value:.4g}"
+
+
+def write_junit(path: Path, rows: list[dict[str, Any]]) -> None:
+    """All rows as JUnit's XML: a suite a case, a test a row; one that is only reported is skipped."""
+    from xml.etree.ElementTree import Element, ElementTree, SubElement, indent
+
+    whole = Element("testsuites", tests=str(len(rows)), failures=str(sum(not row["ok"] for row in rows)))
+    for case in dict.fromkeys(row["case"] for row in rows):
+        own = [row for row in rows if row["case"] == case]
+        failures = str(sum(not row["ok"] for row in own))
+        suite = SubElement(whole, "testsuite", name=case, tests=str(len(own)), failures=failures)
+        for row in own:
+            test = SubElement(suite, "testcase", classname=f"{case}.{row['scheme']}", name=row["quantity"])
+            shown = " ".join(filter(None, line(row)[2:]))
+            if row["tolerance"] is None:
+                SubElement(test, "skipped", message=shown)
+            elif not row["ok"]:
+                SubElement(test, "failure", message=shown)
+    indent(whole)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    ElementTree(whole).write(path, encoding="utf-8", xml_declaration=True)
 
 
 def write(path: Path, rows: list[dict[str, Any]]) -> None:

@@ -57,7 +57,8 @@ def waves(run: Path, begin: float, treatment: Treatment, out: Path | None, as_js
     write_table(files[0], found, treatment.notes())
     frequency, densities = spectra(time, heights, treatment)
     write_columns(files[1], {"frequency_Hz": frequency} | {f"{name}_m2_s": d for name, d in densities.items()})
-    draw(files[2], time, heights, frequency, densities)
+    if not console.drawn(draw, files[2], time, heights, frequency, densities):
+        files.pop()
     surface = surface_of(path.parent, begin, quiet=as_json)
     if surface is not None:
         files.append(folder / "surface.csv")

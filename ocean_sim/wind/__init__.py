@@ -2,6 +2,8 @@
 
 from typing import Literal, Protocol
 
+import numpy as np
+
 from ocean_sim.wind.shared.drawing import Drawing
 
 
@@ -39,6 +41,10 @@ class Wind(Protocol):
 
     def on(self, target: Literal["fluid", "ship"]) -> "Wind":
         """The wind that a target feels: this one, or still air where it is no target."""
+        ...
+
+    def follow(self, middle: np.ndarray) -> None:
+        """The patch of open sea that it blows over now lies around x, z (2,) [m] in the world."""
         ...
 
     def advance(self, dt: float) -> None:

@@ -22,6 +22,7 @@ from ocean_sim.wind.shared.air_load import drag, lift
 from ocean_sim.wind.shared.clock import RESTART, DeviceRow
 from ocean_sim.wind.shared.drawing import Drawing, joined
 from ocean_sim.wind.shared.noise import DRAWS, EVERY, Noise
+from ocean_sim.wind.shared.over_patch import Patch, Placed
 from ocean_sim.wind.shared.shapes import turned, turned_back, within
 from ocean_sim.wind.shared.volume import Target, Volume
 from ocean_sim.wind.shared.warnings import stylised, velocity_change
@@ -55,7 +56,7 @@ SHAPE = Columns(
 ADVANCE = 2.0e-5  # [s] of processor time a step; what it blows on is in the particles' and the ship's
 
 
-class Config(WindConfig):
+class Config(Placed, WindConfig):
     """Volumes of moving air, drifting across the basin."""
 
     example: ClassVar[dict[str, Any]] = {
@@ -85,9 +86,10 @@ class Config(WindConfig):
         return [g for g, v in enumerate(self.volumes) if target in (self.targets if v.targets is None else v.targets)]
 
     def problems(self, preflight: Preflight) -> Problems:
-        return [
+        unscheduled: Problems = [
             (("volumes", g, *path), message) for g, v in enumerate(self.volumes) for path, message in v.unscheduled()
         ]
+        return [*unscheduled, *self.misframed(preflight)]
 
     def build(self, basin: Basin, seed: int) -> Wind:
         return Gusts(self, basin, seed)
@@ -122,7 +124,7 @@ class Gusts:
     needs_bend = False
 
     def __init__(self, config: Config, basin: Basin, seed: int) -> None:
-        self.config, self.volumes = config, config.volumes
+        self.config, self.volumes, self.patch = config, config.volumes, Patch(config, basin)
         self.needs_area = any(v.wind_speed > 0.0 for v in self.volumes)
         self.noisy = any(any(v.noise) for v in self.volumes)
         self.passages = [v.passages(basin, seed, g) for g, v in enumerate(self.volumes)]
@@ -158,12 +160,16 @@ class Gusts:
         strongest = max(v.strongest for v in self.volumes) or 1.0
         for p, volume, (part, turn) in zip(self.passages, self.volumes, self.blown):
             first = volume.include[0].core
-            lines = [turned(s.core.edges() - first.centre, p.turn) + p.centre for s in volume.include]
+            centre = p.centre + self.patch.origin
+            lines = [turned(s.core.edges() - first.centre, p.turn) + centre for s in volume.include]
             push = volume.acceleration if any(volume.acceleration) else np.multiply(volume.wind_speed, volume.ahead)
             arrow = self.gain * part * p.strength / strongest * turned(push, p.turn + turn)
-            tails = turned(first.spread() - first.centre, p.turn) + p.centre
+            tails = turned(first.spread() - first.centre, p.turn) + centre
             drawings.append(Drawing(np.concatenate(lines), tails, np.tile(arrow, (len(tails), 1))))
         return joined(drawings)
+
+    def follow(self, middle: np.ndarray) -> None:
+        self.patch.follow(middle)
 
     def advance(self, dt: float) -> None:
         """Algorithm 1 for every volume, what it blows in the middle of a step of dt [s], and the noise of the step."""
@@ -231,9 +237,9 @@ class Gusts:
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):
         """(2.26), summed over the volumes that hold the position [N]."""
-        total = tm.vec3(0.0)
+        total, x = tm.vec3(0.0), self.patch.seen(position)
         for g in range(self.n):
-            total += self.push(g, key, position, velocity, area, mass)
+            total += self.push(g, key, x, velocity, area, mass)
         return total
 
     @ti.func
@@ -302,6 +308,9 @@ class Aimed:
         """The wind that a target feels."""
         return self.gusts.on(target)
 
+    def follow(self, middle: np.ndarray) -> None:
+        """The gusts do so by themselves."""
+
     def advance(self, dt: float) -> None:
         """The gusts go on by themselves."""
 
@@ -321,7 +330,7 @@ class Aimed:
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):
         """(2.26), summed over these volumes [N]."""
-        total = tm.vec3(0.0)
+        total, x = tm.vec3(0.0), self.gusts.patch.seen(position)
         for k in range(self.n):
-            total += self.gusts.push(self.number[k], key, position, velocity, area, mass)
+            total += self.gusts.push(self.number[k], key, x, velocity, area, mass)
         return total

@@ -2,6 +2,7 @@
 
 from typing import Literal
 
+import numpy as np
 import taichi as ti
 import taichi.math as tm
 
@@ -44,6 +45,9 @@ class Still:
     def on(self, target: str) -> "Still":
         """The wind that a target feels."""
         return self
+
+    def follow(self, middle: np.ndarray) -> None:
+        """Still air is the same everywhere."""
 
     def advance(self, dt: float) -> None:
         pass

@@ -171,6 +171,9 @@ class Stress:
             return Still()
         return self if target == "fluid" or self.ship is None else self.ship
 
+    def follow(self, middle: np.ndarray) -> None:
+        """This wind is the same everywhere."""
+
     def advance(self, dt: float) -> None:
         """What blows in the middle of a step of dt [s]."""
         if not self.steady:

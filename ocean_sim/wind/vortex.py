@@ -19,6 +19,7 @@ from ocean_sim.wind import Wind
 from ocean_sim.wind.shared.clock import RESTART, DeviceRow
 from ocean_sim.wind.shared.drawing import Drawing
 from ocean_sim.wind.shared.noise import DRAWS, EVERY, Noise, NoiseSize
+from ocean_sim.wind.shared.over_patch import Patch, Placed
 from ocean_sim.wind.shared.passages import Passages
 from ocean_sim.wind.shared.schedule import Timed
 from ocean_sim.wind.shared.warnings import stylised, velocity_change
@@ -34,7 +35,7 @@ ROW = Columns(
 )
 
 
-class Config(Timed, WindConfig):
+class Config(Timed, Placed, WindConfig):
     """A column of air that turns about the vertical."""
 
     kind: Literal["vortex"] = "vortex"
@@ -74,7 +75,8 @@ class Config(Timed, WindConfig):
 
     def problems(self, preflight: Preflight) -> Problems:
         sentence = "a vortex turns about the vertical: give the basin a width"
-        return [(("kind",), sentence)] if preflight.tank.dimension == 2 else []
+        flat: Problems = [(("kind",), sentence)] if preflight.tank.dimension == 2 else []
+        return flat + self.misframed(preflight)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         size = ROW.size * preflight.word
@@ -99,7 +101,7 @@ class Vortex:
     blows = True
 
     def __init__(self, config: Config, basin: Basin, seed: int) -> None:
-        self.config, self.targets = config, tuple(config.targets)
+        self.config, self.targets, self.patch = config, tuple(config.targets), Patch(config, basin)
         x, z = config.centre
         self.passage = Passages((x, 0.0, z), (config.drift[0], 0.0, config.drift[1]), config.core_radius, basin)
         self.row = DeviceRow(ROW.size)
@@ -112,6 +114,9 @@ class Vortex:
     def on(self, target: Literal["fluid", "ship"]) -> "Vortex | Still":
         """The wind that a target feels: this, or still air where it is none of `targets`."""
         return self if target in self.targets else Still()
+
+    def follow(self, middle: np.ndarray) -> None:
+        self.patch.follow(middle)
 
     def advance(self, dt: float) -> None:
         """Algorithm 1."""
@@ -134,7 +139,7 @@ class Vortex:
         """The core, as deep as the water feels it, and arrows around it where the push is greatest."""
         config, angle = self.config, np.linspace(0.0, 2.0 * pi, 33)
         around = np.stack([np.cos(angle), np.zeros(33), np.sin(angle)], axis=1)
-        top = self.passage.centre + config.core_radius * around
+        top = self.passage.centre + self.patch.origin + config.core_radius * around
         rings = [np.stack([ring[:-1], ring[1:]], axis=1) for ring in (top, top - [0.0, config.layer, 0.0])]
         upright = np.stack([top[:-1:4], top[:-1:4] - [0.0, config.layer, 0.0]], axis=1)
         out = around[:-1:4]
@@ -164,7 +169,8 @@ class Vortex:
         row = ti.static(self.row.field)
         drift = ti.static(self.config.drift)
         x, z = row[ROW.axis_x] + row[ROW.since] * drift[0], row[ROW.axis_z] + row[ROW.since] * drift[1]
-        arm = tm.vec3(position.x - x, 0.0, position.z - z)
+        seen = self.patch.seen(position)
+        arm = tm.vec3(seen.x - x, 0.0, seen.z - z)
         r2, core = arm.dot(arm), ti.static(self.config.core_radius)
         around, towards = tm.vec3(arm.z, 0.0, -arm.x), -arm
         profile = core / ti.max(r2, core * core)  # times r: r / core inside, core / r outside

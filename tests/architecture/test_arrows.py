@@ -30,7 +30,7 @@ FOUNDATION = (
     "waves",
     "basin",
 )
-OPEN = ("motion_log", "datagrams")  # of platform.shared: what those who write and read motion logs use, too
+OPEN = ("motion_log", "datagrams", "packets")  # of platform.shared: what those who write and read motion logs use, too
 
 
 def is_only_for_types(node: ast.If) -> bool:

@@ -73,3 +73,26 @@ def test_lists_that_overflow_are_told_with_place_time_and_advice_even_when_nobod
     for part in ("neighbours than their lists hold", "around (", "t = ", "try"):
         assert part in str(stopped.value)
     assert simulation.reason == str(stopped.value)
+
+
+SWELLING = {"basin": {"length": 2.0, "depth": 0.8}, "duration": 0.5, "runtime": {"threads": 1}, "accuracy": None}
+
+
+@pytest.mark.parametrize(("stiffness", "breeze"), [(1e6, False), (1e5, False), (1e6, True)])
+def test_still_water_that_swells_is_stopped(stiffness, breeze):
+    """Stiff water by the scheme of the thesis rose to 3/2 and more of its depth and ended `done`; a breeze, which may
+    drive water, does not excuse it. Twenty crossings of sound along the tank, 0.04 s at 1e6, are enough to see it."""
+    water = {"kind": "mueller", "spacing": 0.05, "kinematic_viscosity": 1e-3, "stiffness": stiffness}
+    breath = STORM["volumes"][0] | {"acceleration": [0.1, 0.0, 0.0]}
+    wind = {"wind": STORM | {"volumes": [breath]}} if breeze else {}
+    scene = ocean_sim.load(STILL | SWELLING | {"fluid": water} | wind)
+    assert any("times that of 1 % compression" in warning for warning in scene.warnings())
+    with pytest.raises(Diverged, match=r"(swollen|nothing to drive it).* t = .*stiffness 1e\+0[56].*try"):
+        with ocean_sim.Simulation(scene) as simulation:
+            simulation.run(until=scene.duration)
+    assert simulation.time < 20.0 * 2.0 / stiffness**0.5
+
+
+def test_water_that_gives_way_by_more_than_5_percent_is_told_and_1_percent_is_not():
+    told = [ocean_sim.load(STILL, {"fluid.compression": c}).warnings() for c in (0.06, 0.05, 0.01, 0.0011)]
+    assert "compressed by 0.06 of its density" in told[0][0] and told[1:] == [[], [], []]

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+import taichi as ti
+import taichi.math as tm
 
 from ocean_sim.basin import Config as BasinConfig
 from ocean_sim.parts import config_of
@@ -81,3 +83,29 @@ def by_id(fluid: Any, values: np.ndarray) -> np.ndarray:
     ordered = np.empty_like(values)
     ordered[fluid.particles.id.to_numpy()] = values
     return ordered
+
+
+def read(fluid: Any, points: np.ndarray, *asked: str) -> np.ndarray:
+    """What a kernel sees at points (m, 3): the numbers of all that is asked for, in its order: `elevation`, `pressure`,
+    `velocity`, `acceleration`."""
+    sizes = {"elevation": 1, "pressure": 1, "velocity": 3, "acceleration": 3}
+    ends = np.cumsum([sizes[name] for name in asked])
+    first = {name: int(end) - sizes[name] for name, end in zip(asked, ends)}
+    found = np.zeros((len(points), int(ends[-1])))
+
+    @ti.kernel
+    def look(x: ti.types.ndarray(ndim=2), found: ti.types.ndarray(ndim=2)):
+        for i in range(x.shape[0]):
+            position = tm.vec3(x[i, 0], x[i, 1], x[i, 2])
+            for name in ti.static(asked):
+                if ti.static(name == "elevation"):
+                    found[i, first[name]] = fluid.elevation(position.x, position.z)
+                elif ti.static(name == "pressure"):
+                    found[i, first[name]] = fluid.pressure(position)
+                else:
+                    v = fluid.velocity(position) if ti.static(name == "velocity") else fluid.acceleration(position)
+                    for k in ti.static(range(3)):
+                        found[i, first[name] + k] = v[k]
+
+    look(np.ascontiguousarray(points), found)
+    return found

@@ -4,8 +4,6 @@ from math import pi
 
 import numpy as np
 import pytest
-import taichi as ti
-import taichi.math as tm
 from pydantic import ValidationError
 
 from ocean_sim import waves
@@ -15,9 +13,11 @@ from ocean_sim.fluid.linear_waves import Config
 from ocean_sim.parts import Preflight
 from ocean_sim.time_step.courant import Config as Courant
 from ocean_sim.wind.still import Config as Still
+from tests.fluid.conftest import read
 
 FLUME = {"length": 10.0, "depth": 0.5}
 BAY = {"length": 40.0, "width": 40.0, "depth": 7.5}
+KNOWN = ("elevation", "pressure", "velocity")
 
 
 @pytest.fixture(scope="module")
@@ -29,24 +29,6 @@ def sea(taichi_cpu):
         return Config(**{"ramp": 0.0} | keys).build(place, 7, accounts=True, wind=Still().build(place, 7))
 
     return build
-
-
-def read(fluid, points: np.ndarray) -> np.ndarray:
-    """(m, 5) elevation, pressure and velocity as a kernel sees them."""
-    found = np.zeros((len(points), 5))
-
-    @ti.kernel
-    def look(x: ti.types.ndarray(ndim=2), found: ti.types.ndarray(ndim=2)):
-        for i in range(x.shape[0]):
-            position = tm.vec3(x[i, 0], x[i, 1], x[i, 2])
-            found[i, 0] = fluid.elevation(position.x, position.z)
-            found[i, 1] = fluid.pressure(position)
-            v = fluid.velocity(position)
-            for k in ti.static(range(3)):
-                found[i, 2 + k] = v[k]
-
-    look(np.ascontiguousarray(points), found)
-    return found
 
 
 @pytest.mark.parametrize(
@@ -61,7 +43,7 @@ def test_kernels_read_what_the_theory_says(sea, keys):
     for dt in (0.1, 0.7, 30.0):
         fluid.advance(dt)
     points = np.random.default_rng(0).uniform([-20.0, -7.5, -20.0], [20.0, 0.4, 20.0], (200, 3))
-    found = read(fluid, points)
+    found = read(fluid, points, *KNOWN)
     np.testing.assert_allclose(found[:, 0], fluid.elevations(points[:, [0, 2]]), atol=1e-11)
     np.testing.assert_allclose(found[:, 1], fluid.pressures(points), atol=1e-6)
     np.testing.assert_allclose(found[:, 2:], fluid.velocities(points), atol=1e-11)
@@ -89,7 +71,7 @@ def test_a_ramp_lets_the_sea_grow_from_calm_water_in_kernels_and_in_numpy_alike(
     for dt, share in ((3.0, 0.5), (1.5, 0.75 + 0.5 / pi), (2.0, 1.0)):
         growing.advance(dt)
         whole.advance(dt)
-        found = read(growing, points)
+        found = read(growing, points, *KNOWN)
         np.testing.assert_allclose(found[:, 0], growing.elevations(points[:, [0, 2]]), atol=1e-11)
         np.testing.assert_allclose(found[:, 2:], growing.velocities(points), atol=1e-11)
         np.testing.assert_allclose(found[:, 0], share * whole.elevations(points[:, [0, 2]]), atol=1e-9)

@@ -7,9 +7,12 @@ import pytest
 import taichi as ti
 
 from ocean_sim import waves
+from ocean_sim.files.csv_file import columns
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.fluid.shared.band import Band, band
+from ocean_sim.fluid.shared.band import Band, band, stokes
 from ocean_sim.fluid.shared.initial import of_patch
+from ocean_sim.fluid.shared.sea_rim import Depths, PlaneWaveSource, nodes
+from ocean_sim.fluid.shared.steep_source import SteepSource
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.state import state
@@ -195,3 +198,72 @@ def test_water_in_closed_form_is_no_patch():
     scene = {"basin": SLICE, "fluid": {"kind": "linear_waves", "height": 0.1, "period": PERIOD}, "sea": "calm"}
     with pytest.raises(SceneError, match="no patch of an open sea"):
         load(scene | QUIET)
+
+
+def sources(sea, basin=SLICE, spacing=0.1):
+    """What tables of these waves are written from where they stay linear, and where they are nonlinear; and which
+    sea."""
+    found = band_of(patch(sea, basin, spacing))
+    depths = Depths(1.0, 0.1, 1.0)
+    count = nodes(found, found.sea)
+    return PlaneWaveSource(found, found.sea, depths, count), SteepSource(found, found.sea, depths, count), found.sea
+
+
+@pytest.mark.parametrize(
+    "sea, basin, spacing",
+    [(REGULAR, SLICE, 0.1), ({"spectrum": SPREAD}, SLICE | {"width": 2.0 * LENGTH}, 0.25)],
+)
+def test_before_a_nonlinear_sea_sets_in_it_is_the_sum_of_its_waves(sea, basin, spacing):
+    """On all levels, what is fed of it included."""
+    sea = sea | {"kind": "spectral_sea", "onset": 1e6}
+    for time in (0.0, 0.7):
+        linear, steep, _ = sources(sea, basin, spacing)
+        values = [np.fft.ifft2(source.modes(time), norm="forward").real for source in (linear, steep)]
+        assert np.abs(values[0] - values[1]).max() < 1e-6 * np.abs(values[0]).max()
+        assert np.abs(values[0][:, 3:]).max() > 0.0
+
+
+def test_a_nonlinear_sea_is_faster_by_stokes():
+    """A regular wave of ka 0.16 over two periods, against its own speed to third order; linear waves are slower."""
+    linear, steep, sea = sources(REGULAR | {"kind": "spectral_sea", "onset": 0.0})
+    time = 2.0 * PERIOD
+    ratio = steep.modes(time)[0, 0, 3, 0] / linear.modes(time)[0, 0, 3, 0]
+    ahead = -np.angle(ratio)
+    right = sea.omega[0] * stokes(sea) * time
+    assert ahead == pytest.approx(right, rel=0.05) and right > 0.1
+
+
+def test_a_nonlinear_sea_resolves_its_defaults_and_feeds_without_stokes():
+    scene = patch(REGULAR | {"kind": "spectral_sea"})
+    linear, found = band_of(patch()), band_of(scene)
+    assert found.nonlinear.onset == pytest.approx(5.0 * PERIOD) and found.losses.imag[0] < linear.losses.imag[0]
+    said = " ".join(scene.fluid.statements(scene.preflight))
+    assert "nonlinear to third order on 60 cells" in said
+    assert load(scene.resolved()).resolved() == scene.resolved()
+    assert patch({"kind": "spectral_sea", "order": 1} | REGULAR | {"kind": "spectral_sea"}).sea.nonlinear is None
+
+
+def test_gauges_ride_with_the_patch_beside_fixed_ones(tmp_path):
+    """The point that they ride with moves as fast as the crests, around the whole patch: each reads its own phase."""
+    speed = LENGTH / PERIOD
+    sea = REGULAR | {"rim": {"velocity": [speed, 0.0]}}
+    along = {"crest": {"at": [0.0], "rides": True}, "down": {"at": [0.25 * LENGTH], "rides": True}, "fixed": [0.0]}
+    depth = {"at": [0.0, -0.5], "rides": True}
+    keys = {"elevation": along, "pressure": {"ahead": depth}, "every": 0.1 * PERIOD}
+    scene = patch(sea, gauges=keys, duration=0.5 * PERIOD)
+    assert load(scene.resolved()).resolved() == scene.resolved()
+    with Simulation(scene, tmp_path) as simulation:
+        simulation.run(0.5 * PERIOD)
+        read_off = simulation.fluid.elevations(np.array([[0.5 * LENGTH, 0.0]]))[0]
+    table = columns(tmp_path / "gauges.csv")
+    assert table["crest_m"][0] == table["fixed_m"][0]
+    assert table["crest_m"][-1] == pytest.approx(read_off, abs=2e-3)
+    assert np.abs(table["crest_m"] - 0.05).max() < 0.015 < np.abs(table["fixed_m"] - 0.05).max()
+    assert np.abs(table["down_m"]).max() < 0.015
+    assert np.ptp(table["ahead_Pa"]) < 0.1 * table["ahead_Pa"].mean()
+    assert "[0.0] m from the middle of what it rides with" in (tmp_path / "gauges.csv").read_text()
+
+
+def test_gauges_ride_on_an_open_sea_alone():
+    gauge = {"gauges": {"elevation": {"a": {"at": [0.0], "rides": True}}}}
+    assert "rides over a patch of open sea alone" in refused(sea=None, **gauge)

@@ -5,7 +5,6 @@ from math import pi
 import numpy as np
 import pytest
 import taichi as ti
-import taichi.math as tm
 from pydantic import ValidationError
 
 from ocean_sim import waves
@@ -21,10 +20,12 @@ from ocean_sim.validation.shared.sea import going, image, stokes
 from ocean_sim.wind.gusts import Config as Gusts
 from ocean_sim.wind.still import Config as Still
 from ocean_sim.wind.stress import Config as Stress
+from tests.fluid.conftest import read
 
 BAY = {"length": 60.0, "width": 60.0, "depth": 40.0, "walls": "none"}
 FLUME = {"length": 60.0, "depth": 40.0, "walls": "none"}
 G = 9.81
+KNOWN = ("elevation", "velocity", "acceleration")
 
 
 class Float:
@@ -54,23 +55,6 @@ def sea(taichi_cpu):
         return fluid
 
     return build
-
-
-def read(fluid, points: np.ndarray) -> np.ndarray:
-    """(m, 7) elevation, velocity and acceleration as a kernel sees them."""
-    found = np.zeros((len(points), 7))
-
-    @ti.kernel
-    def look(x: ti.types.ndarray(ndim=2), found: ti.types.ndarray(ndim=2)):
-        for i in range(x.shape[0]):
-            position = tm.vec3(x[i, 0], x[i, 1], x[i, 2])
-            found[i, 0] = fluid.elevation(position.x, position.z)
-            v, a = fluid.velocity(position), fluid.acceleration(position)
-            for k in ti.static(range(3)):
-                found[i, 1 + k], found[i, 4 + k] = v[k], a[k]
-
-    look(np.ascontiguousarray(points), found)
-    return found
 
 
 def test_a_tile_keeps_energy_and_phase_at_any_step():
@@ -128,7 +112,7 @@ def test_kernels_read_the_plane_waves_and_the_current(sea):
     for dt in (0.1, 3.0):
         fluid.advance(dt)
     points = np.random.default_rng(0).uniform([-20.0, -7.5, -20.0], [20.0, 0.4, 20.0], (100, 3))
-    found, moved = read(fluid, points), points - np.array([3.1, 0.0, -1.55])
+    found, moved = read(fluid, points, *KNOWN), points - np.array([3.1, 0.0, -1.55])
     np.testing.assert_allclose(found[:, 0], fluid.elevations(points[:, [0, 2]]), atol=1e-10)
     np.testing.assert_allclose(found[:, 0], waves.elevation(fluid.plane_waves, moved, 3.1), atol=1e-10)
     np.testing.assert_allclose(found[:, 1:4], fluid.velocities(points), atol=1e-10)
@@ -152,7 +136,7 @@ def test_kernels_read_the_tiles_as_python_does(sea, order):
         for _ in range(5):
             fluid.advance(0.03)
     points = np.random.default_rng(0).uniform([-18.0, -6.0, -18.0], [18.0, -0.2, 18.0], (60, 3))
-    found, eta = read(fluid, points), fluid.elevations(points[:, [0, 2]])
+    found, eta = read(fluid, points, *KNOWN), fluid.elevations(points[:, [0, 2]])
     np.testing.assert_allclose(found[:, 0], eta, atol=0.004 * np.abs(eta).max())
     v = fluid.velocities(points)
     np.testing.assert_allclose(found[:, 1:4], v, atol=0.06 * np.abs(v).max())
@@ -211,11 +195,11 @@ def test_a_ship_alone_does_not_feel_what_she_makes_and_others_do(sea):
         alone.advance(0.1)
         pair.advance(0.1)
     points = np.array([[3.0, -0.5, 1.0], [12.0, -0.5, 0.0], [8.0, -0.5, -4.0]])
-    assert not read(hers, points).any()  # calm water, whatever she does
+    assert not read(hers, points, *KNOWN).any()  # calm water, whatever she does
     np.testing.assert_array_equal(
         alone.made[0].layer.eta, pair.made[0].layer.eta
     )  # and the other changes nothing of it
-    felt, flat = read(yours, points), points[:, [0, 2]]
+    felt, flat = read(yours, points, *KNOWN), points[:, [0, 2]]
     np.testing.assert_allclose(felt[:, 0], alone.elevations(flat), atol=2e-3)
     np.testing.assert_allclose(mine.elevations(flat) + yours.elevations(flat), pair.elevations(flat), atol=1e-12)
     assert np.abs(alone.elevations(flat)).max() > 0.01

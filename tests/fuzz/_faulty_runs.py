@@ -9,19 +9,17 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from _small_sea import SMALL_SEA
+
 COUNT, FAIL, FULL, KILL = range(4)
-SCENE = {
+SCENE = SMALL_SEA | {
     "duration": 0.12,
-    "basin": {"length": 20.0, "width": 20.0, "depth": 5.0, "walls": "none"},
-    "fluid": {"kind": "linear_waves", "height": 0.5, "period": 3.0},
-    "gauges": {"elevation": {"here": [0.1, 0.2]}, "every": 0.04},
+    "gauges": SMALL_SEA["gauges"] | {"every": 0.04},
     "checkpoint": {"every": 0.04},
     "frames": {"every": 0.06},
     "accuracy": {"every": 0.06},
     "time_step": {"kind": "fixed", "dt": 0.02},
     "timings": None,
-    "render": None,
-    "runtime": {"threads": 1},
 }
 OWN = ("manifest.json", "report.html")  # which say when it was stopped
 

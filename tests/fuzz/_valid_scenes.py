@@ -175,10 +175,15 @@ def scenes(draw: Any, dimension: int | None = None) -> dict[str, Any]:
     for name in ("wind", "surface", "ship", "platform", "time_step"):
         if draw(st.booleans()) and not (name == "ship" and dimension == 2):
             scene[name] = draw(slot(name, dimension))
-    if "ship" in scene:
+    if "ship" in scene and draw(st.integers(0, 3)) == 0:  # and her sister, clear of her where the basin is broad enough
+        place = {"position": [-0.5, 0.0]}, {"position": [0.9, 0.0]}
+        ship = {key: value for key, value in scene.pop("ship").items() if key != "position"}
+        scene["ships"] = {name: ship | at for name, at in zip("ab", place)}
+    afloat = "ship" in scene or "ships" in scene
+    if afloat:
         for key in ("gravity", "lid", "motion"):
             scene["basin"].pop(key, None)
-    if "ship" in scene and scene["fluid"]["kind"] not in ("linear_waves", "spectral_sea") and draw(st.integers(0, 9)):
+    if afloat and scene["fluid"]["kind"] not in ("linear_waves", "spectral_sea") and draw(st.integers(0, 9)):
         scene.setdefault("surface", draw(slot("surface", dimension)))
     if scene["fluid"]["kind"] in ("mueller", "delta_sph", "dfsph") and draw(st.integers(0, 5)) == 0:
         scene["sea"] = draw(slot("sea", dimension))

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from _breakers import changed, decayed, garbage, paths
 from _settings import few, many
+from _small_sea import SMALL_SEA
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import BaseModel
@@ -23,15 +24,7 @@ from ocean_sim.state import file
 from ocean_sim.state.fields import Contents
 from ocean_sim.state.walk import Mismatch, Restorer, is_ours
 
-SEA = {
-    "duration": 0.1,
-    "basin": {"length": 20.0, "width": 20.0, "depth": 5.0, "walls": "none"},
-    "fluid": {"kind": "linear_waves", "height": 0.5, "period": 3.0},
-    "gauges": {"elevation": {"here": [0.1, 0.2]}, "every": 0.02},
-    "checkpoint": {"every": 0.05},
-    "runtime": {"threads": 1},
-    **dict.fromkeys(("render", "report", "frames", "timings")),
-}
+SEA = SMALL_SEA | {"duration": 0.1, "checkpoint": {"every": 0.05}, **dict.fromkeys(("report", "frames", "timings"))}
 TALK = ("Traceback", "this should not happen", "Errno")
 
 

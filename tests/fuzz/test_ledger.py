@@ -52,7 +52,16 @@ def test_the_shares_of_a_step_are_whole_and_each_part_says_its_own():
     idle = {"platform", "manifest"}  # what they take is stated with platform_log, or is nothing of a step
     assert set(shares) == set(config.parts()) - {"basin", "time_step"} - idle
     assert sum(shares.values()) == pytest.approx(1.0)
-    assert found["estimated_wall_s"] == pytest.approx(10 * sum(row.a_step(0.004) for row in found["ledger"]))
+    parts = found["estimated_by_part"]
+    assert parts["steps_s"] == pytest.approx(10 * sum(row.a_step(0.004) for row in found["ledger"]))
+    assert found["estimated_wall_s"] == parts["start_s"] + parts["steps_s"] and parts["pictures_s"] == 0.0
+    drawn = preflight(load(WHOLE, {"render": {"every": 0.01, "size": [1280, 720]}, "runtime.threads": 2}))
+    assert drawn["estimated_by_part"]["pictures_s"] == pytest.approx(5 * 0.27)
+    slots = {row.part: row.a_step(0.004) for row in drawn["ledger"] if row.part in ("fluid", "wind", "surface")}
+    saved = parts["steps_s"] - drawn["estimated_by_part"]["steps_s"]
+    assert 0.0 < saved and saved == pytest.approx(
+        5 * sum(row.a_step(0.004) for row in drawn["ledger"] if row.part in slots)
+    )
     kernels = {row["part"]: row["kernels"] for row in rows if row["kernels"] is not None}
     assert "PairSph.move" in kernels["fluid"] and "Cloth.update" in kernels["surface"]
     assert not any(name.startswith("Mueller") for part in ("wind", "surface", "ship") for name in kernels[part])
@@ -66,7 +75,7 @@ def test_what_a_part_takes_does_not_depend_on_what_else_there_is():
         kept = [row for row in config.ledger() if row.part not in gone]
         assert rest.ledger() == kept and len(kept) < len(config.ledger())
     longer = load(WHOLE, {"ship": None, "platform": None})
-    assert preflight(longer)["estimated_wall_s"] < preflight(config)["estimated_wall_s"]
+    assert preflight(longer)["estimated_by_part"]["steps_s"] < preflight(config)["estimated_by_part"]["steps_s"]
 
 
 def test_a_surface_that_is_made_when_it_is_read_costs_as_often_as_that():
@@ -84,7 +93,7 @@ def test_a_surface_that_is_made_when_it_is_read_costs_as_often_as_that():
 
 def test_the_estimate_grows_with_what_there_is_to_do():
     def wall(**changes) -> float:
-        return preflight(load(WHOLE, changes))["estimated_wall_s"]
+        return preflight(load(WHOLE, changes))["estimated_by_part"]["steps_s"]
 
     others = ("ship", "platform", "surface", "gauges", "accuracy", "frames", "timings", "health")
     water = dict.fromkeys(others)  # their cost grows less than the number of particles

@@ -92,7 +92,7 @@ def main(out: str) -> None:
     def draw(name: str, sky: str, eye: np.ndarray, terms: w.Terms, foam: float = 0.0, ripples: float = 0.0) -> None:
         mesh.point_data["att"] = np.tile(np.float32([foam, 0.4, VARIANCE]), (4, 1))
         inputs = {"sky": textures[sky], "hull": none, "mirror": none}
-        shaded = water_glsl.Shaded(mesh, water_glsl.water(0), water_glsl.WATER_FUNCTIONS, inputs, attributes=True)
+        shaded = water_glsl.Shaded(mesh, water_glsl.water(0), water_glsl.WATER_FUNCTIONS, inputs, ("nrm", "att"))
         shaded.set(**water_glsl.plain(0), **water_glsl.lit_by(skies[sky]), **water_glsl.switched(terms))
         shaded.set(eyeW=eye, rippleVariance=ripples, pixel=PIXEL)
         plotter.add_actor(shaded.actor, reset_camera=False, render=False, name="plane")

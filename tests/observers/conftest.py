@@ -98,7 +98,7 @@ class Watched:
         self.scene = SimpleNamespace(
             title="A computed sea",
             seed=7,
-            wind=SimpleNamespace(still=True),
+            wind=SimpleNamespace(still=True, strongest=0.0),
             fluid=SimpleNamespace(kind="computed", steady_force=(0.0, 0.0, 0.0), driven=False),
             surface=None,
             ships={},

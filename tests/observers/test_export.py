@@ -6,7 +6,7 @@ import pytest
 from ocean_sim.basin.points import pairs
 from ocean_sim.files.vtkhdf import Series
 from ocean_sim.observers import frames
-from ocean_sim.pictures import export as export_module
+from ocean_sim.pictures import export_scene
 from ocean_sim.pictures.export import NothingToExport, export_run
 
 
@@ -68,7 +68,7 @@ def test_surfaces_read_back_facing_up(kept, kind):
 def test_a_surface_lies_where_its_frame_says(tmp_path):
     x, z, away = np.arange(3.0), np.arange(2.0), np.array([40.0, -7.5])
     np.savez(tmp_path / "frame.npz", time=1.0, elevation=np.ones((3, 2)), origin=away)
-    _, points, _, _ = export_module.kept_surface(tmp_path / "frame.npz", {"x": x, "z": z})
+    points = export_scene.shot(tmp_path / "frame.npz", {"x": x, "z": z}).points
     np.testing.assert_allclose(points[:, [0, 2]], pairs(x, z) + away)
 
 
@@ -112,3 +112,97 @@ def test_a_series_that_fails_leaves_no_file(tmp_path):
     with pytest.raises(ValueError), Series(tmp_path / "s.vtkhdf", "Polygons"):
         raise ValueError
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture
+def manned(kept):
+    """The same run folder, with a box afloat that turns and moves."""
+    folder, _ = kept()
+    from scipy.spatial import ConvexHull
+    from scipy.spatial.transform import Rotation
+
+    box = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.2, 0.4) for z in (-1.0, 1.0)])
+    look = {"ship_look": "box", "ship_helm": np.zeros(0), "ship_submerged": 1.0 / 3.0}
+    grid = dict(np.load(folder / "frames" / "grid.npz"))
+    found = ConvexHull(box)
+    a, b, c = (box[found.simplices[:, k]] for k in range(3))
+    inwards = (np.cross(b - a, c - a) * found.equations[:, :3]).sum(axis=1) < 0.0
+    skin = np.where(inwards[:, None], found.simplices[:, ::-1], found.simplices)
+    np.savez(folder / "frames" / "grid.npz", **grid, ship_vertices=box, ship_triangles=skin, **look)
+    for k, path in enumerate(sorted((folder / "frames").glob("frame_*.npz"))):
+        turn = Rotation.from_euler("y", 0.2 * k).as_matrix()
+        pose = {"ship_position": np.array([0.1 * k, 0.0, 0.3 * k]), "ship_turn": turn}
+        np.savez(path, **dict(np.load(path)), **pose)
+    return folder
+
+
+def test_usd_holds_water_foam_velocity_ship_and_particles(manned):
+    Usd = pytest.importorskip("pxr.Usd")
+    from pxr import UsdGeom
+
+    [file] = export_run(manned, None, None, manned / "export", scene="usd", z_up=True)
+    stage = Usd.Stage.Open(str(file))
+    frame = dict(np.load(manned / "frames" / "frame_00003.npz"))
+    code = Usd.TimeCode(float(frame["time"]) * stage.GetTimeCodesPerSecond())
+    assert UsdGeom.GetStageMetersPerUnit(stage) == 1.0 and UsdGeom.GetStageUpAxis(stage) == "Z"
+    water = UsdGeom.Mesh.Get(stage, "/sea/water")
+    points = np.array(water.GetPointsAttr().Get(code))
+    np.testing.assert_allclose(points[:, 1].reshape(12, 8), frame["elevation"], atol=1e-6)
+    foam = UsdGeom.PrimvarsAPI(water).GetPrimvar("foam").Get(code)
+    np.testing.assert_allclose(np.array(foam), frame["foam"].ravel(), atol=1e-6)
+    velocity = np.array(water.GetVelocitiesAttr().Get(code))
+    np.testing.assert_allclose(velocity, frame["surface_velocity"].reshape(-1, 3), atol=1e-6)
+    world = UsdGeom.Xformable(stage.GetPrimAtPath("/sea/ship")).ComputeLocalToWorldTransform(code)
+    bow = np.array(world.Transform((0.0, 0.0, 1.0)))
+    expected = frame["ship_turn"] @ [0.0, 0.0, 1.0] + frame["ship_position"]
+    np.testing.assert_allclose(bow, export_scene.Z_UP @ expected, atol=1e-6)
+    cloud = UsdGeom.Points.Get(stage, "/sea/particles")
+    np.testing.assert_array_equal(np.array(cloud.GetPointsAttr().Get(code)), frame["position"])
+
+
+def test_gltf_opens_elsewhere_with_its_ship_on_her_way(manned):
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkIOGeometry import vtkGLTFReader
+
+    [file] = export_run(manned, None, None, manned / "export", scene="glb")
+    reader = vtkGLTFReader()
+    reader.SetFileName(str(file))
+    reader.ApplyDeformationsToGeometryOn()
+    reader.UpdateInformation()
+    reader.EnableAnimation(0)
+    frame = dict(np.load(manned / "frames" / "frame_00002.npz"))
+    reader.GetOutputInformation(0).Set(reader.GetExecutive().UPDATE_TIME_STEP(), float(frame["time"]))
+    reader.Modified()
+    reader.Update()
+    found, blocks = [], [reader.GetOutput()]
+    while blocks:
+        block = blocks.pop()
+        if block.IsA("vtkMultiBlockDataSet"):
+            blocks += [block.GetBlock(k) for k in range(block.GetNumberOfBlocks()) if block.GetBlock(k)]
+        else:
+            found.append(vtk_to_numpy(block.GetPoints().GetData()))
+    import trimesh
+
+    scene = trimesh.load(file)
+    assert set(scene.geometry) == {"water", "ship"} and scene.geometry["water"].faces.shape[1] == 3
+    water = next(points for points in found if len(points) == 12 * 8)
+    first = np.load(manned / "frames" / "frame_00000.npz")["elevation"]
+    heights = water[:, 1].reshape(12, 8)
+    moved = np.abs(heights - frame["elevation"]).max() < 1e-4
+    assert moved or np.abs(heights - first).max() < 1e-4  # readers that know no time show the first moment
+
+
+def test_a_surface_comes_with_foam_velocity_and_ships_and_particles_as_points(manned):
+    import pyvista
+    import trimesh
+
+    files = export_run(manned, "ply", "vtp", manned / "export", z_up=True)
+    frame = dict(np.load(manned / "frames" / "frame_00004.npz"))
+    surface = pyvista.read(manned / "export" / "surface_00004.vtp")
+    np.testing.assert_allclose(surface["foam"], frame["foam"].ravel(), atol=1e-6)
+    np.testing.assert_allclose(surface.points[:, 2].reshape(12, 8), frame["elevation"], atol=1e-6)
+    ship = pyvista.read(manned / "export" / "ship_00004.vtp")
+    np.testing.assert_allclose(np.mean(ship.bounds[:2]), frame["ship_position"][0], atol=0.02)
+    cloud = trimesh.load(manned / "export" / "particles_00004.ply")
+    np.testing.assert_allclose(cloud.vertices, frame["position"] @ export_scene.Z_UP.T, atol=1e-6)
+    assert {file.name for file in files} >= {"surface.vtp.series", "ship.vtp.series", "particles_00000.ply"}

@@ -94,5 +94,5 @@ def test_frames_that_would_fill_a_disk_are_announced(watched):
     water = SimpleNamespace(lattice=lambda basin: SimpleNamespace(n=2_000_000, spacing=0.5))
     scene = Preflight({"fluid": water}, watched().basin, 4, 20.0)
     [sentence] = frames.Config().warnings(scene)
-    assert sentence.startswith("frames: about 34.0 GB") and "frames.particles: false" in sentence
+    assert sentence.startswith("frames: about 38.9 GB") and "frames.particles: false" in sentence
     assert frames.Config(particles=False).warnings(scene) == []

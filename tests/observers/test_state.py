@@ -8,7 +8,7 @@ import pytest
 
 from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.observers.shared.sampled import Sampled
-from ocean_sim.platform.washout.classical import Filter
+from ocean_sim.platform.shared.washing import Filter
 from ocean_sim.ship.shared.rigid_body import RigidBody
 from ocean_sim.state.walk import Mismatch, Restorer, Snapshot
 

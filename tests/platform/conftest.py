@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ocean_sim.platform.shared.datagrams import unpacked
 from ocean_sim.platform.shared.motion_log import Ride
+from ocean_sim.platform.shared.packets import unpacked
 
 DATA = Path(__file__).parent / "data"
 G = 9.81

@@ -10,18 +10,14 @@ import pytest
 
 from ocean_sim.files.input_file import Unreadable
 from ocean_sim.platform.shared.datagrams import (
-    OURS,
-    Packet,
     Receiver,
     Sender,
     key_in,
-    packed,
     ready_made,
     received,
-    signed,
-    unpacked,
 )
 from ocean_sim.platform.shared.guard import EVERY
+from ocean_sim.platform.shared.packets import OURS, Packet, halt, packed, reading, signed, unpacked
 
 HEXAPOD, HERE, THERE = ready_made("hexapod_a"), ("10.0.0.1", 1000), ("10.0.0.2", 1000)
 KEY = b"a key that nobody else has"
@@ -229,3 +225,25 @@ def test_no_packet_moves_the_legs_beyond_their_limits(count, key):
     assert watched.kept_its_limits() and watched.receiver.came > 0.001 * count
     told = (watched.receiver.strange, watched.receiver.foreign, watched.receiver.implausible)
     print(f"{count} packets: {watched.receiver.came} counted; strange, from elsewhere, implausible: {told}")
+
+
+@pytest.mark.parametrize("key", [b"", KEY])
+def test_a_stop_brakes_within_the_limits_and_is_latched(key):
+    watched = Watched(key=key)
+    told = (lambda raw: signed(raw, key, 1)) if key else (lambda raw: raw)
+
+    def moving(first, last):
+        for seq in range(first, last):
+            watched.receiver.hear(told(swinging(seq)), HERE, 0.01 * seq)
+            watched.advance(0.01 * seq)
+
+    moving(0, 520)
+    speed = np.abs(watched.speeds[-1]).max()
+    if key:
+        assert watched.receiver.hear(halt(), THERE, 5.2) is None and watched.receiver.glide is None  # not signed
+    watched.receiver.hear(halt(key, 2), THERE, 5.2)
+    moving(521, 620)  # the stream goes on, the platform does not
+    at_rest = watched.last
+    moving(620, 700)
+    assert speed > 0.1 and np.abs(watched.last - at_rest).max() < 1e-4 and watched.kept_its_limits()
+    assert reading(watched.receiver.report()).stopped

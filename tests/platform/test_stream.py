@@ -8,8 +8,9 @@ from pydantic import ValidationError
 
 from ocean_sim.observers import stream
 from ocean_sim.platform import Commands, Cue
-from ocean_sim.platform.shared import datagrams
-from ocean_sim.platform.shared.datagrams import Packet, Sender, Smooth, address, packed, received, unpacked
+from ocean_sim.platform.shared import datagrams, packets
+from ocean_sim.platform.shared.datagrams import Sender, Smooth, address, received
+from ocean_sim.platform.shared.packets import Packet, packed, unpacked
 from tests.platform.conftest import Listener
 
 
@@ -181,4 +182,32 @@ def test_a_run_streams_what_its_platform_does(tmp_path, capsys):
 
 
 def test_the_formats_are_the_ones_offered():
-    assert set(datagrams.FORMATS) == set(stream.Config.model_fields["packets"].annotation.__args__)
+    assert set(packets.FORMATS) == set(stream.Config.model_fields["packets"].annotation.__args__)
+
+
+def test_layouts_for_motion_software_are_what_their_description_says():
+    sent = Packet(7, 1.25, "ship", (0.2, -0.3, 0.1, 0.1, 0.2, 0.3), (2.1,) * 6, 9)  # x is to port, z forward
+    data = packed(sent, "floats")
+    assert len(data) == 36 and np.frombuffer(data, "<u4")[8] == 9
+    six = [100.0, 200.0, -300.0, *np.degrees([0.1, 0.2, 0.3])]
+    np.testing.assert_allclose(np.frombuffer(data, "<f4")[:8], [1.25, 7.0, *six], rtol=1e-6)
+    assert packed(sent, "text") == b"1.250,100.000,200.000,-300.000,5.730,11.459,17.189\n"
+
+
+def test_a_platform_reports_where_its_legs_are_and_how_long_the_way_was():
+    url = f"udp://127.0.0.1:{free_port()}"
+    found = []
+    thread = threading.Thread(target=lambda: found.append(received(url, 0.3, lambda packet: None)))
+    thread.start()
+    time.sleep(0.3)
+    sender = Sender(url)
+    for seq in range(40):
+        sender.send(packet(seq)._replace(pose=(0.0,) * 6))
+    time.sleep(0.05)
+    sender.listen()
+    thread.join()
+    latency = sender.latency()
+    sender.close()
+    assert latency is not None and latency.packets > 30 and 0.0 < latency.median <= latency.most <= latency.longest
+    np.testing.assert_allclose(sender.readings[-1][1].legs, 2.706, atol=1e-3)
+    assert found[0].came == 40 and not sender.readings[-1][1].stopped

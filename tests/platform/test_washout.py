@@ -7,7 +7,9 @@ from scipy.signal import sosfreqz
 from ocean_sim.platform import INPUT, TILT_RATE
 from ocean_sim.platform.hexapod import ready_made
 from ocean_sim.platform.shared.motion_log import Ride
-from ocean_sim.platform.washout.classical import Config, Travel, gravity
+from ocean_sim.platform.shared.washing import gravity
+from ocean_sim.platform.washout.adaptive import Config as Adaptive
+from ocean_sim.platform.washout.classical import Config, Travel
 from tests.platform.conftest import DATA, ride
 
 FREE = np.array([[-np.inf, np.inf]] * 3)
@@ -138,3 +140,18 @@ def test_gravity_in_body_axes_and_the_worked_example_of_specific_force():
     np.testing.assert_allclose(head, [0.6675, 0.36875, 1.44], atol=1e-12)
     flu = np.diag([1.0, -1.0, -1.0]) @ head + gravity(np.radians([[8.0, 5.0, 0.0]]))[0]
     np.testing.assert_allclose(flu, [-0.187498, 0.991343, 8.237563], atol=1e-6)
+
+
+def test_an_adaptive_share_is_that_of_the_least_cost_in_high_waves_and_recovers():
+    """In closed form 1 / (1 + W_s / omega^4) of high waves well above the corner; small heave passes whole."""
+    weights = {"position_weight": [0.0, 0.0, 2.0], "velocity_weight": [0.0] * 3, "return_frequency": [0.05] * 3}
+    every, omega = 0.01, 1.2
+    t = np.arange(20000) * every
+    heave = Adaptive.model_validate(ready_made("washout", "ship_adaptive") | weights).build(every, FREE).travels[2]
+    small, _ = heave.of(0.01 * np.cos(omega * t))
+    assert np.ptp(small[-1000:]) == pytest.approx(0.02 / omega**2, rel=0.01) and heave.share > 0.99
+    high, _ = heave.of(2.0 * np.cos(omega * t))
+    share = 1.0 / (1.0 + 2.0 / omega**4)
+    assert np.ptp(high[-1000:]) == pytest.approx(share * 4.0 / omega**2, rel=0.08)
+    heave.of(np.zeros(40000))
+    assert heave.share > 0.95 and abs(heave.place) < 0.01

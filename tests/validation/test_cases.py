@@ -10,6 +10,7 @@ from ocean_sim.__main__ import answered
 from ocean_sim.conventions import Diverged
 from ocean_sim.parts import compared, kinds
 from ocean_sim.validation import names, problems
+from ocean_sim.validation.shared import coarse
 from ocean_sim.validation.shared.case import KEYS, Finding, Problem, Promise
 
 SCHEMES = list(compared("fluid"))
@@ -36,6 +37,16 @@ def test_the_cases_asked_for_are_there():
         "wind_growth",
         "rough_channel",
     } <= set(names())
+
+
+def test_coarse_set_ups_have_tolerances_of_their_own_and_fine_ones_keep_theirs():
+    for (case, quantity), own in coarse.tolerances().items():
+        (rough,) = [
+            p for problem in problems(case, slow=True, coarse=True) for p in problem.promises if p.quantity == quantity
+        ]
+        (fine,) = [p for problem in problems(case, slow=True) for p in problem.promises if p.quantity == quantity]
+        assert all(rough.tolerance[scheme] == limit > fine.tolerance[scheme] for scheme, limit in own.items())
+        assert coarse.BASIS in rough.source and coarse.BASIS not in fine.source
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)

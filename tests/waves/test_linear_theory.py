@@ -10,6 +10,7 @@ from pydantic import ValidationError
 from ocean_sim import waves
 from ocean_sim.basin import Config as BasinConfig
 from ocean_sim.basin import tank_motion
+from ocean_sim.basin.points import pairs
 from ocean_sim.conventions import GRAVITY
 
 # depth [m], kh, period [s], wavelength, c, cg, H/S of a piston: linear wavemaker theory, Biesel & Suquet (1951) and
@@ -177,3 +178,15 @@ def test_the_waves_do_not_name_the_basin_that_holds_them():
     """Not even for type checkers: the tank's motion knows the waves, and the basin both."""
     for module in (*(Path(waves.__file__).parent).glob("*.py"), Path(tank_motion.__file__)):
         assert "import Basin" not in module.read_text(encoding="utf-8"), module
+
+
+def test_the_elevation_on_a_lattice_is_that_at_its_points():
+    amount = np.random.default_rng(3).random((40, 4))
+    sea = waves.Components(amount[:, 0], amount[:, 1:3], amount[:, 3], 12.0)
+    points = pairs(np.linspace(-20.0, 20.0, 23), np.linspace(-9.0, 9.0, 31))
+    assert waves.lattice_rows(points) == 23
+    shuffled = np.random.default_rng(5).permutation(len(points))
+    assert waves.lattice_rows(points[shuffled]) is None
+    np.testing.assert_allclose(
+        waves.elevation(sea, points, 7.3)[shuffled], waves.elevation(sea, points[shuffled], 7.3), atol=1e-12
+    )

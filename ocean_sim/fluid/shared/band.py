@@ -17,6 +17,7 @@ from math import pi
 import numpy as np
 
 from ocean_sim import waves
+from ocean_sim.basin.open_sea import Nonlinear, width_over_length
 from ocean_sim.fluid.shared.initial import of_patch
 from ocean_sim.fluid.shared.lattice import Lattice
 from ocean_sim.waves.absorption import PROFILE
@@ -39,6 +40,7 @@ class Band:
     sea: waves.Components | None  # None: calm water
     losses: np.ndarray | None  # (n,) complex, of each wave of the sea by the scheme [1/s]; None where it is unknown
     feed: np.ndarray  # (n,) complex, of each wave of the sea [1/s]
+    nonlinear: Nonlinear | None = None  # how the sea is; None: it is the sum of its waves
 
     @property
     def sides(self) -> tuple[float, ...]:
@@ -94,6 +96,11 @@ class Band:
         count = f"{len(self.sea.amplitude)} plane waves" if self.sea.random else "a wave"
         size = f"{self.sea.wavelength:.4g} m and {self.sea.period:.4g} s"
         found = [f"{head}; the sea is fitted to the patch: {count}, the highest of {size}"]
+        if self.nonlinear is not None:
+            cells = " x ".join(str(n) for n in cells_of(self)[: len(self.sides)])
+            found.append(
+                f"the sea is nonlinear to third order on {cells} cells; that sets in in {self.nonlinear.onset:.3g} s"
+            )
         at_rest, following = self.at_ship(0.0), self.at_ship(1.0)
         if at_rest is None or following is None:
             return [*found, "how much of its height the sea has at the ship is not known for this scheme"]
@@ -134,11 +141,24 @@ def band(lattice: Lattice) -> Band | None:
         omega = 2.0 * pi / sea.period
     rate = RATE * omega if rim.rate is None else rim.rate
     losses = None if sea is None else lattice.config.losses(lattice, sea)
+    nonlinear = basin.sea.nonlinear
+    if sea is not None and losses is not None and nonlinear is None:
+        losses = losses + 1j * sea.omega * stokes(sea)
     n = 0 if sea is None else len(sea.amplitude)
     feed = np.zeros(n, dtype=complex) if losses is None else 2.0 * losses
     if basin.sea.feed is not None:
         feed = np.full(n, basin.sea.feed, dtype=complex)
-    return Band(lattice, width, rate, sea, losses, feed)
+    return Band(lattice, width, rate, sea, losses, feed, nonlinear)
+
+
+def cells_of(band: Band) -> tuple[int, int]:
+    """Of the tile that a nonlinear sea evolves on, along x and z: about as many as particles."""
+    basin = band.lattice.basin
+    share = width_over_length(basin.periods)
+    assert share is not None
+    along = basin.periods[0] / band.lattice.spacing
+    parts = share.denominator * max(1, round(along / share.denominator))
+    return parts, parts * share.numerator // share.denominator if basin.periods[2] else 1
 
 
 def stokes(sea: waves.Components) -> float:

@@ -13,17 +13,23 @@ Started from a linear sea, what is not linear grows like 1 - exp(-(t/T)^4) (Domm
 would be thrown off that no sea has.
 """
 
+from dataclasses import replace
 from functools import cached_property
-from math import exp
+from math import exp, pi
 from typing import ClassVar
 
 import numpy as np
 
+from ocean_sim import waves
 from ocean_sim.fluid.shared.breaking import Breaking, Surface
 from ocean_sim.fluid.shared.tile import Tile
 
 ROUNDED = 1.0 + 1e-9
 KEPT = 0.5  # of the wavenumbers along each axis: 2 / (M + 1) with M = 3
+STEPS_PER_WAVE = 40  # of the highest wave
+PART = 0.8  # [rad] by which a wave of SHORT cells turns in a step
+SHORT = 4.0  # cells
+STEEP = 9.0e-7  # [s] of processor time a step and cell
 
 
 class HighOrder:
@@ -134,3 +140,26 @@ class HighOrder:
         e, p = tile.waves(self.eta), tile.waves(self.phi)
         eta_t = tile.values(self.rates(e, p, self.time)[0] + self.up * p)
         return 0.5 * float((self.phi * eta_t + tile.gravity * self.eta**2).sum()) * tile.cell**2
+
+
+def step_of(tile: Tile) -> float:
+    """Time in which the shortest waves that count turn by PART [s]."""
+    return PART / float(waves.angular_frequency(2.0 * pi / (SHORT * tile.cell), tile.depth, tile.gravity))
+
+
+def evolving(sea: waves.Components, tile: Tile, onset: float, breaking: bool, period: float) -> HighOrder:
+    """The nonlinear sea that these waves grow into, on a tile that holds them; `period`: of the highest [s], 0 where
+    none may break."""
+    of_tile = replace(tile, part=KEPT)
+    crests = Breaking(of_tile, heading(sea), period) if breaking and period else None
+    steep = HighOrder(of_tile, onset, crests)
+    points = np.stack([axis.ravel() for axis in np.meshgrid(*of_tile.nodes(), indexing="ij")], axis=1)
+    late = replace(sea, amplitude=sea.amplitude * sea.gravity / sea.omega, phase=sea.phase - 0.5 * pi)
+    steep.begin(*(waves.elevation(of, points).reshape(of_tile.shape) for of in (sea, late)))
+    return steep
+
+
+def heading(sea: waves.Components) -> np.ndarray:
+    """(2,) unit vector along x and z where the energy of waves goes to."""
+    ahead = (sea.amplitude[:, None] ** 2 * sea.wavevector / sea.wavenumber[:, None]).sum(axis=0)
+    return ahead / max(float(np.linalg.norm(ahead)), 1e-30)

@@ -90,6 +90,10 @@ class ParticleWater(ParticleFluid):
     def answers(self) -> bool:
         return self.joined
 
+    @property
+    def patch_centre(self) -> np.ndarray:
+        return self.rim.where(self.time) if self.joined else np.zeros(2)
+
     def meet(self, contact: Contact) -> None:
         """From the first step on feel the push of one more hull."""
         self.contacts.append(contact)

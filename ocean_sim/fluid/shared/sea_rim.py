@@ -6,25 +6,27 @@ period of the highest waves and linear between; across the patch it is cubic, an
 depth. Above the still level velocities go on along their slope there (Rodenbusch & Forristall 1986, OTC 5098).
 """
 
-from collections.abc import Sequence
-from typing import ClassVar
+from collections.abc import Iterator, Sequence
+from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 import taichi as ti
 import taichi.math as tm
 from taichi.lang.util import to_numpy_type
 
+from ocean_sim import waves
 from ocean_sim.columns import vec3
 from ocean_sim.fluid import Displacing
-from ocean_sim.fluid.shared.band import Band
+from ocean_sim.fluid.shared.band import Band, cells_of
 from ocean_sim.fluid.shared.cubic import cubic
 from ocean_sim.runtime import Template
-from ocean_sim.waves import Components, profiles
+from ocean_sim.waves import Components
 from ocean_sim.waves.absorption import PROFILE
 
 LEVELS = 10  # at and below the still level; the last number is a level above it
 WRITTEN = 40  # times in a period of the highest waves
 PER_WAVE, FEWEST, MOST = 8, 16, 512  # nodes to the shortest wave, and along an axis of the patch
+SHORTEST = 4  # cells to the shortest wave of a nonlinear sea
 VALUES = 6  # of a node: velocity [m/s] and what is fed of it [m/s2]
 
 
@@ -35,8 +37,10 @@ def numbers(band: Band, sea: Components) -> np.ndarray:
 
 def nodes(band: Band, sea: Components) -> tuple[int, ...]:
     """Of the table, along x and z."""
-    most = np.abs(numbers(band, sea)).max(axis=0)
     periods = band.lattice.basin.periods[::2]
+    most = np.abs(numbers(band, sea)).max(axis=0)
+    if band.nonlinear is not None:
+        most = np.array(cells_of(band)) // SHORTEST
     return tuple(int(np.clip(PER_WAVE * m, FEWEST, MOST)) if period else 1 for m, period in zip(most, periods))
 
 
@@ -46,52 +50,81 @@ def memory(band: Band, sea: Components, word: int) -> int:
     return 3 * x * z * (LEVELS + 1) * VALUES * word
 
 
+class Source(Protocol):
+    """What a table is written from."""
+
+    def modes(self, time: float) -> np.ndarray:
+        """(levels, values, nodes along x, along z) complex: their Fourier sum over the nodes is what the table holds at
+        a time [s], which never goes back."""
+        ...
+
+
+class PlaneWaveSource:
+    """The sum of plane waves."""
+
+    left_out: ClassVar[tuple[str, ...]] = ("shapes", "places")
+
+    def __init__(self, band: Band, sea: Components, depths: "Depths", count: tuple[int, ...]) -> None:
+        self.sea, self.count = sea, count
+        self.places = tuple(numbers(band, sea)[:, axis] % count[axis] for axis in range(2))
+        k, (kx, kz) = sea.wavenumber, sea.wavevector.T
+        speed, lower = sea.amplitude * sea.gravity * k / sea.omega, band.lattice.basin.lower
+        shape = np.array([np.stack([kx / k * c, -1j * s, kz / k * c]) for c, s in depths.profiles(k)])
+        velocity = speed * shape * np.exp(1j * (kx * lower[0] + kz * lower[2]))
+        self.shapes = np.concatenate([velocity, band.feed * velocity], axis=1)
+        """(levels, values, n): what each wave adds at the lower corner of the patch and phase 0."""
+
+    def modes(self, time: float) -> np.ndarray:
+        found = np.zeros((LEVELS + 1, VALUES, *self.count), dtype=np.complex128)
+        turn = np.exp(1j * np.mod(self.sea.phase - self.sea.omega * time, 2.0 * np.pi))
+        found[:, :, self.places[0], self.places[1]] = self.shapes * turn
+        return found
+
+
+class Depths(NamedTuple):
+    """Where the levels of a table lie: ever farther apart down to `deepest`, and one `above` the still level [m]."""
+
+    deepest: float
+    above: float
+    bed: float  # the depth of the water
+
+    def profiles(self, k: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """Of waves (n,) [rad/m] at each level: of their velocity along the way and upwards."""
+        for level in range(LEVELS):
+            yield waves.profiles(k, -self.deepest * (level / (LEVELS - 1)) ** 2, self.bed)
+        (c, s), slope = waves.profiles(k, 0.0, self.bed), np.tanh(k * self.bed)
+        yield c + k * self.above * slope, s + k * self.above
+
+
 @ti.data_oriented
 class SeaTable:
     """The sea on the patch, at one time."""
 
-    left_out: ClassVar[tuple[str, ...]] = ("shapes", "modes")
-
     def __init__(self, band: Band, sea: Components) -> None:
-        basin, whole = band.lattice.basin, numbers(band, sea)
-        self.sea, self.every = sea, sea.period / WRITTEN
+        basin = band.lattice.basin
+        self.every = sea.period / WRITTEN
         self.depth = min(basin.depth, sea.wavelength)  # [m] below which velocities are those there
         self.above = max(sea.significant_height, 1e-3 * self.depth)  # [m]
         self.count = nodes(band, sea)
         self.lower = (basin.lower[0], basin.lower[2])
         self.per_cell = tuple(n / (period or 1.0) for n, period in zip(self.count, basin.periods[::2]))
-        self.modes = tuple(whole[:, axis] % self.count[axis] for axis in range(2))
-        self.shapes = self.shaped(band)
+        depths = Depths(self.depth, self.above, sea.depth)
+        self.source: Source = PlaneWaveSource(band, sea, depths, self.count)
+        if band.nonlinear is not None:
+            from ocean_sim.fluid.shared.steep_source import SteepSource
+
+            self.source = SteepSource(band, sea, depths, self.count)
         shape = (*self.count, LEVELS + 1, VALUES)
         self.slots, self.now = ti.field(float, shape=(2, *shape)), ti.field(float, shape=shape)
         self.begun = 0  # number of the time that the first slot holds
         self.write(0, 0.0)
         self.write(1, self.every)
 
-    def shaped(self, band: Band) -> np.ndarray:
-        """(levels, values, n) complex: what each wave of the sea adds at the lower corner of the patch and phase 0."""
-        sea = self.sea
-        k, (kx, kz) = sea.wavenumber, sea.wavevector.T
-        speed = sea.amplitude * sea.gravity * k / sea.omega
-        found = []
-        for level in range(LEVELS + 1):
-            c, s = profiles(k, -self.depth * (level / (LEVELS - 1)) ** 2, sea.depth)
-            if level == LEVELS:
-                (c, s), bed = profiles(k, 0.0, sea.depth), np.tanh(k * sea.depth)
-                c, s = c + k * self.above * bed, s + k * self.above
-            found.append(speed * np.stack([kx / k * c, -1j * s, kz / k * c]))
-        velocity = np.array(found) * np.exp(1j * (kx * self.lower[0] + kz * self.lower[1]))
-        return np.concatenate([velocity, band.feed * velocity], axis=1)
-
     def write(self, slot: int, time: float) -> None:
         """The sea at a time [s]."""
         from scipy.fft import ifft2
 
-        sea, modes = self.sea, np.zeros((LEVELS + 1, VALUES, *self.count), dtype=np.complex128)
-        modes[:, :, self.modes[0], self.modes[1]] = self.shapes * np.exp(
-            1j * np.mod(sea.phase - sea.omega * time, 2.0 * np.pi)
-        )
-        values = ifft2(modes, norm="forward", workers=1).real
+        values = ifft2(self.source.modes(time), norm="forward", workers=1).real
         self.take(slot, np.ascontiguousarray(values.transpose(2, 3, 0, 1), dtype=to_numpy_type(self.now.dtype)))
 
     def advance(self, time: float) -> None:
@@ -110,13 +143,15 @@ class SeaTable:
 
     @ti.kernel
     def shift(self):
-        for i in ti.grouped(self.now):
-            self.slots[0, i] = self.slots[1, i]
+        for i, k in ti.ndrange(*self.count):
+            for l, c in ti.ndrange(LEVELS + 1, VALUES):  # a node's numbers lie in a row
+                self.slots[0, i, k, l, c] = self.slots[1, i, k, l, c]
 
     @ti.kernel
     def turn(self, share: float):
-        for i in ti.grouped(self.now):
-            self.now[i] = tm.mix(self.slots[0, i], self.slots[1, i], share)
+        for i, k in ti.ndrange(*self.count):
+            for l, c in ti.ndrange(LEVELS + 1, VALUES):
+                self.now[i, k, l, c] = tm.mix(self.slots[0, i, k, l, c], self.slots[1, i, k, l, c], share)
 
     @ti.func
     def levels(self, y):
@@ -195,11 +230,16 @@ class SeaRim:
         self.ships = tuple(ships)
         self.place(0.0)
 
+    def where(self, time: float) -> np.ndarray:
+        """(2,) x, z in the world [m] opposite which it lies: the middle of the ships, or of what it follows at a
+        time [s]."""
+        if self.ships:
+            return np.mean([ship.body.position[[0, 2]] for ship in self.ships], axis=0)
+        return self.velocity * time
+
     def place(self, time: float) -> None:
         """Where it is at a time [s], or where the ships are."""
-        at = self.velocity * time
-        if self.ships:
-            at = np.mean([ship.body.position[[0, 2]] for ship in self.ships], axis=0)
+        at = self.where(time)
         around = np.where(self.periods > 0.0, self.periods, np.inf)
         at = np.where(self.periods > 0.0, at - self.periods * np.round(at / around), 0.0)
         self.middle.from_numpy(at.astype(to_numpy_type(self.middle.dtype)))

@@ -13,8 +13,8 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.absorption import warnings as of_zones
 from ocean_sim.fluid.shared.absorption import zones
-from ocean_sim.fluid.shared.attenuation import Attenuation, Train, trains
-from ocean_sim.fluid.shared.band import band, stokes
+from ocean_sim.fluid.shared.attenuation import Attenuation, Delay, Train, trains
+from ocean_sim.fluid.shared.band import band, cells_of
 from ocean_sim.fluid.shared.field import Field
 from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.neighbours import ListSize, Neighbours
@@ -31,6 +31,8 @@ if TYPE_CHECKING:  # it is imported only where there are bodies
 
 PARTICLE = 1.8e-7  # [s] of processor time that a particle takes in a step apart from its neighbours
 NOTABLE = 0.1  # of the viscosity that was asked for: what a scheme adds is worth saying from there on
+STIFF = 10.0  # times the stiffness of 1 % compression: from there on it costs more than it gives
+SQUEEZED = 0.05  # compression at the bed that is worth saying
 SAMPLE = 2.0  # times what a particle takes with its neighbours: of a solid body's sample, with what it adds to theirs
 
 
@@ -42,8 +44,8 @@ class SphConfig(WaterConfig):
 
     attenuation: ClassVar[Attenuation | None] = None
     """Viscosity that the scheme adds to waves; None where it has not been measured."""
-    delay: ClassVar[float] = 0.0
-    """Share by which the scheme lengthens the period of waves, over (wavenumber times spacing)^2; as measured."""
+    delay: ClassVar[Delay] = Delay(0.0)
+    """By how much the scheme lengthens the period of waves."""
     joins_a_sea: ClassVar[bool] = True
     default_ratio: ClassVar[tuple[float, float]]
     """Default of `support_ratio` in a slice and in space."""
@@ -111,9 +113,26 @@ class SphConfig(WaterConfig):
         found, basin = super().warnings(preflight), preflight.tank
         if basin.rough_bed is not None:
             found += basin.rough_bed.warnings(self.lattice(basin).row)
+        if "compression" not in self.unheeded:
+            found += self.of_stiffness(basin)
         around = band(self.began(preflight))
         found += around.warnings() if around is not None else []
         return [*found, *of_zones(zones(self.began(preflight)))]
+
+    def of_stiffness(self, basin: Basin) -> list[str]:
+        """Whether the water is much stiffer, or much softer, than 1 % of compression asks for."""
+        stiffness, speed = self.sound_speed(basin) ** 2, self.speed(basin)
+        times, compression = 0.01 * stiffness / speed**2, speed**2 / stiffness
+        if times >= STIFF * (1.0 - 1e-9):
+            more = f"{times:.3g} times that of 1 % compression"
+            cost = f"the time step is {sqrt(times):.2g} times shorter, and a lattice that gives way blows up more"
+            return [f"a stiffness of {stiffness:.4g} m2/s2 is {more}: {cost}; 1 % needs {100.0 * speed**2:.4g} m2/s2"]
+        if compression > SQUEEZED:
+            squeezed = f"water that falls at {speed:.4g} m/s is compressed by {compression:.2g} of its density"
+            return [
+                f"{squeezed}, more than {SQUEEZED:g}: levels and pressures are off by as much; take compression 0.01"
+            ]
+        return []
 
     def sized(self, lattice: Lattice, reads: int, carried: int = 0) -> ListSize:
         """How large grid and lists are for laws that read so many fields."""
@@ -146,7 +165,7 @@ class SphConfig(WaterConfig):
         k, height = sea.wavenumber, Train(sea, False).height
         share = np.array([attenuation.share(one, sea.depth, height, lattice.spacing, False) for one in k.tolist()])
         decay = 2.0 * (self.viscosity(basin) + share * self.scale(basin)) * k**2
-        return decay - 1j * sea.omega * (self.delay * (k * lattice.spacing) ** 2 - stokes(sea))
+        return decay - 1j * sea.omega * self.delay.share(k, height, lattice.spacing)
 
     def statements(self, preflight: Preflight) -> list[str]:
         basin = preflight.tank
@@ -228,10 +247,17 @@ def _of_sea(lattice: Lattice, word: int) -> list[LedgerRow]:
     around = band(lattice)
     if around is None or around.sea is None:
         return []
-    from ocean_sim.fluid.shared.sea_rim import memory
+    from ocean_sim.fluid.shared.sea_rim import WRITTEN, memory
 
     what = f"a table of {len(around.sea.amplitude)} plane waves"
-    return [LedgerRow("fluid", what, memory(around, around.sea, word), "sea")]
+    found = [LedgerRow("fluid", what, memory(around, around.sea, word), "sea")]
+    if around.nonlinear is not None:
+        from ocean_sim.fluid.shared.high_order import STEEP
+
+        cells = int(np.prod(cells_of(around)))
+        what, why = f"a nonlinear sea of {cells} cells", "sea.kind is spectral_sea"
+        found.append(LedgerRow("fluid", what, 6 * 8 * cells, why, STEEP * cells, around.sea.period / WRITTEN))
+    return found
 
 
 def _of_bodies(grid: GridSize, word: int, each: float, accounts: bool) -> list[LedgerRow]:

@@ -10,15 +10,26 @@ if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
 
-def total(simulation: "Simulation") -> float:
-    """Kinetic, potential (zero at the origin) and internal energy of the particles [J], summed in float64."""
+def mechanical(simulation: "Simulation") -> float:
+    """Kinetic and potential (zero at the origin) energy of the particles [J], summed in float64."""
     particles = with_particles(simulation.fluid).particles
     velocity = particles.velocity.to_numpy().astype(np.float64)
     centre_times_n = particles.position.to_numpy().sum(axis=0, dtype=np.float64)
     moving = 0.5 * particles.mass * float((velocity**2).sum())
-    return (
-        moving - particles.mass * float(centre_times_n @ simulation.basin.gravity) + simulation.fluid.internal_energy()
-    )
+    return moving - particles.mass * float(centre_times_n @ simulation.basin.gravity)
+
+
+def total(simulation: "Simulation") -> float:
+    """The same with the energy of compression [J]."""
+    return mechanical(simulation) + simulation.fluid.internal_energy()
+
+
+def stored_by_weight(simulation: "Simulation") -> float:
+    """What the water's own weight compresses, at most: (g depth)^2 / (6 c^2) for each kilogram of a still basin [J]."""
+    fluid, basin = simulation.fluid, simulation.basin
+    particles = with_particles(fluid).particles
+    head = float(np.linalg.norm(basin.gravity)) * basin.depth  # [m2/s2]
+    return particles.mass * particles.count.now * head**2 / (6.0 * fluid.sound_speed**2)
 
 
 def falls_around(simulation: "Simulation") -> bool:

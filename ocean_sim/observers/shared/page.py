@@ -4,25 +4,34 @@ import base64
 import html
 import io
 import json
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 WIDEST, QUALITY = 1200, 82  # pixels of a picture in the page, and JPEG quality
 STYLE = """
-:root { color-scheme: light; }
-body { font: 16px/1.5 system-ui, sans-serif; color: #16242c; background: #fff; max-width: 62rem; margin: 0 auto;
-  padding: 1rem 1rem 4rem; overflow-wrap: break-word; }
-h1 { margin: .5rem 0 0; line-height: 1.2; } h2 { margin: 2.5rem 0 .5rem; border-bottom: 1px solid #dde5ea; }
-figure { margin: 1rem 0; } figcaption { color: #5a6d78; font-size: .9rem; }
+:root { color-scheme: light dark; --ink: #16242c; --paper: #fff; --soft: #4a5d68; --line: #dde5ea; --block: #f4f7f9;
+  --bad: #9c2b12; --link: #0b5c94; }
+@media (prefers-color-scheme: dark) { :root { --ink: #e6edf1; --paper: #10181d; --soft: #a9bac4; --line: #31414b;
+  --block: #1a252c; --bad: #ff9d85; --link: #7cc4f5; } }
+body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper);
+  max-width: 62rem; margin: 0 auto; padding: 1rem 1rem 4rem; overflow-wrap: break-word; }
+h1 { margin: .5rem 0 0; line-height: 1.2; } h2 { margin: 2.5rem 0 .5rem; border-bottom: 1px solid var(--line); }
+figure { margin: 1rem 0; } figcaption { color: var(--soft); font-size: .9rem; }
 img { width: 100%; height: auto; display: block; }
 .plot { overflow-x: auto; margin: 1rem 0; } .plot svg { width: 100%; min-width: 34rem; height: auto; display: block; }
 .wide { overflow-x: auto; } table { border-collapse: collapse; }
 th, td { padding: .15rem 1.2rem .15rem 0; vertical-align: top; text-align: left; }
-th { font-weight: 600; } td:first-child { color: #5a6d78; }
-.outcome { font-weight: 600; } .bad { color: #9c2b12; }
-pre { background: #f4f7f9; padding: .8rem; overflow-x: auto; font-size: .85rem; line-height: 1.4; }
+th { font-weight: 600; } td:first-child, th[scope=row] { color: var(--soft); font-weight: 400; }
+a { color: var(--link); } nav { font-size: .9rem; } nav a { margin-right: 1rem; white-space: nowrap; }
+.outcome { font-weight: 600; } .bad { color: var(--bad); }
+pre { background: var(--block); padding: .8rem; overflow-x: auto; font-size: .85rem; line-height: 1.4; }
+@media (max-width: 500px) {
+  body { padding: .6rem; font-size: 15px; } th, td { padding-right: .7rem; } .plot svg { min-width: 30rem; }
+}
 @media print {
+  :root { --ink: #000; --paper: #fff; }
   body { max-width: none; padding: 0; font-size: 10pt; } .plot, .wide, pre { overflow: visible; }
   .plot svg { min-width: 0; } figure, .plot, tr { break-inside: avoid; } h2 { break-after: avoid; }
   pre { white-space: pre-wrap; } a { color: inherit; text-decoration: none; }
@@ -32,6 +41,7 @@ pre { background: #f4f7f9; padding: .8rem; overflow-x: auto; font-size: .85rem; 
 
 def page(title: str, parts: Iterable[str]) -> str:
     """A whole document in English, of HTML parts."""
+    parts = contents(list(parts))
     head = [
         '<meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
@@ -43,9 +53,26 @@ def page(title: str, parts: Iterable[str]) -> str:
     )
 
 
+def contents(parts: list[str]) -> list[str]:
+    """The parts, with a name for every heading and links to them before the first."""
+    heads: list[str] = []
+
+    def found(match: re.Match[str]) -> str:
+        heads.append(match[1])
+        return f'<h2 id="part{len(heads)}">{match[1]}</h2>'
+
+    marked = [re.sub(r"<h2>(.*?)</h2>", found, part) for part in parts]
+    if not heads:
+        return marked
+    links = "".join(f'<a href="#part{k + 1}">{head}</a> ' for k, head in enumerate(heads))
+    first = next(k for k, part in enumerate(marked) if "<h2 " in part)
+    return [*marked[: min(first, 2)], f'<nav aria-label="Contents">{links}</nav>', *marked[min(first, 2) :]]
+
+
 def table(rows: Iterable[Sequence[object]], heads: Sequence[str] = ()) -> str:
     """Rows of cells, with a line of heads where there are any."""
-    top = [f"<tr>{''.join(f'<th>{html.escape(name)}</th>' for name in heads)}</tr>"] if heads else []
+    across = "".join(f'<th scope="col">{html.escape(name)}</th>' for name in heads)
+    top = [f"<tr>{across}</tr>"] if heads else []
     body = [f"<tr>{''.join(f'<td>{html.escape(str(cell))}</td>' for cell in row)}</tr>" for row in rows]
     return "\n".join(['<div class="wide"><table>', *top, *body, "</table></div>"])
 
@@ -72,8 +99,8 @@ def picture(path: Path, caption: str, link: str | None = None) -> str:
 
 
 def plot(drawing: str) -> str:
-    """An SVG element that a narrow screen may scroll."""
-    return f'<div class="plot">{drawing}</div>'
+    """An SVG element that a narrow screen may scroll; nothing of nothing."""
+    return drawing and f'<div class="plot">{drawing}</div>'
 
 
 def text(value: Any, indent: str = "") -> str:

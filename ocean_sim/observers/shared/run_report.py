@@ -145,8 +145,11 @@ class Run:
         if "leg1_m" not in log:
             return
         time = log["time_s"]
+        machine = (self.scene.get("platform") or {}).get("geometry")
+        ends = machine if isinstance(machine, dict) else {}
+        reach = {name: ends[name] for name in ("shortest", "longest") if name in ends}  # [m]
         yield "<h2>Motion platform</h2>"
-        yield plot(curves(time, {f"leg {k}": log[f"leg{k}_m"] for k in range(1, 7)}, "length of the legs [m]"))
+        yield plot(curves(time, {f"leg {k}": log[f"leg{k}_m"] for k in range(1, 7)}, "length of the legs [m]", reach))
         speed = {f"leg {k}": log[f"leg{k}_velocity_m_s"] for k in range(1, 7)}
         yield plot(curves(time, speed, "velocity of the legs [m/s]"))
         pose = {name: np.degrees(log[f"{name}_rad"]) for name in ("roll", "pitch", "yaw")}

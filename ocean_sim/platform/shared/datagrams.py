@@ -1,23 +1,15 @@
-"""Poses of a platform as datagrams: two packet formats, a sender that keeps time, a receiver without jumps.
+"""Poses of a platform as datagrams: a sender that keeps time, a receiver without jumps, and what it reports back.
 
-`ocean_sim`, version 1, 120 bytes, little-endian: 4 bytes `OSPF`, uint16 version, uint16 frame (0 flu, 1 ned, 2 ship),
-uint32 sequence number, uint32 what was limited, float64 time [s], 6 float64 x, y, z [m] from neutral, roll, pitch, yaw
-[rad], 6 float64 leg lengths [m].
-
-With a key, 160 bytes: the 120, uint64 when the stream began [ns, since 1970], and HMAC-SHA256 of these 128.
-
-`openmotionsim`, 20 bytes, little-endian: 5 float32 time [s], yaw, pitch, roll [degrees], height [m].
-
-`python -m ocean_sim.platform.shared.datagrams udp://127.0.0.1:5005` receives packets and
-prints what comes; a further word names the file of a key.
+`python -m ocean_sim.platform.shared.datagrams udp://127.0.0.1:5005` receives packets, reports where the legs are to
+where they come from, and prints what comes; a further word names the file of a key. With `stop` in front of the
+address it stops the platform that listens there.
 """
 
-import hmac
 import socket
-import struct
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from contextlib import suppress
 from typing import NamedTuple
 from urllib.parse import urlsplit
 
@@ -25,73 +17,26 @@ import numpy as np
 
 from ocean_sim.files import input_file, yaml_file
 from ocean_sim.parts import library
-from ocean_sim.platform import Commands
 from ocean_sim.platform.shared.guard import EVERY, Drive, Judge
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, smoothly
-from ocean_sim.platform.shared.motion_log import AXES, signs
+from ocean_sim.platform.shared.packets import (
+    Packet,
+    Reading,
+    along_flu,
+    halt,
+    halts,
+    packed,
+    reading,
+    reported,
+    signed,
+    unpacked,
+    verified,
+)
 
-MAGIC, VERSION = b"OSPF", 1
-OURS = struct.Struct("<4sHHIId6d6d")
-THEIRS = struct.Struct("<5f")
-BEGAN, DIGEST = struct.Struct("<Q"), 32  # what a signed packet has besides: when its stream began, and its signature
 LEAST_KEY, MOST_KEY = 16, 4096  # bytes
-FORMATS = ("ocean_sim", "openmotionsim")
-FRAMES = ("flu", "ned", "ship")
 LOOPBACK = "127.0.0.1"
+BRAKE = 0.15  # [s] in which a platform that is stopped loses its speed
 SPIN = 0.0005  # [s] before its time for which a packet is waited for without sleeping
-
-
-class Packet(NamedTuple):
-    """One row of platform.csv on its way."""
-
-    seq: int
-    time: float  # [s]
-    frame: str
-    pose: tuple[float, ...]  # x, y, z [m], roll, pitch, yaw [rad]
-    legs: tuple[float, ...]  # [m]; none in `openmotionsim`
-    limited: int
-
-
-def in_frame(pose: np.ndarray, frame: str) -> np.ndarray:
-    """(n, 6) poses along FLU, along the axes of another frame: x, y, z along them, roll, pitch, yaw about what is
-    forward, abeam and upright there."""
-    return np.hstack([pose[:, :3] @ AXES[frame].T, pose[:, 3:] * signs(frame)])
-
-
-def packets(rows: Commands, frame: str) -> Iterator[Packet]:
-    """Rows of platform.csv as packets whose poses are along the axes of a frame."""
-    poses = in_frame(rows.pose, frame).tolist()
-    columns = (rows.seq.tolist(), rows.time.tolist(), poses, rows.legs.tolist(), rows.limited.tolist())
-    for seq, moment, pose, lengths, limited in zip(*columns):
-        yield Packet(seq, moment, frame, tuple(pose), tuple(lengths), limited)
-
-
-def packed(packet: Packet, layout: str) -> bytes:
-    """A packet as bytes."""
-    if layout == "ocean_sim":
-        head = (MAGIC, VERSION, FRAMES.index(packet.frame), packet.seq, packet.limited, packet.time)
-        return OURS.pack(*head, *packet.pose, *packet.legs)
-    upward = AXES[packet.frame] @ [0.0, 0.0, 1.0]
-    roll, pitch, yaw = np.degrees(packet.pose[3:])
-    return THEIRS.pack(packet.time, yaw, pitch, roll, float(upward @ packet.pose[:3]))
-
-
-def unpacked(data: bytes) -> Packet:
-    """A packet from the bytes of our own format; raises ValueError."""
-    if len(data) != OURS.size or data[:4] != MAGIC:
-        raise ValueError(f"{len(data)} bytes that are not a packet of ours")
-    _, version, frame, seq, limited, moment, *rest = OURS.unpack(data)
-    if version != VERSION or frame >= len(FRAMES):
-        raise ValueError(f"a packet of version {version}, frame {frame}")
-    if not np.isfinite([moment, *rest]).all():
-        raise ValueError("a packet that holds what is not a number")
-    return Packet(seq, moment, FRAMES[frame], tuple(rest[:6]), tuple(rest[6:]), limited)
-
-
-def along_flu(packet: Packet) -> np.ndarray:
-    """(6,) the pose of a packet along FLU."""
-    pose = np.array(packet.pose)
-    return np.concatenate([pose[:3] @ AXES[packet.frame], pose[3:] * signs(packet.frame)])
 
 
 def key_in(file: str) -> bytes:
@@ -100,22 +45,6 @@ def key_in(file: str) -> bytes:
     if len(key) < LEAST_KEY:
         raise input_file.Unreadable(file, f"a key has at least {LEAST_KEY} bytes, this one {len(key)}")
     return key
-
-
-def signed(data: bytes, key: bytes, began: int) -> bytes:
-    """A packet with a signature, of a stream that began at a time [ns]."""
-    data += BEGAN.pack(began)
-    return data + hmac.digest(key, data, "sha256")
-
-
-def verified(data: bytes, key: bytes) -> tuple[bytes, int]:
-    """A packet without its signature, and when its stream began [ns]; raises ValueError."""
-    told, signature = data[:-DIGEST], data[-DIGEST:]
-    if len(data) != OURS.size + BEGAN.size + DIGEST or not hmac.compare_digest(
-        signature, hmac.digest(key, told, "sha256")
-    ):
-        raise ValueError("a packet that is not signed with our key")
-    return told[: OURS.size], BEGAN.unpack(told[OURS.size :])[0]
 
 
 def address(url: str) -> tuple[str, int]:
@@ -146,6 +75,19 @@ class Jitter(NamedTuple):
         )
 
 
+class Latency(NamedTuple):
+    """The way of packets to a platform and of its reports back."""
+
+    packets: int
+    median: float  # [s]
+    most: float  # of 99 % of them [s]
+    longest: float  # [s]
+
+    def __str__(self) -> str:
+        ms = [f"{1e3 * value:.3f} ms" for value in (self.median, self.most, self.longest)]
+        return f"there and back: median {ms[0]}, 99 % within {ms[1]}, longest {ms[2]}, of {self.packets} packets"
+
+
 class Sender:
     """Sends rows at the pace of their own time, with a key signed. Raises ValueError where the address is malformed or
     the layout has no place for a signature, OSError where the host is unknown.
@@ -154,7 +96,7 @@ class Sender:
     burst.
     """
 
-    left_out = ("socket", "start", "sent", "due", "key", "began")  # what a checkpoint of it does not hold
+    left_out = ("socket", "start", "sent", "due", "left", "readings", "key", "began")  # by a checkpoint
 
     def __init__(self, url: str, layout: str = "ocean_sim", key: bytes = b"") -> None:
         if key and layout != "ocean_sim":
@@ -169,6 +111,8 @@ class Sender:
         self.start: float | None = None  # what the clock shows at time 0 of the rows [s]
         self.sent: list[float] = []  # [s]
         self.due: list[float] = []  # times of the rows [s]
+        self.left: dict[int, float] = {}  # when each packet was sent [s], by its number
+        self.readings: list[tuple[float, Reading]] = []  # what the platform reports, and when it came [s]
 
     def send(self, packet: Packet) -> None:
         """Wait until it is time, then send."""
@@ -181,6 +125,29 @@ class Sender:
         self.socket.sendto(data, self.address)
         self.sent.append(time.perf_counter())
         self.due.append(packet.time)
+        self.left[packet.seq] = self.sent[-1]
+        self.listen()
+
+    def listen(self) -> None:
+        """Take what the platform has reported, if it does."""
+        while True:
+            try:
+                data = self.socket.recv(2048, socket.MSG_DONTWAIT)
+            except OSError:  # nothing has come, or nobody listens there
+                return
+            with suppress(ValueError):
+                self.readings.append((time.perf_counter(), reading(data)))
+
+    def latency(self) -> "Latency | None":
+        """From sending a packet to the report that it counted; None where nothing reports."""
+        first: dict[int, float] = {}
+        for came, found in self.readings:
+            first.setdefault(found.seq, came)
+        ways = [came - self.left[seq] for seq, came in first.items() if seq in self.left]
+        if not ways:
+            return None
+        median, most = np.percentile(ways, [50.0, 99.0]).tolist()
+        return Latency(len(ways), median, most, max(ways))
 
     def jitter(self) -> Jitter:
         """How evenly the packets went out so far."""
@@ -208,6 +175,13 @@ class Smooth:
         self.line: list[tuple[float, np.ndarray]] = []  # the last two poses, and when they came [s]
         self.returned, self.held = -np.inf, np.zeros(6)  # when packets came back [s], and the pose until then
         self.came = self.lost = self.reordered = self.stalls = self.strange = 0
+        self.glide: tuple[float, np.ndarray, np.ndarray] | None = None  # since when, from which pose, how fast
+
+    def stop(self, now: float) -> None:
+        """Glide to rest from where it is at `now` [s], and stay there."""
+        if self.glide is None:
+            pose = self.pose(now)
+            self.glide = now, pose, (pose - self.pose(now - EVERY)) / EVERY
 
     def silence(self, now: float) -> float:
         """Time since the last packet [s]."""
@@ -232,6 +206,9 @@ class Smooth:
 
     def pose(self, now: float) -> np.ndarray:
         """(6,) x, y, z [m], roll, pitch, yaw [rad] at `now` [s]."""
+        if self.glide is not None and now >= self.glide[0]:
+            since, pose, speed = self.glide
+            return pose + speed * BRAKE * (1.0 - np.exp((since - now) / BRAKE))
         if not self.line:
             return self.held
         (first, before), (second, after) = self.line[0], self.line[-1]
@@ -246,8 +223,9 @@ class Receiver(Smooth):
 
     A packet counts where it is whole and finite, from the source that the stream began with, newer than the one before,
     and a pose to which the legs can have come since; with a `key`, also signed, and of no stream older than one seen.
-    All else is counted and dropped. In silence the platform brakes and holds its pose, then it goes home, and only
-    there a stream may come from elsewhere. The legs keep their limits whatever comes.
+    One that stops the platform counts from anywhere, with a key if it is signed. All else is counted and dropped. In
+    silence the platform brakes and holds its pose, then it goes home, and only there a stream may come from elsewhere.
+    The legs keep their limits whatever comes.
     """
 
     def __init__(
@@ -262,6 +240,11 @@ class Receiver(Smooth):
 
     def hear(self, data: bytes, source: object, now: float) -> Packet | None:
         """The packet in what came from a source at `now` [s], or None where it does not count."""
+        if halts(data, self.key):
+            self.stop(now)
+            return None
+        if self.glide is not None:
+            return None
         try:
             inner, began = verified(data, self.key) if self.key else (data, 0)
             packet = unpacked(inner)
@@ -288,6 +271,11 @@ class Receiver(Smooth):
         """(n, 6) lengths [m] and (n, 6) speeds [m/s] of the legs in the rows that are due until `now` [s]."""
         return self.drive.advance(self.pose, now)
 
+    def report(self) -> bytes:
+        """Where its legs are, and the last packet that counted, as bytes."""
+        seq, moment = (self.last.seq, self.last.time) if self.last is not None else (0, 0.0)
+        return reported(Reading(seq, moment, tuple(self.drive.legs.length.tolist()), self.glide is not None))
+
 
 def ready_made(name: str) -> Geometry:
     """The geometry configs/geometry/<name>.yaml."""
@@ -296,7 +284,8 @@ def ready_made(name: str) -> Geometry:
 
 def received(url: str, patience: float, report: Callable[[Packet], None], platform: Receiver | None = None) -> Receiver:
     """Wait for a first packet that counts, then receive until none came for `patience` [s], whatever else came,
-    reporting every packet; by default for the platform `hexapod_a`. Raises OSError or ValueError."""
+    reporting every packet, and to its sender where the legs are; by default for the platform `hexapod_a`. Raises
+    OSError or ValueError."""
     host, port = address(url)
     platform = platform or Receiver(ready_made("hexapod_a"))
     with socket.socket(socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0][0], socket.SOCK_DGRAM) as listening:
@@ -310,6 +299,7 @@ def received(url: str, patience: float, report: Callable[[Packet], None], platfo
                 continue
             packet = platform.hear(data, source, time.perf_counter())
             if packet is not None:
+                listening.sendto(platform.report(), source)
                 report(packet)
         return platform
 
@@ -319,6 +309,13 @@ def print_some(packet: Packet) -> None:
     if packet.seq % 100 == 0:
         pose = ", ".join(f"{value:+.4f}" for value in packet.pose)
         print(f"{packet.time:8.2f} s  {packet.frame}  x y z roll pitch yaw: {pose}", flush=True)
+
+
+def stop(url: str, key: bytes = b"") -> None:
+    """Stop the platform that listens at an address. Raises OSError or ValueError."""
+    host, port = address(url)
+    with socket.socket(socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0][0], socket.SOCK_DGRAM) as sending:
+        sending.sendto(halt(key, time.time_ns()), (host, port))
 
 
 def main(url: str = f"udp://{LOOPBACK}:5005", key: str = "") -> None:
@@ -338,4 +335,7 @@ def main(url: str = f"udp://{LOOPBACK}:5005", key: str = "") -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:3])
+    if sys.argv[1:2] == ["stop"]:
+        stop(sys.argv[2], key_in(sys.argv[3]) if len(sys.argv) > 3 else b"")
+    else:
+        main(*sys.argv[1:3])

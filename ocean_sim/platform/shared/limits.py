@@ -3,10 +3,13 @@
 import numpy as np
 
 from ocean_sim.platform import LEG_ACCELERATION, LEG_SPEED, SINGULAR, STROKE
-from ocean_sim.platform.shared.kinematics import FINE, Geometry, Hexapod
+from ocean_sim.platform.shared.kinematics import FINE, Geometry, Hexapod, rates_to_turn
 
 KNEE = 0.75  # part of the stroke that is used as it is; the rest is approached ever more slowly
 SAME = 1e-9  # [m] of a leg
+MORE = 1.05  # times what was asked for, that may be felt
+NEAR = 0.01  # [m] of a stroke, for which a leg is braked no harder than this far from its end
+LATE = 0.5  # of an acceleration: what is counted on in braking before the end of a stroke
 TURNS = np.repeat([0.0, 1.0], 3)
 NORM = 32
 EXACT = 1e-10  # part of the stroke
@@ -91,6 +94,105 @@ class Workspace:
             fits = self.hexapod.condition(middle[:, None] * pose) <= self.hexapod.condition_limit
             low, high = np.where(fits, middle, low), np.where(fits, high, middle)
         return low
+
+
+class Governor:
+    """Poses that a machine can follow without a jerk: as long as its legs can and no more is felt than was asked for,
+    they are followed exactly; else all motions are held back together, never one leg by itself, which would tilt and
+    shake the platform.
+
+    A platform that fell behind catches up with at most an acceleration that is given, of its reference point and of
+    its joints as they turn. No leg moves towards its end faster than it can stop with it, and one that does is braked
+    evenly over what is left of its stroke.
+    """
+
+    def __init__(self, geometry: Geometry, hexapod: Hexapod, every: float, catch_up: float) -> None:
+        """`every`: time between rows [s]; `catch_up` [m/s2]."""
+        self.hexapod, self.every, self.catch_up = hexapod, every, catch_up
+        self.speed, self.acceleration = geometry.leg_speed, geometry.leg_acceleration
+        self.target = self.pose = np.zeros(6)  # the last one wanted, and the last one given
+        self.velocity = np.zeros(6)  # [m/s], [rad/s]
+        self.asked = np.zeros((2, 6))  # the last two poses that were asked for, whether they fit or not
+
+    def follow(self, wanted: np.ndarray, asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(n, 6) poses for the (n, 6) wanted, which are those asked for (n, 6) as far as they fit; and (n,) which
+        limits that took."""
+        n, dt = len(wanted), self.every
+        known, free = np.vstack([self.target, wanted]), np.vstack([self.asked, asked])
+        self.asked = free[-2:]
+        felt = self.sizes(np.diff(free, n=2, axis=0)) / dt**2
+        steps = np.diff(known, axis=0) / dt
+        legs = self.hexapod.legs(known)
+        moved = np.diff(legs, axis=0) / dt
+        fastest = np.minimum(self.speed, self.stopping(self.catch_up, self.left(legs[1:], moved)))
+        turn = np.abs(np.diff(moved, axis=0, prepend=moved[:1])).max(axis=1, initial=0.0)
+        slow = (np.abs(moved) <= fastest).all(axis=1)
+        reach = slow & (turn <= self.acceleration * dt)
+        allowed = np.maximum(self.catch_up, MORE * felt) * dt
+        reach &= self.sizes(np.diff(steps, axis=0, prepend=steps[:1])) <= allowed
+        given, limited = wanted.copy(), np.zeros(n, dtype=int)
+        stumbles, k = np.flatnonzero(~reach).tolist(), 0
+        while k < n:
+            if slow[k] and self.follows(steps[k], allowed[k]):
+                end = next((s for s in stumbles if s > k), n)
+                self.pose, self.velocity = wanted[end - 1], steps[end - 1]
+                k = end
+            else:
+                limited[k] = self.chase(steps[k])
+                given[k] = self.pose
+                k += 1
+            self.target = wanted[k - 1]
+        return given, limited
+
+    def sizes(self, motion: np.ndarray) -> np.ndarray:
+        """(n,) of changes of the pose (n, 6) [m]: of the reference point, or of the joints as they turn, where that is
+        more."""
+        along, around = np.linalg.norm(motion[:, :3], axis=1), np.linalg.norm(motion[:, 3:], axis=1)
+        return np.maximum(along, self.hexapod.radius * around)
+
+    def size(self, motion: np.ndarray) -> float:
+        """Of one change (6,) [m]."""
+        return float(self.sizes(motion[None])[0])
+
+    def follows(self, step: np.ndarray, allowed: float) -> bool:
+        """Whether the platform is where it should be, and its change to this velocity no more than allowed."""
+        if self.size(self.pose - self.target) > SAME:
+            return False
+        change = step - self.velocity
+        hard = float(np.abs(self.of_legs(change)).max()) > self.acceleration * self.every * (1.0 + 1e-9)
+        return self.size(change) <= allowed * (1.0 + 1e-9) and not hard
+
+    def of_legs(self, motion: np.ndarray) -> np.ndarray:
+        """(6,) speeds of the legs [m/s] of a motion (6,) in the pose where it is."""
+        pose = self.pose[None]
+        turning = rates_to_turn(pose[:, 3:])[0] @ motion[3:]
+        return self.hexapod.jacobian(pose)[0] @ np.concatenate([motion[:3], turning])
+
+    def chase(self, step: np.ndarray) -> int:
+        """One row of a platform that cannot follow, and which limits held it."""
+        dt, a = self.every, self.catch_up
+        behind = self.target - self.pose
+        far = self.size(behind)
+        aim = step + behind * (min(1.0 / dt, float(self.stopping(a, np.array(far))) / far) if far > 0.0 else 0.0)
+        legs, of_aim, of_now = self.hexapod.legs(self.pose[None])[0], self.of_legs(aim), self.of_legs(self.velocity)
+        room = self.stopping(LATE * a, self.left(legs, of_aim))
+        share = float((np.minimum(self.speed, room) / np.maximum(np.abs(of_aim), EXACT)).min())
+        needed = float((0.5 * of_now**2 / np.maximum(self.left(legs, of_now) - self.speed * dt, NEAR)).max())
+        change = aim * min(1.0, share) - self.velocity
+        most = max(a, needed / LATE)
+        hard = max(self.size(change) / most, float(np.abs(self.of_legs(change)).max()) / self.acceleration) / dt
+        self.velocity = self.velocity + change / max(1.0, hard)
+        self.pose = self.pose + self.velocity * dt
+        return (LEG_SPEED if share < 1.0 else 0) | (LEG_ACCELERATION if hard > 1.0 or share >= 1.0 else 0)
+
+    def stopping(self, acceleration: float, left: np.ndarray) -> np.ndarray:
+        """Speed [m/s] from which something stops in whole rows on its way that is left [m]."""
+        lost = 0.5 * acceleration * self.every
+        return np.sqrt(lost**2 + 2.0 * acceleration * np.maximum(left, 0.0)) - lost
+
+    def left(self, legs: np.ndarray, speed: np.ndarray) -> np.ndarray:
+        """(6,) what is left of the stroke of each leg [m] in the direction of its speed."""
+        return np.where(speed > 0.0, self.hexapod.high - legs, legs - self.hexapod.low)
 
 
 class Legs:

@@ -28,11 +28,17 @@ class AddedMass(Model):
     """Added mass about the centre of mass, body axes; what is null comes by rule from the hull."""
 
     sway: float | None = quantity("kg", None, ge=0.0)
+    """Along x."""
     heave: float | None = quantity("kg", None, ge=0.0)
+    """Along y."""
     surge: float | None = quantity("kg", None, ge=0.0)
+    """Along z."""
     pitch: float | None = quantity("kg m2", None, ge=0.0)
+    """About x."""
     yaw: float | None = quantity("kg m2", None, ge=0.0)
+    """About y."""
     roll: float | None = quantity("kg m2", None, ge=0.0)
+    """About z."""
 
     def diagonal(self, hull: Hydrostatics) -> np.ndarray:
         """(6,) in the order of `Motions`."""

@@ -10,13 +10,13 @@ import numpy as np
 from pydantic import ValidationInfo, field_validator
 
 from ocean_sim.basin import Basin
-from ocean_sim.conventions import WATER_DENSITY
+from ocean_sim.conventions import WATER_DENSITY, Motions
 from ocean_sim.files.input_file import relative_to_scene
 from ocean_sim.fluid import Contact as Contacting
 from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, named
-from ocean_sim.ship import Look, Outline
+from ocean_sim.ship import Afloat, Look, Outline
 from ocean_sim.ship.shared.cubes import Cubes, Wetted
 from ocean_sim.ship.shared.distance import MANY, Distance, memory
 from ocean_sim.ship.shared.drawn import drawn
@@ -81,6 +81,18 @@ class FloatingConfig(VesselConfig):
     def afloat(self, gravity: float, density: float) -> Hydrostatics:
         """The hull in still water; raises ValueError."""
         return self.whole_hull.afloat(self.cells_per_draught, density, gravity)
+
+    def moved_along(self, still: Hydrostatics) -> np.ndarray:
+        """(6,) added mass [kg] and inertia [kg m2] that her law of motion has, in the order of `Motions`."""
+        return np.zeros(6)
+
+    def floats(self, preflight: Preflight) -> Afloat:
+        still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
+        if isinf(still.draught):
+            return Afloat(still.matter.mass, still.draught, 0.0, 0.0, {})
+        across, along = still.metacentric_height(), still.metacentric_height(0)
+        periods = still.periods(Motions(*self.moved_along(still).tolist())._asdict())
+        return Afloat(still.matter.mass, still.draught, across, along, periods)
 
     def look(self, preflight: Preflight) -> Look:
         still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
@@ -167,11 +179,23 @@ class FloatingConfig(VesselConfig):
             found.append(f"there is no water under the ship at x = {x:g}, z = {z:g} m at first: it falls")
         return found
 
+    def high(self, hull: Hydrostatics, preflight: Preflight) -> list[str]:
+        """Whether the ship begins more than a draught above where it floats."""
+        if self.afloat_at_first:
+            return []
+        above = self.position[1] - afloat_pose(hull)[0]
+        if above <= hull.draught:
+            return []
+        speed = sqrt(2.0 * -preflight.tank.gravity[1] * (above - hull.draught))
+        fall = f"the ship begins {above:.3g} m above where it floats, more than its draught of {hull.draught:.3g} m"
+        rule = "a rule of its waterplane, not the pressures, says what slamming does"
+        return [f"{fall}: it falls on the water at {speed:.2g} m/s, and {rule}"]
+
     def warnings(self, preflight: Preflight) -> list[str]:
         hull = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
         if isinf(hull.draught):
             return [f"the ship weighs {hull.matter.mass:.4g} kg, more than its hull can carry: it sinks"]
-        found = self.unborne(preflight)
+        found = self.unborne(preflight) + self.high(hull, preflight)
         cells = hull.draught / float(hull.voxels.size[1])
         if cells < 0.9 * self.cells_per_draught:
             found.append(f"the hull has {cells:.2g} cubes over its draught, as it draws little of its height")

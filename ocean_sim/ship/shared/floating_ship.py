@@ -15,6 +15,7 @@ from ocean_sim.ship import Load
 from ocean_sim.ship.shared.cubes import Wetted
 from ocean_sim.ship.shared.floating import FloatingConfig, FloatingHull
 from ocean_sim.ship.shared.rigid_body import RigidBody
+from ocean_sim.ship.shared.slamming import Slamming
 from ocean_sim.ship.shared.vessel import Vessel
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
@@ -34,6 +35,7 @@ class FloatingShip(Vessel):
     """A hull of cubes; without a kind's own methods nothing damps it."""
 
     below: ClassVar[bool] = False  # whether it asks the water under its surface, which a closed form answers
+    slamming: Slamming | None = None  # of a hull that falls into the water; particles push one themselves
 
     def __init__(self, name: str, config: FloatingConfig, basin: Basin, fluid: Fluid) -> None:
         self.hull = hull = FloatingHull(config, basin, fluid, self.below)
@@ -43,13 +45,18 @@ class FloatingShip(Vessel):
             self.last = Load.of({}, self.parts)
         self.shape, self.contact, self.sides = config.whole_hull.shape, hull.contact, hull.sides
         self.longest = hull.limits()
-        self.relative = np.zeros(6)  # velocity relative to the water, of the last load
+        # Of the last load: velocity relative to the water, volume under water [m3], its speed upwards relative to the
+        # water [m/s], and what a force upwards at its centre of buoyancy is as a load, (2, 3).
+        self.relative, self.wet, self.rising, self.upwards = np.zeros(6), 0.0, 0.0, np.zeros((2, 3))
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
         hull, body = self.hull, self.centred if self.hull.water.below else self.body
         wet = hull.wetted(body, wind, surface)
         now = Immersion(wet, hull.share(wet), hull.motion(body, wet), surface, body)
-        self.relative = now.motion
+        self.relative, self.wet = now.motion, wet.volume
+        self.airborne = not wet.volume > 0.0
+        self.rising = float(body.matrix[1] @ now.motion[:3])
+        self.upwards = wet.buoyancy / max(float(wet.buoyancy[0, 1]), 1e-9)
         return Load.of(self.answered(now, self.forces(now)), self.parts)
 
     def forces(self, now: Immersion) -> dict[str, np.ndarray]:
@@ -64,7 +71,7 @@ class FloatingShip(Vessel):
             "wave": wet.wave,
             "wind_drag": wet.wind_drag,
             "wind_lift": wet.wind_lift,
-            "damping": self.damping(now),
+            "damping": self.damping(now) + self.held_back(),
             **({"mooring": moored.load(now.body)} if moored is not None else {}),
             **{part: force @ turn.T for part, force in driven.items()},
         }
@@ -73,11 +80,20 @@ class FloatingShip(Vessel):
         """(2, 3) what slows it down, world axes [N], [N m]."""
         return np.zeros((2, 3))
 
+    def held_back(self) -> np.ndarray:
+        """(2, 3) what slows down in heave a hull that lies far from its draught [N], [N m]."""
+        push = 0.0 if self.slamming is None else self.slamming.held_back(self.wet, self.rising)
+        return push * self.upwards
+
     def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The forces with what the water that is moved along does back, which depends on all of them."""
         return forces
 
     def advance(self, load: Load, dt: float) -> None:
+        if self.slamming is not None:
+            push = self.slamming.push(self.wet, self.rising, dt)
+            if push > 0.0:
+                load = load.plus("damping", push * self.upwards, self.parts)
         super().advance(load, dt)
         if self.aground and self.contact is None and not self.hull.floats:
             x, _, z = self.body.position

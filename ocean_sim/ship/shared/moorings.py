@@ -27,6 +27,7 @@ class Mooring(Model):
     kind: Literal["line", "fender"] = "line"
     """A line only pulls, a fender only pushes."""
     stiffness: float = quantity("N/m", gt=0.0)
+    """Force over the length beyond `slack_length`; of a fender, over the length below it."""
     damping: float = quantity("N s/m", 0.0, ge=0.0)
     """Force over the speed at which it lengthens, while it holds."""
     slack_length: float | None = quantity("m", None, ge=0.0)

@@ -56,6 +56,7 @@ class Rudder(Model):
     across and -N sin(rudder) along."""
 
     area: float = quantity("m2", gt=0.0)
+    """A: of the blade, one side."""
     aspect_ratio: float = quantity("1", 1.5, gt=0.0)
     """Height over mean chord."""
     position: Vector3 = quantity("m")
@@ -88,6 +89,7 @@ class Row(Model):
     """Orders at a time; straight lines between rows."""
 
     time: float = quantity("s", ge=0.0)
+    """When these orders hold; before the first row and after the last, those two do."""
     throttle: float = quantity("1", 0.0, ge=-1.0, le=1.0)
     """1 is full ahead."""
     rudder: float = quantity("rad", 0.0, ge=-pi / 2, le=pi / 2)
@@ -123,6 +125,7 @@ class Course(Model):
     heading_deg: float = quantity("deg")
     """0 heads along +z, 90 along +x."""
     throttle: float = quantity("1", 0.6, ge=-1.0, le=1.0)
+    """1 is full ahead."""
     gain: float = quantity("1", 1.0, gt=0.0)
     """Rudder angle over the error of the heading."""
     rate_time: float = quantity("s", 2.0, ge=0.0)

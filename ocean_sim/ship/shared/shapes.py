@@ -68,7 +68,9 @@ class Wigley(HullShape):
 
     kind: Literal["wigley"]
     length: float = quantity("m", gt=0.0)
+    """Along z, at the waterline L."""
     breadth: float = quantity("m", gt=0.0)
+    """Along x, amidships B."""
     draught: float = quantity("m", gt=0.0)
     """Of the parabolic part."""
     height: float = quantity("m", gt=0.0)
@@ -88,7 +90,9 @@ class Cylinder(HullShape):
 
     kind: Literal["cylinder"]
     length: float = quantity("m", gt=0.0)
+    """Along z."""
     radius: float = quantity("m", gt=0.0)
+    """Of the circle."""
 
     def bounds(self) -> Box3:
         half = np.array([self.radius, 0.0, self.length / 2])
@@ -103,6 +107,7 @@ class Sphere(HullShape):
 
     kind: Literal["sphere"]
     radius: float = quantity("m", gt=0.0)
+    """Of the ball."""
 
     def bounds(self) -> Box3:
         half = np.array([self.radius, 0.0, self.radius])

@@ -146,6 +146,7 @@ class Vessel(ABC):
         self.points = {name: np.array(point) - actuators.centre for name, point in config.points.items()}
         self.sides: Sides | None = None  # walls and bed that stop it
         self.aground, self.groundings = False, 0
+        self.airborne = False  # whether none of its hull was under water in the last load
         self.contact: WaveContact | None = None  # where the hull and particles push each other
         # A body, and what half a step has added to its velocity [m/s] and angular momentum [kg m2/s].
         self.gained = body, np.zeros(3), np.zeros(3)

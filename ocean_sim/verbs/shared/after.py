@@ -7,7 +7,7 @@ from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import Drawing
 
-PARTICLES, SURFACES = ("vtkhdf",), ("ply", "vtp", "vtkhdf")
+PARTICLES, SURFACES, SCENES = ("vtkhdf", "ply"), ("ply", "vtp", "vtkhdf"), ("usd", "glb")
 
 
 def render(folder: Path, asked: dict[str, Any], fps: float | None, out: Path | None, as_json: bool) -> None:
@@ -67,19 +67,30 @@ def shown(value: Any) -> str:
 
 
 def export(
-    folder: Path, particles: str | None, surface: str | None, every: int, out: Path | None, as_json: bool
+    folder: Path,
+    particles: str | None,
+    surface: str | None,
+    scene: str | None,
+    z_up: bool,
+    every: int,
+    out: Path | None,
+    as_json: bool,
 ) -> None:
-    """Files for ParaView and Blender from the frames of a run."""
-    if particles is None and surface is None:
-        raise console.Refused("name what to export: --particles vtkhdf, --surface ply or --surface vtp")
+    """Files for ParaView, Blender and others from the frames of a run."""
+    if particles is None and surface is None and scene is None:
+        raise console.Refused("name what to export: --particles vtkhdf, --surface vtp, --scene usd, ...")
     if particles is not None and particles not in PARTICLES:
-        raise console.Refused(f"--particles {particles}: choose vtkhdf")
+        raise console.Refused(f"--particles {particles}: choose vtkhdf or ply")
     if surface is not None and surface not in SURFACES:
         raise console.Refused(f"--surface {surface}: choose ply, vtp or vtkhdf")
+    if scene is not None and scene not in SCENES:
+        raise console.Refused(f"--scene {scene}: choose usd or glb")
+    if scene == "glb" and z_up:
+        raise console.Refused("--z-up: in glTF y is up; readers turn it")
     finished(folder)
     from ocean_sim.pictures.export import export_run
 
-    asked: dict[str, Any] = {"particles": particles, "surface": surface, "every": every}
+    asked: dict[str, Any] = {"particles": particles, "surface": surface, "scene": scene, "z_up": z_up, "every": every}
     with console.claim(out or folder / "export") as written:
         files = export_run(folder, out=written, **asked)
     made(files, as_json)

@@ -28,6 +28,8 @@ class Bar:
 
     def show(self, done: float, text: str) -> None:
         """Draw the bar, or print a line when enough has happened since the last."""
+        if self.quiet:
+            return
         now, share = perf_counter(), min(1.0, done / self.total)
         if sys.stdout.isatty():
             self.shown = now

@@ -3,6 +3,7 @@
 import json
 import math
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +12,12 @@ import numpy as np
 from ocean_sim.conventions import Failed, Lacking, Refused
 from ocean_sim.files.claim import Claim
 from ocean_sim.files.yaml_file import Node, Problem, SceneError, cut, setting
+from ocean_sim.machine import extra_missing
 
 __all__ = ["Failed", "Lacking", "Refused"]  # which verbs raise
 
 
+complained: set[str] = set()  # what has been said once
 MOST = 2000  # bytes of a message about what went wrong
 
 
@@ -99,6 +102,25 @@ def claim(out: Path) -> Claim:
 def megabytes(count: float) -> float:
     """Bytes in MB."""
     return count / 1e6
+
+
+def drawn(draw: Callable[..., object], *about: Any) -> bool:
+    """Draw a picture of something; without the extra `pictures` say what is missing, and go on without."""
+    missing = extra_missing("pictures")
+    if missing is None:
+        draw(*about)
+    elif missing not in complained:
+        complained.add(missing)
+        complain(f"no pictures: {missing}")
+    return missing is None
+
+
+def figures(value: float) -> str:
+    """A number of four significant figures without an exponent, as 30000 or 0.01234, and without a negative zero."""
+    shown = f"{float(f'{value:.4g}') + 0.0:f}" if abs(value) < 1e15 else f"{value:.4g}"
+    if 0.0 < abs(value) < 1e-2:
+        shown = f"{value:.4g}"
+    return shown.rstrip("0").rstrip(".") if "." in shown and "e" not in shown else shown
 
 
 def duration(seconds: float) -> str:

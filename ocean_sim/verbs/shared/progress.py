@@ -64,13 +64,16 @@ class Progress(Concluding):
         return (self.time - self.first[1]) / wall if wall > 0.0 else 0.0
 
     def summary(self) -> dict[str, Any]:
-        """What the run was, in numbers."""
+        """What the run was, in numbers; asked when all is written and drawn."""
+        start = self.wall if self.first is None else self.first[0] - self.began
+        after = perf_counter() - self.began - self.wall
+        wall = {"start": start, "steps": self.wall - start, "pictures": after, "total": self.wall + after}
         shares = {name: count / self.limits.total() for name, count in self.limits.most_common()}
         return {
             "particles": self.particles,
             "steps": self.steps,
             "simulated_s": self.time,
-            "wall_s": self.wall,
+            "wall_s": wall,
             "real_time_factor": self.factor,
             "limited_by": shares,
         }

@@ -56,7 +56,9 @@ def of_scene(
     if by is not None and by not in known:
         raise console.Refused(f"--by {by}: there is no such error{choice_sentence(by, known)[0]}")
     judge = by or known[0]
-    pareto.draw_scene(out / "tradeoff.png", rows, [judge, *(name for name in known if name != judge)][:6], limit)
+    console.drawn(
+        pareto.draw_scene, out / "tradeoff.png", rows, [judge, *(name for name in known if name != judge)][:6], limit
+    )
     found = None if limit is None else answer(plan, rows, judge, limit, seeds, out, as_json)
     if as_json:
         console.answer({"judged_by": judge, "rows": rows, "answer": found})

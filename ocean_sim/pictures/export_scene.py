@@ -1,0 +1,206 @@
+"""Everything that was drawn of a run in one file, for Blender, Houdini, Unreal and browsers: the water, its foam and
+velocity, ships and where they are, particles."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ocean_sim.conventions import Failed, Lacking
+from ocean_sim.files.glb import Glb
+from ocean_sim.files.input_file import arrays
+from ocean_sim.files.whole_file import whole
+from ocean_sim.pictures.frame_files import ships_in
+from ocean_sim.pictures.ship_model import Model, modelled
+from ocean_sim.pictures.water_mesh import triangles
+
+SEA, WHITE = np.array([0.010, 0.060, 0.090]), np.array([0.75, 0.80, 0.82])  # linear RGB of water and of its foam
+Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # from our axes, y up
+
+
+class UsdMissing(Lacking):
+    """The reader and writer of USD is not installed."""
+
+    def __init__(self) -> None:
+        super().__init__("USD files need the package usd-core: pip install 'ocean-sim[usd]'")
+
+
+class Shot(NamedTuple):
+    """What is exported of a frame."""
+
+    time: float  # [s]
+    points: np.ndarray  # (n, 3) of the surface of the water [m]
+    faces: np.ndarray  # (m, 3)
+    fields: dict[str, np.ndarray]  # values of the points: Normals, foam, velocity [m/s]
+    ships: dict[str, tuple[np.ndarray, np.ndarray]]  # position [m] and turn from body to world, by key
+    particles: dict[str, np.ndarray]  # position [m], velocity [m/s], pressure [Pa]
+
+
+def shot(frame: Path, grid: dict[str, np.ndarray]) -> Shot:
+    """What a frame kept: of a scene with a surface that surface, else the heights of the water."""
+    data = arrays(frame)
+    fields: dict[str, np.ndarray] = {}
+    if "vertices" in data:
+        points, faces, fields["Normals"] = data["vertices"], data["triangles"], data["normals"]
+    elif len(grid["z"]) < 2:
+        points, faces = np.zeros((0, 3), np.float32), np.zeros((0, 3), int)
+    else:
+        x, z = np.meshgrid(grid["x"], grid["z"], indexing="ij")
+        dx, dz = data.get("origin", np.zeros(2))
+        points = np.stack([x + dx, data["elevation"], z + dz], axis=-1).reshape(-1, 3).astype(np.float32)
+        faces = triangles(*x.shape)
+        if "foam" in data:
+            fields["foam"] = data["foam"].ravel().astype(np.float32)
+        if "surface_velocity" in data:
+            fields["velocity"] = data["surface_velocity"].reshape(-1, 3).astype(np.float32)
+    ships = {key: (data[f"{key}_position"], data[f"{key}_turn"]) for key in ships_in(data, "_turn")}
+    kept = "position", "velocity", "id", "pressure"
+    particles = {str(name): data[name] for name in kept if name in data}
+    return Shot(float(data["time"]), points, faces, fields, ships, particles)
+
+
+def models(grid: dict[str, np.ndarray]) -> dict[str, Model]:
+    """Ships as they are drawn, by key."""
+    return {
+        key: modelled(
+            grid[f"{key}_vertices"],
+            grid[f"{key}_triangles"],
+            float(grid[f"{key}_submerged"]),
+            str(grid[f"{key}_look"]),
+            grid[f"{key}_helm"],
+        )
+        for key in ships_in(grid, "_look")
+    }
+
+
+def named(key: str) -> str:
+    """A ship's key as a name in a file."""
+    return "".join(letter if letter.isalnum() else "_" for letter in key)
+
+
+def rate(first: float, last: float, count: int) -> float:
+    """Pictures a second of so many frames from a first to a last time [s]."""
+    return round((count - 1) / (last - first), 3) if count > 1 else 24.0
+
+
+def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up: bool) -> Path:
+    """USD with time samples (usdc): /sea/water, /sea/NAME of each ship, /sea/particles; metres, frames a second
+    as kept. Raises UsdMissing."""
+    try:
+        from pxr import Gf, Sdf, Usd, UsdGeom, Vt
+    except ImportError:
+        raise UsdMissing from None
+    first, last = (float(arrays(frame)["time"]) for frame in (frames[0], frames[-1]))
+    per_second = rate(first, last, len(frames))
+    with whole(path) as draft:
+        stage = Usd.Stage.CreateInMemory()
+        UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z if z_up else UsdGeom.Tokens.y)
+        UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+        stage.SetTimeCodesPerSecond(per_second)
+        stage.SetFramesPerSecond(per_second)
+        stage.SetStartTimeCode(first * per_second)
+        stage.SetEndTimeCode(last * per_second)
+        root = UsdGeom.Xform.Define(stage, "/sea")
+        stage.SetDefaultPrim(root.GetPrim())
+        if z_up:
+            root.AddRotateXOp().Set(90.0)
+        bodies = {}
+        for key, model in models(grid).items():
+            body = UsdGeom.Xform.Define(stage, f"/sea/{named(key)}")
+            bodies[key] = body.AddTransformOp()
+            corners = model.mesh.corners.reshape(-1, 3).astype(np.float32)
+            hull = UsdGeom.Mesh.Define(stage, f"/sea/{named(key)}/hull")
+            hull.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(corners))
+            numbers = np.arange(len(corners), dtype=np.int32)
+            still(hull, numbers, Vt)
+            hull.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(model.mesh.normals.reshape(-1, 3).astype(np.float32)))
+            hull.CreateDisplayColorPrimvar(UsdGeom.Tokens.uniform).Set(
+                Vt.Vec3fArray.FromNumpy(model.mesh.colour.astype(np.float32))
+            )
+        water = UsdGeom.Mesh.Define(stage, "/sea/water")
+        water.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*SEA.tolist())])
+        cloud = None
+        before: np.ndarray | None = None
+        for frame in frames:
+            kept = shot(frame, grid)
+            code = Usd.TimeCode(kept.time * per_second)
+            if before is None or not np.array_equal(before, kept.faces):
+                still(water, kept.faces.astype(np.int32).ravel(), Vt, code)
+                before = kept.faces
+            water.CreatePointsAttr().Set(Vt.Vec3fArray.FromNumpy(kept.points.astype(np.float32)), code)
+            if "velocity" in kept.fields:
+                water.CreateVelocitiesAttr().Set(Vt.Vec3fArray.FromNumpy(kept.fields["velocity"]), code)
+            if "foam" in kept.fields:
+                foam = UsdGeom.PrimvarsAPI(water).CreatePrimvar(
+                    "foam", Sdf.ValueTypeNames.FloatArray, UsdGeom.Tokens.vertex
+                )
+                foam.Set(Vt.FloatArray.FromNumpy(kept.fields["foam"]), code)
+            for key, (position, turn) in kept.ships.items():
+                if key in bodies:
+                    matrix = np.eye(4)
+                    matrix[:3, :3], matrix[3, :3] = turn.T, position  # USD's vectors are rows
+                    bodies[key].Set(Gf.Matrix4d(*matrix.ravel().tolist()), code)
+            if "position" in kept.particles:
+                cloud = cloud or UsdGeom.Points.Define(stage, "/sea/particles")
+                position, velocity = (kept.particles[name].astype(np.float32) for name in ("position", "velocity"))
+                cloud.CreatePointsAttr().Set(Vt.Vec3fArray.FromNumpy(position), code)
+                cloud.CreateVelocitiesAttr().Set(Vt.Vec3fArray.FromNumpy(velocity), code)
+                cloud.CreateIdsAttr().Set(Vt.Int64Array.FromNumpy(kept.particles["id"].astype(np.int64)), code)
+        if cloud is not None:
+            cloud.CreateWidthsAttr([float(grid["spacing"])])
+            cloud.SetWidthsInterpolation(UsdGeom.Tokens.constant)
+        made = draft.with_suffix(".usdc")  # the writer knows formats by their endings
+        stage.Export(str(made))
+        made.replace(draft)
+    return path
+
+
+def still(mesh: Any, corners: np.ndarray, vt: ModuleType, *at: Any) -> None:
+    """The triangles of a mesh, at a time or always."""
+    mesh.CreateFaceVertexCountsAttr().Set(vt.IntArray.FromNumpy(np.full(len(corners) // 3, 3, np.int32)), *at)
+    mesh.CreateFaceVertexIndicesAttr().Set(vt.IntArray.FromNumpy(corners), *at)
+    mesh.CreateSubdivisionSchemeAttr("none")
+
+
+def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> Path:
+    """Binary glTF: water that changes shape, white where it foams in the first frame, and ships that move."""
+    from scipy.spatial.transform import Rotation
+
+    shots = [shot(frame, grid) for frame in frames]
+    first = shots[0]
+    if any(not np.array_equal(kept.faces, first.faces) for kept in shots):
+        raise Failed("glTF holds no surface whose triangles change; export usd, or --surface vtkhdf")
+    made = Glb(np.array([kept.time for kept in shots]))
+    if len(first.points):
+        white = first.fields.get("foam", np.zeros(len(first.points)))[:, None]
+        moved = np.stack([kept.points for kept in shots]) if len(shots) > 1 else None
+        made.mesh("water", first.points, first.faces, SEA + white * (WHITE - SEA), moved)
+    for key, model in models(grid).items():
+        corners = model.mesh.corners.reshape(-1, 3)
+        paint = np.repeat(model.mesh.colour, 3, axis=0)
+        node = made.mesh(named(key), corners, np.arange(len(corners)).reshape(-1, 3), paint)
+        poses = [kept.ships[key] for kept in shots]
+        made.animate(node, "translation", np.array([position for position, _ in poses]))
+        made.animate(node, "rotation", unbroken(Rotation.from_matrix([turn for _, turn in poses]).as_quat()))
+    made.save(path)
+    return path
+
+
+def unbroken(quaternions: np.ndarray) -> np.ndarray:
+    """(k, 4), each turned to the side of the one before, so that between them no ship spins."""
+    signs = np.cumprod([1.0, *np.where((quaternions[1:] * quaternions[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)])
+    return quaternions * signs[:, None]
+
+
+def upright(meshes: Iterator[Shot], z_up: bool) -> Iterator[Shot]:
+    """Shots in axes with z up, or as they are."""
+    for kept in meshes:
+        if not z_up:
+            yield kept
+            continue
+        fields = {name: values @ Z_UP.T if values.ndim == 2 else values for name, values in kept.fields.items()}
+        particles = {name: values @ Z_UP.T if values.ndim == 2 else values for name, values in kept.particles.items()}
+        ships = {key: (Z_UP @ position, Z_UP @ turn) for key, (position, turn) in kept.ships.items()}
+        yield Shot(kept.time, kept.points @ Z_UP.T, kept.faces, fields, ships, particles)

@@ -1,0 +1,73 @@
+"""What is written over a picture: the time, a bar of so many metres, and where the basin ends."""
+
+from math import floor, log10
+from typing import Any
+
+import numpy as np
+
+from ocean_sim.pictures.stage import Stage
+
+INK, PAPER = "#eef3f6", (0.03, 0.09, 0.13)
+OUTLINE = "#ffb347"
+RAISED = 0.06  # [m] by which the outline stands over the water, so that it is seen
+SHORTEST, LONGEST = 0.10, 0.25  # of the width of a picture: the bar
+
+
+def words(stage: Stage, text: str, position: tuple[int, int]) -> Any:
+    """Text on a dark ground, legible on foam; x and y from the lower left corner [pixels]."""
+    made = stage.plotter.add_text(text, position=position, font_size=9, color=INK)
+    made.prop.SetBackgroundColor(*PAPER)
+    made.prop.SetBackgroundOpacity(0.55)
+    return made
+
+
+class ScaleBar:
+    """A round number of metres, as long as they are across the picture at the camera's target."""
+
+    def __init__(self, stage: Stage) -> None:
+        self.stage = stage
+        self.words = words(stage, " ", (0, 0))
+        self.length = 0  # [pixels]
+
+    def show(self, target: np.ndarray) -> None:
+        """At the distance of a target [m]."""
+        camera, (width, height) = self.stage.camera, self.stage.size
+        half = camera.parallel_height
+        if half is None:
+            half = float((target - camera.eye) @ camera.forward) * float(np.tan(np.radians(camera.angle) / 2.0))
+        metre = height / (2.0 * max(half, 1e-6))  # [pixels]
+        metres = round_below(LONGEST * width / metre)
+        self.length = int(round(metres * metre))
+        self.words.input = f"{metres:g} m"
+        self.words.SetPosition(width - self.length - 24, 30)
+
+    def draw(self, image: np.ndarray) -> None:
+        """Into a picture (height, width, 3)."""
+        right, low = self.stage.size[0] - 24, self.stage.size[1] - 14
+        image[low - 8 : low + 2, right - self.length - 2 : right + 2] = np.multiply(PAPER, 255.0).astype(np.uint8)
+        for k in range(4):
+            left = right - self.length + k * self.length // 4
+            image[low - 6 : low, left : left + self.length // 4] = 238 if k % 2 == 0 else 110
+
+
+def round_below(value: float) -> float:
+    """The greatest of 1, 2, 5 times a power of ten that is not above a value."""
+    power = 10.0 ** floor(log10(value))
+    return next(m * power for m in (5.0, 2.0, 1.0) if m * power <= value * (1.0 + 1e-9))
+
+
+class Outline:
+    """The sides of the basin, drawn on the water."""
+
+    def __init__(self, stage: Stage, lower: np.ndarray, upper: np.ndarray, points: int = 400) -> None:
+        """Corners of the basin [m]."""
+        way = np.linspace(0.0, 4.0, points)
+        corner = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]], dtype=float)
+        share = np.stack([np.interp(way, np.arange(5), corner[:, k]) for k in range(2)], axis=1)
+        self.around = lower[[0, 2]] + share * (upper - lower)[[0, 2]]
+        self.line = stage.pyvista.MultipleLines(np.insert(self.around, 1, 0.0, axis=1).astype(np.float32))
+        stage.plotter.add_mesh(self.line, color=OUTLINE, line_width=2.0, lighting=False, render=False)
+
+    def show(self, origin: np.ndarray, heights: np.ndarray) -> None:
+        """Around an origin x, z [m], at heights (points,) [m]."""
+        self.line.points = np.insert(self.around + origin, 1, heights + RAISED, axis=1).astype(np.float32)

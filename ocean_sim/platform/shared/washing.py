@@ -1,0 +1,153 @@
+"""What washouts have in common: scales, tilt and turns; each kind adds how the platform travels.
+
+Reid and Nahon, UTIAS Report 296 (1985). Specific force is freed of gravity in level axes that head as the ship does,
+scaled, and travelled as the kind says; its slow part along x and y tilts the platform, slower than people notice.
+Rates of turn are scaled and high-passed. An angle without a high-pass is followed as it is, and then shows its own
+part of gravity.
+"""
+
+from collections.abc import Sequence
+from typing import Annotated, Protocol
+
+import numpy as np
+from pydantic import Field
+
+from ocean_sim.conventions import GRAVITY
+from ocean_sim.model import Model, Vector3, quantity
+from ocean_sim.platform import INPUT, TILT_RATE, Cue
+from ocean_sim.platform.shared.motion_log import Ride, euler_rates, turned
+
+Positive = Annotated[float, Field(gt=0.0)]
+NotNegative = Annotated[float, Field(ge=0.0)]
+Positive3 = Annotated[tuple[Positive, Positive, Positive], Field(strict=False)]
+NotNegative3 = Annotated[tuple[NotNegative, NotNegative, NotNegative], Field(strict=False)]
+Frequencies = Annotated[tuple[Positive | None, Positive | None, Positive], Field(strict=False)]
+
+
+class WashingConfig(Model):
+    """Keys of every washout."""
+
+    force_scale: Vector3 = quantity("1")
+    """Scale of acceleration along x, y and z."""
+    rotation_scale: Vector3 = quantity("1")
+    """Scale of roll, pitch and yaw."""
+    tilt_frequency: float = quantity("rad/s", gt=0.0)
+    """Corner of the low-pass before the tilt, critically damped."""
+    tilt_rate_deg: float = quantity("deg/s", 3.0, gt=0.0)
+    """Fastest tilt: the threshold at which people notice a turn."""
+    rotation_frequency: Frequencies = quantity("rad/s")
+    """Corner of the critically damped high-pass of roll, pitch and yaw; null follows the angle itself."""
+    acceleration_limit: float = quantity("m/s2", 10.0, gt=0.0)
+    """Scaled accelerations are clipped here."""
+    rate_limit_deg: float = quantity("deg/s", 60.0, gt=0.0)
+    """Scaled rates are clipped here."""
+
+
+class Travelling(Protocol):
+    """How a platform travels along one axis."""
+
+    def of(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(n,) displacement [m] for (n,) scaled accelerations [m/s2], and (n,) whether the input was cut."""
+        ...
+
+
+class Filter:
+    """A transfer function at a fixed rate (Tustin), that goes on where it stopped."""
+
+    def __init__(self, zeros: Sequence[float], poles: Sequence[complex], gain: float, every: float) -> None:
+        from scipy.signal import bilinear_zpk, sosfilt, zpk2sos
+
+        self.filtered = sosfilt
+        self.sections = zpk2sos(*bilinear_zpk(zeros, poles, gain, 1.0 / every))
+        self.state = np.zeros((len(self.sections), 2))
+
+    def of(self, signal: np.ndarray) -> np.ndarray:
+        """(n,) the filtered signal."""
+        out, self.state = self.filtered(self.sections, signal, zi=self.state)
+        return out
+
+
+def second_order(frequency: float, damping: float) -> list[complex]:
+    """Poles of s^2 + 2 zeta omega s + omega^2."""
+    root = np.sqrt(complex(damping**2 - 1.0))
+    return [frequency * (-damping + root), frequency * (-damping - root)]
+
+
+class Tilt:
+    """An angle that gives the slow part of a specific force by gravity, at a limited rate."""
+
+    def __init__(self, frequency: float, rate: float, every: float) -> None:
+        self.slow = Filter([], second_order(frequency, 1.0), frequency**2, every)
+        self.step, self.angle = rate * every, 0.0
+
+    def of(self, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(n,) asin(f / g) of the slow part of (n,) f [m/s2], and (n,) whether its rate was limited."""
+        wanted = np.arcsin(np.clip(self.slow.of(force) / GRAVITY, -1.0, 1.0)).tolist()
+        angle, step, angles, held = self.angle, self.step, [], []
+        for target in wanted:
+            turn = target - angle
+            held.append(abs(turn) > step)
+            angle = target if abs(turn) <= step else angle + (step if turn > 0.0 else -step)
+            angles.append(angle)
+        self.angle = angle
+        return np.array(angles), np.array(held, dtype=bool)
+
+
+class Washing:
+    """A washout at work."""
+
+    def __init__(self, config: WashingConfig, every: float, travels: Sequence[Travelling]) -> None:
+        """`every`: time between rows [s]; `travels`: along x, y and z."""
+        self.config, self.travels = config, travels
+        self.tilts = [Tilt(config.tilt_frequency, np.radians(config.tilt_rate_deg), every) for _ in range(2)]
+        # s^2 / (s^2 + 2 omega s + omega^2) of a rate, integrated once
+        self.turns = [
+            None if omega is None else Filter([0.0], second_order(omega, 1.0), 1.0, every)
+            for omega in config.rotation_frequency
+        ]
+
+    def follow(self, ride: Ride) -> Cue:
+        config = self.config
+        limited = np.zeros(len(ride.time), dtype=int)
+        level = turned(ride.attitude, ride.specific_force) - [0.0, 0.0, GRAVITY]
+        acceleration = self.clipped(level * config.force_scale, config.acceleration_limit, limited)
+        rates = euler_rates(ride) * config.rotation_scale
+        rates = self.clipped(rates, float(np.radians(config.rate_limit_deg)), limited)
+        pose = np.zeros((len(ride.time), 6))
+        for k, travel in enumerate(self.travels):
+            pose[:, k], cut = travel.of(acceleration[:, k])
+            limited[cut] |= INPUT
+        for k, turn in enumerate(self.turns):
+            pose[:, 3 + k] = ride.attitude[:, k] * config.rotation_scale[k] if turn is None else turn.of(rates[:, k])
+        push = self.lasting(ride)
+        for k, axis, sign in (
+            (3, 1, 1.0),
+            (4, 0, -1.0),
+        ):  # a push lifts the side that it points to
+            angle, held = self.tilts[k - 3].of(push[:, axis])
+            pose[:, k] += sign * angle
+            limited[held] |= TILT_RATE
+        scaled_attitude = ride.attitude * config.rotation_scale
+        inertial = (ride.specific_force - gravity(ride.attitude)) * config.force_scale
+        return Cue(pose, limited, inertial + gravity(scaled_attitude), ride.rate * config.rotation_scale)
+
+    def clipped(self, wanted: np.ndarray, limit: float, limited: np.ndarray) -> np.ndarray:
+        """(n, 3) within its limit; where it was not, `limited` is marked."""
+        limited[(np.abs(wanted) > limit).any(axis=1)] |= INPUT
+        return np.clip(wanted, -limit, limit)
+
+    def lasting(self, ride: Ride) -> np.ndarray:
+        """(n, 2) scaled specific force along x and y without what an angle that is followed shows by itself [m/s2]."""
+        force, own = ride.specific_force[:, :2].copy(), gravity(ride.attitude)
+        if self.turns[1] is None:
+            force[:, 0] -= own[:, 0]
+        if self.turns[0] is None:
+            force[:, 1] -= own[:, 1]
+        limit = self.config.acceleration_limit
+        return np.clip(force * self.config.force_scale[:2], -limit, limit)
+
+
+def gravity(attitude: np.ndarray) -> np.ndarray:
+    """(n, 3) specific force at rest [m/s2] along body axes: g times what is up."""
+    (sr, sp, _), (cr, cp, _) = np.sin(attitude).T, np.cos(attitude).T
+    return GRAVITY * np.column_stack([-sp, cp * sr, cp * cr])

@@ -1,0 +1,224 @@
+"""Every key that a scene may have, with its unit, default, range and meaning, read from the schema of a scene.
+
+Paths are written as in `--set`, with the kind of a part after its slot: `basin.depth`, `wind.stress.u10`,
+`motion.every`; `[]` stands for the entries of a list and `NAME` for a name that the user gives.
+"""
+
+from collections.abc import Iterator
+from functools import cache
+from typing import Any, NamedTuple
+
+from ocean_sim.parts import KindConfig, config_of, kinds, slot_of
+from ocean_sim.reading.schema import schema
+
+NAMED, ITEM = "NAME", "[]"
+WORDS = {
+    "number": "number",
+    "integer": "whole number",
+    "boolean": "true or false",
+    "string": "text",
+    "null": "null",
+    "object": "mapping",
+    "array": "list",
+}
+BOUNDS = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
+NO_DEFAULT = object()
+SIZES = {"m": "1.0", "s": "0.1", "deg": "30.0", "1": "0.5"}  # an example of a number, by its unit
+
+
+class Key(NamedTuple):
+    """One key of a scene."""
+
+    path: str
+    takes: str
+    """What may be written, in words."""
+    unit: str
+    """As in `m/s`; empty for what is no quantity, `1` for a number without one."""
+    default: str
+    """As YAML; `required` where there is none."""
+    range: str
+    """As in `> 0`."""
+    meaning: str
+    example: str
+    """As `--set` takes it, without the kind."""
+
+    @property
+    def section(self) -> str:
+        """The table in which the reference lists it: `basin`, `wind.stress`, `motion`."""
+        words = self.path.split(".")
+        kind = len(words) > 1 and words[0] in schema_slots() and words[1] in kinds(words[0])
+        return ".".join(words[: 2 if kind else 1])
+
+
+@cache
+def whole() -> dict[str, Any]:
+    """The schema, made once."""
+    return schema()
+
+
+@cache
+def schema_slots() -> tuple[str, ...]:
+    """The slots, as the schema has them."""
+    return tuple(key for key, node in whole()["properties"].items() if "enum" in node.get("anyOf", [{}])[0])
+
+
+@cache
+def keys() -> tuple[Key, ...]:
+    """All of them, in the order of the models."""
+    found: dict[str, Key] = {}
+    for name, node in whole()["properties"].items():
+        if name in schema_slots():
+            for kind in kinds(name):
+                below = of_mapping(definition(f"{name}.{kind}"), f"{name}.{kind}", ())
+                found |= {key.path: key for key in below if key.path not in found}
+        elif name != "ships":
+            for key in of_value(name, node, name in whole()["required"], ()):
+                found.setdefault(key.path, key)
+    return tuple(found.values())
+
+
+def definition(name: str) -> dict[str, Any]:
+    return whole()["$defs"][name.removeprefix("#/$defs/")]
+
+
+def of_mapping(node: dict[str, Any], path: str, within: tuple[str, ...]) -> Iterator[Key]:
+    """The keys of a model, and of the models inside it."""
+    for name, inner in node.get("properties", {}).items():
+        if name == "kind" and "const" in inner:
+            continue
+        yield from of_value(f"{path}.{name}", inner, name in node.get("required", ()), within)
+
+
+def of_value(path: str, node: dict[str, Any], required: bool, within: tuple[str, ...]) -> Iterator[Key]:
+    """A key, and what is inside its value."""
+    yield key_of_node(path, node, required)
+    yield from inside(path, node, within)
+
+
+def inside(path: str, node: dict[str, Any], within: tuple[str, ...]) -> Iterator[Key]:
+    """The keys below a value; a model inside itself is left out."""
+    for member in members(node):
+        name = member.get("$ref")
+        if name is not None and name not in within:
+            target = definition(name)
+            yield from of_mapping(target, path, (*within, name))
+            if "properties" not in target:
+                yield from inside(path, target, (*within, name))
+        elif member.get("type") == "array" and isinstance(member.get("items"), dict):
+            yield from inside(path + ITEM, member["items"], within)
+        elif member.get("type") == "object" and isinstance(member.get("additionalProperties"), dict):
+            yield from inside(f"{path}.{NAMED}", member["additionalProperties"], within)
+
+
+def members(node: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """The members of a union, or the node itself."""
+    for union in ("anyOf", "oneOf"):
+        if union in node:
+            for member in node[union]:
+                yield from members(member)
+            return
+    yield node
+
+
+def key_of_node(path: str, node: dict[str, Any], required: bool) -> Key:
+    default = "required" if required else in_yaml(node.get("default", NO_DEFAULT))
+    meaning = " ".join(plain(node).split())
+    takes = " or ".join(dict.fromkeys(kind_of(member) for member in members(node)))
+    bounds = dict.fromkeys(bound for member in members(node) for bound in bounds_of(member))
+    return Key(path, takes, node.get("unit", ""), default, ", ".join(bounds), meaning, example(path, node))
+
+
+def plain(node: dict[str, Any]) -> str:
+    """The description of a key, or of the model that it holds, without what editors show with it."""
+    text = node.get("meaning") or node.get("description")
+    return text or next((definition(m["$ref"]).get("description", "") for m in members(node) if "$ref" in m), "")
+
+
+def bounds_of(node: dict[str, Any]) -> Iterator[str]:
+    yield from (f"{sign} {node[name]:g}" for name, sign in BOUNDS.items() if name in node)
+    for member in (node.get("items") if isinstance(node.get("items"), dict) else None,):
+        if member:
+            yield from bounds_of(member)
+
+
+def kind_of(node: dict[str, Any]) -> str:
+    """What a value is, in words."""
+    if "$ref" in node:
+        target = definition(node["$ref"])
+        return "mapping" if "properties" in target else kind_of(next(members(target)))
+    if "const" in node:
+        return f"`{node['const']}`"
+    if "enum" in node:
+        return ", ".join(f"`{word}`" for word in node["enum"])
+    if "prefixItems" in node:
+        return f"list of {len(node['prefixItems'])} numbers"
+    if node.get("type") == "array" and isinstance(node.get("items"), dict):
+        inner = " or ".join(dict.fromkeys(kind_of(member) for member in members(node["items"])))
+        return f"list of {inner}"
+    if node.get("type") == "object" and isinstance(node.get("additionalProperties"), dict):
+        return "mapping of names"
+    return WORDS.get(str(node.get("type", "")), "anything")
+
+
+def in_yaml(value: Any) -> str:
+    """A plain value as it stands in YAML."""
+    if value is NO_DEFAULT:
+        return ""
+    if value is None or isinstance(value, bool):
+        return {None: "null", True: "true", False: "false"}[value]
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key}: {in_yaml(inner)}" for key, inner in value.items()) + "}"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(in_yaml, value)) + "]"
+    return str(value) or '""'
+
+
+def example(path: str, node: dict[str, Any]) -> str:
+    """A key and a value, as `--set` takes them."""
+    words = path.split(".")
+    if words[0] in schema_slots():
+        words = [words[0], *words[2:]]
+    plain_path = ".".join(words).replace(ITEM, ".0").replace(NAMED, "name")
+    return f"{plain_path}={value_of(path, node)}"
+
+
+def value_of(path: str, node: dict[str, Any]) -> str:
+    """A value that suits a key: the kind's own example, its default, or one of its size."""
+    words = path.split(".")
+    if len(words) == 3 and words[0] in schema_slots():
+        given: type[KindConfig] = config_of(slot_of(words[0]), words[1])
+        if words[2] in given.example:
+            return in_yaml(given.example[words[2]])
+    default = node.get("default")
+    if default not in (None, [], {}, ""):
+        return in_yaml(default)
+    member = next((m for m in members(node) if m.get("type") != "null"), node)
+    if "enum" in member:
+        return str(member["enum"][0])
+    if "prefixItems" in member:
+        return in_yaml([0.0] * len(member["prefixItems"]))
+    if member.get("type") in ("number", "integer"):
+        low = member.get("minimum", member.get("exclusiveMinimum", 0.0))
+        return str(int(low) + 1) if member["type"] == "integer" else SIZES.get(node.get("unit", ""), "1.0")
+    return {"array": "[...]", "boolean": "true", "string": "..."}.get(str(member.get("type")), "{...}")
+
+
+def found(word: str) -> list[Key]:
+    """The keys that a path means: itself and what is directly below it; without the kind, those of every kind."""
+    wanted = word.replace("[]", "").strip(".").split(".")
+    steps = [step for step in wanted if not step.isdigit()]
+    exact, below = [], []
+    for key in keys():
+        path = key.path.replace(ITEM, "").split(".")
+        forms = [path] + ([[path[0], *path[2:]]] if path[0] in schema_slots() else [])
+        if path[0] == "ship":
+            forms += [["ships", NAMED, *form[1:]] for form in forms]
+        if any(matches(form, steps) for form in forms):
+            exact.append(key)
+        elif any(len(form) == len(steps) + 1 and matches(form[:-1], steps) for form in forms):
+            below.append(key)
+    return exact + below
+
+
+def matches(path: list[str], steps: list[str]) -> bool:
+    return len(path) == len(steps) and all(p in (s, NAMED) for p, s in zip(path, steps, strict=True))

@@ -1,0 +1,28 @@
+"""A sea around a patch that a scene describes by its waves."""
+
+from ocean_sim import waves
+from ocean_sim.basin.open_sea import Rim
+from ocean_sim.model import quantity
+from ocean_sim.parts import Preflight, Problems, SeaConfig
+from ocean_sim.waves.seas import Seas
+
+
+class Written(Seas, SeaConfig):
+    """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `seas` on top of them."""
+
+    rim: Rim = Rim()
+    feed: float | None = quantity("1/s", None, ge=0.0)
+    """Rate at which the velocity of the sea is added to that of all water, which holds the waves up between the rims;
+    null: what the scheme takes from waves of each length, and by how much it delays them, as far as that has been
+    measured; 0: none."""
+
+    @property
+    def significant_height(self) -> float:
+        return 0.0 if self.highest is None else self.highest[0]
+
+    def plane_waves(self, basin: waves.Tank) -> waves.Components | None:
+        sea = self.sea_of(basin)
+        return sea if sea.amplitude.any() else None
+
+    def problems(self, preflight: Preflight) -> Problems:
+        return self.impossible(preflight.tank) or super().problems(preflight)

@@ -1,0 +1,30 @@
+"""A nonlinear sea, evolved in time on a tile as large as the patch: what `fluid.kind: spectral_sea` is at order 3."""
+
+from typing import Literal
+
+from ocean_sim.basin.open_sea import MOST_PARTS, Nonlinear, width_over_length
+from ocean_sim.parts import Preflight, Problems
+from ocean_sim.sea.shared.written import Written
+from ocean_sim.waves.seas import Steepening
+
+
+class Config(Steepening, Written):
+    """Regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `seas` on top of them: nonlinear up
+    to the third order in their slope."""
+
+    kind: Literal["spectral_sea"] = "spectral_sea"
+    order: Literal[1, 3] = 3
+    """3: nonlinear up to the third order in its slope, on a cell a particle spacing; 1: linear, as `linear_waves`."""
+
+    @property
+    def nonlinear(self) -> Nonlinear | None:
+        if self.order == 1 or self.highest is None:
+            return None
+        return Nonlinear(self.onset_in(self.highest[1]), self.breaking)
+
+    def problems(self, preflight: Preflight) -> Problems:
+        found = super().problems(preflight)
+        if not found and self.nonlinear is not None and width_over_length(preflight.tank.periods) is None:
+            sentence = f"the sides of the patch are no whole numbers of one cell; take a ratio of at most {MOST_PARTS}"
+            found.append((("kind",), f"{sentence}, or kind linear_waves"))
+        return found

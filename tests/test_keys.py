@@ -1,0 +1,97 @@
+"""The keys of a scene as users are told of them: every one has a meaning, and what it says is so."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from ocean_sim.__main__ import answered
+from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.parts import kinds, named
+from ocean_sim.reading import schema
+from ocean_sim.reading.keys import found, keys
+from ocean_sim.reading.scene import load
+from ocean_sim.reading.translation import likeliest
+
+SEA = {"basin": {"length": 20.0, "width": 20.0, "depth": 5.0}, "fluid": {"kind": "linear_waves", "height": 0.5}}
+
+
+def test_every_key_has_a_meaning_and_its_path_is_found():
+    for key in keys():
+        assert key.meaning and key.takes, key.path
+    for key in keys()[::60]:
+        assert any(key.path == other.path for other in found(key.path)), key.path
+
+
+def test_a_key_is_explained_with_and_without_its_kind(capsys):
+    assert [key.path for key in found("wind.u10")] == ["wind.stress.u10"]
+    assert next(key.path for key in found("ships.tug.moorings.0.stiffness")) == "ship.dynamic.moorings[].stiffness"
+    assert answered(["explain", "wind.stress.u10", "--json"]) == 0
+    (told,) = json.loads(capsys.readouterr().out)
+    assert (told["unit"], told["range"]) == ("m/s", ">= 0, <= 200")
+    assert answered(["explain", "wind.stres.u10"]) == 2
+    assert "there are wind.stress.u10" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "word, choices, meant",
+    [
+        ("speed", ["u10", "start", "gain"], "u10"),
+        ("direction", ["heading_deg", "u10"], "heading_deg"),
+        ("heading", ["height", "heading_deg"], "heading_deg"),
+        ("pos", ["position", "mass"], "position"),
+        ("dt", ["time_step", "duration"], "time_step"),
+        ("output", ["frames", "fluid"], "frames"),
+        ("viscosity", ["kinematic_viscosity", "spacing"], "kinematic_viscosity"),
+        ("Density", ["rest_density", "spacing"], "rest_density"),
+        ("size", ["length", "depth"], "length"),
+        ("spacng", ["spacing", "support_ratio"], "spacing"),
+        ("xyzzy", ["spacing", "support_ratio"], None),
+    ],
+)
+def test_the_likeliest_intention(word, choices, meant):
+    assert likeliest(word, choices) == meant
+
+
+def test_what_is_below_a_wrong_kind_is_reported_in_the_same_go():
+    with pytest.raises(SceneError) as refused:
+        load(SEA | {"fluid": {"kind": "muller", "viscosity": 1.0, "spacing": -1.0}})
+    keys_told = {problem.key for problem in refused.value.problems}
+    assert keys_told == {"fluid.kind", "fluid.viscosity", "fluid.spacing"}
+
+
+def test_a_new_scene_says_what_its_keys_mean_and_is_the_same_scene(tmp_path, capsys):
+    file = tmp_path / "mine.yaml"
+    for source in ("showcase", "gallery/dam_break_on_a_box", "gallery/two_ships"):
+        assert answered(["new", str(file), "--from", source]) == 0
+        assert load(file).resolved() == load(source).resolved()
+        assert "# Simulated time [s]" in file.read_text()
+        assert answered(["new", str(file)]) == 2 and "there already" in capsys.readouterr().err
+        file.unlink()
+
+
+def test_editors_know_the_keys_of_ready_made_parts_and_hover_units_and_defaults():
+    whole = schema.schema()
+    choices = whole["properties"]["ship"]["anyOf"]
+    ready = {c["properties"]["kind"]["const"]: c for c in choices if "properties" in c}
+    assert set(ready) == set(named("ship")) - set(kinds("ship"))
+    yacht = ready["yacht"]
+    assert not yacht["additionalProperties"] and yacht["required"] == ["kind"]
+    assert {"position", "heading_deg", "mass"} <= set(yacht["properties"]) and "15 m" in yacht["description"]
+    assert choices[0]["enum"] and len(choices[0]["enum"]) == len(choices[0]["markdownEnumDescriptions"])
+    assert whole["properties"]["duration"]["description"] == "Simulated time. [s] Default: 10.0."
+
+
+def test_the_version_and_a_quiet_run(capsys, tmp_path):
+    assert answered(["--version"]) == 0
+    assert capsys.readouterr().out.split()[0] == "ocean-sim"
+    scene = Path(tmp_path / "sea.yaml")
+    off = "render: null\nframes: null\nreport: null\naccuracy: null\n"
+    sea = "basin: {length: 9.0, width: 9.0, depth: 5.0}\nfluid: {kind: linear_waves, height: 0.5, period: 3.0}\n"
+    scene.write_text(f"duration: 0.05\n{sea}{off}")
+    assert answered(["run", str(scene), "--quiet", "--out", str(tmp_path / "run")]) == 0
+    assert capsys.readouterr().out == f"{tmp_path / 'run'}\n"
+    assert answered(["run", str(scene), "--json", "--out", str(tmp_path / "again")]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["outcome"] == "done" and told["warnings"] == []
+    assert set(told["wall_s"]) == {"start", "steps", "pictures", "total"} and told["wall_s"]["total"] > 0.0

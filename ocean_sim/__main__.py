@@ -194,12 +194,15 @@ def bench(
     threads: Annotated[int | None, typer.Option(min=1, help="Worker threads; by default all cores.")] = None,
     repeats: Annotated[int, typer.Option(min=1, help="Blocks of at least half a second; the median counts.")] = 5,
     cold: Annotated[bool, typer.Option(help="Begin with an empty kernel cache, as on a first run.")] = False,
+    peers: Annotated[
+        bool, typer.Option("--peers", help="What pysplashsurf and Capytaine take for the same tasks, where installed.")
+    ] = False,
     json: Json = False,
 ) -> None:
     """Speed alone: milliseconds a step, particle-steps per second, time to the first step, peak memory."""
     from ocean_sim.verbs.bench import bench
 
-    bench(scenes or [], profile, sets or [], threads, repeats, cold, json)
+    bench(scenes or [], profile, sets or [], threads, repeats, cold, peers, json)
 
 
 @app.command()
@@ -416,6 +419,26 @@ def waves(
 
 
 @app.command()
+def sea(
+    scene: Scene,
+    sets: Sets = None,
+    swd: Annotated[Path | None, typer.Option(help="A spectral-wave-data file (.swd) to write.")] = None,
+    openfast: Annotated[
+        Path | None, typer.Option(help="An elevation file of OpenFAST (.Elev, WaveMod 5) to write.")
+    ] = None,
+    at: Annotated[str, typer.Option(help="X,Z [m] of the place of that elevation.")] = "0,0",
+    every: Annotated[float, typer.Option(min=0.001, help="Time between its rows [s].")] = 0.1,
+    until: Annotated[float | None, typer.Option(min=0.001, help="Its end [s]; by default that of the scene.")] = None,
+    json: Json = False,
+) -> None:
+    """The waves of a scene as files for other programs: spectral-wave-data, OpenFAST."""
+    from ocean_sim.verbs.sea import sea
+    from ocean_sim.verbs.shared.after import numbers
+
+    sea(scene, sets or [], swd, openfast, numbers("--at", at) or [], every, until, json)
+
+
+@app.command()
 def figure(
     names: Annotated[list[str], typer.Argument(help="As in 6-3, or all of the thesis (ocean-sim list figures).")],
     fast: Annotated[bool, typer.Option("--fast", help="Coarse and short, for a quick look.")] = False,
@@ -427,6 +450,20 @@ def figure(
 
     with console.claim(out):
         return figure(names, fast, out, json)
+
+
+@app.command()
+def gallery(
+    names: Annotated[list[str] | None, typer.Argument(help="Of pictures; by default those that are old.")] = None,
+    check: Annotated[bool, typer.Option("--check", help="Only list those that are old, with their commands.")] = False,
+    every: Annotated[bool, typer.Option("--all", help="Make all of them.")] = False,
+    out: Annotated[Path | None, typer.Option(help="By default figures/gallery of this checkout.")] = None,
+    json: Json = False,
+) -> int:
+    """The pictures of the README, made again by the commands that it prints."""
+    from ocean_sim.verbs.gallery import gallery
+
+    return gallery(names or [], check, every, out, json)
 
 
 @app.command()

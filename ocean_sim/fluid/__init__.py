@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import taichi as ti
@@ -386,8 +386,21 @@ class Window(Protocol):
         ...
 
 
+class Arriving(NamedTuple):
+    """Plane waves as they are now at one place, n of them."""
+
+    amplitude: np.ndarray  # [m]
+    angle: np.ndarray  # phase [rad]: amplitude cos(angle) is the elevation
+    omega: np.ndarray  # [rad/s]
+    heading: np.ndarray  # to which they go [rad]: 0 along +z, a right angle along +x
+
+
 class ClosedForm(Fluid, Protocol):
     """What water without particles has beyond that: it can be asked below its surface from a kernel."""
+
+    def arriving(self, x: float, z: float) -> Arriving:
+        """Its plane waves now, at a place [m]."""
+        ...
 
     def rise(self, x: Any, z: Any) -> Any:
         """ti.func: elevation of what is not plane waves [m]."""

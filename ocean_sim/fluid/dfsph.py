@@ -62,9 +62,9 @@ class Config(SphConfig):
 
     bears_shear: ClassVar[float] = 1.0e-3
     fineness: ClassVar[int] = 2
-    attenuation: ClassVar = Attenuation(4.0e-4, 4.0e-3, 1.0e-2, travelling=Attenuation(0.0, steep=8.5e-2))
+    attenuation: ClassVar = Attenuation(4.0e-4, 4.0e-3, 1.0e-2, travelling=Attenuation(4.0e-4, steep=8.0e-2))
     """Besides the artificial viscosity."""
-    delay: ClassVar = Delay(0.27)
+    delay: ClassVar = Delay(0.2)
     unheeded: ClassVar[tuple[str, ...]] = ("compression",)
     default_ratio: ClassVar[tuple[float, float]] = (NEUTRAL_RATIO, NEUTRAL_RATIO)
     kernel: ClassVar[Kernel] = NEUTRAL

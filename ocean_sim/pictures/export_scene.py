@@ -56,7 +56,8 @@ def shot(frame: Path, grid: dict[str, np.ndarray]) -> Shot:
         if "surface_velocity" in data:
             fields["velocity"] = data["surface_velocity"].reshape(-1, 3).astype(np.float32)
     ships = {key: (data[f"{key}_position"], data[f"{key}_turn"]) for key in ships_in(data, "_turn")}
-    particles = {name: data[name] for name in ("position", "velocity", "id", "pressure") if name in data}
+    kept = "position", "velocity", "id", "pressure"
+    particles = {str(name): data[name] for name in kept if name in data}
     return Shot(float(data["time"]), points, faces, fields, ships, particles)
 
 
@@ -79,9 +80,9 @@ def named(key: str) -> str:
     return "".join(letter if letter.isalnum() else "_" for letter in key)
 
 
-def rate(times: np.ndarray) -> float:
-    """Pictures a second of frames at these times [s]."""
-    return float(np.round((len(times) - 1) / (times[-1] - times[0]), 3)) if len(times) > 1 else 24.0
+def rate(first: float, last: float, count: int) -> float:
+    """Pictures a second of so many frames from a first to a last time [s]."""
+    return round((count - 1) / (last - first), 3) if count > 1 else 24.0
 
 
 def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up: bool) -> Path:
@@ -91,17 +92,16 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
         from pxr import Gf, Sdf, Usd, UsdGeom, Vt
     except ImportError:
         raise UsdMissing from None
-    shots = [float(arrays(frame)["time"]) for frame in (frames[0], frames[-1])]
-    times = np.linspace(shots[0], shots[1], len(frames))
-    per_second = rate(times)
+    first, last = (float(arrays(frame)["time"]) for frame in (frames[0], frames[-1]))
+    per_second = rate(first, last, len(frames))
     with whole(path) as draft:
         stage = Usd.Stage.CreateInMemory()
         UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z if z_up else UsdGeom.Tokens.y)
         UsdGeom.SetStageMetersPerUnit(stage, 1.0)
         stage.SetTimeCodesPerSecond(per_second)
         stage.SetFramesPerSecond(per_second)
-        stage.SetStartTimeCode(shots[0] * per_second)
-        stage.SetEndTimeCode(shots[1] * per_second)
+        stage.SetStartTimeCode(first * per_second)
+        stage.SetEndTimeCode(last * per_second)
         root = UsdGeom.Xform.Define(stage, "/sea")
         stage.SetDefaultPrim(root.GetPrim())
         if z_up:

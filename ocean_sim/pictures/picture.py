@@ -117,10 +117,10 @@ class Picture:
         plane = self.stage.pyvista.Plane(
             center=(middle[0], self.lower[1] - 0.005 * size[1], middle[2]),  # below a dry bed
             direction=(0.0, 1.0, 0.0),
-            i_size=2.4 * size[2],
-            j_size=2.4 * size[0],
-            i_resolution=80,
-            j_resolution=80,
+            i_size=5.0 * size[2],
+            j_size=5.0 * size[0],
+            i_resolution=160,
+            j_resolution=160,
         )
         away = np.asarray(plane.points, dtype=float) + 0.5 * size[1] * sky.SUN
         outside = np.maximum(0.0, np.maximum(self.lower - away, away - self.upper))[:, [0, 2]]
@@ -133,8 +133,8 @@ class Picture:
         self.move(self.operator.at(frame.time))
         for key, pose in frame.ships.items():
             self.ships[key].show(*pose, self.stage.camera.eye)
-        self.content.show(frame)
         self.obstacles.show(frame)
+        self.content.show(frame)
         if self.caption is not None:
             self.caption.input = f"t = {frame.time:.2f} s"
         if self.outline is not None:
@@ -177,6 +177,6 @@ class Picture:
             self.plotter.disable_anti_aliasing()
 
     def close(self) -> None:
-        if isinstance(self.content, Sea):
+        if isinstance(self.content, Sea | Shell):
             self.content.close()
         self.plotter.close()

@@ -1,5 +1,6 @@
 """The sea in a picture: the basin's surface, the far sea around it, the sky above, shaded per pixel."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from ocean_sim.pictures.ship import ShadedShip
 from ocean_sim.pictures.ship_model import Model
 from ocean_sim.pictures.spray import Spray
 from ocean_sim.pictures.stage import Stage
-from ocean_sim.pictures.wake import Wake
+from ocean_sim.pictures.wake import Kelvin, Wake
 from ocean_sim.pictures.water_shading import EXPOSURE, FOG, Terms, slope_variance
 
 TRAITS = "nrm", "att", "car"  # normal; white, crest, variance of slopes; place by which foam finds its grain
@@ -89,6 +90,8 @@ class Sea:
         self.spray = Spray(stage, float(grid["spacing"])) if order.foam and state.exact is None else None
         sides = self.surface.x, self.surface.z
         self.wakes = [Wake(of, self.hulls[key].beam, *sides) for key, of in vessels.items()] if order.foam else []
+        alone = state.exact is not None and "sea_answers" not in grid  # the water of the run knows of no ship
+        self.kelvins = [Kelvin(of, self.hulls[key].beam) for key, of in vessels.items()] if alone else []
 
     def mesh_of(self, part: "SeaSurface | Fan") -> Any:
         """The nodes and triangles of a part of the sea, with room for what is told of them."""
@@ -148,6 +151,9 @@ class Sea:
 
     def show_basin(self, frame: Frame) -> None:
         now, surface = self.surface.at(frame), self.surface
+        for kelvin in self.kelvins:
+            waves_behind = kelvin.height(frame.time, surface.nodes + frame.origin).reshape(now.height.shape)
+            now = replace(now, height=now.height + surface.share * waves_behind)
         self.frame, self.height = frame, now.height
         if not np.array_equal(frame.origin, self.origin):
             self.origin = frame.origin

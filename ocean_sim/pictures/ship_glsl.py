@@ -9,7 +9,7 @@ from ocean_sim.pictures.water_shading import EXPOSURE
 
 TRAITS = "nrm", "col", "att"  # normal, paint, (gloss, share of the sky that is seen, 0)
 PIXELS = 256  # of the shadow's map along a side
-SAMPLES = 60_000  # points of her surface that cast it
+SAMPLES = 150_000  # points of her surface that cast it
 BIAS = 0.02  # of her length: less than that lies in no shadow of its own
 DIRECTIONS, REACHES = 16, (0.6, 1.2, 2.0, 3.2)  # of rays to the sky, and how far they are followed [m]
 CELL = 0.3  # [m] of the blocks that hide the sky
@@ -81,7 +81,7 @@ class Shade:
         )
         depth = np.full(PIXELS * PIXELS, -1e3, np.float32)
         np.maximum.at(depth, row * PIXELS + column, seen[:, 2].astype(np.float32))
-        depth = maximum_filter(depth.reshape(PIXELS, PIXELS), 2)
+        depth = maximum_filter(depth.reshape(PIXELS, PIXELS), 3)
         return np.repeat(depth[..., None], 3, axis=2), right, up
 
 

@@ -4,11 +4,11 @@ import numpy as np
 
 from ocean_sim.surface import Mesh
 
-INWARD, PASS_BAND = 0.5, 0.03  # lambda, and k_PB = 1 / lambda + 1 / mu
+INWARD, PASS_BAND = 0.5, 0.012  # lambda, and k_PB = 1 / lambda + 1 / mu
 NEAR = 1.0e-4  # of the box: what is nearer to one of its sides lies on it
 
 
-def smoothed(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...], passes: int = 25) -> Mesh:
+def smoothed(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...], passes: int = 60) -> Mesh:
     """Every pass moves the vertices towards their neighbours' mean and back out again, a little further.
 
     Vertices on the sides of the box from `lower` to `upper` [m] stay on them. Measure the mesh as it was.

@@ -1,7 +1,11 @@
-"""The white wake of a ship: drawn along the track of its stern, without effect on the water of the run."""
+"""The wake of a ship where the water of the run knows of none: white along the track of its stern, and Kelvin's waves.
+Drawn, without effect on the run."""
+
+from functools import lru_cache
 
 import numpy as np
 
+from ocean_sim.conventions import GRAVITY
 from ocean_sim.pictures.camera import Vessel
 
 LASTS = 7.0  # [s] in which it falls to a third
@@ -9,6 +13,11 @@ AGE = 22.0  # [s] after which it is not drawn
 STEPS = 48  # positions of the stern that are kept
 FAST = 4.0  # [m/s] from which a wake is as white as it gets
 WHITEST = 0.8
+HIGHEST = 0.13  # of V^2 / g: the greatest height of Kelvin's waves
+ASTERN, ABEAM, FADES = 9.0, 3.5, 5.0  # lengths of a ship that they are drawn behind her bow and aside; and fade in
+FINEST = 0.5  # lengths of a node of their pattern, over the beam
+SLOWEST = 1.0  # [m/s] under which there are none
+ANGLES = 360  # of the waves that they are made of
 STERN = 0.46  # lengths of a ship from its middle to its stern
 SPREADING = 0.22  # [half breadths at s^-1/2] by which it widens
 
@@ -51,3 +60,56 @@ class Wake:
             best = np.maximum(best, white)
         share[np.ix_(*near)] = np.where(best > 0.02, best, 0.0)
         return share
+
+
+@lru_cache(maxsize=64)
+def pattern(speed: float, breadth: float, length: float) -> np.ndarray:
+    """(n, m) height [m] of the waves of a pressure as wide as a ship that goes steadily over deep water (Havelock 1908,
+    Proc. R. Soc. A 81; Darmon, Benzaquen & Raphael 2014, J. Fluid Mech. 738, equation 2.9), at nodes FINEST breadths
+    apart behind its bow and aside."""
+    step = FINEST * breadth
+    x, y = np.arange(0.0, ASTERN * length, step), np.arange(0.0, ABEAM * length, step)
+    k0, froude = GRAVITY / speed**2, speed / np.sqrt(GRAVITY * breadth)
+    angle = (np.arange(ANGLES) + 0.5) / ANGLES * np.pi - 0.5 * np.pi
+    secant = 1.0 / np.cos(angle)
+    weight = secant**4 * np.exp(-(secant**4) / (4.0 * np.pi**2 * froude**4))
+    heard = weight > 1e-4 * weight.max()
+    k = k0 * secant[heard] ** 2
+    along, across = np.outer(x, k * np.cos(angle[heard])), np.outer(y, k * np.sin(angle[heard]))
+    height = (weight[heard] * np.sin(along)) @ np.cos(across).T
+    begins = np.clip(x / (0.6 * length), 0.0, 1.0)
+    height *= (begins * begins * (3.0 - 2.0 * begins) * np.exp(-x / (FADES * length)))[:, None]
+    return HIGHEST * speed**2 / GRAVITY * height / max(float(np.abs(height).max()), 1e-12)
+
+
+class Kelvin:
+    """The waves behind a ship."""
+
+    def __init__(self, vessel: Vessel, breadth: float) -> None:
+        """`breadth` of the ship [m]."""
+        self.vessel, self.breadth = vessel, breadth
+
+    def height(self, time: float, places: np.ndarray) -> np.ndarray:
+        """(n,) [m] at places x, z (n, 2) [m] at a time [s]."""
+        from scipy.ndimage import map_coordinates
+
+        track, length = self.vessel.track, self.vessel.length
+        k = int(np.abs(track.time - time).argmin())
+        speed = round(self.speed(time), 1)
+        if speed < SLOWEST:
+            return np.zeros(len(places))
+        ahead = track.turn[k][:, 2][[0, 2]] / np.linalg.norm(track.turn[k][:, 2][[0, 2]])
+        offset = places - (track.position[k][[0, 2]] + STERN * length * ahead)
+        behind, aside = -offset @ ahead, np.abs(offset @ [-ahead[1], ahead[0]])
+        at = np.stack([behind, aside]) / (FINEST * self.breadth)
+        return map_coordinates(pattern(speed, self.breadth, length), at, order=1, mode="constant")
+
+    def speed(self, time: float) -> float:
+        """Over the ground [m/s]."""
+        track = self.vessel.track
+        if len(track.time) < 2:
+            return 0.0
+        k = int(np.clip(np.searchsorted(track.time, time), 1, len(track.time) - 1))
+        return float(
+            np.linalg.norm((track.position[k] - track.position[k - 1])[[0, 2]]) / (track.time[k] - track.time[k - 1])
+        )

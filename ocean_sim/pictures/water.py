@@ -4,14 +4,13 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.pictures import water_shading
+from ocean_sim.pictures import sky, tank_glsl, water_glsl, water_shading
 from ocean_sim.pictures.frame_files import Frame
 from ocean_sim.pictures.stage import Stage
 from ocean_sim.pictures.water_mesh import WaterMesh
 
 EDGE = "#eef3f6"
-THIN = 0.4  # of the light of a cut side that comes out of the folds of water in a tank
-CLEAR = 0.45  # of a depth that a tank's water is dark by
+EXPOSURE = 1.15  # of water in a tank, as of what is drawn with plain colours
 NODES = {"draft": 40_000, "final": 160_000}  # of the drawn surface
 
 
@@ -48,27 +47,55 @@ class Water:
 
 
 class Shell:
-    """A closed surface with drops and folds, smoothed; what faces down or sideways is seen as through glass."""
+    """A closed surface with drops and folds, smoothed, and as clear as water: see `tank_glsl`."""
 
     def __init__(self, stage: Stage, lower: np.ndarray, upper: np.ndarray, depth: float) -> None:
         """In a tank from `lower` to `upper` [m], of this depth [m]."""
         self.stage, self.lower, self.upper, self.depth = stage, tuple(lower), tuple(upper), depth
-        self.plotter, self.pyvista = stage.plotter, stage.pyvista
-        box = self.pyvista.Box(np.stack([self.lower, self.upper], axis=1).ravel()).extract_feature_edges(30.0)
-        self.plotter.add_mesh(box, color=EDGE, opacity=0.5, line_width=1.5, lighting=False)  # the tank, of glass
+        pyvista = stage.pyvista
+        box = pyvista.Box(np.stack([self.lower, self.upper], axis=1).ravel()).extract_feature_edges(30.0)
+        stage.plotter.add_mesh(box, color=EDGE, opacity=0.5, line_width=1.5, lighting=False)  # the tank, of glass
+        over = sky.clear()
+        self.behind, self.far = (water_glsl.texture(np.zeros((2, 2, n), np.uint8)) for n in (3, 4))
+        textures = {"sky": water_glsl.texture(over.image, smaller=True, repeat=True)}
+        seen = textures | {"scene": self.behind, "back": self.far}
+        functions = water_glsl.WATER_FUNCTIONS
+        plain = water_glsl.plain(0) | water_glsl.switched(water_shading.Terms()) | water_glsl.lit_by(over)
+        self.water = water_glsl.Shaded(pyvista.PolyData(), tank_glsl.WATER, functions, seen, ("nrm",))
+        self.backs = water_glsl.Shaded(self.water.mesh, tank_glsl.DISTANCE, functions, textures, ("nrm",))
+        self.backs.actor.GetProperty().FrontfaceCullingOn()
+        for part in (self.water, self.backs):
+            part.set(**plain | {"exposure": EXPOSURE, "depth": depth, "reach": 1.0, "view": np.eye(4)})
+        stage.plotter.add_actor(self.water.actor, reset_camera=False, render=False)
+        self.measure = stage.empty(stage.size)  # the picture of distances
+        self.measure.set_background("black")
+        self.measure.add_actor(self.backs.actor, reset_camera=False, render=False)
 
     def show(self, frame: Frame) -> None:
         from ocean_sim.pictures.smoothed_mesh import smoothed
         from ocean_sim.surface import Mesh
 
         assert frame.mesh is not None
-        eye = self.stage.camera.eye
         smooth = smoothed(Mesh(*frame.mesh), self.lower, self.upper)
-        points, triangles, normals = smooth.vertices, smooth.triangles, smooth.normals
-        shape = self.pyvista.PolyData.from_regular_faces(points, triangles)
-        height = np.clip(points[:, 1] / max(2.5 * float(frame.elevation.std()), 0.02 * self.depth), -1.0, 1.0)
-        top = water_shading.surface(points, normals, height, eye) + THIN * water_shading.GLASS
-        side = water_shading.side(points, normals, CLEAR * np.clip(-points[:, 1] / self.depth, 0.0, 1.0), eye)
-        up = np.clip(2.5 * normals[:, 1:2], 0.0, 1.0)
-        shape["colour"] = water_shading.display(up * top + (1.0 - up) * side)
-        self.plotter.add_mesh(shape, scalars="colour", rgb=True, lighting=False, name="shell", reset_camera=False)
+        shape = self.stage.pyvista.PolyData.from_regular_faces(smooth.vertices, smooth.triangles)
+        shape.point_data["nrm"] = smooth.normals.astype(np.float32)
+        self.water.mesh.DeepCopy(shape)
+        eye, plotter = self.stage.camera.eye, self.stage.plotter
+        reach = 1.01 * float(np.linalg.norm(smooth.vertices - eye, axis=1).max())
+        camera = plotter.camera
+        found = camera.GetCompositeProjectionTransformMatrix(self.stage.size[0] / self.stage.size[1], -1.0, 1.0)
+        view = np.array([[found.GetElement(i, j) for j in range(4)] for i in range(4)])
+        for part in (self.water, self.backs):
+            part.set(eyeW=eye, reach=reach, view=view)
+        self.measure.camera.DeepCopy(camera)
+        self.measure.render()
+        water_glsl.fill(
+            self.far.GetInput(), self.measure.screenshot(None, return_img=True, transparent_background=True)[::-1]
+        )
+        self.water.actor.VisibilityOff()
+        plotter.render()
+        water_glsl.fill(self.behind.GetInput(), plotter.screenshot(None, return_img=True)[::-1])
+        self.water.actor.VisibilityOn()
+
+    def close(self) -> None:
+        self.measure.close()

@@ -176,7 +176,7 @@ def load(
 def load_text(
     text: str, name: str, folder: Path, overrides: dict[str, Any] | None = None, profile: str | None = None
 ) -> SceneConfig:
-    """The same of a text, as if it stood in a file of this name in a folder, to which names of files are relative."""
+    """The same of a text, as if it stood in a file of this name in a folder, from which its names of files start."""
     try:
         return _loaded(mapping(text, name), folder.absolute(), overrides, profile)
     except RecursionError:

@@ -12,7 +12,7 @@ PLAIN = (int, float, str, bool)
 
 
 def keys(scene: SceneConfig) -> list[dict[str, Any]]:
-    """`key`, `value`, `unit`, `what`, `type`, `low`, `high` and `choices` of each, in the order of the parts."""
+    """`key`, `value`, `unit`, `what`, `type`, `low`, `high`, `choices` of each, in the order of the scene's parts."""
     found = of_model("", scene, ("seed", "duration"))
     found += of_model("basin", scene.basin)
     for name, part in scene.parts().items():

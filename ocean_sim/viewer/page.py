@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 STATIC = Path(__file__).parent / "static"
-SCRIPTS = ("math", "packets", "draw", "world", "cameras", "plots", "editor", "app")
+SCRIPTS = ("math", "packets", "draw", "world", "cameras", "plots", "editor", "xr", "app")
 
 
 @cache

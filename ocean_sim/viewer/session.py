@@ -1,5 +1,6 @@
 """A scene that is played with from pages: stepped in the thread that built it, told by the commands that come in."""
 
+import json
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from math import atan2, hypot, pi, remainder
@@ -12,7 +13,6 @@ from ocean_sim.conventions import Diverged, Failed, in_words
 from ocean_sim.files.claim import Claim
 from ocean_sim.files.whole_file import whole
 from ocean_sim.files.yaml_file import SceneError, mapping, setting
-from ocean_sim.observers.shared.page import text as as_yaml
 from ocean_sim.parts import library, named
 from ocean_sim.pictures.panel import Panel, sliders_of
 from ocean_sim.reading.scene import SceneConfig, load_text, packaged_scenes, scene_path
@@ -339,7 +339,7 @@ class Session:
         moved = [f"# set by hand: {label} = {value:g}" for label, value in self.moved.items()]
         body = self.source.text
         if self.source.overrides or self.source.profile:
-            body = as_yaml(self.config.resolved())
+            body = "\n".join(f"{key}: {json.dumps(value)}" for key, value in self.config.resolved().items())
         self.out.mkdir(parents=True, exist_ok=True)
         with whole(path) as draft:
             draft.write_text("\n".join([*moved, body.rstrip(), ""]), encoding="utf-8")

@@ -1,6 +1,7 @@
 """Seas that one may write in a scene: calm water, regular or random waves, several on top of each other, and lists."""
 
 from math import pi
+from pathlib import Path
 
 import numpy as np
 from pydantic import model_validator
@@ -9,6 +10,7 @@ from ocean_sim import waves
 from ocean_sim.files import csv_file
 from ocean_sim.files.input_file import FileName, Unreadable
 from ocean_sim.model import Model, quantity
+from ocean_sim.waves import exchange
 
 ONSET = 5.0  # [periods] in which what is not linear sets in
 COLUMNS = ("amplitude_m", "period_s", "heading_deg", "phase_deg")
@@ -38,7 +40,7 @@ class Seas(waves.OpenTrain):
     """More of them, as swell on top of a wind sea."""
     components: FileName | None = None
     """A CSV file of plane waves on top of all others: `amplitude_m`, `period_s`, `heading_deg`, `phase_deg`; each is
-    amplitude cos(k . x - omega t + phase)."""
+    amplitude cos(k . x - omega t + phase). Or a spectral-wave-data file (.swd) of linear waves."""
 
     @model_validator(mode="after")
     def _regular_or_random(self) -> "Seas":
@@ -67,6 +69,10 @@ class Seas(waves.OpenTrain):
         """The columns of `components`; raises Unreadable."""
         if self.components is None:
             return None
+        if Path(self.components).suffix == ".swd":
+            sea = exchange.of_swd(self.components)
+            heading = np.degrees(np.arctan2(sea.wavevector[:, 0], sea.wavevector[:, 1]))
+            return dict(zip(COLUMNS, (sea.amplitude, 2.0 * pi / sea.omega, heading, np.degrees(sea.phase))))
         found = csv_file.numbers(self.components)
         for name in COLUMNS:
             if name not in found or not np.isfinite(found[name]).all():

@@ -126,8 +126,12 @@ def test_scene_and_what_composes_it_import_no_kind():
 
 
 def test_only_the_command_line_imports_observers():
+    """But for the page, which shares what they share."""
     for module in SOURCES:
-        if room(module) not in ("observers", "verbs", "__main__"):
+        if room(module) == "viewer":
+            kinds = [name for name in ours(module) if is_kind(name) and room(name) == "observers"]
+            assert all(name.startswith("ocean_sim.observers.shared.") for name in kinds), module
+        elif room(module) not in ("observers", "verbs", "__main__"):
             assert not [name for name in ours(module) if is_kind(name) and room(name) == "observers"], module
 
 
@@ -164,6 +168,12 @@ def test_observers_read_the_simulation_and_import_no_kind_of_a_slot():
             assert not (is_kind(other) and room(other) in SLOTS), f"{module} imports {other}"
 
 
+def test_the_page_reads_the_simulation_and_imports_no_kind_of_a_slot():
+    for module in modules("viewer"):
+        assert not [name for name in ours(module) if is_kind(name) and room(name) in SLOTS], module
+        assert not [name for name in imports(module) if name.split(".")[0] == "taichi"], module
+
+
 @pytest.mark.parametrize(
     "call, allowed",
     [
@@ -185,6 +195,7 @@ def test_who_alone_may_call(call, allowed):
         ("ruamel", {"ocean_sim.files.yaml_file"}),
         ("yaml", {"ocean_sim.files.yaml_file"}),
         ("random", set()),
+        ("aiohttp", {"ocean_sim.viewer.server"}),
         ("pyvista", {"ocean_sim.pictures.stage", "ocean_sim.pictures.export"}),
         ("vtkmodules", {"ocean_sim.pictures.water_glsl", "ocean_sim.pictures.mirror"}),
         ("vtk", set()),

@@ -54,6 +54,11 @@ SCENES = {
     if kind != "pressure" or scheme in ("mueller", "delta_sph")  # others carry none
 } | {f"linear_waves, {kind}": swell(kind) for kind in KINDS if kind != "pressure"}
 SCENES["spectral_sea, dynamic"] = swell("dynamic", "spectral_sea", order=3, cells=32)
+NONLINEAR = {"kind": "spectral_sea", "height": 0.1, "period": 1.3, "onset": 0.0, "rim": {"velocity": [2.0, 0.0]}}
+SCENES["delta_sph, patch of a nonlinear sea, no ship"] = water("delta_sph", "cloth", None) | {
+    "basin": TANK | {"walls": "periodic"},
+    "sea": NONLINEAR,
+}
 FEW = ("mueller, cloth, hydrostatic", "spectral_sea, dynamic")
 
 

@@ -86,8 +86,8 @@ def by_id(fluid: Any, values: np.ndarray) -> np.ndarray:
 
 
 def read(fluid: Any, points: np.ndarray, *asked: str) -> np.ndarray:
-    """What a kernel sees at points (m, 3): the numbers of all that is asked for, in this order: `elevation`,
-    `pressure`, `velocity`, `acceleration`."""
+    """What a kernel sees at points (m, 3): the numbers of all that is asked for, in its order: `elevation`, `pressure`,
+    `velocity`, `acceleration`."""
     sizes = {"elevation": 1, "pressure": 1, "velocity": 3, "acceleration": 3}
     ends = np.cumsum([sizes[name] for name in asked])
     first = {name: int(end) - sizes[name] for name, end in zip(asked, ends)}

@@ -39,6 +39,7 @@ def test_scenes_of_every_kind_are_drawn_and_their_preflight_is_made():
     assert water | {"cloth", "marching_cubes"} <= set(kinds)
     assert sum(scene.sea is not None for scene in scenes) >= 3
     assert sum(bool(scene.ships) for scene in scenes) >= 5
+    assert sum(len(scene.ships) > 1 for scene in scenes) >= 2
     for scene in scenes:
         found = preflight(scene)
         assert found["time_step"] > 0.0 and found["memory_mb"] > 0.0
@@ -50,3 +51,4 @@ def test_many_small_scenes_run_or_say_why_not(tmp_path):
         outcome = ran(scene, tmp_path / str(k))
         assert outcome == "done" or "try" in outcome or "sunk" in outcome, (scene.resolved(), outcome)
         assert not not_numbers(tmp_path / str(k)), scene.resolved()
+        assert "momentum from nowhere" not in (tmp_path / str(k) / "events.jsonl").read_text(), scene.resolved()

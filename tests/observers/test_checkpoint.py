@@ -81,6 +81,7 @@ def afloat(scheme: str, kind: str, **keys) -> dict:
 
 
 CLOTH = {"surface": "cloth", "wind": "wide"}
+BLOB = {"kind": "sphere", "radius": 0.5, "centre": [0.0, 0.0, 0.0]}
 SCENES = {
     "delta_sph, patch of a sea": {
         "basin": SLICE | {"walls": "periodic"},
@@ -105,6 +106,13 @@ MORE = {
     "delta_sph, closed": {"basin": AROUND, **water("delta_sph", 0.1, **VORTICES), **TRACED},
     "delta_sph, emitter": {"basin": SLICE, **water("delta_sph", 0.1, **LEFT, **MOUTH)},
     "delta_sph, cloth": {"basin": SQUARE, **water("delta_sph"), **CLOTH, **GAUGES},
+    "delta_sph, patch of a nonlinear sea, gusts that travel": {
+        "basin": SLICE | {"walls": "periodic"},
+        **water("delta_sph", 0.1),
+        "sea": {"kind": "spectral_sea", "height": 0.05, "period": 1.0, "onset": 0.0, "rim": {"velocity": [2.0, 0.0]}},
+        "wind": {"kind": "gusts", "volumes": [{"include": [BLOB], "acceleration": [1.0, 0.0, 0.0]}]},
+        "gauges": {"elevation": {"there": {"at": [0.1], "rides": True}}, "every": 0.02},
+    },
     "dfsph, patch of a sea, hydrostatic ship": afloat(
         "dfsph", "hydrostatic", basin=TANK | {"walls": "periodic"}, surface="cloth", sea="calm"
     ),

@@ -8,7 +8,7 @@ import taichi as ti
 import taichi.math as tm
 
 from ocean_sim import waves
-from ocean_sim.fluid import Fluid, Limits, Status
+from ocean_sim.fluid import Arriving, Fluid, Limits, Status
 from ocean_sim.fluid.shared.plane_waves import PlaneWaves
 from ocean_sim.fluid.shared.window import Window
 from ocean_sim.runtime import asked_by_kernels
@@ -98,6 +98,12 @@ class OpenWater(Fluid):
 
     def window(self, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]) -> Window:
         return Window(self, size, step, depths)
+
+    def arriving(self, x: float, z: float) -> Arriving:
+        sea, (dx, dz) = self.waves.sea, np.array([x, z]) - self.drift
+        angle = sea.wavevector[:, 0] * dx + sea.wavevector[:, 1] * dz + sea.phase - sea.omega * self.time
+        heading = np.arctan2(sea.wavevector[:, 0], sea.wavevector[:, 1])
+        return Arriving(sea.grown(self.time) * sea.amplitude, angle, sea.omega, heading)
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
         """(m, 2) points x, z [m] -> (m,) heights [m]."""

@@ -143,13 +143,15 @@ class SeaTable:
 
     @ti.kernel
     def shift(self):
-        for i in ti.grouped(self.now):
-            self.slots[0, i] = self.slots[1, i]
+        for i, k in ti.ndrange(*self.count):
+            for l, c in ti.ndrange(LEVELS + 1, VALUES):  # a node's numbers lie in a row
+                self.slots[0, i, k, l, c] = self.slots[1, i, k, l, c]
 
     @ti.kernel
     def turn(self, share: float):
-        for i in ti.grouped(self.now):
-            self.now[i] = tm.mix(self.slots[0, i], self.slots[1, i], share)
+        for i, k in ti.ndrange(*self.count):
+            for l, c in ti.ndrange(LEVELS + 1, VALUES):
+                self.now[i, k, l, c] = tm.mix(self.slots[0, i, k, l, c], self.slots[1, i, k, l, c], share)
 
     @ti.func
     def levels(self, y):

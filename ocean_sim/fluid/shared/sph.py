@@ -14,7 +14,7 @@ from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.absorption import warnings as of_zones
 from ocean_sim.fluid.shared.absorption import zones
 from ocean_sim.fluid.shared.attenuation import Attenuation, Delay, Train, trains
-from ocean_sim.fluid.shared.band import band
+from ocean_sim.fluid.shared.band import band, cells_of
 from ocean_sim.fluid.shared.field import Field
 from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.neighbours import ListSize, Neighbours
@@ -247,10 +247,17 @@ def _of_sea(lattice: Lattice, word: int) -> list[LedgerRow]:
     around = band(lattice)
     if around is None or around.sea is None:
         return []
-    from ocean_sim.fluid.shared.sea_rim import memory
+    from ocean_sim.fluid.shared.sea_rim import WRITTEN, memory
 
     what = f"a table of {len(around.sea.amplitude)} plane waves"
-    return [LedgerRow("fluid", what, memory(around, around.sea, word), "sea")]
+    found = [LedgerRow("fluid", what, memory(around, around.sea, word), "sea")]
+    if around.nonlinear is not None:
+        from ocean_sim.fluid.shared.high_order import STEEP
+
+        cells = int(np.prod(cells_of(around)))
+        what, why = f"a nonlinear sea of {cells} cells", "sea.kind is spectral_sea"
+        found.append(LedgerRow("fluid", what, 6 * 8 * cells, why, STEEP * cells, around.sea.period / WRITTEN))
+    return found
 
 
 def _of_bodies(grid: GridSize, word: int, each: float, accounts: bool) -> list[LedgerRow]:

@@ -50,7 +50,8 @@ class SteepSource:
         found = np.zeros((len(self.shapes), 6, *self.count), dtype=np.complex128)
         for level, shape in enumerate(self.shapes):
             for n, of in enumerate(both):
-                found[level, 3 * n : 3 * n + 3, self.places[0], self.places[1]] = shape * of
+                three = found[level, 3 * n : 3 * n + 3]
+                three[:, self.places[0], self.places[1]] = shape * of
         return whole(found, self.sea.tile)
 
 

@@ -45,6 +45,8 @@ class Run:
         """The body of the page from top to bottom."""
         yield f"<h1>{html.escape(self.title)}</h1>"
         yield self.outcome()
+        if (self.folder / "replay.html").exists():
+            yield '<p><a href="replay.html">Replay of the run</a>: look around, and scrub in time.</p>'
         yield from self.pictures()
         yield table(self.facts())
         yield from self.warnings()

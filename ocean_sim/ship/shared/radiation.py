@@ -13,11 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ocean_sim.conventions import Motions
-from ocean_sim.files import csv_file
 from ocean_sim.files.input_file import shown
+from ocean_sim.ship.shared.bem_table import Scattering, bem_table
 
-FREQUENCY = "omega_rad_s"
-ADDED = dict(zip(Motions._fields, ("kg", "kg", "kg", "kg_m2", "kg_m2", "kg_m2"), strict=True))
 LEFT = 0.25  # of the largest damping: what may be left at the highest frequency
 FEWEST, MOST = 4, 300  # frequencies
 FINE = 20  # points of K in a period of the highest frequency, and of B between two frequencies
@@ -34,40 +32,27 @@ class Response(NamedTuple):
 
 
 class Radiation:
-    """What a CSV file gives for some motions: `omega_rad_s`, and `heave_added_kg`, `heave_damping_kg_s`,
-    `pitch_added_kg_m2`, `pitch_damping_kg_m2_s` and the like, of any of the six.
+    """What a file gives for some motions: `omega_rad_s`, and `heave_added_kg`, `heave_damping_kg_s`,
+    `pitch_added_kg_m2`, `pitch_damping_kg_m2_s` and the like, of any of the six, or Capytaine's NetCDF.
 
     Raises ValueError where it gives too little.
     """
 
     def __init__(self, file: str) -> None:
-        table = csv_file.numbers(file)
-        self.numbers = [k for k, motion in enumerate(Motions._fields) if f"{motion}_added_{ADDED[motion]}" in table]
-        names = [Motions._fields[k] for k in self.numbers]
-        columns = [FREQUENCY, *(f"{name}_{what}" for name in names for what in self.of(name))]
-        missing = [name for name in columns if name not in table]
-        if not names:
-            raise ValueError(f"{shown(file)} has no column of added mass, such as heave_added_kg or pitch_added_kg_m2")
-        if missing:
-            raise ValueError(f"{shown(file)} has no column {', '.join(missing)}")
-        if not np.isfinite([table[name] for name in columns]).all():
-            raise ValueError(f"{shown(file)} holds what is not a number")
-        omega = table[FREQUENCY]
+        table = bem_table(file)
+        self.numbers = [Motions._fields.index(motion) for motion in table.motions]
+        omega = table.omega
         if not FEWEST <= len(omega) <= MOST or not (omega[0] > 0.0 and (np.diff(omega) > 0.0).all()):
             raise ValueError(f"{shown(file)}: {FEWEST} to {MOST} frequencies above 0 in rising order are needed")
-        self.omega = omega
-        self.mass, self.damping = (np.array([table[f"{name}_{self.of(name)[k]}"] for name in names]) for k in range(2))
+        self.omega, self.mass, self.damping = omega, table.added, table.damping
+        self.scattering = None if table.scattered is None else Scattering(table)
+        names = table.motions
         for name, most, last in zip(names, self.damping.max(axis=1), self.damping[:, -1]):
             if not most > 0.0:
                 raise ValueError(f"{shown(file)}: {name} has no damping, so no waves to remember")
             if not last <= LEFT * most:
                 still = f"the damping of {name} still is {last / most:.0%} of its most"
                 raise ValueError(f"{shown(file)}: at {omega[-1]:g} rad/s {still}; go on")
-
-    @staticmethod
-    def of(motion: str) -> tuple[str, str]:
-        """What the columns of a motion are called."""
-        return f"added_{ADDED[motion]}", f"damping_{ADDED[motion]}_s"
 
     @cached_property
     def response(self) -> "Response":

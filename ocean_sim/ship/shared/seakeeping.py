@@ -13,10 +13,11 @@ from pydantic import field_validator
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import Motions
 from ocean_sim.files.input_file import FileName
-from ocean_sim.fluid import Fluid
+from ocean_sim.fluid import ClosedForm, Fluid
 from ocean_sim.parts import Preflight, Problems
 from ocean_sim.ship import Load
 from ocean_sim.ship.shared.added_mass import AddedMass, reaction
+from ocean_sim.ship.shared.bem_table import Scattering
 from ocean_sim.ship.shared.damping import Damping, Resistance
 from ocean_sim.ship.shared.floating import FloatingConfig
 from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
@@ -32,8 +33,11 @@ class SeakeepingConfig(FloatingConfig):
     damping: Damping = Damping()
     radiation: FileName | None = None
     """A CSV file of added mass and damping over frequency: `omega_rad_s`, `heave_added_kg`, `heave_damping_kg_s`,
-    `pitch_added_kg_m2`, `pitch_damping_kg_m2_s`, or of any other motion. These motions remember the waves that they
-    made; `damping` is then only what else damps them, by default nothing. Null: added mass and damping are constant."""
+    `pitch_added_kg_m2`, `pitch_damping_kg_m2_s`, or of any other motion; or a NetCDF file (.nc) that Capytaine wrote.
+    These motions remember the waves that they made; `damping` is then only what else damps them, by default nothing.
+    Where the file has the force of scattered waves (`heave_scattered_90_re`, `_im` in N/m, waves that go to port; of
+    Capytaine its diffraction force), that takes the place of added mass and damping in the water's own motion. Null:
+    added mass and damping are constant."""
 
     @field_validator("radiation")
     @classmethod
@@ -66,10 +70,17 @@ class SeakeepingShip(FloatingShip):
         super().__init__(name, config, basin, fluid)
         self.added, radiated = config.added_mass.diagonal(self.hull.still), list[str]()
         self.memory: Memory | None = None
+        self.scattering: Scattering | None = None  # where a table has it
+        self.sea: ClosedForm | None = None  # whose waves the hull scatters
+        self.through = np.ones(6)  # of each motion: 1 where it is one through the water, 0 where one of its own
+        self.made = np.zeros(6)  # (6,) the motion that makes waves
         if config.radiation is not None:
             radiation = Radiation(config.radiation)
             self.memory, self.added[radiation.numbers] = Memory(radiation), radiation.response.added
             radiated = [Motions._fields[k] for k in radiation.numbers]
+            self.scattering = radiation.scattering
+        if self.scattering is not None:
+            self.sea, self.through[self.scattering.numbers] = fluid.in_closed_form, 0.0
         self.resistance = Resistance(config.damping, self.hull.still, self.added, radiated)
         if self.contact is None:
             self.slamming = Slamming(self.hull.still, float(self.added[1]))
@@ -78,7 +89,8 @@ class SeakeepingShip(FloatingShip):
     def damping(self, now: Immersion) -> np.ndarray:
         resisted = self.resistance.load(now.motion)
         if self.memory is not None:
-            resisted = resisted + self.memory.load(self.actuators.time, now.motion)
+            self.made = now.motion + (1.0 - self.through) * now.wet.velocity
+            resisted = resisted + self.memory.load(self.actuators.time, self.made)
         return now.share * resisted @ now.body.matrix.T
 
     def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -86,10 +98,16 @@ class SeakeepingShip(FloatingShip):
         `wave`."""
         force, torque = sum(forces.values(), np.zeros((2, 3)))
         wet = now.wet
-        moved, carried = reaction(now.body, now.share * self.added, force, torque, wet.velocity, wet.acceleration)
+        if self.scattering is not None and self.sea is not None:
+            (x, _, z), (_, yaw, _) = now.body.position, now.body.angles
+            scattered = now.share * self.scattering.load(self.sea.arriving(float(x), float(z)), float(yaw))
+            forces = forces | {"wave": forces["wave"] + scattered}
+            force, torque = force + scattered[0], torque + scattered[1]
+        drift, surge = self.through * wet.velocity, self.through * wet.acceleration
+        moved, carried = reaction(now.body, now.share * self.added, force, torque, drift, surge)
         return forces | {"wave": forces["wave"] + carried, "damping": forces["damping"] + moved}
 
     def advance(self, load: Load, dt: float) -> None:
         if self.memory is not None:
-            self.memory.keep(self.actuators.time, self.relative)
+            self.memory.keep(self.actuators.time, self.made)
         super().advance(load, dt)

@@ -24,7 +24,7 @@ const state = {
   panel: null, paused: true, connected: false, scale: 1, replays: [], time: 0, speed: 1, drawn: 0, frames: 0,
   throttle: 0, rudder: 0, steered: 0, picking: false, dirty: true,
 };
-window.oceanSim = { state, camera, painter, plots };  // for those who look into the page, tests among them
+window.oceanSim = { state, camera, painter, plots, XR, M };  // for those who look into the page, tests among them
 
 // --- what comes in ------------------------------------------------------------------------------------------------------
 
@@ -37,8 +37,8 @@ function begin(stills) {
   $("count").hidden = !still.particles && still.fluid === "";
   $("count").textContent = still.particles ? `${still.particles.toLocaleString("en")} particles` : still.fluid.replaceAll("_", " ");
   $("showSea").checked = first.sea;
-  $("steering").hidden = !LIVE || !first.ships.length;
-  $("rigCheck").hidden = !still.platform;
+  $("steering").hidden = !LIVE || !state.drives || !first.ships.length;
+  $("rigCheck").hidden = $("ridesCheck").hidden = !still.platform;
   plots.begin(state.worlds.map((world, k) => ({ scalars: world.still.scalars, name: START.runs?.[k]?.name || world.still.title })));
   const contents = [...(still.surface ? ["water"] : []), ...(still.particles ? ["particles"] : []), ...(still.surface && still.particles ? ["both"] : [])];
   if (!contents.includes(state.content)) state.content = contents[0] || "water";
@@ -346,6 +346,7 @@ $("ask").onclick = () => $("help").showModal();
 $("showLines").onchange = () => { state.lines = $("showLines").checked; state.dirty = true; };
 $("showMirror").onchange = () => { state.mirror = $("showMirror").checked; state.dirty = true; };
 $("showRig").onchange = () => { state.rig = $("showRig").checked; state.dirty = true; };
+$("rides").onchange = () => { state.rides = $("rides").checked; };
 $("showSea").onchange = () => { for (const world of state.worlds) { world.sea = $("showSea").checked && !!world.surfaces.sea; } state.dirty = true; };
 $("scrub").oninput = () => { pausedIs(true); seek(state.begin + ($("scrub").value / 1000) * (state.end - state.begin)); };
 
@@ -518,6 +519,7 @@ function tick(now) {
   last = now;
   holdKeys(seconds);
   let moving = false;
+  if (XR.session) return;  // the headset asks for its own pictures
   if (LIVE) moving = live.show(now / 1000);
   else if (state.replays.length && !state.paused) { seek(state.time + seconds * state.speed); moving = true; if (state.time >= state.end) { pausedIs(true); } }
   if (state.worlds.length && (moving || state.dirty)) {
@@ -581,5 +583,9 @@ link();
 requestAnimationFrame(tick);
 addEventListener("resize", () => { state.dirty = true; });
 fetched("/sky", "sky").then((head) => { painter.sky.take(head); state.dirty = true; }).catch(() => {});
+XR.offer((now) => {
+  if (LIVE) live.show(now / 1000);
+  else if (!state.paused) seek(state.time + 0.011 * state.speed);
+});
 if (LIVE) live.open();
 else replay().catch((error) => { console.error(error); $("coverText").textContent = `This replay cannot be shown: ${error.message}`; });

@@ -1,0 +1,129 @@
+"""Many boats at once in seas of plane waves: course by Nomoto's law, heave, roll and pitch as oscillators in the waves.
+
+Nomoto et al. (1957, Int. Shipbuild. Prog. 4): T r' + r = K delta, K and 1/T in proportion to the speed. Each of heave,
+roll and pitch has a natural period and a share of critical damping, and is driven by the elevation and slopes in the
+mean over the boat's length and breadth (sin(a)/a) at the depth of half her draught (Smith). What strips and panels say
+of coupling and of short waves is left out; a scene with a ship has it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ocean_sim import waves
+
+
+@dataclass(frozen=True)
+class Boat:
+    """By default the yacht of 15 m and 30 t."""
+
+    length: float = 15.0  # [m]
+    breadth: float = 4.6  # [m]
+    draught: float = 1.0  # [m]
+    periods: tuple[float, float, float] = (2.5, 3.5, 2.6)  # of heave, roll and pitch [s]
+    damping: tuple[float, float, float] = (0.2, 0.08, 0.2)  # of critical
+    cruise: float = 5.0  # speed at half throttle [m/s]
+    speeding: float = 8.0  # time in which the speed follows [s]
+    turning: float = 0.4  # K: rate of turn over the angle of the rudder at cruise [1/s]
+    turning_time: float = 2.0  # T at cruise [s]
+    rudder: float = 0.6  # the largest angle [rad]
+    rudder_rate: float = 0.3  # [rad/s]
+    yawing: float = 0.3  # rate of turn that waves give, over the rate at which the slope across her turns
+
+
+class Boats:
+    """n boats, each in a sea of m plane waves of her own."""
+
+    def __init__(self, boat: Boat, n: int, m: int, depth: float) -> None:
+        self.boat, self.depth = boat, depth
+        self.amplitude, self.phase, self.omega = np.zeros((n, m)), np.zeros((n, m)), np.ones((n, m))
+        self.wavevector = np.ones((n, m, 2))
+        self.felt = np.zeros((n, m))  # amplitude at the depth of half the draught [m]
+        self.time, self.place = np.zeros(n), np.zeros((n, 2))  # [s], x and z [m]
+        self.heading, self.yaw_rate, self.speed = np.zeros(n), np.zeros(n), np.zeros(n)
+        self.helm = np.zeros(n)  # angle of the rudder [rad]
+        self.state, self.velocity = np.zeros((n, 3)), np.zeros((n, 3))  # heave [m], roll and pitch [rad], and rates
+
+    @property
+    def heave(self) -> np.ndarray:
+        """(n,) [m]."""
+        return self.state[:, 0]
+
+    @property
+    def angles(self) -> np.ndarray:
+        """(n, 2) roll and pitch [rad]."""
+        return self.state[:, 1:]
+
+    @property
+    def rates(self) -> np.ndarray:
+        """(n, 2) of roll and pitch [rad/s]."""
+        return self.velocity[:, 1:]
+
+    def begin(self, which: np.ndarray, seas: Sequence[waves.Components], heading: np.ndarray, speed: float) -> None:
+        """Some of them (n,) from the origin, at rest in the waves, each in one of the seas."""
+        for k, sea in zip(np.flatnonzero(which), seas):
+            self.amplitude[k], self.phase[k], self.omega[k] = sea.amplitude, sea.phase, sea.omega
+            self.wavevector[k] = sea.wavevector
+            self.felt[k] = sea.amplitude * np.exp(-0.5 * sea.wavenumber * self.boat.draught)
+        self.time[which], self.place[which], self.heading[which], self.speed[which] = 0.0, 0.0, heading, speed
+        self.yaw_rate[which], self.helm[which], self.state[which], self.velocity[which] = 0.0, 0.0, 0.0, 0.0
+
+    def ahead(self) -> np.ndarray:
+        """(n, 2) unit vectors to the bow, x and z."""
+        return np.stack([np.sin(self.heading), np.cos(self.heading)], axis=1)
+
+    def phases(self, place: np.ndarray, later: float) -> np.ndarray:
+        """(n, m) of the waves at (n, 2) places, some time [s] from now."""
+        x, z = place[:, 0, None], place[:, 1, None]
+        k = self.wavevector
+        turns = k[:, :, 0] * x + k[:, :, 1] * z - self.omega * (self.time[:, None] + later) + self.phase
+        turns /= 2.0 * np.pi
+        turns -= np.floor(turns)  # small, so that single precision, which is several times quicker, is enough
+        return np.float32(2.0 * np.pi) * turns.astype(np.float32)
+
+    def elevation_at_bow(self, later: float) -> np.ndarray:
+        """(n,) of the water where the bow will be if she goes on as she does [m]."""
+        ahead = self.ahead()
+        bow = self.place + ahead * (0.5 * self.boat.length + self.speed * later)[:, None]
+        return (self.amplitude * np.cos(self.phases(bow, later))).sum(axis=1)
+
+    def driven(self) -> tuple[np.ndarray, np.ndarray]:
+        """(n, 3) heave [m], roll and pitch [rad] that the waves ask for, and (n,) rate at which they turn her."""
+        ahead, boat = self.ahead(), self.boat
+        along = (self.wavevector * ahead[:, None]).sum(axis=2)
+        across = self.wavevector[:, :, 0] * ahead[:, 1, None] - self.wavevector[:, :, 1] * ahead[:, 0, None]  # to port
+        felt = self.felt * mean_over(along * (0.5 * boat.length)) * mean_over(across * (0.5 * boat.breadth))
+        angle = self.phases(self.place, 0.0)
+        c, s = felt * np.cos(angle), felt * np.sin(angle)
+        slope_up_port, slope_up_bow = -(across * s).sum(axis=1), -(along * s).sum(axis=1)
+        yaw = -(across * along * c).sum(axis=1) * boat.length * self.boat.yawing
+        return np.stack([c.sum(axis=1), slope_up_port, -slope_up_bow], axis=1), yaw
+
+    def advance(self, helm: np.ndarray, throttle: np.ndarray, dt: float) -> None:
+        """One step of dt [s] with (n,) helm, -1 to 1, and throttle, 0 to 1; the oscillators are exact for waves that
+        are held over it."""
+        boat = self.boat
+        wanted, waving = self.driven()
+        self.helm += np.clip(helm * boat.rudder - self.helm, -boat.rudder_rate * dt, boat.rudder_rate * dt)
+        pace = np.maximum(self.speed / boat.cruise, 0.05)
+        target = boat.turning * pace * self.helm + waving
+        self.yaw_rate += (target - self.yaw_rate) * -np.expm1(-dt * pace / boat.turning_time)
+        self.speed += (boat.cruise * np.sqrt(2.0 * throttle) - self.speed) * -np.expm1(-dt / boat.speeding)
+        omega, zeta = 2.0 * np.pi / np.array(boat.periods), np.array(boat.damping)
+        damped, decay = omega * np.sqrt(1.0 - zeta**2), np.exp(-zeta * omega * dt)
+        c, s = decay * np.cos(damped * dt), decay * np.sin(damped * dt)
+        off = self.state - wanted
+        swing = (self.velocity + zeta * omega * off) / damped
+        self.state = wanted + c * off + s * swing
+        self.velocity = -zeta * omega * (c * off + s * swing) + damped * (c * swing - s * off)
+        self.heading = self.heading + self.yaw_rate * dt
+        self.place = self.place + self.ahead() * (self.speed * dt)[:, None]
+        self.time += dt
+
+
+def mean_over(half: np.ndarray) -> np.ndarray:
+    """Mean of a wave over a length, over its amplitude in the middle: sin(a) / a of half the phase along it."""
+    a = half.astype(np.float32)
+    a = np.where(np.abs(a) < 1e-4, np.float32(1e-4), a)
+    return np.sin(a) / a

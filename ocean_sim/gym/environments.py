@@ -1,0 +1,137 @@
+"""Boats in closed-form seas as Gymnasium environments, one boat (`OceanEnv`) or many at once (`OceanVectorEnv`).
+
+Needs the extra `gym`. The same seed gives the same episodes, byte for byte. A boat observes the sine and cosine of her
+heading error, her speed over the one she holds, rates of yaw, roll and pitch, roll, pitch and heave, and the elevation
+under her bow now and in the seconds of AHEAD; she orders helm (-1 to 1, positive turns to port) and throttle (0 to 1).
+The reward of a step is 1 at the heading asked for, less 2 for a full turn away, less a little for the helm.
+"""
+
+from dataclasses import replace
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ocean_sim import waves
+from ocean_sim.gym.boats import Boat, Boats
+
+try:
+    import gymnasium
+    from gymnasium import spaces
+    from gymnasium.vector import AutoresetMode, VectorEnv
+    from gymnasium.vector.utils import batch_space
+except ImportError:
+    raise ImportError("ocean_sim.gym needs Gymnasium: pip install 'ocean-sim[gym]'") from None
+
+AHEAD = (1.0, 2.0, 3.0)  # [s]
+STEP = 0.1  # [s]
+LONGEST = 600  # steps of an episode
+COMPONENTS = 20
+OBSERVED = 9 + 1 + len(AHEAD)
+EFFORT = 0.05  # of the reward that full helm costs
+CAPSIZED = np.radians(60.0)
+
+
+def space() -> spaces.Box:
+    """Of the observations: none of them is bounded."""
+    return spaces.Box(-np.inf, np.inf, (OBSERVED,), np.float32)
+
+
+def orders() -> spaces.Box:
+    """Of the actions: helm and throttle."""
+    return spaces.Box(np.array([-1.0, 0.0], np.float32), np.array([1.0, 1.0], np.float32), (2,), np.float32)
+
+
+def spectrum(height: float, period: float, heading_deg: float, depth: float, seed: int) -> waves.Components:
+    """A random sea of few plane waves."""
+    sea = waves.Spectrum(significant_wave_height=1.0, peak_period=period, heading_deg=heading_deg, seed=seed)
+    whole = sea.components(waves.direction(heading_deg, 3), depth, count=COMPONENTS)
+    return replace(whole, amplitude=height * whole.amplitude)
+
+
+class OceanVectorEnv(VectorEnv):
+    """Many boats, each in a random sea of her own seed; done boats start again at their next step."""
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
+
+    def __init__(
+        self,
+        num_envs: int = 1000,
+        boat: Boat | None = None,
+        height: float = 1.0,
+        period: float = 6.0,
+        depth: float = 50.0,
+    ) -> None:
+        """`height` [m] and `period` [s]: significant and of the peak; 0 m is calm water."""
+        self.num_envs = num_envs
+        self.boat, self.height, self.period, self.depth = boat or Boat(), height, period, depth
+        self.single_observation_space, self.single_action_space = space(), orders()
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.boats = Boats(self.boat, num_envs, COMPONENTS, depth)
+        self.asked, self.steps = np.zeros(num_envs), np.zeros(num_envs, int)
+        self.done = np.zeros(num_envs, bool)
+
+    def reset(
+        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        super().reset(seed=seed if not isinstance(seed, list) else seed[0])
+        self.begin(np.ones(self.num_envs, dtype=bool))
+        return self.observed(), {}
+
+    def begin(self, which: np.ndarray) -> None:
+        """New seas, headings and speeds of some boats (n,)."""
+        count = int(which.sum())
+        random = self.np_random
+        headings, seeds = random.uniform(0.0, 360.0, count), random.integers(0, 2**31, count)
+        seas = [
+            spectrum(self.height, self.period, float(heading), self.depth, int(seed))
+            for heading, seed in zip(headings, seeds)
+        ]
+        self.boats.begin(which, seas, random.uniform(-np.pi, np.pi, count), self.boat.cruise)
+        self.asked[which] = self.boats.heading[which] + random.uniform(-1.0, 1.0, count)
+        self.steps[which], self.done[which] = 0, False
+
+    def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        actions = np.clip(np.asarray(actions, float), [-1.0, 0.0], 1.0)
+        again = self.done.copy()
+        self.boats.advance(actions[:, 0], actions[:, 1], STEP)
+        if again.any():
+            self.begin(again)
+        self.steps[~again] += 1
+        reward = np.cos(self.boats.heading - self.asked) - EFFORT * actions[:, 0] ** 2
+        over = np.abs(self.boats.angles).max(axis=1) > CAPSIZED
+        late = self.steps >= LONGEST
+        over[again], late[again], reward[again] = False, False, 0.0
+        self.done = over | late
+        return self.observed(), reward, over, late, {}
+
+    def observed(self) -> np.ndarray:
+        """(n, OBSERVED)."""
+        boats, off = self.boats, self.boats.heading - self.asked
+        motions = [np.sin(off), np.cos(off), boats.speed / self.boat.cruise, boats.yaw_rate]
+        motions += [*boats.rates.T, *boats.angles.T, boats.heave]
+        looks = [boats.elevation_at_bow(ahead) for ahead in (0.0, *AHEAD)]
+        return np.stack([*motions, *looks], axis=1).astype(np.float32)
+
+
+class OceanEnv(gymnasium.Env):
+    """One boat in a random sea."""
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
+
+    def __init__(self, **keys: Any) -> None:
+        """Keys of `OceanVectorEnv` but for their number."""
+        self.many = OceanVectorEnv(1, **keys)
+        self.observation_space, self.action_space = space(), orders()
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        super().reset(seed=seed)
+        self.many.np_random = self.np_random
+        self.many.begin(np.ones(1, bool))
+        return self.many.observed()[0], {}
+
+    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        seen, reward, over, late, _ = self.many.step(np.asarray(action)[None])
+        return seen[0], float(reward[0]), bool(over[0]), bool(late[0]), {}

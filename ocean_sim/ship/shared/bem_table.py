@@ -1,0 +1,170 @@
+"""What a panel method says of a hull: added mass and damping over frequency, and the force of scattered waves.
+
+Read from a CSV file, or from the NetCDF file that Capytaine writes, without Capytaine: NetCDF 4 is HDF5. Its axes (x to
+the bow, y to port, z up) are ours in another order, and its rotations have to be about the centre of mass. It gives six
+by six; what one motion does to another is left out here. Tables are of a hull without forward speed; under way they are
+used at the frequency at which she meets the waves, as if they were at rest around her, which is what strip theory does
+without its terms of speed (Salvesen, Tuck & Faltinsen 1970, Trans. SNAME 78).
+"""
+
+from collections.abc import Iterator
+from math import degrees
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ocean_sim.conventions import Motions
+from ocean_sim.files import csv_file, input_file
+from ocean_sim.files.input_file import Unreadable, shown
+from ocean_sim.fluid import Arriving
+
+FREQUENCY = "omega_rad_s"
+ADDED = dict(zip(Motions._fields, ("kg", "kg", "kg", "kg_m2", "kg_m2", "kg_m2"), strict=True))
+ACROSS = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # what waves from the other side do to each motion of a ship
+HEADED = 0.02  # [rad] of a turn, after which forces are looked up anew
+
+
+class Scattered(NamedTuple):
+    """Force of waves of unit amplitude that the hull scatters, crest at the centre of mass: Re(X exp(-i omega t))."""
+
+    headings: np.ndarray  # (h,) to which waves go, from that of the ship [deg], rising
+    force: np.ndarray  # (6, h, n) [N/m], [N m/m], of the `Motions`
+
+
+class BemTable(NamedTuple):
+    """Of some motions."""
+
+    omega: np.ndarray  # (n,) [rad/s]
+    motions: list[str]
+    added: np.ndarray  # (m, n) [kg], [kg m2]
+    damping: np.ndarray  # (m, n) [kg/s], [kg m2/s]
+    scattered: Scattered | None
+
+
+def columns_of(motion: str) -> tuple[str, str]:
+    """What the columns of a motion are called."""
+    return f"{motion}_added_{ADDED[motion]}", f"{motion}_damping_{ADDED[motion]}_s"
+
+
+def bem_table(file: str) -> BemTable:
+    """The table in a file; raises ValueError where it gives too little."""
+    return of_capytaine(file) if Path(file).suffix == ".nc" else of_csv(file)
+
+
+def of_csv(file: str) -> BemTable:
+    table = csv_file.numbers(file)
+    names = [motion for motion in Motions._fields if columns_of(motion)[0] in table]
+    scattering = dict(scattering_columns(table))
+    wanted = [FREQUENCY, *(column for name in names for column in columns_of(name))]
+    missing = [name for name in wanted if name not in table]
+    if not names:
+        raise ValueError(f"{shown(file)} has no column of added mass, such as heave_added_kg or pitch_added_kg_m2")
+    if missing:
+        raise ValueError(f"{shown(file)} has no column {', '.join(missing)}")
+    if not np.isfinite([table[name] for name in [*wanted, *scattering]]).all():
+        raise ValueError(f"{shown(file)} holds what is not a number")
+    added, damping = (np.array([table[columns_of(name)[k]] for name in names]) for k in range(2))
+    found = None
+    if scattering:
+        headings = np.unique([heading for _, heading, _ in scattering.values()])
+        force = np.zeros((6, len(headings), len(table[FREQUENCY])), dtype=complex)
+        for column, (number, heading, part) in scattering.items():
+            force[number, np.searchsorted(headings, heading)] += part * table[column]
+        found = Scattered(headings, force)
+    return BemTable(table[FREQUENCY], names, added, damping, found)
+
+
+def scattering_columns(table: dict[str, np.ndarray]) -> Iterator[tuple[str, tuple[int, float, complex]]]:
+    """Columns like `heave_scattered_90_re`: number of the motion, heading [deg], and 1 or i."""
+    for column in table:
+        motion, _, rest = column.partition("_scattered_")
+        heading, _, part = rest.rpartition("_")
+        if motion in Motions._fields and part in ("re", "im"):
+            yield column, (Motions._fields.index(motion), float(heading), 1.0 if part == "re" else 1.0j)
+
+
+def of_capytaine(file: str) -> BemTable:
+    import h5py
+
+    input_file.content(file)  # a regular file, and not too large
+    try:
+        with h5py.File(file) as data:
+            words = [motion.decode().lower() for motion in data["influenced_dof"][:]]
+            push = [motion.decode().lower() for motion in data["radiating_dof"][:]]
+            omega, order = np.unique(data["omega"][:], return_index=True)
+            names = [motion for motion in Motions._fields if motion in words and motion in push]
+            pairs = [(words.index(motion), push.index(motion)) for motion in names]
+            axes = ("omega", "influenced_dof", "radiating_dof")
+            mass, loss = (laid(data[name], axes)[order] for name in ("added_mass", "radiation_damping"))
+            added, damping = (np.array([whole[:, i, j] for i, j in pairs]) for whole in (mass, loss))
+            found = None
+            if "diffraction_force" in data:
+                parts = laid(data["diffraction_force"], ("complex", "influenced_dof", "wave_direction", "omega"))
+                headings = np.array([degrees(angle) for angle in data["wave_direction"][:]])
+                inwards = np.argsort(headings)
+                force = np.zeros((6, len(headings), len(omega)), dtype=complex)
+                for motion in names:
+                    own = parts[0, words.index(motion)] + 1j * parts[1, words.index(motion)]
+                    force[Motions._fields.index(motion)] = own[inwards][:, order]
+                found = Scattered(headings[inwards], force)
+            speed = float(data["forward_speed"][()]) if "forward_speed" in data else 0.0
+    except (OSError, KeyError, ValueError, AttributeError, IndexError) as error:
+        what = str(error).splitlines()[0]
+        raise Unreadable(file, f"this is no NetCDF file of added mass and damping by Capytaine ({what})") from None
+    if speed != 0.0:
+        raise Unreadable(file, f"it is of a hull under way at {speed:g} m/s; tables of one without speed are read")
+    return BemTable(omega, names, added, damping, found)
+
+
+def laid(data: "object", axes: tuple[str, ...]) -> np.ndarray:
+    """An array of an HDF5 file with its axes in this order."""
+    names = [dimension[0].name.strip("/") for dimension in data.dims]  # type: ignore[attr-defined]
+    return np.transpose(data[:], [names.index(axis) for axis in axes])  # type: ignore[index]
+
+
+class Scattering:
+    """The force of scattered waves on one hull, as they arrive."""
+
+    def __init__(self, table: BemTable) -> None:
+        assert table.scattered is not None
+        self.omega, self.scattered = table.omega, table.scattered
+        self.numbers = [Motions._fields.index(motion) for motion in table.motions]
+        self.known: tuple[float, np.ndarray, np.ndarray] | None = None  # a heading, frequencies, and forces (6, n)
+
+    def load(self, waves: Arriving, yaw: float) -> np.ndarray:
+        """(2, 3) force [N] and torque [N m] in world axes, on a hull with this heading [rad]."""
+        if self.known is None or abs(yaw - self.known[0]) > HEADED or len(waves.omega) != len(self.known[1]):
+            self.known = yaw, waves.omega, self.forces(waves.omega, np.degrees(waves.heading - yaw))
+        elif waves.omega is not self.known[1] and not np.array_equal(waves.omega, self.known[1]):
+            self.known = yaw, waves.omega, self.forces(waves.omega, np.degrees(waves.heading - yaw))
+        sums = (self.known[2] * (waves.amplitude * np.exp(1j * waves.angle))).real.sum(axis=1)
+        c, s = np.cos(yaw), np.sin(yaw)
+        level = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+        return sums.reshape(2, 3) @ level.T
+
+    def forces(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
+        """(6, n) of waves of unit amplitude, by frequency and heading [deg] relative to the ship's; mirrored where the
+        table ends at 180 degrees, constant beyond its frequencies."""
+        headings, force = self.scattered
+        angle, turned = heading % 360.0, np.ones((6, len(heading)))
+        if headings.max() <= 180.0:
+            beyond = angle > 180.0
+            angle = np.where(beyond, 360.0 - angle, angle)
+            turned = np.where(beyond, ACROSS[:, None], 1.0)
+        found = np.zeros((6, len(omega)), dtype=complex)
+        for number in self.numbers:
+            by_heading = [np.interp(omega, self.omega, row) for row in force[number]]
+            found[number] = interpolated(angle, headings, np.array(by_heading))
+        return found * turned
+
+
+def interpolated(angle: np.ndarray, headings: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """(n,) of (h, n) values at (h,) headings; the nearest beyond them."""
+    each = np.arange(len(angle))
+    if len(headings) == 1:
+        return values[0, each]
+    at = np.clip(angle, headings[0], headings[-1])
+    above = np.clip(np.searchsorted(headings, at), 1, len(headings) - 1)
+    part = (at - headings[above - 1]) / (headings[above] - headings[above - 1])
+    return (1.0 - part) * values[above - 1, each] + part * values[above, each]

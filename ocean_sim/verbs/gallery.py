@@ -1,0 +1,134 @@
+"""`ocean-sim gallery`: the pictures of the README, made again by the commands that it prints, and which of them are
+older than what draws them."""
+
+import hashlib
+import json
+import os
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from ocean_sim import pictures
+from ocean_sim.conventions import Failed
+from ocean_sim.files.whole_file import whole
+from ocean_sim.files.yaml_file import read
+from ocean_sim.model import Model
+from ocean_sim.parts import PACKAGE, library
+from ocean_sim.reading.translation import choice_sentence
+from ocean_sim.verbs.shared import console
+
+LIST, STAMPS = "gallery.yaml", "stamps.json"
+SIZE, QUALITY = "1280x720", 88  # of a picture, and as a JPEG
+RUN = ("render", "report", "accuracy", "timings")  # observers that a run for pictures does without
+
+
+class Entry(Model):
+    """A picture of the gallery."""
+
+    picture: str
+    about: str
+    scene: str
+    until: float
+    draw: str
+
+    @property
+    def stamp(self) -> str:
+        """A hash of what the scene says, of the command and of how pictures look: another one calls for another
+        picture."""
+        scene = read(library("scenes") / f"{self.scene}.yaml").plain()
+        asked = [{key: value for key, value in scene.items() if key != "title"}, self.until, self.draw, pictures.LOOK]
+        return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:16]
+
+    def commands(self, run: str) -> tuple[list[str], list[str]]:
+        """What simulates, and what draws, after `ocean-sim`."""
+        verb, *options = shlex.split(self.draw)
+        left_out = [word for name in RUN for word in ("--set", f"{name}=null")]
+        drawing = [verb, run, *options] + (["--no-film", "--size", SIZE] if verb == "render" else [])
+        return ["run", self.scene, "--until", f"{self.until:g}", *left_out, "--out", run], drawing
+
+
+def entries() -> list[Entry]:
+    listed = read(library("figures") / "gallery" / LIST).plain()["pictures"]
+    return [Entry.model_validate(row) for row in listed]
+
+
+def stale(folder: Path) -> list[Entry]:
+    """Entries whose picture is missing from a folder, or older than what draws it."""
+    stamps = folder / STAMPS
+    known = json.loads(stamps.read_text(encoding="utf-8")) if stamps.exists() else {}
+    return [
+        entry for entry in entries() if not (folder / entry.picture).exists() or known.get(entry.picture) != entry.stamp
+    ]
+
+
+def gallery(names: list[str], check: bool, every: bool, out: Path | None, as_json: bool) -> int:
+    """Make pictures that are old, or those named; `check`: only list them. The exit code is 1 where some are old."""
+    folder = out or library("figures") / "gallery"
+    known = {entry.picture.split(".")[0]: entry for entry in entries()}
+    for name in names:
+        if name not in known:
+            raise console.Refused(f"there is no picture {name!r}{choice_sentence(name, list(known))[0]}")
+    if check:
+        old = stale(folder)
+        if as_json:
+            console.answer([{"picture": entry.picture, "commands": shown(entry)} for entry in old])
+        for entry in [] if as_json else old:
+            console.say("\n  ".join([f"{entry.picture} is older than what draws it", *shown(entry)]))
+        return int(bool(old))
+    folder.mkdir(parents=True, exist_ok=True)
+    wanted = [known[name] for name in names] or (list(known.values()) if every else stale(folder))
+    made = []
+    with TemporaryDirectory() as place:
+        for entry in wanted:
+            run = Path(place, f"{entry.scene.replace('/', '_')}_{entry.until:g}")
+            simulate, draw = entry.commands(str(run))
+            if not run.exists():
+                console.say(f"{entry.scene} until {entry.until:g} s")
+                called(simulate)
+            drawn = Path(place, entry.picture)
+            called([*draw, "--out", str(drawn)])
+            keep(drawn, folder / entry.picture)
+            stamped(folder, entry)
+            made.append(folder / entry.picture)
+            console.say(str(made[-1]))
+    if as_json:
+        console.answer({"files": made})
+    return 0
+
+
+def shown(entry: Entry) -> list[str]:
+    """The commands of an entry, for a person."""
+    run = f"runs/{entry.scene.split('/')[-1]}"
+    return [f"ocean-sim {shlex.join(words)}" for words in entry.commands(run)]
+
+
+def called(words: list[str]) -> None:
+    """A command of ours, in a process of its own."""
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(PACKAGE.parent), os.environ.get("PYTHONPATH", "")])}
+    command = [sys.executable, "-m", "ocean_sim", *words]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, stdin=subprocess.DEVNULL)
+    if done.returncode:
+        lines = done.stderr.strip().splitlines() or ["it ended without a message"]
+        raise Failed(f"`ocean-sim {shlex.join(words)}` failed: {lines[-1]}")
+
+
+def keep(drawn: Path, path: Path) -> None:
+    """The picture of a command, as the README shows it."""
+    from PIL import Image
+
+    found = sorted(drawn.glob("still_*.png")) or [drawn / "motion.png"]
+    with Image.open(found[0]) as image, whole(path) as draft:
+        if path.suffix == ".jpg":
+            image.convert("RGB").save(draft, "JPEG", quality=QUALITY, optimize=True)
+        else:
+            image.save(draft, "PNG", optimize=True)
+
+
+def stamped(folder: Path, entry: Entry) -> None:
+    path = folder / STAMPS
+    known = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+    with whole(path) as draft:
+        words = json.dumps(known | {entry.picture: entry.stamp}, indent=1, sort_keys=True)
+        draft.write_text(words + "\n", encoding="utf-8")

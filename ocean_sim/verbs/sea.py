@@ -1,0 +1,55 @@
+"""`ocean-sim sea`: the waves of a scene as files that other programs read."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ocean_sim import wave_field
+from ocean_sim.conventions import Refused
+from ocean_sim.reading.scene import load
+from ocean_sim.verbs.shared import console
+from ocean_sim.waves import exchange
+
+
+def sea(
+    scene: str,
+    sets: list[str],
+    swd: Path | None,
+    openfast: Path | None,
+    at: list[float],
+    every: float,
+    until: float | None,
+    as_json: bool,
+) -> None:
+    """Write the files that are asked for, and say what is in them."""
+    if swd is None and openfast is None:
+        raise Refused("name a file to write: --swd FILE, --openfast FILE")
+    if len(at) != 2:
+        raise Refused("--at is not like 0,0: x and z [m]")
+    config = load(scene, console.settings(sets))
+    field = wave_field(scene, console.settings(sets))
+    waves, files = field.sea, []
+    title = config.title or scene
+    if swd is not None:
+        swd.parent.mkdir(parents=True, exist_ok=True)
+        swd.write_bytes(exchange.swd(waves, title))
+        files.append(swd)
+    if openfast is not None:
+        time = np.arange(0.0, (until or config.duration) + 0.5 * every, every)
+        heights = np.concatenate([field.elevation(np.array([at]), t) for t in time.tolist()])
+        openfast.parent.mkdir(parents=True, exist_ok=True)
+        openfast.write_text(exchange.openfast(time, heights, f"{title}, x = {at[0]:g} m, z = {at[1]:g} m"))
+        files.append(openfast)
+    answer: dict[str, Any] = {
+        "waves": len(waves.amplitude),
+        "significant_height_m": waves.significant_height,
+        "depth_m": waves.depth,
+        "files": files,
+    }
+    if as_json:
+        console.answer(answer)
+        return
+    console.say(f"{title}: {answer['waves']} plane waves, significant height {waves.significant_height:.3g} m")
+    for file in files:
+        console.say(str(file))

@@ -1,0 +1,56 @@
+"""`ocean_sim.view`: the page in a notebook, beside a simulation that cells step, or as a replay of a run."""
+
+import html
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from ocean_sim.result import Result
+from ocean_sim.simulation import Simulation
+from ocean_sim.viewer.page import page
+from ocean_sim.viewer.replay import replay_file
+from ocean_sim.viewer.server import File, Server
+from ocean_sim.viewer.still import sky_packet
+from ocean_sim.viewer.watch import Watch
+
+
+class View:
+    """What a notebook shows in place of this object; `address` opens the same in any browser."""
+
+    def __init__(self, source: str, height: int, address: str = "", server: Server | None = None) -> None:
+        self.source, self.height, self.address, self.server = source, height, address, server
+
+    def _repr_html_(self) -> str:
+        style = f"width:100%;height:{self.height}px;border:0;border-radius:12px"
+        return f'<iframe {self.source} style="{style}" allow="fullscreen; xr-spatial-tracking"></iframe>'
+
+    def __repr__(self) -> str:
+        return f"View({self.address or 'a replay'})"
+
+    def close(self) -> None:
+        """Stop the server of a live view."""
+        if self.server is not None:
+            self.server.close()
+            self.server = None
+
+
+def view(what: "Simulation | Result | str | Path", height: int = 560) -> View:
+    """The page of a simulation, which goes on as it is stepped, or the replay of a run folder; `height` [pixels].
+
+    A live view has a server of its own on this machine until it is closed. A replay lies in the notebook, whole, so it
+    is also there where no server can be reached, as on Colab, and when the notebook is opened again.
+    """
+    if isinstance(what, Simulation):
+        document = page("Ocean Sim", {"mode": "live"})
+        files: dict[str, tuple[str, File]] = {
+            "/": ("text/html; charset=utf-8", lambda: document),
+            "/sky": ("application/octet-stream", sky_packet),
+        }
+        server = Server(files, port=0, hello={"drives": False})
+        watch = Watch(what, server)
+        what.observers.append(watch)
+        watch.show(0.0)
+        return View(f'src="{server.address}"', height, server.address, server)
+    folder = what.folder if isinstance(what, Result) else Path(what)
+    with TemporaryDirectory() as away:
+        content = replay_file([folder], Path(away) / "replay.html").read_bytes()
+    return View(f'srcdoc="{html.escape(content.decode())}"', height)

@@ -1,0 +1,37 @@
+"""The README's pictures are those that its commands make now."""
+
+import re
+
+import pytest
+
+from ocean_sim import pictures
+from ocean_sim.parts import library
+from ocean_sim.verbs import gallery
+
+FOLDER = library("figures") / "gallery"
+
+
+def test_no_picture_of_the_gallery_is_older_than_what_draws_it():
+    """After a change of a scene, or of `pictures.LOOK`: `ocean-sim gallery`."""
+    assert [entry.picture for entry in gallery.stale(FOLDER)] == []
+
+
+def test_another_look_or_another_scene_makes_pictures_old(monkeypatch):
+    monkeypatch.setattr(pictures, "LOOK", pictures.LOOK + 1)
+    assert len(gallery.stale(FOLDER)) == len(gallery.entries())
+
+
+def test_the_commands_name_the_scene_and_draw_from_its_run():
+    entry = gallery.entries()[0]
+    simulate, draw = entry.commands("runs/showcase")
+    assert simulate[:4] == ["run", "showcase", "--until", "5.2"] and draw[:2] == ["render", "runs/showcase"]
+    readme = FOLDER.parents[1] / "README.md"
+    if readme.exists():
+        shown = re.findall(r"figures/gallery/(\w+\.\w+)", readme.read_text(encoding="utf-8"))
+        assert set(shown) <= {each.picture for each in gallery.entries()}
+
+
+@pytest.mark.parametrize("name", ["showcas", "nothing"])
+def test_a_name_that_is_not_there_is_refused(name):
+    with pytest.raises(gallery.console.Refused, match="there is no picture"):
+        gallery.gallery([name], False, False, None, False)

@@ -1,0 +1,89 @@
+"""Boats for learning: the contract of Gymnasium, episodes that repeat, and motions with known answers."""
+
+from time import perf_counter
+
+import numpy as np
+import pytest
+
+from ocean_sim import waves
+from ocean_sim.gym.boats import Boat, Boats
+
+DEEP = 50.0
+
+
+def boats(sea, heading, **keys):
+    found = Boats(Boat(**keys), 1, len(sea.amplitude), DEEP)
+    found.begin(np.ones(1, bool), [sea], np.array([heading]), 0.0)
+    return found
+
+
+def run(found, seconds, helm=0.0, throttle=0.0, dt=0.1):
+    rows = []
+    for _ in range(round(seconds / dt)):
+        found.advance(np.full(1, helm), np.full(1, throttle), dt)
+        rows.append([found.heave[0], *found.angles[0], found.heading[0], found.yaw_rate[0]])
+    return np.array(rows)
+
+
+def test_long_waves_are_followed_and_tilt_the_boat_by_their_slope():
+    """A wave of 20 s from abeam to port: heave is its amplitude, roll k a, pitch nothing; from ahead the other way."""
+    sea = waves.regular(2.0, 20.0, waves.direction(90.0, 3), DEEP)
+    slope = float(sea.wavenumber[0])
+    rows = run(boats(sea, 0.0), 120.0)[600:]
+    assert np.abs(rows[:, 0]).max() == pytest.approx(1.0, rel=0.06)
+    assert np.abs(rows[:, 1]).max() == pytest.approx(slope, rel=0.10) and np.abs(rows[:, 2]).max() < 1e-9
+    rows = run(boats(sea, -np.pi / 2.0), 120.0)[600:]
+    assert np.abs(rows[:, 2]).max() == pytest.approx(slope, rel=0.10) and np.abs(rows[:, 1]).max() < 1e-9
+
+
+def test_a_boat_turns_as_nomoto_says():
+    """In calm water at cruise: r = K delta after some T, to port where the helm is positive."""
+    found = boats(waves.regular(0.0, 6.0, waves.direction(0.0, 3), DEEP), 0.0)
+    found.speed[:] = found.boat.cruise
+    rows = run(found, 40.0, helm=0.5, throttle=0.5)
+    assert rows[-1, 4] == pytest.approx(found.boat.turning * 0.5 * found.boat.rudder, rel=1e-3) and rows[-1, 3] > 0.0
+
+
+def test_a_heave_that_is_let_go_swings_at_its_period():
+    found = boats(waves.regular(0.0, 6.0, waves.direction(0.0, 3), DEEP), 0.0, damping=(0.0, 0.1, 0.1))
+    found.state[0, 0] = 1.0
+    heave = run(found, 25.0)[:, 0]
+    assert heave[-1] == pytest.approx(1.0, abs=1e-9)  # ten periods of 2.5 s
+
+
+def test_it_keeps_the_contract_of_gymnasium():
+    pytest.importorskip("gymnasium")
+    from gymnasium.utils.env_checker import check_env
+
+    from ocean_sim.gym import OceanEnv
+
+    check_env(OceanEnv(), skip_render_check=True)
+
+
+def test_the_same_seed_gives_the_same_episodes_byte_for_byte_and_another_does_not():
+    pytest.importorskip("gymnasium")
+    from ocean_sim.gym.environments import LONGEST, OceanVectorEnv
+
+    def episode(seed):
+        env, random = OceanVectorEnv(4), np.random.default_rng(3)
+        rows = [env.reset(seed=seed)[0].tobytes()]
+        for _ in range(LONGEST + 20):  # over the end of an episode
+            seen, reward, *_ = env.step(random.uniform([-1.0, 0.0], 1.0, (4, 2)))
+            rows += [seen.tobytes(), reward.tobytes()]
+        return rows
+
+    assert episode(7) == episode(7) != episode(8)
+
+
+@pytest.mark.slow
+def test_a_thousand_boats_are_ten_times_faster_than_time():
+    pytest.importorskip("gymnasium")
+    from ocean_sim.gym.environments import STEP, OceanVectorEnv
+
+    env = OceanVectorEnv(1000)
+    env.reset(seed=1)
+    orders = np.tile([0.1, 0.5], (1000, 1))
+    begin = perf_counter()
+    for _ in range(100):
+        env.step(orders)
+    assert 100 * STEP / (perf_counter() - begin) > 10.0

@@ -1,0 +1,174 @@
+"""The page in a real browser without a screen: it loads, the water moves, what is pressed arrives, a replay scrubs."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from ocean_sim.parts import PACKAGE
+from ocean_sim.viewer.page import page
+from ocean_sim.viewer.replay import replay_file
+from tests.viewer import _chromium
+
+pytest.importorskip("aiohttp", reason="the page needs aiohttp: pip install '.[browser]'")
+in_a_browser = pytest.mark.skipif(
+    _chromium.installed() is None,
+    reason="no Chromium on this machine; as root, apt-get install chromium tries the page",
+)
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    """A run folder with a yacht on a running wave, as `run` leaves one: frames, manifest and a table."""
+    folder = tmp_path_factory.mktemp("run")
+    (folder / "frames").mkdir()
+    x = np.linspace(-19.0, 19.0, 20)
+    box = np.array([[a, b, c] for a in (-2.0, 2.0) for b in (-1.0, 1.0) for c in (-6.0, 6.0)])
+    sides = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    faces = [[a, *pair] for a, b, c, d in sides for pair in ((b, c), (c, d))]
+    np.savez(
+        folder / "frames" / "grid.npz",
+        **dict(x=x, z=x, lower=[-20.0, -5.0, -20.0], upper=[20.0, 5.0, 20.0], depth=5.0, spacing=2.0, every=0.05),
+        **dict(obstacles=np.zeros((0, 2, 3)), has_surface=True),
+        **dict(ship_vertices=box, ship_triangles=faces, ship_look="barge", ship_helm=np.zeros(0), ship_submerged=0.5),
+    )
+    places = np.random.default_rng(4).uniform([-20.0, -5.0, -20.0], [20.0, 0.0, 20.0], (400, 3))
+    for k in range(41):
+        time = 0.05 * k
+        wave = 0.5 * np.sin(0.6 * x[:, None] - 2.4 * time) + 0.0 * x
+        moved = places + [0.0, 0.1 * np.sin(2.4 * time), 0.0]
+        np.savez(
+            folder / "frames" / f"frame_{k:05d}.npz",
+            **dict(time=time, elevation=wave.astype(np.float32), ship_position=[0.0, 0.2, time], ship_turn=np.eye(3)),
+            **dict(position=moved.astype(np.float32), velocity=0.1 * places.astype(np.float32), id=np.arange(400)),
+        )
+    scene = {"title": "A barge on a running wave", "gauges": {"elevation": {"centre": [0.0, 0.0]}}}
+    (folder / "manifest.json").write_text(json.dumps({"scene": scene}))
+    rows = "\n".join(f"{0.05 * k:.3f},{0.5 * np.sin(-0.12 * k):.6f}" for k in range(41))
+    (folder / "gauges.csv").write_text(f"# seed: 1\ntime_s,centre_m\n{rows}\n")
+    return folder
+
+
+def test_the_page_is_small_and_calls_nobody():
+    document = page("<a> title", {"mode": "live"}).decode()
+    assert len(document) < 200_000 and "&lt;a&gt; title" in document
+    assert "/*program*/" not in document and "<!--data-->" not in document
+    for word in ("http://", "https://", "src=", "@import"):
+        assert word not in document.replace("http://www.w3.org/2000/svg", ""), word
+
+
+@in_a_browser
+def test_a_replay_opens_from_a_file_and_scrubs(run, tmp_path):
+    path = replay_file([run], tmp_path / "replay.html")
+    with _chromium.Page((480, 360)) as browser:
+        browser.go(path.as_uri())
+        browser.wait("oceanSim.state.drawn > 1", 120.0)
+        assert browser.js("document.getElementById('title').textContent") == "A barge on a running wave"
+        browser.js("document.getElementById('scrub').value = 500; document.getElementById('scrub').oninput()")
+        assert browser.js("oceanSim.state.paused") and browser.js("oceanSim.state.time") == pytest.approx(1.0, abs=1e-6)
+        heights = np.array(browser.js("[...oceanSim.state.worlds[0].heights]")).reshape(20, 20)
+        with np.load(run / "frames" / "frame_00020.npz") as frame:
+            assert np.abs(heights - frame["elevation"]).max() < 2e-3
+        assert browser.js("oceanSim.state.worlds[0].poses[0].position[2]") == pytest.approx(1.0, abs=1e-5)
+        balls = browser.js("oceanSim.state.worlds[0].balls.count")
+        assert balls == 400
+        before = browser.picture()
+        browser.js("document.getElementById('scrub').value = 900; document.getElementById('scrub').oninput()")
+        drawn = browser.js("oceanSim.state.drawn")
+        browser.wait(f"oceanSim.state.drawn > {drawn}")
+        assert browser.picture() != before
+        assert browser.said == []
+
+
+HEADSET = """
+(() => {
+  const one = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
+  const projectionMatrix = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, -1, 0, 0, -0.2, 0];
+  const moment = { getViewerPose: () => ({ views: [{ transform: { matrix: one }, projectionMatrix }] }) };
+  const session = {
+    inputSources: [], addEventListener() {}, updateRenderState() {}, requestReferenceSpace: async () => ({}),
+    requestAnimationFrame(draw) { setTimeout(() => draw(performance.now(), moment), 30); },
+  };
+  const value = { isSessionSupported: async () => true, requestSession: async () => session };
+  Object.defineProperty(navigator, "xr", { value });
+  WebGL2RenderingContext.prototype.makeXRCompatible = async () => {};
+  window.XRWebGLLayer = class { framebuffer = null; getViewport() { return { x: 0, y: 0, width: 200, height: 150 }; } };
+})();
+"""
+
+
+@in_a_browser
+@pytest.mark.slow
+def test_in_virtual_reality_one_stands_at_the_helm_and_a_platform_moves_the_sea_once(run, tmp_path):
+    """With an emulator of a headset that looks straight ahead."""
+    path = replay_file([run], tmp_path / "replay.html")
+    with _chromium.Page((320, 240)) as browser:
+        browser.ask("Page.addScriptToEvaluateOnNewDocument", source=HEADSET)
+        browser.go(path.as_uri())
+        browser.wait("oceanSim.state.drawn > 0 && !document.getElementById('vr').hidden", 120.0)
+        browser.js("document.getElementById('vr').onclick()")
+        browser.wait("oceanSim.XR.drawn > 0")
+        eye = np.array(browser.js("oceanSim.XR.eye")).reshape(4, 4).T
+        at = np.array(browser.js("[...oceanSim.state.worlds[0].poses[0].position]"))
+        helm = np.array(browser.js("oceanSim.state.worlds[0].still.ships[0].helm"))
+        assert eye[:3, 3] == pytest.approx(at + helm, abs=1e-4)
+        assert eye[:3, :3] @ [0.0, 0.0, -1.0] == pytest.approx([0.0, 0.0, 1.0], abs=1e-6)  # ahead is the bow
+        # A head that only the platform moves sees what a head at rest sees.
+        browser.js("window.carried = oceanSim.XR.platform([0.1, -0.2, 0.05, 0.2, -0.1, 0.3])")
+        browser.js("window.pose = oceanSim.state.worlds[0].ships[0].pose")
+        moved, still = (
+            np.array(browser.js(f"oceanSim.M.mul(oceanSim.XR.space(pose, [0, 2, 1], {carried}), {head})"))
+            for carried, head in (("carried", "carried"), ("null", "oceanSim.M.one()"))
+        )
+        assert moved == pytest.approx(still, abs=1e-6)
+        # Rolled to starboard, as positive roll of X forward, Y left, Z up is: the right hand goes down.
+        rolled = np.array(browser.js("oceanSim.XR.platform([0, 0, 0, 0.3, 0, 0])")).reshape(4, 4).T
+        assert rolled[1, 0] == pytest.approx(-np.sin(0.3))
+
+
+@pytest.mark.slow
+@in_a_browser
+def test_a_scene_is_played_in_the_page(tmp_path):
+    """Of a coarse showcase: the first picture, moving water, a slider, the helm, an error at its line, another wind."""
+    command = [sys.executable, "-m", "ocean_sim", "serve", "showcase", "--no-open", "--json", "--port", "8899"]
+    command += ["--set", "fluid.spacing=2.5", "--out", str(tmp_path)]
+    server = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=PACKAGE.parent)
+    try:
+        lines = [server.stdout.readline() for _ in range(3)]
+        address = json.loads("".join(lines))["address"]
+        with _chromium.Page((640, 480)) as browser:
+            browser.go(address)
+            browser.wait("oceanSim.state.drawn > 1", 240.0)
+            now = "[...oceanSim.state.worlds[0].heights].map(h => h.toFixed(4)).join()"
+            still = browser.js(now)
+            browser.wait(f"{now} !== {json.dumps(still)}")
+            slide = "document.querySelector('#sliders input[aria-label^=\"wind strength\"]')"
+            browser.wait(f"{slide} !== null")
+            browser.js(f"{slide}.value = 1000; {slide}.oninput()")
+            browser.wait("oceanSim.state.panel.sliders[0].value === 3")
+            heading = "oceanSim.state.worlds[0].poses[0].turn[2]"
+            browser.js("document.getElementById('throttle').value = 1; document.getElementById('throttle').oninput()")
+            browser.js("document.getElementById('sea').focus()")
+            browser.key("ArrowLeft", 1.5)
+            assert browser.js("oceanSim.state.rudder") > 0.02  # to port; how far depends on how fast pictures are drawn
+            browser.wait("oceanSim.state.panel.ships[0].name === 'ship' && oceanSim.state.time > 0.5", 120.0)
+            before = browser.js(heading)
+            browser.wait(f"Math.abs({heading} - {before}) > 2e-4", 120.0)
+            browser.js("document.getElementById('to-scene').click()")
+            browser.wait("document.getElementById('yaml').value.length > 50")
+            browser.js(
+                "(() => { const box = document.getElementById('yaml'); box.value = box.value.replace('wind: wide', "
+                "'wind: wid'); box.dispatchEvent(new Event('input')); })()"
+            )
+            problem = browser.wait("document.querySelector('.problems li')?.textContent")
+            assert problem.startswith("line 7 wind") and "did you mean 'wide'" in problem
+            assert browser.js("document.querySelector('.lines .bad').textContent") == "7"
+            browser.js("document.getElementById('to-play').click()")
+            browser.key(" ")
+            browser.wait("oceanSim.state.paused && oceanSim.state.panel.paused")
+            assert browser.said == []
+    finally:
+        server.terminate()
+        server.wait(30.0)

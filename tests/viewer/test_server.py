@@ -1,0 +1,178 @@
+"""The server: who may come in, who has the helm, what is refused, and that a slow watcher holds up nobody."""
+
+import asyncio
+import json
+import time
+
+import pytest
+
+aiohttp = pytest.importorskip("aiohttp", reason="the page needs aiohttp: pip install '.[browser]'")
+
+from ocean_sim.conventions import Refused  # noqa: E402
+from ocean_sim.viewer.protocol import packet  # noqa: E402
+from ocean_sim.viewer.server import Server  # noqa: E402
+
+FILES = {"/": ("text/html; charset=utf-8", lambda: b"<!doctype html>")}
+
+
+@pytest.fixture
+def server():
+    with Server(FILES, port=0, hello={"drives": True}) as one:
+        yield one
+
+
+def talk(server, conversation, **more):
+    """What a conversation returns that is held in a session."""
+
+    async def held():
+        async with aiohttp.ClientSession() as session:
+            return await asyncio.wait_for(conversation(session, server.address.split("?")[0]), 30.0)
+
+    return asyncio.run(held())
+
+
+async def until(socket, kind):
+    """The first text of a type."""
+    while True:
+        message = await socket.receive(10.0)
+        assert message.type in (aiohttp.WSMsgType.TEXT, aiohttp.WSMsgType.BINARY), message
+        if message.type == aiohttp.WSMsgType.TEXT and json.loads(message.data)["type"] == kind:
+            return json.loads(message.data)
+
+
+def test_a_watcher_is_greeted_and_given_what_is_shown(server):
+    server.begin(packet("still", {}))
+    server.tell(None, type="panel", paused=True)
+
+    async def conversation(session, address):
+        async with session.ws_connect(f"{address}watch") as socket:
+            hello, panel = await until(socket, "hello"), await until(socket, "panel")
+            while (message := await socket.receive(10.0)).type != aiohttp.WSMsgType.BINARY:
+                pass
+            return hello, panel, message.data
+
+    hello, panel, still = talk(server, conversation)
+    assert hello["protocol"] == 1 and hello["drives"] and panel["paused"] and still == packet("still", {})
+    assert server.arrived.is_set()
+
+
+@pytest.mark.parametrize("bad", ["{", b"\0\1\2", '{"do": "fly"}', "x" * 300_000])
+def test_garbage_ends_the_connection_and_nothing_else(server, bad):
+    async def conversation(session, address):
+        async with session.ws_connect(f"{address}watch") as other, session.ws_connect(f"{address}watch") as socket:
+            await (socket.send_bytes(bad) if isinstance(bad, bytes) else socket.send_str(bad))
+            while (message := await socket.receive(10.0)).type in (aiohttp.WSMsgType.TEXT, aiohttp.WSMsgType.BINARY):
+                pass
+            assert message.type in (aiohttp.WSMsgType.CLOSE, aiohttp.WSMsgType.CLOSED, aiohttp.WSMsgType.CLOSING)
+            await other.send_str('{"do": "play"}')
+            await until(other, "helm")
+            while not server.inbox:
+                await asyncio.sleep(0.01)
+
+    talk(server, conversation)
+    assert [order.command.do for order in server.orders()] == ["play"]
+
+
+def test_a_flood_is_cut_off_and_the_inbox_stays_bounded(server):
+    async def conversation(session, address):
+        async with session.ws_connect(f"{address}watch") as socket:
+            sent = 0
+            while sent < 5000 and not socket.closed:
+                try:
+                    await socket.send_str('{"do": "pause"}')
+                except ConnectionError:
+                    break
+                sent += 1
+                if sent % 100 == 0:
+                    await asyncio.sleep(0)
+            while (await socket.receive(10.0)).type in (aiohttp.WSMsgType.TEXT, aiohttp.WSMsgType.BINARY):
+                pass
+            return socket.close_code
+
+    assert talk(server, conversation) == 1008
+    assert len(server.inbox) <= 256
+
+
+def test_one_has_the_helm_until_it_leaves(server):
+    async def conversation(session, address):
+        async with session.ws_connect(f"{address}watch") as first, session.ws_connect(f"{address}watch") as second:
+            me, you = (await until(first, "hello"))["you"], (await until(second, "hello"))["you"]
+            await first.send_str('{"do": "take"}')
+            while (await until(second, "helm"))["holder"] != me:
+                pass
+            await second.send_str('{"do": "reset"}')
+            assert "helm" in (await until(second, "said"))["text"]
+            await first.close()
+            while (await until(second, "helm"))["holder"] != 0:
+                pass
+            await second.send_str('{"do": "reset"}')
+            while (await until(second, "helm"))["holder"] != you:
+                pass
+
+    talk(server, conversation)
+    assert [order.command.do for order in server.orders()] == ["reset"]
+
+
+def test_a_slow_watcher_loses_frames_and_the_others_none(server):
+    """Frames of 200 kB fill what the network holds for the one that does not read; the newest reaches it in the end."""
+    count, frames = 60, {}
+
+    async def conversation(session, address):
+        slow = await session.ws_connect(f"{address}watch", max_msg_size=0)
+        quick = await session.ws_connect(f"{address}watch", max_msg_size=0)
+        server.begin(packet("still", {}))
+        begin, worst, seen = time.perf_counter(), 0.0, []
+        for k in range(count):
+            entered = time.perf_counter()
+            server.show(k.to_bytes(4, "little") + bytes(200_000))
+            worst = max(worst, time.perf_counter() - entered)
+            while True:
+                message = await quick.receive(10.0)
+                if message.type == aiohttp.WSMsgType.BINARY and len(message.data) > 100_000:
+                    seen.append(int.from_bytes(message.data[:4], "little"))
+                    break
+        frames["wall"], frames["worst"] = time.perf_counter() - begin, worst
+        late = []
+        while not late or late[-1] != count - 1:
+            message = await slow.receive(10.0)
+            if message.type == aiohttp.WSMsgType.BINARY and len(message.data) > 100_000:
+                late.append(int.from_bytes(message.data[:4], "little"))
+        await slow.close()
+        await quick.close()
+        return seen, late
+
+    seen, late = talk(server, conversation)
+    assert seen == list(range(count))
+    assert late == sorted(late) and len(late) < count
+    assert frames["worst"] < 0.5  # [s] whoever simulates only hands a frame over
+
+
+def test_pages_of_others_are_refused(server):
+    async def conversation(session, address):
+        found = []
+        for head in ({"Origin": "http://evil.example"}, {"Host": "evil.example"}, {}):
+            async with session.get(address, headers=head) as reply:
+                found.append(reply.status)
+        return found
+
+    assert talk(server, conversation) == [403, 403, 200]
+
+
+def test_beyond_this_machine_an_address_needs_its_token():
+    with Server(FILES, host="0.0.0.0", port=0, token="secret") as server:
+        assert server.address.endswith("?token=secret")
+        server.host = "127.0.0.1"  # where this test can reach it
+
+        async def conversation(session, address):
+            found = []
+            for end in ("", "?token=wrong", "?token=secret", "watch", "watch?token=secrets"):
+                async with session.get(address + end) as reply:
+                    found.append(reply.status)
+            return found
+
+        assert talk(server, conversation) == [403, 403, 200, 403, 403]
+
+
+def test_a_port_that_is_taken_is_named(server):
+    with pytest.raises(Refused, match=f"--port {server.port}"):
+        Server(FILES, port=server.port)

@@ -1,0 +1,214 @@
+"""What a page does to a simulation, and that one which only watches does nothing to it."""
+
+import json
+import threading
+from math import pi
+
+import numpy as np
+import pytest
+
+from ocean_sim.conventions import Refused
+from ocean_sim.reading.scene import load
+from ocean_sim.simulation import Simulation
+from ocean_sim.viewer import protocol as p
+from ocean_sim.viewer.keys import keys
+from ocean_sim.viewer.replay import Recorded, replay_file
+from ocean_sim.viewer.server import Order
+from ocean_sim.viewer.session import Session, Source, towards
+from ocean_sim.viewer.watch import Watch
+
+COARSE = {"runtime.threads": 1, "fluid.spacing": 2.5, "runtime.precision": "f64", "accuracy": None}
+
+
+class Desk:
+    """Somebody who watches, and may say something."""
+
+    def __init__(self) -> None:
+        self.watchers, self.fresh, self.arrived = 1, True, threading.Event()
+        self.stills: list[bytes] = []
+        self.frames: list[bytes] = []
+        self.told: list[dict] = []
+        self.waiting: list[Order] = []
+
+    def begin(self, still):
+        self.stills.append(still)
+
+    def show(self, frame):
+        self.frames.append(frame)
+
+    def orders(self):
+        found, self.waiting = self.waiting, []
+        return found
+
+    def tell(self, watcher, **message):
+        self.told.append(json.loads(json.dumps(message)))
+
+    def last(self, kind):
+        return next(message for message in reversed(self.told) if message["type"] == kind)
+
+
+@pytest.fixture(scope="module")
+def session(tmp_path_factory):
+    source = Source.of("showcase", None, COARSE)
+    with Session(source, Desk(), tmp_path_factory.mktemp("out"), list) as one:
+        one.panel.paused = True
+        yield one
+
+
+def ask(session, **command):
+    session.desk.waiting.append(Order(1, p.command(json.dumps(command))))
+    session.obey()
+
+
+def test_physics_is_the_same_to_the_byte_with_and_without_a_watcher():
+    found = []
+    for watched in (False, True):
+        with Simulation(load("showcase", COARSE)) as simulation:
+            if watched:
+                desk = Desk()
+                watch = Watch(simulation, desk)
+                simulation.observers.append(watch)
+                watch.observe = lambda simulation, watch=watch: watch.show(0.0)  # after every step
+            simulation.run(0.25)
+            particles, body = simulation.fluid.particles, simulation.ships["ship"].body
+            found.append(
+                [particles.position.to_numpy().tobytes(), particles.id.to_numpy().tobytes(), body.position.tobytes()]
+            )
+    assert found[0] == found[1]
+    assert len(desk.frames) > 10 and len(desk.stills) == 1
+
+
+def test_a_frame_says_where_everything_is(session):
+    simulation, desk = session.simulation, session.desk
+    session.watch.show(0.0)
+    head, arrays = p.unpacked(desk.frames[-1])
+    assert head["time"] == pytest.approx(simulation.time, abs=1e-6)
+    heights = simulation.surface.elevations(session.watch.points)
+    assert np.abs(arrays["height"] - heights).max() < 1e-3
+    particles = simulation.fluid.particles
+    there = np.empty((particles.n, 3))
+    there[particles.id.to_numpy()] = particles.position.to_numpy()
+    low, high = session.watch.setting.box
+    assert np.abs(p.opened(arrays["particles"], low, high) - there).max() < 1e-3
+    assert arrays["poses"][0, :3] == pytest.approx(simulation.ships["ship"].body.position, abs=1e-5)
+    still, _ = p.unpacked(desk.stills[-1])
+    assert len(still["scalars"]) == len(arrays["scalars"]) and still["protocol"] == p.VERSION
+    assert len(desk.frames[-1]) < 12_000 and still["tile"] == {
+        "nx": 16,
+        "nz": 16,
+        "step": [2.5, 2.5],
+        "first": [-18.75, -18.75],
+    }
+
+
+def test_play_step_and_pause(session):
+    simulation = session.simulation
+    before = simulation.steps
+    session.go_on(0.02)
+    assert simulation.steps == before
+    ask(session, do="step")
+    session.go_on(0.02)
+    assert simulation.steps == before + 1 and session.panel.paused
+    ask(session, do="play")
+    session.go_on(0.02)
+    ask(session, do="pause")
+    assert simulation.steps > before + 1
+
+
+def test_a_slider_reaches_the_running_simulation_and_the_newest_counts(session):
+    label = next(s["label"] for s in session.desk.last("panel")["sliders"] if "stiffness" in s["label"])
+    now = session.simulation.fluid.stiffness
+    for factor in (3.0, 2.0, 1.5):
+        session.desk.waiting.append(Order(1, p.Slide(do="slide", key=label, value=factor * now)))
+    built = len(session.desk.stills)
+    session.obey()
+    assert session.simulation.fluid.stiffness == pytest.approx(1.5 * now) and len(session.desk.stills) == built
+    ask(session, do="slide", key="no such thing", value=1.0)
+    assert "no slider" in session.desk.last("said")["text"]
+
+
+def test_a_person_steers_and_a_route_is_sailed(session):
+    ship = session.simulation.ships["ship"]
+    ask(session, do="steer", ship="ship", throttle=0.5, rudder=9.0 / 10.0)
+    assert session.persons["ship"].throttle == 0.5 and session.persons["ship"].rudder < 0.9  # held at its limit
+    x, _, z = ship.body.position
+    ask(session, do="route", ship="ship", points=[[x, z + 1.0], [x + 40.0, z]])
+    session.steer()
+    assert session.routes["ship"] == [(x + 40.0, z)]  # she is at the first
+    ask(session, do="steer", ship="ghost", throttle=0.0, rudder=0.0)
+    assert "no ship" in session.desk.last("said")["text"]
+
+
+def test_the_helm_is_laid_towards_a_waypoint():
+    class Body:
+        position, angles, angular_velocity = np.zeros(3), np.zeros(3), np.zeros(3)
+
+    class Ship:
+        body = Body()
+
+    assert towards(Ship(), (100.0, 0.0))[0] == pytest.approx(1.5 * pi / 2)  # to port, which is +x of one heading +z
+    assert towards(Ship(), (-100.0, 0.0))[0] == pytest.approx(-1.5 * pi / 2)
+    assert towards(Ship(), (1.0, 1.0))[1]
+
+
+def test_a_wrong_scene_is_told_at_its_lines_and_the_other_goes_on(session):
+    text = session.source.text.replace("depth: 7.5", "depth: -1.0").replace("wind: wide", "wind: wid")
+    steps = session.simulation.steps
+    for do in ("check", "apply"):
+        ask(session, do=do, text=text)
+        problems = session.desk.last("problems")["problems"]
+        assert [row["line"] for row in problems] == [5, 7] and "did you mean 'wide'" in problems[1]["message"]
+    assert session.simulation.steps == steps
+    ask(session, do="check", text=session.source.text)
+    assert session.desk.last("problems")["problems"] == []
+
+
+def test_a_key_builds_anew_and_what_a_person_set_is_kept(session):
+    label = next(s.label for s in session.panel.sliders if "strength" in s.label)
+    ask(session, do="slide", key=label, value=2.0)
+    ask(session, do="change", key="seed", value="8")
+    assert session.simulation.steps == 0 and session.config.seed == 8
+    assert next(s.value for s in session.panel.sliders if s.label == label) == 2.0
+    ask(session, do="change", key="fluid.spacing", value="-3.0")
+    assert session.config.fluid.spacing == 2.5
+    assert "not greater than 0" in session.desk.last("problems")["problems"][0]["message"]
+
+
+def test_what_is_saved_is_the_scene_that_is_played(session):
+    ask(session, do="save", name="mine")
+    saved = load(session.out / "mine.yaml")
+    assert saved.fluid == session.config.fluid and saved.wind == session.config.wind
+    ask(session, do="save", name="mine")
+    assert "such a file already" in session.desk.last("said")["text"]
+
+
+def test_every_key_has_its_unit_and_range():
+    found = {row["key"]: row for row in keys(load("showcase"))}
+    spacing = found["fluid.spacing"]
+    assert (spacing["unit"], spacing["low"], spacing["low_open"]) == ("m", 0.0, True) and spacing["what"]
+    assert {"seed", "duration", "basin.depth", "runtime.threads", "time_step.courant_number"} <= set(found)
+    assert found["runtime.precision"]["choices"] == ["f32", "f64"]
+
+
+@pytest.mark.slow
+def test_a_record_is_a_run_folder_that_replays(session, tmp_path):
+    ask(session, do="change", key="duration", value="0.6")
+    ask(session, do="record")
+    session.speed = 0.0
+    folder = session.claim.folder
+    ask(session, do="steer", ship="ship", throttle=1.0, rudder=0.1)
+    while session.claim is not None:
+        session.go_on(0.05)
+    run = Recorded(folder)
+    head, arrays = p.unpacked(run.stream())
+    heights = p.summed(arrays["height"]).astype(float) * head["arrays"][0]["high"] / p.FULL
+    with np.load(run.files[-1]) as frame:
+        assert np.abs(heights[-1].reshape(16, 16) - frame["elevation"]).max() < 1e-3
+    assert "throttle 1" in (folder / "touched.txt").read_text()
+    page = replay_file([folder, folder], tmp_path / "both.html")
+    assert page.stat().st_size < 4e6
+
+
+def test_what_is_no_run_is_refused(tmp_path):
+    with pytest.raises(Refused, match="not a run folder"):
+        Recorded(tmp_path)

@@ -1,0 +1,78 @@
+"""Seas in the files of other programs: byte by byte, there and back, and what is none is refused."""
+
+import json
+import struct
+
+import numpy as np
+import pytest
+
+from ocean_sim import waves
+from ocean_sim.__main__ import answered
+from ocean_sim.files.input_file import Unreadable
+from ocean_sim.waves import exchange
+
+SEA = waves.Components(
+    np.array([0.5, 0.2]), np.array([[0.0, 0.05], [0.08, 0.0]]), np.array([0.3, -1.2]), 40.0, waves.GRAVITY
+)
+AT = np.random.default_rng(1).uniform(-50.0, 50.0, (20, 2))
+
+
+def test_a_swd_file_is_what_the_format_says():
+    """magic, fmt, shp, amp, prog, date, nid, cid, grav, lscale, nstrip, nsteps, dt, order, n, d, then four a wave; the
+    elevation is A cos(omega t - kx x - ky y + delta) with x along heading 0 and y along heading 90."""
+    data = exchange.swd(SEA, "two waves")
+    head = struct.unpack_from("<fiii30s20si9s", data)
+    assert head[:4] == (np.float32(37.0221), 100, 6, 1) and head[6:] == (9, b"two waves")
+    at = struct.calcsize("<fiii30s20si9s")
+    gravity, scale, strip, steps, _, order = struct.unpack_from("<ffiifi", data, at)
+    assert (scale, strip, steps, order) == (1.0, 0, 0, 1) and gravity == np.float32(9.81)
+    n, depth = struct.unpack_from("<if", data, at + 24)
+    assert (n, depth) == (2, 40.0) and len(data) == at + 32 + 2 * 16
+    eta = np.zeros(len(AT))
+    for a, k, gamma, delta in struct.iter_unpack("<ffff", data[at + 32 :]):
+        omega = np.sqrt(9.81 * k * np.tanh(k * 40.0))
+        eta += a * np.cos(omega * 7.0 - k * np.cos(gamma) * AT[:, 1] - k * np.sin(gamma) * AT[:, 0] + delta)
+    np.testing.assert_allclose(eta, waves.elevation(SEA, AT, 7.0), atol=2e-6)
+
+
+def test_a_swd_file_comes_back_and_others_are_refused(tmp_path):
+    path = tmp_path / "sea.swd"
+    path.write_bytes(exchange.swd(SEA))
+    np.testing.assert_allclose(
+        waves.elevation(exchange.of_swd(path), AT, 7.0), waves.elevation(SEA, AT, 7.0), atol=2e-6
+    )
+    data = exchange.swd(SEA)
+    for wrong, sentence in (
+        (data[:-1], "ends too early"),
+        (b"\0" + data[1:], "no .swd file"),
+        (data[:8] + b"\x05" + data[9:], "of shape 5"),
+    ):
+        path.write_bytes(wrong)
+        with pytest.raises(Unreadable, match=sentence):
+            exchange.of_swd(path)
+
+
+def test_elevations_for_openfast_come_back(tmp_path):
+    time = np.arange(50) * 0.1
+    path = tmp_path / "sea.Elev"
+    path.write_text(exchange.openfast(time, np.sin(time)))
+    back, eta = exchange.of_openfast(path)
+    np.testing.assert_allclose(back, time, atol=1e-6)
+    np.testing.assert_allclose(eta, np.sin(time), atol=1e-8)
+    path.write_text("Time Elev\n0.0 1.0\n0.1 1.0\n0.5 1.0\n")
+    with pytest.raises(Unreadable, match="not evenly spaced"):
+        exchange.of_openfast(path)
+
+
+def test_the_sea_of_a_scene_is_written_and_read_by_another_scene(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    code = answered(["sea", "linear_sea", "--swd", "a.swd", "--openfast", "a.Elev", "--until", "5", "--json"])
+    answer = json.loads(capsys.readouterr().out)
+    assert code == 0 and answer["files"] == ["a.swd", "a.Elev"] and len(exchange.of_openfast("a.Elev")[0]) == 51
+    scene = "basin: {length: 100, width: 100, depth: 50, walls: none}\nfluid: {kind: spectral_sea, components: a.swd}\n"
+    (tmp_path / "b.yaml").write_text(scene)
+    code = answered(["sea", "b.yaml", "--swd", "b.swd", "--json"])
+    again = json.loads(capsys.readouterr().out)
+    assert code == 0 and again["waves"] == answer["waves"]
+    assert again["significant_height_m"] == pytest.approx(answer["significant_height_m"], rel=1e-3)
+    assert answered(["sea", "linear_sea"]) == 2 and "name a file to write" in capsys.readouterr().err

@@ -1,0 +1,50 @@
+"""A sea that is asked from outside: what it says is what the formulae say, and a square fits to itself."""
+
+import numpy as np
+import pytest
+
+from ocean_sim import wave_field, waves
+from ocean_sim.conventions import Refused
+from ocean_sim.waves.field import WaveField
+
+SEA = {
+    "basin": {"length": 100.0, "width": 100.0, "depth": 40.0, "walls": "none"},
+    "fluid": {"kind": "linear_waves", "spectrum": {"significant_wave_height": 1.5, "peak_period": 6.0, "seed": 4}},
+}
+
+
+@pytest.fixture(scope="module")
+def field():
+    return wave_field(SEA)
+
+
+def test_normals_are_across_the_surface(field):
+    at, near = np.random.default_rng(1).uniform(-30.0, 30.0, (20, 2)), 1e-5
+    x, z = (field.elevation(at + near * step, 12.0) - field.elevation(at - near * step, 12.0) for step in np.eye(2))
+    normal = field.normal(at, 12.0)
+    np.testing.assert_allclose(-normal[:, 0] / normal[:, 1], x / (2.0 * near), atol=1e-6)
+    np.testing.assert_allclose(-normal[:, 2] / normal[:, 1], z / (2.0 * near), atol=1e-6)
+
+
+def test_water_at_the_surface_rises_as_the_surface_does(field):
+    """To first order in the steepness."""
+    sea = WaveField(waves.regular(0.01, 5.0, waves.direction(30.0, 3), 40.0))
+    at = np.random.default_rng(2).uniform(-30.0, 30.0, (20, 2))
+    rising = (sea.elevation(at, 3.001) - sea.elevation(at, 2.999)) / 0.002
+    moved = sea.velocity(np.insert(at, 1, 0.0, axis=1), 3.0)
+    np.testing.assert_allclose(moved[:, 1], rising, atol=2e-5)
+
+
+def test_a_square_fits_to_itself_and_keeps_the_height_of_the_sea(field):
+    side, cells = 200.0, 32
+    heights, again = field.field(cells, side, 5.0), field.periodic(side)
+    assert heights.shape == (cells, cells)
+    edge = np.stack([np.zeros(9), np.linspace(0.0, side, 9)], axis=1)
+    np.testing.assert_allclose(again.elevation(edge, 5.0), again.elevation(edge + [side, 0.0], 5.0), atol=1e-9)
+    assert again.sea.significant_height == pytest.approx(field.sea.significant_height)
+
+
+def test_water_of_particles_is_refused():
+    tank = {"basin": {"length": 1.0, "depth": 0.5}, "fluid": {"kind": "ballistic", "spacing": 0.1}}
+    with pytest.raises(Refused, match="no sum of plane waves"):
+        wave_field(tank)

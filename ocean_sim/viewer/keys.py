@@ -1,7 +1,7 @@
 """Every key of a scene that holds a number, a word or a switch, with its unit and range, as its models know them."""
 
 import types
-from typing import Any, Literal, Union, get_args, get_origin
+from typing import Any, Literal, Union, cast, get_args, get_origin
 
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BaseModel
@@ -43,9 +43,9 @@ def described(field: FieldInfo) -> dict[str, Any]:
     for bound in field.metadata:
         match bound:
             case Gt(gt=end) | Ge(ge=end):
-                row |= {"low": float(end), "low_open": isinstance(bound, Gt)}
+                row |= {"low": cast(float, end), "low_open": isinstance(bound, Gt)}
             case Lt(lt=end) | Le(le=end):
-                row |= {"high": float(end), "high_open": isinstance(bound, Lt)}
+                row |= {"high": cast(float, end), "high_open": isinstance(bound, Lt)}
     choices = words_of(field.annotation)
     return row | ({"choices": choices} if choices else {})
 

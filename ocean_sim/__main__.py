@@ -12,7 +12,6 @@ from ocean_sim.verbs.shared import console
 
 app = typer.Typer(
     name="ocean-sim",
-    help="A particle ocean with wind, from a YAML scene to pictures and data.",
     epilog="Exit codes: 0 done, 1 the run failed, 2 the input is wrong, 3 the machine lacks something. "
     "With --debug anywhere, an error shows its traceback.",
     no_args_is_help=True,

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from ocean_sim import waves
-from ocean_sim.basin.points import grid, pairs
+from ocean_sim.basin.points import grid, grid_size, pairs
 from ocean_sim.files.whole_file import whole
 from ocean_sim.fluid import Fluid
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.sampled import Multiples
-from ocean_sim.parts import Preflight, key_of
+from ocean_sim.parts import Preflight, Problems, key_of
 from ocean_sim.pictures import foam
 from ocean_sim.ship import Ship
 from ocean_sim.simulation import Observer, PeriodicConfig
@@ -28,6 +28,7 @@ SURFACE_FIELDS = 7  # elevation, foam, how far it was carried, velocity
 BYTES_PER_PARTICLE = 32  # position, velocity, id and pressure
 SAMPLED = 800  # points at most at which water in closed form is asked for its velocity
 TOPMOST = 1.2  # [spacings] under the surface: the particles that carry foam
+MANY = 20_000_000  # points of a frame: more are a slip
 LARGE = 2.0e9  # bytes that are worth a warning
 
 
@@ -44,11 +45,20 @@ class Config(PeriodicConfig):
     particles: bool = True
     """Keep the positions and velocities of the particles, which `export` and pictures of particles need."""
 
+    def points(self, preflight: Preflight) -> int:
+        """At which a frame keeps the height of the water; as many as the finest wave asks for are not known yet."""
+        return grid_size(preflight.tank, self.spacing or preflight.spacing or preflight.tank.depth)
+
+    def mismatches(self, preflight: Preflight) -> Problems:
+        points = self.points(preflight)
+        if points <= MANY:
+            return []
+        return [(("spacing",), f"a frame would keep {points:.3g} heights, at most {MANY:g}; give a larger one [m]")]
+
     def warnings(self, preflight: Preflight) -> list[str]:
         """A warning where the frames of a long or large run would fill a disk."""
-        x, z = grid(preflight.tank, self.spacing or preflight.spacing or preflight.tank.depth)
         kept = preflight.particles if self.particles else 0
-        frame = 4 * SURFACE_FIELDS * len(x) * len(z) + BYTES_PER_PARTICLE * kept
+        frame = 4 * SURFACE_FIELDS * self.points(preflight) + BYTES_PER_PARTICLE * kept
         size = frame * (preflight.duration / self.every + 1.0)
         if size < LARGE:
             return []

@@ -11,7 +11,8 @@ from ocean_sim.files.csv_file import columns
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid.shared.band import Band, band, stokes
 from ocean_sim.fluid.shared.initial import of_patch
-from ocean_sim.fluid.shared.sea_rim import Depths, PlaneWaveSource, nodes
+from ocean_sim.fluid.shared.sea_rim import nodes
+from ocean_sim.fluid.shared.sea_source import Depths, PlaneWaveSource
 from ocean_sim.fluid.shared.steep_source import SteepSource
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation

@@ -5,7 +5,6 @@ import os
 import secrets
 import sys
 from contextlib import suppress
-from functools import cache
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -75,7 +74,7 @@ def live_files(title: str) -> dict[str, Any]:
     return {
         "/": (HTML, lambda: page(f"{title} · Ocean Sim", {"mode": "live"})),
         "/sky": (BYTES, sky_packet),
-        "/schema": (JSON, cache(lambda: json.dumps(schema()).encode())),
+        "/schema": (JSON, lambda: json.dumps(schema()).encode()),
     }
 
 
@@ -90,7 +89,7 @@ def watch_runs(runs: list[Path], host: str, port: int | None, show: bool, as_jso
     start = {"mode": "replay", "held": False, "runs": [{"title": run.title, "name": run.folder.name} for run in found]}
     files: dict[str, Any] = {"/": (HTML, lambda: page("Ocean Sim", start)), "/sky": (BYTES, sky_packet)}
     for k, run in enumerate(found):
-        files |= {f"/still/{k}": (BYTES, cache(run.still)), f"/replay/{k}": (BYTES, cache(run.stream))}
+        files |= {f"/still/{k}": (BYTES, run.still), f"/replay/{k}": (BYTES, run.stream)}
     with stoppable(), Server(files, host, port, token(host), {"drives": False}) as server:
         announce(server, as_json, show, "")
         with suppress(KeyboardInterrupt):

@@ -157,11 +157,11 @@ class Recorded:
                 kept = slice(None, None, every)
                 arrays["particles"] = differences(places[:, kept].reshape(len(places), -1))
                 arrays["speed"] = differences(tints[:, kept])
-                data = zlib.compress(packet("replay", arrays, boxes, **header), 9)
+                data = zlib.compress(packet("replay", arrays, boxes, **header), 6)
                 if len(data) <= FULL_SIZE or arrays["particles"].size < 20_000:
                     return data
                 every += max(1, round(every * (len(data) / FULL_SIZE - 1.0)))
-        return zlib.compress(packet("replay", arrays, boxes, **header), 9)
+        return zlib.compress(packet("replay", arrays, boxes, **header), 6)
 
     @staticmethod
     def in_order(values: np.ndarray, order: np.ndarray) -> np.ndarray:

@@ -88,6 +88,7 @@ class Server:
         self.still: bytes | None = None
         self.frame: bytes | None = None
         self.panel: dict[str, Any] = {}
+        self.made: dict[str, asyncio.Future[bytes]] = {}  # contents by path, each made once
         self.count = self.refused = 0
         self.loop = asyncio.new_event_loop()
         self.ready, self.failure, self.port = threading.Event(), "", port
@@ -206,8 +207,11 @@ class Server:
 
         kind, content = self.files[request.path]
         try:
-            body = await asyncio.get_running_loop().run_in_executor(None, content)
+            if request.path not in self.made:
+                self.made[request.path] = asyncio.get_running_loop().run_in_executor(None, content)
+            body = await asyncio.shield(self.made[request.path])
         except Failed as error:
+            self.made.pop(request.path, None)
             raise web.HTTPNotFound(text=error.sentence) from None
         head = {"Cache-Control": "no-cache", "X-Content-Type-Options": "nosniff", "Referrer-Policy": "no-referrer"}
         if kind.startswith("text/html"):

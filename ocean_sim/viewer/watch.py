@@ -52,8 +52,6 @@ class Audience(Protocol):
 class Watch(Observer, TakesMotion):
     """Shows an audience the newest state, RATE times a second of wall time; what nobody waits for is not made."""
 
-    left_out = ("audience", "simulation", "taken", "spent", "last", "mark", "scene", "platform")
-
     def __init__(self, simulation: "Simulation", audience: Audience) -> None:
         self.simulation, self.audience = simulation, audience
         self.last = -1.0  # wall time of the last frame [s]

@@ -82,6 +82,52 @@ def test_a_replay_opens_from_a_file_and_scrubs(run, tmp_path):
         assert browser.said == []
 
 
+HEADSET = """
+(() => {
+  const one = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
+  const projectionMatrix = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, -1, 0, 0, -0.2, 0];
+  const moment = { getViewerPose: () => ({ views: [{ transform: { matrix: one }, projectionMatrix }] }) };
+  const session = {
+    inputSources: [], addEventListener() {}, updateRenderState() {}, requestReferenceSpace: async () => ({}),
+    requestAnimationFrame(draw) { setTimeout(() => draw(performance.now(), moment), 30); },
+  };
+  const value = { isSessionSupported: async () => true, requestSession: async () => session };
+  Object.defineProperty(navigator, "xr", { value });
+  WebGL2RenderingContext.prototype.makeXRCompatible = async () => {};
+  window.XRWebGLLayer = class { framebuffer = null; getViewport() { return { x: 0, y: 0, width: 200, height: 150 }; } };
+})();
+"""
+
+
+@in_a_browser
+@pytest.mark.slow
+def test_in_virtual_reality_one_stands_at_the_helm_and_a_platform_moves_the_sea_once(run, tmp_path):
+    """With an emulator of a headset that looks straight ahead."""
+    path = replay_file([run], tmp_path / "replay.html")
+    with _chromium.Page((320, 240)) as browser:
+        browser.ask("Page.addScriptToEvaluateOnNewDocument", source=HEADSET)
+        browser.go(path.as_uri())
+        browser.wait("oceanSim.state.drawn > 0 && !document.getElementById('vr').hidden", 120.0)
+        browser.js("document.getElementById('vr').onclick()")
+        browser.wait("oceanSim.XR.drawn > 0")
+        eye = np.array(browser.js("oceanSim.XR.eye")).reshape(4, 4).T
+        at = np.array(browser.js("[...oceanSim.state.worlds[0].poses[0].position]"))
+        helm = np.array(browser.js("oceanSim.state.worlds[0].still.ships[0].helm"))
+        assert eye[:3, 3] == pytest.approx(at + helm, abs=1e-4)
+        assert eye[:3, :3] @ [0.0, 0.0, -1.0] == pytest.approx([0.0, 0.0, 1.0], abs=1e-6)  # ahead is the bow
+        # A head that only the platform moves sees what a head at rest sees.
+        browser.js("window.carried = oceanSim.XR.platform([0.1, -0.2, 0.05, 0.2, -0.1, 0.3])")
+        browser.js("window.pose = oceanSim.state.worlds[0].ships[0].pose")
+        moved, still = (
+            np.array(browser.js(f"oceanSim.M.mul(oceanSim.XR.space(pose, [0, 2, 1], {carried}), {head})"))
+            for carried, head in (("carried", "carried"), ("null", "oceanSim.M.one()"))
+        )
+        assert moved == pytest.approx(still, abs=1e-6)
+        # Rolled to starboard, as positive roll of X forward, Y left, Z up is: the right hand goes down.
+        rolled = np.array(browser.js("oceanSim.XR.platform([0, 0, 0, 0.3, 0, 0])")).reshape(4, 4).T
+        assert rolled[1, 0] == pytest.approx(-np.sin(0.3))
+
+
 @pytest.mark.slow
 @in_a_browser
 def test_a_scene_is_played_in_the_page(tmp_path):
@@ -99,14 +145,14 @@ def test_a_scene_is_played_in_the_page(tmp_path):
             still = browser.js(now)
             browser.wait(f"{now} !== {json.dumps(still)}")
             slide = "document.querySelector('#sliders input[aria-label^=\"wind strength\"]')"
-            browser.wait(slide)
+            browser.wait(f"{slide} !== null")
             browser.js(f"{slide}.value = 1000; {slide}.oninput()")
             browser.wait("oceanSim.state.panel.sliders[0].value === 3")
             heading = "oceanSim.state.worlds[0].poses[0].turn[2]"
             browser.js("document.getElementById('throttle').value = 1; document.getElementById('throttle').oninput()")
             browser.js("document.getElementById('sea').focus()")
             browser.key("ArrowLeft", 1.5)
-            assert browser.js("oceanSim.state.rudder") > 0.1
+            assert browser.js("oceanSim.state.rudder") > 0.02  # to port; how far depends on how fast pictures are drawn
             browser.wait("oceanSim.state.panel.ships[0].name === 'ship' && oceanSim.state.time > 0.5", 120.0)
             before = browser.js(heading)
             browser.wait(f"Math.abs({heading} - {before}) > 2e-4", 120.0)

@@ -9,7 +9,7 @@ class Camera {
   }
 
   reset() {
-    Object.assign(this, { azimuth: 0.66, height: 0.34, distance: 1, shift: [0, 0, 0], turn: 0, tilt: 0, heading: null });
+    Object.assign(this, { azimuth: 0.66, height: 0.34, distance: 1, shift: [0, 0, 0], turn: 0, tilt: 0 });
   }
 
   drag(right, up) {
@@ -50,8 +50,9 @@ class Camera {
     let azimuth = this.azimuth, rise = this.height;
     if (follow) {
       const m = ship.pose, heading = Math.atan2(m[8], m[10]);
-      this.heading = this.heading === null ? heading : this.heading + 0.04 * Math.atan2(Math.sin(heading - this.heading), Math.cos(heading - this.heading));
-      azimuth += this.heading + Math.PI - 0.1;
+      const last = world.heading ?? heading;
+      world.heading = last + 0.04 * Math.atan2(Math.sin(heading - last), Math.cos(heading - last));
+      azimuth += world.heading + Math.PI - 0.1;
     }
     if (mode === "side") { azimuth = 0; rise = 0.02; }
     const angle = aspect < 0.8 ? OUTSIDE * 1.35 : OUTSIDE, fit = Math.max(1, 1.25 / aspect);

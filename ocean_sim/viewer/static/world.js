@@ -158,7 +158,7 @@ class World {
     this.after = after;
   }
 
-  // Foam: where crests are sharp it appears at once, then it fades; what the simulation knows of it counts, too.
+  // Foam: where a crest is as steep as one that breaks it appears at once, then it fades; what the simulation knows of it counts, too.
   whiten(after) {
     const { nx, nz, foam } = this, h = after.data.height, flat = this.still.basin.flat, known = after.data.foam;
     const past = this.before ? Math.abs(after.time - this.before.time) : 0, fade = Math.exp(-Math.min(past, 1) / 1.6);
@@ -168,12 +168,13 @@ class World {
     this.level = this.still.sea.exact ? 0 : mean;
     this.height += (now - this.height) * (this.before ? 0.08 : 1);
     if (flat) { foam.fill(0); return; }
-    const dx = 1 / this.step[0] ** 2, dz = 1 / this.step[1] ** 2, sharp = 0.26 / Math.max(this.step[0], 0.3), steep = this.height > 0.12;
+    const dx = 1 / this.step[0] ** 2, dz = 1 / this.step[1] ** 2;
     for (let i = 0; i < nx; i++) for (let j = 0; j < nz; j++) {
       const k = i * nz + j;
       const curve = (h[k] * 2 - h[Math.max(i - 1, 0) * nz + j] - h[Math.min(i + 1, nx - 1) * nz + j]) * dx +
         (h[k] * 2 - h[i * nz + Math.max(j - 1, 0)] - h[i * nz + Math.min(j + 1, nz - 1)]) * dz;
-      let white = steep && h[k] > mean ? clamp(0.45 * (curve / sharp - 1), 0, 0.55) : 0;
+      const steep = h[k] > mean && curve > 0 ? Math.sqrt(curve * (h[k] - mean)) : 0;  // k a of a sine
+      let white = clamp(2.2 * (steep - 0.42), 0, 0.5);
       if (known) white = Math.max(white, known[k] / 255);
       foam[k] = Math.max(foam[k] * fade, white);
     }

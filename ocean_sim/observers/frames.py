@@ -2,6 +2,7 @@
 where the ships are; one file a frame. What is of a ship begins with the key she is written under."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -17,10 +18,10 @@ from ocean_sim.parts import Preflight, Problems, key_of
 from ocean_sim.pictures import foam
 from ocean_sim.ship import Ship
 from ocean_sim.simulation import Observer, PeriodicConfig
-from ocean_sim.surface import Mesh
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
+    from ocean_sim.surface import Mesh
 
 
 SURFACE_FIELDS = 7  # elevation, foam, how far it was carried, velocity
@@ -199,7 +200,7 @@ def shifts(x: np.ndarray, origin: np.ndarray, period: Sequence[float]) -> np.nda
     return length * np.round(away / np.where(length > 0.0, length, np.inf))
 
 
-def unrolled(mesh: Mesh, origin: np.ndarray, period: Sequence[float]) -> Mesh:
+def unrolled(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) -> "Mesh":
     """A surface between periodic sides, its triangles put where they are nearest to an origin x, z [m]."""
     corners = mesh.vertices[mesh.triangles]
     shift = np.repeat(shifts(corners.mean(axis=1), origin, period), 3, axis=0)
@@ -207,7 +208,8 @@ def unrolled(mesh: Mesh, origin: np.ndarray, period: Sequence[float]) -> Mesh:
     kept, which = np.unique(at, axis=0, return_inverse=True)
     number = kept[:, 0].astype(int)
     vertices = (mesh.vertices[number] + kept[:, 1:]).astype(mesh.vertices.dtype)
-    return Mesh(vertices, which.reshape(-1, 3).astype(mesh.triangles.dtype), mesh.normals[number])
+    triangles = which.reshape(-1, 3).astype(mesh.triangles.dtype)
+    return replace(mesh, vertices=vertices, triangles=triangles, normals=mesh.normals[number])
 
 
 def surface_velocity(

@@ -1,8 +1,9 @@
 """Every key of a scene that holds a number, a word or a switch, with its unit and range, as its models know them."""
 
 import types
-from typing import Any, Literal, Union, get_args, get_origin
+from typing import Any, Literal, Union, cast, get_args, get_origin
 
+from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
@@ -40,10 +41,11 @@ def described(field: FieldInfo) -> dict[str, Any]:
     row: dict[str, Any] = {"what": field.description or "", "type": kind_of(field.annotation)}
     row["unit"] = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
     for bound in field.metadata:
-        for name, end in (("gt", "low"), ("ge", "low"), ("lt", "high"), ("le", "high")):
-            if getattr(bound, name, None) is not None:
-                row[end] = float(getattr(bound, name))
-                row[f"{end}_open"] = name in ("gt", "lt")
+        match bound:
+            case Gt(gt=end) | Ge(ge=end):
+                row |= {"low": cast(float, end), "low_open": isinstance(bound, Gt)}
+            case Lt(lt=end) | Le(le=end):
+                row |= {"high": cast(float, end), "high_open": isinstance(bound, Lt)}
     choices = words_of(field.annotation)
     return row | ({"choices": choices} if choices else {})
 

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Protocol
 from ocean_sim.conventions import Diverged, Failed, in_words
 from ocean_sim.files.claim import Claim
 from ocean_sim.files.whole_file import whole
-from ocean_sim.files.yaml_file import SceneError, mapping, setting
+from ocean_sim.files.yaml_file import Node, SceneError, mapping, setting
 from ocean_sim.parts import library, named
 from ocean_sim.pictures.panel import Panel, sliders_of
 from ocean_sim.reading.scene import SceneConfig, load_text, packaged_scenes, scene_path
@@ -347,7 +347,7 @@ class Session:
 
     def tell_scene(self, watcher: int | None) -> None:
         """The text that is played, and what is laid over it."""
-        laid = [f"{key}={getattr(value, 'data', value)}" for key, value in self.source.overrides.items()]
+        laid = [f"{key}={plain(value)}" for key, value in self.source.overrides.items()]
         self.desk.tell(watcher, type="scene", name=self.source.name, text=self.source.text, sets=laid)
 
     def say(self, text: str, watcher: int | None = None, bad: bool = False) -> None:
@@ -389,10 +389,15 @@ def wind_name(source: Source) -> str:
     """The preset of wind that a source names, or that it is the scene's own."""
     written = mapping(source.text, source.name).data.get("wind")
     wind = source.overrides.get("wind", written)
-    name = getattr(wind, "data", wind)
+    name = plain(wind)
     if any(key.startswith("wind.") for key in source.overrides) or not isinstance(name, str | None):
         return SCENE
     return name or "still"
+
+
+def plain(value: Any) -> Any:
+    """What was laid over a scene, without where it was written."""
+    return value.plain() if isinstance(value, Node) else value
 
 
 def replaces(order: Order) -> tuple[str, ...]:

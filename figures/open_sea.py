@@ -56,7 +56,8 @@ def main() -> None:
     height, phase = figure.subplots(1, 2)
     for number, (speed, feed, colour) in enumerate(cases):
         config = scene(speed, feed, particles, periods)
-        name = f"{speed:+g} group speeds{'' if feed is None else ', no feed'}"
+        where = f"{speed:+g} group speeds" if speed else "at rest"
+        name = where if feed is None else f"{where}, no feed"
         a = measured(config, speed, judged, lambda part, n=number, name=name: progress((n + part) / len(cases), name))
         model = band(config.fluid.lattice(config.preflight.tank))
         assert model is not None
@@ -80,7 +81,8 @@ def main() -> None:
         panel.grid(color=PALE, lw=0.7)
         panel.text(1.125, 0.02, "rim", transform=panel.get_xaxis_transform(), ha="center", fontsize=8)
     height.set_ylim(0.0, 1.2)
-    height.legend(fontsize=8, title="dots: particles; lines: model", title_fontsize=8)
+    phase.set_ylim(-45.0, 45.0)
+    height.legend(fontsize=8, title="dots: particles; lines: model, in the end", title_fontsize=8)
     head = [f"a patch of {PATCH:g} wavelengths, rim 0.75 on either side, ka {KA:g}, {particles} particles to the wave"]
     head += [f"the mean of the last {judged:g} of {periods:g} periods; feed: empty is the default"]
     table(asked.out / "open_sea.csv", head, ["speed", "feed", "place", "height", "phase_deg"], rows)

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ocean_sim.reading.scene import load
-    from ocean_sim.result import run
+    from ocean_sim.result import run, wave_field
     from ocean_sim.simulation import Simulation
     from ocean_sim.viewer.notebook import view
 
-__all__ = ["Simulation", "load", "run", "view"]
+__all__ = ["Simulation", "load", "run", "view", "wave_field"]
 
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "False")  # before Taichi is imported
 os.environ.setdefault("TI_SKIP_VERSION_CHECK", "ON")  # it would ask a server once a day, with a number of this machine
@@ -38,4 +38,8 @@ def __getattr__(name: str) -> Any:
         from ocean_sim.viewer.notebook import view
 
         return view
+    if name == "wave_field":
+        from ocean_sim.result import wave_field
+
+        return wave_field
     raise AttributeError(f"module 'ocean_sim' has no attribute {name!r}")

@@ -12,7 +12,6 @@ from ocean_sim.verbs.shared import console
 
 app = typer.Typer(
     name="ocean-sim",
-    help="A particle ocean with wind, from a YAML scene to pictures and data.",
     epilog="Exit codes: 0 done, 1 the run failed, 2 the input is wrong, 3 the machine lacks something. "
     "With --debug anywhere, an error shows its traceback.",
     no_args_is_help=True,
@@ -195,12 +194,15 @@ def bench(
     threads: Annotated[int | None, typer.Option(min=1, help="Worker threads; by default all cores.")] = None,
     repeats: Annotated[int, typer.Option(min=1, help="Blocks of at least half a second; the median counts.")] = 5,
     cold: Annotated[bool, typer.Option(help="Begin with an empty kernel cache, as on a first run.")] = False,
+    peers: Annotated[
+        bool, typer.Option("--peers", help="What pysplashsurf and Capytaine take for the same tasks, where installed.")
+    ] = False,
     json: Json = False,
 ) -> None:
     """Speed alone: milliseconds a step, particle-steps per second, time to the first step, peak memory."""
     from ocean_sim.verbs.bench import bench
 
-    bench(scenes or [], profile, sets or [], threads, repeats, cold, json)
+    bench(scenes or [], profile, sets or [], threads, repeats, cold, peers, json)
 
 
 @app.command()

@@ -38,7 +38,8 @@ def extra_missing(extra: str) -> str | None:
     missing = [package for package in EXTRAS[extra] if installed(package) is None]
     if not missing:
         return None
-    lacks = f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} not installed"
+    *first, last = missing
+    lacks = f"{', '.join(first)} and {last} are not installed" if first else f"{last} is not installed"
     return f"{lacks}; `pip install '.[{extra}]'` in the checkout brings what is missing"
 
 

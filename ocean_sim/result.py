@@ -3,16 +3,20 @@
 import json
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ocean_sim.conventions import Refused
 from ocean_sim.files import csv_file
 from ocean_sim.files.claim import Claim
 from ocean_sim.files.whole_file import set_aside
 from ocean_sim.machine import stoppable
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.simulation import Observer, Simulation
+
+if TYPE_CHECKING:
+    from ocean_sim.waves.field import WaveField
 
 
 class Result:
@@ -79,3 +83,15 @@ def simulated(config: SceneConfig, folder: Path, observers: tuple[Observer, ...]
         with set_aside(folder):
             simulation.run(config.duration)
     return Result(folder)
+
+
+def wave_field(scene: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None) -> "WaveField":
+    """The waves of a scene, to be asked at any place and time, where its water is a closed form or a patch of an open
+    sea; raises SceneError or Refused."""
+    from ocean_sim.waves.field import WaveField
+
+    with Simulation(load(scene, overrides)) as simulation:
+        sea = simulation.fluid.plane_waves
+    if sea is None:
+        raise Refused("the water of this scene is no sum of plane waves; linear_waves and spectral_sea are")
+    return WaveField(sea)

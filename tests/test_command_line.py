@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from ocean_sim import runtime
-from ocean_sim.__main__ import answered
+from ocean_sim import machine, runtime
+from ocean_sim.__main__ import answered, meaning
 from ocean_sim.conventions import Diverged
 from ocean_sim.reading.scene import observer_names
 from ocean_sim.verbs import doctor
@@ -120,6 +120,21 @@ def test_a_wrong_command_line_is_exit_code_2(ask):
     code, out, _ = ask("chek", "--json")
     assert code == 2 and "chek" in json.loads(out)["error"]
     assert ask("--help")[0] == 0
+
+
+def test_what_an_extra_would_bring_is_said_in_a_sentence(monkeypatch, capsys, tmp_path):
+    everything = machine.installed
+    monkeypatch.setattr(machine, "installed", lambda name: None if name in ("vtk", "pyvista") else everything(name))
+    sentence = "pyvista and vtk are not installed; `pip install '.[pictures]'` in the checkout brings what is missing"
+    assert machine.extra_missing("pictures") == sentence
+    missing = ModuleNotFoundError("No module named 'vtkmodules'", name="vtkmodules.util")
+    assert meaning(missing) == (3, sentence, [])
+    monkeypatch.setattr(console, "complained", set())
+    drawn: list[str] = []
+    assert not console.drawn(drawn.append, "a") and not console.drawn(drawn.append, "b") and not drawn
+    assert capsys.readouterr().err == f"no pictures: {sentence}\n"
+    monkeypatch.undo()
+    assert console.drawn(drawn.append, "c") and drawn == ["c"]
 
 
 def test_every_verb_has_help(ask):

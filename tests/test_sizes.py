@@ -126,3 +126,9 @@ def test_a_spoilt_hull_is_told_by_us_alone(ask):
     for name in ("a.obj", "b.ply", "c.stl"):
         code, said, _ = ask("hull", name)
         assert code == 2 and said.count("\n") == 1 and said.startswith(f"{name}: "), said
+
+
+def test_a_frame_of_billions_of_points_is_refused_before_one_is_made(ask):
+    Path("s.yaml").write_text("basin: {length: 2.0e+9, depth: 0.6}\nfluid: {kind: spectral_sea, cells: 16}\n")
+    code, printed, seconds = ask("check", "s.yaml")
+    assert code == 2 and "frames.spacing: a frame would keep 3.33e+09 heights" in printed and seconds < SOON

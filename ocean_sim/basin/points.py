@@ -1,6 +1,7 @@
 """Points of the basin at which the water is asked for something."""
 
 from collections.abc import Sequence
+from math import ceil
 
 import numpy as np
 
@@ -12,9 +13,14 @@ def in_space(vector: Sequence[float]) -> np.ndarray:
     return np.array((*vector, 0.0)[:3])
 
 
+def count(low: float, high: float, spacing: float) -> int:
+    """Of equal cells from `low` to `high`, at most `spacing` wide, at least two."""
+    return max(2, ceil((high - low) / spacing - 1.0e-6))
+
+
 def middles(low: float, high: float, spacing: float) -> np.ndarray:
-    """Middles of equal cells from `low` to `high`, at most `spacing` wide, at least two."""
-    n = max(2, int(np.ceil((high - low) / spacing - 1.0e-6)))
+    """Middles of the cells that `count` counts."""
+    n = count(low, high, spacing)
     return low + (np.arange(n) + 0.5) * (high - low) / n
 
 
@@ -23,6 +29,12 @@ def grid(basin: Basin, spacing: float) -> tuple[np.ndarray, np.ndarray]:
     x = middles(basin.lower[0], basin.upper[0], spacing)
     z = middles(basin.lower[2], basin.upper[2], spacing) if basin.dimension == 3 else np.zeros(1)
     return x, z
+
+
+def grid_size(basin: Basin, spacing: float) -> int:
+    """How many points `grid` has, of which none is made."""
+    along = count(basin.lower[0], basin.upper[0], spacing)
+    return along * (count(basin.lower[2], basin.upper[2], spacing) if basin.dimension == 3 else 1)
 
 
 def pairs(x: np.ndarray, z: np.ndarray) -> np.ndarray:

@@ -2,30 +2,33 @@
 where the ships are; one file a frame. What is of a ship begins with the key she is written under."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from ocean_sim import waves
-from ocean_sim.basin.points import grid, pairs
+from ocean_sim.basin.points import grid, grid_size, pairs
 from ocean_sim.files.whole_file import whole
 from ocean_sim.fluid import Fluid
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.sampled import Multiples
-from ocean_sim.parts import Preflight, key_of
+from ocean_sim.parts import Preflight, Problems, key_of
 from ocean_sim.pictures import foam
 from ocean_sim.ship import Ship
 from ocean_sim.simulation import Observer, PeriodicConfig
-from ocean_sim.surface import Mesh
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
+    from ocean_sim.surface import Mesh
 
 
 SURFACE_FIELDS = 7  # elevation, foam, how far it was carried, velocity
 BYTES_PER_PARTICLE = 32  # position, velocity, id and pressure
+SAMPLED = 800  # points at most at which water in closed form is asked for its velocity
 TOPMOST = 1.2  # [spacings] under the surface: the particles that carry foam
+MANY = 20_000_000  # points of a frame: more are a slip
 LARGE = 2.0e9  # bytes that are worth a warning
 
 
@@ -42,11 +45,20 @@ class Config(PeriodicConfig):
     particles: bool = True
     """Keep the positions and velocities of the particles, which `export` and pictures of particles need."""
 
+    def points(self, preflight: Preflight) -> int:
+        """At which a frame keeps the height of the water; as many as the finest wave asks for are not known yet."""
+        return grid_size(preflight.tank, self.spacing or preflight.spacing or preflight.tank.depth)
+
+    def mismatches(self, preflight: Preflight) -> Problems:
+        points = self.points(preflight)
+        if points <= MANY:
+            return []
+        return [(("spacing",), f"a frame would keep {points:.3g} heights, at most {MANY:g}; give a larger one [m]")]
+
     def warnings(self, preflight: Preflight) -> list[str]:
         """A warning where the frames of a long or large run would fill a disk."""
-        x, z = grid(preflight.tank, self.spacing or preflight.spacing or preflight.tank.depth)
         kept = preflight.particles if self.particles else 0
-        frame = 4 * SURFACE_FIELDS * len(x) * len(z) + BYTES_PER_PARTICLE * kept
+        frame = 4 * SURFACE_FIELDS * self.points(preflight) + BYTES_PER_PARTICLE * kept
         size = frame * (preflight.duration / self.every + 1.0)
         if size < LARGE:
             return []
@@ -188,7 +200,7 @@ def shifts(x: np.ndarray, origin: np.ndarray, period: Sequence[float]) -> np.nda
     return length * np.round(away / np.where(length > 0.0, length, np.inf))
 
 
-def unrolled(mesh: Mesh, origin: np.ndarray, period: Sequence[float]) -> Mesh:
+def unrolled(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) -> "Mesh":
     """A surface between periodic sides, its triangles put where they are nearest to an origin x, z [m]."""
     corners = mesh.vertices[mesh.triangles]
     shift = np.repeat(shifts(corners.mean(axis=1), origin, period), 3, axis=0)
@@ -196,7 +208,8 @@ def unrolled(mesh: Mesh, origin: np.ndarray, period: Sequence[float]) -> Mesh:
     kept, which = np.unique(at, axis=0, return_inverse=True)
     number = kept[:, 0].astype(int)
     vertices = (mesh.vertices[number] + kept[:, 1:]).astype(mesh.vertices.dtype)
-    return Mesh(vertices, which.reshape(-1, 3).astype(mesh.triangles.dtype), mesh.normals[number])
+    triangles = which.reshape(-1, 3).astype(mesh.triangles.dtype)
+    return replace(mesh, vertices=vertices, triangles=triangles, normals=mesh.normals[number])
 
 
 def surface_velocity(
@@ -206,7 +219,7 @@ def surface_velocity(
     layer of each cell."""
     particles = fluid.particles
     if particles is None:
-        return fluid.velocities(np.insert(points, 1, elevation.ravel(), axis=1)).reshape(*elevation.shape, 3)
+        return sampled_velocity(fluid, points, elevation)
     x, v = particles.position.to_numpy().astype(float), particles.velocity.to_numpy().astype(float)
     x = x + shifts(x, 0.5 * (points[0] + points[-1]), period)
     low, (nx, nz) = points[0], elevation.shape
@@ -218,6 +231,20 @@ def surface_velocity(
     count = np.maximum(np.bincount(at, minlength=nx * nz), 1)
     parts = [np.bincount(at, weights=v[top, axis], minlength=nx * nz) / count for axis in range(3)]
     return np.stack(parts, axis=-1).reshape(nx, nz, 3)
+
+
+def sampled_velocity(fluid: Fluid, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
+    """The same of water in closed form, asked for at SAMPLED points at most and interpolated between them."""
+    from scipy.ndimage import map_coordinates
+
+    step = int(np.ceil(np.sqrt(elevation.size / SAMPLED)))
+    number = np.arange(elevation.size).reshape(elevation.shape)[::step, ::step]
+    places = np.insert(points, 1, elevation.ravel(), axis=1)[number.ravel()]
+    coarse = fluid.velocities(places).reshape(*number.shape, 3)
+    if step == 1:
+        return coarse
+    at = np.indices(elevation.shape) / step
+    return np.stack([map_coordinates(coarse[..., k], at, order=3, mode="nearest") for k in range(3)], axis=-1)
 
 
 def plane_waves(fluid: Fluid) -> dict[str, np.ndarray]:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
 POSITIONS_EVERY = 50  # steps between two checks of all positions, which are copied for it
-ENERGY_EVERY = 0.05  # [depth over reference speed] at most between two checks of the energy, however long the steps
+ENERGY_EVERY = 0.1  # [depth over reference speed] at most between two checks of the energy, however long the steps
 GAIN_REPORTED = 0.01  # of the same scale as `max_energy_gain`: less is not reported
 MOMENTUM_REPORTED = 1e-4  # over all impulses: more from nowhere is reported
 QUIET = 0.5  # [s] at least between two events of one kind
@@ -115,7 +115,7 @@ class Health(Concluding):
 
     def observe(self, simulation: "Simulation") -> None:
         if self.judged and self.first_energy is None:
-            self.first_energy = self.energies()
+            self.first_energy = self.energies(*self.state())
         if self.momentum is None and self.n > 0 and simulation.fluid.impulse:
             self.momentum = Momentum(simulation)
         if self.levelled and isnan(self.first_level):
@@ -126,7 +126,7 @@ class Health(Concluding):
                 sentence = next(self.violations(), None)
             else:
                 due = self.judged and simulation.time >= self.energy_seen + self.energy_every
-                sentence = next(self.energy_violations(), None) if due else None
+                sentence = next(self.energy_violations(*self.state()), None) if due else None
             if sentence is not None:
                 raise Diverged(sentence)
         self.judge_hulls(simulation)
@@ -164,7 +164,7 @@ class Health(Concluding):
             what = "position, velocity or density stopped being a number"
             yield self.sentence(f"{what} for {len(lost)} of {len(finite)} particles", position, lost[:1])
             return
-        self.note_momentum()
+        self.note_momentum(velocity)
         if self.too_dense(status.max_density):
             ratio = status.max_density / particles.rest_density
             what = f"density reached {status.max_density:.4g} kg/m^3, {ratio:.3g} x the rest density"
@@ -194,27 +194,32 @@ class Health(Concluding):
                     f"the water has swollen: {high} (bound {bound:.3g}), {self.moment()}; {self.advice()}"
                     f"{self.last_frame()}"
                 )
-        yield from self.energy_violations()
+        yield from self.energy_violations(position, velocity)
 
-    def note_momentum(self) -> None:
+    def state(self) -> tuple[np.ndarray, np.ndarray]:
+        """Positions [m] and velocities [m/s] of all particles, (n, 3) each."""
+        particles = with_particles(self.simulation.fluid).particles
+        return particles.position.to_numpy(), particles.velocity.to_numpy()
+
+    def note_momentum(self, velocity: np.ndarray) -> None:
         """Once, where the water's momentum is not what all forces have given it."""
         if self.momentum is not None and not self.momentum_reported:
-            share = self.momentum.from_nowhere(self.simulation)
+            share = self.momentum.from_nowhere(self.simulation, velocity)
             if not share <= MOMENTUM_REPORTED:
                 self.event("momentum from nowhere", over_all_impulses=float(f"{share:.3g}"), bound=MOMENTUM_REPORTED)
                 self.momentum_reported = True
 
-    def energies(self) -> tuple[float, float]:
+    def energies(self, position: np.ndarray, velocity: np.ndarray) -> tuple[float, float]:
         """Of motion and height, and of compression [J]."""
-        return mechanical(self.simulation), self.simulation.fluid.internal_energy()
+        return mechanical(self.simulation, position, velocity), self.simulation.fluid.internal_energy()
 
-    def energy_violations(self) -> Iterator[str]:
+    def energy_violations(self, position: np.ndarray, velocity: np.ndarray) -> Iterator[str]:
         """Energy that no force has given: an unstable scheme creates it long before one particle is out of bounds, and
         a stiff one has it in its first lattice, which motion and height get when it gives way."""
         if self.judged and self.first_energy is not None:
             fluid, bound = self.simulation.fluid, self.config.max_energy_gain
             scale = with_particles(fluid).particles.mass * self.n * fluid.reference_speed**2
-            moved, squeezed = (now - then for now, then in zip(self.energies(), self.first_energy))
+            moved, squeezed = (now - then for now, then in zip(self.energies(position, velocity), self.first_energy))
             gain, given = (moved + squeezed) / scale, (moved - self.stored) / scale
             self.energy_seen = self.simulation.time
             if not (gain <= GAIN_REPORTED or self.gain_reported):

@@ -5,6 +5,8 @@ rests or moves at a share of the group speed, with the waves or against them. Fi
 around that point: complex height of the linear wave over that of the sea, and the current. At rest 20 periods, under
 way 25, of which the last five count.
 
+A nonlinear sea (`spectral_sea`) is compared with itself: with the wave of the same length in the sea around the patch.
+
 The random sea: JONSWAP, four wavelengths of the peak, of which a rim takes one on either side; heights in the free part
 against linear theory for the same phases.
 """
@@ -15,7 +17,10 @@ from math import pi
 import numpy as np
 
 from ocean_sim import waves
+from ocean_sim.fluid import with_particles
+from ocean_sim.fluid.shared.band import band
 from ocean_sim.fluid.shared.initial import of_patch
+from ocean_sim.fluid.shared.sea_rim import Depths, nodes
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
 from ocean_sim.validation.shared.state import State, sampled
@@ -40,7 +45,7 @@ def problems(coarse: bool) -> list[Problem]:
         for ka in (0.05, 0.15)
         for speed in (0.5, 1.0, 1.5, -0.5, -1.0, -1.5)
     ]
-    return [*found, random()]
+    return [*found, regular(0.15, 0.0, 15.0, FINE, 5.0, 10.0, slow=True, kind="spectral_sea"), random()]
 
 
 def patch(length: float, particles: int, sea: dict, periods: float) -> dict:
@@ -49,20 +54,27 @@ def patch(length: float, particles: int, sea: dict, periods: float) -> dict:
         "duration": periods * PERIOD,
         "basin": {"length": length * LENGTH, "depth": DEPTH, "walls": "periodic", "gravity": [0.0, -G, 0.0]},
         "fluid": {"spacing": LENGTH / particles},
-        "sea": {"kind": "linear_waves", **sea},
+        "sea": {"kind": "linear_waves"} | sea,
     }
 
 
 def regular(
-    ka: float, speed: float, periods: float, particles: int, within: float, degrees: float, slow: bool = False
+    ka: float,
+    speed: float,
+    periods: float,
+    particles: int,
+    within: float,
+    degrees: float,
+    slow: bool = False,
+    kind: str = "linear_waves",
 ) -> Problem:
-    """A regular wave of a steepness, seen at a speed [group speeds] for so many periods."""
+    """A regular wave of a steepness in a sea of a kind, seen at a speed [group speeds] for so many periods."""
     where = "at rest" if speed == 0.0 else f"at {speed:+g} group speeds"
-    name = f"ka {ka:g}, {where}"
+    name = f"ka {ka:g}, {where}" + ("" if kind == "linear_waves" else ", nonlinear")
     height = Promise(f"{name}: height over that of the sea", "%", f"{SOURCE}; {within:g} %", {"delta_sph": within})
     phase = Promise(f"{name}: phase [deg]", "deg", f"{SOURCE}; {degrees:g} deg", {"delta_sph": degrees})
     current = Promise(f"{name}: current over the phase speed", "%", "none; 0.05 %", {"delta_sph": 0.05})
-    sea = {"height": 2.0 * ka / K, "period": PERIOD, "rim": {"velocity": [speed * GROUP, 0.0]}}
+    sea = {"kind": kind, "height": 2.0 * ka / K, "period": PERIOD, "rim": {"velocity": [speed * GROUP, 0.0]}}
     promises = (height, phase, current)
     look = partial(measure_regular, promises=promises, amplitude=ka / K, speed=speed * GROUP)
     return Problem(patch(PATCH, particles, sea, periods), promises, look, name, slow)
@@ -92,6 +104,7 @@ def measure_regular(simulation: Simulation, promises: tuple[Promise, ...], ampli
         for water in sampled(simulation, until, PERIOD / A_PERIOD)
     ]
     time, height, current = (np.array(column) for column in zip(*found))
+    height = height / aimed(simulation, time)
     last = time > until - JUDGED * PERIOD
     a, u = complex(height[last].mean()), float(current[last].mean()) * K / OMEGA
     degrees = float(np.degrees(np.angle(a)))
@@ -102,6 +115,19 @@ def measure_regular(simulation: Simulation, promises: tuple[Promise, ...], ampli
         [Curve("the sea", time / PERIOD, np.ones_like(time))],
         ("t / T", "height over that of the sea"),
     )
+
+
+def aimed(simulation: Simulation, time: np.ndarray) -> np.ndarray:
+    """Complex height of the sea around the patch over that of its linear waves, at rising times [s]."""
+    around_it = band(with_particles(simulation.fluid).config.lattice(simulation.basin))
+    if around_it is None or around_it.sea is None or around_it.nonlinear is None:
+        return np.ones(len(time), dtype=complex)
+    from ocean_sim.fluid.shared.steep_source import SteepSource
+
+    depths = Depths(DEPTH, around_it.sea.significant_height, DEPTH)
+    source, crests = SteepSource(around_it, around_it.sea, depths, nodes(around_it, around_it.sea)), round(PATCH)
+    began = source.modes(0.0)[1, 0, crests, 0]
+    return np.array([source.modes(t)[1, 0, crests, 0] / began * np.exp(1j * OMEGA * t) for t in time])
 
 
 def random() -> Problem:

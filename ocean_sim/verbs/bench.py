@@ -29,16 +29,25 @@ def bench(
     threads: int | None,
     repeats: int,
     cold: bool,
+    with_peers: bool,
     as_json: bool,
 ) -> None:
-    """Measure scenes one after the other and report."""
+    """Measure scenes one after the other and report; with peers those alone, unless scenes are named."""
     console.settings(sets)
     rows = []
-    for scene in scenes or DEFAULT:
+    for scene in scenes or (() if with_peers else DEFAULT):
         order = {"scene": scene, "profile": profile, "sets": sets, "threads": threads, "repeats": repeats}
         rows.append(measured(order, cold))
         if not as_json:
             console.say(sentence(rows[-1]))
+    if with_peers:
+        from ocean_sim.verbs.shared import peers
+
+        found = peers.peers()
+        rows += found
+        if not as_json:
+            for row in found:
+                console.say(peers.sentence(row))
     if as_json:
         console.answer(rows)
 

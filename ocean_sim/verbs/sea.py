@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from ocean_sim import wave_field
 from ocean_sim.conventions import Refused
 from ocean_sim.reading.scene import load
 from ocean_sim.verbs.shared import console
-from ocean_sim.wave_field import WaveField
 from ocean_sim.waves import exchange
 
 
@@ -28,7 +28,7 @@ def sea(
     if len(at) != 2:
         raise Refused("--at is not like 0,0: x and z [m]")
     config = load(scene, console.settings(sets))
-    field = WaveField.of(scene, console.settings(sets))
+    field = wave_field(scene, console.settings(sets))
     waves, files = field.sea, []
     title = config.title or scene
     if swd is not None:

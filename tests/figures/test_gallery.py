@@ -1,5 +1,7 @@
 """The README's pictures are those that its commands make now."""
 
+import re
+
 import pytest
 
 from ocean_sim import pictures
@@ -25,8 +27,8 @@ def test_the_commands_name_the_scene_and_draw_from_its_run():
     assert simulate[:4] == ["run", "showcase", "--until", "5.2"] and draw[:2] == ["render", "runs/showcase"]
     readme = FOLDER.parents[1] / "README.md"
     if readme.exists():
-        text = readme.read_text(encoding="utf-8")
-        assert all(f"figures/gallery/{each.picture}" in text for each in gallery.entries())
+        shown = re.findall(r"figures/gallery/(\w+\.\w+)", readme.read_text(encoding="utf-8"))
+        assert set(shown) <= {each.picture for each in gallery.entries()}
 
 
 @pytest.mark.parametrize("name", ["showcas", "nothing"])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import waves
-from ocean_sim.boats import Boat, Boats
+from ocean_sim.gym.boats import Boat, Boats
 
 DEEP = 50.0
 
@@ -62,7 +62,7 @@ def test_it_keeps_the_contract_of_gymnasium():
 
 def test_the_same_seed_gives_the_same_episodes_byte_for_byte_and_another_does_not():
     pytest.importorskip("gymnasium")
-    from ocean_sim.gym import LONGEST, OceanVectorEnv
+    from ocean_sim.gym.environments import LONGEST, OceanVectorEnv
 
     def episode(seed):
         env, random = OceanVectorEnv(4), np.random.default_rng(3)
@@ -78,7 +78,7 @@ def test_the_same_seed_gives_the_same_episodes_byte_for_byte_and_another_does_no
 @pytest.mark.slow
 def test_a_thousand_boats_are_ten_times_faster_than_time():
     pytest.importorskip("gymnasium")
-    from ocean_sim.gym import STEP, OceanVectorEnv
+    from ocean_sim.gym.environments import STEP, OceanVectorEnv
 
     env = OceanVectorEnv(1000)
     env.reset(seed=1)

@@ -96,3 +96,35 @@ def test_frames_that_would_fill_a_disk_are_announced(watched):
     [sentence] = frames.Config().warnings(scene)
     assert sentence.startswith("frames: about 38.9 GB") and "frames.particles: false" in sentence
     assert frames.Config(particles=False).warnings(scene) == []
+
+
+def test_the_velocity_of_a_large_sea_is_asked_for_at_few_points():
+    x, z = np.meshgrid(np.arange(60) * 0.5, np.arange(50) * 0.5, indexing="ij")
+    points, asked = np.stack([x.ravel(), z.ravel()], axis=1), []
+
+    class Waves:
+        particles = None
+
+        def velocities(self, places):
+            asked.append(len(places))
+            return np.stack([np.sin(0.4 * places[:, 0]), places[:, 1], np.cos(0.3 * places[:, 2])], axis=1)
+
+    found = frames.surface_velocity(Waves(), points, np.zeros((60, 50)))
+    assert asked[0] <= frames.SAMPLED < 3000
+    assert np.abs(found[6:-6, 6:-6, 0] - np.sin(0.4 * x)[6:-6, 6:-6]).max() < 0.02
+
+
+def test_particles_of_a_patch_are_kept_around_the_ship_and_triangles_stay_whole():
+    from ocean_sim.surface import Mesh
+
+    origin, period = np.array([0.0, 37.0]), (20.0, 0.0, 20.0)
+    x = np.random.default_rng(0).uniform(-10.0, 10.0, (200, 3))
+    moved = x + frames.shifts(x, origin, period)
+    assert np.abs(moved[:, 2] - 37.0).max() <= 10.0 and np.abs(moved[:, 0]).max() <= 10.0
+    np.testing.assert_array_equal(moved[:, 1], x[:, 1])
+    corners = np.array([[0.0, 0.0, -9.0], [1.0, 0.0, -9.0], [0.0, 0.0, -8.0], [1.0, 0.0, 9.0], [0.0, 0.0, 9.5]])
+    faces = np.array([[0, 2, 1], [3, 4, 1]])
+    there = frames.unrolled(Mesh(corners, faces[:1], 0.0 * corners), origin, period)
+    sides = there.vertices[there.triangles[0]] - there.vertices[there.triangles[0, 0]]
+    np.testing.assert_allclose(sides, corners[faces[0]] - corners[faces[0, 0]], atol=1e-12)
+    assert np.abs(there.vertices[:, 2] - 37.0).max() <= 11.0

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from ocean_sim import waves
+from ocean_sim import wave_field, waves
 from ocean_sim.conventions import Refused
-from ocean_sim.wave_field import WaveField
+from ocean_sim.waves.field import WaveField
 
 SEA = {
     "basin": {"length": 100.0, "width": 100.0, "depth": 40.0, "walls": "none"},
@@ -15,7 +15,7 @@ SEA = {
 
 @pytest.fixture(scope="module")
 def field():
-    return WaveField.of(SEA)
+    return wave_field(SEA)
 
 
 def test_normals_are_across_the_surface(field):
@@ -47,4 +47,4 @@ def test_a_square_fits_to_itself_and_keeps_the_height_of_the_sea(field):
 def test_water_of_particles_is_refused():
     tank = {"basin": {"length": 1.0, "depth": 0.5}, "fluid": {"kind": "ballistic", "spacing": 0.1}}
     with pytest.raises(Refused, match="no sum of plane waves"):
-        WaveField.of(tank)
+        wave_field(tank)

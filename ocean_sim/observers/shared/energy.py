@@ -10,18 +10,18 @@ if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
 
-def mechanical(simulation: "Simulation") -> float:
-    """Kinetic and potential (zero at the origin) energy of the particles [J], summed in float64."""
-    particles = with_particles(simulation.fluid).particles
-    velocity = particles.velocity.to_numpy().astype(np.float64)
-    centre_times_n = particles.position.to_numpy().sum(axis=0, dtype=np.float64)
-    moving = 0.5 * particles.mass * float((velocity**2).sum())
-    return moving - particles.mass * float(centre_times_n @ simulation.basin.gravity)
+def mechanical(simulation: "Simulation", position: np.ndarray, velocity: np.ndarray) -> float:
+    """Kinetic and potential (zero at the origin) energy [J] of particles (n, 3) [m], [m/s], summed in float64."""
+    mass, centre_times_n = with_particles(simulation.fluid).particles.mass, position.sum(axis=0, dtype=np.float64)
+    moving = 0.5 * mass * float(np.square(velocity, dtype=np.float64).sum())
+    return moving - mass * float(centre_times_n @ simulation.basin.gravity)
 
 
 def total(simulation: "Simulation") -> float:
-    """The same with the energy of compression [J]."""
-    return mechanical(simulation) + simulation.fluid.internal_energy()
+    """The same of all particles, with the energy of compression [J]."""
+    particles = with_particles(simulation.fluid).particles
+    moving = mechanical(simulation, particles.position.to_numpy(), particles.velocity.to_numpy())
+    return moving + simulation.fluid.internal_energy()
 
 
 def stored_by_weight(simulation: "Simulation") -> float:

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ocean_sim import waves
-from ocean_sim.boats import Boat, Boats
+from ocean_sim.gym.boats import Boat, Boats
 
 try:
     import gymnasium

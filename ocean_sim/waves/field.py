@@ -4,13 +4,9 @@ The verbs are those of the wave fields of robot simulators: height and normal at
 a square of n x n heights that fits to itself on all sides, to be laid on any plane.
 """
 
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 
 from ocean_sim import waves
-from ocean_sim.conventions import Refused
 
 
 class WaveField:
@@ -18,18 +14,6 @@ class WaveField:
 
     def __init__(self, sea: waves.Components) -> None:
         self.sea = sea
-
-    @classmethod
-    def of(cls, scene: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None) -> "WaveField":
-        """The waves of a scene whose water is a closed form, or a patch of a sea; raises SceneError or Refused."""
-        from ocean_sim.reading.scene import load
-        from ocean_sim.simulation import Simulation
-
-        with Simulation(load(scene, overrides)) as simulation:
-            sea = simulation.fluid.plane_waves
-        if sea is None:
-            raise Refused("the water of this scene is no sum of plane waves; linear_waves and spectral_sea are")
-        return cls(sea)
 
     def elevation(self, points: np.ndarray, time: float) -> np.ndarray:
         """(n,) heights of the water [m] at points x, z (n, 2) [m]."""

@@ -1,0 +1,15 @@
+"""Boats for robots and learning: `boats` moves many at once, `environments` has them for Gymnasium (extra `gym`),
+`unit` as a functional mock-up unit (extra `fmi`). `OceanEnv` and `OceanVectorEnv` are found here, too."""
+
+from typing import Any
+
+__all__ = ["OceanEnv", "OceanVectorEnv"]
+
+
+def __getattr__(name: str) -> Any:
+    """The environments, and with them Gymnasium, where they are asked for."""
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from ocean_sim.gym import environments
+
+    return vars(environments)[name]

@@ -1,0 +1,86 @@
+"""A boat in a random sea as a functional mock-up unit, FMI 2.0 co-simulation: helm and throttle in, motions out.
+
+`python -m ocean_sim.gym.unit FOLDER` writes `OceanBoat.fmu` (extra `fmi`). The unit holds no interpreter: the machine
+that runs it needs Python with `ocean-sim` and `pythonfmu`. Parameters are the sea's significant height [m], peak period
+[s], heading [deg] and seed; outputs are surge, sway, heave [m], roll, pitch, yaw [rad] in the axes of the world (x to
+the bow of heading 0, y to port, z up), the speed [m/s] and the elevation under the bow [m].
+"""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ocean_sim import waves
+from ocean_sim.gym.boats import Boat, Boats
+
+try:
+    from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
+except ImportError:
+    raise ImportError("ocean_sim.gym.unit needs pythonfmu: pip install 'ocean-sim[fmi]'") from None
+
+COMPONENTS, DEPTH, STEP = 20, 50.0, 0.1  # waves, [m], and at most [s] at once
+IN = ("helm", "throttle")
+OUT = ("surge", "sway", "heave", "roll", "pitch", "yaw", "speed", "elevation")
+GIVEN = {"significant_height": 1.0, "peak_period": 6.0, "heading_deg": 0.0, "seed": 0.0}
+
+
+class OceanBoat(Fmi2Slave):
+    """One boat; communication steps of any length are cut into steps of at most STEP."""
+
+    author = "Ocean Sim"
+    description = "A boat in a random sea"
+
+    def __init__(self, **keys: Any) -> None:
+        super().__init__(**keys)
+        for name, value in GIVEN.items():
+            setattr(self, name, value)
+            cause = {"causality": Fmi2Causality.parameter, "variability": Fmi2Variability.fixed}
+            self.register_variable(Real(name, **cause))
+        for names, causality in ((IN, Fmi2Causality.input), (OUT, Fmi2Causality.output)):
+            for name in names:
+                setattr(self, name, 0.0)
+                self.register_variable(Real(name, causality=causality))
+
+    def exit_initialization_mode(self) -> None:
+        given = {name: float(getattr(self, name)) for name in GIVEN}
+        sea = waves.Spectrum(
+            significant_wave_height=given["significant_height"],
+            peak_period=given["peak_period"],
+            heading_deg=given["heading_deg"],
+            seed=int(given["seed"]),
+        )
+        boat = Boat()
+        self.boats = Boats(boat, 1, COMPONENTS, DEPTH)
+        components = sea.components(waves.direction(sea.heading_deg, 3), DEPTH, count=COMPONENTS)
+        self.boats.begin(np.ones(1, dtype=bool), [components], np.zeros(1), boat.cruise)
+        self.tell()
+
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        orders = np.clip(float(self.helm), -1.0, 1.0), np.clip(float(self.throttle), 0.0, 1.0)
+        count = max(1, int(np.ceil(step_size / STEP - 1e-9)))
+        for _ in range(count):
+            self.boats.advance(np.array([orders[0]]), np.array([orders[1]]), step_size / count)
+        self.tell()
+        return True
+
+    def tell(self) -> None:
+        """Set the outputs."""
+        boats = self.boats
+        (sway, surge), (roll, pitch) = boats.place[0].tolist(), boats.angles[0].tolist()
+        motions = (surge, sway, boats.heave[0], roll, pitch, boats.heading[0], boats.speed[0])
+        for name, value in zip(OUT, (*motions, boats.elevation_at_bow(0.0)[0])):
+            setattr(self, name, float(value))
+
+
+def main(folder: str = ".") -> None:
+    """Write the unit into a folder."""
+    from pythonfmu.builder import FmuBuilder
+
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    print(FmuBuilder.build_FMU(__file__, dest=folder))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:2])

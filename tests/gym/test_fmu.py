@@ -1,0 +1,30 @@
+"""The boat as a mock-up unit, opened by a reader that is not ours."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+pytest.importorskip("pythonfmu")
+fmpy = pytest.importorskip("fmpy")
+
+
+def test_a_unit_is_opened_and_run_by_fmpy(tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-m", "ocean_sim.gym.unit", str(tmp_path)],
+        capture_output=True,
+        text=True,
+        env=os.environ.copy(),
+    )
+    assert done.returncode == 0, done.stderr
+    unit = str(tmp_path / "OceanBoat.fmu")
+    found = fmpy.read_model_description(unit)
+    assert found.fmiVersion == "2.0" and {"helm", "throttle", "heave", "yaw"} <= {v.name for v in found.modelVariables}
+    keys = {"stop_time": 20.0, "step_size": 0.1, "output_interval": 0.1, "output": ["heave", "yaw"]}
+    one, same, other = (
+        fmpy.simulate_fmu(unit, start_values={"seed": seed, "throttle": 0.5, "helm": 0.2}, **keys)
+        for seed in (3.0, 3.0, 4.0)
+    )
+    assert one.tobytes() == same.tobytes() != other.tobytes()
+    assert one["yaw"][-1] > 0.3  # to port

@@ -387,7 +387,7 @@ class Window(Protocol):
 
 
 class Arriving(NamedTuple):
-    """Plane waves as they are now at one place, n of them."""
+    """Plane waves at one place when the last step began, where bodies are that step after the water, n of them."""
 
     amplitude: np.ndarray  # [m]
     angle: np.ndarray  # phase [rad]: amplitude cos(angle) is the elevation
@@ -399,7 +399,7 @@ class ClosedForm(Fluid, Protocol):
     """What water without particles has beyond that: it can be asked below its surface from a kernel."""
 
     def arriving(self, x: float, z: float) -> Arriving:
-        """Its plane waves now, at a place [m]."""
+        """Its plane waves at a place [m], at the time of the bodies in it."""
         ...
 
     def rise(self, x: Any, z: Any) -> Any:

@@ -20,7 +20,8 @@ from ocean_sim import waves
 from ocean_sim.fluid import with_particles
 from ocean_sim.fluid.shared.band import band
 from ocean_sim.fluid.shared.initial import of_patch
-from ocean_sim.fluid.shared.sea_rim import Depths, nodes
+from ocean_sim.fluid.shared.sea_rim import nodes
+from ocean_sim.fluid.shared.sea_source import Depths
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
 from ocean_sim.validation.shared.state import State, sampled

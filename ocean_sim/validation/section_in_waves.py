@@ -3,7 +3,7 @@
 Breadth 0.400 m, draught 0.200 m, bilges of 0.0512 m, 46.8 kg, waves of 24 mm (NTNU 2025). The closed form has added
 mass, damping and the force of scattered waves from a table of linear potential flow in two dimensions; nothing is
 fitted. What is promised is what that table is good for: 10 % of heave down to 1.03 s, 15 % of roll; in shorter waves,
-where the section hardly moves, potential flow has a sixth to a quarter less than was measured, and is only reported.
+where the section hardly moves, potential flow has a sixth less than was measured, and is only reported.
 """
 
 from math import cos, pi, sin

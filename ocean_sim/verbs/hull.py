@@ -214,8 +214,8 @@ def stated(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[
         "kg_m": kg,
         "free_surface_m": stability.lost,
         "waterplane_m2": afloat.waterplane,
-        "trim_deg": degrees(float(-turn[1, 2])),
-        "heel_deg": degrees(float(turn[1, 0])),
+        "trim_deg": round(degrees(float(-turn[1, 2])), 9) + 0.0,  # bow down
+        "heel_deg": round(degrees(float(turn[1, 0])), 9) + 0.0,  # starboard down
         "gz": [{"heel_deg": heel, "gz_m": lever} for heel, lever in zip(heels, levers)],
         "vanishing_deg": stability.vanishing,
         "flooding_deg": None if isinf(angle) else angle,

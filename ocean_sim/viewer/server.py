@@ -226,6 +226,8 @@ class Server:
             raise web.HTTPServiceUnavailable(text="too many watchers\n")
         socket = web.WebSocketResponse(max_msg_size=LONGEST, heartbeat=15.0, compress=False)
         await socket.prepare(request)
+        if not self.all and self.hello.get("drives"):
+            self.frame = None  # made when somebody watched last; a fresh one comes
         self.count += 1
         watcher = self.all[self.count] = Watcher(self.count, socket)
         self.watchers, self.fresh = len(self.all), True

@@ -140,7 +140,7 @@ class Watch(Observer, TakesMotion):
             boxes["particles"] = {"low": self.low.tolist(), "high": self.high.tolist()}
         if self.platform is not None:
             arrays["platform"] = self.commands
-        if self.seq % LINES_EVERY == 0 or self.audience.fresh:
+        if self.seq % LINES_EVERY == 0 or self.setting.flat or self.audience.fresh:
             ends, hues = self.scene.lines()
             arrays["lines"] = ends.astype(np.float32)
             arrays["hues"] = np.rint(255.0 * hues).astype(np.uint8)

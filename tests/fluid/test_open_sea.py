@@ -11,7 +11,8 @@ from ocean_sim.files.csv_file import columns
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid.shared.band import Band, band, stokes
 from ocean_sim.fluid.shared.initial import of_patch
-from ocean_sim.fluid.shared.sea_rim import Depths, PlaneWaveSource, nodes
+from ocean_sim.fluid.shared.sea_rim import nodes
+from ocean_sim.fluid.shared.sea_source import Depths, PlaneWaveSource
 from ocean_sim.fluid.shared.steep_source import SteepSource
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
@@ -243,6 +244,7 @@ def test_a_nonlinear_sea_resolves_its_defaults_and_feeds_without_stokes():
     assert patch({"kind": "spectral_sea", "order": 1} | REGULAR | {"kind": "spectral_sea"}).sea.nonlinear is None
 
 
+@pytest.mark.slow
 def test_gauges_ride_with_the_patch_beside_fixed_ones(tmp_path):
     """The point that they ride with moves as fast as the crests, around the whole patch: each reads its own phase."""
     speed = LENGTH / PERIOD
@@ -250,7 +252,7 @@ def test_gauges_ride_with_the_patch_beside_fixed_ones(tmp_path):
     along = {"crest": {"at": [0.0], "rides": True}, "down": {"at": [0.25 * LENGTH], "rides": True}, "fixed": [0.0]}
     depth = {"at": [0.0, -0.5], "rides": True}
     keys = {"elevation": along, "pressure": {"ahead": depth}, "every": 0.1 * PERIOD}
-    scene = patch(sea, gauges=keys, duration=0.5 * PERIOD)
+    scene = patch(sea, gauges=keys, duration=0.5 * PERIOD, **dict.fromkeys(("report", "render")))
     assert load(scene.resolved()).resolved() == scene.resolved()
     with Simulation(scene, tmp_path) as simulation:
         simulation.run(0.5 * PERIOD)

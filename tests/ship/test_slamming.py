@@ -1,12 +1,13 @@
 """Ships that fall into the water, against published series of wedges and spheres, and what is told of it."""
 
 import json
-from functools import cache
 from math import pi, radians, tan
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from ocean_sim.observers import health
 from ocean_sim.reading.scene import load
 from ocean_sim.ship.shared.added_mass import slenderness
 from ocean_sim.ship.shared.hull import Hull
@@ -75,13 +76,8 @@ def test_momentum_of_hull_and_water_is_kept_whatever_the_step():
     assert WAGNER == pytest.approx(pi**2 / 4.0)
 
 
-@cache
-def dropped(kind: str, height: float) -> tuple[np.ndarray, list[dict], list[str]]:
+def dropped(kind: str, height: float, folder: Path) -> tuple[np.ndarray, list[dict], list[str]]:
     """Rise over afloat [m] and the hull's energy over its weight [m] step by step, the events, and the warnings."""
-    import tempfile
-    from pathlib import Path
-
-    from ocean_sim.observers import health
 
     def scene(**ship):
         quiet = dict.fromkeys(("accuracy", "frames", "render", "report", "timings", "motion", "health"))
@@ -91,10 +87,10 @@ def dropped(kind: str, height: float) -> tuple[np.ndarray, list[dict], list[str]
 
     with Simulation(scene()) as simulation:
         afloat = float(floating(simulation).body.position[1])
-    config, folder = scene(position=[0.0, afloat + height, 0.0]), Path(tempfile.mkdtemp())
+    config = scene(position=[0.0, afloat + height, 0.0])
     with Simulation(config) as simulation:
         simulation.observers = [health.Config().build(folder, simulation)]
-        body, path = floating(simulation).body, []
+        path = []
         while simulation.time < 8.0:
             simulation.run(simulation.time + simulation.next_dt)
             body = floating(simulation).body
@@ -105,10 +101,10 @@ def dropped(kind: str, height: float) -> tuple[np.ndarray, list[dict], list[str]
 
 
 @pytest.mark.parametrize("kind", [pytest.param("hydrostatic", marks=pytest.mark.slow), "dynamic"])
-def test_a_yacht_from_5_m_up_comes_to_float(kind):
+def test_a_yacht_from_5_m_up_comes_to_float(kind, tmp_path):
     """It rebounded to 3.41 (hydrostatic) and 2.23 m (dynamic); she may leave the water once more, not by her own
     height of fall, and no energy comes from nowhere."""
-    path, events, warnings = dropped(kind, 5.0)
+    path, events, warnings = dropped(kind, 5.0, tmp_path)
     rise = path[:, 0]
     first = int(np.argmax(rise < 0.0))
     assert rise[first:].max() < 1.0
@@ -121,8 +117,8 @@ def test_a_yacht_from_5_m_up_comes_to_float(kind):
 
 
 @pytest.mark.slow
-def test_a_yacht_that_begins_a_little_high_is_told_nothing_and_slams_nothing():
-    path, events, warnings = dropped("dynamic", 0.4)
+def test_a_yacht_that_begins_a_little_high_is_told_nothing_and_slams_nothing(tmp_path):
+    path, events, warnings = dropped("dynamic", 0.4, tmp_path)
     assert not any("begins" in warning for warning in warnings)
     assert not [event for event in events if event["event"].startswith("the hull")]
     assert abs(path[-1, 0]) < 0.4

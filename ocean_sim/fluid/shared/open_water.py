@@ -101,9 +101,9 @@ class OpenWater(Fluid):
 
     def arriving(self, x: float, z: float) -> Arriving:
         sea, (dx, dz) = self.waves.sea, np.array([x, z]) - self.drift
-        angle = sea.wavevector[:, 0] * dx + sea.wavevector[:, 1] * dz + sea.phase - sea.omega * self.time
+        angle = sea.wavevector[:, 0] * dx + sea.wavevector[:, 1] * dz + sea.phase - sea.omega * self.before
         heading = np.arctan2(sea.wavevector[:, 0], sea.wavevector[:, 1])
-        return Arriving(sea.grown(self.time) * sea.amplitude, angle, sea.omega, heading)
+        return Arriving(sea.grown(self.before) * sea.amplitude, angle, sea.omega, heading)
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
         """(m, 2) points x, z [m] -> (m,) heights [m]."""

@@ -6,33 +6,26 @@ period of the highest waves and linear between; across the patch it is cubic, an
 depth. Above the still level velocities go on along their slope there (Rodenbusch & Forristall 1986, OTC 5098).
 """
 
-from collections.abc import Iterator, Sequence
-from typing import ClassVar, NamedTuple, Protocol
+from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 import taichi as ti
 import taichi.math as tm
 from taichi.lang.util import to_numpy_type
 
-from ocean_sim import waves
 from ocean_sim.columns import vec3
 from ocean_sim.fluid import Displacing
 from ocean_sim.fluid.shared.band import Band, cells_of
 from ocean_sim.fluid.shared.cubic import cubic
+from ocean_sim.fluid.shared.sea_source import LEVELS, VALUES, Depths, PlaneWaveSource, Source, numbers
 from ocean_sim.runtime import Template
 from ocean_sim.waves import Components
 from ocean_sim.waves.absorption import PROFILE
 
-LEVELS = 10  # at and below the still level; the last number is a level above it
 WRITTEN = 40  # times in a period of the highest waves
 PER_WAVE, FEWEST, MOST = 8, 16, 512  # nodes to the shortest wave, and along an axis of the patch
 SHORTEST = 4  # cells to the shortest wave of a nonlinear sea
-VALUES = 6  # of a node: velocity [m/s] and what is fed of it [m/s2]
-
-
-def numbers(band: Band, sea: Components) -> np.ndarray:
-    """(n, 2) crests of each wave along the sides of the patch."""
-    return np.round(sea.wavevector * np.array(band.lattice.basin.periods)[::2] / (2.0 * np.pi)).astype(int)
 
 
 def nodes(band: Band, sea: Components) -> tuple[int, ...]:
@@ -48,52 +41,6 @@ def memory(band: Band, sea: Components, word: int) -> int:
     """Bytes of the table."""
     x, z = nodes(band, sea)
     return 3 * x * z * (LEVELS + 1) * VALUES * word
-
-
-class Source(Protocol):
-    """What a table is written from."""
-
-    def modes(self, time: float) -> np.ndarray:
-        """(levels, values, nodes along x, along z) complex: their Fourier sum over the nodes is what the table holds at
-        a time [s], which never goes back."""
-        ...
-
-
-class PlaneWaveSource:
-    """The sum of plane waves."""
-
-    left_out: ClassVar[tuple[str, ...]] = ("shapes", "places")
-
-    def __init__(self, band: Band, sea: Components, depths: "Depths", count: tuple[int, ...]) -> None:
-        self.sea, self.count = sea, count
-        self.places = tuple(numbers(band, sea)[:, axis] % count[axis] for axis in range(2))
-        k, (kx, kz) = sea.wavenumber, sea.wavevector.T
-        speed, lower = sea.amplitude * sea.gravity * k / sea.omega, band.lattice.basin.lower
-        shape = np.array([np.stack([kx / k * c, -1j * s, kz / k * c]) for c, s in depths.profiles(k)])
-        velocity = speed * shape * np.exp(1j * (kx * lower[0] + kz * lower[2]))
-        self.shapes = np.concatenate([velocity, band.feed * velocity], axis=1)
-        """(levels, values, n): what each wave adds at the lower corner of the patch and phase 0."""
-
-    def modes(self, time: float) -> np.ndarray:
-        found = np.zeros((LEVELS + 1, VALUES, *self.count), dtype=np.complex128)
-        turn = np.exp(1j * np.mod(self.sea.phase - self.sea.omega * time, 2.0 * np.pi))
-        found[:, :, self.places[0], self.places[1]] = self.shapes * turn
-        return found
-
-
-class Depths(NamedTuple):
-    """Where the levels of a table lie: ever farther apart down to `deepest`, and one `above` the still level [m]."""
-
-    deepest: float
-    above: float
-    bed: float  # the depth of the water
-
-    def profiles(self, k: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """Of waves (n,) [rad/m] at each level: of their velocity along the way and upwards."""
-        for level in range(LEVELS):
-            yield waves.profiles(k, -self.deepest * (level / (LEVELS - 1)) ** 2, self.bed)
-        (c, s), slope = waves.profiles(k, 0.0, self.bed), np.tanh(k * self.bed)
-        yield c + k * self.above * slope, s + k * self.above
 
 
 @ti.data_oriented

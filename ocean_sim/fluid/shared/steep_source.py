@@ -7,7 +7,7 @@ import numpy as np
 
 from ocean_sim.fluid.shared.band import Band, cells_of
 from ocean_sim.fluid.shared.high_order import evolving, step_of
-from ocean_sim.fluid.shared.sea_rim import Depths
+from ocean_sim.fluid.shared.sea_source import VALUES, Depths
 from ocean_sim.fluid.shared.tile import Tile
 from ocean_sim.waves import Components
 
@@ -47,7 +47,7 @@ class SteepSource:
         potential = part * below + (1.0 - part) * self.sea.tile.waves(self.sea.phi)
         real, crossed = self.fed
         both = self.sea.clear * self.turn * np.array([potential, real * potential + crossed * e])
-        found = np.zeros((len(self.shapes), 6, *self.count), dtype=np.complex128)
+        found = np.zeros((len(self.shapes), VALUES, *self.count), dtype=np.complex128)
         for level, shape in enumerate(self.shapes):
             for n, of in enumerate(both):
                 three = found[level, 3 * n : 3 * n + 3]

@@ -63,7 +63,7 @@ class Radiation:
         sines = np.trapezoid(kernels[:, None] * np.sin(omega[:, None] * times), times, axis=2)
         kept = np.abs(kernels / np.abs(kernels).max(axis=1, keepdims=True)).max(axis=0) > LOST
         last = int(np.flatnonzero(kept)[-1]) + 1
-        return Response(times[:last], kernels[:, :last], (self.mass + sines / omega).mean(axis=1))
+        return Response(times[:last], kernels[:, :last], np.median(self.mass + sines / omega, axis=1))
 
     def kernel(self, times: np.ndarray, damping: np.ndarray) -> np.ndarray:
         """K at some times [s]; beyond the table damping falls on as it did at its end, by a power of the frequency."""

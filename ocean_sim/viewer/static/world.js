@@ -381,7 +381,7 @@ class World {
       if (still.basin.flat) { half[2] = 0.5 * this.ribbon; at[2] = 0; }
       draw(painter.box, sized(at, half), [0.62, 0.60, 0.56, 1]);
     }
-    const mark = clamp(0.006 * Math.max(this.size[0], this.size[2]), 0.08, 0.35);
+    const mark = clamp(0.006 * Math.max(this.size[0], this.size[2]), 0.003, 0.35);
     for (const name in still.gauges) {
       const [x, z] = still.gauges[name], y = this.heightAt(x, z);
       draw(painter.ball3, sized([x, y, z], [mark, mark, mark]), [0.95, 0.42, 0.10, 1]);

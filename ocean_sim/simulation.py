@@ -11,6 +11,7 @@ from ocean_sim import runtime
 from ocean_sim.conventions import Diverged, in_words
 from ocean_sim.fluid import Limits, with_particles
 from ocean_sim.parts import LedgerRow, PartConfig, Preflight, Scene
+from ocean_sim.ship import Ship
 
 NOWHERE = Path()  # given as folder to observers that write nothing
 Progress = Callable[[int, int], None]  # how many pieces of a long task are done, of how many
@@ -137,6 +138,14 @@ class Simulation:
             self.note(failure)
             self.conclude()  # its own failures come second
             raise
+
+    @property
+    def ship(self) -> Ship | None:
+        """The ship of a scene with one, None without; raises ValueError where there are several, which `ships` has by
+        name."""
+        if len(self.ships) > 1:
+            raise ValueError(f"there are several ships: {', '.join(self.ships)}; take one of simulation.ships")
+        return next(iter(self.ships.values()), None)
 
     def limits(self) -> Limits:
         """What the time step must stay a fraction of, for the water and every ship."""

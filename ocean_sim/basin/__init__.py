@@ -172,7 +172,24 @@ class Obstacle(Box):
     slip: Slip = "free_slip"
     """`no_slip`: water that touches it moves with it."""
     motion: Gate | None = None
-    """How it moves and when it has left, as a gate does; null: it is fixed."""
+    """How it moves and when it has left, as a gate does; null: as `velocity` and `until` say."""
+    velocity: Vector3 | None = quantity("m/s", None)
+    """Its velocity from the beginning on; null: it is fixed, or moves as `motion` says."""
+    until: float | None = quantity("s", None, gt=0.0)
+    """When it has left; null: it stays, or leaves as `motion` says."""
+
+    @model_validator(mode="after")
+    def _moves_in_one_way(self) -> "Obstacle":
+        if self.motion is not None and (self.velocity is not None or self.until is not None):
+            raise ValueError("give either motion, or velocity [m/s] and until [s]")
+        return self
+
+    @cached_property
+    def gate(self) -> Gate | None:
+        """How it moves and when it has left; None: it is fixed."""
+        if self.velocity is None and self.until is None:
+            return self.motion
+        return Gate(velocity=self.velocity or (0.0, 0.0, 0.0), end=self.until)
 
 
 class Config(Model):
@@ -266,7 +283,7 @@ def astray(obstacles: tuple[Obstacle, ...], basin: "Basin", duration: float) -> 
     """What is wrong with the ways of obstacles that lie well at first, in a run of `duration` [s]."""
     found: list[tuple[tuple[str | int, ...], str]] = []
     for k, box in enumerate(obstacles):
-        gate, key = box.motion, ("obstacles", k, "motion")
+        gate, key = box.gate, ("obstacles", k, "motion") if box.motion else ("obstacles", k)
         if gate is None:
             continue
         if gate.file is not None:
@@ -443,7 +460,7 @@ class Basin:
     @cached_property
     def fixed(self) -> list[Corners]:
         """The same of those that never move."""
-        return [corners(box) for box in self.config.obstacles if box.motion is None]
+        return [corners(box) for box in self.config.obstacles if box.gate is None]
 
     def obstacles_at(self, time: float) -> list[Corners]:
         """The same of all that are there at a time [s]."""
@@ -462,7 +479,7 @@ class Basin:
     @property
     def gates(self) -> list[tuple[int, Gate]]:
         """The numbers of the obstacles that move or leave, and how they do."""
-        return [(k, box.motion) for k, box in enumerate(self.config.obstacles) if box.motion is not None]
+        return [(k, box.gate) for k, box in enumerate(self.config.obstacles) if box.gate is not None]
 
     @cached_property
     def piston(self) -> Piston | None:

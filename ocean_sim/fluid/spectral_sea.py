@@ -41,7 +41,7 @@ CELL, READ = 6.0e-8, 3.0e-7  # [s] of processor time a step and cell of a tile
 
 
 class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
-    """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `seas` on top of them;
+    """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `spectra` on top of them;
     the sea has no sides."""
 
     kind: Literal["spectral_sea"] = "spectral_sea"

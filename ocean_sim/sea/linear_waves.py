@@ -6,6 +6,6 @@ from ocean_sim.sea.shared.written import Written
 
 
 class Config(Written):
-    """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `seas` on top of them."""
+    """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `spectra` on top."""
 
     kind: Literal["linear_waves"] = "linear_waves"

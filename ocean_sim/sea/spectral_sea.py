@@ -9,8 +9,8 @@ from ocean_sim.waves.seas import Steepening
 
 
 class Config(Steepening, Written):
-    """Regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `seas` on top of them: nonlinear up
-    to the third order in their slope."""
+    """Regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `spectra` on top: nonlinear up to the
+    third order in their slope."""
 
     kind: Literal["spectral_sea"] = "spectral_sea"
     order: Literal[1, 3] = 3

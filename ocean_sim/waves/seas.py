@@ -32,11 +32,11 @@ class Steepening(Model):
 
 
 class Seas(waves.OpenTrain):
-    """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `seas` on top of them."""
+    """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `spectra` on top."""
 
     height: float | None = quantity("m", None, ge=0.0)
     """From trough to crest; 0 is calm water."""
-    seas: list[waves.OpenTrain] = []
+    spectra: list[waves.OpenTrain] = []
     """More of them, as swell on top of a wind sea."""
     components: FileName | None = None
     """A CSV file of plane waves on top of all others: `amplitude_m`, `period_s`, `heading_deg`, `phase_deg`; each is
@@ -53,7 +53,7 @@ class Seas(waves.OpenTrain):
     def trains(self) -> list[tuple[tuple[str | int, ...], waves.OpenTrain]]:
         """Each sea, and where it is written."""
         own = [((), self)] if self.height is not None or self.spectrum is not None else []
-        return [*own, *((("seas", n), sea) for n, sea in enumerate(self.seas))]
+        return [*own, *((("spectra", n), sea) for n, sea in enumerate(self.spectra))]
 
     @property
     def highest(self) -> tuple[float, float] | None:

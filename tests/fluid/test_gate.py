@@ -250,3 +250,13 @@ def test_a_run_shows_its_gate_in_accounts_and_frames_and_reloads_to_the_same_byt
         ).resolved()["basin"]["obstacles"][0]["motion"]
         is None
     )
+
+
+def test_an_obstacle_may_have_a_velocity_and_an_end_of_its_own():
+    basin = {"length": 2.0, "depth": 1.0, "obstacles": [PLATE | {"velocity": [0.0, 1.5, 0.0], "until": 0.5}]}
+    scene = {"basin": basin, "fluid": {"kind": "delta_sph", "spacing": 0.1}} | QUIET
+    obstacle = load(scene).basin.obstacles[0]
+    assert obstacle.gate == Gate(velocity=(0.0, 1.5, 0.0), end=0.5)
+    both = PLATE | {"velocity": [0.0, 1.5, 0.0], "motion": {"end": 0.5}}
+    with pytest.raises(SceneError, match="give either motion, or velocity"):
+        load(scene | {"basin": basin | {"obstacles": [both]}})

@@ -108,7 +108,7 @@ def test_what_is_displaced_weighs_as_much_and_lowers_the_water_without_a_mean():
 
 def test_kernels_read_the_plane_waves_and_the_current(sea):
     spectrum = {"significant_wave_height": 0.5, "peak_period": 4.0, "spreading": 8.0, "heading_deg": 40.0}
-    fluid = sea(spectrum=spectrum, seas=[{"height": 0.2, "period": 6.0, "heading_deg": 200.0}], current=(1.0, -0.5))
+    fluid = sea(spectrum=spectrum, spectra=[{"height": 0.2, "period": 6.0, "heading_deg": 200.0}], current=(1.0, -0.5))
     for dt in (0.1, 3.0):
         fluid.advance(dt)
     points = np.random.default_rng(0).uniform([-20.0, -7.5, -20.0], [20.0, 0.4, 20.0], (100, 3))
@@ -347,8 +347,8 @@ def test_what_is_wrong_is_said():
     bay, flume = (Preflight({}, BasinConfig(**basin).build(), 8, 1.0) for basin in (BAY, FLUME))
     spread = {"significant_wave_height": 0.1, "peak_period": 2.0, "spreading": 5.0}
     assert [key for key, _ in Config(spectrum=spread).problems(flume)] == [("spectrum", "spreading")]
-    said = Config(seas=[{"height": 5.0, "period": 2.0}], current=(0.0, 1.0)).problems(flume)
-    assert [key for key, _ in said] == [("seas", 0, "height"), ("current",)]
+    said = Config(spectra=[{"height": 5.0, "period": 2.0}], current=(0.0, 1.0)).problems(flume)
+    assert [key for key, _ in said] == [("spectra", 0, "height"), ("current",)]
     oblique = {"order": 3, "height": 0.2, "period": 4.0}
     assert not Config(**oblique).problems(bay)
     assert [key for key, _ in Config(**oblique, tile=70.0).problems(bay)] == [("tile",)]

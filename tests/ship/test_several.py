@@ -107,6 +107,8 @@ def test_her_own_waves_never_act_on_a_ship(abreast):
 def test_her_own_waves_would_act_on_her_if_she_were_shown_the_whole_sea(abreast):
     """Negative control of the one before: the whole water in place of what she feels."""
     with Simulation(load(at_sea({"a": BARGE | PUSHED, "b": BARGE | {"position": [APART, 0.0]}}))) as simulation:
+        with pytest.raises(ValueError, match="several ships: a, b"):
+            _ = simulation.ship
         whole, felt = simulation.fluid, simulation.felt[0]
         own = next(made for made in whole.made if made.ship is simulation.ships["a"])
         for _ in range(20):

@@ -49,7 +49,8 @@ def barge():
     """A dynamic barge in calm water that tests may push about; the state it begins with."""
     config = load(calm({"kind": "dynamic", **BARGE}), QUIET | {"runtime.precision": "f64"})
     with Simulation(config) as simulation:
-        yield simulation, simulation.ships["ship"].body
+        assert simulation.ship is simulation.ships["ship"]
+        yield simulation, simulation.ship.body
 
 
 def test_afloat_nothing_acts(barge):

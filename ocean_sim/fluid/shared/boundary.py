@@ -92,8 +92,8 @@ def boxes(lattice: Lattice, support: float) -> list[Body]:
         origin[:d] = 0.5 * (low + up)
         volume, no_slip = np.full(len(position), apart.prod()), obstacle.slip == "no_slip"
         thin = int(np.argmin(up - low))
-        across = (int(count[thin]), float(apart[thin])) if obstacle.motion is not None else (0, 0.0)
-        bodies.append(Body(position, volume, no_slip, origin, obstacle.motion, across))
+        across = (int(count[thin]), float(apart[thin])) if obstacle.gate is not None else (0, 0.0)
+        bodies.append(Body(position, volume, no_slip, origin, obstacle.gate, across))
     return bodies
 
 

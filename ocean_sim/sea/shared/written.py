@@ -8,7 +8,7 @@ from ocean_sim.waves.seas import Seas
 
 
 class Written(Seas, SeaConfig):
-    """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `seas` on top of them."""
+    """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `spectra` on top."""
 
     rim: Rim = Rim()
     feed: float | None = quantity("1/s", None, ge=0.0)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 LOCK = (ROOT / "requirements.lock").read_text()
-PERMITTED = re.compile(r"MIT|BSD|Apache|PSF|Python Software|MPL|ISC|0BSD|Zlib|CC0")
+PERMITTED = re.compile(r"MIT|BSD|Apache|PSF|Python Software|MPL|ISC|0BSD|Zlib|CC0|TOST-1.0")  # TOST: Apache 2.0 but for trademarks
 LISTENING = """
 import sys
 heard = []
@@ -29,7 +29,7 @@ print("HEARD", code, heard)
 
 
 def third_party() -> list[dict[str, str]]:
-    with (ROOT / "third_party.csv").open(encoding="utf-8") as file:
+    with (ROOT / "docs" / "third_party.csv").open(encoding="utf-8") as file:
         return list(csv.DictReader(line for line in file if not line.startswith("#")))
 
 

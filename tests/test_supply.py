@@ -11,7 +11,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 LOCK = (ROOT / "requirements.lock").read_text()
-PERMITTED = re.compile(r"MIT|BSD|Apache|PSF|Python Software|MPL|ISC|0BSD|Zlib|CC0|TOST-1.0")  # TOST: Apache 2.0 but for trademarks
+PERMITTED = re.compile(r"MIT|BSD|Apache|PSF|Python Software|MPL|ISC|0BSD|Zlib|CC0|TOST-1.0")  # TOST-1.0: of OpenUSD
 LISTENING = """
 import sys
 heard = []

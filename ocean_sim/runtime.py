@@ -5,6 +5,7 @@ import sys
 import time
 from contextlib import redirect_stdout, suppress
 from dataclasses import dataclass
+from functools import wraps
 from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, TypeVar
@@ -41,14 +42,27 @@ else:  # and as Taichi reads it
     Template = ti.template()
 
 
-Asked = TypeVar("Asked", bound=type)
+Kind = TypeVar("Kind", bound=type)
 
 
-def asked_by_kernels(kind: Asked) -> Asked:
-    """For a class that has functions for kernels but no kernel: what `ti.data_oriented` says of it, without what that
-    costs each time that Python reads an attribute, a microsecond and again for every base class."""
+def in_kernels(kind: Kind) -> Kind:
+    """Decorator of a class whose methods are kernels or are called by them: in place of `ti.data_oriented`, with which
+    each attribute that Python reads costs a microsecond, and again for every base class."""
     kind._data_oriented = True  # type: ignore[attr-defined]
+    for name, kernel in list(vars(kind).items()):
+        if hasattr(kernel, "_is_wrapped_kernel"):
+            setattr(kind, name, _bound(kernel))
     return kind
+
+
+def _bound(kernel: Any) -> Any:
+    """A method that launches a kernel."""
+
+    @wraps(kernel)
+    def launch(self: Any, *given: Any) -> Any:
+        return kernel._primal(self, *given)
+
+    return launch
 
 
 class BackendMissing(Lacking):

@@ -14,7 +14,7 @@ from ocean_sim.fluid.shared.particle_water import ParticleWater
 from ocean_sim.fluid.shared.tasks import TASK
 from ocean_sim.fluid.shared.water import WaterConfig, free_fall_speed
 from ocean_sim.parts import LedgerRow, Preflight, Problems
-from ocean_sim.runtime import Array
+from ocean_sim.runtime import Array, in_kernels
 from ocean_sim.wind import Wind
 
 PARTICLE = 4.7e-8  # [s] of processor time a step
@@ -65,7 +65,7 @@ def force_limit(support: float, acceleration: float) -> Limits:
     return Limits(force=(0.5 * support / acceleration) ** 0.5) if acceleration > 0.0 else Limits()
 
 
-@ti.data_oriented
+@in_kernels
 class Ballistic(ParticleWater):
     """Particles that fall, bounce and are blown about; wind reaches all of them, but none has an exposed area."""
 

@@ -38,7 +38,7 @@ from ocean_sim.fluid.shared.stencil import Stencil, of_rigidity
 from ocean_sim.fluid.shared.water import Lattice
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
-from ocean_sim.runtime import Array
+from ocean_sim.runtime import Array, in_kernels
 from ocean_sim.wind import Wind
 
 PAIR = 9.2e-9  # [s] of processor time a neighbour
@@ -117,7 +117,7 @@ class Config(SphConfig):
         return DeltaSph(self, basin, accounts, wind)
 
 
-@ti.data_oriented
+@in_kernels
 class Momentum(MomentumLaw):
     """Damped pressure (Monaghan 1992, eq. 3.3) and viscosity.
 
@@ -191,7 +191,7 @@ class Momentum(MomentumLaw):
         fluid.accounts.count_work(group, PRESSURE, squeezed)
 
 
-@ti.data_oriented
+@in_kernels
 class Continuity:
     """Rate of the density: sum m v_ij . grad W, and diffusion by delta h c; in a closed basin, shift.
 
@@ -306,7 +306,7 @@ class Continuity:
             fluid.accounts.count_work(group, VISCOSITY, -damped)
 
 
-@ti.data_oriented
+@in_kernels
 class Shear:
     """Spin and strain of the water around each particle, remembered over a while: seldom looked at, since they are
     dear."""
@@ -363,7 +363,7 @@ class Shear:
             fluid.fresh[k][i] = tm.mix(fluid.fresh[k][i], now, fluid.lately[None])
 
 
-@ti.data_oriented
+@in_kernels
 class DeltaSph(Sph):
     """Water between steps: positions, velocities, densities and pressures all at one time, in the order of the cells in
     which the particles were half a step ago.

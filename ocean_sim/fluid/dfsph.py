@@ -45,7 +45,7 @@ from ocean_sim.fluid.shared.stencil import Stencil, of_rigidity
 from ocean_sim.fluid.shared.tasks import TASK
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
-from ocean_sim.runtime import Array, Template
+from ocean_sim.runtime import Array, Template, in_kernels
 from ocean_sim.wind import Wind
 
 PAIR = 3.0e-8  # [s] of processor time a neighbour, with the iterations that calm water needs
@@ -124,7 +124,7 @@ class Config(SphConfig):
         return Dfsph(self, basin, accounts, wind)
 
 
-@ti.data_oriented
+@in_kernels
 class Density(PositionLaw):
     """Density by summation, how much of it is missing in gaps, and the diagonal A_ii of the solvers over dt^2 (2015,
     eq. 9: their 1 / alpha); more of it where particles crowd, since A / A_ii reaches further beyond one there."""
@@ -178,7 +178,7 @@ class Density(PositionLaw):
         fluid.accounts.count_density(group, rho)
 
 
-@ti.data_oriented
+@in_kernels
 class Forces(Force):
     """Everything but pressure, and the pressures of the last step, from which the solver for the divergence starts.
 
@@ -287,7 +287,7 @@ class Forces(Force):
         fluid.accounts.count_motion(group, v, a, 0)
 
 
-@ti.data_oriented
+@in_kernels
 class Dfsph(Sph):
     """Particles that keep each other from being compressed; between steps they are sorted, with density and pressure
     current.

@@ -14,7 +14,7 @@ from ocean_sim.fluid.shared.plane_waves import NO_DRIFT, PlaneWaves
 from ocean_sim.fluid.shared.window import Window
 from ocean_sim.model import quantity
 from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems
-from ocean_sim.runtime import asked_by_kernels
+from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import Wind
 
 
@@ -74,7 +74,7 @@ class Config(waves.GrowingTrain, FluidConfig):
         return LinearWaves(self, basin)
 
 
-@asked_by_kernels
+@in_kernels
 class LinearWaves(OpenWater):
     """The waves at one time; what they do follows from it."""
 

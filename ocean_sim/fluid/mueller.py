@@ -22,6 +22,7 @@ from ocean_sim.fluid.shared.smoothing import positive
 from ocean_sim.fluid.shared.sph import SphConfig, rows
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
+from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import Wind
 
 TINY = 1.0e-12  # [m2] keeps two particles in one position finite
@@ -62,7 +63,7 @@ class Config(SphConfig):
         return Mueller(self, basin, accounts, wind)
 
 
-@ti.data_oriented
+@in_kernels
 class Density(PositionLaw):
     """(2.13) with the poly6 kernel, then (2.15)."""
 
@@ -100,7 +101,7 @@ class Density(PositionLaw):
         fluid.accounts.count_density(group, rho_i)
 
 
-@ti.data_oriented
+@in_kernels
 class Momentum(MomentumLaw):
     """(2.16) with the spiky kernel, (2.18) with the viscosity kernel."""
 
@@ -138,7 +139,7 @@ class Momentum(MomentumLaw):
         return self.added(q * other[self.row.volume], push, rub)
 
 
-@ti.data_oriented
+@in_kernels
 class Mueller(PairSph):
     """Particles that press and rub on each other."""
 

@@ -29,7 +29,7 @@ from ocean_sim.fluid.shared.tile import PER_TILE, RIM, Layer, OnTile, Shown, Til
 from ocean_sim.fluid.shared.window import Window
 from ocean_sim.model import Vector2, quantity
 from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems, called
-from ocean_sim.runtime import asked_by_kernels
+from ocean_sim.runtime import in_kernels
 from ocean_sim.waves.seas import Seas, Steepening
 from ocean_sim.wind import Wind
 
@@ -241,7 +241,7 @@ class Kept:
         return self.parts[:, 0] + 1j * self.parts[:, 1]
 
 
-@asked_by_kernels
+@in_kernels
 class SpectralSea(OpenWater):
     """The sea. Its kernels read what comes from afar and what winds make: all that a ship feels that is alone."""
 

@@ -15,7 +15,7 @@ import taichi.math as tm
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Fluid
 from ocean_sim.model import quantity
-from ocean_sim.runtime import Template
+from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.ship import Load, Ship
 from ocean_sim.ship.shared.floating import FloatingConfig
 from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
@@ -60,7 +60,7 @@ class Thesis(FloatingShip):
         return thesis_advanced(body, load.force, load.torque, dt)
 
 
-@ti.data_oriented
+@in_kernels
 class Columns:
     """The bottom of a hull in squares."""
 

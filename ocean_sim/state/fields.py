@@ -7,10 +7,12 @@ import numpy as np
 import taichi as ti
 from taichi.lang.util import to_numpy_type
 
+from ocean_sim.runtime import in_kernels
+
 TOGETHER = 32  # fields of a kernel; Taichi warns of more
 
 
-@ti.data_oriented
+@in_kernels
 class Bundle:
     """Fields of one number each, of one type, laid in a row."""
 

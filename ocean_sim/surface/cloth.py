@@ -16,6 +16,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Fluid, Particles, with_particles
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
+from ocean_sim.runtime import in_kernels
 from ocean_sim.surface import Surface
 from ocean_sim.surface.shared.contact import Contact
 from ocean_sim.surface.shared.heights import Heights, columns
@@ -96,7 +97,7 @@ class Config(SurfaceConfig):
         return Cloth(self, basin, fluid)
 
 
-@ti.data_oriented
+@in_kernels
 class Cloth:
     """The heights of the nodes, and the springs between them; node (i, k) has the number i nz + k."""
 

@@ -15,7 +15,7 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Fluid, Particles, with_particles
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
-from ocean_sim.runtime import Array
+from ocean_sim.runtime import Array, in_kernels
 from ocean_sim.surface import Surface
 from ocean_sim.surface.shared.density_map import DensityMap, flat_share
 from ocean_sim.surface.shared.heights import Heights
@@ -119,7 +119,7 @@ class Config(SurfaceConfig):
         return MarchingCubes(self, basin, with_particles(fluid).particles)
 
 
-@ti.data_oriented
+@in_kernels
 class MarchingCubes:
     """The field on the grid, its surface and the heights of its columns, each computed when it is read."""
 

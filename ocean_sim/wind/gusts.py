@@ -17,6 +17,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
+from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import Wind
 from ocean_sim.wind.shared.air_load import drag, lift
 from ocean_sim.wind.shared.clock import RESTART, DeviceRow
@@ -116,7 +117,7 @@ def row_size(volumes: list[Volume]) -> int:
     return VOLUME.size + SHAPE.size * max(len(volume.shapes) for volume in volumes)
 
 
-@ti.data_oriented
+@in_kernels
 class Gusts:
     """Volumes on their way, and the load of their air."""
 
@@ -281,7 +282,7 @@ class Gusts:
         return tm.vec3(self.row[g, column], self.row[g, column + 1], self.row[g, column + 2])
 
 
-@ti.data_oriented
+@in_kernels
 class Aimed:
     """Some of the volumes: what a target feels of gusts that do not all act on it."""
 

@@ -8,6 +8,7 @@ import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.parts import LedgerRow, Preflight, WindConfig
+from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import Wind
 from ocean_sim.wind.shared.drawing import NOTHING, Drawing
 
@@ -32,7 +33,7 @@ class Config(WindConfig):
         return Still()
 
 
-@ti.data_oriented
+@in_kernels
 class Still:
     """Air at rest."""
 

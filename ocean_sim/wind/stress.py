@@ -20,6 +20,7 @@ from ocean_sim.columns import Columns
 from ocean_sim.conventions import AIR_DENSITY
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
+from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import Wind
 from ocean_sim.wind.shared.air_load import LAW, DragLaw, drag, stated_speed, stress
 from ocean_sim.wind.shared.clock import DeviceRow
@@ -145,7 +146,7 @@ class Config(Scheduled, WindConfig):
         return [f"{message}: {gain}", *out_of_range(u10, self.law), *unresolved(self, u10, preflight)]
 
 
-@ti.data_oriented
+@in_kernels
 class Stress:
     """The wind as it blows now."""
 

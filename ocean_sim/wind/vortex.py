@@ -15,6 +15,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns
 from ocean_sim.model import Vector2, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
+from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import Wind
 from ocean_sim.wind.shared.clock import RESTART, DeviceRow
 from ocean_sim.wind.shared.drawing import Drawing
@@ -92,7 +93,7 @@ class Config(Timed, Placed, WindConfig):
         ]
 
 
-@ti.data_oriented
+@in_kernels
 class Vortex:
     """The column on its way."""
 

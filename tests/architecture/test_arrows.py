@@ -189,6 +189,12 @@ def test_who_alone_may_call(call, allowed):
     assert {module for module in SOURCES if call in calls(module)} <= allowed
 
 
+def test_classes_of_kernels_are_marked_by_our_own_decorator():
+    for module, source in SOURCES.items():
+        classes = [node for node in walked(source) if isinstance(node, ast.ClassDef)]
+        assert "ti.data_oriented" not in {ast.unparse(mark) for one in classes for mark in one.decorator_list}, module
+
+
 @pytest.mark.parametrize(
     "package, allowed",
     [

@@ -8,7 +8,7 @@ import taichi as ti
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Status
 from ocean_sim.fluid.shared.grid import Grid
-from ocean_sim.runtime import Template
+from ocean_sim.runtime import Template, in_kernels
 
 TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "diffusion", "bed", "sea")
 PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS, SHIP, DIFFUSION, BED, SEA = range(len(TERMS))
@@ -16,7 +16,7 @@ SUMMARY = 7  # numbers that a step reports
 DENSE = 1.0e30  # [kg/m3] more than any density
 
 
-@ti.data_oriented
+@in_kernels
 class Accounts:
     """Each group of cells writes its own row, so nothing depends on the order of threads."""
 

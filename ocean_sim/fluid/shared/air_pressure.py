@@ -14,13 +14,14 @@ import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.fluid.shared.tile import PER_TILE, Tile
+from ocean_sim.runtime import in_kernels
 from ocean_sim.waves import profiles
 from ocean_sim.wind import Wind
 
 SLABS = 4
 
 
-@ti.data_oriented
+@in_kernels
 class AirPressure:
     """Impulses of a wind on the cells of a tile, gathered until they are asked for."""
 

@@ -13,7 +13,7 @@ import taichi.math as tm
 from ocean_sim.fluid.shared.grid import Grid
 from ocean_sim.fluid.shared.images import OFFSET, PULL, PUSH, SIDE, SIGN, TURN, mirrored
 from ocean_sim.fluid.shared.particles import Components
-from ocean_sim.runtime import Template
+from ocean_sim.runtime import Template, in_kernels
 
 
 @ti.func
@@ -50,7 +50,7 @@ class PointLaw(Protocol):
         ...
 
 
-@ti.data_oriented
+@in_kernels
 class Around:
     """Sums of a PointLaw over all water within one support of a point."""
 

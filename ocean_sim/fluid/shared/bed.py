@@ -11,11 +11,12 @@ import taichi.math as tm
 
 from ocean_sim.basin import KARMAN, LOWEST, RoughBed
 from ocean_sim.fluid.shared.lattice import Lattice
+from ocean_sim.runtime import in_kernels
 
 ALL, NONE = 0.75, 1.25  # [rows] heights up to which a particle bears its whole share, and from which it bears none
 
 
-@ti.data_oriented
+@in_kernels
 class Bed:
     """A bed that rubs."""
 

@@ -36,7 +36,7 @@ from ocean_sim.fluid.shared.particles import Components, Particles
 from ocean_sim.fluid.shared.pull import Pull
 from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.tasks import TASK
-from ocean_sim.runtime import Doubles2, Doubles3, Template
+from ocean_sim.runtime import Doubles2, Doubles3, Template, in_kernels
 
 BLOCK = 32  # samples of a task
 MOTION = Columns(position=3, rotation=9, velocity=3, angular_velocity=3, acceleration=3, angular_acceleration=3, gone=1)
@@ -131,7 +131,7 @@ def three(rows: Template, body, first: Template):
     return ti.Vector([rows[body, first + k] for k in ti.static(range(3))])
 
 
-@ti.data_oriented
+@in_kernels
 class Boundary:
     """All solid bodies in the water: `place` them, `sort`, `react`; then `forces` says what they feel."""
 
@@ -401,7 +401,7 @@ class Boundary:
         return np.array([each[self.owners == k].sum(axis=0) for k in range(len(self.bodies))])
 
 
-@ti.data_oriented
+@in_kernels
 class Volume:
     """Smoothed share of solid bodies."""
 
@@ -416,7 +416,7 @@ class Volume:
         return ti.Vector([self.unit * self.boundary.share[s] * self.smoothing.W_poly6(d.dot(d))])
 
 
-@ti.data_oriented
+@in_kernels
 class SampleSum:
     """What a particle's pair law sums over the samples around it."""
 
@@ -435,7 +435,7 @@ class SampleSum:
         return total
 
 
-@ti.data_oriented
+@in_kernels
 class Reaction:
     """Force [N] on a sample, number `own`, by the pair law that pushes the water, and where work is summed the part of
     it that the law puts under walls. Across a side, what an image does is the side's."""

@@ -19,6 +19,7 @@ from ocean_sim.fluid.shared.neighbours import Neighbours
 from ocean_sim.fluid.shared.particles import Components, Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.stencil import Stencil
+from ocean_sim.runtime import in_kernels
 
 if TYPE_CHECKING:  # it is imported only where there are bodies
     from ocean_sim.fluid.shared.boundary import Boundary
@@ -36,7 +37,7 @@ def memory(n: int, word: int, bends: bool) -> int:
     return ((9 if bends else 3) * n + 1) * word + 8 * -(-n // BLOCK)
 
 
-@ti.data_oriented
+@in_kernels
 class Exposure(PositionLaw):
     """Exposed area of every particle times its outward normal [m2]: a law of pairs, and its sum."""
 
@@ -144,7 +145,7 @@ class Exposure(PositionLaw):
         return bend
 
 
-@ti.data_oriented
+@in_kernels
 class Bend:
     """Second derivatives of the surface's height where particles are exposed: fitted to the differences of slopes in
     the neighbourhood, each weighed by its plan area and the kernel's gradient."""

@@ -20,7 +20,7 @@ from ocean_sim.fluid.shared.images import hydrostatic_offset, turned
 from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.pull import Pull
 from ocean_sim.fluid.shared.smoothing import Smoothing
-from ocean_sim.runtime import Array, Array2
+from ocean_sim.runtime import Array, Array2, in_kernels
 
 if TYPE_CHECKING:  # it is imported only where there are bodies
     from ocean_sim.fluid.shared.boundary import Boundary
@@ -32,7 +32,7 @@ REACH = 2.0  # how far outside its neighbours a point is extrapolated to [standa
 FLAT = 1.0e-6  # [supports^2] least spread of neighbours; less is a plane or a line, along which alone there is a slope
 
 
-@ti.data_oriented
+@in_kernels
 class Spread:
     """How much water there is around a point, and how it is spread: share, first and second moments."""
 
@@ -47,7 +47,7 @@ class Spread:
         return w * ti.Vector([1.0, q.x, q.y, q.z, q.x * q.x, q.y * q.y, q.z * q.z, q.x * q.y, q.y * q.z, q.z * q.x])
 
 
-@ti.data_oriented
+@in_kernels
 class DynamicPressure:
     """p - rho0 g . x [Pa]: the same in the image of a wall, but for what the wall and a moving tank accelerate."""
 
@@ -65,7 +65,7 @@ class DynamicPressure:
         return ti.Vector([weight * (particles.pressure[j] - self.field.still(x) + driven)])
 
 
-@ti.data_oriented
+@in_kernels
 class Velocity:
     """Velocity [m/s], as the walls' slip turns it round."""
 
@@ -80,7 +80,7 @@ class Velocity:
         return self.field.weight(d) * self.field.factor(own, d) * turned(mirror, tm.vec3(v.x[j], v.y[j], v.z[j]))
 
 
-@ti.data_oriented
+@in_kernels
 class Field:
     """The water as a field in space."""
 

@@ -7,12 +7,13 @@ import taichi as ti
 
 from ocean_sim.columns import Columns
 from ocean_sim.fluid.shared.sph import Sph
+from ocean_sim.runtime import in_kernels
 
 if TYPE_CHECKING:  # it is imported only where there are bodies
     from ocean_sim.fluid.shared.boundary import Boundary, Reaction, SampleSum
 
 
-@ti.data_oriented
+@in_kernels
 class Force(ABC):
     """A law that pushes particles and, as strongly, the samples of solid bodies: it has `sample` and `acceleration`."""
 

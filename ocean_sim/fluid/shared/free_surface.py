@@ -9,13 +9,13 @@ from ocean_sim.fluid.shared.around import Around
 from ocean_sim.fluid.shared.grid import Grid
 from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing
-from ocean_sim.runtime import Array, Array2
+from ocean_sim.runtime import Array, Array2, in_kernels
 
 PROBES = 4  # a support is searched in so many steps
 HALVINGS = 4
 
 
-@ti.data_oriented
+@in_kernels
 class Share:
     """Smoothed share of water, 0 to about 1."""
 
@@ -30,7 +30,7 @@ class Share:
         return ti.Vector([self.constant * self.smoothing.shape_poly6(d.dot(d))])
 
 
-@ti.data_oriented
+@in_kernels
 class FreeSurface:
     """Elevation of the particles' surface. A flat side is a mirror, so water does not seem to thin out next to it."""
 

@@ -18,12 +18,12 @@ from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.images import Images
 from ocean_sim.fluid.shared.particles import Components, Particles
 from ocean_sim.fluid.shared.tasks import TASK
-from ocean_sim.runtime import Template
+from ocean_sim.runtime import Template, in_kernels
 
 STATE = Columns(position=3, velocity=3, id=1)  # what `state` and `moved` begin with
 
 
-@ti.data_oriented
+@in_kernels
 class Grid:
     """The cells, and the particles sorted by cell."""
 

@@ -16,13 +16,14 @@ from taichi.lang.util import to_numpy_type
 
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid.shared.grid_size import GridSize
+from ocean_sim.runtime import in_kernels
 
 SIDE = Columns(axis=1, first_layer=1, last_layer=1, position=1, no_slip=1, twice_velocity=3, acceleration=1)
 MOTION = Columns(position=3, velocity=3)  # what the row of a law begins with whose neighbours move
 SIGN, OFFSET, TURN, PUSH, PULL = range(5)  # rows of a mirror
 
 
-@ti.data_oriented
+@in_kernels
 class Images:
     """The sides that mirror the water: of each its axis, the first and last layer of cells next to it, position [m],
     slip, twice its velocity [m/s] and its acceleration along the axis [m/s2]."""

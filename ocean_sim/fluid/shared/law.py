@@ -6,6 +6,7 @@ import taichi as ti
 
 from ocean_sim.columns import Columns
 from ocean_sim.fluid.shared.images import mirrored
+from ocean_sim.runtime import in_kernels
 
 
 class Law(Protocol):
@@ -65,7 +66,7 @@ class PushingLaw(SampledLaw, Protocol):
         ...
 
 
-@ti.data_oriented
+@in_kernels
 class PositionLaw:
     """A law that reads nothing but positions, whatever it sums."""
 

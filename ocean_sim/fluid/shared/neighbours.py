@@ -21,7 +21,7 @@ from ocean_sim.fluid.shared.pairs import Pairs, flips
 from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing, positive
 from ocean_sim.fluid.shared.tasks import TASK
-from ocean_sim.runtime import Template
+from ocean_sim.runtime import Template, in_kernels
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class ListSize:
         )
 
 
-@ti.data_oriented
+@in_kernels
 class Neighbours:
     """The candidates of every occupied cell, in segments of one list, one a group of cells."""
 

@@ -11,7 +11,7 @@ from ocean_sim import waves
 from ocean_sim.fluid import Arriving, Fluid, Limits, Status
 from ocean_sim.fluid.shared.plane_waves import PlaneWaves
 from ocean_sim.fluid.shared.window import Window
-from ocean_sim.runtime import asked_by_kernels
+from ocean_sim.runtime import in_kernels
 
 if TYPE_CHECKING:  # they are imported only where there are tiles
     from ocean_sim.fluid.shared.sheet import Sheet
@@ -148,7 +148,7 @@ class OpenWater(Fluid):
         return at, (eta, waves.stretched(self.waves.sea, points, eta))
 
 
-@asked_by_kernels
+@in_kernels
 class Felt(OpenWater):
     """Open water as one of several ships feels it: without the waves that she makes herself."""
 

@@ -12,10 +12,10 @@ from ocean_sim.fluid.shared.force import Force
 from ocean_sim.fluid.shared.images import displaced, hydrostatic_offset, reflected
 from ocean_sim.fluid.shared.law import Law
 from ocean_sim.fluid.shared.sph import Sph
-from ocean_sim.runtime import Array
+from ocean_sim.runtime import Array, in_kernels
 
 
-@ti.data_oriented
+@in_kernels
 class MomentumLaw(Force):
     """What pushes particles and moves them: neighbours, wind, gravity (2.25), a hull, a bed, and walls.
 
@@ -133,7 +133,7 @@ class MomentumLaw(Force):
         the step."""
 
 
-@ti.data_oriented
+@in_kernels
 class PairSph(Sph):
     """A scheme that moves particles by its `momentum`, sorts them, and sums up their `density`, which also finds their
     pressure: symplectic Euler."""

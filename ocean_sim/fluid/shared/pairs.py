@@ -11,7 +11,7 @@ from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
 from ocean_sim.fluid.shared.images import SIDE, SIGN, Images
 from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.tasks import TASK
-from ocean_sim.runtime import Template
+from ocean_sim.runtime import Template, in_kernels
 
 ROOM = 2.5  # slots of a particle, over its neighbours on the lattice
 LEAST = 48  # slots of a particle at least
@@ -27,7 +27,7 @@ def size(n: int, neighbours: int, word: int) -> int:
     return n * (8 + slots(neighbours) * (4 + 3 * word))
 
 
-@ti.data_oriented
+@in_kernels
 class Pairs:
     """Of each particle its neighbours and images, and x_ij times the shape of grad W."""
 

@@ -24,7 +24,7 @@ from ocean_sim.fluid.shared.pull import Pull
 from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.walls import Walls
 from ocean_sim.fluid.shared.water import WaterConfig
-from ocean_sim.runtime import Array2
+from ocean_sim.runtime import Array2, in_kernels
 from ocean_sim.waves import Components
 from ocean_sim.wind import Wind
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:  # they are imported only where a bed rubs, or a sea is around
     from ocean_sim.fluid.shared.sea_rim import SeaRim
 
 
-@ti.data_oriented
+@in_kernels
 class ParticleWater(ParticleFluid):
     """Particles between steps: sorted by cell, with all that is known of them current. A kind adds how they move
     (`step`) and how all is made current (`arrive`)."""

@@ -10,10 +10,10 @@ from taichi.lang.util import to_numpy_type
 
 from ocean_sim.fluid.shared.initial import started
 from ocean_sim.fluid.shared.lattice import Lattice
-from ocean_sim.runtime import Array2
+from ocean_sim.runtime import Array2, in_kernels
 
 
-@ti.data_oriented
+@in_kernels
 class Count:
     """How many particles there are now; where an emitter adds to them, their arrays have room for the most there will
     be."""
@@ -59,7 +59,7 @@ def numbers(dtype: type, count: Count) -> ti.Field:
     return Growing(field, count) if count.grows else field
 
 
-@ti.data_oriented
+@in_kernels
 class Components:
     """A vector per particle as three fields of one number each."""
 
@@ -97,7 +97,7 @@ class Components:
         return to_numpy_type(self.x.dtype)
 
 
-@ti.data_oriented
+@in_kernels
 @dataclass(frozen=True, eq=False)
 class Particles:
     """What a step reads and a snapshot saves."""

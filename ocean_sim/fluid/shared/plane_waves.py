@@ -6,6 +6,7 @@ import taichi.math as tm
 from taichi.lang.util import to_numpy_type
 
 from ocean_sim import waves
+from ocean_sim.runtime import in_kernels
 
 NO_DRIFT = (
     "the waves are of the first order: what drifts a ship in the mean, second-order forces, is not modelled; a mean "
@@ -13,7 +14,7 @@ NO_DRIFT = (
 )
 
 
-@ti.data_oriented
+@in_kernels
 class PlaneWaves:
     """A sea at one time; what it does follows from it."""
 

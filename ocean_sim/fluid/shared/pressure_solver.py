@@ -17,6 +17,7 @@ from ocean_sim.fluid.shared.pairs import Pairs
 from ocean_sim.fluid.shared.particles import Components, Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.stencil import Stencil
+from ocean_sim.runtime import in_kernels
 
 if TYPE_CHECKING:  # it is imported only where there are bodies
     from ocean_sim.fluid.shared.boundary import Boundary
@@ -62,7 +63,7 @@ class IncompressibleWater(Protocol):
         ...
 
 
-@ti.data_oriented
+@in_kernels
 class Compression:
     """The residual r of each particle with the pressures so far, and the next pressures; Bender & Koschier 2015, eqs.
     6, 7, 12, 13."""
@@ -130,7 +131,7 @@ class Compression:
         fluid.rows[group, UPHILL] += (p - best) * scale * (best - last)
 
 
-@ti.data_oriented
+@in_kernels
 class Push:
     """The velocity with what the pressures have gained; the adjoint of Compression. It is found anew from all of it, so
     that rounding does not add up over iterations."""
@@ -190,7 +191,7 @@ class Push:
         solver.gain[i] = own
 
 
-@ti.data_oriented
+@in_kernels
 class Account(Push):
     """The impulses of the pressures that a solver has gained."""
 
@@ -205,7 +206,7 @@ class Account(Push):
         fluid.pressed(group, u, fluid.dt[None], total, beyond + self.solids(i, own))
 
 
-@ti.data_oriented
+@in_kernels
 class Solver:
     """One of the two: its pressures [Pa], the velocity [m/s] that they change, and how it fared."""
 

@@ -5,11 +5,12 @@ import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.basin import Basin
+from ocean_sim.runtime import in_kernels
 
 PUSH, RATE, TURN, PIVOT = range(4)
 
 
-@ti.data_oriented
+@in_kernels
 class Pull:
     """Acceleration of free water [m/s2]."""
 

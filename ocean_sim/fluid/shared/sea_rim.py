@@ -19,7 +19,7 @@ from ocean_sim.fluid import Displacing
 from ocean_sim.fluid.shared.band import Band, cells_of
 from ocean_sim.fluid.shared.cubic import cubic
 from ocean_sim.fluid.shared.sea_source import LEVELS, VALUES, Depths, PlaneWaveSource, Source, numbers
-from ocean_sim.runtime import Template
+from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.waves import Components
 from ocean_sim.waves.absorption import PROFILE
 
@@ -43,7 +43,7 @@ def memory(band: Band, sea: Components, word: int) -> int:
     return 3 * x * z * (LEVELS + 1) * VALUES * word
 
 
-@ti.data_oriented
+@in_kernels
 class SeaTable:
     """The sea on the patch, at one time."""
 
@@ -153,7 +153,7 @@ class SeaTable:
         return total
 
 
-@ti.data_oriented
+@in_kernels
 class SeaRim:
     """The band and the feed; the band lies opposite the ships, or a point that moves steadily."""
 

@@ -14,7 +14,7 @@ from taichi.lang.util import to_numpy_type
 
 from ocean_sim.fluid.shared.cubic import cubic
 from ocean_sim.fluid.shared.tile import PER_TILE, Tile
-from ocean_sim.runtime import Template
+from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.waves import profiles
 
 LEVELS = 6
@@ -22,7 +22,7 @@ WORDS = 2 * (1 + 6 * LEVELS)  # numbers a cell
 CLOCK = ("now", "before", "first_x", "first_z", "centre_x", "centre_z")  # the last four [m]
 
 
-@ti.data_oriented
+@in_kernels
 class Sheet:
     """What a tile shows around its centre; beyond its edges nothing, or the same again where it `repeats`."""
 

@@ -12,7 +12,7 @@ import numpy as np
 import taichi as ti
 import taichi.math as tm
 
-from ocean_sim.runtime import Template
+from ocean_sim.runtime import Template, in_kernels
 
 
 @ti.func
@@ -84,7 +84,7 @@ lattice."""
 NEUTRAL_RATIO = 4.0  # [spacings] 44 neighbours in a slice, 250 in space
 
 
-@ti.data_oriented
+@in_kernels
 @dataclass(frozen=True, eq=False)
 class Smoothing:
     """The kernels for one dimension (2 or 3) and support [m]; that of the gradient of pressure is the scheme's."""

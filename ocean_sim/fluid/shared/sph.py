@@ -24,6 +24,7 @@ from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.water import Lattice, WaterConfig, free_fall_speed
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, key_of
+from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import Wind
 
 if TYPE_CHECKING:  # it is imported only where there are bodies
@@ -292,7 +293,7 @@ def limits(smoothing: Smoothing, sound_speed: float, viscosity: float, speed: fl
     )
 
 
-@ti.data_oriented
+@in_kernels
 class Sph(ParticleWater):
     """Particles with neighbours, and solid bodies among them; a scheme adds its laws and its step."""
 

@@ -12,13 +12,13 @@ from ocean_sim.fluid.shared.absorption import Zone, zones
 from ocean_sim.fluid.shared.images import SIDE, Images
 from ocean_sim.fluid.shared.lattice import Lattice
 from ocean_sim.fluid.shared.plane_waves import PlaneWaves
-from ocean_sim.runtime import Template
+from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.waves.absorption import PROFILE
 
 GONE = np.array([3 * [OPEN], 3 * [-OPEN]])  # lowest and highest corner [m] of what is not there
 
 
-@ti.data_oriented
+@in_kernels
 class Target:
     """The motion that the water of a zone is relaxed towards."""
 
@@ -41,7 +41,7 @@ class Target:
         return v
 
 
-@ti.data_oriented
+@in_kernels
 class Walls:
     """Flat walls and floor, met half a spacing (`collision_distance`) before them."""
 

@@ -13,7 +13,7 @@ import taichi.math as tm
 
 from ocean_sim import waves
 from ocean_sim.fluid.shared.plane_waves import PlaneWaves
-from ocean_sim.runtime import Doubles2
+from ocean_sim.runtime import Doubles2, in_kernels
 
 TURNING = 0.8  # [rad] by which waves turn between the two times, those that give the water its jerks
 FIRST, LATER, ALONG, ACROSS = range(4)  # angles: of the first node at both times, and to the next along and across
@@ -27,7 +27,7 @@ class Moving(Protocol):
     before: float  # when the last step began: where bodies are that take theirs after the water has [s]
 
 
-@ti.data_oriented
+@in_kernels
 class Window:
     """Sums of the plane waves of a water, fully grown, at nodes and on levels of its unstretched column."""
 

@@ -9,7 +9,7 @@ from taichi.lang.util import to_numpy_type
 
 from ocean_sim.columns import Columns
 from ocean_sim.fluid import Fluid
-from ocean_sim.runtime import Array2, Template
+from ocean_sim.runtime import Array2, Template, in_kernels
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.pose import pose, turned, vector, write_pose
 from ocean_sim.ship.shared.rigid_body import RigidBody
@@ -43,7 +43,7 @@ class Wetted(NamedTuple):
     acceleration: np.ndarray  # (6,) [m/s2], [rad/s2]
 
 
-@ti.data_oriented
+@in_kernels
 class Cubes:
     """The cubes of a hull in its body axes, from the centre of mass."""
 

@@ -7,6 +7,7 @@ import taichi.math as tm
 from taichi.lang.util import to_numpy_type
 
 from ocean_sim.files.cache_file import kept
+from ocean_sim.runtime import in_kernels
 from ocean_sim.ship.shared.shapes import HullShape
 from ocean_sim.ship.shared.voxels import cells, voxels
 
@@ -72,7 +73,7 @@ def around(
     return kept("distances", content, made), lower + (0.5 - margin) * size, size
 
 
-@ti.data_oriented
+@in_kernels
 class Distance:
     """Signed distance from a hull, and the outward normal, in body axes from the centre of mass."""
 

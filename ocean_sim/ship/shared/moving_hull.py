@@ -14,7 +14,7 @@ import taichi.math as tm
 from taichi.lang.util import to_numpy_type
 
 from ocean_sim.columns import Columns
-from ocean_sim.runtime import Template
+from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.ship.shared.distance import Distance
 from ocean_sim.ship.shared.pose import POSE, write_pose
 from ocean_sim.ship.shared.rigid_body import RigidBody
@@ -23,7 +23,7 @@ from ocean_sim.ship.shared.water import SurroundingSea, SurroundingWater
 BOXED = Columns(**POSE, middle=3, half=3)  # a body, and the box around it: its middle from there, half its sides [m]
 
 
-@ti.data_oriented
+@in_kernels
 class MovingHull:
     """A hull at its last pose."""
 

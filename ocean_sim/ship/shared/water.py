@@ -18,7 +18,7 @@ import taichi.math as tm
 
 from ocean_sim.columns import Columns
 from ocean_sim.fluid import ClosedForm, Contact, Hull
-from ocean_sim.runtime import Template, asked_by_kernels
+from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.ship.shared.distance import Distance
 from ocean_sim.ship.shared.pose import POSE, pose, turned, vector
 from ocean_sim.ship.shared.rigid_body import RigidBody
@@ -100,7 +100,7 @@ class Around:
         return (1.0 - a) * near + a * far, -tm.vec3(slope * s + aside * c, 0.0, slope * c - aside * s)
 
 
-@asked_by_kernels
+@in_kernels
 class SurroundingWater(Around):
     """A surface over particles, or that of a closed form alone: asked anew each time, around where the hull is."""
 
@@ -164,7 +164,7 @@ class SurroundingWater(Around):
         self.settle(position.x, position.z, heading.x, heading.y)
 
 
-@asked_by_kernels
+@in_kernels
 class SurroundingSea(Around):
     """Water in closed form: its height, and its velocity and acceleration on levels of the unstretched column."""
 

@@ -24,7 +24,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns
 from ocean_sim.fluid import ParticleFluid
 from ocean_sim.model import Model, quantity
-from ocean_sim.runtime import Array2, Template
+from ocean_sim.runtime import Array2, Template, in_kernels
 from ocean_sim.ship import PARTS, Load
 from ocean_sim.ship.shared.distance import Distance
 from ocean_sim.ship.shared.moving_hull import BOXED, MovingHull
@@ -110,7 +110,7 @@ class WaveContact:
         return load, after(load)
 
 
-@ti.data_oriented
+@in_kernels
 class Collisions:
     """Particles that meet the hull, found cell by cell of the grid that they are sorted into."""
 

@@ -10,11 +10,13 @@ from math import ceil, pi
 import numpy as np
 import taichi as ti
 
+from ocean_sim.runtime import in_kernels
+
 OFFSETS = 12  # positions of a node between the particles of a lattice, along an axis
 HEIGHTS = 241
 
 
-@ti.data_oriented
+@in_kernels
 class Contact:
     """The share of water within `thickness` [m] of a point, and its slope upwards [1/m]."""
 

@@ -13,7 +13,7 @@ from taichi.lang.util import to_numpy_type
 
 from ocean_sim.basin import OPEN, Basin
 from ocean_sim.fluid import Particles
-from ocean_sim.runtime import Template
+from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.surface.shared.nodes import Nodes
 
 TASK = 512  # Taichi never cuts a parallel loop finer than this: a task every TASK iterations
@@ -48,7 +48,7 @@ def images(basin: Basin, nodes: Nodes) -> np.ndarray:
     return found
 
 
-@ti.data_oriented
+@in_kernels
 class DensityMap:
     """The particles in a box, sorted into bins at least a radius wide, and sums over them."""
 

@@ -6,7 +6,7 @@ import taichi.math as tm
 from taichi.lang.util import to_numpy_type
 
 from ocean_sim.basin import Basin
-from ocean_sim.runtime import Array, Array2
+from ocean_sim.runtime import Array, Array2, in_kernels
 from ocean_sim.surface.shared.mesh import Mesh, sheet
 
 
@@ -17,7 +17,7 @@ def columns(basin: Basin, spacing: float) -> tuple[int, int]:
     return cells[0] + 1, cells[1] + 1 if basin.dimension == 3 else 1
 
 
-@ti.data_oriented
+@in_kernels
 class Heights:
     """One height [m] a column; column (i, k) has the number i nz + k. A point beyond the sides has the height there."""
 

@@ -12,7 +12,7 @@ import taichi as ti
 import taichi.math as tm
 from taichi.lang.util import to_numpy_type
 
-from ocean_sim.runtime import Array, Array2, Template
+from ocean_sim.runtime import Array, Array2, Template, in_kernels
 from ocean_sim.surface.shared.cube_cases import MOST, table
 from ocean_sim.surface.shared.mesh import Mesh
 from ocean_sim.surface.shared.nodes import MOST_NODES, Nodes
@@ -38,7 +38,7 @@ class Counts(NamedTuple):
         return self.ambiguous / max(self.cut, 1)
 
 
-@ti.data_oriented
+@in_kernels
 class Isosurface:
     """A field on the nodes that are kept, and the surface on which it is zero."""
 

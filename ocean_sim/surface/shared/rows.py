@@ -4,10 +4,11 @@ import numpy as np
 import taichi as ti
 
 from ocean_sim.conventions import Diverged
+from ocean_sim.runtime import in_kernels
 from ocean_sim.surface.shared.nodes import Nodes
 
 
-@ti.data_oriented
+@in_kernels
 class Rows:
     """Which rows of nodes are kept, and where. All others are one dry row, which is read and never written."""
 

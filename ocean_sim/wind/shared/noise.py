@@ -7,6 +7,7 @@ from pydantic import Field
 
 from ocean_sim.columns import Columns
 from ocean_sim.random_numbers import uniform3
+from ocean_sim.runtime import in_kernels
 from ocean_sim.wind.shared.clock import DeviceRow
 
 EVERY = 1.0 / 60.0  # [s] how long a draw lasts: ours, PhysX's usual step
@@ -27,7 +28,7 @@ NotNegative = Annotated[float, Field(ge=0.0)]
 NoiseSize = Annotated[tuple[NotNegative, NotNegative, NotNegative], Field(strict=False)]
 
 
-@ti.data_oriented
+@in_kernels
 class Noise:
     """The draws of the step. Each lasts `every` [s], and a step takes it for as long as it lasts in it, so the noise
     stirs alike whatever the step; 0: a new draw each step, as printed."""

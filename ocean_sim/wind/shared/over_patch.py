@@ -12,6 +12,7 @@ import taichi as ti
 from ocean_sim.basin import Basin
 from ocean_sim.model import Model
 from ocean_sim.parts import Preflight, Problems
+from ocean_sim.runtime import in_kernels
 from ocean_sim.wind.shared.clock import DeviceRow
 
 
@@ -30,7 +31,7 @@ class Placed(Model):
         return [(("frame",), "only over a patch of open sea has a wind a frame; leave it out, or name a sea")]
 
 
-@ti.data_oriented
+@in_kernels
 class Patch:
     """The patch under a wind; where the basin is none, every place is what it is."""
 

@@ -124,6 +124,8 @@ class Frames(Observer):
             frame |= {"answer": frame["elevation"] - known, "origin": origin}
         if self.white is not None:
             frame |= self.whitened(simulation, points, frame["elevation"], origin)
+        elif (made := simulation.fluid.foam(points)) is not None:
+            frame["foam"] = made.reshape(self.shape)
         if simulation.surface is not None:
             mesh = simulation.surface.mesh()
             if origin.any():

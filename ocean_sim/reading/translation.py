@@ -118,8 +118,8 @@ def dotted(path: Path) -> str:
 def likeliest(word: str, choices: Any) -> str | None:
     """The choice that a word most likely meant: one that it begins or that begins it, another word for the same, or
     one that is spelled almost so."""
-    by_lower = {str(choice).lower(): str(choice) for choice in choices}
-    lower = word.lower().replace("-", "_").replace(" ", "_")
+    by_lower = {lowered(str(choice)): str(choice) for choice in choices}
+    lower = lowered(word)
     if lower in by_lower:
         return by_lower[lower]
     begun = [choice for choice in by_lower if choice.startswith(lower) and len(lower) >= SHORTEST]
@@ -128,6 +128,11 @@ def likeliest(word: str, choices: Any) -> str | None:
     close = get_close_matches(lower, by_lower, n=1)
     found = next(iter([*sorted(begun, key=len), *others, *close]), None)
     return by_lower[found] if found is not None else None
+
+
+def lowered(word: str) -> str:
+    """A word as those are compared that mean the same."""
+    return word.lower().replace("-", "_").replace(" ", "_")
 
 
 def choice_sentence(word: str, choices: Any) -> tuple[str, str | None]:

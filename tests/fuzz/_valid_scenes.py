@@ -175,7 +175,7 @@ def scenes(draw: Any, dimension: int | None = None) -> dict[str, Any]:
     for name in ("wind", "surface", "ship", "platform", "time_step"):
         if draw(st.booleans()) and not (name == "ship" and dimension == 2):
             scene[name] = draw(slot(name, dimension))
-    if "ship" in scene and draw(st.integers(0, 3)) == 0:  # and her sister, clear of her where the basin is broad enough
+    if "ship" in scene and draw(st.booleans()):  # and her sister, clear of her where the basin is broad enough
         place = {"position": [-0.5, 0.0]}, {"position": [0.9, 0.0]}
         ship = {key: value for key, value in scene.pop("ship").items() if key != "position"}
         scene["ships"] = {name: ship | at for name, at in zip("ab", place)}

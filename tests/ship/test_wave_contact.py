@@ -162,9 +162,9 @@ def test_a_hull_across_periodic_sides_meets_what_one_in_the_middle_meets(pressin
 
 def test_a_light_ship_is_not_thrown_back_and_the_threads_change_nothing(monkeypatch):
     """A tenth as heavy as the water that it hits: impulses one by one would return its speed several times. In f32,
-    one after the other on one thread, and side by side on two."""
+    layer after layer, and side by side on one thread and on two."""
     scene, states = shot({"kind": "ballistic"}, mass=10.0), []
-    for threads, serial in ((1, 20_000), (2, 0)):
+    for threads, serial in ((1, 20_000), (1, 0), (2, 0)):
         monkeypatch.setattr(wave_contact, "SERIAL", serial)
         with Simulation(load(scene, QUIET | {"runtime.threads": threads})) as simulation:
             before = momenta(simulation)
@@ -173,7 +173,8 @@ def test_a_light_ship_is_not_thrown_back_and_the_threads_change_nothing(monkeypa
             assert abs(gained.sum(axis=0)).max() < 1e-5 * 20.0
             assert 5.0 < gained[1][1] < 1.3 * 20.0
             states.append(np.concatenate([body.position, body.velocity, simulation.fluid.positions().ravel()]))
-    np.testing.assert_array_equal(*states)
+    np.testing.assert_array_equal(*states[1:])
+    np.testing.assert_allclose(*states[:2], rtol=1e-8, atol=1e-10)  # the same sums, compiled in two ways
 
 
 CENTRE = np.array([0.0, 0.15, 0.0])

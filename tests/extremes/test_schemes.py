@@ -169,7 +169,9 @@ def turned(scheme: str, precision: str, *shifts: float) -> list[np.ndarray]:
     return ways
 
 
-@pytest.mark.parametrize("scheme", ["mueller", "delta_sph", pytest.param("dfsph", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "scheme", ["mueller", *(pytest.param(scheme, marks=pytest.mark.slow) for scheme in ("delta_sph", "dfsph"))]
+)
 def test_single_precision_keeps_slow_ways_far_from_the_origin(scheme):
     """At 60 m places are 4e-6 m apart and a step goes 1e-5 m: what is rounded away is kept for the next step."""
     (exact,) = turned(scheme, "f64", 0.0)

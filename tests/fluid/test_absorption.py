@@ -177,6 +177,7 @@ def amplitude(again, target: dict | None, ahead: float = 0.0) -> complex:
     return complex((v * now).sum() / (now * now).sum(), (v * late).sum() / (late * late).sum())
 
 
+@pytest.mark.slow
 def test_a_zone_leaves_the_wave_alone_that_it_is_to_let_pass(again):
     """And turns one round that has the opposite phase; towards rest it calms it."""
     kept = amplitude(again, {"waves": WAVE})

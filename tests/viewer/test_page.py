@@ -59,6 +59,7 @@ def test_the_page_is_small_and_calls_nobody():
         assert word not in document.replace("http://www.w3.org/2000/svg", ""), word
 
 
+@pytest.mark.slow
 @in_a_browser
 def test_a_replay_opens_from_a_file_and_scrubs(run, tmp_path):
     path = replay_file([run], tmp_path / "replay.html")

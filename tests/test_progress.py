@@ -77,8 +77,8 @@ def test_a_film_is_estimated_once_from_its_first_pictures(clock, capsys):
 
 
 def test_a_run_with_a_film_says_so_and_how_to_leave_it_out(capsys):
-    run_verb.film(load(SEA))  # 10 pictures of 1280 x 720, a draft taking 0.35 s
-    time = f"about {3.5:.1f} s on two idle cores"
+    run_verb.film(load(SEA))  # 10 pictures of 1280 x 720, a draft taking 0.5 s
+    time = f"about {5.0:.1f} s on two idle cores"
     cure = "--set render=null leaves them out"
     assert capsys.readouterr().out == f"after the run its pictures and film are drawn, {time}; {cure}\n"
     run_verb.film(load(SEA, {"render.film": False}))

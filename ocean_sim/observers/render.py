@@ -31,7 +31,7 @@ from ocean_sim.simulation import Concluding, PeriodicConfig, Progress
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
-PICTURE = {"draft": 0.35, "final": 1.1}  # [s] of a picture of 1280 x 720 on two cores without a graphics card
+PICTURE = {"draft": 0.5, "final": 1.1}  # [s] of a picture of 1280 x 720 on two cores without a graphics card
 GAP = 6  # pixels between the pictures of a strip
 Moment = Annotated[float, Field(ge=0.0, strict=False)]
 OpenGLMissing = opengl.OpenGLMissing

@@ -210,6 +210,11 @@ def start(config: RuntimeConfig) -> Backend:
     return _started[1]
 
 
+def arch() -> str:
+    """The backend that runs: `cpu`, `cuda`, `vulkan` or `metal`; `cpu` before any does."""
+    return _started[1].arch if _started is not None else "cpu"
+
+
 def full() -> bool:
     """Whether Taichi has too little room left for the fields of another simulation, so that `start` restarts it."""
     return _started is not None and impl.get_runtime().prog.get_snode_tree_size() > TREES - ROOM

@@ -38,7 +38,7 @@ from ocean_sim.fluid.shared.stencil import Stencil, of_rigidity
 from ocean_sim.fluid.shared.water import Lattice
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
-from ocean_sim.runtime import Array, in_kernels
+from ocean_sim.runtime import Array, arch, in_kernels
 from ocean_sim.wind import Wind
 
 PAIR = 9.2e-9  # [s] of processor time a neighbour
@@ -105,13 +105,13 @@ class Config(SphConfig):
         if not self.enclosed(preflight.tank):
             what += "; share of diffusion, spin, strain"
         numbers = 15 if self.enclosed(preflight.tank) else 12 + 2 * GRADED
-        return rows(preflight, self.sizes(self.began(preflight)), numbers, what, PAIR)
+        return rows(preflight, self.sizes(self.began(preflight), preflight.arch), numbers, what, PAIR)
 
-    def sizes(self, lattice: Lattice) -> ListSize:
-        """How large grid and lists are."""
+    def sizes(self, lattice: Lattice, arch: str) -> ListSize:
+        """How large grid and lists are on a backend."""
         if self.enclosed(lattice.basin):
-            return self.sized(lattice, Momentum.row.size, CARRIED)
-        return self.sized(lattice, Continuity.row.size, CARRIED + GRADED)
+            return self.sized(lattice, arch, Momentum.row.size, CARRIED)
+        return self.sized(lattice, arch, Continuity.row.size, CARRIED + GRADED)
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "DeltaSph":
         return DeltaSph(self, basin, accounts, wind)
@@ -375,7 +375,7 @@ class DeltaSph(Sph):
     config: Config
 
     def __init__(self, config: Config, basin: Basin, accounts: bool, wind: Wind) -> None:
-        sizes = config.sizes(config.lattice(basin))
+        sizes = config.sizes(config.lattice(basin), arch())
         super().__init__(config, basin, sizes, accounts, wind)
         particles, self.closed = self.particles, basin.closed
         self.deviation, self.pressing = self.carried[:CARRIED]  # in mid-step: [kg/m3], and (p + bulk rate) / rho^2

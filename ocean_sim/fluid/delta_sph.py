@@ -424,7 +424,8 @@ class DeltaSph(Sph):
         self.settle(self.summary)
 
     def step(self, dt: float) -> None:
-        self.leap(dt, self.status.max_speed, self.wind.since, self.summary)
+        self.leap(dt, self.status.max_speed, self.wind.since)
+        self.land(self.summary)
         if not self.shifting:
             self.unseen += dt
             if self.unseen > SELDOM * self.memory:
@@ -476,8 +477,8 @@ class DeltaSph(Sph):
         return rho_0 * ((1.0 + gamma * pressure / (rho_0 * self.sound_speed**2)) ** (1.0 / gamma) - 1.0)
 
     @ti.kernel
-    def leap(self, dt: float, speed: float, since: float, summary: Array):
-        """Drift half a step, sort, kick, drift to the end, find the rate of the density there."""
+    def leap(self, dt: float, speed: float, since: float):
+        """Drift half a step, sort, kick, drift to the end."""
         self.dt[None] = dt
         self.wind.set_clock(since, dt)
         h = self.smoothing.length
@@ -500,6 +501,11 @@ class DeltaSph(Sph):
         self.grid.sort()
         self.momentum.react(dt)
         self.neighbours.walk(self.momentum, True)
+
+    @ti.kernel
+    def land(self, summary: Array):
+        """Find the rate of the density at the end: a kernel of its own, since Taichi 1.7 cannot make one of both walks
+        for Vulkan."""
         self.neighbours.walk(self.continuity, False)
         self.accounts.summarise(summary)
 

@@ -12,6 +12,7 @@ from ocean_sim.fluid.shared.particle_walk import ParticleWalk, WideAccounts, Wid
 from ocean_sim.fluid.shared.particles import Count, Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.tasks import TASK, Tasks
+from ocean_sim.runtime import CARDS
 
 SERIAL = 20_000  # up to so many particles one thread sorts faster than several
 CHUNKS = 8
@@ -137,6 +138,5 @@ class OfParticles(WalkPlan):
 
 
 CELLS, PARTICLES = OfCells(), OfParticles()
-CARDS = ("cuda", "vulkan", "metal", "gpu")
 PLANS: dict[str, WalkPlan] = {"cpu": CELLS, "auto": CELLS} | dict.fromkeys(CARDS, PARTICLES)
 """By backend; before it is started `auto` counts as the processor, and `gpu` as a card."""

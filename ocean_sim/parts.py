@@ -376,6 +376,7 @@ class Preflight:
     tank: Basin  # with nothing afloat in it
     word: int  # bytes of a number
     duration: float  # [s]
+    arch: str = "cpu"  # the backend asked for
 
     @cached_property
     def fluid(self) -> FluidConfig:

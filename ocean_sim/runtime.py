@@ -25,6 +25,8 @@ TREES, ROOM = 512, 128  # sets of fields that Taichi 1.7 holds, beyond which it 
 CACHE_SIZE = 1 << 30  # [bytes] of compiled kernels kept, the least recently used given up
 LOCKED = 30.0  # [s] that a process may keep the kernel cache locked; it takes well under a second
 FREEING = ("cpu", "cuda", "vulkan")  # backends on which Taichi 1.7 can give the memory of fields back
+CARDS = ("cuda", "vulkan", "metal", "gpu")  # what one asks for to have a graphics card
+OPTIONAL_DOUBLES = ("vulkan", "metal")  # backends on which Taichi 1.7 has f64 only where the driver has
 GRAPHICS = {ti.cuda: "cuda", ti.vulkan: "vulkan", ti.metal: "metal", ti.opengl: "opengl", ti.gles: "gles"}
 
 
@@ -89,6 +91,7 @@ class Backend:
     arch: str
     threads: int
     precision: str
+    doubles: bool = True  # whether it has double precision
 
 
 _started: tuple[RuntimeConfig, Backend] | None = None
@@ -206,8 +209,29 @@ def start(config: RuntimeConfig) -> Backend:
         )
     if config.pin and arch == "cpu":
         _pin(before)
-    _started = (config, Backend(arch, threads if arch == "cpu" else 0, config.precision))
+    _started = (config, Backend(arch, threads if arch == "cpu" else 0, config.precision, _has_doubles(arch)))
     return _started[1]
+
+
+def _has_doubles(arch: str) -> bool:
+    """Whether the backend that has been started has double precision. Taichi does not say; what it makes for Vulkan
+    and Metal has it where the driver offers it."""
+    if arch not in OPTIONAL_DOUBLES:
+        return True
+
+    @ti.kernel
+    def halved(x: float) -> float:
+        return ti.cast(0.5 * ti.cast(x, ti.f64), float)
+
+    try:
+        return bool(halved(1.0) == 0.5)
+    except RuntimeError:
+        return False
+
+
+def arch() -> str:
+    """The backend that runs: `cpu`, `cuda`, `vulkan` or `metal`; `cpu` before any does."""
+    return _started[1].arch if _started is not None else "cpu"
 
 
 def full() -> bool:

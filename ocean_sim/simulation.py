@@ -109,6 +109,7 @@ class Simulation:
         """`folder`: where observers write; without it there are only those that write nothing."""
         self.scene = scene
         self.backend = runtime.start(scene.runtime)
+        must_have_doubles(scene, self.backend)
         with runtime.Fields() as self.fields:
             self.build(scene, folder)
 
@@ -256,3 +257,26 @@ class Simulation:
         except Exception:
             if failure is None:  # else that one came first, and is the one to tell
                 raise
+
+
+def must_have_doubles(scene: Scene, backend: runtime.Backend) -> None:
+    """Raises BackendMissing where a scene counts in double precision and the backend has none."""
+    if backend.doubles:
+        return
+    tank, wind = scene.preflight.tank, scene.wind
+    counting = {
+        "runtime.precision": scene.runtime.precision == "f64",
+        "accuracy": "accuracy" in scene.observers,
+        "ship": bool(scene.ships),
+        "sea": tank.sea is not None,
+        "basin.obstacles": bool(tank.obstacles),
+        "basin.walls": any(side.absorbing is not None for side in tank.sides),
+        "fluid.kind": not scene.fluid.made_of_particles,
+        "wind": wind.needs_area,
+    }
+    found = [key for key, counts in counting.items() if counts]
+    if found:
+        raise runtime.BackendMissing(
+            f"runtime.arch: {backend.arch}: this graphics card, or its driver, has no double precision, in which "
+            f"{', '.join(found)} of this scene would count; leave that out, or set runtime.arch=cpu"
+        )

@@ -11,10 +11,10 @@ from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.field import Field
 from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.particle_water import ParticleWater
-from ocean_sim.fluid.shared.tasks import TASK
+from ocean_sim.fluid.shared.walk_plan import PLANS
 from ocean_sim.fluid.shared.water import WaterConfig, free_fall_speed
 from ocean_sim.parts import LedgerRow, Preflight, Problems
-from ocean_sim.runtime import Array, in_kernels
+from ocean_sim.runtime import Array, arch, in_kernels
 from ocean_sim.wind import Wind
 
 PARTICLE = 4.7e-8  # [s] of processor time a step
@@ -36,16 +36,16 @@ class Config(WaterConfig):
             )
         return found
 
-    def size(self, basin: Basin) -> GridSize:
+    def size(self, basin: Basin, arch: str) -> GridSize:
         lattice = self.lattice(basin)
-        return GridSize(lattice, self.ratio(basin) * lattice.spacing)
+        return GridSize(lattice, self.ratio(basin) * lattice.spacing, PLANS[arch])
 
     def ratio(self, basin: Basin) -> float:
         """Support over spacing."""
         return SUPPORT_RATIO
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        size, word = self.size(preflight.basin), preflight.word
+        size, word = self.size(preflight.basin, preflight.arch), preflight.word
         n, what = size.lattice.n, "position, velocity, density, pressure, number"
         return [
             LedgerRow("fluid", f"{n} particles", (8 * word + 4) * n, what, PARTICLE * n),
@@ -73,7 +73,7 @@ class Ballistic(ParticleWater):
     sound_speed = 0.0
 
     def __init__(self, config: Config, basin: Basin, accounts: bool, wind: Wind) -> None:
-        super().__init__(config, basin, config.size(basin), accounts, wind)
+        super().__init__(config, basin, config.size(basin, arch()), accounts, wind)
         self.particles.pressure.fill(0.0)
         self.field = Field(self.particles, self.grid, self.smoothing, np.zeros(3))
         self.reference_speed = free_fall_speed(basin)
@@ -89,21 +89,16 @@ class Ballistic(ParticleWater):
     def settle(self, summary: Array):
         """Sort, and sum up what there is without a step."""
         self.grid.sort()
-        for t in range(self.accounts.groups * TASK):
-            if t % TASK == 0:
-                group, p, u = t // TASK, self.particles.position, self.particles.velocity
+        for t in range(self.tasks.iterations):
+            if t % self.tasks.stride == 0:
+                group, p, u = t // self.tasks.stride, self.particles.position, self.particles.velocity
                 self.accounts.begin_motion(group)
                 self.accounts.begin_density(group)
-                for i in range(self.first(group), self.first(group + 1)):
+                for i in range(self.tasks.first(group), self.tasks.first(group + 1)):
                     x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
                     self.accounts.count_motion(group, v, self.pull.at(x, v), 0)
                     self.accounts.count_density(group, self.particles.density[i])
         self.accounts.summarise(summary)
-
-    @ti.func
-    def first(self, group):
-        """Number of the first particle of a group."""
-        return group * self.particles.count.there() // self.accounts.groups
 
     @ti.func
     def fall(self, i, dt, group):
@@ -125,12 +120,12 @@ class Ballistic(ParticleWater):
     def fly(self, dt: float, since: float, summary: Array):
         """Move and sort."""
         self.wind.set_clock(since, dt)
-        for t in range(self.accounts.groups * TASK):
-            if t % TASK == 0:
-                group = t // TASK
+        for t in range(self.tasks.iterations):
+            if t % self.tasks.stride == 0:
+                group = t // self.tasks.stride
                 self.accounts.begin_motion(group)
                 self.accounts.begin_density(group)
-                for i in range(self.first(group), self.first(group + 1)):
+                for i in range(self.tasks.first(group), self.tasks.first(group + 1)):
                     self.fall(i, dt, group)
         self.grid.sort()
         self.accounts.summarise(summary)

@@ -38,7 +38,7 @@ from ocean_sim.fluid.shared.stencil import Stencil, of_rigidity
 from ocean_sim.fluid.shared.water import Lattice
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
-from ocean_sim.runtime import Array, in_kernels
+from ocean_sim.runtime import Array, arch, in_kernels
 from ocean_sim.wind import Wind
 
 PAIR = 9.2e-9  # [s] of processor time a neighbour
@@ -105,13 +105,13 @@ class Config(SphConfig):
         if not self.enclosed(preflight.tank):
             what += "; share of diffusion, spin, strain"
         numbers = 15 if self.enclosed(preflight.tank) else 12 + 2 * GRADED
-        return rows(preflight, self.sizes(self.began(preflight)), numbers, what, PAIR)
+        return rows(preflight, self.sizes(self.began(preflight), preflight.arch), numbers, what, PAIR)
 
-    def sizes(self, lattice: Lattice) -> ListSize:
-        """How large grid and lists are."""
+    def sizes(self, lattice: Lattice, arch: str) -> ListSize:
+        """How large grid and lists are on a backend."""
         if self.enclosed(lattice.basin):
-            return self.sized(lattice, Momentum.row.size, CARRIED)
-        return self.sized(lattice, Continuity.row.size, CARRIED + GRADED)
+            return self.sized(lattice, arch, Momentum.row.size, CARRIED)
+        return self.sized(lattice, arch, Continuity.row.size, CARRIED + GRADED)
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "DeltaSph":
         return DeltaSph(self, basin, accounts, wind)
@@ -375,7 +375,7 @@ class DeltaSph(Sph):
     config: Config
 
     def __init__(self, config: Config, basin: Basin, accounts: bool, wind: Wind) -> None:
-        sizes = config.sizes(config.lattice(basin))
+        sizes = config.sizes(config.lattice(basin), arch())
         super().__init__(config, basin, sizes, accounts, wind)
         particles, self.closed = self.particles, basin.closed
         self.deviation, self.pressing = self.carried[:CARRIED]  # in mid-step: [kg/m3], and (p + bulk rate) / rho^2
@@ -424,7 +424,8 @@ class DeltaSph(Sph):
         self.settle(self.summary)
 
     def step(self, dt: float) -> None:
-        self.leap(dt, self.status.max_speed, self.wind.since, self.summary)
+        self.leap(dt, self.status.max_speed, self.wind.since)
+        self.land(self.summary)
         if not self.shifting:
             self.unseen += dt
             if self.unseen > SELDOM * self.memory:
@@ -476,8 +477,8 @@ class DeltaSph(Sph):
         return rho_0 * ((1.0 + gamma * pressure / (rho_0 * self.sound_speed**2)) ** (1.0 / gamma) - 1.0)
 
     @ti.kernel
-    def leap(self, dt: float, speed: float, since: float, summary: Array):
-        """Drift half a step, sort, kick, drift to the end, find the rate of the density there."""
+    def leap(self, dt: float, speed: float, since: float):
+        """Drift half a step, sort, kick, drift to the end."""
         self.dt[None] = dt
         self.wind.set_clock(since, dt)
         h = self.smoothing.length
@@ -500,6 +501,11 @@ class DeltaSph(Sph):
         self.grid.sort()
         self.momentum.react(dt)
         self.neighbours.walk(self.momentum, True)
+
+    @ti.kernel
+    def land(self, summary: Array):
+        """Find the rate of the density at the end: a kernel of its own, since Taichi 1.7 cannot make one of both walks
+        for Vulkan."""
         self.neighbours.walk(self.continuity, False)
         self.accounts.summarise(summary)
 

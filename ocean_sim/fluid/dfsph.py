@@ -42,10 +42,10 @@ from ocean_sim.fluid.shared.pressure_solver import REPORT, TOO_DENSE, UPHILL, So
 from ocean_sim.fluid.shared.smoothing import NEUTRAL, NEUTRAL_RATIO, Kernel
 from ocean_sim.fluid.shared.sph import Sph, SphConfig, limits, rows
 from ocean_sim.fluid.shared.stencil import Stencil, of_rigidity
-from ocean_sim.fluid.shared.tasks import TASK
+from ocean_sim.fluid.shared.tasks import Rows
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
-from ocean_sim.runtime import Array, Template, in_kernels
+from ocean_sim.runtime import Array, Template, arch, in_kernels
 from ocean_sim.wind import Wind
 
 PAIR = 3.0e-8  # [s] of processor time a neighbour, with the iterations that calm water needs
@@ -113,7 +113,7 @@ class Config(SphConfig):
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         basin, word = preflight.tank, preflight.word
         what = "position, velocity, density, pressure, number; predicted velocity, way and two solvers' fields"
-        sizes = self.sized(self.began(preflight), VISCOUS_ROW.size, 1)
+        sizes = self.sized(self.began(preflight), preflight.arch, VISCOUS_ROW.size, 1)
         n, neighbours = sizes.grid.lattice.n, Stencil(self.smoothing(basin), self.lattice(basin).spacing).neighbours
         pairs = LedgerRow(
             "fluid", "pairs", size_of_pairs(n, neighbours, word), f"{neighbours} neighbours on the lattice"
@@ -145,7 +145,7 @@ class Density(PositionLaw):
     @ti.func
     def begin(self, group):
         self.fluid.accounts.begin_density(group)
-        self.fluid.begin_report(group)
+        self.fluid.rows.clear(group)
 
     @ti.func
     def pair(self, own, other):
@@ -168,7 +168,7 @@ class Density(PositionLaw):
         gradient *= self.volume  # of the share of water
         fluid.particles.density[i], fluid.particles.pressure[i] = rho, fluid.held_pressure[i]
         fluid.diagonal[i] = self.scale * tm.max(rho / rest, 1.0) * tm.max(squares, self.least)
-        fluid.rows[group, TOO_DENSE] += rho
+        fluid.rows.add(group, TOO_DENSE, rho)
         if ti.static(fluid.closed):
             for k, component in ti.static(enumerate(fluid.shift)):
                 component[i] = -gradient[k]
@@ -298,7 +298,8 @@ class Dfsph(Sph):
     config: Config
 
     def __init__(self, config: Config, basin: Basin, accounts: bool, wind: Wind) -> None:
-        super().__init__(config, basin, config.sized(config.lattice(basin), VISCOUS_ROW.size, 1), accounts, wind)
+        sizes = config.sized(config.lattice(basin), arch(), VISCOUS_ROW.size, 1)
+        super().__init__(config, basin, sizes, accounts, wind)
         particles, n = self.particles, self.particles.n
         self.basin, self.closed = basin, config.enclosed(basin)
         side = (particles.mass / particles.rest_density) ** (1.0 / basin.dimension)
@@ -307,7 +308,7 @@ class Dfsph(Sph):
         self.pressing = self.weight * self.stencil.slope
         self.predicted, self.way = Components(n), Components(n)  # velocity at the end of the step; way over dt [m/s]
         self.base = tuple(Components(n))  # [m/s] before what the pressures gain
-        self.pairs = Pairs(particles, self.grid.images, self.accounts.groups, self.stencil.neighbours)
+        self.pairs = Pairs(particles, self.grid.images, self.tasks, self.stencil.neighbours)
         self.neighbours.keep(self.pairs, self.smoothing)
         self.held_pressure = self.carried[0]  # [Pa]
         if self.closed:
@@ -317,7 +318,7 @@ class Dfsph(Sph):
         self.diagonal = ti.field(float, shape=n)  # A_ii / dt^2
         self.momentum, self.level = (ti.field(float, shape=()) for _ in range(2))  # how far an iteration is carried
         self.level[None] = particles.rest_density  # on; density that is sought [kg/m3]
-        self.rows = ti.field(float, shape=(self.accounts.groups, REPORT))
+        self.rows = Rows(self.accounts.groups, REPORT)
         calm, brief = CALM["divergence"], BRIEF * self.smoothing.length / self.reference_speed
         if self.closed:
             calm, brief = 1.0, 0.0  # without a surface less would damp the flow
@@ -370,7 +371,7 @@ class Dfsph(Sph):
         self.wind.set_clock(since, dt)
         self.neighbours.walk(self.forces, False)
         self.pairs.walk(self.divergence.compression)
-        self.add(report)
+        self.rows.sum_into(report)
 
     @ti.kernel
     def iterate(self, solver: Template, momentum: float, report: Array):
@@ -378,7 +379,7 @@ class Dfsph(Sph):
         self.momentum[None] = momentum
         self.pairs.walk(solver.push)
         self.pairs.walk(solver.compression)
-        self.add(report)
+        self.rows.sum_into(report)
 
     @ti.kernel
     def account(self, solver: Template):
@@ -395,24 +396,24 @@ class Dfsph(Sph):
                 way[i] = predicted[i]
             if ti.static(self.closed):
                 for way, shift in ti.static(zip(self.way, self.shift)):
-                    way[i] += speed * self.smoothing.support * shift[i]
+                    way[i] = way[i] + speed * self.smoothing.support * shift[i]
             for base, way in ti.static(zip(self.base, self.way)):
                 base[i] = way[i]
         self.pairs.walk(self.incompressible.compression)
-        self.add(report)
+        self.rows.sum_into(report)
 
     @ti.kernel
     def move(self):
         """Displace the particles, and take over their velocities and, where they were forces, all pressures."""
         for i in range(self.particles.count.there()):
-            self.held_pressure[i] += self.divergence.gain[i]
+            self.held_pressure[i] = self.held_pressure[i] + self.divergence.gain[i]
             if ti.static(not self.closed):
-                self.held_pressure[i] += self.incompressible.gain[i]
+                self.held_pressure[i] = self.held_pressure[i] + self.incompressible.gain[i]
         self.forces.react(self.dt[None])
-        for g in range(self.accounts.groups * TASK):
-            if g % TASK == 0:
-                group, n = g // TASK, self.particles.count.there()
-                for i in range(group * n // self.accounts.groups, (group + 1) * n // self.accounts.groups):
+        for t in range(self.tasks.iterations):
+            if t % self.tasks.stride == 0:
+                group = t // self.tasks.stride
+                for i in range(self.tasks.first(group), self.tasks.first(group + 1)):
                     self.displace(i, self.dt[None], group)
 
     @ti.func
@@ -433,23 +434,8 @@ class Dfsph(Sph):
         """Sort, and find the new density."""
         self.grid.sort()
         self.neighbours.walk(self.density, True)
-        self.add(report)
+        self.rows.sum_into(report)
         self.accounts.summarise(summary)
-
-    @ti.func
-    def begin_report(self, group):
-        for k in ti.static(range(REPORT)):
-            self.rows[group, k] = 0.0
-
-    @ti.func
-    def add(self, report: Template):
-        """The groups' rows into one, in their order."""
-        for k in ti.static(range(REPORT)):
-            report[k] = 0.0
-        ti.loop_config(serialize=True)
-        for g in range(self.accounts.groups):
-            for k in ti.static(range(REPORT)):
-                report[k] += self.rows[g, k]
 
     @ti.func
     def surplus(self, i):

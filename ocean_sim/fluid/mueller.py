@@ -22,7 +22,7 @@ from ocean_sim.fluid.shared.smoothing import positive
 from ocean_sim.fluid.shared.sph import SphConfig, rows
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
-from ocean_sim.runtime import in_kernels
+from ocean_sim.runtime import arch, in_kernels
 from ocean_sim.wind import Wind
 
 TINY = 1.0e-12  # [m2] keeps two particles in one position finite
@@ -56,7 +56,7 @@ class Config(SphConfig):
         return sqrt(self.stiffness) if self.stiffness else super().sound_speed(basin)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        sizes = self.sized(self.began(preflight), Momentum.row.size)
+        sizes = self.sized(self.began(preflight), preflight.arch, Momentum.row.size)
         return rows(preflight, sizes, 9, "position, velocity, density, pressure, volume, number", PAIR)
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "Mueller":
@@ -148,7 +148,8 @@ class Mueller(PairSph):
     momentum: Momentum
 
     def __init__(self, config: Config, basin: Basin, accounts: bool, wind: Wind) -> None:
-        super().__init__(config, basin, config.sized(config.lattice(basin), Momentum.row.size), accounts, wind)
+        sizes = config.sized(config.lattice(basin), arch(), Momentum.row.size)
+        super().__init__(config, basin, sizes, accounts, wind)
         self.viscous = config.kinematic_viscosity > 0.0
         self.factors = ti.field(float, shape=3)  # of pressure and viscosity: a field, so that a change compiles nothing
         self.specific_volume = ti.field(float, shape=self.particles.n)  # 1 / density [m3/kg]

@@ -89,10 +89,11 @@ class SceneConfig(Heading):
     @property
     def preflight(self) -> Preflight:
         """What is known of the scene before anything is built; made once, and again for a copy with other parts."""
-        known, facts = self._preflight, (self.parts(), self.basin, WORD[self.runtime.precision], self.duration)
-        if known is None or (known.parts, known.tank.config, known.word, known.duration) != facts:
-            parts, tank, word, duration = facts
-            known = self._preflight = Preflight(parts, tank.build(self.sea), word, duration)
+        known, word, arch = self._preflight, WORD[self.runtime.precision], self.runtime.arch
+        facts = self.parts(), self.basin, word, self.duration, arch
+        if known is None or (known.parts, known.tank.config, known.word, known.duration, known.arch) != facts:
+            parts, tank, word, duration, arch = facts
+            known = self._preflight = Preflight(parts, tank.build(self.sea), word, duration, arch)
         return known
 
     def ledger(self) -> list[LedgerRow]:
@@ -269,7 +270,7 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
     if tank_config is not None and tank is not None and runtime is not None and heading is not None:
         sea = there.get("sea")
         patch = tank_config.build(sea) if isinstance(sea, SeaConfig) else tank
-        preflight = Preflight(there | observers, patch, WORD[runtime.precision], heading.duration)
+        preflight = Preflight(there | observers, patch, WORD[runtime.precision], heading.duration, runtime.arch)
         problems += _located("basin", tank_config.problems(tank, heading.duration), data["basin"])
         for name, part in (there | observers).items():
             problems += _located(name, part.problems(preflight), _node(data, name) or root)

@@ -5,13 +5,16 @@ from typing import Any
 
 from ocean_sim import machine
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.parts import called
+from ocean_sim.parts import LedgerRow, called
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.time_step import Known
 from ocean_sim.time_step.courant import Config as Courant
 from ocean_sim.verbs.shared import console
 
-NOTHING = dict.fromkeys(("particles", "memory_mb", "time_step", "limited_by", "estimated_wall_s"))
+NOTHING = dict.fromkeys(
+    ("particles", "memory_mb", "bytes_a_particle", "most_particles", "time_step", "limited_by", "estimated_wall_s")
+)
+CARD = 16e9  # [bytes] of a graphics card, which cannot be asked for its own before it is started
 LONGEST = 0.8  # the courant number of the profiles `ci` and `interactive`, up to which steps were found stable
 ON_ALL_THREADS = ("wind", "fluid", "surface")  # the slots whose work is shared among threads; the rest is done by one
 START, START_OF_PARTICLES = 3.1, 3.4  # [s] imports and kernels out of their cache, and what particles add; measured
@@ -79,6 +82,7 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         "statements": config.fluid.statements(known),
         "particles": particles,
         "memory_mb": console.megabytes(memory),
+        **room(config, rows, particles),
         "time_step": dt,
         "limited_by": time_step.limited_by,
         "stable_time_step": stable,
@@ -88,6 +92,23 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         "ships": ships(config),
         "ledger": rows,
     }
+
+
+def room(config: SceneConfig, rows: list[LedgerRow], particles: int) -> dict[str, int | None]:
+    """Bytes that a particle takes of the memory where the water lies, and how many particles fit there: on a processor
+    into nine tenths of this machine's, with the copies of them that observers make; on a card into CARD."""
+    from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
+    from ocean_sim.runtime import BASE_MEMORY, CARDS, COPIES
+
+    if not particles:
+        return {"bytes_a_particle": None, "most_particles": None}
+    water = sum(row.bytes for row in rows if row.part == "fluid")
+    others = sum(row.bytes for row in rows) - water
+    each = -(-water // particles)
+    free, taken = CARD - others, each
+    if config.runtime.arch not in CARDS:
+        free, taken = 0.9 * machine.memory() - others - BASE_MEMORY, each + COPIES
+    return {"bytes_a_particle": each, "most_particles": max(0, min(int(free / taken), MOST_PARTICLES))}
 
 
 def ships(config: SceneConfig) -> dict[str, dict[str, Any]]:
@@ -134,6 +155,19 @@ def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
     return f"about {console.duration(whole)} for {config.duration:g} s on an idle machine ({terms})"
 
 
+def fitting(found: dict[str, Any], config: SceneConfig) -> str:
+    """What a particle takes, and how many fit."""
+    from ocean_sim.runtime import CARDS
+
+    if found["bytes_a_particle"] is None:
+        return "no particles"
+    where = f"the {machine.memory() / 1e9:.1f} GB of this machine"
+    if config.runtime.arch in CARDS:
+        where = f"{CARD / 1e9:.0f} GB of a graphics card"
+    fit = f"{found['most_particles'] / 1e6:.2g} million particles fit into {where}"
+    return f"{found['bytes_a_particle']} bytes a particle: {fit}"
+
+
 def short(found: dict[str, Any], config: SceneConfig) -> str:
     """The preflight in a few lines, for `run`."""
     lines = [
@@ -155,6 +189,7 @@ def long(found: dict[str, Any], config: SceneConfig) -> None:
         [
             ["particles", f"{found['particles']}"],
             ["memory", f"about {found['memory_mb']:.0f} MB at the peak"],
+            ["room", fitting(found, config)],
             ["time step", f"{found['time_step']:.4g} s in still water, limited by: {found['limited_by']}"],
             ["stable", f"{found['stable_time_step']:.4g} s in still water, limited by: {found['stable_limited_by']}"],
             [

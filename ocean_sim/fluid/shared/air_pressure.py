@@ -97,7 +97,8 @@ class AirPressure:
                 key = (slab * self.cells + i) * self.rows + k
                 position = tm.vec3(x, -ti.static(self.middle[slab]), z)
                 push = self.wind.force(key, position, tm.vec3(0.0), area, tm.vec3(0.0), mass)
-                self.impulse[slab, i, k] += ti.cast(push.y * dt / (self.density * self.cell * self.cell), ti.f64)
+                lift = ti.cast(push.y * dt / (self.density * self.cell * self.cell), ti.f64)
+                self.impulse[slab, i, k] = self.impulse[slab, i, k] + lift
 
 
 @ti.func

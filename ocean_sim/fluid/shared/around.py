@@ -5,6 +5,7 @@ It is the point that is mirrored, not the water: an image lies from the point as
 point, turned round. Every set of sides within reach is a mirror of its own, so corners are mirrored in all of theirs.
 """
 
+from collections.abc import Iterable
 from typing import Any, Protocol
 
 import taichi as ti
@@ -12,7 +13,6 @@ import taichi.math as tm
 
 from ocean_sim.fluid.shared.grid import Grid
 from ocean_sim.fluid.shared.images import OFFSET, PULL, PUSH, SIDE, SIGN, TURN, mirrored
-from ocean_sim.fluid.shared.particles import Components
 from ocean_sim.runtime import Template, in_kernels
 
 
@@ -54,20 +54,35 @@ class PointLaw(Protocol):
 class Around:
     """Sums of a PointLaw over all water within one support of a point."""
 
-    def __init__(self, position: Components, grid: Grid, start: ti.Field | None = None) -> None:
-        """`position` [m] of the particles, in the order of their cells; `start`: the first of every cell, by default as
-        the grid has sorted them."""
-        self.position, self.grid, self.start = position, grid, grid.start if start is None else start
+    def __init__(self, position: Iterable[ti.Field], grid: Grid, start: ti.Field | None = None) -> None:
+        """`position`: x, y and z [m] of the particles, in the order of their cells; `start`: the first of every cell,
+        by default as the grid has sorted them."""
+        self.position, self.grid, self.start = tuple(position), grid, grid.start if start is None else start
         self.periods, self.across = grid.basin.periods, grid.basin.periods[0] > 0.0
         self.images = grid.images
 
     @ti.func
     def total(self, x, law: Template, own):
         """Of the law's terms around x."""
+        return self.total_from(0, x, law, own)
+
+    @ti.func
+    def of_images(self, x, law: Template, own):
+        """The same of the images in sides alone."""
+        return self.total_from(1, x, law, own)
+
+    @ti.func
+    def of_water(self, x, law: Template, own):
+        """The same without images."""
+        return self.seen(self.grid.wrapped(x), unmirrored(), law, own)
+
+    @ti.func
+    def total_from(self, first, x, law: Template, own):
+        """The same in the sets of sides from the `first` on, a bit for each side; 0 is the empty one."""
         here = self.grid.wrapped(x)
         reach = self.reach(here)
         total = ti.Vector.zero(float, law.sums)
-        for subset in range(reach + 1):
+        for subset in range(first, reach + 1):
             if subset & reach == subset:
                 mirror = unmirrored()
                 if ti.static(self.images.sides > 0):
@@ -90,7 +105,8 @@ class Around:
     @ti.func
     def seen(self, x, mirror, law: Template, own):
         """What the particles add that are seen from x in one mirror."""
-        p, grid = self.position, self.grid
+        grid = self.grid
+        px, py, pz = ti.static(self.position[0], self.position[1], self.position[2])
         y = mirrored(mirror, x)  # flat mirrors at right angles are their own inverse
         home = grid.indices_at(y)
         total = ti.Vector.zero(float, law.sums)
@@ -100,7 +116,7 @@ class Around:
                 there, shift = self.home(home + first)
                 c, middle = grid.cell_at(there), grid.lower + (there - 0.5) / grid.per_width
                 for j in range(self.start[c], self.start[c + ti.static(1 if self.across else 3)]):
-                    e = self.nearest(tm.vec3(p.x[j], p.y[j], p.z[j]), middle) + shift - y
+                    e = self.nearest(tm.vec3(px[j], py[j], pz[j]), middle) + shift - y
                     d = tm.vec3([mirror[SIGN, k] * e[k] for k in ti.static(range(3))])
                     total += law.term(own, j, d, mirror)
         return total

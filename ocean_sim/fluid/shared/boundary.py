@@ -35,10 +35,8 @@ from ocean_sim.fluid.shared.law import PushingLaw, SampledLaw
 from ocean_sim.fluid.shared.particles import Components, Particles
 from ocean_sim.fluid.shared.pull import Pull
 from ocean_sim.fluid.shared.smoothing import Smoothing
-from ocean_sim.fluid.shared.tasks import TASK
 from ocean_sim.runtime import Doubles2, Doubles3, Template, in_kernels
 
-BLOCK = 32  # samples of a task
 MOTION = Columns(position=3, rotation=9, velocity=3, angular_velocity=3, acceleration=3, angular_acceleration=3, gone=1)
 UPRIGHT = np.eye(3)
 ZERO = np.zeros(3)
@@ -148,7 +146,9 @@ class Boundary:
         self.bodies, self.mass, self.grid, self.pull = bodies, particles.mass, grid, pull
         self.owners = np.repeat(np.arange(len(bodies)), [len(body.position) for body in bodies])
         self.n = n = len(self.owners)
-        self.blocks = -(-n // BLOCK)
+        plan = grid.size.plan
+        self.block, self.stride = plan.samples, plan.stride
+        self.blocks = -(-n // self.block)
         self.motion = np.zeros((len(bodies), MOTION.size))  # where they are and how they move
         self.moved = True  # whether they have, since they were sorted
         self.gates = [(k, body.gate) for k, body in enumerate(bodies) if body.gate is not None]
@@ -324,19 +324,20 @@ class Boundary:
     @ti.func
     def react(self, law: Template, dt):
         """Forces on the samples; call it at the top of a kernel."""
-        for b in range(self.blocks * TASK):
-            if b % TASK == 0:
-                for s in range(b // TASK * BLOCK, ti.min((b // TASK + 1) * BLOCK, self.there())):
+        for t in range(self.blocks * self.stride):
+            if t % self.stride == 0:
+                b = t // self.stride
+                for s in range(b * self.block, ti.min((b + 1) * self.block, self.there())):
                     x = tm.vec3(self.position.x[s], self.position.y[s], self.position.z[s])
                     force, name = self.water.total(x, law, s), self.name[s]
                     self.force.x[name], self.force.y[name], self.force.z[name] = force[0], force[1], force[2]
                     for k in ti.static(range(3)):
-                        self.impulse[name, k] += ti.cast(dt * force[k], ti.f64)
+                        self.impulse[name, k] = self.impulse[name, k] + ti.cast(dt * force[k], ti.f64)
                     if ti.static(self.working):
                         v = vector(self.velocity, s) - 0.5 * dt * vector(self.acceleration, s)  # mean of the step
                         for k in ti.static(range(3)):
-                            self.work[name, 0] -= ti.cast(dt * force[k] * v[k], ti.f64)
-                            self.work[name, 1] -= ti.cast(dt * force[3 + k] * v[k], ti.f64)
+                            self.work[name, 0] = self.work[name, 0] - ti.cast(dt * force[k] * v[k], ti.f64)
+                            self.work[name, 1] = self.work[name, 1] - ti.cast(dt * force[3 + k] * v[k], ti.f64)
 
     @ti.func
     def counted(self, s):

@@ -15,14 +15,14 @@ import taichi.math as tm
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid.shared.images import SIGN, mirrored
 from ocean_sim.fluid.shared.law import PositionLaw
-from ocean_sim.fluid.shared.neighbours import Neighbours
 from ocean_sim.fluid.shared.particles import Components, Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.stencil import Stencil
 from ocean_sim.runtime import in_kernels
 
-if TYPE_CHECKING:  # it is imported only where there are bodies
+if TYPE_CHECKING:  # imported only where there are bodies, and by what makes it
     from ocean_sim.fluid.shared.boundary import Boundary
+    from ocean_sim.fluid.shared.walk_plan import Walk
 
 EXPOSED = 0.1  # of the spacing, in space squared: a particle with a smaller exposed area lies inside the water
 BLOCK = 4096  # particles whose areas are added by one thread
@@ -48,7 +48,7 @@ class Exposure(PositionLaw):
         particles: Particles,
         positions: tuple[ti.Field, ...],
         smoothing: Smoothing,
-        neighbours: Neighbours,
+        neighbours: "Walk",
         boundary: "Boundary | None",
         plan_area: float,
         bends: bool,

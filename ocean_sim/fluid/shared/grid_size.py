@@ -2,14 +2,54 @@
 
 from dataclasses import dataclass
 from math import floor, log2
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
 from ocean_sim.fluid.shared.lattice import Lattice
 
-SERIAL = 20_000  # up to so many particles one thread sorts faster than several
-CHUNKS = 8
-FEW, MANY = 16, 64  # groups of cells for few and many particles: threads share them, each costs microseconds
+
+class Plan(Protocol):
+    """How particles are shared out to tasks, sorted, and walk (`walk_plan.WalkPlan`)."""
+
+    stride: ClassVar[int]
+    samples: ClassVar[int]
+
+    def groups(self, n: int) -> int:
+        """Tasks of n particles, and rows of their accounts."""
+        ...
+
+    def chunks(self, n: int) -> int:
+        """Parts in which n particles are counted and sorted."""
+        ...
+
+    def sorting(self, n: int, cells: int) -> int:
+        """Whole numbers that sorting n particles needs besides a count for each cell and chunk."""
+        ...
+
+    def lists(self, size: Any, word: int) -> int:
+        """Bytes of the lists of candidates."""
+        ...
+
+    def rows(self, n: int, word: int, impulses: bool) -> int:
+        """Bytes of the accounts of n particles that are worth telling."""
+        ...
+
+    def grid(self, particles: Any, size: "GridSize", carried: tuple) -> Any:
+        """The cells."""
+        ...
+
+    def accounts(self, groups: int, impulses: bool, absent: tuple[int, ...]) -> Any:
+        """What a step did."""
+        ...
+
+    def walk(self, particles: Any, grid: Any, accounts: Any, size: Any) -> Any:
+        """What walks over neighbours."""
+        ...
+
+    def tasks(self, particles: Any, groups: int) -> Any:
+        """The particles in as many parts as there are rows of accounts."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -18,6 +58,7 @@ class GridSize:
 
     lattice: Lattice
     support: float  # [m]
+    plan: Plan
     carried: int = 0  # numbers that a scheme carries along with each particle
 
     @property
@@ -47,12 +88,12 @@ class GridSize:
     @property
     def chunks(self) -> int:
         """Parts in which the particles are counted and sorted."""
-        return 1 if self.lattice.n <= SERIAL else CHUNKS
+        return self.plan.chunks(self.lattice.n)
 
     @property
     def groups(self) -> int:
         """Blocks of cells or particles, each a task of its own: set by the scene, never by the number of threads."""
-        return FEW if self.lattice.n <= SERIAL else MANY
+        return self.plan.groups(self.lattice.n)
 
     @property
     def occupied(self) -> int:
@@ -64,4 +105,5 @@ class GridSize:
         return (
             4 * (2 * self.lattice.n + self.cell_count * (self.chunks + 1) + self.occupied + 2)
             + word * (6 + 2 * self.lattice.basin.dimension + self.carried) * self.lattice.n
+            + 4 * self.plan.sorting(self.lattice.n, self.cell_count)
         )

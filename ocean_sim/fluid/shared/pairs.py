@@ -10,7 +10,7 @@ import taichi.math as tm
 from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
 from ocean_sim.fluid.shared.images import SIDE, SIGN, Images
 from ocean_sim.fluid.shared.particles import Particles
-from ocean_sim.fluid.shared.tasks import TASK
+from ocean_sim.fluid.shared.tasks import Tasks
 from ocean_sim.runtime import Template, in_kernels
 
 ROOM = 2.5  # slots of a particle, over its neighbours on the lattice
@@ -31,8 +31,8 @@ def size(n: int, neighbours: int, word: int) -> int:
 class Pairs:
     """Of each particle its neighbours and images, and x_ij times the shape of grad W."""
 
-    def __init__(self, particles: Particles, images: Images, groups: int, neighbours: int) -> None:
-        self.particles, self.groups, self.room = particles.count, groups, slots(neighbours)
+    def __init__(self, particles: Particles, images: Images, tasks: Tasks, neighbours: int) -> None:
+        self.tasks, self.room = tasks, slots(neighbours)
         self.name = ti.field(int, shape=particles.n * self.room)
         self.gradient = ti.Vector.field(3, float, shape=particles.n * self.room)
         self.near, self.seen = (ti.field(int, shape=particles.n) for _ in range(2))  # particles, and images with them
@@ -57,16 +57,15 @@ class Pairs:
     def walk(self, law: Template):
         """For every particle i: sum law.near over its neighbours and law.image over its images, then law.finish it;
         call it at the top of a kernel."""
-        for g in range(self.groups * TASK):
-            if g % TASK == 0:
-                self.walk_group(g // TASK, law)
+        for t in range(self.tasks.iterations):
+            if t % self.tasks.stride == 0:
+                self.walk_group(t // self.tasks.stride, law)
 
     @ti.func
     def walk_group(self, group, law: Template):
         """The same for the particles of a group."""
         law.begin(group)
-        n = self.particles.there()
-        for i in range(group * n // self.groups, (group + 1) * n // self.groups):
+        for i in range(self.tasks.first(group), self.tasks.first(group + 1)):
             own = law.own(i)
             first = i * self.room
             total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)

@@ -22,6 +22,7 @@ from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.particles import Particles, seeded
 from ocean_sim.fluid.shared.pull import Pull
 from ocean_sim.fluid.shared.smoothing import Smoothing
+from ocean_sim.fluid.shared.tasks import Tasks
 from ocean_sim.fluid.shared.walls import Walls
 from ocean_sim.fluid.shared.water import WaterConfig
 from ocean_sim.runtime import Array2, in_kernels
@@ -41,6 +42,8 @@ class ParticleWater(ParticleFluid):
     particles: Particles
     around: Around
     grid: Grid
+    accounts: Accounts
+    tasks: Tasks
     walls: Walls
     field: Field
     contacts: list[Contact]
@@ -54,10 +57,11 @@ class ParticleWater(ParticleFluid):
         self.rest_density, self.spacing = self.particles.rest_density, self.particles.spacing
         self.smoothing = Smoothing(basin.dimension, size.support, config.kernel)
         self.carried = tuple(ti.field(float, shape=self.particles.n) for _ in range(size.carried))
-        self.grid = Grid(self.particles, size, self.carried)
+        self.grid = size.plan.grid(self.particles, size, self.carried)
         self.rubs, self.joined = basin.rough_bed is not None, basin.sea is not None
         absent = (*(() if self.rubs else (BED,)), *(() if self.joined else (SEA,)))
-        self.accounts = Accounts(size.groups, accounts, absent)
+        self.accounts = size.plan.accounts(size.groups, accounts, absent)
+        self.tasks = size.plan.tasks(self.particles.count, size.groups)
         self.surface = FreeSurface(self.particles, self.grid, self.smoothing)
         self.around = self.surface.around
         self.walls = Walls(lattice, self.grid.images)

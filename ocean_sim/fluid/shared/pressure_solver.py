@@ -17,6 +17,7 @@ from ocean_sim.fluid.shared.pairs import Pairs
 from ocean_sim.fluid.shared.particles import Components, Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.stencil import Stencil
+from ocean_sim.fluid.shared.tasks import Rows
 from ocean_sim.runtime import in_kernels
 
 if TYPE_CHECKING:  # it is imported only where there are bodies
@@ -44,11 +45,7 @@ class IncompressibleWater(Protocol):
     pressing: float  # what a pair's sum of pressures accelerates, over x_ij times the shape of grad W
     diagonal: ti.Field  # A_ii / dt^2
     base: tuple[ti.Field, ...]  # velocity before what the pressures gain [m/s]
-    rows: ti.Field  # what a group of particles reports, REPORT columns
-
-    def begin_report(self, group: Any) -> None:
-        """ti.func: nothing to report yet."""
-        ...
+    rows: Rows  # what a group of particles reports, REPORT columns
 
     def surplus(self, i: Any) -> Any:
         """ti.func: what particle i may gain in density in this step [kg/m3]."""
@@ -79,7 +76,7 @@ class Compression:
 
     @ti.func
     def begin(self, group):
-        self.fluid.begin_report(group)
+        self.fluid.rows.clear(group)
 
     @ti.func
     def own(self, i):
@@ -126,9 +123,9 @@ class Compression:
         thin = tm.max(-r, 0.0)
         if ti.static(not fluid.closed):
             thin = tm.min(thin, p * scale)  # what less pressure would undo
-        fluid.rows[group, TOO_DENSE] += tm.max(r, 0.0)
-        fluid.rows[group, TOO_THIN] += thin
-        fluid.rows[group, UPHILL] += (p - best) * scale * (best - last)
+        fluid.rows.add(group, TOO_DENSE, tm.max(r, 0.0))
+        fluid.rows.add(group, TOO_THIN, thin)
+        fluid.rows.add(group, UPHILL, (p - best) * scale * (best - last))
 
 
 @in_kernels

@@ -17,10 +17,11 @@ from ocean_sim.fluid.shared.attenuation import Attenuation, Delay, Train, trains
 from ocean_sim.fluid.shared.band import band, cells_of
 from ocean_sim.fluid.shared.field import Field
 from ocean_sim.fluid.shared.grid_size import GridSize
-from ocean_sim.fluid.shared.neighbours import ListSize, Neighbours
+from ocean_sim.fluid.shared.neighbours import ListSize
 from ocean_sim.fluid.shared.particle_water import ParticleWater
 from ocean_sim.fluid.shared.plane_waves import PlaneWaves
 from ocean_sim.fluid.shared.smoothing import Smoothing
+from ocean_sim.fluid.shared.walk_plan import PLANS, Walk
 from ocean_sim.fluid.shared.water import Lattice, WaterConfig, free_fall_speed
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, key_of
@@ -135,9 +136,10 @@ class SphConfig(WaterConfig):
             ]
         return []
 
-    def sized(self, lattice: Lattice, reads: int, carried: int = 0) -> ListSize:
-        """How large grid and lists are for laws that read so many fields."""
-        return ListSize(GridSize(lattice, self.ratio(lattice.basin) * lattice.spacing, carried), reads)
+    def sized(self, lattice: Lattice, arch: str, reads: int, carried: int = 0) -> ListSize:
+        """How large grid and lists are for laws that read so many fields, on a backend."""
+        support = self.ratio(lattice.basin) * lattice.spacing
+        return ListSize(GridSize(lattice, support, PLANS[arch], carried), reads)
 
     def still_limits(self, preflight: Preflight) -> Limits:
         smoothing = self.smoothing(preflight.tank)
@@ -217,12 +219,20 @@ def rows(preflight: Preflight, sizes: ListSize, numbers: int, what: str, pair: f
     return [
         LedgerRow("fluid", f"{n} particles", (numbers * word + 4) * n, what, n * each),
         LedgerRow("fluid", f"grid of {sizes.grid.cell_count} cells", sizes.grid.bytes(word), f"support {support:g} m"),
-        LedgerRow("fluid", "candidate lists", sizes.bytes(word), "neighbours of every occupied cell"),
+        *_of_walk(sizes, word, "accuracy" in preflight.parts),
         *_of_areas(preflight, n),
         *_of_targets(lattice, word),
         *_of_sea(lattice, word),
         *_of_bodies(sizes.grid, word, SAMPLE * each, "accuracy" in preflight.parts),
     ]
+
+
+def _of_walk(sizes: ListSize, word: int, impulses: bool) -> list[LedgerRow]:
+    """The ledger of what walks over neighbours."""
+    plan, n = sizes.grid.plan, sizes.grid.lattice.n
+    lists, accounts = plan.lists(sizes, word), plan.rows(n, word, impulses)
+    found = [LedgerRow("fluid", "candidate lists", lists, "neighbours of every occupied cell")] if lists else []
+    return [*found, *([LedgerRow("fluid", "accounts", accounts, "a row for each particle")] if accounts else [])]
 
 
 def _of_areas(preflight: Preflight, n: int) -> list[LedgerRow]:
@@ -302,7 +312,7 @@ class Sph(ParticleWater):
 
     def __init__(self, config: SphConfig, basin: Basin, sizes: ListSize, accounts: bool, wind: Wind) -> None:
         super().__init__(config, basin, sizes.grid, accounts, wind)
-        self.neighbours = Neighbours(self.particles, self.grid, self.accounts, sizes)
+        self.neighbours: Walk = sizes.grid.plan.walk(self.particles, self.grid, self.accounts, sizes)
         self.reference_speed, self.sound_speed = config.speed(basin), config.sound_speed(basin)
         self.kinematic_viscosity = config.kinematic_viscosity
         self.dt = ti.field(float, shape=())  # [s]

@@ -1,15 +1,86 @@
-"""How a kernel makes a task of each group of cells or particles.
+"""How a kernel makes tasks of its particles, or of what else it goes over.
 
-Taichi hands out a parallel loop in tasks of no fewer than TASK iterations. Groups are few, 16 or 64, and each is long,
-so a plain loop over them would be one task, and run on one thread. Therefore a loop runs over TASK times the groups and
-every TASK-th iteration does the work of one:
+On a processor threads share few tasks, each long. Taichi hands out a parallel loop in tasks of no fewer than TASK
+iterations, so a plain loop over 16 or 64 of them would be one, and run on one thread. Therefore a loop runs over TASK
+times the tasks and every TASK-th iteration does the work of one:
 
-    for g in range(groups * TASK):
+    for g in range(tasks * TASK):
         if g % TASK == 0:
             work(g // TASK)
 
-Each group is then a task of its own that threads take in turn, and one thread alone writes to the scratch and the sums
-of a group, so results depend neither on the number of threads nor on their order.
+On a graphics card each iteration is a thread of its own, and each particle a task.
+
+One thread alone writes to the scratch and the sums of a task, so results depend neither on the number of threads nor on
+their order.
 """
 
+from math import isqrt
+
+import taichi as ti
+
+from ocean_sim.fluid.shared.particles import Count
+from ocean_sim.runtime import Template, in_kernels
+
 TASK = 512
+SUMMED = 64  # rows that are summed one after the other; more are first summed in blocks
+
+
+@in_kernels
+class Tasks:
+    """The particles in parts, each a task: the same number of each, in storage order."""
+
+    def __init__(self, particles: Count, parts: int, stride: int) -> None:
+        """`stride`: iterations of a parallel loop for each part. As many parts as there may be particles have one
+        each."""
+        self.particles, self.parts, self.stride = particles, parts, stride
+        self.iterations = parts * stride
+        self.single = parts == particles.most
+
+    @ti.func
+    def first(self, part):
+        """Number of the first particle of a part, or of the last and one more."""
+        n = self.particles.there()
+        first = ti.min(part, n)
+        if ti.static(not self.single):
+            first = part * n // self.parts
+        return first
+
+
+@in_kernels
+class Rows:
+    """Numbers that tasks report, a row each, and their sums in the order of the rows: of many first those of blocks."""
+
+    def __init__(self, count: int, columns: int) -> None:
+        self.columns = columns
+        self.rows = ti.field(float, shape=(count, columns))
+        self.block = isqrt(count) if count > SUMMED else 1
+        self.last = self.rows
+        if self.block > 1:
+            self.last = ti.field(float, shape=(-(-count // self.block), columns))
+
+    @ti.func
+    def add(self, row, column: Template, number):
+        """To what a task reports."""
+        self.rows[row, column] = self.rows[row, column] + number
+
+    @ti.func
+    def clear(self, row):
+        for k in ti.static(range(self.columns)):
+            self.rows[row, k] = 0.0
+
+    @ti.func
+    def sum_into(self, sums: Template):
+        """Into an array of a number a column; call it at the top of a kernel."""
+        if ti.static(self.block > 1):
+            for b in range(self.last.shape[0]):
+                for k in ti.static(range(self.columns)):
+                    total = 0.0
+                    for row in range(b * self.block, ti.min((b + 1) * self.block, self.rows.shape[0])):
+                        total += self.rows[row, k]
+                    self.last[b, k] = total
+        for k in ti.static(range(self.columns)):
+            sums[k] = 0.0
+        ti.loop_config(serialize=True)
+        for b in range(self.last.shape[0]):
+            for k in ti.static(range(self.columns)):
+                sums[k] += self.last[b, k]

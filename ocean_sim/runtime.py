@@ -35,11 +35,13 @@ if TYPE_CHECKING:  # what a kernel is handed, as callers see it
 
     Array: TypeAlias = np.ndarray
     Array2: TypeAlias = np.ndarray
+    Integers: TypeAlias = np.ndarray
     Doubles2: TypeAlias = np.ndarray
     Doubles3: TypeAlias = np.ndarray
     Template: TypeAlias = Any
 else:  # and as Taichi reads it
     Array, Array2 = ti.types.ndarray(ndim=1), ti.types.ndarray(ndim=2)
+    Integers = ti.types.ndarray(dtype=ti.i32, ndim=1)
     Doubles2, Doubles3 = ti.types.ndarray(dtype=ti.f64, ndim=2), ti.types.ndarray(dtype=ti.f64, ndim=3)
     Template = ti.template()
 

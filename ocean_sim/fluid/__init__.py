@@ -42,6 +42,26 @@ class Status:
     finite: bool  # no particle has a velocity or density that is not a number
 
 
+class Totals(NamedTuple):
+    """Sums over all particles, in float64, and the box that they lie in."""
+
+    density: float  # [kg/m3]
+    compression: float  # of max(density / rest density - 1, 0)
+    most_compressed: float  # the largest of the same, 0 where none is compressed
+    deficit: float  # of max(1 - density / rest density, 0)
+    squared_speed: float  # [m2/s2]
+    position: np.ndarray  # (3,) [m]
+    velocity: np.ndarray  # (3,) [m/s]
+    turning: np.ndarray  # (3,) of position x velocity [m2/s]
+    lower: np.ndarray  # (3,) lowest coordinates of any [m]
+    upper: np.ndarray  # (3,) highest coordinates of any [m]
+
+    @property
+    def finite(self) -> bool:
+        """Whether all that is added up is a number."""
+        return bool(np.isfinite(self.density + self.squared_speed + self.position.sum()))
+
+
 class Lattice(Protocol):
     """Where the particles of a water are at first, counted but not yet made."""
 
@@ -430,6 +450,10 @@ class ParticleFluid(Fluid, Protocol):
 
     def meet(self, contact: Contact) -> None:
         """From the first step on feel the push of one more hull."""
+        ...
+
+    def totals(self) -> Totals:
+        """Sums over the particles as they are now."""
         ...
 
     def positions(self) -> np.ndarray:

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ocean_sim.fluid import with_particles
+from ocean_sim.fluid import ParticleFluid, Totals, with_particles
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
-from ocean_sim.observers.shared.energy import falls_around
-from ocean_sim.observers.shared.escaped import beyond
+from ocean_sim.observers.shared.energy import falls_around, kinetic, potential
+from ocean_sim.observers.shared.escaped import beyond, kept
 from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.observers.shared.surface_fit import SurfaceFit
 from ocean_sim.simulation import Observer, PeriodicConfig
@@ -75,7 +75,9 @@ class Accuracy(Observer):
         self.sampled = Sampled(config.every, most=MOST_ROWS)
         self.gravity = np.array(simulation.basin.gravity)  # [m/s2]
         self.pushing: list[str] = []
-        self.surface = SurfaceFit(simulation.surface) if simulation.surface is not None else None
+        self.surface: SurfaceFit | None = None
+        if simulation.surface is not None:
+            self.surface = SurfaceFit(simulation.surface, simulation.basin, with_particles(simulation.fluid))
         self.outer: list[str] = []  # forces that give and take energy
         self.solvers: tuple[str, ...] = ()  # of a scheme that iterates
         self.working = [term for term in TERMS if term in simulation.fluid.work]
@@ -84,7 +86,7 @@ class Accuracy(Observer):
             fluid = simulation.fluid
             self.pushing = [term for term in TERMS if term in fluid.impulse]
             self.driven = falls_around(simulation)
-            self.at_start = self.potential_energy(simulation)
+            self.at_start = self.potential_energy(with_particles(simulation.fluid))
             self.energy_at_start = None
             self.solvers = tuple(fluid.solvers)
             between = BETWEEN_ENERGIES[: 1 if self.solvers else 2]  # what is not compressed stores nothing
@@ -131,11 +133,9 @@ class Accuracy(Observer):
             )
         return means
 
-    def potential_energy(self, simulation: "Simulation") -> float:
+    def potential_energy(self, fluid: ParticleFluid) -> float:
         """Of the particles in gravity, zero at the origin [J]."""
-        particles = with_particles(simulation.fluid).particles
-        centre_times_n = particles.position.to_numpy().sum(axis=0, dtype=np.float64)
-        return -float(particles.mass * (centre_times_n @ self.gravity))
+        return potential(fluid.particles.mass, fluid.totals(), self.gravity)
 
     def residual(self, energy: float, potential: float, work: dict[str, float]) -> float:
         """Energy [J] that the water has gained since the first row and no force has given."""
@@ -146,25 +146,22 @@ class Accuracy(Observer):
             self.energy_at_start = energy - given
         return energy - given - self.energy_at_start
 
-    def balances(self, simulation: "Simulation") -> list[float]:
+    def balances(self, fluid: ParticleFluid, totals: Totals) -> list[float]:
         """The numbers of COLUMNS, then impulses and works."""
-        fluid, particles = simulation.fluid, with_particles(simulation.fluid).particles
-        excess = particles.density.to_numpy().astype(np.float64) / particles.rest_density - 1.0
-        position = particles.position.to_numpy().astype(np.float64)
-        velocity = particles.velocity.to_numpy().astype(np.float64)
+        n, mass = fluid.particles.count.now, fluid.particles.mass
         impulse, work = fluid.impulse, fluid.work
-        kinetic = 0.5 * particles.mass * float((velocity**2).sum())
-        potential, internal = self.potential_energy(simulation) - self.at_start, fluid.internal_energy()
+        moving, internal = kinetic(mass, totals), fluid.internal_energy()
+        gained = potential(mass, totals, self.gravity) - self.at_start
         return [
-            np.maximum(excess, 0.0).mean(),
-            max(excess.max(), 0.0),
-            np.maximum(-excess, 0.0).mean(),
-            kinetic,
-            potential,
+            totals.compression / n,
+            totals.most_compressed,
+            totals.deficit / n,
+            moving,
+            gained,
             internal,
-            self.residual(kinetic + potential + internal, potential, work),
-            *(particles.mass * velocity.sum(axis=0)),
-            *(particles.mass * np.cross(position, velocity).sum(axis=0)),
+            self.residual(moving + gained + internal, gained, work),
+            *(mass * totals.velocity),
+            *(mass * totals.turning),
             *(component for term in self.pushing for component in impulse[term]),
             *(work[term] for term in self.working),
         ]
@@ -174,9 +171,14 @@ class Accuracy(Observer):
         values = [fluid.work[term] for term in self.working] if fluid.particles is None else []
         counts: tuple[float, ...] = ()
         if fluid.particles is not None:
-            values = self.balances(simulation) + (self.surface.values(simulation) if self.surface else [])
-            outside = beyond(fluid.particles.position.to_numpy(), simulation.basin, simulation.time)
-            counts = (int(np.count_nonzero(outside)), fluid.status.clipped)
+            water = with_particles(fluid)
+            totals = water.totals()
+            values = self.balances(water, totals) + (self.surface.values() if self.surface else [])
+            outside = 0
+            if not kept(totals, simulation.basin):
+                away = beyond(water.particles.position.to_numpy(), simulation.basin, simulation.time)
+                outside = int(np.count_nonzero(away))
+            counts = (outside, fluid.status.clipped)
             for name in self.solvers:
                 s = fluid.solvers[name]
                 counts += (s.iterations, s.last_iterations, s.last_error, s.error, s.unsolved)

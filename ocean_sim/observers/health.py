@@ -12,10 +12,10 @@ import numpy as np
 
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.whole_file import naming
-from ocean_sim.fluid import with_particles
+from ocean_sim.fluid import Totals, with_particles
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.energy import driven, mechanical, stored_by_weight
-from ocean_sim.observers.shared.escaped import beyond
+from ocean_sim.observers.shared.escaped import beyond, kept
 from ocean_sim.observers.shared.level import level_ratio
 from ocean_sim.observers.shared.momentum import Momentum
 from ocean_sim.parts import ALONE
@@ -115,7 +115,7 @@ class Health(Concluding):
 
     def observe(self, simulation: "Simulation") -> None:
         if self.judged and self.first_energy is None:
-            self.first_energy = self.energies(*self.state())
+            self.first_energy = self.energies(with_particles(simulation.fluid).totals())
         if self.momentum is None and self.n > 0 and simulation.fluid.impulse:
             self.momentum = Momentum(simulation)
         if self.levelled and isnan(self.first_level):
@@ -126,7 +126,7 @@ class Health(Concluding):
                 sentence = next(self.violations(), None)
             else:
                 due = self.judged and simulation.time >= self.energy_seen + self.energy_every
-                sentence = next(self.energy_violations(*self.state()), None) if due else None
+                sentence = next(self.energy_violations(), None) if due else None
             if sentence is not None:
                 raise Diverged(sentence)
         self.judge_hulls(simulation)
@@ -153,6 +153,27 @@ class Health(Concluding):
 
     def violations(self) -> Iterator[str]:
         """Sentences about what is out of bounds, worst kind first."""
+        fluid, basin = with_particles(self.simulation.fluid), self.simulation.basin
+        particles, totals = fluid.particles, fluid.totals()
+        within = bool((totals.lower >= self.lower).all() and (totals.upper <= self.upper).all())
+        if self.suspicious() or not (totals.finite and within and kept(totals, basin)):
+            yield from self.violations_of_particles()
+        if not totals.finite:
+            return
+        self.note_momentum(totals)
+        if self.levelled:
+            level = level_ratio(particles.position.to_numpy(), particles.spacing, basin)
+            bound = self.config.max_level_ratio * max(self.first_level, 1.0)
+            if not level <= bound:
+                high = f"its centre of mass lies {level:.3g} x as high over the bed as that of as much water at rest"
+                yield (
+                    f"the water has swollen: {high} (bound {bound:.3g}), {self.moment()}; {self.advice()}"
+                    f"{self.last_frame()}"
+                )
+        yield from self.energy_violations()
+
+    def violations_of_particles(self) -> Iterator[str]:
+        """The same of single particles, each of which is looked at."""
         fluid = with_particles(self.simulation.fluid)
         particles, status = fluid.particles, fluid.status
         position = particles.position.to_numpy().astype(np.float64)
@@ -164,7 +185,6 @@ class Health(Concluding):
             what = "position, velocity or density stopped being a number"
             yield self.sentence(f"{what} for {len(lost)} of {len(finite)} particles", position, lost[:1])
             return
-        self.note_momentum(velocity)
         if self.too_dense(status.max_density):
             ratio = status.max_density / particles.rest_density
             what = f"density reached {status.max_density:.4g} kg/m^3, {ratio:.3g} x the rest density"
@@ -185,41 +205,27 @@ class Health(Concluding):
             what = f"{np.count_nonzero(distance > self.max_distance)} particles left the basin"
             far = f"the farthest by {distance.max():.4g} m (bound {self.max_distance:.4g} m)"
             yield self.sentence(f"{what}, {far}", position, [distance.argmax()])
-        if self.levelled:
-            level = level_ratio(position, particles.spacing, self.simulation.basin)
-            bound = self.config.max_level_ratio * max(self.first_level, 1.0)
-            if not level <= bound:
-                high = f"its centre of mass lies {level:.3g} x as high over the bed as that of as much water at rest"
-                yield (
-                    f"the water has swollen: {high} (bound {bound:.3g}), {self.moment()}; {self.advice()}"
-                    f"{self.last_frame()}"
-                )
-        yield from self.energy_violations(position, velocity)
 
-    def state(self) -> tuple[np.ndarray, np.ndarray]:
-        """Positions [m] and velocities [m/s] of all particles, (n, 3) each."""
-        particles = with_particles(self.simulation.fluid).particles
-        return particles.position.to_numpy(), particles.velocity.to_numpy()
-
-    def note_momentum(self, velocity: np.ndarray) -> None:
+    def note_momentum(self, totals: Totals) -> None:
         """Once, where the water's momentum is not what all forces have given it."""
         if self.momentum is not None and not self.momentum_reported:
-            share = self.momentum.from_nowhere(self.simulation, velocity)
+            share = self.momentum.from_nowhere(self.simulation, totals)
             if not share <= MOMENTUM_REPORTED:
                 self.event("momentum from nowhere", over_all_impulses=float(f"{share:.3g}"), bound=MOMENTUM_REPORTED)
                 self.momentum_reported = True
 
-    def energies(self, position: np.ndarray, velocity: np.ndarray) -> tuple[float, float]:
+    def energies(self, totals: Totals) -> tuple[float, float]:
         """Of motion and height, and of compression [J]."""
-        return mechanical(self.simulation, position, velocity), self.simulation.fluid.internal_energy()
+        return mechanical(self.simulation, totals), self.simulation.fluid.internal_energy()
 
-    def energy_violations(self, position: np.ndarray, velocity: np.ndarray) -> Iterator[str]:
+    def energy_violations(self) -> Iterator[str]:
         """Energy that no force has given: an unstable scheme creates it long before one particle is out of bounds, and
         a stiff one has it in its first lattice, which motion and height get when it gives way."""
         if self.judged and self.first_energy is not None:
             fluid, bound = self.simulation.fluid, self.config.max_energy_gain
             scale = with_particles(fluid).particles.mass * self.n * fluid.reference_speed**2
-            moved, squeezed = (now - then for now, then in zip(self.energies(position, velocity), self.first_energy))
+            energies = self.energies(with_particles(fluid).totals())
+            moved, squeezed = (now - then for now, then in zip(energies, self.first_energy))
             gain, given = (moved + squeezed) / scale, (moved - self.stored) / scale
             self.energy_seen = self.simulation.time
             if not (gain <= GAIN_REPORTED or self.gain_reported):

@@ -222,5 +222,4 @@ class Cloth:
         return self.heights.mesh()
 
     def measures(self) -> list[float]:
-        mesh = self.mesh()
-        return [] if self.flat else [mesh.area, mesh.volume(self.bed)]
+        return [] if self.flat else self.heights.area_and_volume(self.bed)

@@ -88,7 +88,7 @@ class Books:
         count = self.water.particles.count.now
         if (np.sort(self.water.particles.id.to_numpy()[:count]) != np.arange(count)).any():
             yield "a particle is lost, or there twice"
-        share = self.momentum.from_nowhere(self.simulation, self.water.particles.velocity.to_numpy())
+        share = self.momentum.from_nowhere(self.simulation, self.water.totals())
         if share > MOMENTUM_REPORTED:
             yield f"momentum is off by {share:.2g} of all impulses"
         still = not driven(self.simulation) and not self.simulation.basin.closed

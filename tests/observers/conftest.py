@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import basin
-from ocean_sim.fluid import Fluid
+from ocean_sim.fluid import Fluid, Totals
 from ocean_sim.parts import LedgerRow
 from ocean_sim.time_step.courant import Config as Courant
 
@@ -85,6 +85,22 @@ class Sea(Fluid):
 
     def internal_energy(self):
         return 3.0 * self.time
+
+    def totals(self):
+        particles, v = self.particles, self.particles.velocity.values
+        x, excess = particles.position.values, particles.density.values / self.rest_density - 1.0
+        return Totals(
+            density=particles.density.values.sum(),
+            compression=np.maximum(excess, 0.0).sum(),
+            most_compressed=max(excess.max(), 0.0),
+            deficit=np.maximum(-excess, 0.0).sum(),
+            squared_speed=(v * v).sum(),
+            position=x.sum(axis=0),
+            velocity=v.sum(axis=0),
+            turning=np.cross(x, v).sum(axis=0),
+            lower=x.min(axis=0),
+            upper=x.max(axis=0),
+        )
 
     def limits(self):
         return Limits()

@@ -11,7 +11,7 @@ import taichi as ti
 import taichi.math as tm
 
 from ocean_sim.basin import Basin
-from ocean_sim.fluid import Contact, Displacing, Fluid, ParticleFluid
+from ocean_sim.fluid import Contact, Displacing, Fluid, ParticleFluid, Totals
 from ocean_sim.fluid.shared.accounts import BED, SEA, SUMMARY, Accounts
 from ocean_sim.fluid.shared.around import Around
 from ocean_sim.fluid.shared.band import band
@@ -23,6 +23,7 @@ from ocean_sim.fluid.shared.particles import Particles, seeded
 from ocean_sim.fluid.shared.pull import Pull
 from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.tasks import Tasks
+from ocean_sim.fluid.shared.totals import Summing
 from ocean_sim.fluid.shared.walls import Walls
 from ocean_sim.fluid.shared.water import WaterConfig
 from ocean_sim.runtime import Array2, in_kernels
@@ -76,6 +77,7 @@ class ParticleWater(ParticleFluid):
             from ocean_sim.fluid.shared.sea_rim import SeaRim
 
             self.rim = SeaRim(around)
+        self.summing = Summing(self.particles)
         self.jet = lattice.jet
         self.time = 0.0  # [s]
         self.emitted_impulse, self.emitted_work = np.zeros(3), 0.0  # [N s], [J]
@@ -243,6 +245,9 @@ class ParticleWater(ParticleFluid):
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
         return self.surface.elevations(points)
+
+    def totals(self) -> Totals:
+        return self.summing.now()
 
     def positions(self) -> np.ndarray:
         """(n, 3) where the particles are [m], in float64: with what is left of their ways, which `position` rounds."""

@@ -1,27 +1,35 @@
 """The energy of the water, and whether anything but gravity could give it some."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ocean_sim.fluid import with_particles
+from ocean_sim.fluid import Totals, with_particles
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
 
-def mechanical(simulation: "Simulation", position: np.ndarray, velocity: np.ndarray) -> float:
-    """Kinetic and potential (zero at the origin) energy [J] of particles (n, 3) [m], [m/s], summed in float64."""
-    mass, centre_times_n = with_particles(simulation.fluid).particles.mass, position.sum(axis=0, dtype=np.float64)
-    moving = 0.5 * mass * float(np.square(velocity, dtype=np.float64).sum())
-    return moving - mass * float(centre_times_n @ simulation.basin.gravity)
+def kinetic(mass: float, totals: Totals) -> float:
+    """Energy of motion [J] of particles that each have this mass [kg]."""
+    return 0.5 * mass * totals.squared_speed
+
+
+def potential(mass: float, totals: Totals, gravity: Sequence[float]) -> float:
+    """Energy [J] of the same in gravity [m/s2], zero at the origin."""
+    return -mass * float(totals.position @ gravity)
+
+
+def mechanical(simulation: "Simulation", totals: Totals) -> float:
+    """Kinetic and potential energy [J] of all particles."""
+    mass = with_particles(simulation.fluid).particles.mass
+    return kinetic(mass, totals) + potential(mass, totals, simulation.basin.gravity)
 
 
 def total(simulation: "Simulation") -> float:
-    """The same of all particles, with the energy of compression [J]."""
-    particles = with_particles(simulation.fluid).particles
-    moving = mechanical(simulation, particles.position.to_numpy(), particles.velocity.to_numpy())
-    return moving + simulation.fluid.internal_energy()
+    """The same, with the energy of compression [J]."""
+    return mechanical(simulation, with_particles(simulation.fluid).totals()) + simulation.fluid.internal_energy()
 
 
 def stored_by_weight(simulation: "Simulation") -> float:

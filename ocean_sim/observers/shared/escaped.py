@@ -3,8 +3,15 @@
 import numpy as np
 
 from ocean_sim.basin import Basin
+from ocean_sim.fluid import Totals
 
 ROUNDING = 1.0e-6  # of the basin's largest coordinate: a few roundings of a float32
+
+
+def kept(totals: Totals, basin: Basin) -> bool:
+    """Whether all particles are where `beyond` finds none: quickly known, where there are no obstacles."""
+    low, up = basin.stops()
+    return not basin.obstacles and bool((totals.lower >= low).all() and (totals.upper <= up).all())
 
 
 def beyond(position: np.ndarray, basin: Basin, time: float) -> np.ndarray:

@@ -1,18 +1,16 @@
 """How well a surface fits the particles under it: its distance from the highest of them, and what it
 measures of itself."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+import taichi as ti
 
 from ocean_sim.basin import Basin
-from ocean_sim.fluid import with_particles
-
-if TYPE_CHECKING:
-    from ocean_sim.simulation import Simulation
-    from ocean_sim.surface import Surface
+from ocean_sim.fluid import ParticleFluid
+from ocean_sim.runtime import Array, Integers, in_kernels
+from ocean_sim.surface import Surface
 
 COLUMN = 2.0  # [spacings] least width of a column in which the highest particle is looked for
+LOW = -1.0e30  # [m] under all particles
 MEANING = {
     "surface_offset": "mean height of the surface over the highest particle of every column two spacings wide, half a "
     "spacing above its centre; spray counts",
@@ -20,34 +18,60 @@ MEANING = {
 }
 
 
-def highest(position: np.ndarray, basin: Basin, spacing: float) -> np.ndarray:
-    """(m, 3) the highest particle of every column that holds any, half a spacing above its centre [m]."""
-    low, size = np.array(basin.lower), np.subtract(basin.upper, basin.lower)
-    counts = np.maximum(1, (size[[0, 2]] / (COLUMN * spacing) + 1.0e-6).astype(int))
-    share = (position - low)[:, [0, 2]] / np.where(size[[0, 2]] > 0.0, size[[0, 2]], 1.0)
-    column = np.clip((share * counts).astype(int), 0, counts - 1) @ [counts[1], 1]
-    order = np.lexsort((position[:, 1], column))
-    last = np.append(np.diff(column[order]) != 0, True)
-    return position[order[last]] + [0.0, 0.5 * spacing, 0.0]
+@in_kernels
+class Tops:
+    """The highest particle of every column that holds any, half a spacing above its centre."""
 
+    def __init__(self, surface: Surface, basin: Basin, fluid: ParticleFluid) -> None:
+        self.surface, self.particles = surface, fluid.particles
+        self.low, self.size = np.array(basin.lower)[[0, 2]], np.subtract(basin.upper, basin.lower)[[0, 2]]
+        self.counts = np.maximum(1, (self.size / (COLUMN * fluid.spacing) + 1.0e-6).astype(int)).tolist()
+        columns = self.counts[0] * self.counts[1]
+        self.half = 0.5 * fluid.spacing  # [m]
+        self.top = np.zeros(columns, dtype=fluid.particles.position.precision)  # [m]
+        self.which, self.away = np.zeros(columns, dtype=np.int32), np.zeros(columns, dtype=self.top.dtype)
 
-def fit(surface: "Surface", top: np.ndarray) -> tuple[float, float]:
-    """Mean and root mean square of the height of a surface over (m, 3) points [m]."""
-    away = surface.elevations(top[:, [0, 2]]) - top[:, 1]
-    return float(away.mean()), float(np.sqrt(np.square(away).mean()))
+    def heights(self) -> np.ndarray:
+        """(m,) of the surface over them [m]."""
+        self.compare(self.top, self.which, self.away)
+        over = self.which >= 0
+        return self.away[over].astype(float) - (self.top[over].astype(float) + self.half)
+
+    @ti.kernel
+    def compare(self, top: Array, which: Integers, away: Array):
+        for c in range(top.shape[0]):
+            top[c], which[c] = LOW, -1
+        for i in range(self.particles.count.there()):
+            ti.atomic_max(top[self.column(i)], self.particles.position.y[i])
+        for i in range(self.particles.count.there()):
+            c = self.column(i)
+            if self.particles.position.y[i] == top[c]:
+                ti.atomic_max(which[c], i)
+        for c in range(top.shape[0]):
+            if which[c] >= 0:
+                p = self.particles.position
+                away[c] = self.surface.elevation(p.x[which[c]], p.z[which[c]])
+
+    @ti.func
+    def column(self, i):
+        """In which a particle is, those beyond the basin in the nearest."""
+        p, found = self.particles.position, 0
+        for k, x in ti.static(enumerate((p.x, p.z))):
+            size, count = ti.static(float(self.size[k]) or 1.0, self.counts[k])
+            at = int((ti.cast(x[i], ti.f64) - self.low[k]) / size * count)
+            found = found * count + ti.max(0, ti.min(at, count - 1))
+        return found
 
 
 class SurfaceFit:
     """Numbers of a row of accuracy.csv: the fit, and what the surface measures of itself."""
 
-    def __init__(self, surface: "Surface") -> None:
+    def __init__(self, surface: Surface, basin: Basin, fluid: ParticleFluid) -> None:
+        self.surface, self.tops = surface, Tops(surface, basin, fluid)
         self.meaning = MEANING | {name.rsplit("_m", 1)[0]: meaning for name, meaning in surface.measured.items()}
         self.columns = ["surface_offset_m", "surface_fit_m", *surface.measured]
 
-    def values(self, simulation: "Simulation") -> list[float]:
+    def values(self) -> list[float]:
         """In the order of the columns."""
-        surface = simulation.surface
-        assert surface is not None
-        position = with_particles(simulation.fluid).particles.position.to_numpy().astype(float)
-        top = highest(position, simulation.basin, simulation.fluid.spacing)
-        return [*fit(surface, top), *surface.measures()]
+        away = self.tops.heights()
+        return [float(away.mean()), float(np.sqrt(np.square(away).mean())), *self.surface.measures()]

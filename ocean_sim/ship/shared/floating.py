@@ -18,6 +18,7 @@ from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, named
 from ocean_sim.ship import Afloat, Look, Outline
 from ocean_sim.ship.shared.cubes import Cubes, Wetted
+from ocean_sim.ship.shared.damping import Resistance
 from ocean_sim.ship.shared.distance import MANY, Distance, memory
 from ocean_sim.ship.shared.drawn import drawn
 from ocean_sim.ship.shared.hull import Hull, Inertia, explained, hull_of
@@ -85,6 +86,10 @@ class FloatingConfig(VesselConfig):
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
         """(6,) added mass [kg] and inertia [kg m2] that her law of motion has, in the order of `Motions`."""
         return np.zeros(6)
+
+    def resistance(self, still: Hydrostatics) -> Resistance | None:
+        """What slows the hull down; None where nothing but particles does."""
+        return None
 
     def floats(self, preflight: Preflight) -> Afloat:
         still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
@@ -201,6 +206,9 @@ class FloatingConfig(VesselConfig):
             found.append(f"the hull has {cells:.2g} cubes over its draught, as it draws little of its height")
         if hull.metacentric_height() <= 0.0:
             found.append(f"the ship is unstable upright: GM = {hull.metacentric_height():.3g} m; it will heel")
+        resistance = self.resistance(hull)
+        if resistance is not None:
+            found += resistance.warnings
         spacing = preflight.spacing
         if spacing and hull.draught < FEW * spacing:
             message = f"the draught of {hull.draught:.3g} m is {hull.draught / spacing:.2g} spacings; below {FEW:g}"

@@ -5,6 +5,7 @@ In a sea in closed form every cube feels the pressure at its own depth, so short
 waves.
 """
 
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -46,8 +47,24 @@ class SeakeepingConfig(FloatingConfig):
             Radiation(file)
         return file
 
+    @cached_property
+    def table(self) -> Radiation | None:
+        """What the file of `radiation` gives."""
+        return None if self.radiation is None else Radiation(self.radiation)
+
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
         return self.added_mass.diagonal(still)
+
+    def moved_at_once(self, still: Hydrostatics) -> np.ndarray:
+        """(6,) added mass [kg] and inertia [kg m2] without the memory of waves, in the order of `Motions`."""
+        added = self.moved_along(still)
+        if self.table is not None:
+            added[self.table.numbers] = self.table.response.added
+        return added
+
+    def resistance(self, still: Hydrostatics) -> Resistance:
+        radiated = [] if self.table is None else [Motions._fields[k] for k in self.table.numbers]
+        return Resistance(self.damping, still, self.moved_at_once(still), radiated)
 
     def problems(self, preflight: Preflight) -> Problems:
         found = super().problems(preflight)
@@ -68,20 +85,17 @@ class SeakeepingShip(FloatingShip):
 
     def __init__(self, name: str, config: SeakeepingConfig, basin: Basin, fluid: Fluid) -> None:
         super().__init__(name, config, basin, fluid)
-        self.added, radiated = config.added_mass.diagonal(self.hull.still), list[str]()
+        self.added = config.moved_at_once(self.hull.still)
         self.memory: Memory | None = None
         self.scattering: Scattering | None = None  # where a table has it
         self.sea: ClosedForm | None = None  # whose waves the hull scatters
         self.through = np.ones(6)  # of each motion: 1 where it is one through the water, 0 where one of its own
         self.made = np.zeros(6)  # (6,) the motion that makes waves
-        if config.radiation is not None:
-            radiation = Radiation(config.radiation)
-            self.memory, self.added[radiation.numbers] = Memory(radiation), radiation.response.added
-            radiated = [Motions._fields[k] for k in radiation.numbers]
-            self.scattering = radiation.scattering
+        if config.table is not None:
+            self.memory, self.scattering = Memory(config.table), config.table.scattering
         if self.scattering is not None:
             self.sea, self.through[self.scattering.numbers] = fluid.in_closed_form, 0.0
-        self.resistance = Resistance(config.damping, self.hull.still, self.added, radiated)
+        self.resistance = config.resistance(self.hull.still)
         if self.contact is None:
             self.slamming = Slamming(self.hull.still, float(self.added[1]))
         self.longest = self.hull.limits(Motions(*self.added)._asdict())

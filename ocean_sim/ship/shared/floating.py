@@ -39,6 +39,7 @@ STEPS_A_PERIOD = 50  # of the fastest natural motion
 FORCE_NUMBER = 0.25  # the share of a limit that `courant` takes
 BODY, CUBE = 3.0e-4, 3.0e-8  # [s] of processor time a step
 FEW = 4.0  # spacings in a draught
+SHALLOW = 4.0  # draughts of water from which on the bed is hardly felt
 
 
 class FloatingConfig(VesselConfig):
@@ -206,6 +207,9 @@ class FloatingConfig(VesselConfig):
             found.append(f"the hull has {cells:.2g} cubes over its draught, as it draws little of its height")
         if hull.metacentric_height() <= 0.0:
             found.append(f"the ship is unstable upright: GM = {hull.metacentric_height():.3g} m; it will heel")
+        if not preflight.fluid.made_of_particles and preflight.tank.depth < SHALLOW * hull.draught:
+            message = f"the water is {preflight.tank.depth / hull.draught:.3g} draughts deep"
+            found.append(f"{message}: squat, and the bed's part in added mass and damping, are not modelled")
         resistance = self.resistance(hull)
         if resistance is not None:
             found += resistance.warnings

@@ -245,6 +245,9 @@ def hull(
     density: Annotated[float | None, typer.Option(min=1.0, help="Of the water [kg/m3]; by default 1000.")] = None,
     ship: Annotated[str | None, typer.Option(help="Of several ships in a scene, this one.")] = None,
     cross: Annotated[bool, typer.Option("--cross", help="Also cross curves of stability.")] = False,
+    bilge_keels: Annotated[
+        str | None, typer.Option(help="LENGTH,BREADTH of each bilge keel [m], for the damping of roll.")
+    ] = None,
     cells: Annotated[float, typer.Option(min=1.0, max=64.0, help="Cubes over the draught.")] = 16.0,
     out: Annotated[
         Path | None, typer.Option(help="The picture; by default runs/hull/<name>.png, with --json none.")
@@ -259,7 +262,12 @@ def hull(
     if at is not None and len(at) != 3:
         raise console.Refused(f"--cg: {cg!r} is not like 0,1.2,-0.3")
     centre = None if at is None else (at[0], at[1], at[2])
-    return hull(name, Asked(mass, draught, kg, centre, density, cells, cross), loading, ship, out, json)
+    keels = numbers("--bilge-keels", bilge_keels)
+    if keels is not None and (len(keels) != 2 or min(keels) <= 0.0):
+        raise console.Refused(f"--bilge-keels: {bilge_keels!r} is not like 12,0.3")
+    plates = None if keels is None else (keels[0], keels[1])
+    asked = Asked(mass, draught, kg, centre, density, cells, cross, plates)
+    return hull(name, asked, loading, ship, out, json)
 
 
 @app.command("bench-one", hidden=True)

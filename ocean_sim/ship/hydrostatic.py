@@ -17,6 +17,7 @@ from ocean_sim.ship.shared.added_mass import by_rule
 from ocean_sim.ship.shared.damping import Damping, Resistance
 from ocean_sim.ship.shared.floating import FloatingConfig
 from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
+from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.slamming import Slamming
 
 
@@ -27,6 +28,10 @@ class Config(FloatingConfig):
     fineness: ClassVar[int] = 1
     kind: Literal["hydrostatic"] = "hydrostatic"
     damping: Damping = Damping(heave=0.05, pitch=0.05, roll=0.05)
+
+    def resistance(self, still: Hydrostatics) -> Resistance:
+        sway, _, surge = by_rule(still)[:3]
+        return Resistance(self.damping, still, np.zeros(6), munk=sway - surge)
 
     def build(self, name: str, basin: Basin, fluid: Fluid) -> Ship:
         return Hydrostatic(name, self, basin, fluid)
@@ -39,10 +44,9 @@ class Hydrostatic(FloatingShip):
 
     def __init__(self, name: str, config: Config, basin: Basin, fluid: Fluid) -> None:
         super().__init__(name, config, basin, fluid)
-        sway, heave, surge = by_rule(self.hull.still)[:3]
-        self.resistance = Resistance(config.damping, self.hull.still, np.zeros(6), munk=sway - surge)
+        self.resistance = config.resistance(self.hull.still)
         if self.contact is None:
-            self.slamming = Slamming(self.hull.still, heave)
+            self.slamming = Slamming(self.hull.still, float(by_rule(self.hull.still)[1]))
 
     def damping(self, now: Immersion) -> np.ndarray:
         return now.share * self.resistance.load(now.motion) @ now.body.matrix.T

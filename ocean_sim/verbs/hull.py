@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from ocean_sim.ship.shared.stability import Loading, Stability
 
 HALF = 0.5  # of the water's density: what a hull without a mass is taken to weigh
+SWINGS = (5.0, 10.0, 20.0)  # [deg] amplitudes of roll
 EMPTY = dict.fromkeys(("volume_m3", "displacement_kg", "draught_m", "kb_m", "bm_m", "gm_m"))
 
 
@@ -26,6 +27,7 @@ class Asked(NamedTuple):
     density: float | None = None  # of the water [kg/m3]
     cells: float = 16.0  # cubes over the draught
     cross: bool = False  # cross curves, too
+    bilge_keels: tuple[float, float] | None = None  # length and breadth of each [m]
 
 
 def hull(name: str, asked: Asked, loading: Path | None, ship: str | None, out: Path | None, as_json: bool) -> int:
@@ -35,8 +37,9 @@ def hull(name: str, asked: Asked, loading: Path | None, ship: str | None, out: P
 
     condition = None if loading is None else condition_of(loading)
     try:
-        shape, density = found_hull(name, ship)
-        found, notes = report(shape, asked._replace(density=asked.density or density), condition)
+        shape, density, keels = found_hull(name, ship)
+        asked = asked._replace(density=asked.density or density, bilge_keels=asked.bilge_keels or keels)
+        found, notes = report(shape, asked, condition)
     except ValueError as error:
         if isinstance(error, console.Refused):
             raise
@@ -55,15 +58,15 @@ def hull(name: str, asked: Asked, loading: Path | None, ship: str | None, out: P
     return 0
 
 
-def found_hull(name: str, ship: str | None) -> "tuple[Hull, float]":
-    """The hull of a name in configs/hull/ or configs/ship/, of a mesh file, or of a ship in a scene, and the density of
-    its water [kg/m3]; raises ValueError, SceneError or Refused."""
+def found_hull(name: str, ship: str | None) -> "tuple[Hull, float, tuple[float, float] | None]":
+    """The hull of a name in configs/hull/ or configs/ship/, of a mesh file, or of a ship in a scene, the density of
+    its water [kg/m3], and length and breadth of its bilge keels [m]; raises ValueError, SceneError or Refused."""
     from ocean_sim.parts import library, named
     from ocean_sim.ship.shared.hull import MESHES, hull_of
 
     scene = Path(name).suffix in (".yaml", ".yml") or (library("scenes") / f"{name}.yaml").is_file()
     if name in named("hull") or Path(name).suffix.lower() in MESHES:
-        return hull_of(name), WATER_DENSITY
+        return hull_of(name), WATER_DENSITY, None
     if not scene and name not in named("ship"):
         hulls, ships = ", ".join(named("hull")), ", ".join(named("ship"))
         raise console.Refused(
@@ -86,7 +89,9 @@ def found_hull(name: str, ship: str | None) -> "tuple[Hull, float]":
     if ship is not None and ship not in floating:
         raise console.Refused(f"--ship: there is no {ship!r} with a hull; there are {', '.join(floating)}")
     chosen = floating[ship] if ship is not None else next(iter(floating.values()))
-    return chosen.whole_hull, config.fluid.rest_density
+    resistance = chosen.resistance(chosen.afloat(GRAVITY, config.fluid.rest_density))
+    keels = None if resistance is None or resistance.rolling is None else resistance.rolling.keels
+    return chosen.whole_hull, config.fluid.rest_density, None if keels is None else (keels.length, keels.breadth)
 
 
 def condition_of(path: Path) -> "Loading":
@@ -182,7 +187,28 @@ def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> t
     stability = Stability(afloat, lost, None if condition is None else condition.openings)
     if stability.gm <= 0.0:
         problems.append(f"unstable upright: GM = {stability.gm:.3g} m")
-    return facts | stated(afloat, stability, asked.cross) | {"notes": notes, "problems": problems}, notes
+    damped, beyond = rolling(afloat, asked)
+    notes += beyond
+    found = stated(afloat, stability, asked.cross) | {"roll_damping": damped}
+    return facts | found | {"notes": notes, "problems": problems}, notes
+
+
+def rolling(afloat: "Hydrostatics", asked: Asked) -> tuple[list[dict[str, float]], list[str]]:
+    """Roll damping by components (Ikeda) at some amplitudes, as shares of critical, and where the hull is beyond their
+    regressions."""
+    from ocean_sim.ship.shared.added_mass import by_rule
+    from ocean_sim.ship.shared.roll_damping import BilgeKeels, Ikeda, RollDamping
+
+    keels = None if asked.bilge_keels is None else BilgeKeels(length=asked.bilge_keels[0], breadth=asked.bilge_keels[1])
+    found = RollDamping(Ikeda(bilge_keels=keels), afloat, float(by_rule(afloat)[5]), True)
+    if not found.parts:
+        return [], []
+    scale = found.scale / found.critical
+    rows = [
+        {"amplitude_deg": a, **{part: scale * b for part, b in found.parts[a]._asdict().items()}, "sum": found.share(a)}
+        for a in SWINGS
+    ]
+    return rows, found.warnings
 
 
 def stated(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[str, Any]:
@@ -257,6 +283,14 @@ def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | Non
             for row in found["criteria"]
         ]
         console.table("\nIMO A.749(18), 3.1.2", ["", "", "at least", "met"], asked)
+    if found.get("roll_damping"):
+        first = found["roll_damping"][0]
+        heads = ["amplitude [deg]", *(part.replace("_", " ") for part in list(first)[1:])]
+        rows = [
+            [f"{angle:g}", *(f"{100.0 * share:.3f}" for share in shares)]
+            for angle, *shares in (row.values() for row in found["roll_damping"])
+        ]
+        console.table("\nroll damping at rest, % of critical (Kawahara, Maekawa & Ikeda 2012)", heads, rows)
     if found.get("cross"):
         heads = ["kg", *(f"{row['heel_deg']:g} deg" for row in found["cross"][0]["kn"])]
         rows = [[f"{c['displacement_kg']:.5g}", *(f"{row['kn_m']:.4f}" for row in c["kn"])] for c in found["cross"]]

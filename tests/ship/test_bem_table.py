@@ -10,7 +10,8 @@ from ocean_sim.files.csv_file import columns
 from ocean_sim.files.input_file import Unreadable
 from ocean_sim.fluid import Arriving
 from ocean_sim.ship.shared.bem_table import ACROSS, Scattering, bem_table
-from ocean_sim.ship.shared.radiation import Radiation
+from ocean_sim.ship.shared.hull import hull_of
+from ocean_sim.ship.shared.radiation import Memory, Radiation
 from ocean_sim.validation.shared.ship import at_sea, floating
 from ocean_sim.validation.shared.tables import table_path
 
@@ -25,9 +26,9 @@ def test_a_file_of_capytaine_gives_what_the_table_of_a_finer_mesh_does():
         k = found.motions.index(name)
         both = (found.omega >= finer["omega_rad_s"][0]) & (found.omega <= finer["omega_rad_s"][-1])
         added = np.interp(found.omega[both], finer["omega_rad_s"], finer[f"{name}_added_{unit}"])
-        np.testing.assert_allclose(found.added[k, both], added, rtol=0.05)
+        np.testing.assert_allclose(found.added[k, k, both], added, rtol=0.05)
         damping = np.interp(found.omega[both], finer["omega_rad_s"], finer[f"{name}_damping_{unit}_s"])
-        np.testing.assert_allclose(found.damping[k, both], damping, atol=0.05 * damping.max())
+        np.testing.assert_allclose(found.damping[k, k, both], damping, atol=0.05 * damping.max())
     assert Radiation(str(BARGE)).numbers == list(range(6))
 
 
@@ -74,6 +75,107 @@ def test_capytaine_itself_writes_what_is_read(tmp_path):
     table = bem_table(str(tmp_path / "a.nc"))
     assert table.omega.tolist() == [0.8, 1.2] and table.scattered is not None
     exact = float(found.added_mass.sel(omega=0.8, radiating_dof="Heave", influenced_dof="Heave"))
-    assert table.added[1, 0] == pytest.approx(exact)
+    assert table.added[1, 1, 0] == pytest.approx(exact)
+    two = [
+        found.added_mass.sel(omega=0.8, radiating_dof=a, influenced_dof=b)
+        for a, b in (("Sway", "Roll"), ("Roll", "Sway"))
+    ]
+    assert table.added[0, 5, 0] == table.added[5, 0, 0] == pytest.approx(0.5 * (float(two[0]) + float(two[1])))
+    assert table.depth == np.inf and table.axis == pytest.approx(0.5)
     push = complex(found.diffraction_force.sel(omega=1.2, wave_direction=np.pi, influenced_dof="Pitch"))
     assert table.scattered.force[3, 1, 1] == pytest.approx(push)
+
+
+def test_what_one_motion_does_to_another_comes_back_out_of_the_memory():
+    """Of sway and roll, and of surge and pitch, as of each alone; the hull is alike on both sides and at both ends."""
+    found = Radiation(str(BARGE))
+    t, kernels, omega = found.response.times, found.response.kernels, found.omega
+    for i, j in ((0, 5), (2, 3)):
+        cosines = np.trapezoid(kernels[i, j] * np.cos(omega[:, None] * t), t, axis=1)
+        sines = np.trapezoid(kernels[i, j] * np.sin(omega[:, None] * t), t, axis=1)
+        given = found.damping[i, j]
+        np.testing.assert_allclose(cosines, given, atol=0.05 * np.abs(given).max())
+        added = found.mass[i, j]
+        np.testing.assert_allclose(found.response.added[i, j] - sines / omega, added, atol=0.05 * np.abs(added).max())
+    alone = {(i, j) for i, j in Memory(found).pairs if i != j}
+    assert alone == {(0, 5), (5, 0), (2, 3), (3, 2)}
+
+
+def test_a_table_in_words_gives_what_two_motions_do_to_each_other(tmp_path):
+    rows = np.linspace(0.2, 4.0, 12)
+    damping = np.exp(-((rows - 1.0) ** 2) * 4.0)
+    names = ("sway_{}_kg{}", "roll_{}_kg_m2{}", "sway_roll_{}_kg_m{}")
+    heads = [name.format(*what) for name in names for what in (("added", ""), ("damping", "_s"))]
+    table = np.stack([rows, *(f * x for f in (2.0, 3.0, -1.0) for x in (np.ones(12), damping))], axis=1)
+    path = tmp_path / "two.csv"
+    np.savetxt(path, table, delimiter=",", header=",".join(["omega_rad_s", *heads]), comments="")
+    found = bem_table(str(path))
+    np.testing.assert_array_equal(found.damping[:, :, 3], damping[3] * np.array([[2.0, -1.0], [-1.0, 3.0]]))
+    path.write_text(path.read_text().replace("sway_roll_damping_kg_m_s", "x"))
+    with pytest.raises(ValueError, match="has no column sway_roll_damping_kg_m_s"):
+        bem_table(str(path))
+
+
+def in_the_frequency_domain(omega: float, extra: float) -> np.ndarray:
+    """(3,) complex sway and heave over the amplitude, roll [rad/m], of the barge in a beam sea, by the file."""
+    import h5py
+
+    with h5py.File(BARGE) as data:
+        names = [word.decode().lower() for word in data["influenced_dof"][:]]
+        k, heading = (
+            np.argmin(np.abs(data["omega"][:] - omega)),
+            np.argmin(np.abs(data["wave_direction"][:] - np.pi / 2)),
+        )
+        at = [names.index(name) for name in ("sway", "heave", "roll")]
+        mass, loss = (data[name][k][np.ix_(at, at)] for name in ("added_mass", "radiation_damping"))
+        push = data["excitation_force"][:, k, heading][:, at]
+    still = hull_of("barge20").afloat(8.0, 1000.0, 9.81)
+    own = np.diag([still.matter.mass, still.inertia["heave"], still.inertia["roll"]])
+    stiff = np.diag([0.0, still.stiffness["heave"], still.stiffness["roll"]])
+    left = -(omega**2) * (own + mass) - 1j * omega * (loss + np.diag([0.0, 0.0, extra])) + stiff
+    return np.linalg.solve(left, push[0] + 1j * push[1])
+
+
+def in_the_time_domain(omega: float, together: bool) -> tuple[np.ndarray, float]:
+    """The same from a run, and the damping of roll that it has besides waves."""
+    ship = {"kind": "dynamic", "hull": "barge20", "radiation": str(BARGE), "free": ["sway", "heave", "roll"]}
+    ship["damping"] = {"roll": 0.05, "cross_flow": 0.0}
+    scene = at_sea(ship, 20.0, 0.05, height=0.04, period=2.0 * np.pi / omega, heading_deg=90.0)
+    with Simulation(load(scene)) as simulation:
+        body = floating(simulation)
+        if not together:
+            body.between, body.memory.pairs = None, [[k, k] for k in range(6)]
+        rows = []
+        while simulation.time < 14.0 * 2.0 * np.pi / omega - 1e-9:
+            height = simulation.fluid.elevations(np.zeros((1, 2)))[0]
+            simulation.step()
+            rows.append((height, *body.body.position[:2], body.body.angles[2]))
+    period = round(2.0 * np.pi / omega / 0.05)
+    rows = np.array(rows[-4 * period :])
+    t = np.arange(len(rows)) * 0.05
+    base = np.stack([np.cos(omega * t), np.sin(omega * t), np.ones_like(t), t], axis=1)
+    fits = np.linalg.lstsq(base, rows, rcond=None)[0]
+    height, *motions = fits[0] + 1j * fits[1]
+    return np.array(motions) / height, float(body.resistance.linear[5])
+
+
+@pytest.mark.slow
+def test_a_barge_in_a_beam_sea_moves_as_the_coupled_table_says():
+    """Sway, heave and roll by the file's six by six; without what sway and roll do to each other roll is another."""
+    found, extra = in_the_time_domain(1.0, True)
+    exact = in_the_frequency_domain(1.0, extra)
+    np.testing.assert_allclose(np.abs(found), np.abs(exact), rtol=0.03)
+    alone, _ = in_the_time_domain(1.0, False)
+    assert abs(alone[2]) < 0.75 * abs(exact[2])
+
+
+def test_check_says_where_a_table_is_of_another_case():
+    ship = {"kind": "dynamic", "hull": "barge20", "radiation": str(BARGE), "velocity": [0.0, 0.0, 2.0]}
+    scene = at_sea(ship, 20.0, 0.05, height=0.2, period=6.0)
+    assert ["without forward speed" in said for said in load(scene).warnings()] == [True]
+    scene["basin"]["depth"] = 5.0
+    still = dict(ship, velocity=[0.0, 0.0, 0.0], centre_of_mass=[0.0, 3.0, 0.0])
+    shallow, deep, axis = sorted(load(scene | {"ship": still}).warnings(), reverse=True)
+    assert shallow.startswith("the water is 2.5 draughts deep: squat")
+    assert "the table turns about a point 0.5 m over the still water, the centre of mass lies at 1 m" in deep
+    assert "the table is of deep water, here it is 5 m" in axis and "shorter here" in axis

@@ -81,25 +81,43 @@ def slenderness(ratio: float) -> float:
 
 
 def reaction(
-    body: RigidBody, added: np.ndarray, force: np.ndarray, torque: np.ndarray, drift: np.ndarray, surge: np.ndarray
+    body: RigidBody,
+    added: np.ndarray,
+    between: np.ndarray | None,
+    force: np.ndarray,
+    torque: np.ndarray,
+    drift: np.ndarray,
+    surge: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """What the water that is moved does back, (2, 3) each in world axes: to a hull that moves, and by moving itself.
 
-    Kirchhoff's equations with a diagonal added mass (6,) in body axes, the rest of the load [N], [N m] in world axes,
-    and the water's own velocity and acceleration (6,) in body axes. They are solved together with the hull, so a light
-    body is no harder than a heavy one.
+    Kirchhoff's equations with the added mass (6,) of each motion in body axes, and what there is `between` them, (6, 6)
+    symmetric with a diagonal of 0; the rest of the load [N], [N m] in world axes, and the water's own velocity and
+    acceleration (6,) in body axes. They are solved together with the hull, so a light body is no harder than a heavy
+    one.
     """
     r = body.matrix
     line, turn = added[:3], added[3:]
     v, omega = r.T @ body.velocity, body.rates
     v_r, omega_r = v - drift[:3], omega - drift[3:]
     spin = body.inertia_body @ omega
-    momentum = line * v_r
-    along = cross(omega, momentum)
-    around = cross(omega, turn * omega_r) + cross(v_r, momentum)
+    momentum, turning = line * v_r, turn * omega_r
     carried = (added * surge).reshape(2, 3)
-    rate = (r.T @ force + carried[0] - along - body.mass * cross(omega, v)) / (body.mass + line)
+    if between is not None:
+        more = (between @ np.concatenate([v_r, omega_r])).reshape(2, 3)
+        momentum, turning = momentum + more[0], turning + more[1]
+        carried = carried + (between @ surge).reshape(2, 3)
+    along = cross(omega, momentum)
+    around = cross(omega, turning) + cross(v_r, momentum)
+    push = r.T @ force + carried[0] - along - body.mass * cross(omega, v)
+    twisting = r.T @ torque + carried[1] - around - cross(omega, spin)
     whole = body.inertia_body + np.diag(turn)
-    twist = solved(whole, r.T @ torque + carried[1] - around - cross(omega, spin))
-    moved = -np.array([line * rate + along, turn * twist + around])
+    if between is None:
+        rate, twist = push / (body.mass + line), solved(whole, twisting)
+        moved = -np.array([line * rate + along, turn * twist + around])
+    else:
+        inertia = between + np.diag(np.append(body.mass + line, np.zeros(3)))
+        inertia[3:, 3:] += whole
+        rates = np.linalg.solve(inertia, np.concatenate([push, twisting]))
+        moved = -(np.array([along, around]) + (added * rates + between @ rates).reshape(2, 3))
     return moved @ r.T, carried @ r.T

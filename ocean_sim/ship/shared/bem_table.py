@@ -2,12 +2,14 @@
 
 Read from a CSV file, or from the NetCDF file that Capytaine writes, without Capytaine: NetCDF 4 is HDF5. Its axes (x to
 the bow, y to port, z up) are ours in another order, and its rotations have to be about the centre of mass. It gives six
-by six; what one motion does to another is left out here. Tables are of a hull without forward speed; under way they are
-used at the frequency at which she meets the waves, as if they were at rest around her, which is what strip theory does
-without its terms of speed (Salvesen, Tuck & Faltinsen 1970, Trans. SNAME 78).
+by six; what one motion does to another is the mean of the two entries that reciprocity makes equal. Tables are of a
+hull without forward speed; under way they are used at the frequency at which she meets the waves, as if they were at
+rest around her, which is what strip theory does without its terms of speed (Salvesen, Tuck & Faltinsen 1970, Trans.
+SNAME 78).
 """
 
 from collections.abc import Iterator
+from itertools import combinations_with_replacement
 from math import degrees
 from pathlib import Path
 from typing import NamedTuple
@@ -21,6 +23,7 @@ from ocean_sim.fluid import Arriving
 
 FREQUENCY = "omega_rad_s"
 ADDED = dict(zip(Motions._fields, ("kg", "kg", "kg", "kg_m2", "kg_m2", "kg_m2"), strict=True))
+COUPLED = {("kg", "kg"): "kg", ("kg", "kg_m2"): "kg_m", ("kg_m2", "kg_m2"): "kg_m2"}  # of two motions in their order
 ACROSS = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # what waves from the other side do to each motion of a ship
 HEADED = 0.02  # [rad] of a turn, after which forces are looked up anew
 
@@ -33,18 +36,22 @@ class Scattered(NamedTuple):
 
 
 class BemTable(NamedTuple):
-    """Of some motions."""
+    """Of some motions; what one does to another is symmetric, 0 where a table does not say."""
 
     omega: np.ndarray  # (n,) [rad/s]
     motions: list[str]
-    added: np.ndarray  # (m, n) [kg], [kg m2]
-    damping: np.ndarray  # (m, n) [kg/s], [kg m2/s]
+    added: np.ndarray  # (m, m, n) [kg], [kg m], [kg m2]
+    damping: np.ndarray  # (m, m, n) [kg/s], [kg m/s], [kg m2/s]
     scattered: Scattered | None
+    depth: float | None = None  # of the water [m]; infinite where it is deep, None where the table does not say
+    axis: float | None = None  # height over the still water about which it turns [m]; None where it does not say
 
 
-def columns_of(motion: str) -> tuple[str, str]:
-    """What the columns of a motion are called."""
-    return f"{motion}_added_{ADDED[motion]}", f"{motion}_damping_{ADDED[motion]}_s"
+def columns_of(motion: str, other: str) -> tuple[str, str]:
+    """What the columns of a motion, or of what two motions do to each other, are called."""
+    whole = motion if motion == other else f"{motion}_{other}"
+    unit = ADDED[motion] if motion == other else COUPLED[(ADDED[motion], ADDED[other])]
+    return f"{whole}_added_{unit}", f"{whole}_damping_{unit}_s"
 
 
 def bem_table(file: str) -> BemTable:
@@ -54,9 +61,11 @@ def bem_table(file: str) -> BemTable:
 
 def of_csv(file: str) -> BemTable:
     table = csv_file.numbers(file)
-    names = [motion for motion in Motions._fields if columns_of(motion)[0] in table]
+    names = [motion for motion in Motions._fields if columns_of(motion, motion)[0] in table]
+    pairs = list(combinations_with_replacement(names, 2))
+    given = [(a, b) for a, b in pairs if a == b or any(column in table for column in columns_of(a, b))]
     scattering = dict(scattering_columns(table))
-    wanted = [FREQUENCY, *(column for name in names for column in columns_of(name))]
+    wanted = [FREQUENCY, *(column for a, b in given for column in columns_of(a, b))]
     missing = [name for name in wanted if name not in table]
     if not names:
         raise ValueError(f"{shown(file)} has no column of added mass, such as heave_added_kg or pitch_added_kg_m2")
@@ -64,7 +73,11 @@ def of_csv(file: str) -> BemTable:
         raise ValueError(f"{shown(file)} has no column {', '.join(missing)}")
     if not np.isfinite([table[name] for name in [*wanted, *scattering]]).all():
         raise ValueError(f"{shown(file)} holds what is not a number")
-    added, damping = (np.array([table[columns_of(name)[k]] for name in names]) for k in range(2))
+    added, damping = np.zeros((2, len(names), len(names), len(table[FREQUENCY])))
+    for a, b in given:
+        i, j = names.index(a), names.index(b)
+        for whole, column in zip((added, damping), columns_of(a, b)):
+            whole[i, j] = whole[j, i] = table[column]
     found = None
     if scattering:
         headings = np.unique([heading for _, heading, _ in scattering.values()])
@@ -94,10 +107,10 @@ def of_capytaine(file: str) -> BemTable:
             push = [motion.decode().lower() for motion in data["radiating_dof"][:]]
             omega, order = np.unique(data["omega"][:], return_index=True)
             names = [motion for motion in Motions._fields if motion in words and motion in push]
-            pairs = [(words.index(motion), push.index(motion)) for motion in names]
+            rows, columns = [words.index(motion) for motion in names], [push.index(motion) for motion in names]
             axes = ("omega", "influenced_dof", "radiating_dof")
             mass, loss = (laid(data[name], axes)[order] for name in ("added_mass", "radiation_damping"))
-            added, damping = (np.array([whole[:, i, j] for i, j in pairs]) for whole in (mass, loss))
+            added, damping = (symmetric(np.moveaxis(whole[:, rows][:, :, columns], 0, 2)) for whole in (mass, loss))
             found = None
             if "diffraction_force" in data:
                 parts = laid(data["diffraction_force"], ("complex", "influenced_dof", "wave_direction", "omega"))
@@ -109,12 +122,19 @@ def of_capytaine(file: str) -> BemTable:
                     force[Motions._fields.index(motion)] = own[inwards][:, order]
                 found = Scattered(headings[inwards], force)
             speed = float(data["forward_speed"][()]) if "forward_speed" in data else 0.0
+            depth = float(data["water_depth"][()]) if "water_depth" in data else None
+            axis = float(data["rotation_center"][2]) if "rotation_center" in data else None
     except (OSError, KeyError, ValueError, AttributeError, IndexError) as error:
         what = str(error).splitlines()[0]
         raise Unreadable(file, f"this is no NetCDF file of added mass and damping by Capytaine ({what})") from None
     if speed != 0.0:
         raise Unreadable(file, f"it is of a hull under way at {speed:g} m/s; tables of one without speed are read")
-    return BemTable(omega, names, added, damping, found)
+    return BemTable(omega, names, added, damping, found, depth, axis)
+
+
+def symmetric(matrix: np.ndarray) -> np.ndarray:
+    """(m, m, n) with the mean of each pair of entries that are mirrored."""
+    return 0.5 * (matrix + matrix.transpose(1, 0, 2))
 
 
 def laid(data: "object", axes: tuple[str, ...]) -> np.ndarray:

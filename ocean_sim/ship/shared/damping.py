@@ -1,5 +1,8 @@
 """What slows a hull down: linear in heave, pitch and roll, quadratic in surge and across, and lift at the stern.
 
+Roll damping by components (`ikeda`) has the sections' drag and the hull's lift in it: then a rate of roll adds nothing
+to what crosses the hull.
+
 A hull that drifts under way is turned further by the water's pressure (Munk 1924, NACA report 184: the difference of
 the added masses times both speeds), and held back by the lift of its after body, that of a slender body that ends in a
 stern (Newman 1977, Marine Hydrodynamics, 7.9). With one alone it would turn on the spot, or hardly at all. The added
@@ -15,6 +18,7 @@ import numpy as np
 from ocean_sim.conventions import Motions
 from ocean_sim.model import Model, quantity
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
+from ocean_sim.ship.shared.roll_damping import Ikeda, RollDamping
 
 BY_RULE = {"heave": 0.12, "pitch": 0.06, "roll": 0.05}  # of critical: ours, of a bare hull of common form
 
@@ -27,7 +31,8 @@ class Damping(Model):
     pitch: float | None = quantity("1", None, ge=0.0)
     """Of critical; null: 0.06, and 0 where `radiation` has pitch."""
     roll: float | None = quantity("1", None, ge=0.0)
-    """Of critical: mostly eddies; null: 0.05, a bare guess for any hull, and 0 where `radiation` has roll."""
+    """Of critical: mostly eddies; null: 0.05, a bare guess for any hull, and 0 where `radiation` has roll or `ikeda` is
+    given."""
     surge: float | None = quantity("N s2/m2", None, ge=0.0)
     """Resistance over the square of the speed; null: a coefficient of 0.1 on the largest section, and 0 where
     `radiation` has surge."""
@@ -35,6 +40,9 @@ class Damping(Model):
     """Coefficient of drag of the sections as water crosses them (Hoerner 1965, Fluid-Dynamic Drag)."""
     roll_quadratic: float = quantity("N m s2", 0.0, ge=0.0)
     """Moment over the square of the roll rate."""
+    ikeda: Ikeda | None = None
+    """Damping of roll by friction, eddies, bilge keels, the hull's waves (not where `radiation` has roll) and lift, by
+    regressions of its form; `{}` is a bare hull. Null: by `roll` and `roll_quadratic` alone."""
 
 
 class Resistance:
@@ -55,8 +63,9 @@ class Resistance:
         self.linear = np.zeros(6)
         for number, motion in ((1, "heave"), (3, "pitch"), (5, "roll")):
             inertia = whole[motion] + getattr(extra, motion)
-            given, rule = getattr(config, motion), 0.0 if motion in radiated else BY_RULE[motion]
-            share = rule if given is None else given
+            ruled = motion not in radiated and (motion != "roll" or config.ikeda is None)
+            given = getattr(config, motion)
+            share = (BY_RULE[motion] if ruled else 0.0) if given is None else given
             self.linear[number] = 2.0 * share * sqrt(inertia * abs(stiffness[motion]))
         z, breadth, draught = hull.stations
         self.z = z - hull.matter.centre[2]
@@ -66,15 +75,25 @@ class Resistance:
         self.surge = rule if config.surge is None else config.surge
         self.roll = config.roll_quadratic
         self.low = hull.keel + float(draught.max()) / 2.0 - hull.matter.centre[1]  # where water crosses [m]
+        self.rolling = (
+            None if config.ikeda is None else RollDamping(config.ikeda, hull, extra.roll, "roll" not in radiated)
+        )
+        self.rolled = self.low if self.rolling is None else 0.0  # what a rate of roll adds to it: the rest counts it
         self.stern = float(self.z[draught > 0.0].min())
         slender = pi / 2.0 * hull.density * float(draught.mean()) ** 2  # [kg/m] of a body that ends in a stern
         self.lift = (1.0 + 0.4 * fullness(hull)) * slender
         self.munk = munk
+        self.warnings = [] if self.rolling is None else self.rolling.warnings
+        if self.rolling is not None and config.roll:
+            self.warnings = [
+                *self.warnings,
+                f"damping.roll, {config.roll:g} of critical, adds to that of damping.ikeda",
+            ]
 
     def load(self, motion: np.ndarray) -> np.ndarray:
         """(2, 3) force [N] and torque [N m] in body axes at a velocity relative to the water (6,), body axes."""
         sway, _, surge, _, yaw, roll = motion.tolist()
-        middle = sway - roll * self.low  # where water crosses amidships (4.15)
+        middle = sway - roll * self.rolled  # where water crosses amidships (4.15)
         across = middle + yaw * self.z
         drag = self.crossing * np.abs(across) * across
         lift = -self.lift * max(surge, 0.0) * (middle + yaw * self.stern)
@@ -86,9 +105,13 @@ class Resistance:
             -self.surge * abs(surge) * surge,
             0.0,
             turning,
-            -side * self.low - self.roll * abs(roll) * roll,
+            -side * self.low - self.roll * abs(roll) * roll + self.predicted(roll, surge),
         ]
         return (more - self.linear * motion).reshape(2, 3)
+
+    def predicted(self, roll: float, surge: float) -> float:
+        """Moment of roll damping by components [N m]."""
+        return 0.0 if self.rolling is None else self.rolling.moment(roll, surge)
 
 
 def fullness(hull: Hydrostatics) -> float:

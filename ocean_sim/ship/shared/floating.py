@@ -18,6 +18,7 @@ from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, named
 from ocean_sim.ship import Afloat, Look, Outline
 from ocean_sim.ship.shared.cubes import Cubes, Wetted
+from ocean_sim.ship.shared.damping import Resistance
 from ocean_sim.ship.shared.distance import MANY, Distance, memory
 from ocean_sim.ship.shared.drawn import drawn
 from ocean_sim.ship.shared.hull import Hull, Inertia, explained, hull_of
@@ -38,6 +39,7 @@ STEPS_A_PERIOD = 50  # of the fastest natural motion
 FORCE_NUMBER = 0.25  # the share of a limit that `courant` takes
 BODY, CUBE = 3.0e-4, 3.0e-8  # [s] of processor time a step
 FEW = 4.0  # spacings in a draught
+SHALLOW = 4.0  # draughts of water from which on the bed is hardly felt
 
 
 class FloatingConfig(VesselConfig):
@@ -85,6 +87,10 @@ class FloatingConfig(VesselConfig):
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
         """(6,) added mass [kg] and inertia [kg m2] that her law of motion has, in the order of `Motions`."""
         return np.zeros(6)
+
+    def resistance(self, still: Hydrostatics) -> Resistance | None:
+        """What slows the hull down; None where nothing but particles does."""
+        return None
 
     def floats(self, preflight: Preflight) -> Afloat:
         still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
@@ -201,6 +207,12 @@ class FloatingConfig(VesselConfig):
             found.append(f"the hull has {cells:.2g} cubes over its draught, as it draws little of its height")
         if hull.metacentric_height() <= 0.0:
             found.append(f"the ship is unstable upright: GM = {hull.metacentric_height():.3g} m; it will heel")
+        if not preflight.fluid.made_of_particles and preflight.tank.depth < SHALLOW * hull.draught:
+            message = f"the water is {preflight.tank.depth / hull.draught:.3g} draughts deep"
+            found.append(f"{message}: squat, and the bed's part in added mass and damping, are not modelled")
+        resistance = self.resistance(hull)
+        if resistance is not None:
+            found += resistance.warnings
         spacing = preflight.spacing
         if spacing and hull.draught < FEW * spacing:
             message = f"the draught of {hull.draught:.3g} m is {hull.draught / spacing:.2g} spacings; below {FEW:g}"

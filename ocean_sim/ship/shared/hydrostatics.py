@@ -134,13 +134,29 @@ class Hydrostatics:
     @cached_property
     def stations(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Position along z, breadth at the still water and draught of every slice of cubes [m]."""
-        v, step = self.voxels, 0.25 * self.voxels.size[1]
-        level = min(self.draught + self.keel, float(v.centre[:, 1].max()))  # of a ship that sinks, at its deck
+        v, step, level = self.voxels, 0.25 * self.voxels.size[1], self.waterline
         long, first = v.size[2], v.centre[:, 2].min()
-        number = np.round((v.centre[:, 2] - first) / long).astype(int)
-        n = int(number.max()) + 1
+        number, n = self.slices
         shown = self.wet(UP, level + step) - self.wet(UP, level - step)
         lowest = np.full(n, level)
         np.minimum.at(lowest, number, v.centre[:, 1] - v.size[1] / 2)
         draught = np.clip(level - lowest, 0.0, level - self.keel)
         return first + long * np.arange(n), np.bincount(number, shown, n) / (2.0 * step * long), draught
+
+    @cached_property
+    def sections(self) -> np.ndarray:
+        """(n,) area under the still water of every slice of cubes [m2]."""
+        number, n = self.slices
+        return np.bincount(number, self.wet(UP, self.waterline), n) / self.voxels.size[2]
+
+    @property
+    def waterline(self) -> float:
+        """Height of the still water over the hull's origin [m]; of a ship that sinks, that of its deck."""
+        return min(self.draught + self.keel, float(self.voxels.centre[:, 1].max()))
+
+    @cached_property
+    def slices(self) -> tuple[np.ndarray, int]:
+        """In which slice along z each cube lies, and how many there are."""
+        z = self.voxels.centre[:, 2]
+        number = np.round((z - z.min()) / self.voxels.size[2]).astype(int)
+        return number, int(number.max()) + 1

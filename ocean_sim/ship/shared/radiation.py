@@ -3,10 +3,11 @@
 A motion's force is -A(infinity) times its acceleration, less the integral of K(t - tau) times its velocity (Cummins
 1962, Schiffstechnik 9), with Ogilvie's relations (1964, 5th Symposium on Naval Hydrodynamics)
 K(t) = 2/pi int B(omega) cos(omega t) d omega and A(infinity) = A(omega) + 1/omega int K(t) sin(omega t) dt.
-Motions do not act on each other.
+Where a table says so, motions act on each other: A, B and K are then symmetric matrices.
 """
 
 from functools import cached_property
+from itertools import combinations_with_replacement
 from math import pi
 from typing import NamedTuple
 
@@ -27,13 +28,14 @@ class Response(NamedTuple):
     """What some motions leave behind in the water."""
 
     times: np.ndarray  # (n,) since a push [s]
-    kernels: np.ndarray  # (m, n) K [kg/s2], [kg m2/s2]
-    added: np.ndarray  # (m,) A(infinity) [kg], [kg m2]
+    kernels: np.ndarray  # (m, m, n) K [kg/s2], [kg m/s2], [kg m2/s2]
+    added: np.ndarray  # (m, m) A(infinity) [kg], [kg m], [kg m2]
 
 
 class Radiation:
     """What a file gives for some motions: `omega_rad_s`, and `heave_added_kg`, `heave_damping_kg_s`,
-    `pitch_added_kg_m2`, `pitch_damping_kg_m2_s` and the like, of any of the six, or Capytaine's NetCDF.
+    `pitch_added_kg_m2`, `pitch_damping_kg_m2_s` and the like, of any of the six, and of two that act on each other
+    `heave_pitch_added_kg_m`, `heave_pitch_damping_kg_m_s`; or Capytaine's NetCDF.
 
     Raises ValueError where it gives too little.
     """
@@ -46,8 +48,9 @@ class Radiation:
             raise ValueError(f"{shown(file)}: {FEWEST} to {MOST} frequencies above 0 in rising order are needed")
         self.omega, self.mass, self.damping = omega, table.added, table.damping
         self.scattering = None if table.scattered is None else Scattering(table)
-        names = table.motions
-        for name, most, last in zip(names, self.damping.max(axis=1), self.damping[:, -1]):
+        self.depth, self.axis = table.depth, table.axis
+        names, own = table.motions, self.damping[np.diag_indices(len(table.motions))]
+        for name, most, last in zip(names, own.max(axis=1), own[:, -1]):
             if not most > 0.0:
                 raise ValueError(f"{shown(file)}: {name} has no damping, so no waves to remember")
             if not last <= LEFT * most:
@@ -59,11 +62,18 @@ class Radiation:
         """To a push, until less than LOST is left of it."""
         omega, apart = self.omega, np.diff(self.omega, prepend=0.0).max()
         times = np.arange(0.0, 2.0 * pi / apart, 2.0 * pi / omega[-1] / FINE)
-        kernels = np.array([self.kernel(times, damping) for damping in self.damping])
-        sines = np.trapezoid(kernels[:, None] * np.sin(omega[:, None] * times), times, axis=2)
-        kept = np.abs(kernels / np.abs(kernels).max(axis=1, keepdims=True)).max(axis=0) > LOST
+        m = len(self.numbers)
+        kernels, added = np.zeros((m, m, len(times))), np.zeros((m, m))
+        for i, j in combinations_with_replacement(range(m), 2):
+            if self.damping[i, j].any():
+                kernels[i, j] = kernels[j, i] = self.kernel(times, self.damping[i, j])
+            sines = np.trapezoid(kernels[i, j] * np.sin(omega[:, None] * times), times, axis=1)
+            added[i, j] = added[j, i] = np.median(self.mass[i, j] + sines / omega)
+        most = np.sqrt(np.abs(kernels[np.diag_indices(m)]).max(axis=1))
+        kernels[np.abs(kernels).max(axis=2) <= LOST * np.outer(most, most)] = 0.0  # of a symmetric hull: noise
+        kept = (np.abs(kernels) / np.outer(most, most)[:, :, None]).max(axis=(0, 1)) > LOST
         last = int(np.flatnonzero(kept)[-1]) + 1
-        return Response(times[:last], kernels[:, :last], np.median(self.mass + sines / omega, axis=1))
+        return Response(times[:last], kernels[:, :, :last], added)
 
     def kernel(self, times: np.ndarray, damping: np.ndarray) -> np.ndarray:
         """K at some times [s]; beyond the table damping falls on as it did at its end, by a power of the frequency."""
@@ -73,10 +83,10 @@ class Radiation:
         count = FINE * len(omega)
         within = np.linspace(0.0, omega[-1], count)
         beyond = np.linspace(omega[-1], TAIL * omega[-1], int((TAIL - 1.0) * count))[1:]
-        ends = np.maximum(damping[-2:], 1e-12 * damping.max())
+        ends = np.maximum(np.abs(damping[-2:]), 1e-12 * np.abs(damping).max())
         power = max(2.0, -float(np.diff(np.log(ends))[0] / np.diff(np.log(omega[-2:]))[0]))
         known = PchipInterpolator(np.append(0.0, omega), np.append(0.0, damping))(within)
-        every, falling = np.append(within, beyond), ends[-1] * (omega[-1] / beyond) ** power
+        every, falling = np.append(within, beyond), np.copysign(ends[-1], damping[-1]) * (omega[-1] / beyond) ** power
         whole = np.append(known, falling)
         return np.array([2.0 / pi * np.trapezoid(whole * np.cos(every * t), every) for t in times])
 
@@ -86,6 +96,7 @@ class Memory:
 
     def __init__(self, radiation: Radiation) -> None:
         self.response, self.numbers = radiation.response, np.array(radiation.numbers)
+        self.pairs = np.argwhere(self.response.kernels.any(axis=2)).tolist()  # which motions act on which
         self.often = float(self.response.times[1])  # [s] at least between what is kept
         self.when, self.moved = np.zeros(0), np.zeros((0, len(radiation.numbers)))  # [s], [m/s] or [rad/s]
 
@@ -94,9 +105,9 @@ class Memory:
         times = np.append(self.when, time)
         moved = np.concatenate([self.moved, motion[None, self.numbers]])
         known, found = self.response, np.zeros(6)
-        for k, number in enumerate(self.numbers):
-            kernel = np.interp(time - times, known.times, known.kernels[k], right=0.0)
-            found[number] = -np.trapezoid(kernel * moved[:, k], times)
+        for i, j in self.pairs:
+            kernel = np.interp(time - times, known.times, known.kernels[i, j], right=0.0)
+            found[self.numbers[i]] -= np.trapezoid(kernel * moved[:, j], times)
         return found.reshape(2, 3)
 
     def keep(self, time: float, motion: np.ndarray) -> None:

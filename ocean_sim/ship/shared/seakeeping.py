@@ -5,11 +5,14 @@ In a sea in closed form every cube feels the pressure at its own depth, so short
 waves.
 """
 
+from functools import cached_property
+from math import isinf, pi
 from typing import ClassVar
 
 import numpy as np
 from pydantic import field_validator
 
+from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import Motions
 from ocean_sim.files.input_file import FileName
@@ -25,6 +28,10 @@ from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.radiation import Memory, Radiation
 from ocean_sim.ship.shared.slamming import Slamming
 
+OTHER = 0.02  # of a wavenumber, by which the water of a table may differ without a word
+OFF = 0.05  # of a draught, by which the axis of a table may lie off the centre of mass
+DEEPEST = 1.0e5  # [m] as deep as any water
+
 
 class SeakeepingConfig(FloatingConfig):
     """Keys of a ship with added mass."""
@@ -33,7 +40,8 @@ class SeakeepingConfig(FloatingConfig):
     damping: Damping = Damping()
     radiation: FileName | None = None
     """A CSV file of added mass and damping over frequency: `omega_rad_s`, `heave_added_kg`, `heave_damping_kg_s`,
-    `pitch_added_kg_m2`, `pitch_damping_kg_m2_s`, or of any other motion; or a NetCDF file (.nc) that Capytaine wrote.
+    `pitch_added_kg_m2`, `pitch_damping_kg_m2_s`, or of any other motion, and of two that act on each other
+    `heave_pitch_added_kg_m`, `heave_pitch_damping_kg_m_s`; or a NetCDF file (.nc) that Capytaine wrote, six by six.
     These motions remember the waves that they made; `damping` is then only what else damps them, by default nothing.
     Where the file has the force of scattered waves (`heave_scattered_90_re`, `_im` in N/m, waves that go to port; of
     Capytaine its diffraction force), that takes the place of added mass and damping in the water's own motion. Null:
@@ -46,8 +54,32 @@ class SeakeepingConfig(FloatingConfig):
             Radiation(file)
         return file
 
+    @cached_property
+    def table(self) -> Radiation | None:
+        """What the file of `radiation` gives."""
+        return None if self.radiation is None else Radiation(self.radiation)
+
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
         return self.added_mass.diagonal(still)
+
+    def moved_at_once(self, still: Hydrostatics) -> np.ndarray:
+        """(6,) added mass [kg] and inertia [kg m2] without the memory of waves, in the order of `Motions`."""
+        added = self.moved_along(still)
+        if self.table is not None:
+            added[self.table.numbers] = np.diag(self.table.response.added)
+        return added
+
+    def moved_together(self) -> np.ndarray | None:
+        """(6, 6) added mass between motions, symmetric with a diagonal of 0; None where a table has none."""
+        if self.table is None:
+            return None
+        own, found = self.table.response.added, np.zeros((6, 6))
+        found[np.ix_(self.table.numbers, self.table.numbers)] = own - np.diag(np.diag(own))
+        return found if found.any() else None
+
+    def resistance(self, still: Hydrostatics) -> Resistance:
+        radiated = [] if self.table is None else [Motions._fields[k] for k in self.table.numbers]
+        return Resistance(self.damping, still, self.moved_at_once(still), radiated)
 
     def problems(self, preflight: Preflight) -> Problems:
         found = super().problems(preflight)
@@ -58,7 +90,38 @@ class SeakeepingConfig(FloatingConfig):
 
     def warnings(self, preflight: Preflight) -> list[str]:
         deep = "the surface alone says nothing of the water below it: short waves hold the hull too hard"
-        return super().warnings(preflight) + ([deep] if preflight.surface is not None else [])
+        found = super().warnings(preflight) + ([deep] if preflight.surface is not None else [])
+        return found if self.table is None else found + self.of_table(self.table, preflight)
+
+    def of_table(self, table: Radiation, preflight: Preflight) -> list[str]:
+        """Where a table is of another case than this one."""
+        found, tank = list[str](), preflight.tank
+        still = self.afloat(-tank.gravity[1], preflight.fluid.rest_density)
+        if self.propeller is not None or any(self.velocity):
+            found.append(
+                "radiation: the table is of a hull without forward speed; under way it counts at the frequency of "
+                "encounter, without strip theory's terms of speed"
+            )
+        if table.depth is not None and table.depth != tank.depth:
+            here, there = (
+                waves.wavenumber(float(table.omega[0]), min(depth, DEEPEST), -tank.gravity[1])
+                for depth in (tank.depth, table.depth)
+            )
+            if abs(there / here - 1.0) > OTHER:
+                deep = "deep water" if isinf(table.depth) else f"water {table.depth:g} m deep"
+                found.append(
+                    f"radiation: the table is of {deep}, here it is {tank.depth:g} m: its longest waves, of "
+                    f"{2.0 * pi / table.omega[0]:.3g} s, are {abs(there / here - 1.0):.0%} "
+                    f"{'shorter' if there < here else 'longer'} here; forces are those of the table"
+                )
+        if table.axis is not None and not isinf(still.draught):
+            centre = float(still.matter.centre[1]) - still.keel - still.draught
+            if abs(table.axis - centre) > OFF * still.draught:
+                found.append(
+                    f"radiation: the table turns about a point {table.axis:.3g} m over the still water, the centre of "
+                    f"mass lies at {centre:.3g} m"
+                )
+        return found
 
 
 class SeakeepingShip(FloatingShip):
@@ -68,20 +131,17 @@ class SeakeepingShip(FloatingShip):
 
     def __init__(self, name: str, config: SeakeepingConfig, basin: Basin, fluid: Fluid) -> None:
         super().__init__(name, config, basin, fluid)
-        self.added, radiated = config.added_mass.diagonal(self.hull.still), list[str]()
+        self.added, self.between = config.moved_at_once(self.hull.still), config.moved_together()
         self.memory: Memory | None = None
         self.scattering: Scattering | None = None  # where a table has it
         self.sea: ClosedForm | None = None  # whose waves the hull scatters
         self.through = np.ones(6)  # of each motion: 1 where it is one through the water, 0 where one of its own
         self.made = np.zeros(6)  # (6,) the motion that makes waves
-        if config.radiation is not None:
-            radiation = Radiation(config.radiation)
-            self.memory, self.added[radiation.numbers] = Memory(radiation), radiation.response.added
-            radiated = [Motions._fields[k] for k in radiation.numbers]
-            self.scattering = radiation.scattering
+        if config.table is not None:
+            self.memory, self.scattering = Memory(config.table), config.table.scattering
         if self.scattering is not None:
             self.sea, self.through[self.scattering.numbers] = fluid.in_closed_form, 0.0
-        self.resistance = Resistance(config.damping, self.hull.still, self.added, radiated)
+        self.resistance = config.resistance(self.hull.still)
         if self.contact is None:
             self.slamming = Slamming(self.hull.still, float(self.added[1]))
         self.longest = self.hull.limits(Motions(*self.added)._asdict())
@@ -104,7 +164,8 @@ class SeakeepingShip(FloatingShip):
             forces = forces | {"wave": forces["wave"] + scattered}
             force, torque = force + scattered[0], torque + scattered[1]
         drift, surge = self.through * wet.velocity, self.through * wet.acceleration
-        moved, carried = reaction(now.body, now.share * self.added, force, torque, drift, surge)
+        between = None if self.between is None else now.share * self.between
+        moved, carried = reaction(now.body, now.share * self.added, between, force, torque, drift, surge)
         return forces | {"wave": forces["wave"] + carried, "damping": forces["damping"] + moved}
 
     def advance(self, load: Load, dt: float) -> None:

@@ -197,9 +197,15 @@ def test_what_is_saved_is_the_scene_that_is_played(session):
 def test_every_key_has_its_unit_and_range():
     found = {row["key"]: row for row in keys(load("showcase"))}
     spacing = found["fluid.spacing"]
-    assert (spacing["unit"], spacing["low"], spacing["low_open"]) == ("m", 0.0, True) and spacing["what"]
+    assert (spacing["unit"], spacing["range"]) == ("m", "> 0") and spacing["meaning"]
     assert {"seed", "duration", "basin.depth", "runtime.threads", "time_step.courant_number"} <= set(found)
-    assert found["runtime.precision"]["choices"] == ["f32", "f64"]
+    assert found["runtime.precision"]["choices"] == ["f32", "f64"] and found["wind.frame"]["value"] is None
+    assert not any(key.endswith("kind") for key in found)
+
+
+def test_keys_of_several_ships_are_those_of_their_kind():
+    found = {row["key"]: row for row in keys(load("gallery/two_ships"))}
+    assert found["ships.moored.heading_deg"]["unit"] == "deg" and found["ships.tug.heading_deg"]["meaning"]
 
 
 @pytest.mark.slow

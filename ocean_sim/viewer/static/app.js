@@ -299,13 +299,12 @@ function scenes(rows) {
 
 function keyRows(rows) {
   const draw = () => {
-    const find = $("keyFilter").value.toLowerCase(), shown = rows.filter((r) => `${r.key} ${r.what}`.toLowerCase().includes(find)).slice(0, 120);
+    const find = $("keyFilter").value.toLowerCase(), shown = rows.filter((r) => `${r.key} ${r.meaning}`.toLowerCase().includes(find)).slice(0, 120);
     $("keys").innerHTML = shown.map((r, k) => {
-      const range = r.low !== undefined || r.high !== undefined ? `${r.low !== undefined ? `${r.low_open ? "above" : "from"} ${short(r.low)} ` : ""}${r.high !== undefined ? `${r.high_open ? "below" : "to"} ${short(r.high)}` : ""}` : "";
-      const words = r.choices || (r.type === "switch" ? [true, false] : null), label = `aria-label="${escaped(r.key)}"`;
-      const field = words ? `<select data-k="${k}" ${label}>${words.map((w) => `<option${w === r.value ? " selected" : ""}>${escaped(w)}</option>`).join("")}</select>`
+      const now = String(r.value), words = r.value === null && r.choices.length ? [...r.choices, "null"] : r.choices, label = `aria-label="${escaped(r.key)}"`;
+      const field = words.includes(now) ? `<select data-k="${k}" ${label}>${words.map((w) => `<option${w === now ? " selected" : ""}>${escaped(w)}</option>`).join("")}</select>`
         : `<input data-k="${k}" ${label} value="${escaped(r.value ?? "")}" placeholder="${r.value === null ? "open" : ""}">`;
-      return `<div class="key"><code>${escaped(r.key)}${r.unit && r.unit !== "1" ? ` [${escaped(r.unit)}]` : ""}</code>${field}<p>${escaped(r.what)} ${escaped(range)}</p></div>`;
+      return `<div class="key"><code>${escaped(r.key)}${r.unit && r.unit !== "1" ? ` [${escaped(r.unit)}]` : ""}</code>${field}<p>${escaped(r.meaning)} ${escaped(r.range)}</p></div>`;
     }).join("");
     for (const field of $("keys").querySelectorAll("[data-k]")) field.onchange = () => {
       const r = shown[field.dataset.k];

@@ -81,7 +81,7 @@ class Steer(Model):
 
 
 class Route(Model):
-    """Waypoints x, z [m] that a ship steers along from now on, at a speed [m/s]; none: the rudder goes amidships."""
+    """Waypoints x, z [m] that a pilot sails a ship along, at a speed [m/s]; none: the rudder goes amidships."""
 
     do: Literal["route"]
     ship: Word

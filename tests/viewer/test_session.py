@@ -2,7 +2,6 @@
 
 import json
 import threading
-from math import pi
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from ocean_sim.viewer import protocol as p
 from ocean_sim.viewer.keys import keys
 from ocean_sim.viewer.replay import Recorded, replay_file
 from ocean_sim.viewer.server import Order
-from ocean_sim.viewer.session import Session, Source, towards
+from ocean_sim.viewer.session import Session, Source
 from ocean_sim.viewer.shown_particles import ShownParticles
 from ocean_sim.viewer.watch import Watch
 
@@ -144,23 +143,18 @@ def test_a_person_steers_and_a_route_is_sailed(session):
     ask(session, do="steer", ship="ship", throttle=0.5, rudder=9.0 / 10.0)
     assert session.persons["ship"].throttle == 0.5 and session.persons["ship"].rudder < 0.9  # held at its limit
     x, _, z = ship.body.position
-    ask(session, do="route", ship="ship", points=[[x, z + 1.0], [x + 40.0, z]])
-    session.steer()
-    assert session.routes["ship"] == [(x + 40.0, z)]  # she is at the first
+    ask(session, do="route", ship="ship", points=[[x, z + 1.0], [x + 40.0, z]], speed=2.5)
+    assert session.desk.last("panel")["ships"][0]["route"] == [[x, z + 1.0], [x + 40.0, z]]
+    pilot = session.pilots["ship"]
+    assert pilot.config.speed == 2.5 and pilot.near == np.ptp(ship.drawn()[0][:, 2])  # her length
+    throttle, rudder = pilot.order(ship.actuators.time + 0.1, ship.body)
+    session.follow()
+    assert session.desk.last("panel")["ships"][0]["route"] == [[x + 40.0, z]]  # she is at the first
+    assert throttle > 0.0 and rudder != 0.0
+    ask(session, do="steer", ship="ship", throttle=0.2, rudder=0.0)
+    assert session.desk.last("panel")["ships"][0]["route"] == [] and session.persons["ship"].throttle == 0.2
     ask(session, do="steer", ship="ghost", throttle=0.0, rudder=0.0)
     assert "no ship" in session.desk.last("said")["text"]
-
-
-def test_the_helm_is_laid_towards_a_waypoint():
-    class Body:
-        position, angles, angular_velocity = np.zeros(3), np.zeros(3), np.zeros(3)
-
-    class Ship:
-        body = Body()
-
-    assert towards(Ship(), (100.0, 0.0))[0] == pytest.approx(1.5 * pi / 2)  # to port, which is +x of one heading +z
-    assert towards(Ship(), (-100.0, 0.0))[0] == pytest.approx(-1.5 * pi / 2)
-    assert towards(Ship(), (1.0, 1.0))[1]
 
 
 def test_a_wrong_scene_is_told_at_its_lines_and_the_other_goes_on(session):

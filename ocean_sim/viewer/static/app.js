@@ -331,7 +331,8 @@ $("throttle").oninput = () => steer(+$("throttle").value, state.rudder);
 $("amidships").onclick = () => steer(state.throttle, 0);
 $("whichShip").onchange = () => { camera.ship = +$("whichShip").value; if (state.panel) panel(state.panel); state.dirty = true; };
 $("routeMode").onclick = () => picking(!state.picking);
-$("routeClear").onclick = () => { const world = state.worlds[0]; world.route = []; send({ do: "route", ship: world.ships[camera.ship].name, points: [] }); };
+$("routeClear").onclick = () => { const world = state.worlds[0]; world.route = []; sail(world.ships[camera.ship].name, []); };
+$("routeSpeed").onchange = () => { const world = state.worlds[0]; if (world?.route?.length) sail(world.ships[camera.ship].name, world.route); };
 $("record").onclick = () => send({ do: state.panel?.recording ? "stop" : "record" });
 $("still").onclick = still;
 $("csv").onclick = () => keep(new Blob([plots.csv()], { type: "text/csv" }), "curves.csv");
@@ -369,8 +370,10 @@ function waypoint(x, y) {
   const world = state.worlds[0], ship = world.ships[camera.ship], at = camera.hit(world.seen, x, y, world.level);
   if (!at || !ship || !mayTouch()) return;
   world.route = [...world.route, [+at[0].toFixed(2), +at[2].toFixed(2)]];
-  send({ do: "route", ship: ship.name, points: world.route });
+  sail(ship.name, world.route);
 }
+
+function sail(ship, points) { send({ do: "route", ship, points, speed: clamp(+$("routeSpeed").value || 3, 0.5, 50) }); }
 
 function keep(blob, name) {
   const link = document.createElement("a");

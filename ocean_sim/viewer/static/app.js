@@ -363,8 +363,22 @@ function picking(on) {
   state.picking = on;
   $("routeMode").setAttribute("aria-pressed", on);
   canvas.classList.toggle("aim", on);
-  if (on) say("Click on the water, waypoint by waypoint.");
+  $("cross").hidden = !on;
+  if (!on) return;
+  const [x, y] = middle();
+  $("cross").style.left = `${x}px`;
+  $("cross").style.top = `${y}px`;
+  say("Click on the water, waypoint by waypoint; or move the cross by Shift with W A S D, and press Enter.");
+  canvas.focus();
 }
+
+// Pixels of the middle of what no panel hides.
+function middle() {
+  const box = $("panel").getBoundingClientRect(), folded = document.body.classList.contains("folded");
+  return innerWidth > 820 ? [0.5 * (folded ? innerWidth : box.left), 0.5 * innerHeight] : [0.5 * innerWidth, 0.5 * (folded ? innerHeight : box.top)];
+}
+
+function overWater(x, y) { waypoint((2 * x) / innerWidth - 1, 1 - (2 * y) / innerHeight); }
 
 function waypoint(x, y) {
   const world = state.worlds[0], ship = world.ships[camera.ship], at = camera.hit(world.seen, x, y, world.level);
@@ -413,7 +427,7 @@ canvas.onpointerup = canvas.onpointercancel = (event) => {
   const finger = fingers.get(event.pointerId);
   fingers.delete(event.pointerId);
   if (state.picking && finger && finger.moved < 0.01 && event.type === "pointerup") {
-    waypoint((2 * event.clientX) / innerWidth - 1, 1 - (2 * event.clientY) / innerHeight);
+    overWater(event.clientX, event.clientY);
   }
 };
 canvas.oncontextmenu = (event) => event.preventDefault();
@@ -425,6 +439,7 @@ $("wheel").onpointermove = (event) => { if (wheelHeld !== null) { steer(state.th
 $("wheel").onpointerup = $("wheel").onpointercancel = () => { wheelHeld = null; };
 
 const down = new Set();
+let moves = false;  // whether held keys move the view in place of turning it
 addEventListener("keydown", (event) => {
   const typing = event.target.closest("input:not([type=range]), textarea, select, dialog");
   if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
@@ -437,8 +452,9 @@ addEventListener("keydown", (event) => {
     v: () => { const all = ["water", "particles", "both"].filter((n) => $("contents").querySelector(`[data-name=${n}]`)); $("contents").pick(all[(all.indexOf(state.content) + 1) % all.length]); },
     x: () => steer(state.throttle, 0), "?": () => $("help").showModal(),
     h: () => { const n = state.worlds[0]?.ships.length; if (n) { camera.ship = (camera.ship + 1) % n; $("whichShip").value = camera.ship; if (state.panel) panel(state.panel); } },
-    ",": () => faster(-1), ".": () => faster(1),
+    ",": () => faster(-1), ".": () => faster(1), Enter: () => { if (state.picking) overWater(...middle()); },
   };
+  moves = event.shiftKey;
   if (/^[1-5]$/.test(key)) $("cameras").pick(modes[key - 1]);
   else if (acts[key] && !event.repeat) acts[key]();
   else if (/^(Arrow(Up|Down|Left|Right)|[wasdqe])$/.test(key)) down.add(key);
@@ -461,7 +477,7 @@ function holdKeys(seconds) {
   const ahead = has("ArrowUp") - has("ArrowDown"), port = has("ArrowLeft") - has("ArrowRight");
   if (ships && (ahead || port)) steer(state.throttle + 0.5 * seconds * ahead, state.rudder + 0.35 * seconds * port);
   const right = has("d") - has("a") - (ships ? 0 : port), up = has("w") - has("s") + (ships ? 0 : ahead);
-  if (right || up) camera.drag(0.35 * seconds * right, 0.35 * seconds * up);
+  if (right || up) (moves ? camera.pan(-0.35 * seconds * right, 0.35 * seconds * up) : camera.drag(0.35 * seconds * right, 0.35 * seconds * up));
   if (has("q")) camera.nearer(0.4 ** seconds);
   if (has("e")) camera.nearer(2.5 ** seconds);
   state.dirty = true;

@@ -21,6 +21,7 @@ WORDS = {
     "object": "mapping",
     "array": "list",
 }
+PLAIN = ("number", "integer", "boolean", "string")
 BOUNDS = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
 NO_DEFAULT = object()
 SIZES = {"m": "1.0", "s": "0.1", "deg": "30.0", "1": "0.5"}  # an example of a number, by its unit
@@ -41,6 +42,10 @@ class Key(NamedTuple):
     meaning: str
     example: str
     """As `--set` takes it, without the kind."""
+    choices: tuple[str, ...]
+    """The words that may be written, where there are only so many."""
+    is_plain: bool
+    """Whether a number, a word or a switch may be written."""
 
     @property
     def section(self) -> str:
@@ -125,7 +130,11 @@ def key_of_node(path: str, node: dict[str, Any], required: bool) -> Key:
     meaning = " ".join(plain(node).split())
     takes = " or ".join(dict.fromkeys(kind_of(member) for member in members(node)))
     bounds = dict.fromkeys(bound for member in members(node) for bound in bounds_of(member))
-    return Key(path, takes, node.get("unit", ""), default, ", ".join(bounds), meaning, example(path, node))
+    choices = tuple(dict.fromkeys(word for member in members(node) for word in words_of(member)))
+    return Key(
+        *(path, takes, node.get("unit", ""), default, ", ".join(bounds), meaning, example(path, node), choices),
+        is_plain=bool(choices) or any(member.get("type") in PLAIN for member in members(node)),
+    )
 
 
 def plain(node: dict[str, Any]) -> str:
@@ -158,6 +167,12 @@ def kind_of(node: dict[str, Any]) -> str:
     if node.get("type") == "object" and isinstance(node.get("additionalProperties"), dict):
         return "mapping of names"
     return WORDS.get(str(node.get("type", "")), "anything")
+
+
+def words_of(node: dict[str, Any]) -> list[str]:
+    """The words that a value may be."""
+    given = [node["const"]] if "const" in node else node.get("enum", [])
+    return ["true", "false"] if node.get("type") == "boolean" else [str(word) for word in given]
 
 
 def in_yaml(value: Any) -> str:
@@ -201,6 +216,12 @@ def value_of(path: str, node: dict[str, Any]) -> str:
         low = member.get("minimum", member.get("exclusiveMinimum", 0.0))
         return str(int(low) + 1) if member["type"] == "integer" else SIZES.get(node.get("unit", ""), "1.0")
     return {"array": "[...]", "boolean": "true", "string": "..."}.get(str(member.get("type")), "{...}")
+
+
+@cache
+def by_path() -> dict[str, Key]:
+    """All of them, by their paths."""
+    return {key.path: key for key in keys()}
 
 
 def found(word: str) -> list[Key]:

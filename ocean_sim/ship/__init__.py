@@ -7,6 +7,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from ocean_sim.fluid import Fluid, Limits
+    from ocean_sim.ship.shared.pilot import Helmsman
     from ocean_sim.ship.shared.propulsion import Person
     from ocean_sim.ship.shared.rigid_body import RigidBody
     from ocean_sim.surface import Surface
@@ -130,6 +131,11 @@ class Ship(Protocol):
 
     def hand_over(self) -> "Person":
         """A person takes the helm: what `give(throttle, rudder)` orders replaces the controls of the scene."""
+        ...
+
+    def sail(self, route: list[tuple[float, float]], speed: float) -> "Helmsman":
+        """A pilot takes the helm and sails along waypoints x, z [m] at a speed [m/s], in place of the controls of the
+        scene; one is reached a length of the ship before it."""
         ...
 
     def drawn(self) -> tuple[np.ndarray, np.ndarray] | None:

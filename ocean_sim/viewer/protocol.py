@@ -81,7 +81,7 @@ class Steer(Model):
 
 
 class Route(Model):
-    """Waypoints x, z [m] that a ship steers along from now on, at a speed [m/s]; none: the rudder goes amidships."""
+    """Waypoints x, z [m] that a pilot sails a ship along, at a speed [m/s]; none: the rudder goes amidships."""
 
     do: Literal["route"]
     ship: Word
@@ -154,7 +154,7 @@ def packet(kind: str, arrays: Mapping[str, np.ndarray], boxes: Mapping[str, Any]
         if whole.dtype.byteorder == ">":
             whole = whole.astype(whole.dtype.newbyteorder("<"))
         rows.append({"name": name, "dtype": whole.dtype.name, "shape": whole.shape, **(boxes or {}).get(name, {})})
-        data += [whole.tobytes(), b"\0" * (-whole.nbytes % 4)]
+        data += [whole.data, b"\0" * (-whole.nbytes % 4)]
     head = json.dumps({"kind": kind, **header, "arrays": rows}, allow_nan=False, separators=(",", ":")).encode()
     head += b" " * (-len(head) % 4)
     return b"".join([MAGIC, len(head).to_bytes(4, "little"), head, *data])
@@ -177,10 +177,15 @@ def unpacked(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     return header, arrays
 
 
+def scaled(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Middle of a box [m], and whole numbers a metre along each of its sides."""
+    return 0.5 * (high + low), FULL / np.maximum(0.5 * (high - low), 1e-9)
+
+
 def boxed(positions: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """Positions (..., 3) [m] as whole numbers in a box; what lies outside is put onto its side."""
-    middle, half = 0.5 * (high + low), np.maximum(0.5 * (high - low), 1e-9)
-    share = np.clip((positions - middle.astype(positions.dtype)) * (FULL / half).astype(positions.dtype), -FULL, FULL)
+    middle, scale = (array.astype(positions.dtype) for array in scaled(low, high))
+    share = np.clip((positions - middle) * scale, -FULL, FULL)
     return np.nan_to_num(np.rint(share)).astype(np.int16)
 
 

@@ -318,18 +318,21 @@ class Server:
     async def send(self, watcher: Watcher) -> None:
         """What is new, whenever this watcher is ready for it."""
         watcher.woken.set()
-        with suppress(ConnectionError, asyncio.TimeoutError):
+        with suppress(ConnectionError, TimeoutError):
             while True:
                 await watcher.woken.wait()
                 watcher.woken.clear()
                 while watcher.texts:
-                    await asyncio.wait_for(watcher.socket.send_str(watcher.texts.popleft()), STALLED)
+                    async with asyncio.timeout(STALLED):
+                        await watcher.socket.send_str(watcher.texts.popleft())
                 if self.still is not None and watcher.still is not self.still:
                     watcher.still = self.still
-                    await asyncio.wait_for(watcher.socket.send_bytes(self.still), STALLED)
+                    async with asyncio.timeout(STALLED):
+                        await watcher.socket.send_bytes(self.still)
                 frame = self.frame
                 if frame is not None and watcher.frame is not frame and watcher.still is self.still:
                     watcher.frame = frame
-                    await asyncio.wait_for(watcher.socket.send_bytes(frame), STALLED)
+                    async with asyncio.timeout(STALLED):
+                        await watcher.socket.send_bytes(frame)
         with suppress(Exception):
             await watcher.socket.close(code=1008)

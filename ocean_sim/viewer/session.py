@@ -3,11 +3,10 @@
 import json
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from math import atan2, hypot, pi, remainder
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
-from typing import Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from ocean_sim.conventions import Diverged, Failed, in_words
 from ocean_sim.files.claim import Claim
@@ -21,6 +20,11 @@ from ocean_sim.viewer import protocol as p
 from ocean_sim.viewer.keys import keys
 from ocean_sim.viewer.server import Order
 from ocean_sim.viewer.watch import Audience, Watch
+
+if TYPE_CHECKING:
+    from ocean_sim.ship import Ship
+    from ocean_sim.ship.shared.pilot import Helmsman
+    from ocean_sim.ship.shared.propulsion import Person
 
 BUDGET = 0.04  # [s] of steps between two looks at what has come in
 NAP = 0.05  # [s] to wait for commands where there is nothing to do
@@ -71,8 +75,9 @@ class Session:
         self.claim: Claim | None = None  # of the run folder of a record
         self.touched: list[str] = []  # what was set by hand in a record
         self.moved: dict[str, float] = {}  # sliders, by label
-        self.routes: dict[str, list[tuple[float, float]]] = {}
-        self.persons: dict[str, Any] = {}
+        self.persons: dict[str, Person] = {}  # who steer by hand, by ship
+        self.pilots: dict[str, Helmsman] = {}  # who sail a route
+        self.sailed: dict[str, int] = {}  # on which leg they were last
         self.done = False
         self.start(source.load())
 
@@ -88,7 +93,7 @@ class Session:
         self.simulation.observers.append(self.watch)
         self.panel.wind = wind_name(self.source)
         self.panel.bind(sliders_of(self.simulation))
-        self.panel.message, self.persons, self.routes, self.due = "", {}, {}, 0.0
+        self.panel.message, self.persons, self.pilots, self.due = "", {}, {}, 0.0
         self.report()
         self.watch.show(perf_counter())
 
@@ -147,8 +152,8 @@ class Session:
         simulation = self.simulation
         assert simulation is not None
         try:
-            self.steer()
             simulation.run(simulation.time + 0.5 * simulation.next_dt)
+            self.follow()
         except Diverged as failure:
             self.panel.paused, self.panel.message = True, f"diverged: {failure}. Reset starts again."
             self.watch.show(perf_counter())
@@ -157,20 +162,18 @@ class Session:
             self.panel.paused = True
             self.rebuild(self.source)
 
-    def steer(self) -> None:
-        """Persons who sail a route look where they are."""
+    def follow(self) -> None:
+        """Say how far along their routes ships are; at the end of one the rudder goes amidships."""
         simulation = self.simulation
         assert simulation is not None
-        for name, points in list(self.routes.items()):
-            ship, person = simulation.ships[name], self.persons[name]
-            rudder, arrived = towards(ship, points[0])
-            person.give(person.throttle, rudder)
-            if arrived:
-                points.pop(0)
-            if not points:
-                del self.routes[name]
+        for name, pilot in list(self.pilots.items()):
+            if pilot.arrived(simulation.ships[name].body):
+                person = self.person(name)
                 person.give(person.throttle, 0.0)
                 self.say(f"{name}: the end of the route")
+                self.report()
+            elif self.sailed.get(name) != pilot.leg:
+                self.sailed[name] = pilot.leg
                 self.report()
 
     def obey(self) -> None:
@@ -228,19 +231,17 @@ class Session:
                 self.moved[label] = slider.value
                 self.note(f"{label} = {slider.value:g}")
             case p.Steer(ship=ship, throttle=throttle, rudder=rudder):
-                self.routes.pop(ship, None)
+                sailed = ship in self.pilots
                 self.person(ship).give(throttle, rudder)
                 self.note(f"{ship}: throttle {throttle:g}, rudder {rudder:g} rad")
-                return False
-            case p.Route(ship=ship, points=points):
-                person = self.person(ship)
-                self.routes.pop(ship, None)
+                return sailed
+            case p.Route(ship=ship, points=points, speed=speed):
                 if points:
-                    self.routes[ship] = [*points]
-                    person.give(person.throttle or 0.6, person.rudder)
+                    self.sail(ship, points, speed)
                 else:
+                    person = self.person(ship)
                     person.give(person.throttle, 0.0)
-                self.note(f"{ship}: route {points}")
+                self.note(f"{ship}: route {points} at {speed:g} m/s")
             case p.Wind(name=name):
                 if name not in panel.winds:
                     raise Failed(f"there is no wind {name!r}")
@@ -267,14 +268,26 @@ class Session:
                 return False
         return True
 
-    def person(self, ship: str) -> Any:
-        """Who steers a ship by hand; raises Failed."""
+    def person(self, name: str) -> "Person":
+        """Who steers a ship by hand from now on; raises Failed."""
+        ship = self.ship(name)
+        self.pilots.pop(name, None)
+        if name not in self.persons:
+            self.persons[name] = ship.hand_over()
+        return self.persons[name]
+
+    def sail(self, name: str, route: list[tuple[float, float]], speed: float) -> None:
+        """A pilot sails a ship along waypoints from now on; raises Failed."""
+        ship = self.ship(name)
+        self.persons.pop(name, None)
+        self.pilots[name], self.sailed[name] = ship.sail(route, speed), 0
+
+    def ship(self, name: str) -> "Ship":
+        """A ship by its name; raises Failed."""
         assert self.simulation is not None
-        if ship not in self.simulation.ships:
-            raise Failed(f"there is no ship {ship!r} here")
-        if ship not in self.persons:
-            self.persons[ship] = self.simulation.ships[ship].hand_over()
-        return self.persons[ship]
+        if name not in self.simulation.ships:
+            raise Failed(f"there is no ship {name!r} here")
+        return self.simulation.ships[name]
 
     def rebuild(self, source: Source, folder: Path | None = None) -> None:
         """Play a source from its beginning; the one that is played goes on where it cannot be loaded."""
@@ -359,7 +372,7 @@ class Session:
         assert simulation is not None
         sliders = [{"label": s.label, "value": s.value, "low": s.low, "high": s.high} for s in panel.sliders]
         ships = [
-            {"name": name, "throttle": ship.orders[0], "rudder": ship.orders[1], "route": self.routes.get(name, [])}
+            {"name": name, "throttle": ship.orders[0], "rudder": ship.orders[1], "route": self.route(name)}
             for name, ship in simulation.ships.items()
         ]
         self.desk.tell(
@@ -376,6 +389,10 @@ class Session:
             scene=self.source.name,
             duration=self.config.duration,
         )
+
+    def route(self, name: str) -> list[tuple[float, float]]:
+        """The waypoints that a ship has ahead."""
+        return self.pilots[name].ahead if name in self.pilots else []
 
     def __enter__(self) -> "Session":
         return self
@@ -408,11 +425,3 @@ def replaces(order: Order) -> tuple[str, ...]:
     if isinstance(command, p.Steer):
         return ("steer", command.ship)
     return ("speed",) if isinstance(command, p.Speed) else ("", str(id(order)))
-
-
-def towards(ship: Any, point: tuple[float, float]) -> tuple[float, bool]:
-    """The rudder [rad] that brings a ship to a point x, z [m], and whether she is there, within her own length."""
-    body = ship.body
-    x, z = point[0] - float(body.position[0]), point[1] - float(body.position[2])
-    error = remainder(atan2(x, z) - float(body.angles[1]), 2.0 * pi)
-    return 1.5 * (error - 2.0 * float(body.angular_velocity[1])), hypot(x, z) < 8.0

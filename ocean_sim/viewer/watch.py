@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import contextmanager
+from math import sqrt
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -14,7 +15,8 @@ from ocean_sim.pictures.preview_scene import PreviewScene
 from ocean_sim.platform import Platform
 from ocean_sim.platform.shared.motion_log import ride_of
 from ocean_sim.simulation import Observer, PeriodicConfig
-from ocean_sim.viewer.protocol import boxed, packet
+from ocean_sim.viewer.protocol import packet
+from ocean_sim.viewer.shown_particles import ShownParticles, every_shown
 from ocean_sim.viewer.still import Setting, Vessel
 
 if TYPE_CHECKING:
@@ -22,8 +24,7 @@ if TYPE_CHECKING:
 
 RATE = 20.0  # frames a second of wall time, at most
 CELLS = 128  # heights along a side, at most
-MOST = 60_000  # particles that are shown: of more, every second, third, ...
-LINES_EVERY = 4  # frames between drawings of the wind
+SELDOM = 4  # frames from one that draws the wind, and asks how fast the fastest are, to the next
 FAST = 0.5  # [m/s] the least speed that has the brightest colour
 SHIPS = 4  # whose motions are plotted
 STAGES = ("wind", "fluid", "surface", "ship", "observers")
@@ -59,7 +60,13 @@ class Watch(Observer, TakesMotion):
         self.scene = PreviewScene(simulation)
         self.setting = setting_of(simulation)
         self.points = pairs(self.setting.x, self.setting.z)
-        self.low, self.high = (corner.astype(np.float32) for corner in self.setting.box)
+        low, high = self.setting.box
+        self.box = {"low": low.tolist(), "high": high.tolist()}
+        self.shown: ShownParticles | None = None
+        particles = simulation.fluid.particles
+        if particles is not None:
+            self.shown = ShownParticles(particles, low, high)
+            self.points = self.points.astype(particles.position.precision)
         self.gauges = np.array([*self.setting.gauges.values()], dtype=float).reshape(-1, 2)
         self.follows = simulation.fluid.in_closed_form is not None and not self.setting.flat
         scene = simulation.scene
@@ -124,8 +131,9 @@ class Watch(Observer, TakesMotion):
         boxes: dict[str, Any] = {}
         origin = self.origin()
         if self.setting.surface:
-            shown, points = simulation.surface or simulation.fluid, self.points + origin
-            heights = shown.elevations(points)
+            water = simulation.surface or simulation.fluid
+            points = self.points + origin if self.follows else self.points
+            heights = water.elevations(points)
             arrays["height"] = heights.astype(np.float16)
             white = simulation.fluid.foam(points)
             if white is not None:
@@ -135,12 +143,12 @@ class Watch(Observer, TakesMotion):
         if self.setting.vessels:
             bodies = [simulation.ships[vessel.name].body for vessel in self.setting.vessels]
             arrays["poses"] = np.array([[*body.position, *body.orientation] for body in bodies], np.float32)
-        if self.setting.particles:
-            arrays |= self.particles()
-            boxes["particles"] = {"low": self.low.tolist(), "high": self.high.tolist()}
+        if self.shown is not None:
+            arrays |= self.particles(self.shown)
+            boxes["particles"] = self.box
         if self.platform is not None:
             arrays["platform"] = self.commands
-        if self.seq % LINES_EVERY == 0 or self.setting.flat or self.audience.fresh:
+        if self.seldom or self.setting.flat:
             ends, hues = self.scene.lines()
             arrays["lines"] = ends.astype(np.float32)
             arrays["hues"] = np.rint(255.0 * hues).astype(np.uint8)
@@ -155,6 +163,11 @@ class Watch(Observer, TakesMotion):
             fastest=round(self.fastest, 4),
         )
 
+    @property
+    def seldom(self) -> bool:
+        """Whether this frame holds what not every frame does."""
+        return self.seq % SELDOM == 0 or self.audience.fresh
+
     def origin(self) -> np.ndarray:
         """(2,) x and z of the middle of the heights [m]: by whole cells near the ships, where water is everywhere."""
         ships = self.simulation.ships.values()
@@ -164,31 +177,21 @@ class Watch(Observer, TakesMotion):
         middle = np.mean([ship.body.position[[0, 2]] for ship in ships], axis=0)
         return cell * np.round(middle / cell)
 
-    def particles(self) -> dict[str, np.ndarray]:
+    def particles(self, shown: ShownParticles) -> dict[str, np.ndarray]:
         """Positions in the box and speeds, by identity: in storage order none would stay itself."""
-        particles = self.simulation.fluid.particles
-        assert particles is not None
-        count = int(particles.count.now)
-        every = -(-particles.n // MOST)
-        order = particles.id.to_numpy()[:count]
-        chosen: Any = np.flatnonzero(order % every == 0) if every > 1 else slice(None)
-        place = order[chosen] // every
-        position = particles.position.to_numpy()[:count][chosen].astype(np.float32, copy=False)
-        velocity = particles.velocity.to_numpy()[:count][chosen]
-        speed = np.sqrt(np.einsum("ij,ij->i", velocity, velocity))
-        if len(speed):
-            self.fastest = max(self.fastest, float(np.partition(speed, -1 - len(speed) // 500)[-1 - len(speed) // 500]))
-        most = int(place.max()) + 1 if len(place) else 0
-        whole, pace = np.full((most, 3), -32768, np.int16), np.zeros(most, np.uint8)
-        whole[place] = boxed(position, self.low, self.high)
-        pace[place] = np.minimum(255.0 / self.fastest * speed, 255.0).astype(np.uint8)
-        return {"particles": whole, "speed": pace}
+        places, speed = shown.now()
+        if self.seldom and len(speed):
+            last = -1 - len(speed) // 500
+            self.fastest = max(self.fastest, float(np.partition(speed, last)[last]))
+        pace = np.minimum(speed.dtype.type(255.0 / self.fastest) * speed, 255.0).astype(np.uint8)
+        return {"particles": places, "speed": pace}
 
     def scalars(self, heights: np.ndarray) -> list[float]:
         """The numbers that are plotted, in the order of the still's `scalars`."""
         simulation = self.simulation
         values = [*(simulation.fluid.elevations(self.gauges) if len(self.gauges) else [])]
-        values.append(4.0 * float(np.std(heights)))
+        rise = heights - heights.mean()
+        values.append(4.0 * sqrt(np.einsum("i,i", rise, rise) / len(rise)))
         for ship in [*simulation.ships.values()][:SHIPS]:
             body, (throttle, rudder) = ship.body, ship.orders
             ahead = float(body.velocity @ body.matrix[:, 2])
@@ -230,7 +233,7 @@ def setting_of(simulation: "Simulation") -> Setting:
         waves=fluid.plane_waves,
         vessels=vessels,
         gauges=gauges,
-        particles=0 if fluid.particles is None else -(-fluid.particles.n // -(-fluid.particles.n // MOST)),
+        particles=0 if fluid.particles is None else -(-fluid.particles.n // every_shown(fluid.particles.n)),
         scalars=[
             *names(gauges, [*simulation.ships][:SHIPS], platform, fluid.particles is not None),
             {"name": "pace", "label": "simulated over wall time", "unit": "x", "group": "pace"},

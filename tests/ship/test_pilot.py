@@ -55,6 +55,23 @@ def test_it_holds_a_heading_and_a_leg_against_a_wind_from_the_side():
     assert np.abs(x[-400:] - 20.0).max() < 0.5
 
 
+def test_a_pilot_who_is_told_a_route_on_the_way_keeps_the_speed_and_arrives_a_length_before():
+    with Simulation(load(at_sea({"velocity": [0.0, 0.0, 3.0]}), QUIET)) as simulation:
+        simulation.run(1.0)
+        ship = simulation.ships["ship"]
+        pilot = ship.sail([(0.0, 60.0), (40.0, 100.0)], 3.0)
+        passed = []
+        while not pilot.arrived(ship.body) and simulation.time < 90.0:
+            simulation.step()
+            if len(passed) < pilot.leg:
+                passed.append(ship.body.position[[0, 2]])
+        length = np.ptp(ship.drawn()[0][:, 2])
+        assert pilot.near == length and passed[0][1] == pytest.approx(60.0 - length, abs=0.5)
+        assert np.hypot(*(ship.body.position[[0, 2]] - [40.0, 100.0])) == pytest.approx(length, rel=0.1)
+        assert np.hypot(*ship.body.velocity[[0, 2]]) == pytest.approx(3.0, rel=0.1)
+        assert pilot.ahead == [(40.0, 100.0)]
+
+
 @pytest.mark.parametrize(
     "ship, sentence",
     [

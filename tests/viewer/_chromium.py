@@ -110,11 +110,11 @@ class Page:
 
     def key(self, key: str, down: float = 0.0) -> None:
         """Press a key for so long [s]."""
-        code = {" ": 32, "ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, "Tab": 9}.get(
+        code = {" ": 32, "ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, "Tab": 9, "Enter": 13}.get(
             key, ord(key[0].upper())
         )
         values = {"key": key, "windowsVirtualKeyCode": code}
-        text = {"text": key} if len(key) == 1 else {}
+        text = {"text": "\r" if key == "Enter" else key} if len(key) == 1 or key == "Enter" else {}
         self.ask("Input.dispatchKeyEvent", type="keyDown", **values, **text)
         if down:
             self.loop.run_until_complete(asyncio.sleep(down))

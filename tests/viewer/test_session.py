@@ -2,7 +2,6 @@
 
 import json
 import threading
-from math import pi
 
 import numpy as np
 import pytest
@@ -14,7 +13,8 @@ from ocean_sim.viewer import protocol as p
 from ocean_sim.viewer.keys import keys
 from ocean_sim.viewer.replay import Recorded, replay_file
 from ocean_sim.viewer.server import Order
-from ocean_sim.viewer.session import Session, Source, towards
+from ocean_sim.viewer.session import Session, Source
+from ocean_sim.viewer.shown_particles import ShownParticles
 from ocean_sim.viewer.watch import Watch
 
 COARSE = {"runtime.threads": 1, "fluid.spacing": 2.5, "runtime.precision": "f64", "accuracy": None}
@@ -101,6 +101,17 @@ def test_a_frame_says_where_everything_is(session):
     }
 
 
+def test_particles_are_boxed_in_the_kernel_as_the_protocol_boxes_them(session):
+    particles = session.simulation.fluid.particles
+    low, high = np.array([-5.0, -8.0, -30.0]), np.array([20.0, 2.0, 20.0])  # so that some lie outside
+    places, speed = ShownParticles(particles, low, high).now()
+    order = particles.id.to_numpy()
+    positions, velocities = (np.empty((particles.n, 3)) for _ in range(2))
+    positions[order], velocities[order] = particles.position.to_numpy(), particles.velocity.to_numpy()
+    assert np.array_equal(places, p.boxed(positions, low, high))
+    assert speed == pytest.approx(np.linalg.norm(velocities, axis=1), abs=1e-12)
+
+
 def test_play_step_and_pause(session):
     simulation = session.simulation
     before = simulation.steps
@@ -132,23 +143,18 @@ def test_a_person_steers_and_a_route_is_sailed(session):
     ask(session, do="steer", ship="ship", throttle=0.5, rudder=9.0 / 10.0)
     assert session.persons["ship"].throttle == 0.5 and session.persons["ship"].rudder < 0.9  # held at its limit
     x, _, z = ship.body.position
-    ask(session, do="route", ship="ship", points=[[x, z + 1.0], [x + 40.0, z]])
-    session.steer()
-    assert session.routes["ship"] == [(x + 40.0, z)]  # she is at the first
+    ask(session, do="route", ship="ship", points=[[x, z + 1.0], [x + 40.0, z]], speed=2.5)
+    assert session.desk.last("panel")["ships"][0]["route"] == [[x, z + 1.0], [x + 40.0, z]]
+    pilot = session.pilots["ship"]
+    assert pilot.config.speed == 2.5 and pilot.near == np.ptp(ship.drawn()[0][:, 2])  # her length
+    throttle, rudder = pilot.order(ship.actuators.time + 0.1, ship.body)
+    session.follow()
+    assert session.desk.last("panel")["ships"][0]["route"] == [[x + 40.0, z]]  # she is at the first
+    assert throttle > 0.0 and rudder != 0.0
+    ask(session, do="steer", ship="ship", throttle=0.2, rudder=0.0)
+    assert session.desk.last("panel")["ships"][0]["route"] == [] and session.persons["ship"].throttle == 0.2
     ask(session, do="steer", ship="ghost", throttle=0.0, rudder=0.0)
     assert "no ship" in session.desk.last("said")["text"]
-
-
-def test_the_helm_is_laid_towards_a_waypoint():
-    class Body:
-        position, angles, angular_velocity = np.zeros(3), np.zeros(3), np.zeros(3)
-
-    class Ship:
-        body = Body()
-
-    assert towards(Ship(), (100.0, 0.0))[0] == pytest.approx(1.5 * pi / 2)  # to port, which is +x of one heading +z
-    assert towards(Ship(), (-100.0, 0.0))[0] == pytest.approx(-1.5 * pi / 2)
-    assert towards(Ship(), (1.0, 1.0))[1]
 
 
 def test_a_wrong_scene_is_told_at_its_lines_and_the_other_goes_on(session):
@@ -185,9 +191,15 @@ def test_what_is_saved_is_the_scene_that_is_played(session):
 def test_every_key_has_its_unit_and_range():
     found = {row["key"]: row for row in keys(load("showcase"))}
     spacing = found["fluid.spacing"]
-    assert (spacing["unit"], spacing["low"], spacing["low_open"]) == ("m", 0.0, True) and spacing["what"]
+    assert (spacing["unit"], spacing["range"]) == ("m", "> 0") and spacing["meaning"]
     assert {"seed", "duration", "basin.depth", "runtime.threads", "time_step.courant_number"} <= set(found)
-    assert found["runtime.precision"]["choices"] == ["f32", "f64"]
+    assert found["runtime.precision"]["choices"] == ["f32", "f64"] and found["wind.frame"]["value"] is None
+    assert not any(key.endswith("kind") for key in found)
+
+
+def test_keys_of_several_ships_are_those_of_their_kind():
+    found = {row["key"]: row for row in keys(load("gallery/two_ships"))}
+    assert found["ships.moored.heading_deg"]["unit"] == "deg" and found["ships.tug.heading_deg"]["meaning"]
 
 
 @pytest.mark.slow

@@ -96,6 +96,17 @@ class Helmsman:
             self.drifted += dt * DRIFT * self.reach * aside / (self.reach**2 + off**2)
         return along - atan(off / self.reach)
 
+    @property
+    def ahead(self) -> list[Vector2]:
+        """The waypoints that are not passed yet."""
+        return (self.config.route or [])[self.leg :]
+
+    def arrived(self, body: RigidBody) -> bool:
+        """Whether the last waypoint is reached; from there the ship goes on as on the last leg."""
+        if self.start is None or len(self.ahead) > 1:
+            return False
+        return self.place(float(body.position[0]), float(body.position[2]))[1] < self.near
+
     def place(self, x: float, z: float) -> tuple[float, float, float]:
         """Heading of the leg [rad], how far ahead its end is, and how far to port of it the ship is [m]."""
         assert self.start is not None and self.config.route is not None

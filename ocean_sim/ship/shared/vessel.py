@@ -12,13 +12,13 @@ from pydantic import Field
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import Diverged, Motions
 from ocean_sim.fluid import Fluid, Limits
-from ocean_sim.model import Vector3, quantity
+from ocean_sim.model import Vector2, Vector3, quantity
 from ocean_sim.parts import Problems, ShipConfig, called
 from ocean_sim.ship import PARTS, Load, Outline
 from ocean_sim.ship.shared.drawn import drawn
 from ocean_sim.ship.shared.hydrostatics import Matter
 from ocean_sim.ship.shared.outline import extreme, outline
-from ocean_sim.ship.shared.pilot import Helmsman
+from ocean_sim.ship.shared.pilot import Helmsman, Pilot
 from ocean_sim.ship.shared.propulsion import Crew, Helm, Person, Propeller, Rudder, towards
 from ocean_sim.ship.shared.rigid_body import RigidBody, advanced, cross, guided, oriented, product, rotated, spinning
 from ocean_sim.ship.shared.shapes import HullShape
@@ -165,6 +165,16 @@ class Vessel(ABC):
         person = Person(*self.orders, self.actuators.limit)
         self.actuators.crew = person
         return person
+
+    def sail(self, route: list[Vector2], speed: float) -> Helmsman:
+        """From now on a pilot sails along waypoints x, z [m] at a speed [m/s]; one is reached a ship's length before
+        it."""
+        shape = self.drawn()
+        length = None if shape is None else float(np.ptp(shape[0][:, 2]))
+        pilot = Pilot(route=route, speed=speed, arrival=length).crew()
+        pilot.time = self.actuators.time
+        self.actuators.crew = pilot
+        return pilot
 
     def drawn(self) -> tuple[np.ndarray, np.ndarray] | None:
         """Vertices from the centre of mass, body axes (n, 3) [m], and triangles (m, 3); None where only a law of motion

@@ -299,13 +299,12 @@ function scenes(rows) {
 
 function keyRows(rows) {
   const draw = () => {
-    const find = $("keyFilter").value.toLowerCase(), shown = rows.filter((r) => `${r.key} ${r.what}`.toLowerCase().includes(find)).slice(0, 120);
+    const find = $("keyFilter").value.toLowerCase(), shown = rows.filter((r) => `${r.key} ${r.meaning}`.toLowerCase().includes(find)).slice(0, 120);
     $("keys").innerHTML = shown.map((r, k) => {
-      const range = r.low !== undefined || r.high !== undefined ? `${r.low !== undefined ? `${r.low_open ? "above" : "from"} ${short(r.low)} ` : ""}${r.high !== undefined ? `${r.high_open ? "below" : "to"} ${short(r.high)}` : ""}` : "";
-      const words = r.choices || (r.type === "switch" ? [true, false] : null), label = `aria-label="${escaped(r.key)}"`;
-      const field = words ? `<select data-k="${k}" ${label}>${words.map((w) => `<option${w === r.value ? " selected" : ""}>${escaped(w)}</option>`).join("")}</select>`
+      const now = String(r.value), words = r.value === null && r.choices.length ? [...r.choices, "null"] : r.choices, label = `aria-label="${escaped(r.key)}"`;
+      const field = words.includes(now) ? `<select data-k="${k}" ${label}>${words.map((w) => `<option${w === now ? " selected" : ""}>${escaped(w)}</option>`).join("")}</select>`
         : `<input data-k="${k}" ${label} value="${escaped(r.value ?? "")}" placeholder="${r.value === null ? "open" : ""}">`;
-      return `<div class="key"><code>${escaped(r.key)}${r.unit && r.unit !== "1" ? ` [${escaped(r.unit)}]` : ""}</code>${field}<p>${escaped(r.what)} ${escaped(range)}</p></div>`;
+      return `<div class="key"><code>${escaped(r.key)}${r.unit && r.unit !== "1" ? ` [${escaped(r.unit)}]` : ""}</code>${field}<p>${escaped(r.meaning)} ${escaped(r.range)}</p></div>`;
     }).join("");
     for (const field of $("keys").querySelectorAll("[data-k]")) field.onchange = () => {
       const r = shown[field.dataset.k];
@@ -332,7 +331,8 @@ $("throttle").oninput = () => steer(+$("throttle").value, state.rudder);
 $("amidships").onclick = () => steer(state.throttle, 0);
 $("whichShip").onchange = () => { camera.ship = +$("whichShip").value; if (state.panel) panel(state.panel); state.dirty = true; };
 $("routeMode").onclick = () => picking(!state.picking);
-$("routeClear").onclick = () => { const world = state.worlds[0]; world.route = []; send({ do: "route", ship: world.ships[camera.ship].name, points: [] }); };
+$("routeClear").onclick = () => { const world = state.worlds[0]; world.route = []; sail(world.ships[camera.ship].name, []); };
+$("routeSpeed").onchange = () => { const world = state.worlds[0]; if (world?.route?.length) sail(world.ships[camera.ship].name, world.route); };
 $("record").onclick = () => send({ do: state.panel?.recording ? "stop" : "record" });
 $("still").onclick = still;
 $("csv").onclick = () => keep(new Blob([plots.csv()], { type: "text/csv" }), "curves.csv");
@@ -363,15 +363,31 @@ function picking(on) {
   state.picking = on;
   $("routeMode").setAttribute("aria-pressed", on);
   canvas.classList.toggle("aim", on);
-  if (on) say("Click on the water, waypoint by waypoint.");
+  $("cross").hidden = !on;
+  if (!on) return;
+  const [x, y] = middle();
+  $("cross").style.left = `${x}px`;
+  $("cross").style.top = `${y}px`;
+  say("Click on the water, waypoint by waypoint; or move the cross by Shift with W A S D, and press Enter.");
+  canvas.focus();
 }
+
+// Pixels of the middle of what no panel hides.
+function middle() {
+  const box = $("panel").getBoundingClientRect(), folded = document.body.classList.contains("folded");
+  return innerWidth > 820 ? [0.5 * (folded ? innerWidth : box.left), 0.5 * innerHeight] : [0.5 * innerWidth, 0.5 * (folded ? innerHeight : box.top)];
+}
+
+function overWater(x, y) { waypoint((2 * x) / innerWidth - 1, 1 - (2 * y) / innerHeight); }
 
 function waypoint(x, y) {
   const world = state.worlds[0], ship = world.ships[camera.ship], at = camera.hit(world.seen, x, y, world.level);
   if (!at || !ship || !mayTouch()) return;
   world.route = [...world.route, [+at[0].toFixed(2), +at[2].toFixed(2)]];
-  send({ do: "route", ship: ship.name, points: world.route });
+  sail(ship.name, world.route);
 }
+
+function sail(ship, points) { send({ do: "route", ship, points, speed: clamp(+$("routeSpeed").value || 3, 0.5, 50) }); }
 
 function keep(blob, name) {
   const link = document.createElement("a");
@@ -411,7 +427,7 @@ canvas.onpointerup = canvas.onpointercancel = (event) => {
   const finger = fingers.get(event.pointerId);
   fingers.delete(event.pointerId);
   if (state.picking && finger && finger.moved < 0.01 && event.type === "pointerup") {
-    waypoint((2 * event.clientX) / innerWidth - 1, 1 - (2 * event.clientY) / innerHeight);
+    overWater(event.clientX, event.clientY);
   }
 };
 canvas.oncontextmenu = (event) => event.preventDefault();
@@ -423,6 +439,7 @@ $("wheel").onpointermove = (event) => { if (wheelHeld !== null) { steer(state.th
 $("wheel").onpointerup = $("wheel").onpointercancel = () => { wheelHeld = null; };
 
 const down = new Set();
+let moves = false;  // whether held keys move the view in place of turning it
 addEventListener("keydown", (event) => {
   const typing = event.target.closest("input:not([type=range]), textarea, select, dialog");
   if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
@@ -435,8 +452,9 @@ addEventListener("keydown", (event) => {
     v: () => { const all = ["water", "particles", "both"].filter((n) => $("contents").querySelector(`[data-name=${n}]`)); $("contents").pick(all[(all.indexOf(state.content) + 1) % all.length]); },
     x: () => steer(state.throttle, 0), "?": () => $("help").showModal(),
     h: () => { const n = state.worlds[0]?.ships.length; if (n) { camera.ship = (camera.ship + 1) % n; $("whichShip").value = camera.ship; if (state.panel) panel(state.panel); } },
-    ",": () => faster(-1), ".": () => faster(1),
+    ",": () => faster(-1), ".": () => faster(1), Enter: () => { if (state.picking) overWater(...middle()); },
   };
+  moves = event.shiftKey;
   if (/^[1-5]$/.test(key)) $("cameras").pick(modes[key - 1]);
   else if (acts[key] && !event.repeat) acts[key]();
   else if (/^(Arrow(Up|Down|Left|Right)|[wasdqe])$/.test(key)) down.add(key);
@@ -459,7 +477,7 @@ function holdKeys(seconds) {
   const ahead = has("ArrowUp") - has("ArrowDown"), port = has("ArrowLeft") - has("ArrowRight");
   if (ships && (ahead || port)) steer(state.throttle + 0.5 * seconds * ahead, state.rudder + 0.35 * seconds * port);
   const right = has("d") - has("a") - (ships ? 0 : port), up = has("w") - has("s") + (ships ? 0 : ahead);
-  if (right || up) camera.drag(0.35 * seconds * right, 0.35 * seconds * up);
+  if (right || up) (moves ? camera.pan(-0.35 * seconds * right, 0.35 * seconds * up) : camera.drag(0.35 * seconds * right, 0.35 * seconds * up));
   if (has("q")) camera.nearer(0.4 ** seconds);
   if (has("e")) camera.nearer(2.5 ** seconds);
   state.dirty = true;

@@ -13,10 +13,12 @@ class Editor {
     this.text.addEventListener("scroll", () => { this.lines.scrollTop = this.text.scrollTop; });
     this.text.addEventListener("keydown", (event) => this.key(event));
     this.text.addEventListener("blur", () => setTimeout(() => { this.menu.hidden = true; }, 150));
-    this.list.addEventListener("click", (event) => {
+    const goes = (event) => {
       const row = event.target.closest("[data-line]");
-      if (row) this.go(+row.dataset.line, +row.dataset.column);
-    });
+      if (row) { event.preventDefault(); this.go(+row.dataset.line, +row.dataset.column); }
+    };
+    this.list.addEventListener("click", goes);
+    this.list.addEventListener("keydown", (event) => { if (event.key === "Enter" || event.key === " ") goes(event); });
   }
 
   load(text) {
@@ -43,7 +45,7 @@ class Editor {
   show(problems) {
     this.problems = problems;
     this.number();
-    this.list.innerHTML = problems.map((p) => `<li${p.line ? ` data-line="${p.line}" data-column="${p.column || 1}"` : ""}>` +
+    this.list.innerHTML = problems.map((p) => `<li${p.line ? ` tabindex="0" data-line="${p.line}" data-column="${p.column || 1}"` : ""}>` +
       `<b>${p.line ? `line ${p.line}` : "scene"}</b> <code>${escaped(p.key)}</code> ${escaped(p.message)}</li>`).join("");
     this.text.setAttribute("aria-invalid", problems.length ? "true" : "false");
   }

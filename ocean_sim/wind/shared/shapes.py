@@ -131,7 +131,8 @@ Shape = Annotated[Box | Sphere | Capsule, Field(discriminator="kind")]
 
 def turned(vectors: ArrayLike, angle: float) -> np.ndarray:
     """(..., 3) vectors turned by `angle` [rad] about the vertical, by the right hand."""
-    x, y, z = np.moveaxis(np.asarray(vectors, dtype=float), -1, 0)
+    given = np.asarray(vectors, dtype=float)
+    x, y, z = given[..., 0], given[..., 1], given[..., 2]
     c, s = cos(angle), sin(angle)
     return np.stack([c * x + s * z, y, c * z - s * x], axis=-1)
 

@@ -3,10 +3,11 @@
 import hashlib
 import os
 import signal
+import subprocess
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -91,11 +92,33 @@ def leash() -> Iterator[int]:
         os.close(ours)
 
 
-def outlive_no_parent() -> None:
-    """From now on, end this process as soon as its `leash` breaks."""
+def end_led(child: subprocess.Popen[str]) -> None:
+    """End a child that leads a session of its own, and every process that it has started; wait for it."""
+    if hasattr(os, "killpg"):
+        with suppress(ProcessLookupError, PermissionError):  # none is left
+            os.killpg(child.pid, signal.SIGKILL)
+    else:
+        child.kill()
+    child.wait()
+
+
+def yield_to_others(by: int) -> None:
+    """Let other processes go first on busy cores, where the system can."""
+    if hasattr(os, "nice"):
+        os.nice(by)
+
+
+def outlive_no_parent() -> threading.Event:
+    """From now on, end this process as soon as its standard input breaks, a `leash` or a pipe that its parent holds,
+    and with it the processes that it leads. The event is set when the parent writes something."""
+    spoken = threading.Event()
 
     def wait() -> None:
-        os.read(sys.stdin.fileno(), 1)
+        while os.read(sys.stdin.fileno(), 1):
+            spoken.set()
+        if hasattr(os, "killpg") and os.getpgrp() == os.getpid():
+            os.killpg(0, signal.SIGKILL)
         os._exit(1)
 
     threading.Thread(target=wait, daemon=True).start()
+    return spoken

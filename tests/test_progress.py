@@ -66,6 +66,14 @@ def test_the_time_left_is_never_negative(clock):
     assert shown(Progress(1.0, quiet=False), clock, [(0.9, 1), (1.02, 2)])[-1].endswith(" 0.0 s left")
 
 
+def test_pictures_that_are_drawn_while_a_run_goes_on_are_counted_in_its_line(clock, capsys):
+    progress = Progress(10.0, quiet=False)
+    progress.draw(7, 0)  # nobody knows yet of how many
+    lines = shown(progress, clock, [(0.0, 0), (1.0, 1), (2.0, 2)])
+    assert lines[-1] == "t = 2.00 of 10 s, 1 x real time, 8.0 s left, 7 pictures drawn"
+    assert "film" not in capsys.readouterr().out
+
+
 def test_a_film_is_estimated_once_from_its_first_pictures(clock, capsys):
     drawing = Drawing(quiet=False, cure=FILM)
     for done in range(1, 21):
@@ -80,7 +88,7 @@ def test_a_run_with_a_film_says_so_and_how_to_leave_it_out(capsys):
     run_verb.film(load(SEA))  # 10 pictures of 1280 x 720, a draft taking 0.5 s
     time = f"about {5.0:.1f} s on two idle cores"
     cure = "--set render=null leaves them out"
-    assert capsys.readouterr().out == f"after the run its pictures and film are drawn, {time}; {cure}\n"
+    assert capsys.readouterr().out == f"its film is drawn while it goes on, the rest after it, {time}; {cure}\n"
     run_verb.film(load(SEA, {"render.film": False}))
     run_verb.film(load(SEA, {"render": None}))
     assert capsys.readouterr().out == ""

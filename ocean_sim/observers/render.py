@@ -1,31 +1,35 @@
 """Pictures and a film from the frames of a run, drawn off screen; the only file with PyVista and imageio.
 
 Everything is drawn in a child process, `python -m ocean_sim.observers.render ORDER`: where OpenGL is missing VTK ends
-its process without an exception, and a run that went well must end well.
+its process without an exception, and a run that went well must end well. The child follows the frames while the run
+goes on: they lie on disk, and it holds one at a time, however far it is behind. It yields to the run (`nice`).
 """
 
 import json
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
+from time import sleep
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from ocean_sim.files.whole_file import whole
-from ocean_sim.machine import leash, outlive_no_parent
+from ocean_sim.machine import end_led, outlive_no_parent, yield_to_others
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.observers.shared import run_report
 from ocean_sim.parts import SEVERAL, Preflight, Problems, key_of
 from ocean_sim.pictures import opengl
 from ocean_sim.pictures.camera import ABOARD, Name
-from ocean_sim.pictures.frame_files import Frame, Log, frame_files, schedule, ships_in, survey
+from ocean_sim.pictures.frame_files import Frame, Log, frame_files, frame_path, known, schedule, ships_in, survey
 from ocean_sim.pictures.order import Order, Quality, RenderFailed
-from ocean_sim.pictures.picture import Picture
+from ocean_sim.pictures.picture import Picture, foreseen
 from ocean_sim.simulation import Concluding, PeriodicConfig, Progress
 
 if TYPE_CHECKING:
@@ -33,6 +37,8 @@ if TYPE_CHECKING:
 
 PICTURE = {"draft": 0.5, "final": 1.1}  # [s] of a picture of 1280 x 720 on two cores without a graphics card
 GAP = 6  # pixels between the pictures of a strip
+YIELDING = 10  # by which the child that draws is nicer than a run that goes on
+LOOKS_EVERY = 0.1  # [s] between two looks for a new frame
 Moment = Annotated[float, Field(ge=0.0, strict=False)]
 OpenGLMissing = opengl.OpenGLMissing
 probe = opengl.probe
@@ -40,7 +46,7 @@ probe = opengl.probe
 
 class Config(PeriodicConfig):
     turn: ClassVar[int] = 4
-    leaves: ClassVar[str] = "film and pictures, when the run is over"
+    leaves: ClassVar[str] = "film, drawn while the run goes on, and pictures"
     every: float = quantity("s", 0.033, gt=0.0)
     """Simulated time between pictures of the film, which runs in real time."""
     camera: Name = "third_person"
@@ -125,15 +131,27 @@ class Config(PeriodicConfig):
 
 
 class Render(Concluding):
-    """Draws preview.png and film.mp4 when the run is over, from what `frames` kept; then the report is written again,
-    with the pictures."""
+    """Draws film.mp4 from what `frames` keeps while the run goes on, and preview.png and all else when it is over;
+    then the report is written again, with the pictures."""
+
+    left_out = ("drawer", "progress", "every")  # of the process that goes on
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
         self.config, self.folder, self.simulation = config, folder, simulation
         self.progress: Progress | None = None
+        self.drawer: Drawer | None = None
 
     def show_progress(self, progress: Progress) -> None:
         self.progress = progress
+        if self.drawer is not None:
+            self.drawer.progress = progress
+
+    def observe(self, simulation: "Simulation") -> None:
+        """Begin to draw once there is a frame; the child does the rest."""
+        if self.drawer is None and self.config.film and frame_path(self.folder, 0).exists():
+            self.drawer = Drawer([order_of(self.folder, **self.config.model_dump())], self.progress, goes_on=True)
+        if self.drawer is not None:
+            self.every = float("inf")
 
     def close(self) -> None:
         files = frame_files(self.folder)
@@ -141,6 +159,7 @@ class Render(Concluding):
             return
         later = f"`ocean-sim render {self.folder}` draws them"
         if self.simulation.reason == "interrupted":  # who stops a run does not want to wait for its film
+            self.stop()
             print(f"no pictures; {later}", file=sys.stderr)
             return
         missing = without_frame(files, self.config.stills)
@@ -148,7 +167,10 @@ class Render(Concluding):
             print(f"{no_picture(files, missing)}; the other pictures are drawn", file=sys.stderr)
         kept = tuple(time for time in self.config.stills if time not in missing)
         try:
-            render_run(self.folder, **(self.config.model_dump() | {"stills": kept}), progress=self.progress)
+            if self.drawer is None:
+                render_run(self.folder, **(self.config.model_dump() | {"stills": kept}), progress=self.progress)
+            else:
+                self.drawer.finish()
         except (OpenGLMissing, RenderFailed) as problem:
             print(f"no pictures: {problem}", file=sys.stderr)
         except KeyboardInterrupt:
@@ -158,8 +180,105 @@ class Render(Concluding):
             if (self.folder / "report.html").exists():
                 run_report.write(self.folder)
 
+    def stop(self) -> None:
+        if self.drawer is not None:
+            self.drawer.stop()
+
+
+class Drawer:
+    """A child process that draws what is ordered, and the processes that it leads."""
+
+    def __init__(self, orders: Sequence[Order], progress: Progress | None = None, goes_on: bool = False) -> None:
+        """`goes_on`: the run still writes frames, until `finish` is called."""
+        self.orders, self.progress, self.goes_on = orders, progress, goes_on
+        self.errors = tempfile.TemporaryFile("w+")
+        self.child: subprocess.Popen[str] | None = None
+        self.problem: Exception | None = None
+        window = opengl.window()
+        sentence = impossible(Path(orders[0].folder), orders[0].camera, (), orders[0].ship) if goes_on else None
+        if window is None or sentence is not None:
+            self.problem = OpenGLMissing() if window is None else RenderFailed(sentence)
+            return
+        asked = json.dumps({"goes_on": goes_on, "orders": [asdict(order) for order in orders]})
+        self.child = subprocess.Popen(
+            [sys.executable, "-m", "ocean_sim.observers.render", asked],
+            env=opengl.environment(window),
+            stdin=subprocess.PIPE,  # breaks when this process ends, however that comes
+            stdout=subprocess.PIPE,
+            stderr=self.errors,
+            text=True,
+            start_new_session=True,  # Ctrl-C is the parent's, which ends the child and its encoder together
+        )
+        self.reader = threading.Thread(target=self.follow, daemon=True)
+        self.reader.start()
+
+    def follow(self) -> None:
+        """Reads "pictures 3 of 600" from the child until it ends; of 0 while nobody knows of how many."""
+        assert self.child is not None and self.child.stdout is not None
+        for line in self.child.stdout:
+            words = line.split()
+            if self.progress is not None and words[:1] == ["pictures"]:
+                self.progress(int(words[1]), int(words[3]))
+
+    def finish(self) -> None:
+        """The run is over: wait until all is drawn; raises OpenGLMissing or RenderFailed."""
+        try:
+            if self.problem is not None:
+                raise self.problem
+            child = self.child
+            assert child is not None and child.stdin is not None
+            with suppress(OSError):  # it has died
+                child.stdin.write("over\n")
+                child.stdin.flush()
+            self.reader.join()
+            child.wait()
+            self.errors.seek(0)
+            errors = self.errors.read().strip()
+            if child.returncode < 0:
+                opengl.forget()
+                raise RenderFailed(f"the drawing process died (signal {-child.returncode}); {OpenGLMissing()}")
+            if child.returncode > 0:
+                raise RenderFailed(errors.splitlines()[-1] if errors else "the drawing process ended without a message")
+        finally:
+            self.stop()
+
+    def stop(self) -> None:
+        """End the child and its encoder, and remove what they left unfinished."""
+        child = self.child
+        if child is not None:
+            end_led(child)
+            for stream in (child.stdin, child.stdout):
+                if stream is not None:
+                    with suppress(OSError):
+                        stream.close()
+            for order in self.orders:
+                for left in Path(order.out).glob(f".*.{child.pid}.tmp*"):
+                    left.unlink(missing_ok=True)
+            self.child = None
+        self.errors.close()
+
 
 def render_run(
+    folder: Path,
+    *,
+    out: Path | None = None,
+    progress: Progress | None = None,
+    **asked: Any,
+) -> list[Path]:
+    """Draw preview.png, and film, stills and strip when asked, into `out`; `asked` as in `order_of`.
+
+    Raises OpenGLMissing or RenderFailed.
+    """
+    order = order_of(folder, out=out, **asked)
+    sentence = impossible(folder, order.camera, order.stills, order.ship)
+    if sentence is not None:
+        raise RenderFailed(sentence)
+    Path(order.out).mkdir(parents=True, exist_ok=True)
+    draw_apart([order], progress)
+    return [Path(order.out, name) for name in written(order)]
+
+
+def order_of(
     folder: Path,
     *,
     camera: Name = "third_person",
@@ -169,49 +288,17 @@ def render_run(
     every: float = 0.033,
     film: bool = True,
     out: Path | None = None,
-    progress: Progress | None = None,
     stills: Sequence[float] = (),
-    ship: str | None = None,
     **further: Any,
-) -> list[Path]:
-    """Draw preview.png, and film, stills and strip when asked, into `out`; `further` as in Order.
-
-    Raises OpenGLMissing or RenderFailed.
-    """
-    sentence = impossible(folder, camera, stills, ship)
-    if sentence is not None:
-        raise RenderFailed(sentence)
-    out = out or folder
-    out.mkdir(parents=True, exist_ok=True)
-    order = Order(
-        str(folder), str(out), camera, size, particles, quality, every, film, stills=tuple(stills), ship=ship, **further
-    )
-    draw_apart([order], progress)
-    return [out / name for name in written(order)]
+) -> Order:
+    """What to draw of a run into `out`, by default its own folder; `further` as in Order."""
+    place = str(out or folder)
+    return Order(str(folder), place, camera, size, particles, quality, every, film, stills=tuple(stills), **further)
 
 
 def draw_apart(orders: Sequence[Order], progress: Progress | None = None) -> None:
     """Draw in a child process what is ordered; raises OpenGLMissing or RenderFailed."""
-    window = opengl.window()
-    if window is None:
-        raise OpenGLMissing
-    command = [sys.executable, "-m", "ocean_sim.observers.render", json.dumps([asdict(order) for order in orders])]
-    with tempfile.TemporaryFile("w+") as errors_written:
-        streams: Any = {"stdout": subprocess.PIPE, "stderr": errors_written, "text": True}
-        with leash() as theirs:
-            child = subprocess.Popen(command, env=opengl.environment(window), stdin=theirs, **streams)
-            try:
-                follow(child, progress)
-            finally:
-                child.kill()
-                child.wait()
-        errors_written.seek(0)
-        errors = errors_written.read().strip()
-    if child.returncode < 0:
-        opengl.forget()
-        raise RenderFailed(f"the drawing process died (signal {-child.returncode}); {OpenGLMissing()}")
-    if child.returncode > 0:
-        raise RenderFailed(errors.splitlines()[-1] if errors else "the drawing process ended without a message")
+    Drawer(orders, progress).finish()
 
 
 def impossible(folder: Path, camera: Name, stills: Sequence[float], ship: str | None = None) -> str | None:
@@ -292,48 +379,86 @@ def still(time: float) -> str:
     return f"still_{time:08.3f}.png"
 
 
-def follow(child: "subprocess.Popen[str]", progress: Progress | None) -> None:
-    """Reads "pictures 3 of 600" from the child until it ends."""
-    assert child.stdout is not None
-    for line in child.stdout:
-        words = line.split()
-        if progress is not None and words[:1] == ["pictures"]:
-            progress(int(words[1]), int(words[3]))
-    child.wait()
-
-
-def draw(order: Order) -> Iterator[tuple[int, int]]:
-    """Draw what is ordered; yields how many pictures are drawn of how many."""
-    log = Log(frame_files(Path(order.folder)))
-    with np.load(Path(order.folder) / "frames" / "grid.npz") as file:
+def draw(order: Order, over: Callable[[], bool]) -> Iterator[tuple[int, int]]:
+    """Draw what is ordered; yields how many pictures of the film are drawn of how many, of 0 while that is unknown.
+    `over`: whether the run has written its last frame."""
+    folder, out = Path(order.folder), Path(order.out)
+    with np.load(folder / "frames" / "grid.npz") as file:
         grid = dict(file)
-    lively, fastest = survey(log.files[:: max(1, len(log.files) // 60)])
-    picture = Picture(grid, order, lively, fastest, log)
-    out = Path(order.out)
+    while not (foreseen(grid, order) or over()):
+        sleep(LOOKS_EVERY)
+    coming = Coming(folder, over)
+    fastest = 0.1 if foreseen(grid, order) else survey(some(coming.log.files))[1]
+    picture = Picture(grid, order, Frame(coming.log.files[0]), fastest, coming.log)
+    picture.smooth(order.quality == "final")
+    if order.film:
+        yield from film(out / "film.mp4", picture, coming, order.every)
+    coming.wait()
+    log = coming.log
     picture.smooth(True)
     if order.preview:
-        save_png(out / "preview.png", picture.draw(lively))
-    for time in order.stills:
+        save_png(out / "preview.png", picture.draw(survey(some(log.files))[0]))
+    missing = without_frame(log.files, order.stills)
+    for time in (time for time in order.stills if time not in missing):
         save_png(out / still(time), picture.draw(Frame(log.nearest(time))))
     if order.strip:
         times = np.linspace(*log.span, order.strip) if order.strip > 1 else [sum(log.span) / 2.0]
         row = side_by_side([picture.draw(Frame(log.nearest(float(time)))) for time in times])
         save_png(out / "strip.png", row)
-    picture.smooth(order.quality == "final")
-    if order.film:
-        chosen = [log.files[k] for k in schedule(log.times, order.every)]
-        yield from film(out / "film.mp4", picture, chosen, 1.0 / order.every)
     picture.close()
 
 
-def film(path: Path, picture: Picture, files: list[Path], rate: float) -> Iterator[tuple[int, int]]:
+def some(files: list[Path]) -> list[Path]:
+    """Of many frames some sixty, from which a run is surveyed."""
+    return files[:: max(1, len(files) // 60)]
+
+
+class Coming:
+    """The frames of a run as they come."""
+
+    def __init__(self, folder: Path, over: Callable[[], bool]) -> None:
+        self.folder, self.over = folder, over
+        self.log, self.ended = Log([]), False
+        self.look()
+
+    def look(self) -> None:
+        """Add the frames that are there; whether the run is over is asked before, so that none is missed."""
+        ended, number = self.over(), len(self.log.files)
+        while frame_path(self.folder, number).exists():
+            number += 1
+        self.log.grow([frame_path(self.folder, k) for k in range(len(self.log.files), number)])
+        self.ended = ended
+
+    def wait(self) -> None:
+        """Until the run is over."""
+        while not self.ended:
+            sleep(LOOKS_EVERY)
+            self.look()
+
+    def chosen(self, every: float) -> Iterator[tuple[Path, int]]:
+        """The frame of each picture of a film, as soon as it is known, and how many pictures there are, or 0."""
+        done = 0
+        while True:
+            ended = self.ended
+            numbers = schedule(self.log.times, every) if ended else known(self.log.times, every)
+            for number in numbers[done:]:
+                yield self.log.files[number], len(numbers) if ended else 0
+                done += 1
+            if ended:
+                return
+            self.look()
+            if not self.ended and len(known(self.log.times, every)) == done:
+                sleep(LOOKS_EVERY)
+
+
+def film(path: Path, picture: Picture, coming: Coming, every: float) -> Iterator[tuple[int, int]]:
     """H.264 that any player shows, in real time."""
     import imageio.v2 as imageio
 
     with whole(path) as draft:
         writer = imageio.get_writer(
             draft,
-            fps=rate,
+            fps=1.0 / every,
             codec="libx264",
             quality=8,
             macro_block_size=2,
@@ -342,11 +467,11 @@ def film(path: Path, picture: Picture, files: list[Path], rate: float) -> Iterat
         )
         shown, image = None, None
         with writer:
-            for k, file in enumerate(files):
+            for k, (file, total) in enumerate(coming.chosen(every)):
                 if file != shown:
                     shown, image = file, picture.draw(Frame(file))
                 writer.append_data(image)
-                yield k + 1, len(files)
+                yield k + 1, total
 
 
 def save_png(path: Path, image: np.ndarray) -> None:
@@ -357,12 +482,14 @@ def save_png(path: Path, image: np.ndarray) -> None:
 
 
 def main() -> None:
-    outlive_no_parent()
-    orders = json.loads(sys.argv[1])
+    spoken = outlive_no_parent()
+    asked = json.loads(sys.argv[1])
+    if asked["goes_on"]:
+        yield_to_others(YIELDING)
     try:
-        for order in orders:
+        for order in asked["orders"]:
             order["size"], order["stills"] = tuple(order["size"]), tuple(order["stills"])
-            for drawn, of in draw(Order(**order)):
+            for drawn, of in draw(Order(**order), spoken.is_set if asked["goes_on"] else lambda: True):
                 print(f"pictures {drawn} of {of}", flush=True)
     except (RenderFailed, OSError, ValueError) as problem:
         sys.exit(str(problem))

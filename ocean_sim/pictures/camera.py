@@ -1,5 +1,6 @@
 """Cameras: fixed ones that see the whole basin, and ones that move with the ship."""
 
+from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -53,8 +54,9 @@ class Camera(NamedTuple):
         return float(np.abs(aside).max()), lowest
 
 
-class Track(NamedTuple):
-    """Where the ship was in every frame."""
+@dataclass
+class Track:
+    """Where the ship was in every frame so far: it grows while the run goes on."""
 
     time: np.ndarray  # (n,) [s]
     position: np.ndarray  # (n, 3) [m]
@@ -70,20 +72,22 @@ class Vessel(NamedTuple):
 
 
 class Operator:
-    """Moves a camera: its position depends on nothing but the time and the track of the ship."""
+    """Moves a camera: its position depends on nothing but the time and the track of the ship until then; that of
+    `orbit` on the span of the film, too."""
 
     def __init__(
         self, name: Name, lower: np.ndarray, upper: np.ndarray, aspect: float, span: tuple[float, float], **given: Any
     ) -> None:
-        """`span`: first and last time of the film [s]; `given`: `vessel`, and of a fixed camera `eye` and `target`."""
+        """`span`: first and last time of the film [s]; `given`: `vessel`, whether she may leave the basin, `away`, and
+        of a fixed camera `eye` and `target`."""
         self.name, self.lower, self.upper, self.aspect, self.span = name, lower, upper, aspect, span
         self.vessel: Vessel | None = given.get("vessel")
+        self.away = bool(given.get("away"))
         if name == "fixed":
             self.standing = looking(np.array(given["eye"], dtype=float), np.array(given["target"], dtype=float))
         else:
             self.standing = placed(name if name in TOWARDS else "third_person", lower, upper, aspect)
-        if name == "follow" and self.vessel is not None:
-            self.trail = damped(self.vessel.track)
+        self.trail = np.zeros((0, 3)), np.zeros(0)
 
     def at(self, time: float) -> Camera:
         """The camera at a time [s]."""
@@ -97,6 +101,8 @@ class Operator:
         if self.name == "third_person":
             return self.near_ship(position, vessel.length)
         if self.name == "follow":
+            if len(self.trail[0]) < len(vessel.track.time):
+                self.trail = damped(vessel.track)
             centre, heading = self.trail[0][k], self.trail[1][k]
             ahead = np.array([np.sin(heading + np.radians(QUARTER)), 0.0, np.cos(heading + np.radians(QUARTER))])
             eye = centre - BEHIND * vessel.length * ahead + [0.0, ABOVE * vessel.length, 0.0]
@@ -107,12 +113,15 @@ class Operator:
         return Camera(position + turn @ vessel.helm, turn @ forward, turn @ up, None, WIDE_ANGLE, near)
 
     def near_ship(self, position: np.ndarray, length: float) -> Camera:
-        """The fixed camera; where the basin is many times as long as the ship, one that moves with it."""
+        """The fixed camera; where the basin is many times as long as the ship, or she may leave it, one that moves
+        with her."""
         reach = SHIPS * length * np.array([1.0, 0.0, 1.0])
-        lower, upper = np.maximum(self.lower, position - reach), np.minimum(self.upper, position + reach)
+        lower, upper = position - reach, position + reach
+        if not self.away:
+            lower, upper = np.maximum(self.lower, lower), np.minimum(self.upper, upper)
+            if (self.upper - self.lower).max() <= FAR * length:
+                return self.standing
         lower[1], upper[1] = self.lower[1], self.upper[1]
-        if (self.upper - self.lower).max() <= FAR * length:
-            return self.standing
         lower[1] = max(lower[1], -KEEL * length)
         return placed("third_person", lower, upper, self.aspect)
 

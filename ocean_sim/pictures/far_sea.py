@@ -14,7 +14,8 @@ OUT = 14000.0  # [m] where the drawn sea ends, behind the fog
 MARGIN = 0.2  # of the basin's shorter side: where its own waves give way to the far ones, within its walls
 NODES_PER_WAVE = (2.0, 3.0)  # at which a wave is not drawn, and is fully drawn
 PIXELS_PER_WAVE = (1.2, 4.0)  # across which the slopes of a wave fade into the width of the glint
-COMPONENTS = 160  # plane waves that stand for the spectrum of a basin
+SHELLS, SECTORS = 20, 6  # of wavenumbers and of headings in a quarter: in each a wave stands for modes of a basin
+SHORTEST = 0.8  # of half a wave a cell: shorter modes are noise of the particles
 STRONGEST = 96  # plane waves of a sea that are drawn far away
 RAYS = 120, 320  # least and most of the fan in which the far sea is drawn
 NEAREST = 0.35  # [heights of the eye] away, or nearer, where the first ring lies
@@ -58,10 +59,15 @@ class PlaneWaves:
         return SeaSample(height, convergence, np.zeros_like(height))
 
 
-def turning(sea: Components, time: float, origin: np.ndarray, share: float) -> np.ndarray:
+def turning(sea: Components, time: float, origin: np.ndarray) -> np.ndarray:
     """(n,) complex amplitudes [m] of plane waves at a time [s] around an origin x, z [m]."""
     phase = np.mod(sea.phase + sea.wavevector @ origin - sea.omega * time, 2.0 * pi)
-    return share * sea.amplitude * np.exp(1j * phase)
+    return sea.amplitude * np.exp(1j * phase)
+
+
+def grown(sea: Components, time: float) -> Components:
+    """Plane waves as high as they are at a time [s]."""
+    return replace(sea, amplitude=sea.grown(time) * sea.amplitude, ramp=0.0)
 
 
 def strongest(sea: Components, most: int = STRONGEST) -> Components:
@@ -74,17 +80,21 @@ def strongest(sea: Components, most: int = STRONGEST) -> Components:
 
 
 def shortest(sea: Components) -> list[float]:
-    """Of the waves that are drawn to each of REACHES, the length of the shortest [m]."""
+    """Of the waves that are drawn to each of REACHES, the length of the shortest [m], rounded down to a step of a
+    fifth: seas that are alike have the same."""
     order = np.argsort(sea.wavenumber)[::-1]
     held = np.cumsum(sea.amplitude[order] ** 2)
     lengths = 2.0 * pi / np.maximum(sea.wavenumber[order], 1e-9)
-    return [float(lengths[np.searchsorted(held, share * held[-1])]) if held[-1] > 0.0 else OUT for _, share in REACHES]
+    if held[-1] <= 0.0:
+        return [OUT for _ in REACHES]
+    found = [float(lengths[np.searchsorted(held, share * held[-1])]) for _, share in REACHES]
+    return [2.0 ** (float(np.floor(4.0 * np.log2(length) + 1e-9)) / 4.0) for length in found]
 
 
-def rings(sea: Components, first: float) -> np.ndarray:
-    """Distances [m] of rings around an eye, out to the horizon: close enough for the waves of the sea, but for the
-    shortest ones, as far as REACHES."""
-    caps = [length / NODES_PER_WAVE[1] for length in shortest(sea)]
+def rings(lengths: list[float], first: float) -> np.ndarray:
+    """Distances [m] of rings around an eye, out to the horizon: as far as REACHES close enough for waves of these
+    lengths [m]."""
+    caps = [length / NODES_PER_WAVE[1] for length in lengths]
     distances = [first]
     step = max(WIDENING * first, 0.02)
     while distances[-1] < OUT:
@@ -100,29 +110,33 @@ class Fan:
     widens the glint."""
 
     def __init__(self, sea: Components) -> None:
+        """`sea`: its amplitudes may change with time."""
         self.sea = sea
         self.looked: tuple[float, ...] = ()
         self.nodes = np.zeros((0, 2))  # around the eye [m]
         self.triangles = np.zeros((0, 3), dtype=int)
 
-    def look(self, height: float, heading: float, half: float, lowest: float, pixel: float) -> bool:
+    def look(
+        self, height: float, heading: float, half: float, lowest: float, pixel: float, amplitude: np.ndarray
+    ) -> bool:
         """Turn towards a heading [rad, from +x to +z]; whether the nodes are new ones.
 
         `height`: of the eye over the water [m]; `half`: the angle to either side that it sees, `lowest`: that of its
-        lowest ray below the horizon [rad]; `pixel`: the angle of a pixel [rad].
+        lowest ray below the horizon [rad]; `pixel`: the angle of a pixel [rad]; `amplitude` (n,): of the waves now [m].
         """
         whole = half > 0.5 * pi
         bucket = 0.0 if whole else TURN * round(heading / TURN)
         step = 2.0 ** (np.round(2.0 * np.log2(max(height, 0.5))) / 2.0)  # heights that are alike look alike
-        seen = (bucket, step, float(np.ceil(half / TURN)), float(np.ceil(lowest / TURN)), pixel)
+        lengths = shortest(replace(self.sea, amplitude=amplitude))
+        seen = (bucket, step, float(np.ceil(half / TURN)), float(np.ceil(lowest / TURN)), pixel, *lengths)
         if seen == self.looked:
             return False
         self.looked = seen
         reach = pi if whole else min((seen[2] + 0.5) * TURN, pi)
         below = min(max((seen[3] + 0.5) * TURN, 0.05), 0.49 * pi)
         first = max(min(NEAREST * step, 0.7 * step / float(np.tan(below))), 0.3)
-        distance = rings(self.sea, first)
-        far, length = REACHES[-1][0], shortest(self.sea)[-1]
+        distance = rings(lengths, first)
+        far, length = REACHES[-1][0], lengths[-1]
         rays = int(np.clip(2.0 * reach * far * NODES_PER_WAVE[1] / length, *RAYS))
         angle = bucket + np.linspace(-reach, reach, rays + 1)
         away = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
@@ -140,9 +154,11 @@ class Fan:
         least, enough = PIXELS_PER_WAVE
         seen_slopes = self.drawn * np.clip((length / footprint[:, None] - least) / (enough - least), 0.0, 1.0)
         self.sloping = seen_slopes
-        k2 = 0.5 * (sea.amplitude * sea.wavenumber) ** 2
-        self.lost = 0.5 * ((1.0 - seen_slopes**2) * k2).sum(axis=1)
         return True
+
+    def lost(self, amplitude: np.ndarray) -> np.ndarray:
+        """(rings,) variance along each axis of the slopes that are not drawn, of waves of these amplitudes (n,) [m]."""
+        return 0.25 * (1.0 - self.sloping**2) @ (amplitude * self.sea.wavenumber) ** 2
 
     def at(self, turning: np.ndarray) -> np.ndarray:
         """(rings, rays, 4) height [m], slopes along x and z, and convergence of the sea of complex amplitudes (n,) at
@@ -153,36 +169,44 @@ class Fan:
         return self.waves @ np.concatenate([columns.real, -columns.imag], axis=1).astype(np.float32)
 
 
-def of_frames(
-    elevations: list[np.ndarray], size: tuple[float, float], depth: float, towards: np.ndarray, seed: int = 0
-) -> Components:
-    """Plane waves with the spectrum of heights (nx, nz) in a basin, their variance the heights' own.
+class Modes:
+    """Plane waves that stand for the modes of a basin. Between walls a wave and its mirror images are one: each wave
+    has the mean wavenumber and heading of the modes in a shell and a sector, turned into one of four quarters, the
+    likelier the nearer it is to where the wind goes to, and bears the variance of all of them."""
 
-    `size`: of the basin along x and z [m]; `towards` (2,): unit vector the waves go to. Between walls a wave and its
-    mirror images are one: each mode of the basin becomes one wave at one of its four headings, the likelier the nearer
-    it is to `towards`, of a random wavenumber in its bin.
-    """
-    from scipy.fft import dctn
+    def __init__(
+        self, shape: tuple[int, ...], size: tuple[float, float], depth: float, towards: np.ndarray, seed: int = 0
+    ) -> None:
+        """`shape`: of the heights in a basin; `size`: along x and z [m]; `towards` (2,): unit vector of the wind."""
+        p, q = np.indices(shape)
+        self.kept = (np.hypot(p / shape[0], q / shape[1]) < SHORTEST) & (p + q > 0)
+        p, q = p[self.kept], q[self.kept]
+        kx, kz = pi * p / size[0], pi * q / size[1]
+        if not len(p):
+            self.numbers = np.zeros(0, int)
+            self.sea = Components(np.zeros(1), np.array([[1.0, 0.0]]), np.zeros(1), depth)
+            return
+        k = np.hypot(kx, kz)
+        shell = np.minimum(SHELLS * np.log(k / k.min()) / max(np.log(k.max() / k.min()), 1e-9), SHELLS - 1).astype(int)
+        sector = np.minimum(SECTORS * np.arctan2(kz, kx) / (0.5 * pi), SECTORS - 1).astype(int)
+        _, self.numbers = np.unique(shell * SECTORS + sector, return_inverse=True)
+        many = np.bincount(self.numbers)
+        n = np.arange(len(many))
+        p, q = (np.bincount(self.numbers, weights=each) / many for each in (p, q))
+        kx = pi * np.maximum(p + (numpy_uniform(seed, PLACES, n, 0) - 0.5) * (p > 0), 0.0) / size[0]
+        kz = pi * np.maximum(q + (numpy_uniform(seed, PLACES, n, 1) - 0.5) * (q > 0), 0.0) / size[1]
+        sign_x = np.where(numpy_uniform(seed, ASTREAM, n, 0) < 0.5 + 0.5 * towards[0], 1.0, -1.0)
+        sign_z = np.where(numpy_uniform(seed, ASTREAM, n, 1) < 0.5 + 0.5 * towards[1], 1.0, -1.0)
+        phase = 2.0 * pi * numpy_uniform(seed, PHASES, n, 0)
+        self.sea = Components(np.ones(len(n)), np.stack([sign_x * kx, sign_z * kz], axis=1), phase, depth)
 
-    power = np.mean([dctn(e - e.mean(), type=2, norm="ortho") ** 2 / e.size for e in elevations], axis=0)
-    nx, nz = power.shape
-    power[0, 0] = 0.0
-    p, q = np.unravel_index(np.argsort(power, axis=None)[::-1][:COMPONENTS], power.shape)
-    short = np.hypot(p / nx, q / nz) < 0.8  # the shortest are noise of the particles
-    p, q = p[short], q[short]
-    kept = power[p, q]
-    if not len(p) or kept.sum() <= 0.0:
-        return Components(np.zeros(1), np.array([[1.0, 0.0]]), np.zeros(1), depth)
-    kept = kept * power.sum() / kept.sum()
-    n = np.arange(len(p))
-    shift = numpy_uniform(seed, PLACES, n, 0) - 0.5
-    kx = np.pi * np.maximum(p + shift * (p > 0), 0.0) / size[0]
-    kz = np.pi * np.maximum(q + (numpy_uniform(seed, PLACES, n, 1) - 0.5) * (q > 0), 0.0) / size[1]
-    sign_x = np.where(numpy_uniform(seed, ASTREAM, n, 0) < 0.5 + 0.5 * towards[0], 1.0, -1.0)
-    sign_z = np.where(numpy_uniform(seed, ASTREAM, n, 1) < 0.5 + 0.5 * towards[1], 1.0, -1.0)
-    wavevector = np.stack([sign_x * kx, sign_z * kz], axis=1)
-    phase = 2.0 * pi * numpy_uniform(seed, PHASES, n, 0)
-    return Components(np.sqrt(2.0 * kept), wavevector, phase, depth)
+    def variances(self, elevation: np.ndarray) -> np.ndarray:
+        """(n,) of the waves that stand for heights (nx, nz) in the basin [m2]; their sum is the heights' own."""
+        from scipy.fft import dctn
+
+        power = dctn(elevation - elevation.mean(), type=2, norm="ortho") ** 2 / elevation.size
+        kept = np.bincount(self.numbers, weights=power[self.kept], minlength=len(self.sea.amplitude))
+        return kept * power.sum() / max(float(kept.sum()), 1e-30)
 
 
 def wind_speed_of(height: float) -> float:

@@ -13,6 +13,11 @@ def frame_files(folder: Path) -> list[Path]:
     return sorted((folder / "frames").glob("frame_*.npz"))
 
 
+def frame_path(folder: Path, number: int) -> Path:
+    """The file of a frame of a run, counted from 0."""
+    return folder / "frames" / f"frame_{number:05d}.npz"
+
+
 def ships_in(file: Iterable[str], ending: str) -> list[str]:
     """The keys of the ships that a file has arrays of, by the ending of the names of one."""
     return [name.removesuffix(ending) for name in file if name.endswith(ending)]
@@ -50,22 +55,29 @@ class Frame:
 
 
 class Log:
-    """Times of all frames of a run and the positions of the ships in them; no frame is read whole."""
+    """Times of all frames of a run so far and the positions of the ships in them; no frame is read whole."""
 
     def __init__(self, files: list[Path]) -> None:
+        self.files: list[Path] = []
+        self.times = np.zeros(0)
+        self.poses: dict[str, list[tuple[np.ndarray, np.ndarray]]] = defaultdict(list)
+        self.tracks: dict[str, Track] = {}  # by the key of the ship
+        self.grow(files)
+
+    def grow(self, files: list[Path]) -> None:
+        """Add the frames that have come since."""
         times: list[float] = []
-        poses: dict[str, list[tuple[np.ndarray, np.ndarray]]] = defaultdict(list)
         for path in files:
             with np.load(path) as file:
                 times.append(float(file["time"]))
                 for key in ships_in(file, "_turn"):
-                    poses[key].append((file[f"{key}_position"].astype(float), file[f"{key}_turn"].astype(float)))
-        self.files, self.times = files, np.array(times)
-        self.tracks = {
-            key: Track(self.times, *(np.array(column) for column in zip(*rows)))
-            for key, rows in poses.items()
-            if len(rows) == len(times)
-        }  # by the key of the ship
+                    self.poses[key].append((file[f"{key}_position"].astype(float), file[f"{key}_turn"].astype(float)))
+        self.files, self.times = [*self.files, *files], np.append(self.times, times)
+        for key, rows in self.poses.items():
+            if len(rows) == len(self.times):
+                position, turn = (np.array(column) for column in zip(*rows))
+                track = self.tracks.setdefault(key, Track(self.times, position, turn))
+                track.time, track.position, track.turn = self.times, position, turn
 
     @property
     def span(self) -> tuple[float, float]:
@@ -81,6 +93,12 @@ def schedule(times: np.ndarray, every: float) -> list[int]:
     """Which frame is nearest to each multiple of `every`."""
     moments = np.arange(times[0], times[-1] + 0.5 * every, every)
     return [int(np.abs(times - moment).argmin()) for moment in moments]
+
+
+def known(times: np.ndarray, every: float) -> list[int]:
+    """As much of `schedule` as no later frame can change."""
+    moments = np.arange(times[0], times[-1] + 0.5 * every, every)
+    return schedule(times, every)[: int((moments <= times[-1]).sum())]
 
 
 def survey(files: list[Path]) -> tuple[Frame, float]:

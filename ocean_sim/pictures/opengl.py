@@ -35,7 +35,7 @@ class OpenGLMissing(Lacking):
 def environment(window: str) -> dict[str, str]:
     """For a process that draws: the window class to use, and no display."""
     inherited = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
-    return inherited | {"VTK_DEFAULT_OPENGL_WINDOW": window}
+    return inherited | {"VTK_DEFAULT_OPENGL_WINDOW": window, "OPENBLAS_NUM_THREADS": "1"}  # products are small
 
 
 @cache

@@ -17,17 +17,28 @@ from ocean_sim.pictures.ship import DrawnShip, ShadedShip, kept_model
 from ocean_sim.pictures.stage import Stage
 from ocean_sim.pictures.water import NODES, Shell, Water
 
+MAPS = "top", "side"  # cameras that see the whole way of a ship that leaves the basin
+
+
+def foreseen(grid: Any, order: Order) -> bool:
+    """Whether pictures ask nothing of frames after their own, so that they can be drawn while a run goes on: not those
+    of particles, whose colours span the speeds of all frames, nor of cameras that know where it ends."""
+    whole_way = order.camera in MAPS and "sea_answers" in grid
+    return not (order.particles or not bool(grid["has_surface"]) or order.camera == "orbit" or whole_way)
+
 
 class Picture:
     """One plotter, built once; each frame only moves its points and colours."""
 
     def __init__(self, grid: Any, order: Order, first: Frame, fastest: float, log: Log) -> None:
+        """`first`: frame of the run; `fastest`: speed [m/s] at the end of the colours of particles."""
         self.order = order
         self.lower, self.upper = grid["lower"].copy(), grid["upper"].copy()
         self.sides = self.lower[[0, 2]].copy(), self.upper[[0, 2]].copy()
         self.upper[1] = max(0.12 * float(grid["depth"]), float(first.elevation.max()))
         flat = bool(self.lower[2] == self.upper[2])
-        if "sea_answers" in grid:  # ships are free to leave the basin
+        away = "sea_answers" in grid  # ships are free to leave the basin
+        if away and order.camera in MAPS:
             for track in log.tracks.values():
                 self.lower[[0, 2]] = np.minimum(self.lower, track.position.min(axis=0))[[0, 2]]
                 self.upper[[0, 2]] = np.maximum(self.upper, track.position.max(axis=0))[[0, 2]]
@@ -45,13 +56,15 @@ class Picture:
             vessel=vessel,
             eye=order.eye,
             target=order.target,
+            away=away,
         )
         stage = self.stage = Stage(order.size, self.operator.at(first.time))
         self.plotter = stage.plotter
         middle, size = 0.5 * (self.lower + self.upper), self.upper - self.lower
         self.reach = float(max(np.linalg.norm(stage.camera.eye - middle), np.linalg.norm(size)))  # [m]
         bare = flat or order.particles or not bool(grid["has_surface"]) or first.folds
-        state = None if bare or not order.far_sea else sea_state.of_run(Path(order.folder), grid)
+        scene = sea_state.scene_of(Path(order.folder))
+        state = None if bare or not order.far_sea else sea_state.SeaState(scene, grid, log)
         from_above = order.camera == "top"  # a map
         self.at_sea = state is not None and state.open and not from_above and stage.camera.parallel_height is None
         if not self.at_sea:

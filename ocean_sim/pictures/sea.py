@@ -81,8 +81,7 @@ class Sea:
         terms = Terms(order.fresnel, order.reflection, order.body, glint, order.foam)
         shown = water_glsl.plain(len(self.hulls)) | water_glsl.lit_by(sky) | water_glsl.switched(terms)
         shown["hullFoam"] = np.array([CONTACT, CONTACT_WIDTH, 0.0])
-        shown["windAngle"] = state.wind.angle
-        shown["rippleVariance"] = slope_variance(state.wind.speed) if order.ripples else 0.0
+        shown["windAngle"] = state.angle
         shown["rippleLongest"] = np.clip(2.0 * state.resolved, *RIPPLES)
         self.set(**shown)
         self.origin = np.zeros(2)  # x, z of the nodes' [m]
@@ -124,6 +123,8 @@ class Sea:
         self.mirror = Mirror(self.stage, [ship.shaded for ship in ships], self.mirrored)
 
     def show(self, frame: Frame) -> None:
+        self.now = self.state.at(frame.time)
+        self.set(rippleVariance=slope_variance(self.now.wind.speed) if self.order.ripples else 0.0)
         self.show_basin(frame)
         self.show_beyond(frame)
         order, eye = self.order, self.stage.camera.eye
@@ -147,10 +148,10 @@ class Sea:
 
     def crest(self, height: np.ndarray) -> np.ndarray:
         """0 at rest, 1 on a crest."""
-        return (height - self.state.level) / max(0.5 * self.state.height, 1e-3)
+        return (height - self.now.level) / max(0.5 * self.now.height, 1e-3)
 
     def show_basin(self, frame: Frame) -> None:
-        now, surface = self.surface.at(frame), self.surface
+        now, surface = self.surface.at(frame, self.now), self.surface
         for kelvin in self.kelvins:
             waves_behind = kelvin.height(frame.time, surface.nodes + frame.origin).reshape(now.height.shape)
             now = replace(now, height=now.height + surface.share * waves_behind)
@@ -182,16 +183,17 @@ class Sea:
         aspect = self.order.size[0] / self.order.size[1]
         half, lowest = camera.spread(aspect)
         heading = float(np.arctan2(camera.forward[2], camera.forward[0]))
-        if fan.look(float(camera.eye[1]) - self.state.level, heading, half, lowest, self.pixel):
+        amplitude = self.now.waves.amplitude
+        if fan.look(float(camera.eye[1]) - self.now.level, heading, half, lowest, self.pixel, amplitude):
             made = self.mesh_of(fan)
             self.far.mesh.DeepCopy(made)
-        height, slope_x, slope_z, drawn_together = np.moveaxis(surface.around(frame, camera.eye), -1, 0)
+        height, slope_x, slope_z, drawn_together = np.moveaxis(surface.around(frame, camera.eye, self.now), -1, 0)
         nodes = fan.nodes + camera.eye[[0, 2]]
         white = np.zeros(fan.shape)
         if self.order.foam:
             gathered = drawn_together * grain_of(*nodes.T).reshape(fan.shape)
             white = foam.shares(gathered, surface.wanted, surface.known)
-        variance = np.broadcast_to(fan.lost[:, None], fan.shape)
+        variance = np.broadcast_to(fan.lost(amplitude)[:, None], fan.shape)
         traits = np.stack([white, self.crest(height), variance], axis=-1).reshape(-1, 3)
         normals = np.stack([-slope_x, np.ones_like(height), -slope_z], axis=-1).reshape(-1, 3)
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
@@ -208,8 +210,7 @@ class Sea:
         at = RegularGridInterpolator((surface.x, surface.z), self.height, bounds_error=False)(positions - self.origin)
         outside = np.isnan(at)
         if outside.any():
-            sea, share = surface.beyond, self.state.grown(self.frame.time)
-            at[outside] = self.state.level + share * waves.elevation(sea, positions[outside], self.frame.time)
+            at[outside] = self.now.level + waves.elevation(self.now.waves, positions[outside], self.frame.time)
         return at
 
     def meet(self, k: int, hull: "Waterline", position: np.ndarray, turn: np.ndarray) -> float:

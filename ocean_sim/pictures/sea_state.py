@@ -1,87 +1,111 @@
-"""The sea around the basin of a run: its waves, its wind and its level."""
+"""The sea around the basin of a run, as its frames have shown it until now: its waves, its wind and its level.
+
+A picture asks nothing of later frames, so it is the same while the run goes on and afterwards.
+"""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ocean_sim.pictures import far_sea
-from ocean_sim.pictures.frame_files import Frame, frame_files
+from ocean_sim.pictures.frame_files import Frame, Log
 from ocean_sim.pictures.ripples import Wind
 from ocean_sim.waves import Components
 from ocean_sim.wind.shared.air_load import stated_speed
 
-FRAMES = 48  # of a run, from which its spectrum is taken, and how its waves grow
-SWELLS = 3.0  # [s] by which the far sea lags behind the basin's
+SWELLS = 4.0  # [s] by which the far sea lags behind the basin's
+LOOKS, MEMORY = 0.25, 6.0  # [s] between the frames that it is taken from; and in lags, how far it looks back
+LOWEST = 0.25  # [m] over the resolved length: crests of a sea lower than that are not lit as crests
 GENTLEST, STRONGEST = 2.0, 14.0  # [m/s] wind that ripples follow
 FITTINGS = ("motion", "wavemaker", "lid", "obstacles")  # of a basin that is a tank
-DRY = 0.5  # share of the depth below which the water of a sea never falls
+DRY = 0.5  # share of the depth below which the water of a sea does not lie when a run begins
 
 
-class SeaState(NamedTuple):
+class Now(NamedTuple):
+    """A sea at one time."""
+
+    level: float  # [m] mean height of the water
+    height: float  # [m] four times the standard deviation of the elevation, lately
+    waves: Components  # that are drawn far away, as high as they are now
+    wind: Wind
+
+
+class SeaState:
     """The sea of one run."""
 
-    exact: Components | None  # the waves themselves, where water is a closed form
-    estimated: Components  # plane waves with the spectrum of the basin
-    wind: Wind
-    level: float  # [m] mean height of the water
-    height: float  # [m] four times the standard deviation of the elevation
-    resolved: float  # [m] between particles, or half the shortest wave
-    open: bool  # whether the basin is a piece of sea: covered by water in every frame, and no tank with fittings
-    times: np.ndarray  # (n,) [s]
-    shares: np.ndarray  # (n,) of the height of the estimated waves then
+    def __init__(self, scene: dict[str, Any], grid: Any, log: Log) -> None:
+        """Of a resolved scene; `grid`: what frames keep once."""
+        self.scene, self.log = scene, log
+        self.exact = exact_of(grid)  # the waves themselves, where water is a closed form
+        self.resolved = float(grid["spacing"])  # [m] between particles, or half the shortest wave
+        self.angle = heading_of(scene, self.exact)  # [rad] where the wind goes to, from +x to +z
+        towards = np.array([np.cos(self.angle), np.sin(self.angle)])
+        first = Frame(log.files[0])
+        self.open = is_open(scene, first, float(grid["depth"]))  # a piece of sea, not a tank
+        if self.exact is not None:
+            self.resolved = np.pi / float(self.exact.wavenumber.max())
+            self.beyond = far_sea.strongest(self.exact)
+        else:
+            size = tuple(float(grid["upper"][k] - grid["lower"][k]) for k in (0, 2))
+            self.modes = far_sea.Modes(first.elevation.shape, (size[0], size[1]), float(grid["depth"]), towards)
+            self.beyond = self.modes.sea
+        self.seen: dict[int, tuple[float, np.ndarray]] = {}  # level and variances of frames, by their numbers
 
-    def grown(self, time: float) -> float:
-        """Share of their height that the waves around the basin have at a time [s]."""
-        return self.exact.grown(time) if self.exact is not None else float(np.interp(time, self.times, self.shares))
+    def at(self, time: float) -> Now:
+        """At the time [s] of a frame."""
+        sea = self.exact
+        if sea is not None:
+            height = sea.significant_height
+            return Now(0.0, height, far_sea.grown(self.beyond, time), self.wind(height))
+        numbers, weights = recent(self.log.times, time)
+        self.seen = {n: self.seen[n] if n in self.seen else self.look(n) for n in numbers}
+        level = float(sum(w * self.seen[n][0] for n, w in zip(numbers, weights, strict=True)))
+        variances = np.sum([w * self.seen[n][1] for n, w in zip(numbers, weights, strict=True)], axis=0)
+        height = 4.0 * float(np.sqrt(variances.sum()))
+        waves = replace(self.beyond, amplitude=np.sqrt(2.0 * variances))
+        return Now(level, max(height, LOWEST * self.resolved), waves, self.wind(height))
 
+    def look(self, number: int) -> tuple[float, np.ndarray]:
+        elevation = Frame(self.log.files[number]).elevation
+        return float(elevation.mean()), self.modes.variances(elevation)
 
-def of_run(folder: Path, grid: Any) -> SeaState:
-    """From the frames that a run kept, and its scene where a manifest lies next to them."""
-    files = frame_files(folder)
-    kept = [Frame(path) for path in files[:: max(1, len(files) // FRAMES)]]
-    frames, times = [frame.elevation for frame in kept], np.array([frame.time for frame in kept])
-    size = tuple(float(grid["upper"][k] - grid["lower"][k]) for k in (0, 2))
-    height = 4.0 * float(np.mean([np.std(e) for e in frames]))
-    scene = scene_of(folder)
-    exact = None
-    if "sea_amplitude" in grid:
-        exact = Components(
-            grid["sea_amplitude"],
-            grid["sea_wavevector"],
-            grid["sea_phase"],
-            float(grid["depth"]),
-            ramp=float(grid["sea_ramp"]) if "sea_ramp" in grid else 0.0,
-        )
-        height = exact.significant_height
-    wind = wind_of(scene, exact, height)
-    towards = np.array([np.cos(wind.angle), np.sin(wind.angle)])
-    depth = float(grid["depth"])
-    return SeaState(
-        exact,
-        far_sea.of_frames(frames, (size[0], size[1]), depth, towards),
-        wind,
-        float(np.mean(frames)) if exact is None else 0.0,
-        height,
-        float(grid["spacing"]) if exact is None else np.pi / float(exact.wavenumber.max()),
-        all(e.min() > -DRY * depth for e in frames)
-        and not any((scene.get("basin") or {}).get(key) for key in FITTINGS),
-        times,
-        running(times, np.array([np.std(e) for e in frames])),
-    )
+    def wind(self, height: float) -> Wind:
+        """That the ripples follow in a sea of this height [m]."""
+        return Wind(speed_of(self.scene, height), self.angle)
 
 
-def running(times: np.ndarray, deviation: np.ndarray) -> np.ndarray:
-    """Deviations of the elevation that lag behind those of the frames, over their root mean square; 0 in calm water."""
-    variance = deviation**2
-    for k in range(1, len(times)):
-        near = 1.0 - np.exp(-(times[k] - times[k - 1]) / SWELLS)
-        variance[k] = variance[k - 1] + near * (variance[k] - variance[k - 1])
-    return np.sqrt(variance / max(float(np.mean(deviation**2)), 1e-12))
+def recent(times: np.ndarray, time: float) -> tuple[list[int], np.ndarray]:
+    """Numbers of the frames that a mean over the past is taken from at a time [s], LOOKS apart, and their weights: each
+    lasts until the next, and is forgotten in SWELLS."""
+    begins = max(times[0], times[0] + LOOKS * np.floor((time - MEMORY * SWELLS - times[0]) / LOOKS))
+    moments = np.arange(begins, time + 1e-9, LOOKS)
+    last = int(np.searchsorted(times, time + 1e-9)) - 1
+    numbers = np.unique(np.minimum(np.searchsorted(times, moments - 1e-9), max(last, 0)))
+    left = np.exp((np.minimum(times[numbers], time) - time) / SWELLS)
+    weights = np.append(left[1:], 1.0) - left
+    weights[0] += left[0]  # what was before is as the first
+    return [int(n) for n in numbers], weights
+
+
+def exact_of(grid: Any) -> Components | None:
+    """The waves of water in closed form."""
+    if "sea_amplitude" not in grid:
+        return None
+    ramp = float(grid["sea_ramp"]) if "sea_ramp" in grid else 0.0
+    return Components(grid["sea_amplitude"], grid["sea_wavevector"], grid["sea_phase"], float(grid["depth"]), ramp=ramp)
+
+
+def is_open(scene: dict[str, Any], first: Frame, depth: float) -> bool:
+    """Whether a basin is a piece of sea: covered by water when the run begins, and no tank with fittings."""
+    fitted = any((scene.get("basin") or {}).get(key) for key in FITTINGS)
+    return bool(first.elevation.min() > -DRY * depth) and not fitted
 
 
 def scene_of(folder: Path) -> dict[str, Any]:
+    """The scene in the manifest of a run; empty without one."""
     try:
         return json.loads((folder / "manifest.json").read_text(encoding="utf-8"))["scene"]
     except (OSError, ValueError, KeyError):
@@ -90,14 +114,23 @@ def scene_of(folder: Path) -> dict[str, Any]:
 
 def wind_of(scene: dict[str, Any], sea: Components | None, height: float) -> Wind:
     """The scene's wind where it has one with a speed and a heading; else that which raises such a sea."""
+    return Wind(speed_of(scene, height), heading_of(scene, sea))
+
+
+def speed_of(scene: dict[str, Any], height: float) -> float:
+    """Speed [m/s] of the wind that ripples follow: the scene's, else that which raises a sea of this height [m]."""
     wind = scene.get("wind") or {}
     stated = stated_speed(wind["u10"], wind.get("tau")) if "u10" in wind else 0.0
-    speed = stated or far_sea.wind_speed_of(height)
-    angle = heading(wind)
-    if angle is None:
-        going = np.array([1.0, 0.6]) if sea is None else (sea.amplitude[:, None] ** 2 * sea.wavevector).sum(axis=0)
-        angle = float(np.arctan2(going[1], going[0]))
-    return Wind(float(np.clip(speed, GENTLEST, STRONGEST)), angle)
+    return float(np.clip(stated or far_sea.wind_speed_of(height), GENTLEST, STRONGEST))
+
+
+def heading_of(scene: dict[str, Any], sea: Components | None) -> float:
+    """Angle [rad] from +x to +z of the scene's wind, else of the waves."""
+    angle = heading(scene.get("wind") or {})
+    if angle is not None:
+        return angle
+    going = np.array([1.0, 0.6]) if sea is None else (sea.amplitude[:, None] ** 2 * sea.wavevector).sum(axis=0)
+    return float(np.arctan2(going[1], going[0]))
 
 
 def heading(wind: dict[str, Any]) -> float | None:

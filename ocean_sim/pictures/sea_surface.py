@@ -8,9 +8,8 @@ import numpy as np
 from ocean_sim.pictures import far_sea, foam
 from ocean_sim.pictures.frame_files import Frame
 from ocean_sim.pictures.ripples import noise
-from ocean_sim.pictures.sea_state import SeaState
+from ocean_sim.pictures.sea_state import Now, SeaState
 from ocean_sim.pictures.water_mesh import spline, triangles
-from ocean_sim.waves import Components
 
 GRAIN = 7.0  # [m] apart at which white water gathers along a crest
 
@@ -30,9 +29,7 @@ class SeaSurface:
         self.x, self.z = (np.linspace(self.lower[k], self.upper[k], n * factor + 1) for k, n in enumerate(cells))
         self.own = [spline(n, factor) for n in cells]
         self.share = np.outer(self.blend_weight(0), self.blend_weight(1))
-        sea = state.estimated if state.exact is None else state.exact
-        self.beyond = far_sea.strongest(sea)
-        self.far, self.fan = far_sea.PlaneWaves(self.beyond, self.x, self.z), far_sea.Fan(self.beyond)
+        self.far, self.fan = far_sea.PlaneWaves(state.beyond, self.x, self.z), far_sea.Fan(state.beyond)
         self.exact = None if state.exact is None else far_sea.PlaneWaves(state.exact, self.x, self.z)
         self.nodes = np.stack(np.meshgrid(self.x, self.z, indexing="ij"), axis=-1).reshape(-1, 2)
         self.triangles = triangles(len(self.x), len(self.z))
@@ -48,16 +45,13 @@ class SeaSurface:
         """Share of the basin's own waves at the nodes along one side."""
         return far_sea.blend_weight((self.x, self.z)[k], self.lower[k], self.upper[k], self.margin)
 
-    def turning(self, sea: Components, time: float, origin: np.ndarray) -> np.ndarray:
-        """Complex amplitudes of plane waves of the run around an origin x, z [m]."""
-        return far_sea.turning(sea, time, origin, self.state.grown(time))
-
-    def at(self, frame: Frame) -> far_sea.SeaSample:
+    def at(self, frame: Frame, now: Now) -> far_sea.SeaSample:
         """Heights, convergence and lost slopes at all nodes (nx, nz)."""
-        far = self.far.at(self.turning(self.beyond, frame.time, frame.origin))
+        far = self.far.at(far_sea.turning(now.waves, frame.time, frame.origin))
         (x, z), mine = self.own, self.share
         if self.exact is not None and self.state.exact is not None:
-            near = self.exact.at(self.turning(self.state.exact, frame.time, frame.origin))
+            sea = far_sea.grown(self.state.exact, frame.time)
+            near = self.exact.at(far_sea.turning(sea, frame.time, frame.origin))
             if frame.answer is not None:  # what ships, winds and steepness add to the exact waves
                 near = replace(near, height=near.height + x @ frame.answer @ z.T)
             return far_sea.SeaSample(
@@ -70,17 +64,17 @@ class SeaSurface:
         # Seas that know nothing of each other: weights whose squares add up to one keep the height of the waves.
         rest = (1.0 - mine) / np.hypot(mine, 1.0 - mine)
         mine = mine / np.hypot(mine, 1.0 - mine)
-        level = self.state.level
+        level = now.level
         return far_sea.SeaSample(
             level + mine * (x @ (frame.elevation - level) @ z.T) + rest * far.height,
             mine * (x @ drawn_together @ z.T) + rest * far.convergence,
             far.variance,
         )
 
-    def around(self, frame: Frame, eye: np.ndarray) -> np.ndarray:
+    def around(self, frame: Frame, eye: np.ndarray, now: Now) -> np.ndarray:
         """(rings, rays, 4) of the fan as `far_sea.Fan.at`, around an eye [m]."""
-        found = self.fan.at(self.turning(self.beyond, frame.time, eye[[0, 2]]))
-        found[..., 0] += self.state.level
+        found = self.fan.at(far_sea.turning(now.waves, frame.time, eye[[0, 2]]))
+        found[..., 0] += now.level
         return found
 
     def normals(self, height: np.ndarray) -> np.ndarray:

@@ -27,16 +27,15 @@ class Wake:
 
     def __init__(self, vessel: Vessel, breadth: float, x: np.ndarray, z: np.ndarray) -> None:
         """`breadth` of the ship [m]; `x`, `z`: nodes along the sides [m]."""
-        track = vessel.track
-        self.time, self.half, self.x, self.z = track.time, 0.5 * breadth, x, z
-        stern = track.position - STERN * vessel.length * track.turn[:, :, 2]
-        self.position = stern[:, [0, 2]]
+        self.vessel, self.half, self.x, self.z = vessel, 0.5 * breadth, x, z
 
     def share(self, time: float, origin: np.ndarray) -> np.ndarray:
         """(nx, nz) at a time [s], on nodes around an origin x, z [m]."""
         share = np.zeros((len(self.x), len(self.z)))
-        moments = np.linspace(max(self.time[0], time - AGE), time, STEPS)
-        position = np.stack([np.interp(moments, self.time, self.position[:, k]) for k in range(2)], axis=1) - origin
+        track = self.vessel.track
+        stern = track.position - STERN * self.vessel.length * track.turn[:, :, 2]
+        moments = np.linspace(max(track.time[0], time - AGE), time, STEPS)
+        position = np.stack([np.interp(moments, track.time, stern[:, k]) for k in (0, 2)], axis=1) - origin
         along = np.diff(position, axis=0)
         length2 = np.maximum((along**2).sum(axis=1), 1e-9)
         seconds = max(float(moments[-1] - moments[0]), 1e-9) / (STEPS - 1)

@@ -1,7 +1,9 @@
 """The formulas of `water_shading`, `ripples` and `foam` for a graphics processor, as replacements in VTK's shaders.
 
 Numbers come from those files, so that each law is written once; the tests compare the colours. Traps of VTK: it
-declares uniforms and samplers itself; a mistake in a shader only logs and draws nothing.
+declares uniforms and samplers itself; a mistake in a shader only logs and draws nothing. Mesa's processor in software
+computes both sides of every `if`, but leaves a loop as soon as no pixel of a group goes on: what few pixels need is a
+loop of one turn or none.
 """
 
 from collections.abc import Sequence
@@ -83,12 +85,14 @@ float patches(vec2 q) {{
   return grain;
 }}
 float white(float share, vec2 q, float footprint) {{
-  if (share <= 0.0) return 0.0;
-  float fine = clamp(1.0 - footprint / {number(foam.FINE)}, 0.0, 1.0);
-  if (fine <= 0.0) return share;
-  float rank = 1.0 / (1.0 + exp(-1.702 * (patches(q) - {number(foam.MIDDLE)}) / {number(foam.SPREAD)}));
-  float edge = clamp((share - max(rank - {number(foam.SOFT)}, 0.0)) / {number(2 * foam.SOFT)}, 0.0, 1.0);
-  return mix(share, edge * edge * (3.0 - 2.0 * edge), fine);
+  float fine = clamp(1.0 - footprint / {number(foam.FINE)}, 0.0, 1.0), result = max(share, 0.0);
+  int turns = share > 0.0 && fine > 0.0 ? 1 : 0;
+  for (int turn = 0; turn < turns; turn++) {{
+    float rank = 1.0 / (1.0 + exp(-1.702 * (patches(q) - {number(foam.MIDDLE)}) / {number(foam.SPREAD)}));
+    float edge = clamp((share - max(rank - {number(foam.SOFT)}, 0.0)) / {number(2 * foam.SOFT)}, 0.0, 1.0);
+    result = mix(share, edge * edge * (3.0 - 2.0 * edge), fine);
+  }}
+  return result;
 }}
 vec3 ripples(vec2 p, float footprint) {{
   float c = cos(windAngle), s = sin(windAngle), wave = rippleLongest;
@@ -96,20 +100,21 @@ vec3 ripples(vec2 p, float footprint) {{
   float each = {number((1 - ripples.UNRESOLVED) / ripples.OCTAVES)} * rippleVariance;
   float steep = sqrt(each / {number(ripples.GRADIENT_VARIANCE)});
   vec2 slope = vec2(0.0);
-  for (int o = 0; o < {ripples.OCTAVES}; o++) {{
+  lost += {number(ripples.OCTAVES)} * each;
+  float drawn = log(2.0 * footprint / wave) / {number(np.log(ripples.LACUNARITY))};
+  int octaves = rippleVariance > 0.0 ? int(clamp(ceil(drawn), 0.0, {number(ripples.OCTAVES)})) : 0;
+  for (int o = 0; o < octaves; o++) {{
     float fade = clamp((wave / footprint - 2.0) / 4.0, 0.0, 1.0);
-    if (fade > 0.0) {{
-      vec2 q = vec2((p.x * c + p.y * s) / wave - time * {number(ripples.SPEED)} / sqrt(wave),
-                    {number(ripples.ACROSS)} * (p.y * c - p.x * s) / wave) + {number(ripples.STEP)} * float(o);
-      vec2 t = vec2({number(ripples.TURN[0])} * q.x - {number(ripples.TURN[1])} * q.y,
-                    {number(ripples.TURN[1])} * q.x + {number(ripples.TURN[0])} * q.y);
-      vec2 a = noise(q).yz, b = noise({number(ripples.STRETCH)} * t + {number(ripples.SHIFT)}).yz;
-      float down = a.x + 0.8 * ({number(ripples.TURN[0])} * b.x + {number(ripples.TURN[1])} * b.y);
-      float side = {number(ripples.ACROSS)} *
-                   (a.y + 0.8 * ({number(ripples.TURN[0])} * b.y - {number(ripples.TURN[1])} * b.x));
-      slope += fade * steep * vec2(down * c - side * s, down * s + side * c);
-    }}
-    lost += (1.0 - fade * fade) * each;
+    vec2 q = vec2((p.x * c + p.y * s) / wave - time * {number(ripples.SPEED)} / sqrt(wave),
+                  {number(ripples.ACROSS)} * (p.y * c - p.x * s) / wave) + {number(ripples.STEP)} * float(o);
+    vec2 t = vec2({number(ripples.TURN[0])} * q.x - {number(ripples.TURN[1])} * q.y,
+                  {number(ripples.TURN[1])} * q.x + {number(ripples.TURN[0])} * q.y);
+    vec2 a = noise(q).yz, b = noise({number(ripples.STRETCH)} * t + {number(ripples.SHIFT)}).yz;
+    float down = a.x + 0.8 * ({number(ripples.TURN[0])} * b.x + {number(ripples.TURN[1])} * b.y);
+    float side = {number(ripples.ACROSS)} *
+                 (a.y + 0.8 * ({number(ripples.TURN[0])} * b.y - {number(ripples.TURN[1])} * b.x));
+    slope += fade * steep * vec2(down * c - side * s, down * s + side * c);
+    lost -= fade * fade * each;
     wave *= {number(ripples.LACUNARITY)};
   }}
   return vec3(slope, 0.5 * lost);
@@ -192,13 +197,15 @@ def hull(k: int, ships: int) -> str:
 def mirror(k: int) -> str:
     """Ship k where the water mirrors her, no farther from her middle than mirrorReach."""
     return f"""
-  if (useMirror > 0.5) {{
-    float reach = dot(mirrorAt{k}.xz - posW.xz, normalize(straight.xz));
-    vec3 met = posW + straight * max(reach, 1.0);
-    vec4 seen = mirrorView * vec4(met, 1.0);
+  float reach{k} = dot(mirrorAt{k}.xz - posW.xz, normalize(straight.xz));
+  vec3 met{k} = posW + straight * max(reach{k}, 1.0);
+  bool there{k} = useMirror > 0.5 && reach{k} > -mirrorSize{k} && distance(met{k}.xz, mirrorAt{k}.xz) < mirrorReach{k};
+  int mirrors{k} = there{k} ? 1 : 0;
+  for (int turn = 0; turn < mirrors{k}; turn++) {{
+    float reach = reach{k};
+    vec4 seen = mirrorView * vec4(met{k}, 1.0);
     vec2 uv = 0.5 + 0.5 * seen.xy / seen.w;
-    bool there = reach > -mirrorSize{k} && distance(met.xz, mirrorAt{k}.xz) < mirrorReach{k};
-    if (there && seen.w > 0.0 && all(greaterThan(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)))) {{
+    if (seen.w > 0.0 && all(greaterThan(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)))) {{
       vec4 ship = textureLod(mirror, uv, clamp(log2(2.0 * blur * max(reach, 1.0) / (dist * mirrorPixel)), 0.0, 4.0));
       float covered = ship.a * smoothstep(-mirrorSize{k}, 0.0, reach);
       if (covered > 0.0) mirrored = mix(mirrored, radiance(min(ship.rgb / max(ship.a, 0.01), vec3(1.0))), covered);

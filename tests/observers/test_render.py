@@ -1,7 +1,11 @@
 """Pictures are checked where OpenGL is there; everywhere, that its absence is a sentence and never a crash."""
 
+import os
+import shutil
 import subprocess
 import sys
+import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -88,6 +92,15 @@ def test_the_film_takes_the_nearest_frame_in_real_time():
     assert frame_files.schedule(times[:1], 0.033) == [0]
 
 
+def test_pictures_are_chosen_as_soon_as_no_later_frame_can_change_them():
+    times = np.cumsum(np.random.default_rng(4).uniform(0.01, 0.08, 60))
+    for every in (0.02, 0.033, 0.1):
+        chosen = frame_files.schedule(times, every)
+        for n in range(1, len(times) + 1):
+            already = frame_files.known(times[:n], every)
+            assert already == chosen[: len(already)] and times[n - 1] - times[0] - every < every * len(already)
+
+
 @pytest.mark.parametrize("size", [(961, 540), (960, 541), (0, 0), (960,), (20000, 540)])
 def test_a_size_that_no_film_can_have_is_refused_at_once(size):
     with pytest.raises(ValidationError):
@@ -115,6 +128,44 @@ def test_a_drawing_process_that_dies_is_a_sentence(kept, monkeypatch, tmp_path):
     with pytest.raises(render.RenderFailed, match="died"):
         render.render_run(folder)
     assert forgotten
+
+
+def test_a_drawing_process_is_ended_with_what_it_has_started(kept, monkeypatch, tmp_path):
+    """Its encoder, and the film that is not finished."""
+    folder, noted = kept(), tmp_path / "encoder"
+    monkeypatch.setattr(opengl, "window", lambda: "vtkEGLRenderWindow")
+    drawing = tmp_path / "python"
+    drawing.write_text(f"#!/bin/sh\nsleep 60 &\ntouch {folder}/.film.$$.tmp.mp4\necho $! > {noted}\nwait\n")
+    drawing.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(drawing))
+    drawer = render.Drawer([render.order_of(folder)], goes_on=True)
+    patience = time.monotonic() + 10.0
+    while not (noted.exists() and noted.read_text().strip()) and time.monotonic() < patience:
+        time.sleep(0.01)
+    child, encoder = drawer.child.pid, int(noted.read_text())
+    drawer.stop()
+    while alive(encoder) and time.monotonic() < patience:
+        time.sleep(0.01)
+    assert not alive(encoder) and not alive(child)
+    assert not list(folder.glob(".film*"))
+
+
+def alive(process):
+    """Whether it runs; one that has ended may still be listed."""
+    try:
+        os.kill(process, 0)
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except (ProcessLookupError, FileNotFoundError):
+        return False
+
+
+def test_after_an_interruption_the_drawing_process_is_ended(kept, watched, monkeypatch):
+    ended, simulation = [], watched()
+    observer = render.Render(render.Config(), kept(), simulation)
+    observer.drawer = type("Drawer", (), {"stop": lambda self: ended.append(True)})()
+    simulation.reason = "interrupted"
+    observer.close()
+    assert ended
 
 
 def test_the_probe_believes_only_what_was_drawn(monkeypatch):
@@ -162,15 +213,21 @@ def test_a_report_is_written_before_the_pictures_and_again_after_them(tmp_path, 
     scene = {"basin": {"length": 20.0, "width": 20.0, "depth": 5.0, "walls": "none"}, "duration": 0.05}
     scene |= {"fluid": {"kind": "linear_waves", "height": 0.5, "period": 3.0}, "runtime": {"threads": 1}}
 
-    def interrupted(folder, **options):
-        seen.append((folder / "report.html").read_text())
-        raise KeyboardInterrupt
+    class Drawer:
+        def __init__(self, orders, progress, goes_on):
+            self.folder = Path(orders[0].folder)
+            assert goes_on and not (self.folder / "report.html").exists()  # it begins while the run goes on
 
-    monkeypatch.setattr(render, "render_run", interrupted)
+        def finish(self):
+            seen.append((self.folder / "report.html").read_text())
+            (self.folder / "strip.png").write_bytes(b"")
+            if len(seen) == 1:
+                raise KeyboardInterrupt
+
+    monkeypatch.setattr(render, "Drawer", Drawer)
     with pytest.raises(KeyboardInterrupt):
         ocean_sim.run(scene, tmp_path / "a")
     assert "done at t = " in seen[0] and (tmp_path / "a" / "report.html").read_text() == seen[0]
-    monkeypatch.setattr(render, "render_run", lambda folder, **options: (folder / "strip.png").write_bytes(b""))
     ocean_sim.run(scene, tmp_path / "b")
     assert '<a href="strip.png">' in (tmp_path / "b" / "report.html").read_text()
 
@@ -194,6 +251,29 @@ def test_water_is_drawn_and_filmed(kept):
     film = imageio.get_reader(files[1])
     assert film.get_meta_data()["size"] == (320, 180) and film.get_meta_data()["fps"] == pytest.approx(10.0)
     assert film.count_frames() == 5 and drawn[-1] == (5, 5)
+
+
+@with_opengl
+def test_pictures_drawn_while_a_run_goes_on_are_those_drawn_afterwards_to_the_byte(kept, tmp_path):
+    folder, going = kept(), tmp_path / "going"
+    asked = {"size": (160, 90), "every": 0.1, "stills": (0.2,)}
+    after = render.render_run(folder, out=tmp_path / "after", **asked)
+    (going / "frames").mkdir(parents=True)
+    files = frame_files.frame_files(folder)
+    for path in (folder / "frames" / "grid.npz", *files[:2]):
+        shutil.copy(path, going / "frames")
+    drawn = []
+    drawer = render.Drawer([render.order_of(going, **asked)], lambda done, of: drawn.append((done, of)), goes_on=True)
+    patience = time.monotonic() + 300.0
+    while not drawn and time.monotonic() < patience:
+        time.sleep(0.02)
+    for path in files[2:]:
+        shutil.copy(path, going / "frames" / "coming")
+        os.replace(going / "frames" / "coming", going / "frames" / path.name)
+    drawer.finish()
+    assert drawn[0] == (1, 0) and drawn[-1] == (5, 5)
+    for path in after:
+        assert path.read_bytes() == (going / path.name).read_bytes(), path.name
 
 
 @with_opengl

@@ -1,7 +1,6 @@
 """The sea around a basin: its heights are the basin's inside it, its spectrum the basin's outside."""
 
-import json
-import shutil
+from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace
 
@@ -11,7 +10,7 @@ import pytest
 from ocean_sim import waves
 from ocean_sim.basin import points as points_module
 from ocean_sim.observers import frames, render
-from ocean_sim.pictures import far_sea, foam, opengl, sea_state, sea_surface, spray
+from ocean_sim.pictures import far_sea, foam, frame_files, opengl, sea_state, sea_surface, spray
 from ocean_sim.pictures import ripples as ripples_module
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
@@ -36,12 +35,23 @@ def spectrum(seed: int = 1) -> waves.Components:
     return wanted.components(waves.direction(60.0, 3), 7.5)
 
 
-def state(exact: waves.Components | None = None) -> sea_state.SeaState:
-    kept = [standing(t).elevation for t in np.arange(0.0, 20.0, 0.5)]
-    estimated = far_sea.of_frames(kept, (40.0, 30.0), 7.5, np.array([0.6, 0.8]))
-    height = 4.0 * float(np.mean([e.std() for e in kept]))
-    steady = np.array([0.0, 60.0]), np.ones(2)
-    return sea_state.SeaState(exact, estimated, ripples_module.Wind(5.0, 0.3), 0.05, height, 1.25, True, *steady)
+def state(exact: waves.Components | None = None) -> SimpleNamespace:
+    """Of a sea in closed form, or of the standing one."""
+    return SimpleNamespace(exact=exact, beyond=modes().sea if exact is None else far_sea.strongest(exact))
+
+
+def modes() -> far_sea.Modes:
+    return far_sea.Modes((len(X), len(Z)), (40.0, 30.0), 7.5, np.array([0.6, 0.8]))
+
+
+def now(time: float, exact: waves.Components | None = None) -> sea_state.Now:
+    """As its state is at a time: of the standing sea that of all times."""
+    wind = ripples_module.Wind(5.0, 0.3)
+    if exact is not None:
+        return sea_state.Now(0.0, exact.significant_height, far_sea.grown(far_sea.strongest(exact), time), wind)
+    variances = np.mean([modes().variances(standing(t).elevation) for t in np.arange(0.0, 20.0, 0.5)], axis=0)
+    sea = replace(modes().sea, amplitude=np.sqrt(2.0 * variances))
+    return sea_state.Now(0.05, 4.0 * float(np.sqrt(variances.sum())), sea, wind)
 
 
 def inner(surface: sea_surface.SeaSurface) -> tuple[tuple[np.ndarray, ...], tuple[np.ndarray, ...]]:
@@ -56,18 +66,19 @@ def inner(surface: sea_surface.SeaSurface) -> tuple[tuple[np.ndarray, ...], tupl
 def test_inside_the_basin_the_drawn_height_is_the_kept_one_within_a_millimetre():
     surface = sea_surface.SeaSurface(GRID, state(), 12_000)
     frame = standing(7.3)
-    drawn = surface.at(frame).height
+    drawn = surface.at(frame, now(7.3)).height
     at, own = inner(surface)
     np.testing.assert_allclose(surface.x[at[0].ravel()], X[own[0].ravel()], atol=1e-9)  # known points are nodes
     assert np.abs(drawn[at] - frame.elevation[own]).max() < 1e-3
     shifted = SimpleNamespace(time=frame.time, elevation=frame.elevation + 0.01, answer=None, origin=HERE)
-    assert np.abs(surface.at(shifted).height[at] - frame.elevation[own]).max() > 5e-3
+    assert np.abs(surface.at(shifted, now(7.3)).height[at] - frame.elevation[own]).max() > 5e-3
 
 
 def test_a_sea_in_closed_form_is_drawn_as_it_is_where_no_far_sea_blends_in():
     sea = spectrum()
     surface = sea_surface.SeaSurface(GRID, state(sea), 5_000)
-    drawn = surface.at(SimpleNamespace(time=12.3, elevation=np.zeros((len(X), len(Z))), answer=None, origin=HERE))
+    calm = SimpleNamespace(time=12.3, elevation=np.zeros((len(X), len(Z))), answer=None, origin=HERE)
+    drawn = surface.at(calm, now(12.3, sea))
     inside = surface.share == 1.0
     places = surface.nodes[inside.ravel()]
     assert inside.sum() > 500 and np.abs(drawn.height[inside] - waves.elevation(sea, places, 12.3)).max() < 1e-9
@@ -78,7 +89,7 @@ def test_what_answers_to_a_ship_is_drawn_on_top_of_the_sea_and_ends_at_the_walls
     surface = sea_surface.SeaSurface(GRID | {"sea_answers": np.array(True)}, state(sea), 12_000)
     calm = SimpleNamespace(time=12.3, elevation=np.zeros_like(wake), answer=np.zeros_like(wake), origin=HERE)
     answered = SimpleNamespace(**vars(calm) | {"answer": wake})
-    added = surface.at(answered).height - surface.at(calm).height
+    added = surface.at(answered, now(12.3, sea)).height - surface.at(calm, now(12.3, sea)).height
     at, own = inner(surface)
     assert np.abs(added[at] - wake[own]).max() < 1e-3
     assert not added[[0, -1]].any() and not added[:, [0, -1]].any()
@@ -89,7 +100,8 @@ def test_a_sea_that_is_left_behind_is_drawn_around_the_ships():
     sea, away = spectrum(), np.array([2.5, 250.0])
     surface = sea_surface.SeaSurface(GRID | {"sea_answers": np.array(True)}, state(sea), 12_000)
     still = np.zeros((len(X), len(Z)))
-    drawn = surface.at(SimpleNamespace(time=12.3, elevation=still, answer=still, origin=away)).height
+    calm = SimpleNamespace(time=12.3, elevation=still, answer=still, origin=away)
+    drawn = surface.at(calm, now(12.3, sea)).height
     inside = surface.share == 1.0
     places = surface.nodes[inside.ravel()] + away
     assert np.abs(drawn[inside] - waves.elevation(sea, places, 12.3)).max() < 1e-9
@@ -99,17 +111,18 @@ def test_no_edge_shows_where_the_basin_ends():
     """The basin's own surface ends as the far sea: at its walls both have one height. None mirrors the other: heights
     5 m inside and 5 m outside a wall are as good as uncorrelated."""
     surface = sea_surface.SeaSurface(GRID, state(), 12_000)
-    fan = surface.fan
-    far = surface.beyond
+    fan, sea = surface.fan, now(7.3)
+    far = sea.waves
     rim = np.concatenate([surface.nodes[:: len(surface.z)], surface.nodes[-len(surface.z) :]])
     frame = standing(7.3)
-    drawn = surface.at(frame).height
+    drawn = surface.at(frame, sea).height
     ends = np.concatenate([drawn[:, 0], drawn[-1]])
-    np.testing.assert_allclose(ends, surface.state.level + waves.elevation(far, rim, frame.time), atol=1e-9)
-    assert fan.look(8.0, 0.0, 0.5, 0.4, 1e-3) and not fan.look(8.1, 0.05, 0.5, 0.4, 1e-3)
+    np.testing.assert_allclose(ends, sea.level + waves.elevation(far, rim, frame.time), atol=1e-9)
+    as_now = far.amplitude
+    assert fan.look(8.0, 0.0, 0.5, 0.4, 1e-3, as_now) and not fan.look(8.1, 0.05, 0.5, 0.4, 1e-3, 1.01 * as_now)
     times = np.arange(0.0, 60.0, 0.7)
     column = int(np.abs(surface.x - 15.0).argmin())
-    inside = np.array([surface.at(standing(t)).height[column] for t in times])
+    inside = np.array([surface.at(standing(t), sea).height[column] for t in times])
     across = np.stack([np.full(len(surface.z), 25.0), surface.z], axis=1)
     outside = np.array([waves.elevation(far, across, t) for t in times])
     assert abs(np.corrcoef(inside.ravel(), outside.ravel())[0, 1]) < 0.2
@@ -117,15 +130,15 @@ def test_no_edge_shows_where_the_basin_ends():
 
 @pytest.mark.parametrize(("sea", "height"), [(spectrum(), 8.0), (spectrum(5), 25.0), (None, 12.0)])
 def test_the_far_sea_keeps_its_height_for_a_kilometre(sea, height):
-    fan = far_sea.Fan(far_sea.strongest(state().estimated if sea is None else sea))
-    fan.look(height, 0.3, 0.55, 0.5, 8.5e-4)
+    fan = far_sea.Fan(now(0.0).waves if sea is None else far_sea.strongest(sea))
+    fan.look(height, 0.3, 0.55, 0.5, 8.5e-4, fan.sea.amplitude)
     distance = np.hypot(*fan.nodes.reshape(*fan.shape, 2)[:, 0].T)
     kept = np.sqrt(((fan.sea.amplitude * fan.drawn) ** 2).sum(axis=1) / (fan.sea.amplitude**2).sum())
     assert kept[distance < 400.0].min() > 0.95
     if sea is not None:  # of waves of 25 m; shorter ones are narrower than a ray
         assert kept[distance < 1000.0].min() > 0.85
     assert distance[-1] > far_sea.OUT and np.prod(fan.shape) < 200_000
-    drawn = fan.at(far_sea.turning(fan.sea, 2.0, np.array([7.0, -3.0]), 1.0))[:40, :, 0].ravel()
+    drawn = fan.at(far_sea.turning(fan.sea, 2.0, np.array([7.0, -3.0])))[:40, :, 0].ravel()
     near = fan.nodes.reshape(*fan.shape, 2)[:40].reshape(-1, 2) + [7.0, -3.0]
     assert np.abs(drawn - waves.elevation(fan.sea, near, 2.0)).max() < 2e-3 * height  # single precision
 
@@ -133,39 +146,46 @@ def test_the_far_sea_keeps_its_height_for_a_kilometre(sea, height):
 def test_what_is_narrower_than_a_pixel_widens_the_glint_instead():
     sea = spectrum()
     fan = far_sea.Fan(far_sea.strongest(sea))
-    fan.look(8.0, 0.0, 0.55, 0.5, 8.5e-4)
-    slopes = 0.5 * ((fan.sea.amplitude * fan.sea.wavenumber) ** 2).sum()
-    assert fan.lost[0] == pytest.approx(0.0, abs=1e-9) and fan.lost[-1] == pytest.approx(0.5 * slopes)
-    seen = fan.at(far_sea.turning(fan.sea, 2.0, HERE, 1.0))
+    fan.look(8.0, 0.0, 0.55, 0.5, 8.5e-4, fan.sea.amplitude)
+    slopes, lost = 0.5 * ((fan.sea.amplitude * fan.sea.wavenumber) ** 2).sum(), fan.lost(fan.sea.amplitude)
+    assert lost[0] == pytest.approx(0.0, abs=1e-9) and lost[-1] == pytest.approx(0.5 * slopes)
+    seen = fan.at(far_sea.turning(fan.sea, 2.0, HERE))
     assert not seen[-1].any() and seen[5, :, 1].any()
 
 
-def test_the_far_sea_grows_as_the_basin_s():
-    """Calm around a basin that is calm, and never higher than the basin ever was."""
-    times = np.arange(0.0, 20.0, 0.5)
-    shares = sea_state.running(times, 0.3 * np.clip(times / 10.0, 0.0, 1.0))
-    assert shares[0] == 0.0 and (np.diff(shares) >= 0.0).all()
-    assert shares.max() == pytest.approx(0.3 / np.sqrt(np.mean((0.3 * np.clip(times / 10.0, 0.0, 1.0)) ** 2)), rel=0.05)
-    assert not sea_state.running(times, np.zeros(len(times))).any()
+def test_the_far_sea_is_what_the_basin_s_was_lately():
+    """Weights of the frames before a time: they add up to one, forget in a few seconds, and know of no later frame."""
+    times = np.arange(0.0, 60.0, 0.1)
+    for time in (0.0, 0.1, 3.3, 40.0):
+        numbers, weights = sea_state.recent(times, time)
+        assert times[numbers].max() <= time + 1e-9 and (weights >= 0.0).all()
+        assert weights.sum() == pytest.approx(1.0, abs=1e-12) and len(numbers) < 110
+        assert (numbers, *weights) == (lambda n, w: (n, *w))(*sea_state.recent(times[times <= time + 1e-9], time))
+    numbers, weights = sea_state.recent(times, 40.0)
+    age = 40.0 - times[numbers]
+    assert weights[age > sea_state.SWELLS].sum() == pytest.approx(np.exp(-1.0), abs=0.05)
+    assert sea_state.recent(np.array([2.0]), 2.0)[0] == [0]
 
 
 def test_the_far_sea_has_the_variance_of_the_basin_and_runs_with_the_wind():
-    kept = [standing(t).elevation for t in np.arange(0.0, 20.0, 0.5)]
-    towards = np.array([0.6, 0.8])
-    far = far_sea.of_frames(kept, (40.0, 30.0), 7.5, towards)
-    assert 0.5 * (far.amplitude**2).sum() == pytest.approx(np.mean([e.var() for e in kept]), rel=1e-6)
+    kept, towards = [standing(t).elevation for t in np.arange(0.0, 20.0, 0.5)], np.array([0.6, 0.8])
+    for elevation in kept[:3]:
+        assert modes().variances(elevation).sum() == pytest.approx(elevation.var(), rel=1e-6)
+    far = now(0.0).waves
+    assert len(far.amplitude) <= far_sea.SHELLS * far_sea.SECTORS
     mean = (far.amplitude**2 * far.wavenumber).sum() / (far.amplitude**2).sum()
-    modes = np.pi * np.hypot(np.array([2, 4, 7, 3, 9]) / 40.0, np.array([1, 3, 2, 6, 5]) / 30.0)
-    assert modes.min() < mean < modes.max()
-    many = far_sea.of_frames([np.random.default_rng(0).normal(size=(32, 24))], (40.0, 30.0), 7.5, towards)
-    assert ((many.amplitude**2)[:, None] * many.wavevector).sum(axis=0) @ towards > 0.0
+    of_modes = np.pi * np.hypot(np.array([2, 4, 7, 3, 9]) / 40.0, np.array([1, 3, 2, 6, 5]) / 30.0)
+    assert of_modes.min() < mean < of_modes.max()
+    broad = far_sea.Modes((32, 24), (40.0, 30.0), 7.5, towards)
+    variances = broad.variances(np.random.default_rng(0).normal(size=(32, 24)))
+    assert (variances[:, None] * broad.sea.wavevector).sum(axis=0) @ towards > 0.0
     places = np.random.default_rng(5).uniform(-4000.0, 4000.0, (4000, 2))
     assert waves.elevation(far, places, 3.0).var() == pytest.approx(0.5 * (far.amplitude**2).sum(), rel=0.1)
 
 
 def test_still_water_makes_a_flat_far_sea():
-    far = far_sea.of_frames([np.full((8, 6), 0.2)], (10.0, 8.0), 2.0, np.array([1.0, 0.0]))
-    assert not waves.elevation(far, np.zeros((3, 2))).any()
+    calm = far_sea.Modes((8, 6), (10.0, 8.0), 2.0, np.array([1.0, 0.0])).variances(np.full((8, 6), 0.2))
+    assert not calm.any()
 
 
 def test_crests_converge_by_their_wavenumber():
@@ -178,7 +198,7 @@ def test_crests_converge_by_their_wavenumber():
 
 def test_white_crests_cover_what_steepness_calls_for():
     surface = sea_surface.SeaSurface(GRID, state(), 12_000)
-    gentle = surface.at(standing(7.3)).convergence
+    gentle = surface.at(standing(7.3), now(7.3)).convergence
     steep = gentle * 0.45 / gentle.max()
     assert not surface.foam(gentle * 0.25 / gentle.max()).any()
     wanted = foam.cover(steep)
@@ -203,17 +223,12 @@ def test_a_drop_is_isolated_and_water_is_not():
     assert found.sum() == 2 and found[-2:].all()
 
 
-def test_a_tank_is_no_piece_of_sea(folder, tmp_path):
-    assert sea_state.of_run(folder, GRID).open
-    beside = tmp_path / "tank"
-    shutil.copytree(folder, beside)
+def test_a_tank_is_no_piece_of_sea(folder):
+    first = frame_files.Frame(frame_files.frame_path(folder, 0))
     for basin, piece in ({"motion": None}, True), ({"motion": {"surge": 0.1}}, False), ({"obstacles": []}, True):
-        (beside / "manifest.json").write_text(json.dumps({"scene": {"basin": basin}}))
-        assert sea_state.of_run(beside, GRID).open == piece
-    last = beside / "frames" / "frame_00002.npz"
-    dry = dict(np.load(last)) | {"elevation": np.full((len(X), len(Z)), -7.5)}
-    np.savez(last, **dry)
-    assert not sea_state.of_run(beside, GRID).open
+        assert sea_state.is_open({"basin": basin}, first, 7.5) == piece
+    first.elevation[3, 4] = -7.5
+    assert not sea_state.is_open({}, first, 7.5)
 
 
 def test_the_wind_of_a_scene_leads_the_ripples():
@@ -298,7 +313,7 @@ def test_frames_keep_the_waves_of_a_sea_in_closed_form_and_nothing_of_particles(
 
 def test_foam_covers_what_is_asked_for():
     surface = sea_surface.SeaSurface(GRID, state(), 12_000)
-    gentle = surface.at(standing(7.3)).convergence
+    gentle = surface.at(standing(7.3), now(7.3)).convergence
     for wanted in (0.01, 0.05, 0.2):
         assert surface.foam(gentle, wanted).mean() == pytest.approx(wanted, rel=0.1)
     assert not surface.foam(gentle, 0.0).any()

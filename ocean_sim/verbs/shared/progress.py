@@ -20,7 +20,7 @@ class Progress(Concluding):
         self.duration, self.attending = duration, False
         self.began = perf_counter()
         self.first: tuple[float, float] | None = None  # wall and simulated time after the first step [s]
-        self.time, self.steps, self.particles, self.wall = 0.0, 0, 0, 0.0
+        self.time, self.steps, self.particles, self.wall, self.pictures = 0.0, 0, 0, 0.0, 0
         self.limits: Counter[str] = Counter()
 
     def observe(self, simulation: "Simulation") -> None:
@@ -44,16 +44,20 @@ class Progress(Concluding):
         if self.factor <= 0.0:
             return ""
         left = max(0.0, self.duration - self.time) / self.factor
-        return f", {self.factor:.2g} x real time, {console.duration(left)} left"
+        drawn = f", {self.pictures} pictures drawn" if self.pictures else ""
+        return f", {self.factor:.2g} x real time, {console.duration(left)} left{drawn}"
 
     def attend(self, simulation: "Simulation") -> None:
-        """`render` draws when it is closed, after the last step, and then shows its progress here."""
+        """`render` draws while the run goes on and until all is drawn, and shows its progress here."""
         for observer in simulation.observers:
             observer.show_progress(self.draw)
 
     def draw(self, done: int, total: int) -> None:
-        self.bar.close()
-        self.drawing(done, total)
+        """So many pictures are drawn; of 0, while the run goes on and nobody knows of how many."""
+        self.pictures = done
+        if total:
+            self.bar.close()
+            self.drawing(done, total)
 
     @property
     def factor(self) -> float:

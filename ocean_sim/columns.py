@@ -1,7 +1,6 @@
 """Names for the columns of a row of numbers: what a pair law reads of a neighbour, or a table on the device."""
 
-import taichi as ti
-import taichi.math as tm
+from ocean_sim.kernel_library import ti, tm
 
 
 class Columns:

@@ -6,9 +6,9 @@ upper 24 bits of a word make a number, so it is the same in f32 and f64. Keys ar
 """
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 from numpy.typing import ArrayLike
+
+from ocean_sim.kernel_library import ti, tm
 
 UNIT = 2.0**-24  # step of the numbers in [0, 1)
 

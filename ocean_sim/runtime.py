@@ -10,12 +10,9 @@ from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, TypeVar
 
-import taichi as ti
-from taichi._snode.fields_builder import FieldsBuilder
-from taichi._snode.snode_tree import SNodeTree
-from taichi.lang import impl
-
+from ocean_sim import kernel_library
 from ocean_sim.conventions import Lacking
+from ocean_sim.kernel_library import FieldsBuilder, SNodeTree, impl, ti
 from ocean_sim.machine import cores
 from ocean_sim.model import Model, quantity
 
@@ -27,7 +24,7 @@ LOCKED = 30.0  # [s] that a process may keep the kernel cache locked; it takes w
 FREEING = ("cpu", "cuda", "vulkan")  # backends on which Taichi 1.7 can give the memory of fields back
 CARDS = ("cuda", "vulkan", "metal", "gpu")  # what one asks for to have a graphics card
 OPTIONAL_DOUBLES = ("vulkan", "metal")  # backends on which Taichi 1.7 has f64 only where the driver has
-GRAPHICS = {ti.cuda: "cuda", ti.vulkan: "vulkan", ti.metal: "metal", ti.opengl: "opengl", ti.gles: "gles"}
+GRAPHICS = ("cuda", "vulkan", "metal", "opengl", "gles")
 
 
 if TYPE_CHECKING:  # what a kernel is handed, as callers see it
@@ -82,6 +79,9 @@ class RuntimeConfig(Model):
     """Floating-point precision of particles and kernels."""
     threads: int | None = quantity("threads", None, ge=1, le=1024)
     """Worker threads on the processor; null: all cores this process may use."""
+    library: Literal["taichi", "quadrants"] | None = None
+    """What compiles the kernels: Taichi, or its fork Quadrants where it is installed and OCEAN_SIM_LIBRARY=quadrants is
+    set; null: what the process computes with."""
     pin: bool = False
     """Bind each worker thread to one core (Linux): steadier timings, but a burden on a shared machine."""
 
@@ -187,6 +187,11 @@ def start(config: RuntimeConfig) -> Backend:
     global _started
     if _started is not None and _started[0] == config and not full():
         return _started[1]
+    if config.library not in (None, kernel_library.NAME):
+        raise BackendMissing(
+            f"runtime.library: {config.library} was asked for, and this process computes with {kernel_library.NAME}; "
+            f"set {kernel_library.VARIABLE}={config.library} before it starts, or leave the key out"
+        )
     threads = config.threads or cores()
     before = _thread_ids()
     _allocations.clear()
@@ -200,8 +205,8 @@ def start(config: RuntimeConfig) -> Backend:
             offline_cache_max_size_of_files=CACHE_SIZE,
             log_level=ti.ERROR,
         )
-    obtained = impl.current_cfg().arch
-    arch = GRAPHICS.get(obtained, "cpu")
+    obtained = impl.current_cfg().arch.name
+    arch = obtained if obtained in GRAPHICS else "cpu"
     if config.arch not in (arch, "auto") and not (config.arch == "gpu" and arch != "cpu"):
         ti.reset()
         _started = None

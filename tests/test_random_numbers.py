@@ -5,8 +5,8 @@ import sys
 
 import numpy as np
 import pytest
-import taichi as ti
 
+from ocean_sim.kernel_library import ti
 from ocean_sim.random_numbers import numpy_uniform, numpy_uniform3, uniform, uniform3
 
 N = 1 << 14

@@ -24,7 +24,7 @@ WATER = {
     **dict.fromkeys(("render", "report", "frames", "timings")),
 }
 MANY = """
-import taichi as ti
+from ocean_sim.kernel_library import ti
 from ocean_sim import runtime
 begun = set()
 for k in range(540):

@@ -6,9 +6,9 @@ from math import inf
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-import taichi as ti
 
 from ocean_sim.conventions import Setting
+from ocean_sim.kernel_library import ti
 from ocean_sim.waves import Components
 
 

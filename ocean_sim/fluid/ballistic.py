@@ -3,8 +3,6 @@
 from typing import ClassVar, Literal
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
@@ -13,6 +11,7 @@ from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.particle_water import ParticleWater
 from ocean_sim.fluid.shared.walk_plan import PLANS
 from ocean_sim.fluid.shared.water import WaterConfig, free_fall_speed
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.parts import LedgerRow, Preflight, Problems
 from ocean_sim.runtime import Array, arch, in_kernels
 from ocean_sim.wind import Wind

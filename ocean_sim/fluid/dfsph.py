@@ -24,8 +24,6 @@ from math import sqrt
 from typing import ClassVar, Literal
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns, vec3
@@ -43,6 +41,7 @@ from ocean_sim.fluid.shared.smoothing import NEUTRAL, NEUTRAL_RATIO, Kernel
 from ocean_sim.fluid.shared.sph import Sph, SphConfig, limits, rows
 from ocean_sim.fluid.shared.stencil import Stencil, of_rigidity
 from ocean_sim.fluid.shared.tasks import Rows
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.runtime import Array, Template, arch, in_kernels

@@ -3,7 +3,6 @@
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-import taichi as ti
 
 from ocean_sim import waves
 from ocean_sim.basin import Basin
@@ -12,6 +11,7 @@ from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.open_water import ADVANCE, POINTS_PER_WAVE, SMOOTH, OpenWater, status_of
 from ocean_sim.fluid.shared.plane_waves import NO_DRIFT, PlaneWaves
 from ocean_sim.fluid.shared.window import Window
+from ocean_sim.kernel_library import ti
 from ocean_sim.model import quantity
 from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems
 from ocean_sim.runtime import in_kernels

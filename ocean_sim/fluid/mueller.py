@@ -8,8 +8,6 @@ from math import sqrt
 from typing import ClassVar, Literal
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 from pydantic import model_validator
 
 from ocean_sim.basin import Basin
@@ -20,6 +18,7 @@ from ocean_sim.fluid.shared.law import PositionLaw
 from ocean_sim.fluid.shared.pair_sph import MomentumLaw, PairSph
 from ocean_sim.fluid.shared.smoothing import positive
 from ocean_sim.fluid.shared.sph import SphConfig, rows
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.runtime import arch, in_kernels

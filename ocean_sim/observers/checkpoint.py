@@ -8,6 +8,7 @@ from time import perf_counter
 from types import FrameType
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from ocean_sim import kernel_library
 from ocean_sim.machine import installed, sources
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.sampled import Multiples
@@ -106,7 +107,7 @@ def maker(simulation: "Simulation") -> dict[str, Any]:
 
 def versions() -> dict[str, str | None]:
     """Versions of the packages that compute."""
-    return {name: installed(name) for name in ("ocean-sim", "taichi", "numpy", "scipy")}
+    return {name: installed(name) for name in ("ocean-sim", kernel_library.NAME, "numpy", "scipy")}
 
 
 def restore(simulation: "Simulation", kept: file.Checkpoint, folder: Path, changed: str = "") -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from ocean_sim import kernel_library
 from ocean_sim.files.whole_file import whole
 from ocean_sim.machine import installed, program
 from ocean_sim.simulation import Concluding, ObserverConfig
@@ -15,7 +16,7 @@ from ocean_sim.simulation import Concluding, ObserverConfig
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
-PACKAGES = ("ocean-sim", "taichi", "numpy", "scipy", "pydantic", "ruamel.yaml", "h5py", "pyvista", "vtk")
+PACKAGES = ("ocean-sim", kernel_library.NAME, "numpy", "scipy", "pydantic", "ruamel.yaml", "h5py", "pyvista", "vtk")
 
 
 class Config(ObserverConfig):

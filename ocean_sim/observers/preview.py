@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
-import taichi as ti
 from pydantic import Field, field_validator
 
 from ocean_sim.files.whole_file import whole
+from ocean_sim.kernel_library import ti
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.sampled import Multiples
 from ocean_sim.parts import Preflight, Problems

@@ -145,6 +145,6 @@ def waiting(arch: str) -> Callable[[], None]:
     """What ends a stage: on a GPU, launches return before the work is done; on a CPU they do not."""
     if arch in ("cpu", "x64", "arm64"):
         return lambda: None
-    import taichi as ti
+    from ocean_sim.kernel_library import ti
 
     return ti.sync

@@ -3,8 +3,8 @@
 from typing import Any
 
 import numpy as np
-import taichi as ti
 
+from ocean_sim.kernel_library import ti
 from ocean_sim.pictures.preview_scene import Patch
 
 

@@ -5,11 +5,12 @@ import subprocess
 import sys
 import tempfile
 
+from ocean_sim import kernel_library
 from ocean_sim.conventions import Lacking
 
 REMEDY = "apt-get install --no-install-recommends libx11-6 mesa-vulkan-drivers"
 PROBE = """
-import taichi as ti
+from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import RuntimeConfig, start
 start(RuntimeConfig(arch="cpu"))
 window = ti.ui.Window("probe", (32, 32), show_window={show})
@@ -55,7 +56,12 @@ def draws(show: bool) -> bool:
 
 
 def require(show: bool) -> None:
-    """Raises VulkanMissing or ScreenMissing."""
+    """Raises VulkanMissing or ScreenMissing, or Lacking where what compiles the kernels has no window."""
+    if kernel_library.NAME != kernel_library.TAICHI:
+        raise Lacking(
+            f"a preview is drawn in a window of Taichi's, and {kernel_library.NAME} has none; unset "
+            f"{kernel_library.VARIABLE}, or take `ocean-sim preview --browser`"
+        )
     if not draws(show=False):
         raise VulkanMissing
     if show and not draws(show=True):

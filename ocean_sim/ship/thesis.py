@@ -9,11 +9,10 @@ linear and angular damping; it hides what forward Euler adds.
 from typing import Literal
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Fluid
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.ship import Load, Ship

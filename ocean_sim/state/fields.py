@@ -4,9 +4,8 @@ start."""
 from math import prod
 
 import numpy as np
-import taichi as ti
-from taichi.lang.util import to_numpy_type
 
+from ocean_sim.kernel_library import ti, to_numpy_type
 from ocean_sim.runtime import in_kernels
 
 TOGETHER = 32  # fields of a kernel; Taichi warns of more

@@ -22,10 +22,9 @@ from types import BuiltinFunctionType, FunctionType, MethodType, ModuleType, Uni
 from typing import Any, ClassVar, Protocol, get_args, get_origin, runtime_checkable
 
 import numpy as np
-import taichi as ti
 from pydantic import BaseModel
-from taichi.lang.util import to_numpy_type
 
+from ocean_sim.kernel_library import ti, to_numpy_type
 from ocean_sim.state.fields import Contents, shape
 
 OURS = "ocean_sim"

@@ -9,11 +9,10 @@ time step are stable, and the threads change nothing.
 from typing import ClassVar, Literal, Self
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Fluid, Particles, with_particles
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
 from ocean_sim.runtime import in_kernels

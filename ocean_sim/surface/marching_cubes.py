@@ -7,12 +7,11 @@ is read: the field when a mesh or a height is asked for, the heights from the fi
 from typing import ClassVar, Literal, Self
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Fluid, Particles, with_particles
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
 from ocean_sim.runtime import Array, in_kernels

@@ -9,12 +9,11 @@ from math import cos, hypot, sin
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 from pydantic import Field
 
 from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
 from ocean_sim.runtime import in_kernels

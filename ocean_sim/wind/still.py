@@ -3,10 +3,9 @@
 from typing import Literal
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim.basin import Basin
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.parts import LedgerRow, Preflight, WindConfig
 from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import Wind

@@ -8,11 +8,10 @@ from math import hypot, inf, pi
 from typing import Literal
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import Vector2, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
 from ocean_sim.runtime import in_kernels

@@ -7,9 +7,9 @@ watcher that writes numbers. The water has 1800 particles: Taichi shares loops o
 from pathlib import Path
 
 import pytest
-import taichi as ti
 
 from ocean_sim import runtime
+from ocean_sim.kernel_library import ti
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 

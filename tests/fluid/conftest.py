@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim.basin import Config as BasinConfig
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.parts import config_of
 from ocean_sim.wind.still import Config as Still
 from tests.conftest import Start

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-import taichi as ti
 
 from ocean_sim.columns import vec3
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.fluid.mueller import Momentum
+from ocean_sim.kernel_library import ti
 from ocean_sim.wind.gusts import Config as Gusts
 from tests.fluid.conftest import box, by_id, put
 

@@ -4,11 +4,11 @@ from itertools import product
 
 import numpy as np
 import pytest
-import taichi as ti
 
 from ocean_sim.columns import Columns
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid.shared.images import mirrored as mirrored_position
+from ocean_sim.kernel_library import ti
 from tests.fluid.conftest import by_id, put
 
 

@@ -4,7 +4,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import taichi as ti
 
 from ocean_sim import waves
 from ocean_sim.files.csv_file import columns
@@ -14,6 +13,7 @@ from ocean_sim.fluid.shared.initial import of_patch
 from ocean_sim.fluid.shared.sea_rim import nodes
 from ocean_sim.fluid.shared.sea_source import Depths, PlaneWaveSource
 from ocean_sim.fluid.shared.steep_source import SteepSource
+from ocean_sim.kernel_library import ti
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.state import state

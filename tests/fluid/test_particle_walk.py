@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-import taichi as ti
 
 import ocean_sim
 from ocean_sim.fluid.shared.particle_walk import BLOCK, levels
 from ocean_sim.fluid.shared.walk_plan import PARTICLES, PLANS
+from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import allocated_bytes
 from tests.fluid.conftest import by_id, put
 from tests.fluid.test_neighbours import Count, walk

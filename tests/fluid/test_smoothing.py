@@ -5,13 +5,12 @@ from math import pi
 
 import numpy as np
 import pytest
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim.basin import Config as BasinConfig
 from ocean_sim.fluid import delta_sph, dfsph
 from ocean_sim.fluid.shared.smoothing import NEUTRAL, WENDLAND, Kernel, Smoothing
 from ocean_sim.fluid.shared.stencil import Stencil
+from ocean_sim.kernel_library import ti, tm
 
 SUPPORT = 0.7
 

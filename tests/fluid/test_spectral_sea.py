@@ -4,7 +4,6 @@ from math import pi
 
 import numpy as np
 import pytest
-import taichi as ti
 from pydantic import ValidationError
 
 from ocean_sim import waves
@@ -12,6 +11,7 @@ from ocean_sim.basin import Config as BasinConfig
 from ocean_sim.fluid.shared.high_order import HighOrder
 from ocean_sim.fluid.shared.tile import Layer, Tile
 from ocean_sim.fluid.spectral_sea import Config, snapped
+from ocean_sim.kernel_library import ti
 from ocean_sim.parts import Preflight
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.result import Result

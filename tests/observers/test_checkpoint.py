@@ -4,9 +4,9 @@ import shutil
 from pathlib import Path
 
 import pytest
-from taichi.lang import impl
 
 from ocean_sim.fluid.linear_waves import LinearWaves
+from ocean_sim.kernel_library import impl
 from ocean_sim.observers.checkpoint import KEPT
 from ocean_sim.pictures import vulkan
 from ocean_sim.reading.scene import load

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-import taichi as ti
-import taichi.math as tm
 
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.surface.shared.contact import Contact
 from ocean_sim.surface.shared.springs import springs
 from tests.fluid.conftest import put

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import taichi as ti
 from pydantic import ValidationError
 
 import ocean_sim
@@ -15,6 +14,7 @@ from ocean_sim.basin import Config as BasinConfig
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid.shared.particles import Components, Count
+from ocean_sim.kernel_library import ti
 from ocean_sim.parts import Preflight
 from ocean_sim.pictures.smoothed_mesh import smoothed
 from ocean_sim.surface.marching_cubes import Config, MarchingCubes

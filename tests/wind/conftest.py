@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim import basin
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.parts import config_of, library
 from tests.fluid.conftest import water
 

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim.conventions import AIR_DENSITY
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.wind.shared.air_load import C_d, drag, drag_coefficient, lift, stress
 
 WINDS = np.random.default_rng(1).normal(size=(200, 3)) * 12.0  # [m/s]

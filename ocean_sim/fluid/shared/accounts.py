@@ -3,11 +3,11 @@
 from math import isfinite
 
 import numpy as np
-import taichi as ti
 
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Status
 from ocean_sim.fluid.shared.grid import Grid
+from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import Template, in_kernels
 
 TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "diffusion", "bed", "sea")

@@ -10,10 +10,9 @@ along, it makes no waves here.
 from typing import Any, ClassVar
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim.fluid.shared.tile import PER_TILE, Tile
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import in_kernels
 from ocean_sim.waves import profiles
 from ocean_sim.wind import Wind

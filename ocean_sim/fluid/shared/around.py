@@ -8,11 +8,9 @@ point, turned round. Every set of sides within reach is a mirror of its own, so 
 from collections.abc import Iterable
 from typing import Any, Protocol
 
-import taichi as ti
-import taichi.math as tm
-
 from ocean_sim.fluid.shared.grid import Grid
 from ocean_sim.fluid.shared.images import OFFSET, PULL, PUSH, SIDE, SIGN, TURN, mirrored
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template, in_kernels
 
 

@@ -6,11 +6,9 @@ quarter of a row too high or too low, the first row bears all and the second not
 the bed in the mean. Velocity and height are the particle's own: nothing depends on the order of particles.
 """
 
-import taichi as ti
-import taichi.math as tm
-
 from ocean_sim.basin import KARMAN, LOWEST, RoughBed
 from ocean_sim.fluid.shared.lattice import Lattice
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import in_kernels
 
 ALL, NONE = 0.75, 1.25  # [rows] heights up to which a particle bears its whole share, and from which it bears none

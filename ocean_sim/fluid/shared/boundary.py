@@ -21,8 +21,6 @@ from itertools import product
 from math import ceil
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 from numpy.typing import ArrayLike
 
 from ocean_sim.basin.gate import Gate
@@ -35,6 +33,7 @@ from ocean_sim.fluid.shared.law import PushingLaw, SampledLaw
 from ocean_sim.fluid.shared.particles import Components, Particles
 from ocean_sim.fluid.shared.pull import Pull
 from ocean_sim.fluid.shared.smoothing import Smoothing
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Doubles2, Doubles3, Template, in_kernels
 
 MOTION = Columns(position=3, rotation=9, velocity=3, angular_velocity=3, acceleration=3, angular_acceleration=3, gone=1)

@@ -1,7 +1,6 @@
 """The cubic between the values of a lattice (Keys 1981, IEEE Trans. ASSP 29), for kernels."""
 
-import taichi as ti
-import taichi.math as tm
+from ocean_sim.kernel_library import ti, tm
 
 
 @ti.func

@@ -9,15 +9,13 @@ grad P, comes to -skin grad P on each plan area, for the integral of chi over th
 
 from typing import TYPE_CHECKING
 
-import taichi as ti
-import taichi.math as tm
-
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid.shared.images import SIGN, mirrored
 from ocean_sim.fluid.shared.law import PositionLaw
 from ocean_sim.fluid.shared.particles import Components, Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.stencil import Stencil
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import in_kernels
 
 if TYPE_CHECKING:  # imported only where there are bodies, and by what makes it

@@ -10,8 +10,6 @@ pressure and velocity are 0 there.
 from typing import TYPE_CHECKING
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid.shared.around import Around
@@ -20,6 +18,7 @@ from ocean_sim.fluid.shared.images import hydrostatic_offset, turned
 from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.pull import Pull
 from ocean_sim.fluid.shared.smoothing import Smoothing
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Array, Array2, in_kernels
 
 if TYPE_CHECKING:  # it is imported only where there are bodies

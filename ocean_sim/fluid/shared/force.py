@@ -3,10 +3,9 @@
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any
 
-import taichi as ti
-
 from ocean_sim.columns import Columns
 from ocean_sim.fluid.shared.sph import Sph
+from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import in_kernels
 
 if TYPE_CHECKING:  # it is imported only where there are bodies

@@ -1,14 +1,13 @@
 """Where the water ends: the height at which the smoothed share of water falls through one half."""
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim.basin import OPEN
 from ocean_sim.fluid.shared.around import Around
 from ocean_sim.fluid.shared.grid import Grid
 from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Array, Array2, in_kernels
 
 PROBES = 4  # a support is searched in so many steps

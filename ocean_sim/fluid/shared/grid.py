@@ -10,14 +10,13 @@ step.
 """
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim.columns import Columns
 from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.images import Images
 from ocean_sim.fluid.shared.particles import Components, Particles
 from ocean_sim.fluid.shared.tasks import TASK
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template, in_kernels
 
 STATE = Columns(position=3, velocity=3, id=1)  # what `state` and `moved` begin with

@@ -10,12 +10,10 @@ in place of their fixed boundary particles).
 from math import ceil
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
-from taichi.lang.util import to_numpy_type
 
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid.shared.grid_size import GridSize
+from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import in_kernels
 
 SIDE = Columns(axis=1, first_layer=1, last_layer=1, position=1, no_slip=1, twice_velocity=3, acceleration=1)

@@ -2,10 +2,9 @@
 
 from typing import Any, Protocol
 
-import taichi as ti
-
 from ocean_sim.columns import Columns
 from ocean_sim.fluid.shared.images import mirrored
+from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import in_kernels
 
 

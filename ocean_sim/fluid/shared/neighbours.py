@@ -7,9 +7,6 @@ branches. Everything is gathered, nothing is scattered, so the result does not d
 
 from dataclasses import dataclass
 
-import taichi as ti
-import taichi.math as tm
-
 from ocean_sim.basin import OPEN
 from ocean_sim.columns import vec3
 from ocean_sim.fluid.shared.accounts import Accounts
@@ -21,6 +18,7 @@ from ocean_sim.fluid.shared.pairs import Pairs, flips
 from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing, positive
 from ocean_sim.fluid.shared.tasks import TASK
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template, in_kernels
 
 

@@ -4,13 +4,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim import waves
 from ocean_sim.fluid import Arriving, Fluid, Limits, Status
 from ocean_sim.fluid.shared.plane_waves import PlaneWaves
 from ocean_sim.fluid.shared.window import Window
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import in_kernels
 
 if TYPE_CHECKING:  # they are imported only where there are tiles

@@ -3,15 +3,13 @@ adds, and, where the density is a sum, the whole step."""
 
 from typing import ClassVar
 
-import taichi as ti
-import taichi.math as tm
-
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid.shared.accounts import BED, SEA, WALLS
 from ocean_sim.fluid.shared.force import Force
 from ocean_sim.fluid.shared.images import displaced, hydrostatic_offset, reflected
 from ocean_sim.fluid.shared.law import Law
 from ocean_sim.fluid.shared.sph import Sph
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Array, in_kernels
 
 

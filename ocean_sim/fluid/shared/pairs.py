@@ -4,13 +4,11 @@ Each particle has its own slots, pairs with particles first and those with image
 particle and by the axes along which it is mirrored, so its velocity follows that of the particle.
 """
 
-import taichi as ti
-import taichi.math as tm
-
 from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
 from ocean_sim.fluid.shared.images import SIDE, SIGN, Images
 from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.tasks import Tasks
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template, in_kernels
 
 ROOM = 2.5  # slots of a particle, over its neighbours on the lattice

@@ -10,7 +10,6 @@ from math import isqrt
 from typing import ClassVar
 
 import numpy as np
-import taichi as ti
 
 from ocean_sim.fluid.shared.accounts import DENSE, Accounts
 from ocean_sim.fluid.shared.around import Around
@@ -20,6 +19,7 @@ from ocean_sim.fluid.shared.law import Law
 from ocean_sim.fluid.shared.pairs import Pairs, flips
 from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing
+from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import Template, in_kernels
 
 BLOCK = 128  # cells that a thread adds up

@@ -7,8 +7,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Contact, Displacing, Fluid, ParticleFluid, Totals
@@ -26,6 +24,7 @@ from ocean_sim.fluid.shared.tasks import Tasks
 from ocean_sim.fluid.shared.totals import Summing
 from ocean_sim.fluid.shared.walls import Walls
 from ocean_sim.fluid.shared.water import WaterConfig
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Array2, in_kernels
 from ocean_sim.waves import Components
 from ocean_sim.wind import Wind

@@ -4,12 +4,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import taichi as ti
-from taichi.lang.field import ScalarField
-from taichi.lang.util import to_numpy_type
 
 from ocean_sim.fluid.shared.initial import started
 from ocean_sim.fluid.shared.lattice import Lattice
+from ocean_sim.kernel_library import ScalarField, ti, to_numpy_type
 from ocean_sim.runtime import Array2, in_kernels
 
 

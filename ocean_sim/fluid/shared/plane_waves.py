@@ -1,11 +1,9 @@
 """Plane waves of linear theory as kernels read them: the formulae of `ocean_sim.waves`, on the device."""
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
-from taichi.lang.util import to_numpy_type
 
 from ocean_sim import waves
+from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import in_kernels
 
 NO_DRIFT = (

@@ -7,9 +7,6 @@ wanted), r <= 0, and r = 0 where p > 0.
 
 from typing import TYPE_CHECKING, Any, Protocol
 
-import taichi as ti
-import taichi.math as tm
-
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
 from ocean_sim.fluid.shared.images import displaced
@@ -18,6 +15,7 @@ from ocean_sim.fluid.shared.particles import Components, Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.stencil import Stencil
 from ocean_sim.fluid.shared.tasks import Rows
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import in_kernels
 
 if TYPE_CHECKING:  # it is imported only where there are bodies

@@ -1,10 +1,9 @@
 """What pulls on all water alike: gravity, a body force, and in the axes of a moving tank what its motion adds."""
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim.basin import Basin
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import in_kernels
 
 PUSH, RATE, TURN, PIVOT = range(4)

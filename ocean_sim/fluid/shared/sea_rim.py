@@ -10,15 +10,13 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
-from taichi.lang.util import to_numpy_type
 
 from ocean_sim.columns import vec3
 from ocean_sim.fluid import Displacing
 from ocean_sim.fluid.shared.band import Band, cells_of
 from ocean_sim.fluid.shared.cubic import cubic
 from ocean_sim.fluid.shared.sea_source import LEVELS, VALUES, Depths, PlaneWaveSource, Source, numbers
+from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.waves import Components
 from ocean_sim.waves.absorption import PROFILE

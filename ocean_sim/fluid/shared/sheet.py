@@ -8,12 +8,10 @@ the last of them the waves fade as that wave does.
 from typing import ClassVar
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
-from taichi.lang.util import to_numpy_type
 
 from ocean_sim.fluid.shared.cubic import cubic
 from ocean_sim.fluid.shared.tile import PER_TILE, Tile
+from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.waves import profiles
 

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from math import factorial, pi
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template, in_kernels
 
 

@@ -5,8 +5,6 @@ from math import inf, pi, sqrt
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim import waves
 from ocean_sim.basin import Basin
@@ -23,6 +21,7 @@ from ocean_sim.fluid.shared.plane_waves import PlaneWaves
 from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.walk_plan import PLANS, Walk
 from ocean_sim.fluid.shared.water import Lattice, WaterConfig, free_fall_speed
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, key_of
 from ocean_sim.runtime import in_kernels

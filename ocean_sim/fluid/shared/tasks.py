@@ -16,9 +16,8 @@ their order.
 
 from math import isqrt
 
-import taichi as ti
-
 from ocean_sim.fluid.shared.particles import Count
+from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import Template, in_kernels
 
 TASK = 512

@@ -3,15 +3,13 @@
 from itertools import product
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
-from taichi.lang.util import to_numpy_type
 
 from ocean_sim.basin import OPEN
 from ocean_sim.fluid.shared.absorption import Zone, zones
 from ocean_sim.fluid.shared.images import SIDE, Images
 from ocean_sim.fluid.shared.lattice import Lattice
 from ocean_sim.fluid.shared.plane_waves import PlaneWaves
+from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.waves.absorption import PROFILE
 

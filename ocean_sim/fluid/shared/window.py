@@ -8,11 +8,10 @@ wave are a + i b + k c, so its cosines and sines are products of few numbers.
 from typing import Protocol
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim import waves
 from ocean_sim.fluid.shared.plane_waves import PlaneWaves
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Doubles2, in_kernels
 
 TURNING = 0.8  # [rad] by which waves turn between the two times, those that give the water its jerks

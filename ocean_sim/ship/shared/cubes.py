@@ -3,12 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
-from taichi.lang.util import to_numpy_type
 
 from ocean_sim.columns import Columns
 from ocean_sim.fluid import Fluid
+from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Array2, Template, in_kernels
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.pose import pose, turned, vector, write_pose

@@ -2,11 +2,9 @@
 kept with them."""
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
-from taichi.lang.util import to_numpy_type
 
 from ocean_sim.files.cache_file import kept
+from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import in_kernels
 from ocean_sim.ship.shared.shapes import HullShape
 from ocean_sim.ship.shared.voxels import cells, voxels

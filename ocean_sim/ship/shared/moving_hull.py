@@ -9,11 +9,9 @@ turned back each time: density would follow a speed that is not there, and no fo
 """
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
-from taichi.lang.util import to_numpy_type
 
 from ocean_sim.columns import Columns
+from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.ship.shared.distance import Distance
 from ocean_sim.ship.shared.pose import POSE, write_pose

@@ -1,10 +1,9 @@
 """A rigid body as a row of numbers: how kernels are handed where it is and how it moves."""
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim.columns import Columns
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template
 from ocean_sim.ship.shared.rigid_body import RigidBody
 

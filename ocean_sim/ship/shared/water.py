@@ -13,11 +13,10 @@ from math import hypot
 from typing import ClassVar
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim.columns import Columns
 from ocean_sim.fluid import ClosedForm, Contact, Hull
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.ship.shared.distance import Distance
 from ocean_sim.ship.shared.pose import POSE, pose, turned, vector

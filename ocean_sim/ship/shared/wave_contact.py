@@ -17,12 +17,11 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns
 from ocean_sim.fluid import ParticleFluid
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import Model, quantity
 from ocean_sim.runtime import Array2, Template, in_kernels
 from ocean_sim.ship import PARTS, Load

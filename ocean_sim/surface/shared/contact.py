@@ -8,8 +8,8 @@ from functools import cached_property
 from math import ceil, pi
 
 import numpy as np
-import taichi as ti
 
+from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import in_kernels
 
 OFFSETS = 12  # positions of a node between the particles of a lattice, along an axis

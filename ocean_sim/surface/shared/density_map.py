@@ -7,12 +7,10 @@ water, so it does not seem to thin out next to them: the point is mirrored or sh
 from math import pi
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
-from taichi.lang.util import to_numpy_type
 
 from ocean_sim.basin import OPEN, Basin
 from ocean_sim.fluid import Particles
+from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.surface.shared.nodes import Nodes
 

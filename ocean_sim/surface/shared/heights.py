@@ -1,11 +1,9 @@
 """Heights of the water on a grid of upright columns over the basin, bilinear between them."""
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
-from taichi.lang.util import to_numpy_type
 
 from ocean_sim.basin import Basin
+from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Array, Array2, in_kernels
 from ocean_sim.surface.shared.mesh import Mesh, sheet
 

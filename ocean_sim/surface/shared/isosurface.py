@@ -8,10 +8,8 @@ counted apart and their vertices and triangles numbered in the order of slabs, s
 from typing import NamedTuple
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
-from taichi.lang.util import to_numpy_type
 
+from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Array, Array2, Template, in_kernels
 from ocean_sim.surface.shared.cube_cases import MOST, table
 from ocean_sim.surface.shared.mesh import Mesh

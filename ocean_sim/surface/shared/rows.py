@@ -1,9 +1,9 @@
 """The band of a grid that is kept: its rows of nodes along x that lie near water."""
 
 import numpy as np
-import taichi as ti
 
 from ocean_sim.conventions import Diverged
+from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import in_kernels
 from ocean_sim.surface.shared.nodes import Nodes
 

@@ -7,10 +7,8 @@ Wind is taken relative to the surface, where section 2.3 takes wind speed alone.
 
 from typing import Literal
 
-import taichi as ti
-import taichi.math as tm
-
 from ocean_sim.conventions import AIR_DENSITY
+from ocean_sim.kernel_library import ti, tm
 
 DragLaw = Literal["wu", "garratt", "zijlema"]
 

@@ -6,7 +6,7 @@ restarted after RESTART because kernels may run in single precision, in which a 
 with each restart the wind writes where it is then, worked out in double precision.
 """
 
-import taichi as ti
+from ocean_sim.kernel_library import ti
 
 RESTART = 1.0  # [s] how long the clock runs: up to here single precision is right to 0.1 us
 

@@ -2,10 +2,10 @@
 
 from typing import Annotated
 
-import taichi as ti
 from pydantic import Field
 
 from ocean_sim.columns import Columns
+from ocean_sim.kernel_library import ti
 from ocean_sim.random_numbers import uniform3
 from ocean_sim.runtime import in_kernels
 from ocean_sim.wind.shared.clock import DeviceRow

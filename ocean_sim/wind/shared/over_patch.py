@@ -7,9 +7,9 @@ seen here around the middle of the patch, which follows the ships.
 from typing import Literal
 
 import numpy as np
-import taichi as ti
 
 from ocean_sim.basin import Basin
+from ocean_sim.kernel_library import ti
 from ocean_sim.model import Model
 from ocean_sim.parts import Preflight, Problems
 from ocean_sim.runtime import in_kernels

@@ -5,11 +5,10 @@ from math import cos, radians, sin
 from typing import Annotated, Literal
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 from numpy.typing import ArrayLike
 from pydantic import Field
 
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import Model, Vector3, quantity
 
 Length = Annotated[float, Field(gt=0.0)]

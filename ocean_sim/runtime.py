@@ -3,12 +3,15 @@
 import os
 import sys
 import time
+import weakref
 from contextlib import redirect_stdout, suppress
 from dataclasses import dataclass
 from functools import wraps
 from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, TypeVar
+
+import numpy as np
 
 from ocean_sim import kernel_library
 from ocean_sim.conventions import Lacking
@@ -28,8 +31,6 @@ GRAPHICS = ("cuda", "vulkan", "metal", "opengl", "gles")
 
 
 if TYPE_CHECKING:  # what a kernel is handed, as callers see it
-    import numpy as np
-
     Array: TypeAlias = np.ndarray
     Array2: TypeAlias = np.ndarray
     Integers: TypeAlias = np.ndarray
@@ -57,13 +58,95 @@ def in_kernels(kind: Kind) -> Kind:
 
 
 def _bound(kernel: Any) -> Any:
-    """A method that launches a kernel."""
+    """A method that launches a kernel: from the second time on without what Taichi's own way looks up anew for every
+    launch, which takes longer than many a kernel."""
 
     @wraps(kernel)
     def launch(self: Any, *given: Any) -> Any:
-        return kernel._primal(self, *given)
+        launches = _launches.get(self)
+        if launches is None:
+            launches = _launches[self] = {}
+        for known in launches.get(kernel, ()):
+            if known.suits(given):
+                return known(given)
+        result = kernel._primal(self, *given)
+        made = _launch_of(kernel._primal, self, given)
+        if made is not None:
+            launches.setdefault(kernel, []).append(made)
+        return result
 
     return launch
+
+
+class Launch:
+    """A compiled kernel, and how it takes what it is handed: an array, a number, or (a template) nothing."""
+
+    def __init__(self, compiled: Any, kernel: Any, takes: list["Taken"]) -> None:
+        self.compiled, self.context = compiled, kernel.make_launch_context
+        self.arrays = [(k, slot, kind, ndim) for k, slot, kind, ndim in takes if slot is not None and ndim is not None]
+        self.numbers = [(k, slot, kind) for k, slot, kind, ndim in takes if slot is not None and ndim is None]
+        self.templates = [(k, same) for k, slot, same, _ in takes if slot is None]
+        self.program = impl.get_runtime().prog.launch_kernel
+
+    def suits(self, given: tuple) -> bool:
+        """Whether it was compiled for what is given now."""
+        for k, same in self.templates:
+            if given[k] is not same():
+                return False
+        for k, _, dtype, ndim in self.arrays:
+            array = given[k]
+            if array.dtype != dtype or array.ndim != ndim or not array.flags.c_contiguous:
+                return False
+        return True
+
+    def __call__(self, given: tuple) -> None:
+        context = self.context()
+        for k, slot, whole in self.numbers:
+            if whole:
+                context.set_arg_int(slot, int(given[k]))
+            else:
+                context.set_arg_float(slot, float(given[k]))
+        for k, slot, _, _ in self.arrays:
+            array = given[k]
+            context.set_arg_external_array_with_shape(slot, array.ctypes.data, array.nbytes, array.shape, 0)
+        self.program(self.compiled, context)
+
+
+class Taken(NamedTuple):
+    """One argument: its place, its slot (None of a template), what must be the same or whether it is whole, and how
+    many axes an array has."""
+
+    place: int
+    slot: tuple[int] | None
+    what: Any
+    ndim: int | None
+
+
+def _launch_of(primal: Any, owner: Any, given: tuple) -> Launch | None:
+    """How a kernel that has just been launched with this is launched again; None where only Taichi knows."""
+    takes, slots = [], 0
+    if primal.return_type is not None or primal.has_print:
+        return None
+    for k, (argument, value) in enumerate(zip(primal.arguments[1:], given, strict=True)):
+        needed = argument.annotation
+        if isinstance(needed, ti.template):
+            try:
+                takes.append(Taken(k, None, weakref.ref(value), None))
+            except TypeError:  # a number or a name
+                return None
+            continue
+        if isinstance(value, np.ndarray):
+            takes.append(Taken(k, (slots,), value.dtype, value.ndim))
+        elif needed in (float, int):
+            takes.append(Taken(k, (slots,), needed is int, None))
+        else:
+            return None
+        slots += 1
+    if any(t.ndim is not None and not given[t.place].flags.c_contiguous for t in takes):
+        return None
+    program = impl.get_runtime().prog
+    kernel = primal.compiled_kernels[primal.ensure_compiled(owner, *given)]
+    return Launch(program.compile_kernel(program.config(), program.get_device_caps(), kernel), kernel, takes)
 
 
 class BackendMissing(Lacking):
@@ -96,6 +179,7 @@ class Backend:
     doubles: bool = True  # whether it has double precision
 
 
+_launches: "weakref.WeakKeyDictionary[Any, dict[Any, list[Launch]]]" = weakref.WeakKeyDictionary()  # by owner
 _started: tuple[RuntimeConfig, Backend] | None = None
 _allocations: list["Allocation"] = []  # the sets of fields that take memory now, in the order they were made
 
@@ -195,6 +279,7 @@ def start(config: RuntimeConfig) -> Backend:
     threads = config.threads or cores()
     before = _thread_ids()
     _allocations.clear()
+    _launches.clear()
     with redirect_stdout(StringIO()):  # Taichi announces itself
         ti.init(
             arch=BACKENDS[config.arch],

@@ -8,7 +8,8 @@ under which the particles arrive at its rest density (density). Each solver iter
 by relaxed Jacobi steps p = max(p + omega r / A_ii, 0) (their kappa is p / density), carried on along the way of the
 last ones (Nesterov 1983) unless that leads uphill (O'Donoghue & Candes 2015, Found. Comput. Math. 15). An iteration
 reads the kept pairs twice. The pressures of a step are where the next begins; iterations go on until the error is
-within its tolerance and half of what it was, so that calm water, which needs few, comes to rest.
+within its tolerance and, in calm water, half of what it was, so that it comes to rest; in water that breaks that would
+be half of the work, and changes nothing that is seen.
 
 Where there is a free surface both pressures are forces, and never negative: with them the step is symplectic (it is
 SHAKE; Leimkuhler & Skeel 1994, J. Comput. Phys. 112), and still water stays still. A gap inside the water may close
@@ -52,6 +53,7 @@ ROW, VISCOUS_ROW = Columns(position=3, pressure=1), Columns(position=3, pressure
 CALM = {"density": 0.1, "divergence": 0.003}  # [tolerances] errors below which water counts as calm
 BRIEF = 0.1  # of the smoothing length over the reference speed: in shorter steps calm water compresses itself less
 SLOW = 2.0  # of the reference speed: water counts as no slower when the next step is chosen, see `limits`
+STIRRED = 0.3  # of the reference speed: the root mean square speed up to which water is calm
 LEAST = 0.05  # of its value on the lattice: A_ii is taken to be no less, which keeps coincident particles finite
 GAP = 0.1  # of what is missing in a gap that may close in a step; wider gaps close as fast as they are wide
 
@@ -340,19 +342,20 @@ class Dfsph(Sph):
             self.level[None] = self.report[TOO_DENSE] / self.particles.count.now
 
     def step(self, dt: float) -> None:
+        calm = self.totals().squared_speed < self.particles.count.now * (STIRRED * self.reference_speed) ** 2
         self.predict(dt, self.wind.since, self.report)
-        self.solve(self.divergence, dt)
+        self.solve(self.divergence, dt, calm)
         self.compress(self.status.max_speed, self.report)
-        self.solve(self.incompressible, dt)
+        self.solve(self.incompressible, dt, calm)
         self.move()
         self.arrive()
 
-    def solve(self, solver: Solver, dt: float) -> None:
+    def solve(self, solver: Solver, dt: float, calm: bool) -> None:
         """Iterate until a step of dt [s] presses the water neither together nor apart by more than is allowed in the
         mean, at most so often."""
         scale = 1.0 / (self.particles.count.now * self.particles.rest_density)
         done, along, error = 0, 1.0, scale * float(self.report[:UPHILL].max())
-        enough = solver.enough(error, dt)
+        enough = solver.enough(error, dt, calm)
         while not error <= enough and done < solver.most:
             if self.report[UPHILL] > 0.0:
                 along = 1.0

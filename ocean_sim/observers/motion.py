@@ -123,7 +123,7 @@ class Log:
         self.csv = CsvFile(folder / file_of(ship.name), head, self.columns)
 
     def observe(self, simulation: "Simulation") -> None:
-        rows: list[list[str]] = []
+        rows: list[str] = []
         for time, values, _ in self.sampled.rows(simulation.time, self.continuous(self.row(self.ship))):
             angles, q = values[ANGLES], values[QUATERNION]
             values[ANGLES] = np.remainder(angles + np.pi, 2.0 * np.pi) - np.pi
@@ -133,11 +133,11 @@ class Log:
         if rows:
             self.hand_on(rows, simulation)
 
-    def hand_on(self, rows: list[list[str]], simulation: "Simulation") -> None:
+    def hand_on(self, rows: list[str], simulation: "Simulation") -> None:
         """Give rows, as the log shows them, to the observers that take them: what they make of them then is what they
         would make of the file."""
         for observer in takers(simulation, TakesMotion):
-            table = np.array([[float(number) for number in row] for row in rows]).T
+            table = np.array([[float(number) for number in row.split(",")] for row in rows]).T
             observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)
 
     def row(self, ship: Ship) -> np.ndarray:
@@ -145,24 +145,12 @@ class Log:
         body, load, turn = ship.body, ship.last, ship.body.matrix
         felt = body.point_acceleration(self.arm, ship.acceleration, ship.turning)
         parts = np.concatenate([load.parts, load.parts.sum(axis=0, keepdims=True)])
-        w, *vector = body.orientation
-        return np.concatenate(
-            [
-                self.named(body.position),
-                self.named(body.angles),
-                [w, *to_frame(self.frame, np.array(vector))],
-                self.named(body.velocity),
-                self.named(body.rates),
-                self.named(ship.acceleration),
-                to_frame(self.frame, turn.T @ (felt - self.gravity)),
-                to_frame(self.frame, parts).ravel(),
-                ship.orders,
-            ]
-        )
-
-    def named(self, motions: np.ndarray) -> np.ndarray:
-        """Sway, heave and surge, or pitch, yaw and roll, positive as the frame's axes are."""
-        return self.signs * motions
+        w, *vector = body.orientation.tolist()
+        vectors = np.concatenate([[vector, turn.T @ (felt - self.gravity)], parts.reshape(-1, 3)])
+        attitude, specific, *loads = to_frame(self.frame, vectors)
+        motions = np.array([body.position, body.angles, body.velocity, body.rates, ship.acceleration])
+        position, angles, *others = self.signs * motions  # positive as the frame's axes are
+        return np.concatenate([position, angles, [w], attitude, *others, specific, *loads, ship.orders])
 
     def continuous(self, row: np.ndarray) -> np.ndarray:
         """The row with angles and quaternion near those of the row before, so that lines between them are short."""

@@ -8,14 +8,14 @@ import numpy as np
 from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.observers.shared.handed_on import TakesCommands, TakesMotion, takers
 from ocean_sim.platform import COLUMNS, LIMITS, Platform
-from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, Ride, joined, ride_of
+from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, REQUIRED, ride_of
 from ocean_sim.simulation import Observer, ObserverConfig
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
 FRAME = "flu"
-ROWS = 25  # answered together, where nobody waits for each
+ROWS = 100  # answered together, where nobody waits for each
 
 
 class Config(ObserverConfig):
@@ -55,11 +55,13 @@ class PlatformLog(Observer, TakesMotion):
     def __init__(self, csv: CsvFile, every: float, platform: Platform, simulation: "Simulation", ship: str) -> None:
         """`ship`: the name of the one that it rides in."""
         self.csv, self.every, self.platform, self.simulation, self.ship = csv, every, platform, simulation, ship
-        self.new: list[Ride] = []  # rows that are not answered yet
+        self.new: list[dict[str, np.ndarray]] = []  # rows that are not answered yet
+        self.frame = FRAME  # theirs
 
     def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
         if ship == self.ship:
-            self.new.append(ride_of(rows, frame))
+            self.new.append({name: rows[name] for name in (*REQUIRED, "seq")})
+            self.frame = frame
 
     def observe(self, simulation: "Simulation") -> None:
         self.answer()
@@ -67,7 +69,8 @@ class PlatformLog(Observer, TakesMotion):
     def answer(self) -> None:
         """Follow the rows that are new, write what the platform does, and hand it on."""
         if self.new:
-            commands = self.platform.follow(joined(self.new))
+            rows = {name: np.concatenate([row[name] for row in self.new]) for name in self.new[0]}
+            commands = self.platform.follow(ride_of(rows, self.frame))
             self.new = []
             for row in commands.rows():
                 self.csv.row(row)

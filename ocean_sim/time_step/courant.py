@@ -1,6 +1,5 @@
 """The longest step that sound, viscosity and force allow (Monaghan 1992; Morris, Fox & Zhu 1997, eqs. 30-32)."""
 
-from math import isfinite
 from typing import Literal
 
 from ocean_sim.conventions import Setting
@@ -31,14 +30,15 @@ class Config(TimeStepConfig):
 
     def shortest(self, limits: Limits) -> tuple[float, str]:
         """The step that these limits allow [s], and the name of the one that rules."""
-        steps = {
-            "acoustic": self.courant_number * limits.acoustic,
-            "viscous": self.viscous_number * limits.viscous,
-            "force": self.force_number * limits.force,
-            "longest": self.longest,
-        }
-        ruling = min(steps, key=lambda name: steps[name] if isfinite(steps[name]) else float("inf"))
-        return steps[ruling], ruling
+        shortest, ruling = self.longest, "longest"
+        for step, name in (
+            (self.force_number * limits.force, "force"),
+            (self.viscous_number * limits.viscous, "viscous"),
+            (self.courant_number * limits.acoustic, "acoustic"),
+        ):
+            if step <= shortest:  # of equal ones the last named rules, and what is not a number never does
+                shortest, ruling = step, name
+        return shortest, ruling
 
 
 class Courant:

@@ -24,6 +24,7 @@ class Accounts:
         """`impulses`: whether impulse and work of each term are summed (f64), for `accuracy`; `absent`: terms that the
         scene has not."""
         self.groups, self.impulses = groups, impulses
+        self.idle: set[int] = set()  # terms that nothing in the scene gives
         self.overflow = ti.field(int, shape=groups)
         self.speed2, self.acceleration2 = ti.field(float, shape=groups), ti.field(float, shape=groups)
         self.thin, self.dense = ti.field(float, shape=groups), ti.field(float, shape=groups)
@@ -33,6 +34,10 @@ class Accounts:
             self.terms = tuple(term for term in range(len(TERMS)) if term not in absent)
             self.impulse = ti.field(ti.f64, shape=(groups, len(TERMS), 3))
             self.work = ti.field(ti.f64, shape=(groups, len(TERMS)))
+
+    def acts(self, term: int) -> bool:
+        """Whether a term does anything, as is known when a kernel is compiled; the others stay zero."""
+        return term not in self.idle
 
     @ti.func
     def begin_motion(self, group):
@@ -58,9 +63,10 @@ class Accounts:
     @ti.func
     def count_impulse(self, group, term: Template, impulse, v):
         """Impulse [N s] of a term on a particle whose mean velocity of the step is v: v . impulse is its work [J]."""
-        for k in ti.static(range(3)):
-            self.impulse[group, term, k] = self.impulse[group, term, k] + ti.cast(impulse[k], ti.f64)
-        self.count_work(group, term, impulse.dot(v))
+        if ti.static(self.acts(term)):
+            for k in ti.static(range(3)):
+                self.impulse[group, term, k] = self.impulse[group, term, k] + ti.cast(impulse[k], ti.f64)
+            self.count_work(group, term, impulse.dot(v))
 
     @ti.func
     def count_step(self, group, kick, pressure, viscosity, wind, gravity, ship, walls, mean):

@@ -24,7 +24,9 @@ if TYPE_CHECKING:  # it is imported only where there are bodies
 PILED = 4.0  # largest eigenvalue of A / A_ii for particles piled up in one position next to a wall
 REPORT = 3  # numbers that an iteration reports: sums over all particles
 TOO_DENSE, TOO_THIN, UPHILL = range(REPORT)
-SHARE = 0.5  # of the error that a step begins with: iterations go on until it is less, so that calm water comes to rest
+SHARE = (
+    0.5  # of the error that a step begins with: in calm water iterations go on until it is less, so it comes to rest
+)
 
 
 class IncompressibleWater(Protocol):
@@ -229,10 +231,11 @@ class Solver:
         self.last_iterations, self.last_error = 0, 0.0  # of the last step; the error is over the rest density
         self.iterations, self.error, self.unsolved = 0, 0.0, 0  # since the start: all, the worst, and steps above
 
-    def enough(self, first: float, dt: float) -> float:
-        """The error to stop at, of a step of dt [s] that begins with the error `first`."""
+    def enough(self, first: float, dt: float, calm: bool) -> float:
+        """The error to stop at, of a step of dt [s] that begins with the error `first`; water that is not calm stops at
+        the tolerance."""
         least = self.least * (dt / self.brief) ** 2 if dt < self.brief else self.least
-        return min(self.tolerance, max(least, SHARE * first))
+        return min(self.tolerance, max(least, SHARE * first)) if calm else self.tolerance
 
     def ended(self, iterations: int, error: float) -> None:
         """Put a step to its account."""

@@ -2,6 +2,7 @@
 names."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -32,6 +33,12 @@ def text(value: object) -> str:
     return format(value, ".9g") if isinstance(value, REAL) else str(value)
 
 
+@lru_cache(maxsize=1000)
+def pattern(kinds: tuple[type, ...]) -> str:
+    """What shows a row of values of these types as `text` shows each of them."""
+    return ",".join("%.9g" if issubclass(kind, REAL) else "%s" for kind in kinds)
+
+
 class CsvFile:
     """A growing table on disk: each row reaches the file whole, so a killed run leaves whole lines."""
 
@@ -42,13 +49,14 @@ class CsvFile:
             self.file.writelines(f"# {key}: {' '.join(text(value).split())}\n" for key, value in heading.items())
         self.row(self.columns)
 
-    def row(self, values: Iterable[object]) -> list[str]:
-        """Write a row; how it shows each value."""
-        shown = [text(value) for value in values]
+    def row(self, values: Iterable[object]) -> str:
+        """Write a row; the line that shows it."""
+        cells = tuple(values)
+        line = pattern(tuple(map(type, cells))) % cells
         with naming(self.file.name):
-            self.file.write(",".join(shown) + "\n")
+            self.file.write(line + "\n")
             self.file.flush()
-        return shown
+        return line
 
     def close(self) -> None:
         self.file.close()

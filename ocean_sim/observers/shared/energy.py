@@ -16,7 +16,7 @@ def kinetic(mass: float, totals: Totals) -> float:
     return 0.5 * mass * totals.squared_speed
 
 
-def potential(mass: float, totals: Totals, gravity: Sequence[float]) -> float:
+def potential(mass: float, totals: Totals, gravity: Sequence[float] | np.ndarray) -> float:
     """Energy [J] of the same in gravity [m/s2], zero at the origin."""
     return -mass * float(totals.position @ gravity)
 

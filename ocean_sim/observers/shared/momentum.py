@@ -22,8 +22,8 @@ class Momentum:
         return moving - sum(simulation.fluid.impulse.values(), np.zeros(3))
 
     def from_nowhere(self, simulation: "Simulation", totals: Totals) -> float:
-        """What came from nowhere since, over all impulses and the mass times the reference speed; 0 where nothing is summed,
-        or where `motion_limit` has held particles back."""
+        """What came from nowhere since, over all impulses and the mass times the reference speed; 0 where nothing is
+        summed, or where `motion_limit` has held particles back."""
         fluid = simulation.fluid
         impulses = fluid.impulse
         if not impulses or fluid.status.clipped:

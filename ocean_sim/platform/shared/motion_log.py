@@ -1,6 +1,6 @@
 """Motion logs: what a ship did, row by row, as `motion.csv` has it; read, checked, and converted to other axes."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -47,11 +47,6 @@ class Ride(NamedTuple):
         """The rows in their order, some at a time."""
         for k in range(0, len(self.time), CHUNK):
             yield Ride(*(column[k : k + CHUNK] for column in self))
-
-
-def joined(rides: Sequence[Ride]) -> Ride:
-    """Rows that follow each other, as one ride."""
-    return Ride(*(np.concatenate(column) for column in zip(*rides)))
 
 
 class MotionLog(NamedTuple):

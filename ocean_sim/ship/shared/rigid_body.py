@@ -137,7 +137,7 @@ def oriented(pitch: float, yaw: float, roll: float) -> np.ndarray:
 def angles(q: np.ndarray) -> np.ndarray:
     """(3,) pitch, yaw, roll [rad] of a quaternion; the inverse of `oriented`."""
     r = matrix(q)
-    pitch = np.arcsin(np.clip(-r[1, 2], -1.0, 1.0))
+    pitch = np.arcsin(min(max(-r[1, 2], -1.0), 1.0))
     return np.array([pitch, np.arctan2(r[0, 2], r[2, 2]), np.arctan2(r[1, 0], r[1, 1])])
 
 

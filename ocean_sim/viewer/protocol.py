@@ -21,7 +21,8 @@ centre of mass [m] and quaternion w, x, y, z, `particles` (n, 3) in the box, by 
 basin, sent where they have changed, and `scalars` (k,), named in the still.
 
 Also down goes text: JSON objects with `type`: `hello`, `panel` (what may be set and how it stands), `problems`,
-`scene`, `scenes`, `keys`, `said` (a sentence). Up goes only text, the JSON objects of `Command`. A server that gets
+`scene`, `scenes`, `keys`, `said` (a sentence), and to whoever asked `waves`: `id`, `verb`, `time` [s] and `values`, or
+an `error`. Up goes only text, the JSON objects of `Command`. A server that gets
 anything else says so once and closes the connection.
 """
 
@@ -40,6 +41,8 @@ VERSION = 1
 MAGIC = b"OSP1"
 FULL = 32767  # the largest whole number of a position in a box
 LONGEST = 256 * 1024  # bytes of a message from a page: a scene fits
+MOST_POINTS = 4096  # of one question
+Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 Word = Annotated[str, Field(max_length=200)]
 Text = Annotated[str, Field(max_length=LONGEST)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$")]
@@ -132,8 +135,23 @@ class Save(Model):
     name: Name
 
 
-Command = Act | Speed | Slide | Steer | Route | Wind | Change | Check | Apply | Open | Save
-LOOKS = ("take", "leave", "scene", "scenes", "keys", "check")  # what changes no simulation
+class Waves(Model):
+    """What the water does at points, answered by `waves` with the same `id`: elevation [m] and normal at x, z, velocity
+    [m/s] at x, y, z, or a `field` of `cells` x `cells` heights [m] over a square of a `side` that repeats itself."""
+
+    do: Literal["waves"]
+    verb: Literal["elevation", "normal", "velocity", "field"]
+    id: int = Field(0, ge=0, le=2**31)
+    points: Annotated[list[Point], Field(max_length=MOST_POINTS)] = []
+    time: float | None = Field(None, ge=0.0)
+    """[s]; null: now."""
+    cells: int = Field(32, ge=2, le=128)
+    side: float = Field(100.0, gt=0.0, le=1e5)
+    """[m]"""
+
+
+Command = Act | Speed | Slide | Steer | Route | Wind | Change | Check | Apply | Open | Save | Waves
+LOOKS = ("take", "leave", "scene", "scenes", "keys", "check", "waves")  # what changes no simulation
 _COMMANDS: TypeAdapter[Command] = TypeAdapter(Annotated[Command, Field(discriminator="do")])
 
 

@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
-from ocean_sim.conventions import Diverged, Failed, in_words
+from ocean_sim.conventions import Diverged, Failed, Refused, in_words
 from ocean_sim.files.claim import Claim
 from ocean_sim.files.whole_file import whole
 from ocean_sim.files.yaml_file import Node, SceneError, mapping, setting
@@ -20,6 +20,7 @@ from ocean_sim.viewer import protocol as p
 from ocean_sim.viewer.keys import keys
 from ocean_sim.viewer.server import Order
 from ocean_sim.viewer.watch import Audience, Watch
+from ocean_sim.viewer.wave_field import answer
 
 if TYPE_CHECKING:
     from ocean_sim.ship import Ship
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 BUDGET = 0.04  # [s] of steps between two looks at what has come in
 NAP = 0.05  # [s] to wait for commands where there is nothing to do
 ALWAYS = ("gauges", "motion", "health")  # observers that play along; files of theirs go to a folder that is thrown away
+RIG = ("platform_log", "stream")  # and these where a scene names `stream`: who sits on the platform has the helm
 SCENE = "of the scene"  # a wind that is not a preset
 LEAST_BEHIND = 0.1  # [s] of wall time that a simulation which is too slow for its speed may lag behind
 
@@ -86,7 +88,8 @@ class Session:
         self.config = config
         if folder is None:
             self.away = TemporaryDirectory(prefix="ocean-sim-")
-            kept = {name: part for name, part in config.observers.items() if name in ALWAYS}
+            playing = (*ALWAYS, *RIG) if "stream" in config.observers else ALWAYS
+            kept = {name: part for name, part in config.observers.items() if name in playing}
             config = config.model_copy(update={"observers": kept})
         self.simulation = Simulation(config, folder or Path(self.away.name))  # type: ignore[union-attr]
         self.watch = Watch(self.simulation, self.desk)
@@ -220,6 +223,9 @@ class Session:
                 return False
             case p.Act(do="keys"):
                 self.desk.tell(order.watcher, type="keys", rows=keys(self.config))
+                return False
+            case p.Waves():
+                self.tell_waves(order.watcher, command)
                 return False
             case p.Speed(value=value):
                 self.speed, self.due = value, 0.0
@@ -357,6 +363,15 @@ class Session:
         with whole(path) as draft:
             draft.write_text("\n".join([*moved, body.rstrip(), ""]), encoding="utf-8")
         self.say(f"saved: {path}")
+
+    def tell_waves(self, watcher: int, asked: p.Waves) -> None:
+        """What the water does, to who asked."""
+        assert self.simulation is not None
+        try:
+            found = answer(self.simulation.fluid, self.simulation.time, asked)
+        except Refused as refusal:
+            found = {"error": refusal.sentence}
+        self.desk.tell(watcher, type="waves", id=asked.id, verb=asked.verb, **found)
 
     def tell_scene(self, watcher: int | None) -> None:
         """The text that is played, and what is laid over it."""

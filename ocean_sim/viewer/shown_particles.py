@@ -3,10 +3,8 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
-from taichi.lang.util import to_numpy_type
 
+from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Array2, in_kernels
 from ocean_sim.viewer.protocol import FULL, scaled
 

@@ -6,8 +6,8 @@ import sys
 
 import pytest
 
-pytest.importorskip("pythonfmu")
-fmpy = pytest.importorskip("fmpy")
+pytest.importorskip("pythonfmu", reason="pythonfmu is absent: pip install .[fmi]")
+fmpy = pytest.importorskip("fmpy", reason="fmpy, a reader of units that is not ours, is absent")
 
 
 def test_a_unit_is_opened_and_run_by_fmpy(tmp_path):

@@ -64,7 +64,7 @@ def test_a_ship_takes_the_file_and_one_of_no_use_is_refused(tmp_path):
 
 
 def test_capytaine_itself_writes_what_is_read(tmp_path):
-    cpt = pytest.importorskip("capytaine")
+    cpt = pytest.importorskip("capytaine", reason="Capytaine is absent: pip install .[peers]")
     pytest.importorskip("netCDF4")
     xarray = pytest.importorskip("xarray")
     mesh = cpt.mesh_parallelepiped(size=(20.0, 8.0, 4.0), resolution=(6, 4, 2)).immersed_part()

@@ -1,12 +1,18 @@
 """What a page does to a simulation, and that one which only watches does nothing to it."""
 
 import json
+import socket
 import threading
+from contextlib import suppress
+from math import pi
+from time import perf_counter, sleep
 
 import numpy as np
 import pytest
 
+from ocean_sim import wave_field
 from ocean_sim.conventions import Refused
+from ocean_sim.platform.shared import packets
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.viewer import protocol as p
@@ -224,3 +230,87 @@ def test_a_record_is_a_run_folder_that_replays(session, tmp_path):
 def test_what_is_no_run_is_refused(tmp_path):
     with pytest.raises(Refused, match="not a run folder"):
         Recorded(tmp_path)
+
+
+RIG = """
+duration: 60.0
+basin: {length: 400.0, width: 400.0, depth: 50.0, walls: none}
+fluid: {kind: linear_waves, height: 0.5, period: 6.0, heading_deg: 150.0}
+ship: {kind: dynamic, hull: yacht, cells_per_draught: 3.0}
+platform: {kind: hexapod, geometry: hexapod_a, washout: ship}
+"""
+
+
+def rig(tmp_path, more=""):
+    path = tmp_path / "rig.yaml"
+    path.write_text(RIG + more)
+    return Source.of(str(path), None, {"runtime.threads": 1, "runtime.precision": "f64"})
+
+
+def test_who_steers_in_the_page_rides_on_the_platform(tmp_path):
+    """A scene that names `stream` sends its poses while a person has the helm; without it nothing of a rig is built."""
+    came = []
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as listening:
+        listening.bind(("127.0.0.1", 0))
+        listening.settimeout(0.5)
+
+        def listen():
+            with suppress(OSError):
+                while True:
+                    with suppress(TimeoutError):
+                        came.append(packets.unpacked(listening.recv(2048)))
+
+        threading.Thread(target=listen, daemon=True).start()
+        more = f"stream: {{to: 'udp://127.0.0.1:{listening.getsockname()[1]}'}}\n"
+        with Session(rig(tmp_path, more), Desk(), tmp_path, list) as one:
+            ask(one, do="steer", ship="ship", throttle=1.0, rudder=0.3)
+            while one.simulation.time < 0.5:
+                one.step()
+            assert one.simulation.ships["ship"].orders[1] > 0.0
+            assert {"stream", "platform_log"} <= parts_of(one)
+        patience = perf_counter() + 5.0
+        while perf_counter() < patience and not (came and came[-1].time > 1.0 and not any(came[-1].pose)):
+            sleep(0.01)
+    assert came[0].seq == 0 and len(came[0].legs) == 6 and any(any(each.pose) for each in came)
+    assert not any(came[-1].pose)  # it ends at neutral
+    with Session(rig(tmp_path), Desk(), tmp_path, list) as one:
+        assert not {"stream", "platform_log"} & parts_of(one)
+
+
+def parts_of(session):
+    """The kinds of observer that play along."""
+    return {type(each).__module__.rpartition(".")[2] for each in session.simulation.observers}
+
+
+def test_the_water_is_asked_over_the_socket_with_the_verbs_of_a_wave_field(tmp_path):
+    """For any time where it is the sum of its waves; the answers are those of the formulae."""
+    source = rig(tmp_path)
+    field = wave_field(tmp_path / "rig.yaml", source.overrides)
+    with Session(source, Desk(), tmp_path, list) as one:
+
+        def told(**asked):
+            ask(one, do="waves", **asked)
+            return one.desk.last("waves")
+
+        found = told(verb="elevation", id=7, points=[[0.0, 0.0], [10.0, -4.0]], time=30.0)
+        assert found["id"] == 7 and found["time"] == 30.0
+        np.testing.assert_allclose(found["values"], field.elevation([[0.0, 0.0], [10.0, -4.0]], 30.0), atol=1e-6)
+        normal = told(verb="normal", points=[[10.0, -4.0]], time=30.0)["values"]
+        np.testing.assert_allclose(normal, field.normal([[10.0, -4.0]], 30.0), atol=1e-6)
+        moved = told(verb="velocity", points=[[10.0, -1.0, -4.0]], time=30.0)["values"]
+        np.testing.assert_allclose(moved, field.velocity([[10.0, -1.0, -4.0]], 30.0), atol=1e-6)
+        square = np.array(told(verb="field", cells=16, side=80.0, time=30.0)["values"])
+        np.testing.assert_allclose(square, field.field(16, 80.0, 30.0), atol=1e-6)
+        assert "at points of x, y, z" in told(verb="velocity", points=[[0.0, 0.0]])["error"]
+        assert not one.persons  # it needs no helm and changes nothing
+
+
+def test_particles_answer_for_now(session):
+    ask(session, do="waves", verb="elevation", points=[[0.0, 0.0], [1e6, 0.0]])
+    heights = session.desk.last("waves")["values"]
+    assert abs(heights[0]) < 2.0 and session.desk.last("waves")["time"] == session.simulation.time
+    ask(session, do="waves", verb="normal", points=[[0.0, 0.0]])
+    assert np.linalg.norm(session.desk.last("waves")["values"][0]) == pytest.approx(1.0, abs=1e-5)
+    for more in ({"time": 3.0, "points": [[0.0, 0.0]], "verb": "elevation"}, {"verb": "field"}):
+        ask(session, do="waves", **more)
+        assert "plane waves" in session.desk.last("waves")["error"]

@@ -2,6 +2,7 @@
 
 import json
 import struct
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -76,3 +77,40 @@ def test_the_sea_of_a_scene_is_written_and_read_by_another_scene(tmp_path, capsy
     assert code == 0 and again["waves"] == answer["waves"]
     assert again["significant_height_m"] == pytest.approx(answer["significant_height_m"], rel=1e-3)
     assert answered(["sea", "linear_sea"]) == 2 and "name a file to write" in capsys.readouterr().err
+
+
+def test_the_library_of_the_format_reads_what_is_written(tmp_path):
+    """spectral_wave_data by DNV, which wrote the format: elevations, and the sea that it was told of."""
+    library = pytest.importorskip("spectral_wave_data", reason="spectral_wave_data, the format's own reader, is absent")
+    path = tmp_path / "sea.swd"
+    path.write_bytes(exchange.swd(SEA, "two waves"))
+    sea = library.SpectralWaveData(str(path), 0.0, 0.0, 0.0, 0.0)
+    sea.update_time(7.0)
+    np.testing.assert_allclose([sea.elev(z, x) for x, z in AT], waves.elevation(SEA, AT, 7.0), atol=2e-6)
+    assert sea.get("n") == 2 and sea.get("d") == 40.0
+    sea.close()
+
+
+def test_it_sees_the_velocities_of_linear_theory(tmp_path):
+    """In low waves: in higher ones ours are stretched to the surface (Wheeler), which it leaves to its caller."""
+    library = pytest.importorskip("spectral_wave_data", reason="spectral_wave_data, the format's own reader, is absent")
+    low = replace(SEA, amplitude=1e-4 * SEA.amplitude)
+    path = tmp_path / "low.swd"
+    path.write_bytes(exchange.swd(low))
+    sea = library.SpectralWaveData(str(path), 0.0, 0.0, 0.0, 0.0)
+    sea.update_time(7.0)
+    moved = waves.velocity(low, np.insert(AT, 1, -3.0, axis=1), 7.0)
+    found = [(v.y, v.z, v.x) for v in (sea.grad_phi(z, x, -3.0) for x, z in AT)]
+    np.testing.assert_allclose(found, moved, atol=2e-5 * np.abs(moved).max())
+    sea.close()
+
+
+def test_pandas_reads_elevations_as_the_table_that_they_are(tmp_path):
+    pandas = pytest.importorskip("pandas", reason="pandas, a reader of tables that is not ours, is absent")
+    time = np.arange(50) * 0.1
+    path = tmp_path / "sea.Elev"
+    path.write_text(exchange.openfast(time, np.sin(time)))
+    table = pandas.read_csv(path, sep=r"\s+", skiprows=[0, 2])
+    assert list(table.columns) == ["Time", "WaveElev"]
+    np.testing.assert_allclose(table["Time"], time, atol=1e-6)
+    np.testing.assert_allclose(table["WaveElev"], np.sin(time), atol=1e-8)

@@ -1,13 +1,12 @@
 """Sums over all particles in float64: of fixed blocks, added in their order, so that threads change nothing."""
 
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 
 from ocean_sim.columns import Columns
 from ocean_sim.fluid import Totals
 from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.tasks import TASK
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Doubles2, Template, in_kernels
 
 BLOCKS = 16

@@ -2,10 +2,10 @@
 measures of itself."""
 
 import numpy as np
-import taichi as ti
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import ParticleFluid
+from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import Array, Integers, in_kernels
 from ocean_sim.surface import Surface
 

@@ -282,8 +282,8 @@ function steer(throttle, rudder) {
   state.steered = performance.now();
   world.route = [];
   helmShows();
-  clearTimeout(steer.timer);
-  steer.timer = setTimeout(() => send({ do: "steer", ship: ship.name, throttle: state.throttle, rudder: state.rudder }), 30);
+  // While a key or a stick is held, the newest order goes out every 30 ms.
+  steer.timer ||= setTimeout(() => { steer.timer = 0; send({ do: "steer", ship: ship.name, throttle: state.throttle, rudder: state.rudder }); }, 30);
 }
 
 function scenes(rows) {
@@ -483,6 +483,18 @@ function holdKeys(seconds) {
   state.dirty = true;
 }
 
+// A pad: left stick the wheel, right stick or triggers the throttle, the first button amidships.
+function holdPad(seconds) {
+  if (!LIVE || !state.worlds[0]?.ships.length || !navigator.getGamepads) return;
+  for (const pad of navigator.getGamepads()) {
+    if (!pad?.connected || pad.mapping !== "standard") continue;
+    const past = (value) => (Math.abs(value || 0) > 0.15 ? value : 0), pressed = (n) => pad.buttons[n]?.value || 0;
+    const ahead = pressed(7) - pressed(6) - past(pad.axes[3]), port = -past(pad.axes[0]);
+    if (pressed(0) > 0.5) steer(state.throttle, 0);
+    else if (ahead || port) steer(state.throttle + 0.5 * seconds * ahead, state.rudder + 0.35 * seconds * port);
+  }
+}
+
 // --- pictures -----------------------------------------------------------------------------------------------------------
 
 function draw() {
@@ -536,6 +548,7 @@ function tick(now) {
   const seconds = Math.min((now - last) / 1000, 0.25);
   last = now;
   holdKeys(seconds);
+  holdPad(seconds);
   let moving = false;
   if (XR.session) return;  // the headset asks for its own pictures
   if (LIVE) moving = live.show(now / 1000);

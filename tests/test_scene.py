@@ -88,6 +88,16 @@ accuracy: 3
     ]
 
 
+def test_a_part_without_its_kind_is_read_as_the_one_that_its_keys_are_of(folder):
+    Path("s.yaml").write_text(HEAD + "fluid: thesis_6000\nwind: {speed: 12.0, dir: 90.0}")
+    assert refusal("s.yaml") == [
+        "s.yaml:3:7: wind.kind: missing key; with these keys, did you mean 'stress'? there are "
+        f"{', '.join(composition.known('wind'))}",
+        "s.yaml:3:8: wind.speed: unknown key; did you mean 'u10'?",
+        "s.yaml:3:21: wind.dir: unknown key; did you mean 'heading_deg'?",
+    ]
+
+
 @pytest.mark.parametrize(
     "text, sentence",
     [
@@ -99,7 +109,18 @@ accuracy: 3
             "s.yaml:2:8: fluid.kind: missing key; there are ballistic, delta_sph, dfsph, linear_waves, mueller, "
             "spectral_sea",
         ),
-        (HEAD + "fluid: [1]", "s.yaml:2:8: fluid: expected a name or a mapping with `kind`, got a list"),
+        (
+            HEAD + "fluid: [1]",
+            "s.yaml:2:8: fluid: expected a name or a mapping with `kind`, got a list, as in {kind: ballistic}; there",
+        ),
+        (
+            HEAD + "fluid: thesis_6000\nwind: {kind: gusts, volumes: {acceleration: [1.0, 0.0, 0.0]}}",
+            "s.yaml:3:30: wind.volumes: expected a list, got a mapping, as in [{include: ...}, ...]",
+        ),
+        (
+            HEAD + "fluid: thesis_6000\ngauges: {elevation: [0.0, 0.0]}",
+            "s.yaml:3:21: gauges.elevation: expected a mapping, got a list, as in {NAME: [..., ...]}",
+        ),
         (HEAD + "duration: 1.0", "s.yaml:1:1: fluid: missing key"),
         (HEAD + "fluid:", "s.yaml:1:1: fluid: missing key"),
         (

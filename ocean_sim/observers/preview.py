@@ -49,6 +49,8 @@ class Config(PeriodicConfig):
     """`third_person`, `helm`, `top` or `side`."""
     content: Literal["surface", "particles", "both"] = "surface"
     """`surface`, `particles` or `both`."""
+    panel: bool = True
+    """Whether the panel and the curves are in the picture."""
     ship: str | None = None
     """The name of the ship that keys steer and cameras follow at first; null: the first."""
 
@@ -132,6 +134,7 @@ class Screen:
         panel.ships = tuple(simulation.ships)
         if config is not None:
             panel.camera, panel.content, panel.ship = config.camera, config.content, config.ship or ""
+            panel.hidden = not config.panel
         panel.ship = panel.ship if panel.ship in panel.ships else next(iter(panel.ships), "")
         panel.camera = panel.camera if panel.camera in panel.cameras else panel.cameras[0]
         panel.content = panel.content if panel.content in panel.contents else after("", panel.contents or ("surface",))
@@ -179,12 +182,16 @@ class Screen:
         balls = self.scene.particles(panel.content == "both") if panel.content != "surface" else None
         if balls is not None and len(balls.positions):
             self.balls(balls, eye)
-        self.charts(panel.curves)
-        self.words(panel, balls, pace)
+        if not panel.hidden:
+            self.charts(panel.curves)
+            self.words(panel, pace)
+        if balls is not None:
+            self.legend(self.window.get_gui(), balls)
 
     def eye(self, panel: Panel) -> Eye:
         width, height = self.size
         left, bottom = (PANEL + 2 * EDGE) / width, (CHART + LABEL + 2 * EDGE) / height
+        left, bottom = (EDGE / width, EDGE / height) if panel.hidden else (left, bottom)
         above = 3 * EDGE if panel.content == "surface" else 4 * EDGE + LABEL  # the legend of the particles
         free = (left, bottom, 1.0 - left - EDGE / width, 1.0 - bottom - above / height)
         orbit = Orbit(panel.azimuth, panel.height, panel.distance)
@@ -231,7 +238,7 @@ class Screen:
         each = (width - PANEL - (len(NAMES) + 2) * EDGE) / len(NAMES)
         return (PANEL + 2 * EDGE + k * (each + EDGE)) / width, EDGE / height, each / width, CHART / height
 
-    def words(self, panel: Panel, balls: Balls | None, pace: float | None) -> None:
+    def words(self, panel: Panel, pace: float | None) -> None:
         """The panel and the words over the curves; what is moved or pressed there is taken at once."""
         gui, (width, height) = self.window.get_gui(), self.size
         names = {"H_s": "significant wave height", "roll": "roll, starboard down", "picture": "time per picture"}
@@ -241,8 +248,6 @@ class Screen:
                 box.text(panel.curves.reading(name))
         with gui.sub_window("Ocean Sim", EDGE / width, EDGE / height, PANEL / width, 1.0 - 2 * EDGE / height) as box:
             controls(box, panel, self.simulation, pace)
-        if balls is not None:
-            self.legend(gui, balls)
 
     def legend(self, gui: Any, balls: Balls) -> None:
         """What the colours of the particles mean."""
@@ -279,7 +284,7 @@ class Screen:
             if self.window.is_pressed(key):
                 panel.nearer(factor**seconds)
         cursor = self.window.get_cursor_pos() if self.window.is_pressed(ti.ui.LMB, ti.ui.RMB) else None
-        if cursor is not None and self.cursor is not None and cursor[0] > PANEL / self.size[0]:
+        if cursor is not None and self.cursor is not None and (panel.hidden or cursor[0] > PANEL / self.size[0]):
             panel.orbit(cursor[0] - self.cursor[0], cursor[1] - self.cursor[1])
         self.cursor = cursor
 

@@ -31,6 +31,8 @@ def controls(box: Any, panel: Panel, simulation: Subject, pace: float | None) ->
     for action, label in (
         ("content", f"show: {panel.content} (v)"),
         ("camera", f"camera: {panel.camera} (c)"),
+        ("camera back", "camera back to its place (z)"),
+        ("hide or show", "hide this panel (u)"),
         ("pause", f"{'go on' if panel.paused else 'pause'} (space)"),
         ("step", "one step (n)"),
         ("reset", "reset (r)"),

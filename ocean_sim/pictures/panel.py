@@ -24,6 +24,8 @@ KEYS = {
     "o": "record",
     "x": "rudder amidships",
     "h": "next ship",
+    "z": "camera back",
+    "u": "hide or show",
     "Escape": "quit",
 }
 HELM = {  # throttle pedal, brake pedal, wheel to port and to starboard
@@ -33,6 +35,7 @@ HELM = {  # throttle pedal, brake pedal, wheel to port and to starboard
     "Right": (0.0, -1.0),
 }
 PEDAL, WHEEL = 0.5, radians(20.0)  # [1/s], [rad/s] how fast an order changes while a key is held
+AZIMUTH, HEIGHT = radians(38.0), radians(20.0)  # [rad] of the eye at first
 STEEPEST, CLOSEST, FARTHEST = radians(85.0), 0.2, 4.0
 
 
@@ -72,8 +75,9 @@ class Panel:
     paused: bool = False
     recording: bool = False
     closed: bool = False
-    azimuth: float = radians(38.0)  # of the eye around what it looks at [rad]
-    height: float = radians(20.0)  # of the eye over the horizon [rad]
+    hidden: bool = False  # the panel itself, and the curves
+    azimuth: float = AZIMUTH  # of the eye around what it looks at [rad]
+    height: float = HEIGHT  # of the eye over the horizon [rad]
     distance: float = 1.0  # over that at which everything is in the picture
     message: str = ""
     """What went wrong last."""
@@ -103,6 +107,10 @@ class Panel:
             self.recording = not self.recording
         elif action == "quit":
             self.closed = True
+        elif action == "hide or show":
+            self.hidden = not self.hidden
+        elif action == "camera back":
+            self.azimuth, self.height, self.distance = AZIMUTH, HEIGHT, 1.0
         elif action == "camera":
             self.camera = after(self.camera, self.cameras)
         elif action == "content":

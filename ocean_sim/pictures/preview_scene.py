@@ -7,6 +7,7 @@ import numpy as np
 from ocean_sim.basin.points import grid, pairs
 from ocean_sim.pictures import water_shading
 from ocean_sim.pictures.preview_eye import Eye
+from ocean_sim.pictures.ship_model import Model, modelled
 from ocean_sim.pictures.sky import SUN, unit
 from ocean_sim.pictures.subject import Subject
 from ocean_sim.pictures.water_mesh import WaterMesh
@@ -17,7 +18,7 @@ MOST = 60_000  # particles that are drawn: of more, every second, third, ...
 LEAST_FASTEST = 0.5  # [m/s] the least speed that has the brightest colour
 TOP, BED = np.array([0.10, 0.40, 0.50]), np.array([0.02, 0.07, 0.12])  # the cut side of the water
 ZENITH, HORIZON, GROUND = np.array([0.25, 0.45, 0.70]), np.array([0.80, 0.87, 0.92]), np.array([0.34, 0.40, 0.45])
-HULL, DECK = np.array([0.81, 0.29, 0.20]), np.array([0.93, 0.89, 0.80])
+DECK = np.array([0.93, 0.89, 0.80])
 BASIN, AIR, ARROW = np.array([0.20, 0.28, 0.34]), np.array([0.98, 0.78, 0.22]), np.array([0.86, 0.16, 0.10])
 # Dark blue over grey to yellow, lightness rising evenly, distinct to colour-blind eyes (Nunez et al. 2018, cividis).
 SPEEDS = np.array([[0.0, 0.14, 0.31], [0.26, 0.31, 0.42], [0.49, 0.48, 0.47], [0.73, 0.68, 0.45], [1.0, 0.91, 0.30]])
@@ -59,11 +60,18 @@ class PreviewScene:
             self.sheet = WaterMesh(self.x, self.z, self.lower, self.upper, NODES)
             self.net = WaterMesh(self.x, self.z, self.lower, self.upper, len(self.points))
         drawn = {name: ship.drawn() for name, ship in simulation.ships.items()}
-        self.hulls = {name: ShadedHull(*shape) for name, shape in drawn.items() if shape is not None}
+        self.hulls = {name: ShadedShip(self.model(name, *shape)) for name, shape in drawn.items() if shape is not None}
         self.lengths = {
             name: 0.0 if shape is None else float(np.ptp(shape[0], axis=0).max()) for name, shape in drawn.items()
         }  # [m] of each ship
         self.fastest = LEAST_FASTEST
+
+    def model(self, name: str, vertices: np.ndarray, triangles: np.ndarray) -> Model:
+        """What a ship looks like on her hull."""
+        ship, scene = self.simulation.ships[name], self.simulation.scene
+        look = scene.ships[name].look(scene.preflight)
+        look_name, submerged = ("", 0.5) if look is None else (look.name, look.submerged)
+        return modelled(vertices, triangles, submerged, look_name, ship.points.get("helm", np.zeros(0)))
 
     @property
     def contents(self) -> tuple[str, ...]:
@@ -203,23 +211,19 @@ class PreviewScene:
         return np.concatenate([np.stack([a, tip], axis=1) for a in (begin, *barbs)])
 
 
-class ShadedHull:
+class ShadedShip:
     """Triangles of a ship, each with corners of its own, as bright as the sun makes it."""
 
-    def __init__(self, vertices: np.ndarray, triangles: np.ndarray) -> None:
-        self.corners = np.asarray(vertices, dtype=float)[np.asarray(triangles)].reshape(-1, 3)
-        a, b, c = self.corners[0::3], self.corners[1::3], self.corners[2::3]
-        across = np.cross(b - a, c - a)
-        self.normals = across / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-30)
-        self.paint = np.where(self.normals[:, 1:2] > 0.7, DECK, HULL)
+    def __init__(self, model: Model) -> None:
+        self.corners = model.mesh.corners.reshape(-1, 3).astype(float)
+        self.normals = model.mesh.normals.reshape(-1, 3).astype(float)
+        self.paint = np.repeat(np.clip(model.mesh.colour, 0.0, 1.0) ** (1.0 / 2.2), 3, axis=0)
         self.triangles = np.arange(len(self.corners), dtype=np.int32).reshape(-1, 3)
 
     def posed(self, position: np.ndarray, turn: np.ndarray) -> Patch:
         """At a pose: position [m] and (3, 3) body to world."""
         light = 0.45 + 0.55 * np.clip((self.normals @ turn.T) @ SUN, 0.0, 1.0)
-        return Patch(
-            self.corners @ turn.T + position, self.triangles, np.repeat(self.paint * light[:, None], 3, axis=0)
-        )
+        return Patch(self.corners @ turn.T + position, self.triangles, self.paint * light[:, None])
 
 
 def speed_colours(share: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from typing import Any
 
 from ocean_sim.files.yaml_file import Node, Problem, SceneError, described, merged, problem, read
 from ocean_sim.parts import ALONE, SEVERAL, SLOTS, config_of, key_of, kinds, library, named, slot_of
-from ocean_sim.reading.translation import choice_sentence, dotted
+from ocean_sim.reading.translation import choice_sentence, dotted, likeliest
 
 DEFAULTS = {"wind": "still", "time_step": "courant"}  # any other absent slot is nothing at all
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
@@ -60,7 +60,7 @@ class Composition:
             self.failed.add(place)
             kind = next((found.suggestion for found in error.problems if found.suggestion), None)
             if node.is_mapping and kind in known(slot_of(place)):
-                meant = node.data["kind"].with_data(kind)
+                meant = node.data.get("kind", node).with_data(kind)
                 self.meant[place] = chosen(place, node.with_data(node.data | {"kind": meant})).whole()
 
     def named_ships(self, node: Node) -> Iterator[tuple[str, Node]]:
@@ -210,13 +210,13 @@ def chosen(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
         part_first = False
         own = node.with_data({key: value for key, value in node.data.items() if key != "kind"})
     else:
-        wrong = (
-            "missing key"
-            if node.is_mapping
-            else f"expected a name or a mapping with `kind`, got {described(node.data)}"
-        )
-        end = f"; there are {', '.join(known(slot))}"
-        raise SceneError([problem(node.location, f"{place}.kind" if node.is_mapping else place, wrong + end)])
+        end = f"there are {', '.join(known(slot))}"
+        if node.is_mapping:
+            meant = kind_of_keys(slot, node)
+            wrong = "missing key;" if meant is None else f"missing key; with these keys, did you mean {meant!r}?"
+            raise SceneError([problem(node.location, f"{place}.kind", f"{wrong} {end}", meant)])
+        wrong = f"expected a name or a mapping with `kind`, got {described(node.data)}"
+        raise SceneError([problem(node.location, place, f"{wrong}, as in {{kind: {kinds(slot)[0]}}}; {end}")])
     if not isinstance(name.data, str):
         raise SceneError([problem(name.location, f"{place}.kind", f"expected a name, got {described(name.data)}")])
     if name.data in named(slot) and name.data not in within and (part_first or name.data not in kinds(slot)):
@@ -225,6 +225,16 @@ def chosen(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
     if name.data in kinds(slot):
         return Choice(node.with_data({"kind": name}), own)
     raise SceneError([unknown_name(slot, name, f"{place}.kind" if node.is_mapping else place)])
+
+
+def kind_of_keys(slot: str, node: Node) -> str | None:
+    """The kind that has more of the keys of a mapping than any other has, by their names or by what they likely mean;
+    None where several have as many."""
+    fields = {kind: config_of(slot, kind).model_fields for kind in kinds(slot)}
+    had = {kind: sum(likeliest(str(key), keys) is not None for key in node.data) for kind, keys in fields.items()}
+    most = max(had.values(), default=0)
+    best = [kind for kind, count in had.items() if count == most]
+    return best[0] if most and len(best) == 1 else None
 
 
 def known(slot: str) -> list[str]:

@@ -57,7 +57,11 @@ SYNONYMS = {
         "tp t_p wave_period": "peak_period period",
         "amplitude": "height amplitude",
         "boundary boundaries bc sides": "walls",
-        "water liquid sph": "fluid",
+        "water liquid": "fluid",
+        "sph": "fluid delta_sph",
+        "left west": "x_min",
+        "right east": "x_max",
+        "bottom bed ground": "floor",
         "tank domain box": "basin",
         "boat vessel": "ship",
         "boats vessels": "ships",
@@ -163,7 +167,7 @@ class _Found(NamedTuple):
     node: Node  # the deepest node on that path
     field: FieldInfo | None  # the last field passed on the way
     keys: tuple[str, ...]  # what could be written instead of an unknown key
-    model: type[BaseModel] | None  # that of the value, where it is a mapping
+    form: str  # what a value of its kind looks like, where that is a mapping or a list
     union: Path | None  # the path of the first union on the way, and
     member: str  # which of its members reports it
     shape: bool  # the value has another shape than the member expects
@@ -191,8 +195,8 @@ def _located(error: Any, model: type[BaseModel], root: Node) -> _Found:
     shape = error["type"] in SHAPES or (error["type"] == "literal_error" and isinstance(node.data, dict | list))
     shape = shape and union == path
     context = error.get("ctx", {})
-    held = next((t for t in types if _is_model(t)), None)
-    return _Found(error["type"], error["msg"], context, path, node, field, keys, held, union, member, shape)
+    form = _form([t for t in types if _fits(error["type"], t)])
+    return _Found(error["type"], error["msg"], context, path, node, field, keys, form, union, member, shape)
 
 
 def _members(annotation: Any) -> list[Any]:
@@ -306,7 +310,9 @@ def _sentence(found: _Found, prefix: Path) -> Problem:
         end, suggestion = choice_sentence(str(context.get("tag", "")), choices)
         message = "missing key" if found.kind == "union_tag_not_found" else f"{context['tag']!r} is not a choice{end}"
     elif found.kind in SHAPES:
-        message = f"expected {SHAPES[found.kind]}, got {value}{_hint(found)}{_as_in(found)}"
+        message = (
+            f"expected {SHAPES[found.kind]}, got {value}{_hint(found)}{f', as in {found.form}' if found.form else ''}"
+        )
     elif found.kind in ("value_error", "assertion_error"):
         message = str(context.get("error", found.message))
     else:
@@ -322,13 +328,27 @@ def _hint(found: _Found) -> str:
     return ""
 
 
-def _as_in(found: _Found) -> str:
-    """What a mapping that was expected looks like: the keys that it must have, else its first ones."""
-    if SHAPES[found.kind] != "a mapping" or found.model is None:
-        return ""
-    fields = found.model.model_fields
-    names = [name for name, field in fields.items() if field.is_required()] or [*fields][:EXAMPLES]
-    return f", as in {{{', '.join(f'{name}: ...' for name in names)}}}"
+def _fits(wanted: str, annotation: Any) -> bool:
+    """Whether a member of a union is of the shape that an error says was expected."""
+    shapes = {"a mapping": (dict,), "a list": (list, tuple)}.get(SHAPES.get(wanted, ""), ())
+    return get_origin(annotation) in shapes or (dict in shapes and _is_model(annotation))
+
+
+def _form(types: list[Any]) -> str:
+    """What a value looks like: a mapping with the keys that it must have, else its first ones; a list with an entry."""
+    annotation = next(iter(types), None)
+    origin, arguments = get_origin(annotation), get_args(annotation)
+    if _is_model(annotation):
+        fields = annotation.model_fields  # type: ignore[union-attr]
+        names = [name for name, field in fields.items() if field.is_required()] or [*fields][:EXAMPLES]
+        return f"{{{', '.join(f'{name}: ...' for name in names)}}}"
+    if origin is dict:
+        return f"{{NAME: {_form(_members(arguments[1])) or '...'}}}"
+    if origin is list or (origin is tuple and ... in arguments):
+        return f"[{_form(_members(arguments[0])) or '...'}, ...]"
+    if origin is tuple:
+        return f"[{', '.join('...' for _ in arguments)}]"
+    return ""
 
 
 def _entries(count: int) -> str:

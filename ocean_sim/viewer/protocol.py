@@ -172,7 +172,7 @@ def packet(kind: str, arrays: Mapping[str, np.ndarray], boxes: Mapping[str, Any]
         if whole.dtype.byteorder == ">":
             whole = whole.astype(whole.dtype.newbyteorder("<"))
         rows.append({"name": name, "dtype": whole.dtype.name, "shape": whole.shape, **(boxes or {}).get(name, {})})
-        data += [whole.data, b"\0" * (-whole.nbytes % 4)]
+        data += [whole.tobytes(), b"\0" * (-whole.nbytes % 4)]
     head = json.dumps({"kind": kind, **header, "arrays": rows}, allow_nan=False, separators=(",", ":")).encode()
     head += b" " * (-len(head) % 4)
     return b"".join([MAGIC, len(head).to_bytes(4, "little"), head, *data])

@@ -20,7 +20,8 @@ class ShownParticles:
 
     def __init__(self, particles: "Particles", low: np.ndarray, high: np.ndarray) -> None:
         """`low`, `high`: (3,) corners of the box [m]."""
-        self.x, self.v, self.id = (*particles.position,), (*particles.velocity,), particles.id
+        x, v = particles.position, particles.velocity
+        self.x, self.v, self.id = (x.x, x.y, x.z), (v.x, v.y, v.z), particles.id
         self.count = particles.count
         self.every = every_shown(particles.n)
         middle, scale = scaled(low, high)
@@ -34,7 +35,7 @@ class ShownParticles:
         return there[:, :3].astype(np.int16), there[:, 3]
 
     @ti.kernel
-    def fill(self, rows: Array2, count: int):
+    def fill(self, rows: Array2, count: int):  # type: ignore[no-untyped-def]
         for i in range(count):
             k = self.id[i]
             if k % ti.static(self.every) == 0:

@@ -73,6 +73,13 @@ def test_keys_of_the_panel():
     assert panel.wind == "calm"
     panel.press("o")
     assert panel.recording
+    panel.press("u")
+    assert panel.hidden
+    panel.press("u")
+    panel.orbit(0.2, 0.1)
+    panel.nearer(0.5)
+    panel.press("z")
+    assert (panel.azimuth, panel.height, panel.distance) == (radians(38.0), radians(20.0), 1.0)
     before = repr(panel)
     panel.press("?")
     assert repr(panel) == before
@@ -169,6 +176,7 @@ def test_what_is_seen_lies_where_the_simulation_has_it(coarse):
     assert len(balls.positions) == coarse.fluid.particles.n and balls.every == 1
     hull = scene.afloat()
     low, high = hull.vertices.min(axis=0), hull.vertices.max(axis=0)
+    assert len(hull.triangles) > 2000 and len(np.unique(hull.colours, axis=0)) > 100  # a model, painted and lit
     assert (low < coarse.ships["ship"].body.position).all() and (coarse.ships["ship"].body.position < high).all()
     ends, colours = scene.lines()
     assert len(ends) == len(colours) and np.isfinite(ends).all()
@@ -412,9 +420,18 @@ def test_pictures_without_a_window(coarse, screen):
     seen = list(pictures.values())
     assert all(np.abs(a.astype(int) - b).mean() > 1.0 for k, a in enumerate(seen) for b in seen[:k])
     assert all(picture.std() > 15.0 for picture in seen)
+    panel.camera, hulls = "third_person", screen.scene.hulls
+    screen.scene.hulls = {}
     for content in panel.contents:
-        red, green = (pictures["third_person", content][..., k].astype(int) for k in (0, 1))
-        assert ((red > 1.5 * green) & (red > 60)).sum() > 1000  # the hull
+        panel.content = content
+        screen.draw(panel, 20.0)
+        without = screen.image()[preview.PANEL + 20 :].astype(int)
+        changed = np.abs(pictures["third_person", content] - without).max(axis=2) > 30
+        assert changed.sum() > 1000  # the ship
+    screen.scene.hulls, panel.hidden = hulls, True
+    screen.draw(panel, 20.0)
+    bare = screen.image()
+    assert np.abs(bare[left].astype(int) - second[left]).mean() > 10.0 and bare[left].std() > 10.0
 
 
 @with_vulkan

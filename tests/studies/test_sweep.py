@@ -88,7 +88,9 @@ def test_a_plan_that_is_wrong_says_where():
     assert wrong("scene: sea.yaml\ngird: {seed: [1]}\n") == ["plan.yaml:2:1: gird: unknown key; did you mean 'grid'?"]
     assert wrong("set: {seed: 1}\n") == ["plan.yaml:1:1: scene: missing key"]
     assert wrong("scene: sea.yaml\ngrid: {seed: []}\n") == ["plan.yaml:2:14: grid.seed: this list is empty"]
-    assert wrong("scene: sea.yaml\ngrid:\n  seed: 3\n") == ["plan.yaml:3:9: grid.seed: expected a list, got 3"]
+    assert wrong("scene: sea.yaml\ngrid:\n  seed: 3\n") == [
+        "plan.yaml:3:9: grid.seed: expected a list, got 3, as in [..., ...]"
+    ]
     found = wrong("scene: sea.yaml\ngrid:\n  fluid.height: [0.5, -1.0, high]\n  fluid.hight: [1.0]\n")
     assert [line.split(": ")[0] for line in found] == ["plan.yaml:3:23", "plan.yaml:3:29", "plan.yaml:4:17"]
     assert "did you mean 'height'" in found[2]

@@ -2,6 +2,7 @@
 
 import json
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,31 +21,7 @@ pytest.importorskip("aiohttp", reason="the page needs aiohttp: pip install '.[br
 TABS = ("play", "plots", "scene", "scenes", "keys")
 AA, LARGE = 4.5, 3.0  # WCAG 2.1, 1.4.3: contrast of text, and of large text
 
-# Of every word that is seen: its colour over all that lies behind it, with the sea both black and white there.
-CONTRAST = """
-(() => {
-  const colour = (text) => { const m = /rgba?\\(([^)]+)\\)/.exec(text); const v = m ? m[1].split(/[,\\/ ]+/).map(Number) : [0, 0, 0, 0]; return [v[0], v[1], v[2], v[3] ?? 1]; };
-  const over = (top, below) => below.map((b, k) => top[k] * top[3] + b * (1 - top[3]));
-  const light = (c) => { const [r, g, b] = c.map((v) => { v /= 255; return v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4; }); return 0.2126 * r + 0.7152 * g + 0.0722 * b; };
-  const ratio = (a, b) => { const [x, y] = [light(a), light(b)].sort((p, q) => q - p); return (x + 0.05) / (y + 0.05); };
-  const found = [];
-  for (const one of document.querySelectorAll("body *")) {
-    const words = [...one.childNodes].filter((n) => n.nodeType === 3).map((n) => n.textContent.trim()).join(" ").trim() || (one.matches("input:not([type=range], [type=checkbox]), select, textarea") ? one.value || "value" : "");
-    const box = one.getBoundingClientRect(), style = getComputedStyle(one);
-    if (!words || !box.width || !box.height || style.visibility === "hidden" || one.closest(":disabled, script, style, .gone")) continue;
-    let least = Infinity;
-    for (const sea of [[0, 0, 0], [255, 255, 255]]) {
-      const chain = [];
-      for (let at = one; at; at = at.parentElement) { chain.unshift(colour(getComputedStyle(at).backgroundColor)); if (getComputedStyle(at).position === "fixed" && at.id !== "stage") break; }
-      const back = chain.reduce((below, top) => over(top, below), sea);
-      least = Math.min(least, ratio(over(colour(style.color), back), back));
-    }
-    const large = parseFloat(style.fontSize) >= 24 || (parseFloat(style.fontSize) >= 18.66 && +style.fontWeight >= 700);
-    found.push({ words: words.slice(0, 40), id: one.id || one.className || one.tagName, least: +least.toFixed(2), large });
-  }
-  return found;
-})()
-"""
+CONTRAST = Path(__file__).with_name("_contrast.js").read_text(encoding="utf-8")
 
 
 @pytest.fixture
@@ -115,7 +92,9 @@ def test_every_word_has_the_contrast_of_wcag_aa_in_the_dark_and_in_the_light(liv
             "scene": {"name": "barge", "text": "wind: wid\nduration: 3\n", "sets": ["wind.gain=2"]},
             "problems": {"problems": [{"line": 1, "column": 7, "key": "wind", "message": "there is no 'wid'"}]},
             "scenes": {"rows": [{"name": "barge", "sentence": "A barge on a running wave"}]},
-            "keys": {"rows": [{"key": "seed", "value": 7, "unit": "1", "meaning": "Seed.", "range": ">= 0", "choices": []}]},
+            "keys": {
+                "rows": [{"key": "seed", "value": 7, "unit": "1", "meaning": "Seed.", "range": ">= 0", "choices": []}]
+            },
         }
         for theme in ("dark", "light"):
             browser.js(f"document.documentElement.dataset.theme = '{theme}'")
@@ -125,7 +104,9 @@ def test_every_word_has_the_contrast_of_wcag_aa_in_the_dark_and_in_the_light(liv
                 for kind, message in told.items():
                     live.tell(None, type=kind, **message)
                 live.tell(None, type="said", text="building anew ...", bad=tab == "play")
-                browser.wait("document.querySelector('#keys .key') && document.querySelector('.problems li').textContent")
+                browser.wait(
+                    "document.querySelector('#keys .key') && document.querySelector('.problems li').textContent"
+                )
                 browser.js("new Promise((done) => setTimeout(done, 400))")  # what fades in is there
                 rows = browser.js(CONTRAST)
                 count += len(rows)
@@ -221,7 +202,9 @@ def test_what_is_kept_is_kept(run, live, tmp_path):  # noqa: F811
         browser.wait("oceanSim.state.drawn > 1 && oceanSim.state.worlds.length === 2", 120.0)
         browser.js("document.getElementById('scrub').value = 250; document.getElementById('scrub').oninput()")
         clocks = browser.js("oceanSim.state.worlds.map((w) => w.time)")
-        assert clocks == pytest.approx([0.5, 0.5]) and browser.js("document.querySelectorAll('#names span').length") == 2
+        assert (
+            clocks == pytest.approx([0.5, 0.5]) and browser.js("document.querySelectorAll('#names span').length") == 2
+        )
         browser.js("document.getElementById('csv').click()")
         end = time.monotonic() + 30.0
         while not (list(tmp_path.glob("ocean_*.png")) and list(tmp_path.glob("*.csv"))):

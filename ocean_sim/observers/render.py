@@ -84,6 +84,9 @@ class Config(PeriodicConfig):
     """Draw where the basin ends, on the water."""
     scale_bar: bool = False
     """Draw a bar of so many metres, as long as they are at the ship, or else in the middle of the basin."""
+    wind: bool = False
+    """Draw where the wind blows, as tinted volumes with an arrow along what it does there, and a cross where it is
+    nothing but noise."""
     film: bool = True
     """Make film.mp4."""
     stills: list[Moment] = Field([], json_schema_extra={"unit": "s"})

@@ -299,6 +299,7 @@ def render(
     caption: Annotated[bool, typer.Option("--caption/--no-caption", help="Write the time into the pictures.")] = True,
     outline: Annotated[bool, typer.Option("--outline", help="Draw where the basin ends.")] = False,
     scale_bar: Annotated[bool, typer.Option("--scale-bar", help="Draw a bar of so many metres.")] = False,
+    wind: Annotated[bool, typer.Option("--wind", help="Draw where the wind blows, and where to.")] = False,
     out: Annotated[Path | None, typer.Option(help="By default the run folder.")] = None,
     json: Json = False,
 ) -> None:
@@ -319,6 +320,7 @@ def render(
         "caption": caption,
         "outline": outline,
         "scale_bar": scale_bar,
+        "wind": wind,
     }
     render(run, asked, fps, out, json)
 

@@ -131,6 +131,9 @@ class Frames(Observer):
             if origin.any():
                 mesh = unrolled(mesh, origin, simulation.basin.periods)
             frame |= {"vertices": mesh.vertices, "triangles": mesh.triangles, "normals": mesh.normals}
+        wind = simulation.wind.drawing()
+        if len(wind.tails):
+            frame |= {"wind_lines": wind.lines, "wind_tails": wind.tails, "wind_arrows": wind.arrows}
         if simulation.basin.gates:
             frame["gates"] = np.array(simulation.basin.gates_at(simulation.time)).reshape(-1, 2, 3)
         for ship in self.ships:

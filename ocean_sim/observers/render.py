@@ -28,6 +28,7 @@ from ocean_sim.parts import SEVERAL, Preflight, Problems, key_of
 from ocean_sim.pictures import opengl
 from ocean_sim.pictures.camera import ABOARD, Name
 from ocean_sim.pictures.frame_files import Frame, Log, frame_files, frame_path, known, schedule, ships_in, survey
+from ocean_sim.pictures.moments import Moments
 from ocean_sim.pictures.order import Order, Quality, RenderFailed
 from ocean_sim.pictures.picture import Picture, foreseen
 from ocean_sim.simulation import Concluding, PeriodicConfig, Progress
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 PICTURE = {"draft": 0.5, "final": 1.1}  # [s] of a picture of 1280 x 720 on two cores without a graphics card
 GAP = 6  # pixels between the pictures of a strip
 YIELDING = 10  # by which the child that draws is nicer than a run that goes on
+MOMENTS = "moments.png"  # next to the film
 LOOKS_EVERY = 0.1  # [s] between two looks for a new frame
 Moment = Annotated[float, Field(ge=0.0, strict=False)]
 OpenGLMissing = opengl.OpenGLMissing
@@ -82,6 +84,9 @@ class Config(PeriodicConfig):
     """Draw where the basin ends, on the water."""
     scale_bar: bool = False
     """Draw a bar of so many metres, as long as they are at the ship, or else in the middle of the basin."""
+    wind: bool = False
+    """Draw where the wind blows, as tinted volumes with an arrow along what it does there, and a cross where it is
+    nothing but noise."""
     film: bool = True
     """Make film.mp4."""
     stills: list[Moment] = Field([], json_schema_extra={"unit": "s"})
@@ -371,7 +376,7 @@ def written(order: Order) -> list[str]:
     """The files of an order."""
     names = ["preview.png"] if order.preview else []
     names += [still(time) for time in order.stills]
-    return names + ["strip.png"] * (order.strip > 0) + ["film.mp4"] * order.film
+    return names + ["strip.png"] * (order.strip > 0) + ["film.mp4", MOMENTS] * order.film
 
 
 def still(time: float) -> str:
@@ -452,7 +457,7 @@ class Coming:
 
 
 def film(path: Path, picture: Picture, coming: Coming, every: float) -> Iterator[tuple[int, int]]:
-    """H.264 that any player shows, in real time."""
+    """H.264 that any player shows, in real time, and a row of small pictures of it."""
     import imageio.v2 as imageio
 
     with whole(path) as draft:
@@ -465,13 +470,15 @@ def film(path: Path, picture: Picture, coming: Coming, every: float) -> Iterator
             pixelformat="yuv420p",
             ffmpeg_params=["-preset", "veryfast", "-movflags", "+faststart"],
         )
-        shown, image = None, None
+        shown, image, moments = None, None, Moments()
         with writer:
             for k, (file, total) in enumerate(coming.chosen(every)):
-                if file != shown:
+                if image is None or file != shown:
                     shown, image = file, picture.draw(Frame(file))
                 writer.append_data(image)
+                moments.see(image)
                 yield k + 1, total
+    save_png(path.with_name(MOMENTS), moments.row())
 
 
 def save_png(path: Path, image: np.ndarray) -> None:

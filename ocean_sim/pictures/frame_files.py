@@ -38,6 +38,10 @@ class Frame:
             self.velocity = file["velocity"] if "velocity" in file else None
             self.ships = {key: (file[f"{key}_position"], file[f"{key}_turn"]) for key in ships_in(file, "_turn")}
             self.gates = file["gates"].astype(np.float64) if "gates" in file else np.zeros((0, 2, 3))
+            empty = (("lines", (0, 2, 3)), ("tails", (0, 3)), ("arrows", (0, 3)))
+            self.wind_lines, self.wind_tails, self.wind_arrows = (  # as in `wind.shared.drawing`
+                file[f"wind_{name}"] if f"wind_{name}" in file else np.zeros(shape) for name, shape in empty
+            )
             self.mesh = [file[name] for name in ("vertices", "triangles", "normals")] if "vertices" in file else None
 
     @property

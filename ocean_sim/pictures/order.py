@@ -34,6 +34,7 @@ class Order:
     caption: bool = True
     outline: bool = False  # of the basin, on the water
     scale_bar: bool = False
+    wind: bool = False  # volumes and arrows of the wind
     far_sea: bool = True
     ripples: bool = True
     foam: bool = True

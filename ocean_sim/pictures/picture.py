@@ -16,6 +16,7 @@ from ocean_sim.pictures.sea import Sea
 from ocean_sim.pictures.ship import DrawnShip, ShadedShip, kept_model
 from ocean_sim.pictures.stage import Stage
 from ocean_sim.pictures.water import NODES, Shell, Water
+from ocean_sim.pictures.wind_marks import WindMarks
 
 MAPS = "top", "side"  # cameras that see the whole way of a ship that leaves the basin
 
@@ -93,6 +94,7 @@ class Picture:
         self.caption = marks.words(stage, " ", (14, 10)) if order.caption else None
         self.scale_bar = marks.ScaleBar(stage) if order.scale_bar else None
         self.outline = marks.Outline(stage, grid["lower"], grid["upper"]) if order.outline else None
+        self.wind = WindMarks(stage, grid["lower"], grid["upper"]) if order.wind else None
         self.aim()
 
     def aim(self) -> None:
@@ -152,6 +154,8 @@ class Picture:
             self.caption.input = f"t = {frame.time:.2f} s"
         if self.outline is not None:
             self.outline.show(frame.origin, self.heights_at(frame, self.outline.around + frame.origin))
+        if self.wind is not None:
+            self.wind.show(frame, self.heights_at(frame, frame.wind_tails[:, [0, 2]].astype(float)))
         if self.scale_bar is not None:
             ships = [position for position, _ in frame.ships.values()]
             self.scale_bar.show(ships[0] if ships else 0.5 * (self.lower + self.upper) * [1.0, 0.0, 1.0])

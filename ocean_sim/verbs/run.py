@@ -17,7 +17,7 @@ from ocean_sim.verbs.shared.progress import Progress
 MANIFEST = "manifest.json"
 WRITTEN = (
     *(MANIFEST, "*.csv", "events.jsonl", "checkpoint_*.h5", "report.html"),
-    *("preview.png", "still_*.png", "strip.png", "film.mp4"),
+    *("preview.png", "still_*.png", "strip.png", "film.mp4", "moments.png"),
 )
 
 

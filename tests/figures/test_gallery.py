@@ -31,6 +31,14 @@ def test_the_commands_name_the_scene_and_draw_from_its_run():
         assert set(shown) <= {each.picture for each in gallery.entries()}
 
 
+def test_the_guide_prints_the_commands_of_every_picture():
+    guide = FOLDER.parents[1] / "docs" / "guide" / "pictures.md"
+    if guide.exists():
+        printed = guide.read_text(encoding="utf-8")
+        for entry in gallery.entries():
+            assert "\n  ".join([entry.picture, *gallery.shown(entry)]) in printed, entry.picture
+
+
 @pytest.mark.parametrize("name", ["showcas", "nothing"])
 def test_a_name_that_is_not_there_is_refused(name):
     with pytest.raises(gallery.console.Refused, match="there is no picture"):

@@ -11,6 +11,7 @@ from ocean_sim import basin
 from ocean_sim.fluid import Fluid, Totals
 from ocean_sim.parts import LedgerRow
 from ocean_sim.time_step.courant import Config as Courant
+from ocean_sim.wind.shared.drawing import NOTHING
 
 SPACING = 0.5
 
@@ -126,6 +127,7 @@ class Watched:
         self.backend = SimpleNamespace(arch="cpu", threads=2, precision="f32")
         self.time_step = SimpleNamespace(limited_by="acoustic")
         self.surface, self.ships = None, {}
+        self.wind = SimpleNamespace(drawing=lambda: NOTHING)
         self.observers = []
         self.time, self.steps, self.outcome, self.reason = 0.0, 0, "running", ""
 

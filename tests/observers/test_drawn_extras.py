@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
-from ocean_sim.observers import render
-from ocean_sim.pictures import obstacles, opengl, wake
+from ocean_sim.observers import frames, render
+from ocean_sim.pictures import obstacles, opengl, wake, wind_marks
 from ocean_sim.pictures.camera import Track, Vessel
+from ocean_sim.wind.shared import shapes
+from ocean_sim.wind.shared.drawing import Drawing
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 NODES = np.arange(-60.0, 60.1, 0.5)
@@ -44,6 +46,46 @@ def test_a_ship_that_rests_leaves_no_wake():
     assert steaming(2.0).share(12.0, np.zeros(2)).max() == pytest.approx(
         0.5 * steaming(4.0).share(12.0, np.zeros(2)).max(), rel=0.05
     )
+
+
+def test_the_volumes_of_a_wind_are_told_apart_by_their_lines():
+    box = shapes.Core(half=(1.0, 2.0, 3.0), radius=0.0, yaw=0.3, centre=np.zeros(3)).edges()
+    lines = np.concatenate([box, box + [20.0, 0.0, 0.0]])[np.random.default_rng(1).permutation(24)]
+    found = wind_marks.parts(lines)
+    assert sorted(len(part) for part in found) == [12, 12] and wind_marks.parts(lines[:0]) == []
+    outline = wind_marks.hull(found[0].reshape(-1, 3)[:, [0, 2]])
+    sides = np.linalg.norm(outline - np.roll(outline, 1, axis=0), axis=1)
+    np.testing.assert_allclose(np.sort(sides), [2.0, 2.0, 6.0, 6.0], atol=1e-9)
+
+
+@pytest.mark.parametrize("vector", [(1.0, 0.0, 0.0), (0.0, -2.0, 0.0), (0.3, 0.9, -0.4)])
+def test_arrows_turn_without_being_bent(vector):
+    turn = wind_marks.basis(np.array(vector))
+    np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-12)
+    np.testing.assert_allclose(turn[0], np.array(vector) / np.linalg.norm(vector))
+
+
+@with_opengl
+def test_a_wind_is_drawn_where_it_blows(tmp_path, watched):
+    from imageio.v2 import imread
+
+    simulation = watched((0.02,))
+    simulation.fluid.rise = 0.0
+    corners = shapes.Core(half=(1.0, 1.5, 1.0), radius=0.0, yaw=0.0, centre=np.zeros(3)).edges()
+    tails = np.array([[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]])
+    blowing = Drawing(corners, tails, np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]))  # an arrow and a cross
+    simulation.wind.drawing = lambda: blowing
+    simulation.observers = [frames.Config(every=0.1).build(tmp_path, simulation)]
+    simulation.run(until=0.1)
+    asked = {"size": (320, 180), "stills": (0.0,), "film": False, "preview": False, "caption": False}
+    without, with_wind = (
+        np.asarray(imread(render.render_run(tmp_path, out=tmp_path / f"{k}", wind=bool(k), **asked)[0])).astype(int)
+        for k in range(2)
+    )
+    changed = np.abs(with_wind - without).max(axis=2) > 8
+    painted = (with_wind[..., 0] > with_wind[..., 2] + 60) & changed
+    assert 0.01 < changed.mean() < 0.5 and painted.sum() > 30
+    assert not (without[..., 0] > without[..., 2] + 60).any()
 
 
 def test_a_box_has_six_faces_that_look_outwards():

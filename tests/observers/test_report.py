@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from ocean_sim.observers import accuracy, gauges, manifest, report, timings
-from ocean_sim.observers.shared.page import text
+from ocean_sim.observers.shared.page import STYLE, text
 from ocean_sim.observers.shared.svg_plot import POINTS, curves, thinned, ticks
+from ocean_sim.pictures.moments import Moments
 
 VOID = {"meta", "img", "br", "hr", "link"}
 
@@ -143,6 +144,55 @@ def test_motions_and_platform_are_drawn(tmp_path, ran):
     page, parsed = checked(tmp_path)
     assert parsed.seen.count("svg") == 7 + 5 and "wind_drag" in page and "leg 6" in page
     assert len(page) < 600_000
+
+
+def luminance(colour):
+    """Relative luminance of #rgb or #rrggbb (WCAG 2.2)."""
+    digits = colour[1:] if len(colour) == 7 else "".join(2 * digit for digit in colour[1:])
+    parts = np.array([int(digits[k : k + 2], 16) for k in (0, 2, 4)]) / 255.0
+    linear = np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
+    return float(linear @ [0.2126, 0.7152, 0.0722])
+
+
+def contrast(a, b):
+    dark, light = sorted((luminance(a), luminance(b)))
+    return (light + 0.05) / (dark + 0.05)
+
+
+def test_every_word_of_a_page_has_a_contrast_of_4_5_to_1_in_both_themes():
+    assert contrast("#000", "#ffffff") == pytest.approx(21.0) and contrast("#777777", "#fff") < 4.5
+    themes = re.findall(r":root \{([^}]*)\}", STYLE)
+    light, dark = (dict(re.findall(r"--(\w+): (#[0-9a-f]+)", theme)) for theme in themes[:2])
+    for theme in (light, light | dark):
+        for words in ("ink", "soft", "bad", "link"):
+            assert contrast(theme[words], theme["paper"]) >= 4.5, (words, theme)
+        assert contrast(theme["ink"], theme["block"]) >= 4.5
+
+
+def test_limits_of_the_legs_are_drawn(tmp_path, ran):
+    time = np.arange(0.0, 1.0, 0.01)
+    names = [f"leg{k}_m" for k in range(1, 7)] + [f"leg{k}_velocity_m_s" for k in range(1, 7)]
+    names += [f"{n}_rad" for n in ("roll", "pitch", "yaw")] + [f"{a}_m" for a in "xyz"]
+    names += [f"felt_force_{a}_m_s2" for a in "xyz"] + ["limited"]
+    rows = np.column_stack([time] + [0.1 * np.sin(time * (k + 1)) for k in range(len(names))])
+    np.savetxt(tmp_path / "platform.csv", rows, delimiter=",", header=",".join(["time_s", *names]), comments="")
+    ran(platform={"geometry": {"shortest": 2.1, "longest": 3.3, "leg_speed": 1.0}}).run(until=0.02)
+    page, _ = checked(tmp_path)
+    for words in ("shortest", "longest", "fastest", "fastest, shortening"):
+        assert f">{words}</text>" in page
+    assert '<th scope="row">' in page and "Contents" in page and "<td class" not in page
+
+
+def test_a_film_leaves_a_row_of_small_pictures_however_long_it_is():
+    for length in (1, 7, 16, 17, 100, 1000):
+        moments = Moments()
+        for k in range(length):
+            moments.see(np.full((8, 16, 3), k * 255 // max(length - 1, 1), np.uint8))
+            assert len(moments.kept) <= 16
+        row = moments.row()
+        tones = row[0, :: 4 + 3, 0].astype(int)
+        assert row.shape == (2, len(tones) * 7 - 3, 3) and len(tones) <= 8 and len(tones) >= min(length, 4)
+        assert tones[0] == 0 and (np.diff(tones) > 0).all() and tones[-1] >= 255 * 0.85 * (length > 1)
 
 
 def test_a_scene_is_told_as_yaml(tmp_path):

@@ -69,11 +69,15 @@ def contents(parts: list[str]) -> list[str]:
     return [*marked[: min(first, 2)], f'<nav aria-label="Contents">{links}</nav>', *marked[min(first, 2) :]]
 
 
-def table(rows: Iterable[Sequence[object]], heads: Sequence[str] = ()) -> str:
-    """Rows of cells, with a line of heads where there are any."""
+def table(rows: Iterable[Sequence[object]], heads: Sequence[str] = (), named: bool = True) -> str:
+    """Rows of cells, with a line of heads where there are any; `named`: whether the first cell is the name of a row."""
     across = "".join(f'<th scope="col">{html.escape(name)}</th>' for name in heads)
     top = [f"<tr>{across}</tr>"] if heads else []
-    body = [f"<tr>{''.join(f'<td>{html.escape(str(cell))}</td>' for cell in row)}</tr>" for row in rows]
+    body = []
+    for row in rows:
+        first, *cells = (html.escape(str(cell)) for cell in row)
+        head = f'<th scope="row">{first}</th>' if named else f"<td>{first}</td>"
+        body.append(f"<tr>{head}{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>")
     return "\n".join(['<div class="wide"><table>', *top, *body, "</table></div>"])
 
 

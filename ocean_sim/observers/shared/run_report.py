@@ -17,7 +17,7 @@ STILLS = 6  # in a page at most
 EVENTS = 60  # shown from the beginning, and as many from the end
 FILES = (
     *("manifest.json", "motion.csv", "platform.csv", "gauges.csv", "accuracy.csv", "timings.csv", "events.jsonl"),
-    *("film.mp4", "preview.png", "strip.png"),
+    *("film.mp4", "preview.png", "moments.png", "strip.png"),
 )
 Table = dict[str, np.ndarray]
 
@@ -74,6 +74,7 @@ class Run:
         folder, film = self.folder, "film.mp4" if (self.folder / "film.mp4").exists() else None
         more = "; click for film.mp4, next to this page" if film else ""
         yield picture(folder / "preview.png", f"The run at its liveliest{more}.", film)
+        yield picture(folder / "moments.png", "The film, from the beginning to the end.", film)
         yield picture(folder / "strip.png", "From the beginning to the end.")
         for path in sorted(folder.glob("still_*.png"))[:STILLS]:
             yield picture(path, f"t = {path.stem.removeprefix('still_').lstrip('0') or '0'} s")
@@ -151,7 +152,9 @@ class Run:
         yield "<h2>Motion platform</h2>"
         yield plot(curves(time, {f"leg {k}": log[f"leg{k}_m"] for k in range(1, 7)}, "length of the legs [m]", reach))
         speed = {f"leg {k}": log[f"leg{k}_velocity_m_s"] for k in range(1, 7)}
-        yield plot(curves(time, speed, "velocity of the legs [m/s]"))
+        fastest = ends.get("leg_speed")  # [m/s]
+        both = {} if fastest is None else {"fastest": fastest, "fastest, shortening": -fastest}
+        yield plot(curves(time, speed, "velocity of the legs [m/s]", both))
         pose = {name: np.degrees(log[f"{name}_rad"]) for name in ("roll", "pitch", "yaw")}
         yield plot(curves(time, pose, "attitude of the platform [deg]"))
         yield plot(curves(time, {axis: log[f"{axis}_m"] for axis in "xyz"}, "position of the platform [m]"))
@@ -228,7 +231,7 @@ class Run:
         if shown is not self.events:
             yield f"<p>The first and the last {EVENTS} of {len(self.events)}.</p>"
         rows = [(f"{event.get('time_s', 0.0):.3f}", event.get("event", ""), particulars(event)) for event in shown]
-        yield table(rows, ("time [s]", "event", ""))
+        yield table(rows, ("time [s]", "event", ""), named=False)
 
     def versions(self) -> Iterator[str]:
         manifest = self.manifest

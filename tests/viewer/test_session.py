@@ -4,7 +4,6 @@ import json
 import socket
 import threading
 from contextlib import suppress
-from math import pi
 from time import perf_counter, sleep
 
 import numpy as np

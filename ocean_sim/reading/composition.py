@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ocean_sim.files.yaml_file import Node, Problem, SceneError, described, merged, problem, read
-from ocean_sim.parts import ALONE, SEVERAL, SLOTS, config_of, key_of, kinds, library, named, slot_of
+from ocean_sim.parts import ALONE, BESIDE, MEANT, SEVERAL, SLOTS, config_of, key_of, kinds, library, named, slot_of
 from ocean_sim.reading.translation import choice_sentence, dotted, likeliest
 
 DEFAULTS = {"wind": "still", "time_step": "courant"}  # any other absent slot is nothing at all
@@ -97,6 +97,7 @@ class Composition:
     def set(self, key: str, value: Node) -> None:
         """One `--set`: a slot, a key inside one, or any other key."""
         path = tuple(key.split("."))
+        path = (BESIDE[path[0]], *path) if path[0] in BESIDE else path
         if "" in path:
             meant = ".".join(filter(None, path)) or None
             end = f"; did you mean {meant!r}?" if meant else ""
@@ -111,6 +112,17 @@ class Composition:
             self.set_part(path[0], path[1:], value)
         else:
             self.root = self.put(self.root, path, (), value)
+
+    def lay_beside(self, key: str, node: Node) -> None:
+        """Lay what stands beside the part that it belongs to over that part."""
+        slot = BESIDE[key]
+        choice = self.slots.get(slot)
+        if choice is not None and key in choice.own.data:
+            self.problems.append(problem(node.key_location, key, f"give either `{key}` or `{slot}.{key}`, not both"))
+        elif choice is None and slot not in self.failed:
+            self.problems.append(problem(node.key_location, key, f"there is no `{slot}` that it could belong to"))
+        elif choice is not None:
+            self.set_part(slot, (key,), node)
 
     def set_ships(self, value: Node) -> None:
         """`--set ships=...`: null leaves none, a mapping changes those that it names."""
@@ -165,6 +177,9 @@ def composed(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> C
     for slot in SLOTS:
         if slot in scene.data:
             result.lay(slot, scene.data[slot], None)
+    for key in BESIDE:
+        if key in scene.data and scene.data[key].data is not None:
+            result.lay_beside(key, scene.data[key])
     if SEVERAL in scene.data:
         for place, ship in result.named_ships(scene.data[SEVERAL]):
             result.lay(place, ship, None)
@@ -182,7 +197,7 @@ def composed(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> C
     for slot, default in DEFAULTS.items():
         if result.slots.get(slot) is None:
             result.slots[slot] = chosen(slot, scene.with_data(default))
-    data = {key: node for key, node in result.root.data.items() if key not in (*SLOTS, SEVERAL)}
+    data = {key: node for key, node in result.root.data.items() if key not in (*SLOTS, *BESIDE, SEVERAL)}
     found = {place: choice.whole() for place, choice in result.slots.items() if choice is not None}
     data |= {place: node for place, node in found.items() if place in SLOTS}
     ships = {place.partition(".")[2]: node for place, node in found.items() if place not in SLOTS}
@@ -209,6 +224,8 @@ def chosen(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
         name = node.data["kind"]
         part_first = False
         own = node.with_data({key: value for key, value in node.data.items() if key != "kind"})
+    elif node.is_mapping and slot in MEANT:
+        name, part_first, own = node.with_data(MEANT[slot]), False, node
     else:
         end = f"there are {', '.join(known(slot))}"
         if node.is_mapping:

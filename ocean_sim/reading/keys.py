@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from functools import cache
 from typing import Any, NamedTuple
 
-from ocean_sim.parts import KindConfig, config_of, kinds, slot_of
+from ocean_sim.parts import BESIDE, SEVERAL, KindConfig, config_of, kinds, slot_of
 from ocean_sim.reading.schema import schema
 
 NAMED, ITEM = "NAME", "[]"
@@ -76,7 +76,7 @@ def keys() -> tuple[Key, ...]:
             for kind in kinds(name):
                 below = of_mapping(definition(f"{name}.{kind}"), f"{name}.{kind}", ())
                 found |= {key.path: key for key in below if key.path not in found}
-        elif name != "ships":
+        elif name not in (SEVERAL, *BESIDE):
             for key in of_value(name, node, name in whole()["required"], ()):
                 found.setdefault(key.path, key)
     return tuple(found.values())
@@ -233,7 +233,8 @@ def found(word: str) -> list[Key]:
         path = key.path.replace(ITEM, "").split(".")
         forms = [path] + ([[path[0], *path[2:]]] if path[0] in schema_slots() else [])
         if path[0] == "ship":
-            forms += [["ships", NAMED, *form[1:]] for form in forms]
+            forms += [[SEVERAL, NAMED, *form[1:]] for form in forms]
+        forms += [path[2:] for name, slot in BESIDE.items() if path[0] == slot and path[2:3] == [name]]
         if any(matches(form, steps) for form in forms):
             exact.append(key)
         elif any(len(form) == len(steps) + 1 and matches(form[:-1], steps) for form in forms):

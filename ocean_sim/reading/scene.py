@@ -14,6 +14,7 @@ from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, mappi
 from ocean_sim.model import Model, quantity
 from ocean_sim.parts import (
     ALONE,
+    BESIDE,
     SEVERAL,
     SLOTS,
     FluidConfig,
@@ -323,7 +324,7 @@ def _overlapping(preflight: Preflight, data: dict[str, Node]) -> list[Problem]:
 
 def _unknown(root: Node, headings: tuple[str, ...]) -> list[Problem]:
     """Unknown keys at the top level."""
-    known, problems = (*headings, "basin", *SLOTS, SEVERAL, "runtime", *observer_names()), []
+    known, problems = (*headings, "basin", *SLOTS, *BESIDE, SEVERAL, "runtime", *observer_names()), []
     for key, node in root.data.items():
         if key not in known:
             end, suggestion = choice_sentence(key, known)

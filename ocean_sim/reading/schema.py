@@ -9,7 +9,7 @@ from pydantic.json_schema import GenerateJsonSchema
 
 from ocean_sim import basin
 from ocean_sim.files.yaml_file import Location, node_of
-from ocean_sim.parts import ALONE, SEVERAL, SLOTS, config_of, kinds, named
+from ocean_sim.parts import ALONE, BESIDE, MEANT, SEVERAL, SLOTS, config_of, kinds, named
 from ocean_sim.reading.composition import chosen, known
 from ocean_sim.reading.scene import Heading, observer_names
 from ocean_sim.reading.sentences import sentence
@@ -26,6 +26,9 @@ def schema() -> dict[str, Any]:
         "description": "Several ships by name, in place of `ship`.",
         "anyOf": [{"type": "object", "additionalProperties": properties[ALONE]}, {"type": "null"}],
     }
+    for key, slot in BESIDE.items():
+        inner = definitions[_name(config_of(slot, MEANT[slot]))]["properties"][key]
+        properties[key] = {"description": f"As `{slot}.{key}`.", "anyOf": [{"$ref": inner["$ref"]}, {"type": "null"}]}
     properties["runtime"] = _model(RuntimeConfig, definitions)
     for name in observer_names():
         module = import_module(f"ocean_sim.observers.{name}")
@@ -58,7 +61,8 @@ def _slot(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:
     words = known(slot)
     told = [sentence(slot, word) for word in words]
     choices: list[dict[str, Any]] = [{"enum": words, "markdownEnumDescriptions": told}] if words else []
-    choices += [_model(config_of(slot, kind), definitions, kind) for kind in kinds(slot)]
+    for kind in kinds(slot):
+        choices.append(_model(config_of(slot, kind), definitions, None if MEANT.get(slot) == kind else kind))
     ready_made = sorted(set(named(slot)) - set(kinds(slot)))
     choices += [_ready_made(slot, name, definitions) for name in ready_made]
     return {"description": (module.__doc__ or "").split(":")[0], "anyOf": [*choices, {"type": "null"}]}

@@ -20,6 +20,7 @@ from ocean_sim.model import Model, quantity
 from ocean_sim.random_numbers import numpy_uniform
 
 COMPONENTS = 200  # plane waves that stand for a spectrum
+RAMP = 2.0  # [periods] in which waves grow from calm water
 LOWEST = 0.5  # [peak frequencies] where they begin; up to 4 they cover all but 0.5 % of the variance
 RESOLVED = 4000  # points at which a spectrum is integrated over the band
 FREQUENCY, PHASE, DIRECTION = 0x3_0000, 0x3_0001, 0x3_0002  # streams of random numbers
@@ -448,12 +449,12 @@ class OpenTrain(HeadedTrain):
 class GrowingTrain(OpenTrain):
     """The same, from calm water on."""
 
-    ramp: float = quantity("periods", 2.0, ge=0.0)
-    """How long the waves grow from calm water, in periods of the highest; 0: they are there at once."""
+    ramp: float | None = quantity("s", None, ge=0.0)
+    """How long the waves grow from calm water; null: two periods of the highest; 0: they are there at once."""
 
     def growing(self, sea: Components) -> Components:
         """The waves as they grow from time 0 on."""
-        return replace(sea, ramp=self.ramp * sea.period)
+        return replace(sea, ramp=RAMP * sea.period if self.ramp is None else self.ramp)
 
 
 class Tank(Protocol):

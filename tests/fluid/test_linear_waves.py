@@ -66,7 +66,7 @@ def test_a_ramp_lets_the_sea_grow_from_calm_water_in_kernels_and_in_numpy_alike(
     """Half of the height half way; afterwards the sea without a ramp, to the digit."""
     points = np.random.default_rng(1).uniform([-20.0, -7.5, -20.0], [20.0, 0.1, 20.0], (50, 3))
     keys = {"height": 0.4, "period": 3.0, "heading_deg": 30.0}
-    growing, whole = sea(BAY, **keys, ramp=2.0), sea(BAY, **keys)
+    growing, whole = sea(BAY, **keys, ramp=6.0), sea(BAY, **keys)
     assert np.abs(growing.elevations(points[:, [0, 2]])).max() == 0.0
     for dt, share in ((3.0, 0.5), (1.5, 0.75 + 0.5 / pi), (2.0, 1.0)):
         growing.advance(dt)
@@ -79,7 +79,7 @@ def test_a_ramp_lets_the_sea_grow_from_calm_water_in_kernels_and_in_numpy_alike(
 
 def test_water_that_was_at_rest_goes_to_and_fro_about_one_place_after_the_ramp(sea):
     """What a wave moves from rest keeps no mean velocity of its phase: Hann's window has none of its frequency."""
-    fluid = sea(BAY, height=0.4, period=3.0, ramp=2.0)
+    fluid = sea(BAY, height=0.4, period=3.0)
     waves_of = fluid.config.growing(fluid.config.sea(BasinConfig(**BAY).build()))
     t = np.linspace(0.0, 6.0, 6001)
     for phase in np.linspace(0.0, 2.0 * pi, 8, endpoint=False):

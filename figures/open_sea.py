@@ -17,7 +17,7 @@ from _paper import BLUE, GREEN, INK, ORANGE, PALE, RED, keep, paper, table
 from ocean_sim.fluid.shared.band import band
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.open_sea import A_PERIOD, COARSE, FINE, GROUP, PATCH, PERIOD, K, around, patch
+from ocean_sim.validation.open_sea_waves import A_PERIOD, COARSE, FINE, GROUP, PATCH, PERIOD, K, around, patch
 from ocean_sim.validation.shared.state import sampled
 
 KA, PERIODS, FAST_PERIODS, JUDGED = 0.05, 25.0, 2.0, 5.0

@@ -207,7 +207,7 @@ def bench(
 
 @app.command()
 def validate(
-    cases: Annotated[list[str] | None, typer.Argument(help="By default all (ocean-sim list cases).")] = None,
+    cases: Annotated[list[str] | None, typer.Argument(help="By default all (ocean-sim list cases); patterns, as "spectral_*", too.")] = None,
     scheme: Annotated[
         list[str] | None,
         typer.Option(help="A kind of fluid or ship; give it twice to compare two. By default delta_sph."),

@@ -1,6 +1,7 @@
 """`ocean-sim validate`: problems with known answers, in a table, a CSV file and a picture a case."""
 
 import csv
+from fnmatch import filter as matching
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ def validate(
     as_json: bool,
 ) -> int:
     """Run cases under schemes and report; the exit code is 1 where a promise was missed."""
+    cases = [name for case in cases for name in matching(names(), case) or [case]]
     wanted = cases or names()
     known_schemes = [*kinds("fluid"), *kinds("ship")]
     for what, given, known in (("case", wanted, names()), ("scheme", schemes, known_schemes)):

@@ -72,7 +72,7 @@ def test_a_tile_keeps_energy_and_phase_at_any_step():
 
 def test_a_moving_pressure_has_havelocks_resistance_at_second_order_in_the_step():
     """A push that lags by a cell, the way of a step, is the control."""
-    from ocean_sim.validation.sea_wake import PRESSURE, havelock
+    from ocean_sim.validation.spectral_wake import PRESSURE, havelock
 
     found = {}
     for late in (0.0, 1.0):

@@ -13,8 +13,8 @@ from ocean_sim.validation import (
     hydrostatic,
     piston_flume,
     problems,
-    sea_passing,
-    sea_wake,
+    spectral_passing,
+    spectral_wake,
     sloshing,
     square_patch,
     standing_wave,
@@ -281,10 +281,10 @@ def test_the_obstacle_case_scores_its_own_table_as_right_and_a_late_wave_as_late
 
 def test_the_waves_abeam_of_a_pressure_take_the_energy_that_havelock_says():
     """The pressure times the slope under it is the resistance; ahead of it there are next to no waves."""
-    long, broad = sea_passing.LONG, sea_passing.BROAD
+    long, broad = spectral_passing.LONG, spectral_passing.BROAD
     x, z = (np.polynomial.hermite.hermgauss(n) for n in (10, 7))
-    eta = np.array([[sea_passing.at_point(long * a, broad * abs(b), long, broad) for b in z[0]] for a in x[0]])
+    eta = np.array([[spectral_passing.at_point(long * a, broad * abs(b), long, broad) for b in z[0]] for a in x[0]])
     slope_times_pressure = 2.0 / long * (x[0] * x[1])[:, None] * eta * z[1]  # by parts
-    resistance = sea_passing.PRESSURE * long * broad * slope_times_pressure.sum()
-    assert abs(resistance) == pytest.approx(sea_wake.havelock(sea_passing.U), rel=1e-3)
-    assert abs(sea_passing.at_point(40.0, 10.0, long, broad)) < 0.01 * np.ptp(eta)
+    resistance = spectral_passing.PRESSURE * long * broad * slope_times_pressure.sum()
+    assert abs(resistance) == pytest.approx(spectral_wake.havelock(spectral_passing.U), rel=1e-3)
+    assert abs(spectral_passing.at_point(40.0, 10.0, long, broad)) < 0.01 * np.ptp(eta)

@@ -207,7 +207,9 @@ def bench(
 
 @app.command()
 def validate(
-    cases: Annotated[list[str] | None, typer.Argument(help="By default all (ocean-sim list cases); patterns, as "spectral_*", too.")] = None,
+    cases: Annotated[
+        list[str] | None, typer.Argument(help="By default all (ocean-sim list cases); patterns too, as 'open_*'.")
+    ] = None,
     scheme: Annotated[
         list[str] | None,
         typer.Option(help="A kind of fluid or ship; give it twice to compare two. By default delta_sph."),

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Simulation", "load", "run", "view", "wave_field"]
 
-os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "False")  # before Taichi is imported
+os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "False")  # before Taichi is imported, or its fork
+os.environ.setdefault("ENABLE_QUADRANTS_HEADER_PRINT", "False")
 os.environ.setdefault("TI_SKIP_VERSION_CHECK", "ON")  # it would ask a server once a day, with a number of this machine
 
 

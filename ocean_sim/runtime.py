@@ -48,8 +48,10 @@ Kind = TypeVar("Kind", bound=type)
 
 
 def in_kernels(kind: Kind) -> Kind:
-    """Decorator of a class whose methods are kernels or are called by them: in place of `ti.data_oriented`, with which
-    each attribute that Python reads costs a microsecond, and again for every base class."""
+    """Decorator of a class whose methods are kernels or are called by them: in place of Taichi's `ti.data_oriented`,
+    with which each attribute that Python reads costs a microsecond, and again for every base class."""
+    if kernel_library.NAME == kernel_library.QUADRANTS:
+        return ti.data_oriented(kind)  # which has no such cost
     kind._data_oriented = True  # type: ignore[attr-defined]
     for name, kernel in list(vars(kind).items()):
         if hasattr(kernel, "_is_wrapped_kernel"):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import Simulation, load, runtime
+from ocean_sim.simulation import must_have_doubles
 
 SEA = {
     "basin": {"length": 20.0, "width": 20.0, "depth": 5.0, "walls": "none"},
@@ -115,3 +116,16 @@ def test_more_fields_than_taichi_holds_are_no_end():
     assert done.returncode == 0 and int(done.stdout) == 2, done.stderr
     never = MANY.replace("begun = set()", "begun = set()\nruntime.TREES = 10_000")
     assert subprocess.run([sys.executable, "-c", never], capture_output=True).returncode < 0  # the negative control
+
+
+def test_a_card_without_double_precision_says_what_it_cannot_do():
+    """Taichi has f64 on Vulkan and Metal only where the driver has it."""
+    scene = load({"basin": {"length": 1.0, "width": 1.0, "depth": 0.5}, "fluid": {"kind": "mueller", "spacing": 0.1}})
+    single = runtime.Backend("metal", 0, "f32", doubles=False)
+    with pytest.raises(
+        runtime.BackendMissing, match="no double precision, in which accuracy of this scene would count"
+    ):
+        must_have_doubles(scene, single)
+    bare = load({**scene.resolved(), "accuracy": None})
+    must_have_doubles(bare, single)
+    must_have_doubles(scene, runtime.Backend("cpu", 1, "f32"))

@@ -9,7 +9,7 @@ from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.field import Field
 from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.particle_water import ParticleWater
-from ocean_sim.fluid.shared.walk_plan import PLANS
+from ocean_sim.fluid.shared.walk_plan import PLANS, of_accounts
 from ocean_sim.fluid.shared.water import WaterConfig, free_fall_speed
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.parts import LedgerRow, Preflight, Problems
@@ -49,6 +49,7 @@ class Config(WaterConfig):
         return [
             LedgerRow("fluid", f"{n} particles", (8 * word + 4) * n, what, PARTICLE * n),
             LedgerRow("fluid", f"grid of {size.cell_count} cells", size.bytes(word), "the surface that gauges read"),
+            *of_accounts(size, word, "accuracy" in preflight.parts),
         ]
 
     def still_limits(self, preflight: Preflight) -> Limits:

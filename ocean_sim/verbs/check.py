@@ -50,7 +50,7 @@ def check(scene: str, profile: str | None, sets: list[str], as_json: bool) -> No
 
 def preflight(config: SceneConfig) -> dict[str, Any]:
     """What `check` answers."""
-    from ocean_sim.runtime import base_memory
+    from ocean_sim.runtime import CARDS, base_memory
 
     known, rows, warnings = config.preflight, config.ledger(), config.warnings()
     particles = known.particles
@@ -63,7 +63,7 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
     if dt > 1.05 * longest:
         over = f"{dt / longest:.2g} times the {longest:.3g} s that stayed stable in still water ({ruling} limit)"
         warnings.append(f"the time step of {dt:.3g} s is {over}")
-    threads = config.runtime.threads or machine.cores()
+    threads, card = config.runtime.threads or machine.cores(), config.runtime.arch in CARDS
     if memory > 0.9 * machine.memory():
         warnings.append(f"needs {memory / 1e9:.1f} GB of memory; this machine has {machine.memory() / 1e9:.1f} GB")
     steps = config.duration / dt
@@ -71,7 +71,8 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
     alone = sum(row.a_step(dt) for row in rows) - shared
     parts = {
         "start_s": START + (START_OF_PARTICLES if particles else 0.0),
-        "steps_s": steps * (shared / threads + alone) if particles else None,  # that of closed forms is not measured
+        # not measured: that of closed forms, and of cards
+        "steps_s": steps * (shared / threads + alone) if particles and not card else None,
         "pictures_s": sum(part.picture_time(config.duration) for part in config.observers.values()),
     }
     return {

@@ -22,6 +22,7 @@ FOUNDATION = (
     "model",
     "parts",
     "columns",
+    "kernel_library",
     "runtime",
     "machine",
     "random_numbers",

@@ -19,7 +19,7 @@ from ocean_sim.fluid.shared.neighbours import ListSize
 from ocean_sim.fluid.shared.particle_water import ParticleWater
 from ocean_sim.fluid.shared.plane_waves import PlaneWaves
 from ocean_sim.fluid.shared.smoothing import Smoothing
-from ocean_sim.fluid.shared.walk_plan import PLANS, Walk
+from ocean_sim.fluid.shared.walk_plan import PLANS, Walk, of_accounts
 from ocean_sim.fluid.shared.water import Lattice, WaterConfig, free_fall_speed
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
@@ -228,10 +228,9 @@ def rows(preflight: Preflight, sizes: ListSize, numbers: int, what: str, pair: f
 
 def _of_walk(sizes: ListSize, word: int, impulses: bool) -> list[LedgerRow]:
     """The ledger of what walks over neighbours."""
-    plan, n = sizes.grid.plan, sizes.grid.lattice.n
-    lists, accounts = plan.lists(sizes, word), plan.rows(n, word, impulses)
+    lists = sizes.grid.plan.lists(sizes, word)
     found = [LedgerRow("fluid", "candidate lists", lists, "neighbours of every occupied cell")] if lists else []
-    return [*found, *([LedgerRow("fluid", "accounts", accounts, "a row for each particle")] if accounts else [])]
+    return [*found, *of_accounts(sizes.grid, word, impulses)]
 
 
 def _of_areas(preflight: Preflight, n: int) -> list[LedgerRow]:

@@ -12,6 +12,7 @@ from ocean_sim.fluid.shared.particle_walk import ParticleWalk, WideAccounts, Wid
 from ocean_sim.fluid.shared.particles import Count, Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.tasks import TASK, Tasks
+from ocean_sim.parts import LedgerRow
 from ocean_sim.runtime import CARDS
 
 SERIAL = 20_000  # up to so many particles one thread sorts faster than several
@@ -140,3 +141,9 @@ class OfParticles(WalkPlan):
 CELLS, PARTICLES = OfCells(), OfParticles()
 PLANS: dict[str, WalkPlan] = {"cpu": CELLS, "auto": CELLS} | dict.fromkeys(CARDS, PARTICLES)
 """By backend; before it is started `auto` counts as the processor, and `gpu` as a card."""
+
+
+def of_accounts(size: GridSize, word: int, impulses: bool) -> list[LedgerRow]:
+    """The ledger of what each particle writes of a step, where it writes a row of its own."""
+    taken = size.plan.rows(size.lattice.n, word, impulses)
+    return [LedgerRow("fluid", "accounts", taken, "a row for each particle")] if taken else []

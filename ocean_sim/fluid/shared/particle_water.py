@@ -59,7 +59,7 @@ class ParticleWater(ParticleFluid):
         self.rubs, self.joined = basin.rough_bed is not None, basin.sea is not None
         absent = (*(() if self.rubs else (BED,)), *(() if self.joined else (SEA,)))
         self.accounts = Accounts(size.groups, accounts, absent)
-        self.accounts.idle |= {SHIP} if wind.blows else {SHIP, WIND}
+        self.accounts.idle = (SHIP,) if wind.blows else (SHIP, WIND)
         self.surface = FreeSurface(self.particles, self.grid, self.smoothing)
         self.around = self.surface.around
         self.walls = Walls(lattice, self.grid.images)
@@ -100,7 +100,7 @@ class ParticleWater(ParticleFluid):
     def meet(self, contact: Contact) -> None:
         """From the first step on feel the push of one more hull."""
         self.contacts.append(contact)
-        self.accounts.idle.discard(SHIP)
+        self.accounts.idle = tuple(term for term in self.accounts.idle if term != SHIP)
 
     def carry(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
         if self.joined and ships:

@@ -95,7 +95,7 @@ def response() -> Pairs:
     with Simulation(load(scene | quiet)) as simulation:
         return interleaved(
             lambda: solver.solve_all(problems, progress_bar=False),
-            lambda: [simulation.step() for _ in range(WAVES * STEPS)],
+            lambda: simulation.run(simulation.time + WAVES * PERIOD),
             lambda: None,
         )
 

@@ -7,6 +7,7 @@ import time
 
 import numpy as np
 import pytest
+import taichi as ti
 
 from ocean_sim import Simulation, load, runtime
 from ocean_sim.simulation import must_have_doubles
@@ -129,3 +130,51 @@ def test_a_card_without_double_precision_says_what_it_cannot_do():
     bare = load({**scene.resolved(), "accuracy": None})
     must_have_doubles(bare, single)
     must_have_doubles(scene, runtime.Backend("cpu", 1, "f32"))
+
+
+@runtime.in_kernels
+class Adding:
+    """Kernels that are launched again and again."""
+
+    def __init__(self, start: float) -> None:
+        self.start = start
+
+    @ti.kernel
+    def add(self, to: runtime.Array, number: float, times: int):
+        for k in range(to.shape[0]):
+            to[k] += times * number + self.start
+
+    @ti.kernel
+    def add_another(self, to: runtime.Array, other: runtime.Template):
+        to[0] += other.start
+
+    @ti.kernel
+    def answered(self, number: float) -> float:
+        return number + self.start
+
+
+def test_a_kernel_launched_again_takes_what_it_is_given_now(taichi_cpu):
+    """Owners, numbers, arrays of any length, type and layout, and templates: nothing of an earlier launch is left."""
+    one, ten = Adding(1.0), Adding(10.0)
+    for _ in range(3):
+        for kind in (np.float32, np.float64):
+            for length in (2, 5):
+                to = np.zeros(length, dtype=kind)
+                one.add(to, 0.5, 4)
+                ten.add(to, 0.25, np.int32(2))
+                assert (to == 3.0 + 10.5).all()
+        spread = np.zeros((4, 2))[:, 0]
+        with pytest.raises(ValueError, match="contiguous"):
+            one.add(spread, 0.5, 4)
+        to = np.zeros(1)
+        one.add_another(to, ten)
+        one.add_another(to, one)
+        assert to[0] == 11.0
+        assert one.answered(2.0) == 3.0 and ten.answered(2.0) == 12.0
+
+
+def test_the_number_of_kept_launches_does_not_grow_with_launches(taichi_cpu):
+    adding = Adding(1.0)
+    for length in range(1, 30):
+        adding.add(np.zeros(length), 1.0, 1)
+    assert [len(kept) for kept in runtime._launches[adding].values()] == [1]

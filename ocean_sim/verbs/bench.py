@@ -33,13 +33,20 @@ def bench(
     as_json: bool,
 ) -> None:
     """Measure scenes one after the other and report; with peers those alone, unless scenes are named."""
+    from ocean_sim.verbs.shared import history
+
     console.settings(sets)
     rows = []
     for scene in scenes or (() if with_peers else DEFAULT):
         order = {"scene": scene, "profile": profile, "sets": sets, "threads": threads, "repeats": repeats}
-        rows.append(measured(order, cold))
+        row = measured(order, cold)
+        times = history.compared(order, row)
+        rows.append(row | {"times_before": times})
+        slower = history.sentence(scene, times) if times is not None else None
         if not as_json:
-            console.say(sentence(rows[-1]))
+            console.say(sentence(row))
+        if slower is not None:
+            console.complain(slower)
     if with_peers:
         from ocean_sim.verbs.shared import peers
 

@@ -202,3 +202,12 @@ def test_a_viscous_column_gains_no_energy_in_short_steps(again):
 def test_what_is_calm_in_a_long_step_would_lift_water_in_short_ones(again):
     """Negative control: what gravity compresses in a step is never undone, until it comes as a blow."""
     assert gained(again, False) > 0.01
+
+
+def test_only_calm_water_goes_on_to_half_of_its_error(again):
+    """Still water comes to rest by it; water that breaks stops at the tolerance."""
+    solver = column(again).incompressible
+    first = 0.8 * solver.tolerance
+    assert solver.enough(first, 0.01, calm=True) == pytest.approx(0.5 * first)
+    assert solver.enough(first, 0.01, calm=False) == solver.tolerance
+    assert solver.enough(1e-9, 0.01, calm=True) == pytest.approx(0.1 * solver.tolerance)

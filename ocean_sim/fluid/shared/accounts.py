@@ -24,7 +24,7 @@ class Accounts:
         """`impulses`: whether impulse and work of each term are summed (f64), for `accuracy`; `absent`: terms that the
         scene has not."""
         self.groups, self.impulses = groups, impulses
-        self.idle: set[int] = set()  # terms that nothing in the scene gives
+        self.idle: tuple[int, ...] = ()  # terms that nothing in the scene gives
         self.overflow = ti.field(int, shape=groups)
         self.speed2, self.acceleration2 = ti.field(float, shape=groups), ti.field(float, shape=groups)
         self.thin, self.dense = ti.field(float, shape=groups), ti.field(float, shape=groups)

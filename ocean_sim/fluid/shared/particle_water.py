@@ -61,7 +61,7 @@ class ParticleWater(ParticleFluid):
         self.rubs, self.joined = basin.rough_bed is not None, basin.sea is not None
         absent = (*(() if self.rubs else (BED,)), *(() if self.joined else (SEA,)))
         self.accounts = size.plan.accounts(size.groups, accounts, absent)
-        self.accounts.idle |= {SHIP} if wind.blows else {SHIP, WIND}
+        self.accounts.idle = (SHIP,) if wind.blows else (SHIP, WIND)
         self.tasks = size.plan.tasks(self.particles.count, size.groups)
         self.surface = FreeSurface(self.particles, self.grid, self.smoothing)
         self.around = self.surface.around
@@ -103,7 +103,7 @@ class ParticleWater(ParticleFluid):
     def meet(self, contact: Contact) -> None:
         """From the first step on feel the push of one more hull."""
         self.contacts.append(contact)
-        self.accounts.idle.discard(SHIP)
+        self.accounts.idle = tuple(term for term in self.accounts.idle if term != SHIP)
 
     def carry(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
         if self.joined and ships:

@@ -4,11 +4,12 @@ from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError, version
 from statistics import median
 from time import perf_counter
-from typing import Any, cast
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 
 REPEATS = 5
+Pairs: TypeAlias = list[tuple[float, float]]  # theirs and ours [s], measured by turns
 PERIOD, WAVES, STEPS = 6.0, 20, 60  # of the response of a barge: [s], waves that pass, steps in each
 
 
@@ -21,28 +22,34 @@ def peers() -> list[dict[str, Any]]:
     ]
 
 
-def row(peer: str, task: str, measured: Callable[[], tuple[float, float]]) -> dict[str, Any]:
+def row(peer: str, task: str, measured: Callable[[], Pairs]) -> dict[str, Any]:
     try:
         found = version(peer)
     except PackageNotFoundError:
         return {"peer": peer, "version": None, "task": task, "peer_s": None, "ours_s": None, "ratio": None}
-    theirs, ours = measured()
-    return {"peer": peer, "version": found, "task": task, "peer_s": theirs, "ours_s": ours, "ratio": ours / theirs}
+    times = measured()
+    theirs, ours = (median(both[k] for both in times) for k in range(2))
+    ratio = median(our / their for their, our in times)
+    return {"peer": peer, "version": found, "task": task, "peer_s": theirs, "ours_s": ours, "ratio": ratio}
 
 
-def timed(task: Callable[[], object]) -> float:
-    """Median wall time [s], the first time left out."""
-    task()
+def interleaved(theirs: Callable[[], object], ours: Callable[[], object], prepare: Callable[[], object]) -> Pairs:
+    """Wall times of both, by turns, so that what else the machine does strikes both alike; the first turn, which
+    compiles, is left out. `prepare`: what comes before ours and is not measured."""
     times = []
-    for _ in range(REPEATS):
+    for _ in range(REPEATS + 1):
         begin = perf_counter()
-        task()
-        times.append(perf_counter() - begin)
-    return median(times)
+        theirs()
+        between = perf_counter()
+        prepare()
+        began = perf_counter()
+        ours()
+        times.append((between - begin, perf_counter() - began))
+    return times[1:]
 
 
-def surface() -> tuple[float, float]:
-    """Triangles around the same particles, cubes of half a spacing, kernels of twice a spacing: theirs and ours [s]."""
+def surface() -> Pairs:
+    """Triangles around the same particles, cubes of half a spacing, kernels of twice a spacing."""
     import pysplashsurf
 
     from ocean_sim.fluid import with_particles
@@ -57,20 +64,16 @@ def surface() -> tuple[float, float]:
         water, own = with_particles(simulation.fluid), cast(MarchingCubes, simulation.surface)
         spacing = water.spacing
         at = water.positions().astype(np.float32)
-
-        spent = []
-        for _ in range(REPEATS + 1):
-            simulation.step()  # or it would be the surface that it has already made
-            begin = perf_counter()
-            own.mesh()
-            spent.append(perf_counter() - begin)
-    keys = {"particle_radius": 0.5 * spacing, "smoothing_length": spacing, "cube_size": 0.5 * spacing}
-    theirs = timed(lambda: pysplashsurf.reconstruct_surface(at, **keys))
-    return theirs, median(spent[1:])
+        keys = {"particle_radius": 0.5 * spacing, "smoothing_length": spacing, "cube_size": 0.5 * spacing}
+        return interleaved(
+            lambda: pysplashsurf.reconstruct_surface(at, **keys),
+            own.mesh,
+            simulation.step,  # or it would be the surface that it has already made
+        )
 
 
-def response() -> tuple[float, float]:
-    """Heave and pitch of barge20 in a head sea of one period: a panel method in frequency, and a run in time [s]."""
+def response() -> Pairs:
+    """Heave and pitch of barge20 in a head sea of one period: a panel method in frequency, and a run in time."""
     import capytaine
 
     from ocean_sim.reading.scene import load, observer_names
@@ -82,7 +85,6 @@ def response() -> tuple[float, float]:
     omega = 2.0 * np.pi / PERIOD
     problems = [capytaine.RadiationProblem(body=body, radiating_dof=dof, omega=omega) for dof in ("Heave", "Pitch")]
     problems.append(capytaine.DiffractionProblem(body=body, wave_direction=np.pi, omega=omega))
-    theirs = timed(lambda: solver.solve_all(problems, progress_bar=False))
     quiet = {name: None for name in observer_names() if name != "manifest"}
     scene = {
         "basin": {"length": 800.0, "width": 800.0, "depth": 400.0, "walls": "none"},
@@ -91,12 +93,11 @@ def response() -> tuple[float, float]:
         "time_step": {"kind": "fixed", "dt": PERIOD / STEPS},
     }
     with Simulation(load(scene | quiet)) as simulation:
-        simulation.step()
-        begin = perf_counter()
-        for _ in range(WAVES * STEPS):
-            simulation.step()
-        ours = perf_counter() - begin
-    return theirs, ours
+        return interleaved(
+            lambda: solver.solve_all(problems, progress_bar=False),
+            lambda: simulation.run(simulation.time + WAVES * PERIOD),
+            lambda: None,
+        )
 
 
 def sentence(row: dict[str, Any]) -> str:

@@ -1,0 +1,60 @@
+"""What `bench` keeps of each machine, and when it says that something has become slower."""
+
+import json
+
+import pytest
+
+from ocean_sim.verbs.shared import history
+
+ORDER = {"scene": "bench/dam_break_6k", "profile": None, "sets": [], "threads": 1, "repeats": 5}
+
+
+@pytest.fixture(autouse=True)
+def cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    return tmp_path / "ocean-sim"
+
+
+def row(speed, **other):
+    return {"particles": 6000, "threads": 1, "ms_per_step": 1.5, "particle_steps_per_cpu_s": speed} | other
+
+
+def times(speeds, order=ORDER, **other):
+    return [history.compared(order, row(speed, **other)) for speed in speeds]
+
+
+def test_a_measurement_is_compared_with_the_median_of_those_before_it():
+    assert times([4.0e6, 4.4e6, 1.0e6, 2.0e6]) == [None, None, None, pytest.approx(2.0)]
+
+
+def test_only_more_than_a_tenth_slower_is_told():
+    times([4.0e6] * 3)
+    (a_little,), (more,) = times([3.7e6]), times([3.5e6])
+    assert history.sentence("x", a_little) is None
+    assert history.sentence("x", more).startswith("x: 14 % slower in processor time than before")
+    (faster,) = times([8.0e6])
+    assert faster == pytest.approx(0.5) and history.sentence("x", faster) is None
+
+
+def test_other_scenes_threads_settings_and_machines_are_not_compared(monkeypatch):
+    times([4.0e6] * 3)
+    assert times([1.0e6], threads=2) == [None]
+    assert times([1.0e6], ORDER | {"scene": "bench/dam_break_50k"}) == [None]
+    assert times([1.0e6], ORDER | {"sets": ["fluid.kind=delta_sph"]}) == [None]
+    monkeypatch.setattr(history, "processor", lambda: "another")
+    assert times([1.0e6]) == [None]
+
+
+def test_the_newest_are_kept_and_what_cannot_be_read_is_left_out(cache, monkeypatch):
+    monkeypatch.setattr(history, "KEPT", 5)
+    times([1.0e6] * 4)
+    with (cache / "bench.jsonl").open("a") as file:
+        file.write('{"half a li\n[1, 2]\n')
+    times([2.0e6] * 3)
+    lines = [json.loads(line) for line in (cache / "bench.jsonl").read_text().splitlines()]
+    assert [line["particle_steps_per_cpu_s"] for line in lines] == [1.0e6, 1.0e6, 2.0e6, 2.0e6, 2.0e6]
+
+
+def test_a_cache_that_cannot_be_written_is_no_failure(cache):
+    cache.write_text("a file where the folder should be")
+    assert times([1.0e6] * 5) == [None] * 5

@@ -5,6 +5,10 @@ mass, damping and the force of scattered waves from a table of linear potential 
 fitted. Wanted, before anything was run: 5 % of heave off its resonance at 1.17 s; near it, and of roll, nothing is
 promised. Particles, that press on the section in a patch of open sea three wavelengths long, are wanted within 10 % of
 heave and 20 % of roll.
+
+Off resonance the closed form misses: -5.7 % at 1.072 s, -6.9 % at 1.036 s, -19 % at 0.897 s, where the section hardly
+moves. So do particles: at 1.158 s heave is 37 % too low with 8 and with 12 spacings in the draught, so that is not the
+resolution's.
 """
 
 from functools import partial

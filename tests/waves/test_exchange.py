@@ -114,3 +114,12 @@ def test_pandas_reads_elevations_as_the_table_that_they_are(tmp_path):
     assert list(table.columns) == ["Time", "WaveElev"]
     np.testing.assert_allclose(table["Time"], time, atol=1e-6)
     np.testing.assert_allclose(table["WaveElev"], np.sin(time), atol=1e-8)
+
+
+def test_openfasts_own_reader_of_tables_finds_names_units_and_rows(tmp_path):
+    reader = pytest.importorskip("openfast_io.FAST_output_reader", reason="openfast_io is absent")
+    path = tmp_path / "sea.Elev"
+    path.write_text(exchange.openfast(np.arange(9) * 0.1, np.arange(9) * 0.01, "nine rows"))
+    data, info = reader.load_ascii_output(str(path), 3, 0, 1, 2)
+    assert info["attribute_names"] == ["Time", "WaveElev"] and info["attribute_units"] == ["s", "m"]
+    np.testing.assert_allclose(data, np.stack([np.arange(9) * 0.1, np.arange(9) * 0.01], axis=1), atol=1e-9)

@@ -298,7 +298,7 @@ def astray(obstacles: tuple[Obstacle, ...], basin: "Basin", duration: float) -> 
             moved = gate.at(time)
             assert moved is not None
             if d == 2 and moved.velocity[2] != 0.0:
-                met.add("a slice in x-y has no motion along z")
+                met.add("a 2-D basin, in x-y, has no motion along z")
                 break
             low, up = np.array(box.min) + moved.way[:d], np.array(box.max) + moved.way[:d]
             out = beyond(low.tolist(), up.tolist(), basin)

@@ -124,7 +124,9 @@ class Tank(Model):
 def unmoved(axis: str, basin: waves.Tank) -> Problems:
     """The reason why the tank cannot move along or about an axis."""
     if basin.dimension == 2 and axis not in SLICE_AXES:
-        return [(("axis",), f"a slice in x-y moves along x or y or about z ({', '.join(SLICE_AXES)}), not {axis!r}")]
+        return [
+            (("axis",), f"a 2-D basin, in x-y, moves along x or y or about z ({', '.join(SLICE_AXES)}), not {axis!r}")
+        ]
     return []
 
 
@@ -262,7 +264,7 @@ class Wavemaker(waves.WaveTrain):
         if self.spectrum is not None and self.spectrum.heading_deg is not None:
             found.append((("spectrum", "heading_deg"), "the waves of a piston go away from its wall: leave this out"))
         if basin.dimension == 2 and self.wall.startswith("z"):
-            found.append((("wall",), "a slice in x-y has no walls along z"))
+            found.append((("wall",), "a 2-D basin, in x-y, has no walls along z"))
         elif basin.walls.at(self.wall) not in ("reflecting", "no_slip"):
             kind = basin.walls.at(self.wall)
             found.append((("wall",), f"a piston is a reflecting or no_slip wall; {self.wall} is {kind}"))

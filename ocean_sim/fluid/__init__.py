@@ -174,6 +174,11 @@ class Particles(Protocol):
         """[Pa]"""
         ...
 
+    def in_box(self, middle: np.ndarray, scale: np.ndarray, most: float, every: int) -> np.ndarray:
+        """(m, 4) of every so many, by identity: where it is from the middle [m] times `scale` [1/m], a whole number
+        within -`most` and `most` along each axis, and its speed [m/s]."""
+        ...
+
 
 class Around(Protocol):
     """Sums over the water within one support of a point (`shared/around.py`)."""

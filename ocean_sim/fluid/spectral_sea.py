@@ -87,7 +87,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         if basin.rough_bed is not None:
             found.append((("kind",), "a sea by its surface alone knows no friction; leave basin.floor out"))
         if basin.dimension == 2 and self.current[1]:
-            found.append((("current",), "in a slice water flows along x alone; give [speed, 0.0]"))
+            found.append((("current",), "in 2-D water flows along x alone; give [speed, 0.0]"))
         if self.order == 3 and not found:
             found += self.unfitted(basin)
         return found

@@ -182,7 +182,7 @@ def misplaced(point: tuple[float, ...], axes: str, basin: Basin) -> str | None:
     """Why there is no water to measure at this point, or None; an open basin has no upper end."""
     wanted = axes if basin.dimension == 3 else axes.replace("z", "")
     if len(point) != len(wanted):
-        slice_ = "" if basin.dimension == 3 else ", the basin is a slice"
+        slice_ = "" if basin.dimension == 3 else ", the basin is 2-D"
         return f"{list(point)} should be [{', '.join(wanted)}]{slice_}"
     for axis, value in zip(wanted, point):
         low, high = basin.lower["xyz".index(axis)], basin.upper["xyz".index(axis)]

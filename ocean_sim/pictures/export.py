@@ -81,7 +81,7 @@ def export_surface(
     """The scene's surface, or the heights that its particles have, with foam and velocity: surface_00000 and so on, for
     ParaView with a list of their times (`vtp`) or all in one file (`vtkhdf`); and every ship where she is."""
     if len(grid["z"]) < 2:
-        raise NothingToExport("a slice has a line for a surface; export its particles")
+        raise NothingToExport("in 2-D the surface is a line; export its particles")
     files: dict[str, list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]] = {"surface": []}
     drawn = {key: model.mesh for key, model in export_scene.models(grid).items()}
     for shot in shots(frames, grid, z_up):

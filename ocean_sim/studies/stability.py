@@ -29,7 +29,7 @@ COLUMN: dict[str, Any] = {
 }
 BOX = {"shape": {"kind": "box", "length": 1.0, "breadth": 0.8, "height": 0.8}, "mass": 320.0}
 AFLOAT = {
-    "title": "A box afloat in a slice, carried by the pressure of the water",
+    "title": "A box afloat in 2-D, carried by the pressure of the water",
     "duration": 0.5,
     "basin": {"length": 3.2, "depth": 1.2},
     "fluid": {"kind": "delta_sph", "spacing": 0.1, "compression": 0.02, "artificial_viscosity": 0.1},

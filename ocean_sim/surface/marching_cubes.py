@@ -64,7 +64,7 @@ class Config(SurfaceConfig):
     def problems(self, preflight: Preflight) -> Problems:
         basin = preflight.tank
         if basin.dimension == 2:
-            return [(("kind",), "marching cubes need a basin with a width; over a slice use surface: cloth")]
+            return [(("kind",), "marching cubes need a basin with a width; in 2-D use surface: cloth")]
         if basin.closed:
             return [(("kind",), "a basin without a free surface has none to draw; leave it out")]
         return []

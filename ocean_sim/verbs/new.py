@@ -13,6 +13,7 @@ from ocean_sim.parts import PACKAGE, SLOTS
 from ocean_sim.reading.composition import chosen, known
 from ocean_sim.reading.keys import in_yaml, keys
 from ocean_sim.reading.scene import load, scene_path
+from ocean_sim.reading.schema import file as schema_file
 from ocean_sim.reading.sentences import sentence
 from ocean_sim.verbs.shared import console
 
@@ -41,9 +42,9 @@ def new(file: Path, source: str, as_json: bool) -> None:
 
 def lines(scene: Node, file: Path) -> Iterator[str]:
     """The text of a scene with comments."""
-    schema = PACKAGE / "scene.schema.json"
-    if schema.is_file():
-        yield f"# yaml-language-server: $schema={os.path.relpath(schema, file.absolute().parent)}"
+    schema, here = schema_file(), file.absolute().parent
+    near = schema.is_relative_to(PACKAGE) and PACKAGE.parent in (here, *here.parents)  # in a checkout
+    yield f"# yaml-language-server: $schema={os.path.relpath(schema, here) if near else schema.absolute().as_uri()}"
     yield "# SI units and radians unless a key says otherwise; `ocean-sim explain KEY` says more of each."
     meanings = {key.path: f"{key.meaning.split('; ')[0].split('. ')[0].rstrip('.')}{unit(key.unit)}" for key in keys()}
     yield from block(scene.data, (), meanings, "")

@@ -15,15 +15,16 @@ from ocean_sim.pictures.preview_scene import PreviewScene
 from ocean_sim.platform import Platform
 from ocean_sim.platform.shared.motion_log import ride_of
 from ocean_sim.simulation import Observer, PeriodicConfig
-from ocean_sim.viewer.protocol import packet
-from ocean_sim.viewer.shown_particles import ShownParticles, every_shown
+from ocean_sim.viewer.protocol import FULL, packet, scaled
 from ocean_sim.viewer.still import Setting, Vessel
 
 if TYPE_CHECKING:
+    from ocean_sim.fluid import Particles
     from ocean_sim.simulation import Simulation
 
 RATE = 20.0  # frames a second of wall time, at most
 CELLS = 128  # heights along a side, at most
+MOST = 60_000  # particles that are shown: of more, every second, third, ...
 SELDOM = 4  # frames from one that draws the wind, and asks how fast the fastest are, to the next
 FAST = 0.5  # [m/s] the least speed that has the brightest colour
 SHIPS = 4  # whose motions are plotted
@@ -62,11 +63,9 @@ class Watch(Observer, TakesMotion):
         self.points = pairs(self.setting.x, self.setting.z)
         low, high = self.setting.box
         self.box = {"low": low.tolist(), "high": high.tolist()}
-        self.shown: ShownParticles | None = None
-        particles = simulation.fluid.particles
-        if particles is not None:
-            self.shown = ShownParticles(particles, low, high)
-            self.points = self.points.astype(particles.position.precision)
+        self.middle, self.scale = scaled(low, high)
+        if simulation.fluid.particles is not None:
+            self.points = self.points.astype(simulation.fluid.particles.position.precision)
         self.gauges = np.array([*self.setting.gauges.values()], dtype=float).reshape(-1, 2)
         self.follows = simulation.fluid.in_closed_form is not None and not self.setting.flat
         scene = simulation.scene
@@ -143,8 +142,8 @@ class Watch(Observer, TakesMotion):
         if self.setting.vessels:
             bodies = [simulation.ships[vessel.name].body for vessel in self.setting.vessels]
             arrays["poses"] = np.array([[*body.position, *body.orientation] for body in bodies], np.float32)
-        if self.shown is not None:
-            arrays |= self.particles(self.shown)
+        if simulation.fluid.particles is not None:
+            arrays |= self.particles(simulation.fluid.particles)
             boxes["particles"] = self.box
         if self.platform is not None:
             arrays["platform"] = self.commands
@@ -177,9 +176,10 @@ class Watch(Observer, TakesMotion):
         middle = np.mean([ship.body.position[[0, 2]] for ship in ships], axis=0)
         return cell * np.round(middle / cell)
 
-    def particles(self, shown: ShownParticles) -> dict[str, np.ndarray]:
+    def particles(self, particles: "Particles") -> dict[str, np.ndarray]:
         """Positions in the box and speeds, by identity: in storage order none would stay itself."""
-        places, speed = shown.now()
+        rows = particles.in_box(self.middle, self.scale, FULL, every_shown(particles.n))
+        places, speed = rows[:, :3].astype(np.int16), rows[:, 3]
         if self.seldom and len(speed):
             last = -1 - len(speed) // 500
             self.fastest = max(self.fastest, float(np.partition(speed, last)[last]))
@@ -241,6 +241,11 @@ def setting_of(simulation: "Simulation") -> Setting:
             *({"name": f"cost_{name}", "label": name, "unit": "ms/step", "group": "cost"} for name in STAGES),
         ],
     )
+
+
+def every_shown(n: int) -> int:
+    """One of so many particles is shown."""
+    return max(1, -(-n // MOST))
 
 
 def tile(lower: np.ndarray, upper: np.ndarray, spacing: float, flat: bool) -> tuple[np.ndarray, np.ndarray]:

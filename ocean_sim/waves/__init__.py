@@ -443,7 +443,7 @@ class OpenTrain(HeadedTrain):
         """What is wrong with their direction in this basin: where it is written, and a sentence."""
         yield from ((self.heading_key, sentence) for sentence in misdirected(self.heading, basin))
         if basin.dimension == 2 and self.spectrum is not None and self.spectrum.spreading is not None:
-            yield ("spectrum", "spreading"), "waves in a slice have one direction; leave spreading out"
+            yield ("spectrum", "spreading"), "in 2-D waves have one direction; leave spreading out"
 
 
 class GrowingTrain(OpenTrain):
@@ -498,4 +498,4 @@ def unsuited(basin: Tank, height: float = 0.0, period: float | None = None) -> I
 def misdirected(heading_deg: float | None, basin: Tank) -> Iterator[str]:
     """Why waves cannot go to this heading in this basin."""
     if basin.dimension == 2 and heading_deg is not None and abs(cos(radians(heading_deg))) > 1e-9:
-        yield f"in a slice waves go along +x (heading 90 degrees) or -x (270), got {heading_deg:g}"
+        yield f"in 2-D waves go along +x (heading 90 degrees) or -x (270), got {heading_deg:g}"

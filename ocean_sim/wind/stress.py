@@ -122,9 +122,7 @@ class Config(Scheduled, WindConfig):
             found.append((("kind",), "a stress acts on a free surface; this basin has none"))
         if self.schedule is None and basin.dimension == 2 and self.heading_deg is not None:
             if abs(cos(radians(self.heading_deg))) > 1e-9:
-                message = (
-                    f"in a slice the wind goes along +x (heading 90 degrees) or -x (270), got {self.heading_deg:g}"
-                )
+                message = f"in 2-D the wind goes along +x (heading 90 degrees) or -x (270), got {self.heading_deg:g}"
                 found.append((("heading_deg",), message))
         return found
 

@@ -80,6 +80,16 @@ def test_every_scene_in_the_docs_is_one(page):
         load(data if not caption else {"basin": {"length": 9.0, "depth": 3.0}, "fluid": "thesis_6000", "wind": data})
 
 
+def test_no_block_of_code_is_where_nothing_runs_it():
+    """Commands and scenes are run on any page, Python on the two pages that tests below run whole; `text` is output."""
+    opened = re.compile(r"^```(\{[\w-]+\})?[ ]?(\w*)[^\n]*\n.*?^```$", re.M | re.S)
+    for page in PAGES:
+        for directive, language in opened.findall(page.read_text(encoding="utf-8")):
+            if directive in ("", "{code-block}"):
+                allowed = {"sh", "yaml", "text"} | ({"python"} if page.stem in ("python", "extending") else set())
+                assert language in allowed, f"{page}: nothing runs a block of {language or 'no language'}"
+
+
 def test_every_python_block_is_python():
     for page in PAGES:
         for caption, text in blocks(page, "python"):

@@ -110,7 +110,7 @@ def test_check_states_a_zone_in_numbers_and_warns_of_a_poor_one():
         ({"target": {"waves": {"height": 3.0, "period": 1.5}}}, "basin.walls.x_max.target.waves.height: a wave of"),
         (
             {"target": {"waves": REGULAR | {"heading_deg": 10.0}}},
-            "basin.walls.x_max.target.waves.heading_deg: in a slice waves go along",
+            "basin.walls.x_max.target.waves.heading_deg: in 2-D waves go along",
         ),
     ],
 )

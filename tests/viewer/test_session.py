@@ -19,7 +19,6 @@ from ocean_sim.viewer.keys import keys
 from ocean_sim.viewer.replay import Recorded, replay_file
 from ocean_sim.viewer.server import Order
 from ocean_sim.viewer.session import Session, Source
-from ocean_sim.viewer.shown_particles import ShownParticles
 from ocean_sim.viewer.watch import Watch
 
 COARSE = {"runtime.threads": 1, "fluid.spacing": 2.5, "runtime.precision": "f64", "accuracy": None}
@@ -109,12 +108,14 @@ def test_a_frame_says_where_everything_is(session):
 def test_particles_are_boxed_in_the_kernel_as_the_protocol_boxes_them(session):
     particles = session.simulation.fluid.particles
     low, high = np.array([-5.0, -8.0, -30.0]), np.array([20.0, 2.0, 20.0])  # so that some lie outside
-    places, speed = ShownParticles(particles, low, high).now()
+    rows = particles.in_box(*p.scaled(low, high), p.FULL, 1)
+    places, speed = rows[:, :3].astype(np.int16), rows[:, 3]
     order = particles.id.to_numpy()
     positions, velocities = (np.empty((particles.n, 3)) for _ in range(2))
     positions[order], velocities[order] = particles.position.to_numpy(), particles.velocity.to_numpy()
     assert np.array_equal(places, p.boxed(positions, low, high))
     assert speed == pytest.approx(np.linalg.norm(velocities, axis=1), abs=1e-12)
+    assert np.array_equal(particles.in_box(*p.scaled(low, high), p.FULL, 3), rows[::3])
 
 
 def test_play_step_and_pause(session):

@@ -169,7 +169,7 @@ def scene(overrides: dict | None = None, **parts):
     [
         ({"u10": -1.0}, "wind.u10", "not at least 0"),
         ({"drag_law": "wo"}, "wind.drag_law", "'wu'"),
-        ({"heading_deg": 0.0}, "wind.heading_deg", "in a slice the wind goes along"),
+        ({"heading_deg": 0.0}, "wind.heading_deg", "in 2-D the wind goes along"),
         ({"stop": 1.0, "start": 2.0}, "wind", "stop must be later than start"),
         ({"stop": 1.0, "duration": 2.0}, "wind", "either stop"),
         ({"schedule": {"file": "nowhere.csv"}}, "wind.schedule", "nowhere.csv"),

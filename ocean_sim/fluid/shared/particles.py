@@ -7,7 +7,7 @@ import numpy as np
 
 from ocean_sim.fluid.shared.initial import started
 from ocean_sim.fluid.shared.lattice import Lattice
-from ocean_sim.kernel_library import ScalarField, ti, to_numpy_type
+from ocean_sim.kernel_library import ScalarField, ti, tm, to_numpy_type
 from ocean_sim.runtime import Array2, in_kernels
 
 
@@ -110,6 +110,25 @@ class Particles:
     id: ti.Field  # number of the particle in the first lattice
     density: ti.Field  # [kg/m3]
     pressure: ti.Field  # [Pa]
+
+    def in_box(self, middle: np.ndarray, scale: np.ndarray, most: float, every: int) -> np.ndarray:
+        """(m, 4) of every so many, by identity: where it is from the middle [m] times `scale` [1/m], a whole number
+        within -`most` and `most` along each axis, and its speed [m/s]."""
+        rows: np.ndarray = np.empty((-(-self.count.now // every), 4), self.position.precision)
+        self.put_in_box(rows, self.count.now, tm.vec3(*middle), tm.vec3(*scale), most, every)
+        return rows
+
+    @ti.kernel
+    def put_in_box(self, rows: Array2, count: int, middle: tm.vec3, scale: tm.vec3, most: float, every: int):
+        for i in range(count):
+            k = self.id[i]
+            if k % every == 0:
+                x = tm.vec3(self.position.x[i], self.position.y[i], self.position.z[i])
+                v = tm.vec3(self.velocity.x[i], self.velocity.y[i], self.velocity.z[i])
+                share = ti.round((x - middle) * scale)
+                for a in ti.static(range(3)):
+                    rows[k // every, a] = ti.select(tm.isnan(share[a]), 0.0, tm.clamp(share[a], -most, most))
+                rows[k // every, 3] = tm.length(v)
 
 
 def seeded(lattice: Lattice) -> Particles:

@@ -122,7 +122,7 @@ class WaterConfig(FluidConfig):
         basin = preflight.tank
         found: Problems = []
         if basin.dimension == 2 and self.body_force[2] != 0.0:
-            found.append((("body_force",), "a slice in x-y has no force along z"))
+            found.append((("body_force",), "a 2-D basin, in x-y, has no force along z"))
         for k, box in enumerate(self.fill or ()):
             if len(box.min) != basin.dimension:
                 found.append((("fill", k), f"a point of this basin has {basin.dimension} numbers, got {len(box.min)}"))

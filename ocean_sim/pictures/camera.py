@@ -70,6 +70,15 @@ class Vessel(NamedTuple):
     helm: np.ndarray  # (3,) body axes from the centre of mass [m]
     track: Track
 
+    def speed(self, time: float) -> float:
+        """Over the ground at a time [s], since the frame before [m/s]."""
+        track = self.track
+        if len(track.time) < 2:
+            return 0.0
+        k = int(np.clip(np.searchsorted(track.time, time), 1, len(track.time) - 1))
+        way = np.linalg.norm((track.position[k] - track.position[k - 1])[[0, 2]])
+        return float(way / (track.time[k] - track.time[k - 1]))
+
 
 class Operator:
     """Moves a camera: its position depends on nothing but the time and the track of the ship until then; that of

@@ -20,15 +20,15 @@ from ocean_sim.pictures.ship import ShadedShip
 from ocean_sim.pictures.ship_model import Model
 from ocean_sim.pictures.spray import Spray
 from ocean_sim.pictures.stage import Stage
-from ocean_sim.pictures.wake import Kelvin, Wake
+from ocean_sim.pictures.wake import RESTING, Kelvin, Wake, along_hull
 from ocean_sim.pictures.water_shading import EXPOSURE, FOG, Terms, slope_variance
 
 TRAITS = "nrm", "att", "car"  # normal; white, crest, variance of slopes; place by which foam finds its grain
 NODES = {"draft": 25_000, "final": 90_000}  # of the drawn surface within the basin
 SMOOTHED = 1.5  # pixels across which a final picture is smoothed
 RIPPLES = 0.02, 3.0  # [m] between which the longest ripple lies
-HULL_PIXELS, HULL_REACH = (96, 96), 3.0  # of the map of distances to a hull; [m] around it
-CONTACT, CONTACT_WIDTH = 0.75, 0.55  # share of foam at a hull, and [m] in which it falls to a third
+HULL_PIXELS, HULL_REACH = (96, 96), 3.0  # of the map of distances to a hull and of its foam; [m] around it
+CONTACT_WIDTH = 0.55  # [m] in which the foam along a hull that lies still falls to a third
 
 
 class Dome:
@@ -66,7 +66,8 @@ class Sea:
         image = self.image = water_glsl.texture(sky.image, smaller=True, repeat=True)
         self.hulls = {key: Waterline(grid, key) for key in ships_in(grid, "_vertices")}
         rows, columns = HULL_PIXELS
-        self.gap = np.zeros((max(len(self.hulls), 1), rows, columns, 3), np.float32)  # [m], a map for each ship
+        self.vessels = vessels
+        self.gap = np.zeros((max(len(self.hulls), 1), rows, columns, 3), np.float32)  # [m] and share, for each ship
         self.gaps = water_glsl.texture(self.gap.reshape(-1, columns, 3))
         self.mirrored = water_glsl.texture(np.zeros((2, 2, 4), np.uint8), smaller=True)
         textures = {"sky": image, "hull": self.gaps, "mirror": self.mirrored}
@@ -80,7 +81,7 @@ class Sea:
         glint = None if order.glint == "none" else order.glint
         terms = Terms(order.fresnel, order.reflection, order.body, glint, order.foam)
         shown = water_glsl.plain(len(self.hulls)) | water_glsl.lit_by(sky) | water_glsl.switched(terms)
-        shown["hullFoam"] = np.array([CONTACT, CONTACT_WIDTH, 0.0])
+        shown["hullFoam"] = np.array([RESTING, CONTACT_WIDTH, 0.0])
         shown["windAngle"] = state.angle
         shown["rippleLongest"] = np.clip(2.0 * state.resolved, *RIPPLES)
         self.set(**shown)
@@ -132,7 +133,7 @@ class Sea:
         fine = pixel / SMOOTHED if order.quality == "final" else pixel
         self.set(eyeW=eye, time=frame.time, pixel=fine, mirrorPixel=SHARE * pixel)
         self.dome.stand(eye)
-        levels = [self.meet(k, hull, *frame.ships[key]) for k, (key, hull) in enumerate(self.hulls.items())]
+        levels = [self.meet(k, key, hull, *frame.ships[key]) for k, (key, hull) in enumerate(self.hulls.items())]
         if levels:
             water_glsl.fill(self.gaps.GetInput(), self.gap.reshape(-1, HULL_PIXELS[1], 3))
         if self.mirror is not None and levels:
@@ -213,7 +214,7 @@ class Sea:
             at[outside] = self.now.level + waves.elevation(self.now.waves, positions[outside], self.frame.time)
         return at
 
-    def meet(self, k: int, hull: "Waterline", position: np.ndarray, turn: np.ndarray) -> float:
+    def meet(self, k: int, key: str, hull: "Waterline", position: np.ndarray, turn: np.ndarray) -> float:
         """Where ship k meets the water: foam along its waterline, no water inside it, and the place of its mirror
         image; returns the height of the water around it [m]."""
         vertices = hull.vertices @ turn.T + position
@@ -226,8 +227,14 @@ class Sea:
             rows, columns = HULL_PIXELS
             x = low[0] + (np.arange(columns) + 0.5) / columns * (high[0] - low[0])
             z = low[1] + (np.arange(rows) + 0.5) / rows * (high[1] - low[1])
-            gap = foam.distance(np.stack(np.meshgrid(x, z), axis=-1).reshape(-1, 2), line)
-            self.gap[k] = gap.astype(np.float32).reshape(rows, columns, 1)
+            places = np.stack(np.meshgrid(x, z), axis=-1).reshape(-1, 2)
+            gap = foam.distance(places, line)
+            self.gap[k, ..., 0] = gap.astype(np.float32).reshape(rows, columns)
+            if key in self.vessels:
+                ahead = turn[[0, 2], 2] / np.linalg.norm(turn[[0, 2], 2])
+                abaft = (line @ ahead).max() - places @ ahead
+                share = along_hull(abaft, gap, hull.length, hull.beam, self.vessels[key].speed(self.frame.time))
+                self.gap[k, ..., 1] = share.astype(np.float32).reshape(rows, columns)
             self.set(**{f"hullBox{k}": np.append(low, 0.0), f"hullSize{k}": np.append(high - low, 1.0)})
         mirrored = {"At": position, "Size": 0.5 * hull.beam, "Reach": hull.length}
         self.set(**{f"mirror{name}{k}": value for name, value in mirrored.items()})

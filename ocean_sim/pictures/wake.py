@@ -20,6 +20,11 @@ SLOWEST = 1.0  # [m/s] under which there are none
 ANGLES = 360  # of the waves that they are made of
 STERN = 0.46  # lengths of a ship from its middle to its stern
 SPREADING = 0.22  # [half breadths at s^-1/2] by which it widens
+CLEARED, CLEARS = 0.75, 2.0  # share of the white in the middle that goes soonest, in so many seconds: a smooth path
+SLICK = 0.6  # [half breadths] is left between two lines of foam
+RESTING = 0.30  # share of foam along a hull that lies still
+BOW, ABAFT = 1.0, 0.6  # share at the bow of a fast ship, and lengths from it in which that ends
+NARROW, WIDER = 0.12, 0.035  # [breadths] of the white along the hull at the bow, and what it gains a breadth abaft
 
 
 class Wake:
@@ -48,17 +53,29 @@ class Wake:
         if not (len(near[0]) and len(near[1])):
             return share
         at = np.stack(np.meshgrid(self.x[near[0]], self.z[near[1]], indexing="ij"), axis=-1)
-        best = np.zeros(at.shape[:2])
+        found, nearest = np.zeros(at.shape[:2]), np.full(at.shape[:2], np.inf)
         for k in range(STEPS - 1):
             offset = at - position[k]
             part = np.clip((offset @ along[k]) / length2[k], 0.0, 1.0)
             age = np.maximum(time - moments[k] - part * seconds, 0.0)
             width = self.half * (0.75 + SPREADING * np.sqrt(age))
             away = np.linalg.norm(offset - part[..., None] * along[k], axis=-1) / width
-            white = WHITEST * min(speed[k] / FAST, 1.0) * np.exp(-age / LASTS - away**4)
-            best = np.maximum(best, white)
-        share[np.ix_(*near)] = np.where(best > 0.02, best, 0.0)
+            slick = CLEARED * (1.0 - np.exp(-age / CLEARS)) * np.exp(-np.square(away / SLICK))
+            white = WHITEST * min(speed[k] / FAST, 1.0) * np.exp(-age / LASTS - away**4) * (1.0 - slick)
+            found, nearest = np.where(away < nearest, white, found), np.minimum(away, nearest)
+        share[np.ix_(*near)] = np.where(found > 0.02, found, 0.0)
         return share
+
+
+def along_hull(abaft: np.ndarray, gap: np.ndarray, length: float, breadth: float, speed: float) -> np.ndarray:
+    """Share of foam along a hull that goes at a speed [m/s]: the bow wave breaks the whiter, the faster she is.
+
+    `abaft`: distances behind her bow [m]; `gap`: to her waterline [m].
+    """
+    fast = min(speed / FAST, 1.0) ** 2
+    strength = fast * BOW * np.clip((1.0 - abaft / (ABAFT * length)) / 0.6, 0.0, 1.0) * (abaft > -0.5 * breadth)
+    width = breadth * NARROW + WIDER * np.maximum(abaft, 0.0)
+    return strength * np.exp(-np.square(np.maximum(gap, 0.0) / width))
 
 
 @lru_cache(maxsize=64)
@@ -94,7 +111,7 @@ class Kelvin:
 
         track, length = self.vessel.track, self.vessel.length
         k = int(np.abs(track.time - time).argmin())
-        speed = round(self.speed(time), 1)
+        speed = round(self.vessel.speed(time), 1)
         if speed < SLOWEST:
             return np.zeros(len(places))
         ahead = track.turn[k][:, 2][[0, 2]] / np.linalg.norm(track.turn[k][:, 2][[0, 2]])
@@ -102,13 +119,3 @@ class Kelvin:
         behind, aside = -offset @ ahead, np.abs(offset @ [-ahead[1], ahead[0]])
         at = np.stack([behind, aside]) / (FINEST * self.breadth)
         return map_coordinates(pattern(speed, self.breadth, length), at, order=1, mode="constant")
-
-    def speed(self, time: float) -> float:
-        """Over the ground [m/s]."""
-        track = self.vessel.track
-        if len(track.time) < 2:
-            return 0.0
-        k = int(np.clip(np.searchsorted(track.time, time), 1, len(track.time) - 1))
-        return float(
-            np.linalg.norm((track.position[k] - track.position[k - 1])[[0, 2]]) / (track.time[k] - track.time[k - 1])
-        )

@@ -186,9 +186,9 @@ def hull(k: int, ships: int) -> str:
   if (useHull{k} > 0.5) {{
     vec2 uv = (posW.xz - hullBox{k}.xy) / hullSize{k}.xy;
     if (all(greaterThan(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)))) {{
-      float gap = textureLod(hull, vec2(uv.x, ({k}.0 + uv.y) / {ships}.0), 0.0).r;
-      if (gap < -0.12) discard;
-      share = max(share, hullFoam.x * exp(-max(gap, 0.0) / hullFoam.y));
+      vec2 near = textureLod(hull, vec2(uv.x, ({k}.0 + uv.y) / {ships}.0), 0.0).rg;
+      if (near.r < -0.12) discard;
+      share = max(share, max(hullFoam.x * exp(-max(near.r, 0.0) / hullFoam.y), near.g));
     }}
   }}
 """

@@ -30,10 +30,12 @@ def test_a_wake_lies_where_the_stern_was_and_fades_with_age():
     assert (np.diff(behind) > 0.0).all() and behind.max() <= wake.WHITEST
     ages = (stern - NODES[(NODES < stern - 1.0) & (NODES > stern - 40.0)]) / 4.0
     step = 12.0 / (wake.STEPS - 1)  # [s] between the places of the stern that are kept
-    wanted = wake.WHITEST * np.exp(-ages / wake.LASTS)
-    np.testing.assert_allclose(behind, wanted, rtol=np.expm1(step / wake.LASTS))
+    wanted = wake.WHITEST * np.exp(-ages / wake.LASTS) * (1.0 - wake.CLEARED * (1.0 - np.exp(-ages / wake.CLEARS)))
+    np.testing.assert_allclose(behind, wanted, rtol=np.expm1(step / wake.LASTS + step / wake.CLEARS))
     np.testing.assert_allclose(share, share[::-1], atol=1e-9)  # the same on both sides
     assert not share[np.abs(NODES) > 8.0].any()
+    old, fresh = (share[:, np.abs(NODES - z).argmin()] for z in (stern - 24.0, stern - 1.0))
+    assert old.max() > 1.5 * old[middle] and fresh.max() == pytest.approx(fresh[middle], rel=0.1)  # two lines of foam
 
 
 def test_a_wake_stays_where_it_is_while_the_nodes_follow_the_ship():

@@ -31,6 +31,15 @@ def test_waves_are_behind_the_ship_and_none_where_she_lies_still():
     places = np.array([[0.0, -20.0], [0.0, 30.0], [2.0, -15.0]])
     moving = wake.Kelvin(Vessel(14.0, np.zeros(3), Track(time, going, turn)), 4.0)
     seen = moving.height(4.0, places + [0.0, 16.0])
-    assert seen[0] != 0.0 and seen[1] == 0.0 and moving.speed(2.2) == pytest.approx(4.0)
+    assert seen[0] != 0.0 and seen[1] == 0.0 and moving.vessel.speed(2.2) == pytest.approx(4.0)
     still = wake.Kelvin(Vessel(14.0, np.zeros(3), Track(time, 0.0 * going, turn)), 4.0)
     assert not still.height(4.0, places).any()
+
+
+def test_the_bow_is_the_whiter_the_faster_she_goes_and_not_at_all_where_she_lies():
+    abaft, gap = np.array([0.0, 3.0, 7.0, 12.0, 1.0, 1.0]), np.array([0.0, 0.0, 0.0, 0.0, 0.6, 4.0])
+    fast, slow = (wake.along_hull(abaft, gap, 14.0, 4.0, speed) for speed in (4.0, 2.0))
+    assert fast[0] == pytest.approx(wake.BOW) and fast[3] == 0.0 and (np.diff(fast[:4]) <= 0.0).all()
+    np.testing.assert_allclose(slow, 0.25 * fast)
+    assert 0.1 < fast[4] < fast[0] and fast[5] < 1e-6
+    assert not wake.along_hull(abaft, gap, 14.0, 4.0, 0.0).any()

@@ -10,6 +10,7 @@ from functools import wraps
 from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, TypeVar
+from weakref import WeakSet
 
 import numpy as np
 
@@ -184,6 +185,8 @@ class Backend:
 _launches: "weakref.WeakKeyDictionary[Any, dict[Any, list[Launch]]]" = weakref.WeakKeyDictionary()  # by owner
 _started: tuple[RuntimeConfig, Backend] | None = None
 _allocations: list["Allocation"] = []  # the sets of fields that take memory now, in the order they were made
+_open: WeakSet["Fields"] = WeakSet()  # those that are not freed
+_numbered = False  # whether Taichi has given numbers to fields since it was started
 
 
 class Allocation(NamedTuple):
@@ -198,8 +201,10 @@ def _noted(finalize: Any) -> Any:
     they could be freed."""
 
     def noted(builder: FieldsBuilder, raise_warning: bool = True) -> SNodeTree:
+        global _numbered
         variables = [*impl.get_runtime().global_vars]
         tree = finalize(builder, raise_warning)
+        _numbered = True
         _allocations.append(Allocation(tree, variables))
         return tree
 
@@ -227,6 +232,7 @@ class Fields:
         self.freed = False
 
     def __enter__(self) -> "Fields":
+        _open.add(self)
         self.allocate()
         self.first = len(_allocations)
         return self
@@ -246,6 +252,7 @@ class Fields:
         """Give the memory back. `SNodeTree.destroy` would forget the compiled kernels of all other simulations, too;
         those of these fields are found by the objects that own them, and never by others."""
         self.freed = True
+        _open.discard(self)
         program = impl.get_runtime().prog
         there = [one for one in self.allocations if one in _allocations]  # none where Taichi has been restarted since
         if there and _started is not None and _started[1].arch in FREEING:
@@ -265,19 +272,19 @@ def cache_directory() -> Path:
 
 
 def start(config: RuntimeConfig) -> Backend:
-    """Start Taichi once; the same config again gives the running backend while it has room for more fields. Otherwise
-    Taichi is restarted, and all fields are gone.
+    """Start Taichi, or take the one that runs while none of what makes it `restart` holds; then all fields are gone.
 
     Raises BackendMissing where the backend obtained is not the one asked for.
     """
-    global _started
-    if _started is not None and _started[0] == config and not full():
+    global _started, _numbered
+    if _started is not None and not restarts(config):
         return _started[1]
     if config.library not in (None, kernel_library.NAME):
         raise BackendMissing(
             f"runtime.library: {config.library} was asked for, and this process computes with {kernel_library.NAME}; "
             f"set {kernel_library.VARIABLE}={config.library} before it starts, or leave the key out"
         )
+    _numbered = False
     threads = config.threads or cores()
     before = _thread_ids()
     _allocations.clear()
@@ -328,9 +335,15 @@ def arch() -> str:
     return _started[1].arch if _started is not None else "cpu"
 
 
-def full() -> bool:
-    """Whether Taichi has too little room left for the fields of another simulation, so that `start` restarts it."""
-    return _started is not None and impl.get_runtime().prog.get_snode_tree_size() > TREES - ROOM
+def restarts(config: RuntimeConfig) -> bool:
+    """Whether `start` restarts Taichi, where it runs: for another config; where too little room is left for the fields
+    of another simulation; and where all fields that there were are freed. Taichi numbers fields, and finds compiled
+    kernels again by these numbers, so that the same simulation a second time would be compiled a second time."""
+    if _started is None:
+        return False
+    full = impl.get_runtime().prog.get_snode_tree_size() > TREES - ROOM
+    spent = _numbered and not _allocations and not _open and ti.root.empty
+    return _started[0] != config or full or spent
 
 
 def must_run(backend: Backend) -> None:

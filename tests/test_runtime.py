@@ -7,9 +7,9 @@ import time
 
 import numpy as np
 import pytest
-import taichi as ti
 
 from ocean_sim import Simulation, load, runtime
+from ocean_sim.kernel_library import ti
 from ocean_sim.simulation import must_have_doubles
 
 SEA = {
@@ -41,8 +41,8 @@ def test_the_same_config_gives_what_runs(taichi_cpu):
 
 
 KERNEL = """
-import taichi as ti
 from ocean_sim import runtime
+from ocean_sim.kernel_library import ti
 runtime.start(runtime.RuntimeConfig(threads=1))
 @ti.kernel
 def double(x: ti.f32) -> ti.f32:
@@ -62,6 +62,46 @@ def test_the_lock_of_a_killed_process_does_not_cost_the_kernel_cache(tmp_path, a
     environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}
     subprocess.run([sys.executable, str(script)], check=True, env=environment)
     assert bool(list(cache.glob("*.tic"))) is kept and lock.exists() is not kept
+
+
+TWICE = """
+import sys
+from ocean_sim import runtime
+from ocean_sim.kernel_library import ti
+@ti.kernel
+def double(x: ti.template()):
+    for i in x:
+        x[i] *= 2.0
+for k in range(int(sys.argv[1])):
+    runtime.start(runtime.RuntimeConfig(threads=1))
+    with runtime.Fields() as fields:
+        x = ti.field(float, shape=4)
+    double(x)
+    fields.free()
+    runtime._open = runtime._open if sys.argv[2] == "as it is" else {None}
+"""
+
+
+@pytest.mark.parametrize(("told", "more"), [("as it is", False), ("as if one were open", True)])
+def test_the_same_fields_once_more_are_not_compiled_once_more(tmp_path, told, more):
+    """While nothing is open Taichi starts afresh, and numbers fields as before; else, the negative control, it goes on
+    counting, and knows the kernel no more."""
+    kept = []
+    for times in ("1", "3"):
+        home = tmp_path / times
+        environment = {**os.environ, "XDG_CACHE_HOME": str(home)}
+        (tmp_path / "twice.py").write_text(TWICE)
+        subprocess.run([sys.executable, str(tmp_path / "twice.py"), times, told], check=True, env=environment)
+        kept.append(len(list((home / "ocean-sim" / "kernels").glob("*.tic"))))
+    assert kept[0] > 0 and (kept[1] > kept[0]) is more
+
+
+def test_a_simulation_without_fields_of_its_own_keeps_running_beside_another():
+    runtime.start(runtime.RuntimeConfig(threads=1))
+    with runtime.Fields(), Simulation(load(SEA)) as second:
+        backend = second.backend
+        second.step()
+        assert runtime.start(runtime.RuntimeConfig(threads=1)) is backend
 
 
 def test_a_simulation_whose_fields_are_gone_says_so(monkeypatch):

@@ -155,7 +155,7 @@ class Session:
             return
         self.simulation.close()
         self.config, self.playing, panel.message = config, wind, ""
-        restarted = runtime.full()
+        restarted = runtime.restarts(config.runtime)
         if restarted:
             self.screen.close()
         self.simulation = built(config)

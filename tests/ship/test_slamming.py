@@ -28,20 +28,30 @@ def wedge(degrees: float) -> Hydrostatics:
     return hull.floating(high / 16.0, DENSITY, G)
 
 
-@pytest.mark.parametrize(
-    ("degrees", "published", "within"),
-    [(10.0, 213.980, 0.05), (20.0, 42.485, 0.05), (30.0, 14.139, 0.05), (40.0, 5.477, 0.2)],
-)
-def test_a_wedge_enters_at_a_steady_speed_as_similarity_has_it(degrees, published, within):
-    """F / (rho V^3 t) a metre of length, Dobrovol'skaya's solution (Zhao & Faltinsen 1993, table 1); A grows with the
-    square of the depth, so that F = 2 A V / t."""
+# F / (rho V^3 t) a metre of length by deadrise, of Dobrovol'skaya's similarity solution as Zhao & Faltinsen (1993) are
+# quoted for it. The paper itself was not at hand: the numbers are not checked against it, but for the test below.
+SIMILARITY = {4.0: 1503.638, 7.5: 399.816, 10.0: 213.980, 15.0: 85.522, 20.0: 42.485, 30.0: 14.139, 40.0: 5.477}
+
+
+def test_the_similarity_solutions_tend_to_wagners():
+    """Wagner's force pi^3 / (4 tan^2) is their limit at a small deadrise; they fall below it evenly, by 0.72 to 0.82 a
+    radian, so that a wrong digit or a wrong row would be seen."""
+    shares = np.array([f / (pi**3 / 4.0 / tan(radians(b)) ** 2) for b, f in SIMILARITY.items()])
+    lost = (1.0 - shares) / np.radians(list(SIMILARITY))
+    assert ((0.70 < lost) & (lost < 0.83)).all() and (np.diff(lost[2:]) < 0.0).all()
+
+
+@pytest.mark.parametrize(("degrees", "within"), [(10.0, 0.05), (20.0, 0.05), (30.0, 0.05), (40.0, 0.2)])
+def test_a_wedge_enters_at_a_steady_speed_as_similarity_has_it(degrees, within):
+    """A grows with the square of the depth, so that F = 2 A V / t. RISE was fitted to these numbers: this shows that
+    the cubes keep to the fit, not that the fit is right."""
     hull = wedge(degrees)
     volume, moved = entry(hull)
     k = 8  # layers under water: half of it, before the chines are wet
     depth, breadth = k * hull.voxels.size[1], 2.0 * k / 16.0
     assert volume[k] == pytest.approx(0.5 * breadth * depth * LENGTH, rel=0.05)
     found = 2.0 * moved[k] / LENGTH / slenderness(LENGTH / breadth) / (DENSITY * depth**2)
-    assert found == pytest.approx(published, rel=within)
+    assert found == pytest.approx(SIMILARITY[degrees], rel=within)
 
 
 def test_a_sphere_enters_between_von_karman_and_wagner():
@@ -74,6 +84,28 @@ def test_momentum_of_hull_and_water_is_kept_whatever_the_step():
         assert not any(bobs)
         assert slamming.push(0.0, -1.0, 0.01) == 0.0 and slamming.push(0.2 * slamming.volume, -1.0, 0.01) > 0.0
     assert WAGNER == pytest.approx(pi**2 / 4.0)
+
+
+def test_the_acceleration_of_a_slam_converges_with_the_step():
+    """A step has the impulse of all that it wets, so its acceleration is a mean over the step: the peak of a wedge
+    tends to that of V = m V0 / (m + A), m^2 V0^2 A' / (m + A)^3 where it is largest, A being linear in a layer."""
+    hull = wedge(20.0)
+    slamming = Slamming(hull, 1e9)
+    height = hull.voxels.size[1] * np.arange(len(slamming.volumes))
+
+    def peak(dt: float) -> float:
+        depth, speed, found = 0.0, 3.0, 0.0
+        slamming.push(0.0, -speed, dt)
+        while depth < 0.8 * height[-1]:
+            depth += speed * dt
+            a = slamming.push(float(np.interp(depth, height, slamming.volumes)), -speed, dt) / slamming.mass
+            speed, found = speed - a * dt, max(found, a)
+        return found
+
+    m, moved = slamming.mass, np.array([slamming.added(volume) for volume in slamming.volumes])
+    exact = float((9.0 * m**2 * np.diff(moved) / np.diff(height) / (m + moved[:-1]) ** 3).max())
+    off = [abs(peak(0.02 / 8**k) / exact - 1.0) for k in range(4)]
+    assert off[0] > 0.3 and off[1] < 0.4 * off[0] and off[2] < 0.5 * off[1] and off[3] < 0.01
 
 
 def dropped(kind: str, height: float, folder: Path) -> tuple[np.ndarray, list[dict], list[str]]:

@@ -1,5 +1,15 @@
-"""Fixtures for all tests: a started runtime, shared by the tests of a module, and kernel caches kept across runs."""
+"""Fixtures for all tests: a started runtime, shared by the tests of a module, and kernel caches kept across runs. And
+a table of the slow tests, kept up by
 
+    OCEAN_SIM_SLOW=docs/slow_tests.csv pytest -n 0 -m slow [PATH ...]
+
+with a row for each that is collected (with --collect-only alone, too): seconds of all its parameters, outcome and day
+of the last run, nothing where none is known.
+"""
+
+import csv
+import os
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -7,6 +17,36 @@ import pytest
 
 from ocean_sim import runtime
 from ocean_sim.state.walk import Restorer, Snapshot
+
+TABLE, COLUMNS = os.environ.get("OCEAN_SIM_SLOW"), ("test", "seconds", "outcome", "day")
+_slow: dict[str, list[pytest.TestReport]] = {}
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    _slow.update({item.nodeid.split("[")[0]: [] for item in session.items if item.get_closest_marker("slow")})
+
+
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    if (name := report.nodeid.split("[")[0]) in _slow:
+        _slow[name].append(report)
+
+
+def pytest_sessionfinish() -> None:
+    if TABLE is None or not _slow or "PYTEST_XDIST_WORKER" in os.environ:
+        return
+    path = Path(TABLE)
+    known = {row["test"]: row for row in csv.DictReader(path.open())} if path.exists() else {}
+    for name, reports in _slow.items():
+        row = known.setdefault(name, dict.fromkeys(COLUMNS, "") | {"test": name})
+        if reports:
+            called = {report.outcome for report in reports if report.when == "call" or report.failed}
+            outcome = next((one for one in ("failed", "passed") if one in called), "skipped")
+            seconds = f"{sum(r.duration for r in reports):.1f}"
+            row |= {"seconds": seconds, "outcome": outcome, "day": f"{datetime.now(UTC):%Y-%m-%d}"}
+    with path.open("w", newline="") as file:
+        table = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        table.writeheader()
+        table.writerows(known[name] for name in sorted(known))
 
 
 class Start:

@@ -36,6 +36,7 @@ from ocean_sim.wind import Wind
 CELLS = 128  # along a tile
 FEW = 4.0  # cells over a ship's breadth
 FITTING = 0.01  # part of its wavenumber by which a regular wave may be changed to fit a tile
+HELD = 0.5  # part of a sea's energy that a tile which repeats itself must hold
 DRAWN = 4000  # plane waves that stand for a spectrum before they are fitted to a tile
 CELL, READ = 6.0e-8, 3.0e-7  # [s] of processor time a step and cell of a tile
 
@@ -105,7 +106,21 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
                 sentence = f"a tile of {tile.side:.4g} m that repeats itself does not hold waves of {length:.4g} m"
                 cure = "take a multiple of their length, order 1, or a heading of 0 or 90 degrees"
                 found.append((("tile",), f"{sentence} in this direction; {cure}"))
+        if not found and self.held(basin) < HELD:
+            sentence = (
+                f"a tile of {tile.side:.4g} m in {tile.cells} cells holds waves from {4.0 * tile.cell:.3g} m, four"
+            )
+            share = f"{100.0 * self.held(basin):.2g} % of the energy of this sea"
+            found.append(
+                (("tile",), f"{sentence} cells, to {tile.side:.4g} m: {share}; take one of several of its waves")
+            )
         return found
+
+    def held(self, basin: Basin) -> float:
+        """Part of the sea's energy in waves that a tile which repeats itself holds; 1 in calm water."""
+        whole = self.sea_of(basin, DRAWN)
+        energy = float((whole.amplitude**2).sum())
+        return float((snapped(whole, self.tile_of(basin)).amplitude ** 2).sum()) / energy if energy else 1.0
 
     def warnings(self, preflight: Preflight) -> list[str]:
         tile, found = self.tile_of(preflight.tank), []
@@ -118,7 +133,11 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
             if self.highest is None:
                 found.append("order 3 changes nothing in calm water: what ships and winds make is linear")
             else:
-                found.append(f"order 3: waves shorter than {kept:.3g} m, four cells, are left out of the sea")
+                lost = 100.0 * (1.0 - self.held(preflight.tank))
+                found.append(
+                    f"order 3: waves shorter than {kept:.3g} m, four cells, or far longer than the tile are left out "
+                    f"of the sea: {lost:.2g} % of its energy"
+                )
         for name, ship in preflight.ships.items():
             look = ship.look(preflight)
             if look is not None and look.breadth < FEW * tile.cell:

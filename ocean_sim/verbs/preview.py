@@ -153,12 +153,13 @@ class Session:
         except SceneError as error:
             panel.message, panel.wind = f"{wind}: {error.problems[0].message}", self.playing
             return
-        self.simulation.close()
         self.config, self.playing, panel.message = config, wind, ""
-        restarted = runtime.restarts(config.runtime)
-        if restarted:
-            self.screen.close()
-        self.simulation = built(config)
+        with runtime.Fields():  # something stays open, for which Taichi goes on, and the window with it
+            self.simulation.close()
+            restarted = runtime.restarts(config.runtime)
+            if restarted:
+                self.screen.close()
+            self.simulation = built(config)
         if restarted:
             self.open(self.screen.shown)
         else:

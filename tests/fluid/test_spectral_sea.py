@@ -333,6 +333,27 @@ def test_a_spectrum_fitted_to_a_tile_keeps_its_energy_and_direction():
     assert np.degrees(np.arctan2(*ahead)) == pytest.approx(np.degrees(np.arctan2(0.6, 0.8)), abs=0.5)
 
 
+@pytest.mark.parametrize(
+    ("keys", "wrong"),
+    [
+        ({"tile": 60.0, "cells": 128}, False),
+        ({"tile": 60.0, "cells": 32}, False),
+        ({"tile": 200.0, "cells": 32}, True),  # all are shorter than four cells
+        ({"tile": 2.0, "cells": 32}, True),  # all are longer than the tile
+        ({"tile": 2.0, "order": 1}, False),  # whose sea needs no tile
+    ],
+)
+def test_a_nonlinear_sea_that_its_tile_cannot_hold_is_refused(keys, wrong):
+    """It would lie still, without a word. What is left out of Pierson and Moskowitz's spectrum beyond n times the peak
+    frequency is 1 - exp(-1.25 / n^4) of its energy, n^2 being the peak's wavelength of 14.05 m over four cells."""
+    spectrum = {"kind": "pierson_moskowitz", "significant_wave_height": 0.2, "peak_period": 3.0}
+    bay, config = Preflight({}, BasinConfig(**BAY).build(), 8, 1.0), Config(**{"order": 3, "spectrum": spectrum} | keys)
+    assert [key for key, _ in config.problems(bay)] == [("tile",)] * wrong
+    if not wrong and config.order == 3:
+        left_out = 1.0 - np.exp(-1.25 * (4.0 * config.tile / config.cells / 14.05) ** 2)
+        assert 1.0 - config.held(bay.tank) == pytest.approx(left_out, rel=0.25)
+
+
 def test_a_file_of_components_is_the_sea_that_it_says(sea, tmp_path):
     path = tmp_path / "sea.csv"
     path.write_text("amplitude_m,period_s,heading_deg,phase_deg\n0.2,5.0,90.0,30.0\n0.1,3.0,0.0,0.0\n")

@@ -9,7 +9,7 @@ import pytest
 aiohttp = pytest.importorskip("aiohttp", reason="the page needs aiohttp: pip install '.[browser]'")
 
 from ocean_sim.conventions import Refused  # noqa: E402
-from ocean_sim.viewer.protocol import packet  # noqa: E402
+from ocean_sim.viewer.protocol import BadMessage, command, packet  # noqa: E402
 from ocean_sim.viewer.server import Server  # noqa: E402
 
 FILES = {"/": ("text/html; charset=utf-8", lambda: b"<!doctype html>")}
@@ -174,3 +174,29 @@ def test_beyond_this_machine_an_address_needs_its_token():
 def test_a_port_that_is_taken_is_named(server):
     with pytest.raises(Refused, match=f"--port {server.port}"):
         Server(FILES, port=server.port)
+
+
+def test_a_question_about_the_water_takes_no_helm_and_its_answer_goes_to_who_asked(server):
+    async def conversation(session, address):
+        async with session.ws_connect(f"{address}watch") as other, session.ws_connect(f"{address}watch") as socket:
+            hello = await until(socket, "hello")
+            question = {"do": "waves", "verb": "velocity", "id": 5, "points": [[1.0, -2.0, 3.0]]}
+            await socket.send_str(json.dumps(question))
+            while not (orders := server.orders()):
+                await asyncio.sleep(0.01)
+            server.tell(orders[0].watcher, type="waves", id=5, values=[[0.0, 0.0, 0.0]])
+            found = await until(socket, "waves")
+            server.tell(None, type="said", text="end", bad=False)
+            while (message := await until(other, "said"))["type"] == "waves":
+                pass
+            return hello, orders, found, message
+
+    hello, orders, found, message = talk(server, conversation)
+    assert [order.watcher for order in orders] == [hello["you"]] and orders[0].command.points == [(1.0, -2.0, 3.0)]
+    assert found["id"] == 5 and message["text"] == "end" and server.helm == 0
+
+
+@pytest.mark.parametrize("more", [{"points": [[0.0] * 2] * 5000}, {"cells": 1000}, {"side": 0.0}, {"points": [[1.0]]}])
+def test_questions_have_bounds(more):
+    with pytest.raises(BadMessage):
+        command(json.dumps({"do": "waves", "verb": "elevation", **more}))

@@ -2,20 +2,18 @@
 
 import json
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
 from pydantic.json_schema import GenerateJsonSchema
 
 from ocean_sim import basin
-from ocean_sim.files.whole_file import whole
 from ocean_sim.files.yaml_file import Location, node_of
-from ocean_sim.parts import ALONE, BESIDE, MEANT, PACKAGE, SEVERAL, SLOTS, config_of, kinds, named
+from ocean_sim.parts import ALONE, BESIDE, MEANT, SEVERAL, SLOTS, config_of, kinds, named
 from ocean_sim.reading.composition import chosen, known
 from ocean_sim.reading.scene import Heading, observer_names
 from ocean_sim.reading.sentences import sentence
-from ocean_sim.runtime import RuntimeConfig, cache_directory
+from ocean_sim.runtime import RuntimeConfig
 
 
 def schema() -> dict[str, Any]:
@@ -55,20 +53,6 @@ def schema() -> dict[str, Any]:
 def text() -> str:
     """The schema as a file that editors read."""
     return json.dumps(schema(), indent=1, ensure_ascii=False) + "\n"
-
-
-def file() -> Path:
-    """The schema as a file: the one that setting up writes into the package, else one in the user's cache, as a package
-    that pip installed has none."""
-    of_package = PACKAGE / "scene.schema.json"
-    if of_package.is_file():
-        return of_package
-    kept, wanted = cache_directory() / "scene.schema.json", text()
-    if not kept.is_file() or kept.read_text(encoding="utf-8") != wanted:
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        with whole(kept) as draft:
-            draft.write_text(wanted, encoding="utf-8")
-    return kept
 
 
 def _slot(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:

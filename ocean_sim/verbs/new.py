@@ -13,8 +13,9 @@ from ocean_sim.parts import PACKAGE, SLOTS
 from ocean_sim.reading.composition import chosen, known
 from ocean_sim.reading.keys import in_yaml, keys
 from ocean_sim.reading.scene import load, scene_path
-from ocean_sim.reading.schema import file as schema_file
+from ocean_sim.reading.schema import text
 from ocean_sim.reading.sentences import sentence
+from ocean_sim.runtime import cache_directory
 from ocean_sim.verbs.shared import console
 
 WORD = re.compile(r"[A-Za-z][A-Za-z0-9_]*( [A-Za-z0-9_'.-]+)*")
@@ -57,6 +58,20 @@ def lines(scene: Node, file: Path) -> Iterator[str]:
         names = known(slot)
         more = ", ..." if len(names) > FEW else ""
         yield f"# {slot}: one of {', '.join(names[:FEW])}{more}  (`ocean-sim list {slot}`)"
+
+
+def schema_file() -> Path:
+    """The schema as a file: the one that setting up writes into the package, else one in the user's cache, as a package
+    that pip installed has none."""
+    of_package = PACKAGE / "scene.schema.json"
+    if of_package.is_file():
+        return of_package
+    kept, wanted = cache_directory() / "scene.schema.json", text()
+    if not kept.is_file() or kept.read_text(encoding="utf-8") != wanted:
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        with whole(kept) as draft:
+            draft.write_text(wanted, encoding="utf-8")
+    return kept
 
 
 def unit(of: str) -> str:

@@ -457,7 +457,10 @@ addEventListener("keydown", (event) => {
   moves = event.shiftKey;
   if (/^[1-5]$/.test(key)) $("cameras").pick(modes[key - 1]);
   else if (acts[key] && !event.repeat) acts[key]();
-  else if (/^(Arrow(Up|Down|Left|Right)|[wasdqe])$/.test(key)) down.add(key);
+  else if (/^(Arrow(Up|Down|Left|Right)|[wasdqe])$/.test(key)) {
+    down.add(key);
+    if (!event.repeat) holdKeys(0.1);  // a tap counts, however long a picture takes
+  }
   else return;
   event.preventDefault();
   state.dirty = true;

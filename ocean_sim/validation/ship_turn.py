@@ -1,6 +1,7 @@
-"""Turning circle and zig-zag of the yacht that is shipped, within the limits of IMO MSC.137(76).
+"""Turning circle and zig-zag of the yacht, and the circle of the tug, that are shipped, within the limits of IMO
+MSC.137(76).
 
-There is no measurement of this yacht, so it promises what is asked of any ship: an advance of 4.5 lengths and a
+There is no measurement of these ships, so they promise what is asked of any ship: an advance of 4.5 lengths and a
 tactical diameter of 5 at most, and, as its length over its speed is below 10 s, overshoots of 10 and 25 degrees in the
 10/10 zig-zag and of 25 in the 20/20. A turn of less than 1.5 lengths, or without heel outwards, is no ship's either.
 
@@ -10,6 +11,7 @@ degrees each time that the ship has turned as far; how much further she turns is
 """
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from itertools import pairwise
 from math import degrees, radians
 from typing import Any
@@ -24,7 +26,7 @@ from ocean_sim.validation.shared.ship import OF_WATER, at_sea, ship_of
 
 AHEAD, TURN, ZIGZAG, STEP = 30.0, 150.0, 100.0, 0.05  # [s]
 RUDDER = 35.0  # [deg]
-LENGTH = 14.2  # [m] of the yacht at the still water
+LENGTHS = {"yacht": 14.2, "tug": 21.3}  # [m] at the still water
 CIRCLE = {  # quantity: the least and the most that is allowed, in its unit
     "speed ahead [m/s]": None,
     "advance [lengths]": (0.0, 4.5),
@@ -39,21 +41,30 @@ OVERSHOOTS = {10.0: (10.0, 25.0), 20.0: (25.0, None)}  # [deg] the most of the f
 SOURCE = "IMO MSC.137(76), 5.3"
 
 
-def yacht() -> dict[str, Any]:
-    """Keys of the yacht in configs/ship, coarser."""
-    keys = yaml_file.read(library("configs") / "ship" / "yacht.yaml").plain()
+def shipped(name: str) -> dict[str, Any]:
+    """Keys of a ship in configs/ship, coarser."""
+    keys = yaml_file.read(library("configs") / "ship" / f"{name}.yaml").plain()
     return {key: value for key, value in keys.items() if key != "kind"} | {"cells_per_draught": 4}
 
 
 def problems(coarse: bool) -> list[Problem]:
-    scene = at_sea(yacht(), 15.0, STEP, AHEAD + TURN)
-    promises = tuple(promise(name, limits) for name, limits in CIRCLE.items())
-    found = [Problem(scene, promises, circle, "circle", slot="ship", schemes=OF_WATER)]
+    scene = at_sea(shipped("yacht"), 15.0, STEP, AHEAD + TURN)
+    found = [turning("yacht", scene, CIRCLE)]
     for angle in (20.0,) if coarse else (10.0, 20.0):
         names = tuple(promise(name, limits) for name, limits in zigzags(angle).items())
         look = lambda simulation, angle=angle: zigzag(simulation, angle)
         found.append(Problem(scene, names, look, f"zig-zag {angle:g}", slot="ship", schemes=OF_WATER))
+    if not coarse:
+        tug = at_sea(shipped("tug"), 15.0, STEP, AHEAD + TURN)
+        found.append(turning("tug", tug, {f"tug: {name}": limits for name, limits in CIRCLE.items()}))
     return found
+
+
+def turning(name: str, scene: dict[str, Any], limits: dict[str, tuple[float, float] | None]) -> Problem:
+    """The turning circle of a ship; `limits` by what is measured."""
+    promises = tuple(promise(quantity, within) for quantity, within in limits.items())
+    look = partial(circle, length=LENGTHS[name], limits=limits)
+    return Problem(scene, promises, look, f"circle of the {name}", slot="ship", schemes=OF_WATER)
 
 
 def promise(name: str, limits: tuple[float, float] | None) -> Promise:
@@ -103,8 +114,8 @@ def sailed(
         yield simulation.time - begin, x, z, body.angles[1] - yaw, body.angles[2], body.velocity[0], body.velocity[2]
 
 
-def circle(simulation: Simulation) -> Finding:
-    """A turn to port."""
+def circle(simulation: Simulation, length: float, limits: dict[str, tuple[float, float] | None]) -> Finding:
+    """A turn to port of a ship of a length [m]."""
     rows = np.array(list(sailed(simulation, lambda time, yaw: radians(RUDDER), TURN)))
     t, x, z, yaw, heel, vx, vz = rows.T
     turned = np.abs(np.unwrap(yaw))
@@ -116,9 +127,9 @@ def circle(simulation: Simulation) -> Finding:
         return float(np.interp(radians(angle), turned, np.abs(y))) if turned[-1] > radians(angle) else None
 
     lengths = [at(90.0, z), at(90.0, x), at(180.0, x), speed[last].mean() / rate]
-    found = [speed[0], *(None if way is None else way / LENGTH for way in lengths), speed[last].mean()]
+    found = [speed[0], *(None if way is None else way / length for way in lengths), speed[last].mean()]
     found += [degrees(abs(drift[last].mean())), degrees(heel[last].mean())]
-    numbers = {name: between(value, CIRCLE[name]) for name, value in zip(CIRCLE, found, strict=True)}
+    numbers = {name: between(value, within) for (name, within), value in zip(limits.items(), found, strict=True)}
     return Finding(numbers, [Curve("track", x, z)], [], ("x, to port [m]", "z, ahead [m]"))
 
 

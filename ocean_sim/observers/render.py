@@ -10,11 +10,10 @@ import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
-from time import sleep
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
@@ -384,14 +383,14 @@ def still(time: float) -> str:
     return f"still_{time:08.3f}.png"
 
 
-def draw(order: Order, over: Callable[[], bool]) -> Iterator[tuple[int, int]]:
+def draw(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]:
     """Draw what is ordered; yields how many pictures of the film are drawn of how many, of 0 while that is unknown.
-    `over`: whether the run has written its last frame."""
+    `over`: set when the run has written its last frame."""
     folder, out = Path(order.folder), Path(order.out)
     with np.load(folder / "frames" / "grid.npz") as file:
         grid = dict(file)
-    while not (foreseen(grid, order) or over()):
-        sleep(LOOKS_EVERY)
+    if not foreseen(grid, order):
+        over.wait()
     coming = Coming(folder, over)
     fastest = 0.1 if foreseen(grid, order) else survey(some(coming.log.files))[1]
     picture = Picture(grid, order, Frame(coming.log.files[0]), fastest, coming.log)
@@ -421,14 +420,14 @@ def some(files: list[Path]) -> list[Path]:
 class Coming:
     """The frames of a run as they come."""
 
-    def __init__(self, folder: Path, over: Callable[[], bool]) -> None:
+    def __init__(self, folder: Path, over: threading.Event) -> None:
         self.folder, self.over = folder, over
         self.log, self.ended = Log([]), False
         self.look()
 
     def look(self) -> None:
         """Add the frames that are there; whether the run is over is asked before, so that none is missed."""
-        ended, number = self.over(), len(self.log.files)
+        ended, number = self.over.is_set(), len(self.log.files)
         while frame_path(self.folder, number).exists():
             number += 1
         self.log.grow([frame_path(self.folder, k) for k in range(len(self.log.files), number)])
@@ -436,9 +435,8 @@ class Coming:
 
     def wait(self) -> None:
         """Until the run is over."""
-        while not self.ended:
-            sleep(LOOKS_EVERY)
-            self.look()
+        self.over.wait()
+        self.look()
 
     def chosen(self, every: float) -> Iterator[tuple[Path, int]]:
         """The frame of each picture of a film, as soon as it is known, and how many pictures there are, or 0."""
@@ -453,7 +451,7 @@ class Coming:
                 return
             self.look()
             if not self.ended and len(known(self.log.times, every)) == done:
-                sleep(LOOKS_EVERY)
+                self.over.wait(LOOKS_EVERY)
 
 
 def film(path: Path, picture: Picture, coming: Coming, every: float) -> Iterator[tuple[int, int]]:
@@ -489,14 +487,16 @@ def save_png(path: Path, image: np.ndarray) -> None:
 
 
 def main() -> None:
-    spoken = outlive_no_parent()
+    over = outlive_no_parent()
     asked = json.loads(sys.argv[1])
     if asked["goes_on"]:
         yield_to_others(YIELDING)
+    else:
+        over.set()
     try:
         for order in asked["orders"]:
             order["size"], order["stills"] = tuple(order["size"]), tuple(order["stills"])
-            for drawn, of in draw(Order(**order), spoken.is_set if asked["goes_on"] else lambda: True):
+            for drawn, of in draw(Order(**order), over):
                 print(f"pictures {drawn} of {of}", flush=True)
     except (RenderFailed, OSError, ValueError) as problem:
         sys.exit(str(problem))

@@ -139,6 +139,7 @@ def test_the_verb_draws_stills_a_strip_and_a_film_of_the_right_length(folder, tm
         "still_0000.500.png",
         "strip.png",
         "film.mp4",
+        "moments.png",
     ]
     assert imageio.imread(tmp_path / "strip.png").shape == (72, 3 * 128 + 2 * render.GAP, 3)
     film = imageio.get_reader(tmp_path / "film.mp4")

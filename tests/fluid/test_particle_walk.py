@@ -16,6 +16,7 @@ STEPS, DT = 12, 0.002  # of a step [s]
 BOX = {"obstacles": [{"min": [-0.1, -0.5, -0.2], "max": [0.2, -0.2, 0.1]}]}
 DAM = {"fill": [{"min": [-0.5, -0.5, -0.3], "max": [-0.1, -0.1, 0.3]}]}
 POOL = {"basin": {"length": 2.0, "width": 1.0, "depth": 0.5}, "duration": 0.1}
+SLOWER = [pytest.param(kind, marks=pytest.mark.slow) for kind in ("delta_sph", "dfsph")]
 SLICE = {"width": None, "walls": {"x_min": "no_slip", "x_max": "reflecting"}}
 TANK = {"width": 0.6, "walls": {"x_min": "no_slip", "x_max": "reflecting", "z": "periodic"}, **BOX}
 CASES = [
@@ -66,7 +67,7 @@ def test_equals_the_walk_of_cells(water, by_particles, kind, place):
         assert value == pytest.approx(expected[name], rel=0.0, abs=1e-9 * scale), name
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("dimension", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_sees_the_same_particles_and_images(water, by_particles, dimension):
     """Particles near sides, in corners, and above the grid."""
     rng = np.random.default_rng(3)
@@ -108,7 +109,7 @@ def test_sorts_in_the_order_of_storage(water, by_particles):
     assert (np.diff(start) == np.bincount(cell, minlength=fluid.grid.cell_count)).all()
 
 
-@pytest.mark.parametrize("kind", ["mueller", "delta_sph", "dfsph", "ballistic"])
+@pytest.mark.parametrize("kind", ["mueller", "ballistic", *SLOWER])
 def test_ledger_tells_what_it_takes(taichi_cpu, by_particles, kind):
     """Bytes a particle, accounts included."""
     by_particles()

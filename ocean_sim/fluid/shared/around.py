@@ -82,13 +82,18 @@ class Around:
         total = ti.Vector.zero(float, law.sums)
         for subset in range(first, reach + 1):
             if subset & reach == subset:
-                mirror = unmirrored()
-                if ti.static(self.images.sides > 0):
-                    for side in range(self.images.sides):
-                        if subset >> side & 1:
-                            mirror = in_turn(mirror, self.images.mirror(side))
-                total += self.seen(here, mirror, law, own)
+                total += self.seen(here, self.mirror(subset), law, own)
         return total
+
+    @ti.func
+    def mirror(self, subset):
+        """What a set of sides is as one mirror."""
+        mirror = unmirrored()
+        if ti.static(self.images.sides > 0):
+            for side in range(self.images.sides):
+                if subset >> side & 1:
+                    mirror = in_turn(mirror, self.images.mirror(side))
+        return mirror
 
     @ti.func
     def reach(self, x):

@@ -148,15 +148,21 @@ class WideAccounts(Accounts):
 class Seen:
     """What a law of pairs adds up of the particles around, or of their images."""
 
-    def __init__(self, law: Law, periodic: bool, reflected: bool) -> None:
-        """`periodic`: whether the basin repeats; `reflected`: whether what is seen are images."""
-        self.law, self.periodic, self.reflected, self.sums = law, periodic, reflected, law.terms.size
+    def __init__(self, law: Law, grid: Grid, reflected: bool) -> None:
+        """`reflected`: whether what is seen are images; then the set of sides that show them, a bit each, comes after
+        the row of the particle."""
+        self.law, self.images, self.reflected, self.sums = law, grid.images, reflected, law.terms.size
+        self.periodic = any(grid.basin.periods)
 
     @ti.func
-    def term(self, own, j, d, mirror):
+    def term(self, own_and_sides, j, d, mirror):
+        own = ti.Vector([own_and_sides[k] for k in ti.static(range(self.law.row.size))])
         other = ti.Vector([field[j] for field in ti.static(self.law.reads)])
         if ti.static(self.reflected):
-            other = self.law.image(other, mirror)
+            sides = int(own_and_sides[self.law.row.size])
+            for side in range(self.images.sides):
+                if sides >> side & 1:  # one after the other: a law need not see two sides as it sees one
+                    other = self.law.image(other, self.images.mirror(side))
         if ti.static(self.periodic):
             for k in ti.static(range(3)):
                 other[k] = own[k] + d[k]
@@ -193,7 +199,6 @@ class ParticleWalk:
 
     def __init__(self, particles: Particles, grid: Grid, accounts: Accounts) -> None:
         self.particles, self.most, self.grid, self.accounts = particles.count, particles.n, grid, accounts
-        self.periodic = any(grid.basin.periods)
         self.shown: dict[Law, tuple[Around, Seen, Seen]] = {}  # what a law is shown, made when it first walks
         self.keeps = False
 
@@ -205,7 +210,7 @@ class ParticleWalk:
         """The water around a particle as a law reads it, and what sees particles and images there."""
         if law not in self.shown:
             places = Around(law.reads[:3], self.grid)
-            self.shown[law] = places, Seen(law, self.periodic, False), Seen(law, self.periodic, True)
+            self.shown[law] = places, Seen(law, self.grid, False), Seen(law, self.grid, True)
         return self.shown[law]
 
     @ti.func
@@ -219,13 +224,27 @@ class ParticleWalk:
             if i < self.particles.there():
                 own = ti.Vector([field[i] for field in ti.static(law.reads)])
                 x = ti.Vector([own[0], own[1], own[2]])
-                total, beyond = around.of_water(x, water, own), around.of_images(x, images, own)
+                total, beyond = around.of_water(x, water, own), self.of_images(x, own, around, images)
                 if ti.static(not law.apart):
                     total += beyond
                     beyond = ti.Vector.zero(float, law.terms.size)
                 if ti.static(find and self.keeps):
                     self.keep_pairs(i, x, around)
                 law.finish(i, own, total, beyond, i)
+
+    @ti.func
+    def of_images(self, x, own, around: Template, images: Template):
+        """What all images add to the sum of a particle at x [m]."""
+        here, total = self.grid.wrapped(x), ti.Vector.zero(float, images.sums)
+        reach = around.reach(here)
+        own_and_sides = ti.Vector.zero(float, images.law.row.size + 1)
+        for k in ti.static(range(images.law.row.size)):
+            own_and_sides[k] = own[k]
+        for sides in range(1, reach + 1):
+            if sides & reach == sides:
+                own_and_sides[images.law.row.size] = ti.cast(sides, float)
+                total += around.seen(here, around.mirror(sides), images, own_and_sides)
+        return total
 
     @ti.func
     def keep_pairs(self, i, x, around: Template):

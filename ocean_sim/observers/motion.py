@@ -11,7 +11,6 @@ from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.handed_on import TakesMotion, takers
 from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.parts import ALONE, LedgerRow, Preflight, Problems, called
-from ocean_sim.platform.shared.motion_log import REQUIRED
 from ocean_sim.ship import Ship
 from ocean_sim.simulation import Observer, PeriodicConfig
 
@@ -121,7 +120,7 @@ class Log:
         )
         head |= {"frame": config.frame, "axes": AXES[config.frame]}
         self.columns = columns(ship.parts)
-        self.handed_on = {name: self.columns.index(name) for name in (*REQUIRED, "seq")}  # and where they stand
+        self.handed_on = next(k for k, name in enumerate(self.columns) if name.startswith("force_"))  # so many of them
         self.csv = CsvFile(folder / file_of(ship.name), head, self.columns)
 
     def observe(self, simulation: "Simulation") -> None:
@@ -139,9 +138,9 @@ class Log:
         """Give rows, as the log shows them, to the observers that take them: what they make of them then is what they
         would make of the file."""
         for observer in takers(simulation, TakesMotion):
-            cells = [row.split(",") for row in rows]
-            table = np.array([[float(row[k]) for k in self.handed_on.values()] for row in cells]).T
-            observer.take_motion(self.ship.name, dict(zip(self.handed_on, table)), self.frame)
+            cells = [row.split(",", self.handed_on)[: self.handed_on] for row in rows]
+            table = np.array([[float(number) for number in row] for row in cells]).T
+            observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)
 
     def row(self, ship: Ship) -> np.ndarray:
         """All columns but time and number."""

@@ -270,7 +270,6 @@ def test_the_platform_of_a_run_is_the_one_of_the_command(every, tmp_path):
         def take_commands(self, rows):
             self.taken += rows.rows()
 
-    names = (*motion_log.REQUIRED, "seq")
     rows = dict.fromkeys(motion_log.columns(PARTS), np.zeros(301)) | columns(3.0)
     observers = {"motion": motion_log.Config(every=DT)}
     preflight = Preflight(observers, BasinConfig(length=9.0, width=9.0, depth=2.0).build(), 4, 3.0)
@@ -280,8 +279,8 @@ def test_the_platform_of_a_run_is_the_one_of_the_command(every, tmp_path):
     taker = Taker()
     simulation.observers = [taker, observer]
     motion = motion_log.Log.__new__(motion_log.Log)
-    motion.ship, motion.frame = SimpleNamespace(name="ship"), "ship"
-    motion.handed_on = {name: list(rows).index(name) for name in names}
+    motion.ship, motion.frame, motion.columns = SimpleNamespace(name="ship"), "ship", motion_log.columns(PARTS)
+    motion.handed_on = len(motion.columns)
     for k, row in enumerate(zip(*rows.values())):
         motion.hand_on([",".join(map(repr, map(float, row)))], simulation)
         if k % every == 0:

@@ -120,6 +120,7 @@ class Log:
         )
         head |= {"frame": config.frame, "axes": AXES[config.frame]}
         self.columns = columns(ship.parts)
+        self.handed_on = next(k for k, name in enumerate(self.columns) if name.startswith("force_"))  # so many of them
         self.csv = CsvFile(folder / file_of(ship.name), head, self.columns)
 
     def observe(self, simulation: "Simulation") -> None:
@@ -137,7 +138,8 @@ class Log:
         """Give rows, as the log shows them, to the observers that take them: what they make of them then is what they
         would make of the file."""
         for observer in takers(simulation, TakesMotion):
-            table = np.array([[float(number) for number in row.split(",")] for row in rows]).T
+            cells = [row.split(",", self.handed_on)[: self.handed_on] for row in rows]
+            table = np.array([[float(number) for number in row] for row in cells]).T
             observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)
 
     def row(self, ship: Ship) -> np.ndarray:

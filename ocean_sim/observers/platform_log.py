@@ -8,7 +8,7 @@ import numpy as np
 from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.observers.shared.handed_on import TakesCommands, TakesMotion, takers
 from ocean_sim.platform import COLUMNS, LIMITS, Platform
-from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, REQUIRED, ride_of
+from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, ride_of
 from ocean_sim.simulation import Observer, ObserverConfig
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ class PlatformLog(Observer, TakesMotion):
 
     def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
         if ship == self.ship:
-            self.new.append({name: rows[name] for name in (*REQUIRED, "seq")})
+            self.new.append(rows)
             self.frame = frame
 
     def observe(self, simulation: "Simulation") -> None:

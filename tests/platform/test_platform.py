@@ -280,8 +280,9 @@ def test_the_platform_of_a_run_is_the_one_of_the_command(every, tmp_path):
     simulation.observers = [taker, observer]
     motion = motion_log.Log.__new__(motion_log.Log)
     motion.ship, motion.frame, motion.columns = SimpleNamespace(name="ship"), "ship", motion_log.columns(PARTS)
+    motion.handed_on = len(motion.columns)
     for k, row in enumerate(zip(*rows.values())):
-        motion.hand_on([row], simulation)
+        motion.hand_on([",".join(map(repr, map(float, row)))], simulation)
         if k % every == 0:
             observer.observe(simulation)
     observer.close()

@@ -8,11 +8,12 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Status
 from ocean_sim.fluid.shared.grid import Grid
 from ocean_sim.kernel_library import ti
-from ocean_sim.runtime import Template, in_kernels
+from ocean_sim.runtime import Doubles3, Template, in_kernels
 
 TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "diffusion", "bed", "sea")
 PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS, SHIP, DIFFUSION, BED, SEA = range(len(TERMS))
 SUMMARY = 7  # numbers that a step reports
+WORK = 3  # number of a column, behind the impulse
 DENSE = 1.0e30  # [kg/m3] more than any density
 
 
@@ -34,6 +35,7 @@ class Accounts:
             self.terms = tuple(term for term in range(len(TERMS)) if term not in absent)
             self.impulse = ti.field(ti.f64, shape=(groups, len(TERMS), 3))
             self.work = ti.field(ti.f64, shape=(groups, len(TERMS)))
+            self.copied = np.zeros((groups, len(TERMS), WORK + 1))
 
     def acts(self, term: int) -> bool:
         """Whether a term does anything, as is known when a kernel is compiled; the others stay zero."""
@@ -116,16 +118,26 @@ class Accounts:
             )
         return Status(speed2**0.5, acceleration2**0.5, thin, dense, int(clipped), isfinite(total))
 
+    @ti.kernel
+    def copy(self, to: Doubles3):
+        """Impulse and work of each term, group by group."""
+        for group, term in self.work:
+            for k in ti.static(range(WORK)):
+                to[group, term, k] = self.impulse[group, term, k]
+            to[group, term, WORK] = self.work[group, term]
+
     def total(self) -> dict[str, np.ndarray]:
         """Impulse of each term since the start [N s], (3,) each; empty where it is not summed."""
         if not self.impulses:
             return {}
-        total = self.impulse.to_numpy().sum(axis=0)
+        self.copy(self.copied)
+        total = self.copied[:, :, :WORK].sum(axis=0)
         return {TERMS[term]: total[term] for term in self.terms if term != DIFFUSION}  # which moves nothing
 
     def total_work(self) -> dict[str, float]:
         """Work of each term since the start [J]; of diffusion, what it adds to the internal energy."""
         if not self.impulses:
             return {}
-        total = self.work.to_numpy().sum(axis=0).tolist()
+        self.copy(self.copied)
+        total = self.copied[:, :, WORK].sum(axis=0).tolist()
         return {TERMS[term]: total[term] for term in self.terms}

@@ -13,7 +13,8 @@ if TYPE_CHECKING:
 
 
 class TakesMotion:
-    """An observer that is handed the columns of new rows of a ship's motion log, each once, in the order of time."""
+    """An observer that is handed new rows of a ship's motion log, each once, in the order of time: its columns
+    before the forces."""
 
     def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
         raise NotImplementedError

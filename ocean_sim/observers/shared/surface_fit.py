@@ -1,13 +1,17 @@
 """How well a surface fits the particles under it: its distance from the highest of them, and what it
 measures of itself."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import ParticleFluid
 from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import Array, Integers, in_kernels
-from ocean_sim.surface import Surface
+
+if TYPE_CHECKING:  # it is imported only where there is one
+    from ocean_sim.surface import Surface
 
 COLUMN = 2.0  # [spacings] least width of a column in which the highest particle is looked for
 LOW = -1.0e30  # [m] under all particles
@@ -22,7 +26,7 @@ MEANING = {
 class Tops:
     """The highest particle of every column that holds any, half a spacing above its centre."""
 
-    def __init__(self, surface: Surface, basin: Basin, fluid: ParticleFluid) -> None:
+    def __init__(self, surface: "Surface", basin: Basin, fluid: ParticleFluid) -> None:
         self.surface, self.particles = surface, fluid.particles
         self.low, self.size = np.array(basin.lower)[[0, 2]], np.subtract(basin.upper, basin.lower)[[0, 2]]
         self.counts = np.maximum(1, (self.size / (COLUMN * fluid.spacing) + 1.0e-6).astype(int)).tolist()
@@ -66,7 +70,7 @@ class Tops:
 class SurfaceFit:
     """Numbers of a row of accuracy.csv: the fit, and what the surface measures of itself."""
 
-    def __init__(self, surface: Surface, basin: Basin, fluid: ParticleFluid) -> None:
+    def __init__(self, surface: "Surface", basin: Basin, fluid: ParticleFluid) -> None:
         self.surface, self.tops = surface, Tops(surface, basin, fluid)
         self.meaning = MEANING | {name.rsplit("_m", 1)[0]: meaning for name, meaning in surface.measured.items()}
         self.columns = ["surface_offset_m", "surface_fit_m", *surface.measured]

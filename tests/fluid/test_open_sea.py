@@ -183,7 +183,7 @@ def test_a_name_is_enough_for_a_calm_sea():
         ({"sea": REGULAR | {"rim": {"width": 4.0}}}, "leaves no water free; at most 3 m"),
         ({"sea": REGULAR | {"rim": {"velocity": [1.0, 1.0]}}}, "in 2-D it is along x alone"),
         ({"sea": REGULAR | {"height": 1.0}}, "would break"),
-        ({"sea": REGULAR | {"heading_deg": 0.0}}, "slice"),
+        ({"sea": REGULAR | {"heading_deg": 0.0}}, "in 2-D"),
         (
             {"fluid": {"kind": "mueller", "spacing": 0.1, "fill": [{"min": [-3.0, -1.0], "max": [3.0, -0.5]}]}},
             "starts as the sea; leave fill out",

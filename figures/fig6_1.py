@@ -9,7 +9,7 @@ import numpy as np
 from _options import options
 from _paper import INK, keep, paper, table
 
-from ocean_sim.observers.shared.surface_fit import fit, highest
+from ocean_sim.observers.shared.surface_fit import Tops, fit
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 
@@ -52,7 +52,7 @@ def main() -> None:
         simulation.run(until=SOON if asked.fast else MOMENT)
         mesh, position = simulation.surface.mesh(), simulation.fluid.particles.position.to_numpy()
         spacing, moment = simulation.fluid.particles.spacing, simulation.time
-        top = highest(position.astype(float), simulation.basin, spacing)
+        top = Tops(simulation.basin, simulation.fluid).points()
         cloth = simulation.surface.elevations(top[:, [0, 2]])
         mean, rms = fit(simulation.surface, top)
     head = [f"{SCENE} at {moment:.3f} s, {len(position)} particles {spacing:g} m apart"]

@@ -15,7 +15,7 @@ import numpy as np
 from _options import options
 from _paper import INK, keep, paper, table
 
-from ocean_sim.observers.shared.surface_fit import fit, highest
+from ocean_sim.observers.shared.surface_fit import Tops, fit
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.surface.shared.mesh import Mesh
@@ -86,7 +86,7 @@ def main() -> None:
         simulation.run(until=SOON if asked.fast else MOMENT)
         cloth, fluid = simulation.surface, simulation.fluid
         cubes, spacing = other.build(simulation.basin, fluid), fluid.particles.spacing
-        top = highest(fluid.particles.position.to_numpy().astype(float), simulation.basin, spacing)
+        top = Tops(simulation.basin, fluid).points()
 
         def frame() -> None:
             cubes.follow(fluid.particles, 0.0)

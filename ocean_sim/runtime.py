@@ -138,7 +138,9 @@ def _launch_of(primal: Any, owner: Any, given: tuple) -> Launch | None:
             except TypeError:  # a number or a name
                 return None
             continue
-        if isinstance(value, np.ndarray):
+        if isinstance(needed, ti.types.ndarray):
+            if not isinstance(value, np.ndarray):
+                return None
             takes.append(Taken(k, (slots,), value.dtype, value.ndim))
         elif needed in (float, int):
             takes.append(Taken(k, (slots,), needed is int, None))

@@ -198,7 +198,7 @@ def scenes(draw: Any, dimension: int | None = None) -> dict[str, Any]:
         if draw(st.booleans()):
             scene[key] = draw(CHOICES[key])
     observers = [name for name, node in SCHEMA["properties"].items() if node.get("anyOf", [{}])[-1] == {"type": "null"}]
-    parts = ("sea", "wind", "surface", "ship", "ships", "platform", "fluid")
+    parts = ("sea", "rim", "wind", "surface", "ship", "ships", "platform", "fluid")
     for name in (name for name in observers if name not in parts):
         if name not in ("time_step", "manifest", "stream", "health") and draw(st.integers(0, 3)) == 0:
             scene[name] = draw(value(SCHEMA["properties"][name], dimension))

@@ -119,7 +119,7 @@ def test_a_killed_renderer_is_told_and_the_run_is_kept(folder, tell, monkeypatch
     monkeypatch.setattr(render.opengl, "window", lambda: "egl")
     monkeypatch.setattr(render.opengl, "environment", lambda window: dict(os.environ))
     monkeypatch.setattr(render.opengl, "forget", lambda: None)
-    monkeypatch.setattr(render, "follow", lambda child, progress: (child.kill(), child.wait()))
+    monkeypatch.setattr(render.Drawer, "follow", lambda self: self.child.kill())
     code, err = tell("render", "seen", "--quality", "draft")
     assert code == 1 and "the drawing process died (signal 9)" in err and "Traceback" not in err
     assert Path("seen/gauges.csv").read_bytes() == before

@@ -35,7 +35,7 @@ def test_a_gauge_outside_the_basin_is_refused_with_a_sentence(tmp_path, watched)
     with pytest.raises(ValueError, match=r"gauges\.elevation\.far: x = 9 m is outside"):
         config.build(tmp_path, simulation)
     assert gauges.Config(elevation={"middle": [0.0]}).misplaced(watched(width=None).basin) == []
-    assert "slice" in gauges.Config(elevation={"deep": [0.0, 0.0]}).misplaced(watched(width=None).basin)[0][1]
+    assert "2-D" in gauges.Config(elevation={"deep": [0.0, 0.0]}).misplaced(watched(width=None).basin)[0][1]
 
 
 @pytest.mark.parametrize(
@@ -81,7 +81,7 @@ def test_a_pressure_gauge_may_be_on_a_wall_and_above_the_water_but_not_outside(w
     )
     assert problems["pressure", "deep"] == "y = -2.1 m is outside the basin, whose bed is at -2 m"
     assert "z = 2.1 m is outside" in problems["pressure", "far"] and "[x, y, z]" in problems["pressure", "flat"]
-    assert "slice" in gauges.Config(pressure={"a": [0.0, 0.0, 0.0]}).misplaced(watched(width=None).basin)[0][1]
+    assert "2-D" in gauges.Config(pressure={"a": [0.0, 0.0, 0.0]}).misplaced(watched(width=None).basin)[0][1]
     assert "outside" in gauges.Config(pressure={"a": [0.0, 0.1, 0.0]}).misplaced(watched(lid={}).basin)[0][1]
 
 

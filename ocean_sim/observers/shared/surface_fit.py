@@ -8,7 +8,7 @@ import numpy as np
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import ParticleFluid
 from ocean_sim.kernel_library import ti
-from ocean_sim.runtime import Array, Integers, in_kernels
+from ocean_sim.runtime import Array2, Integers, in_kernels
 
 if TYPE_CHECKING:  # it is imported only where there is one
     from ocean_sim.surface import Surface
@@ -26,35 +26,34 @@ MEANING = {
 class Tops:
     """The highest particle of every column that holds any, half a spacing above its centre."""
 
-    def __init__(self, surface: "Surface", basin: Basin, fluid: ParticleFluid) -> None:
-        self.surface, self.particles = surface, fluid.particles
+    def __init__(self, basin: Basin, fluid: ParticleFluid) -> None:
+        self.particles = fluid.particles
         self.low, self.size = np.array(basin.lower)[[0, 2]], np.subtract(basin.upper, basin.lower)[[0, 2]]
         self.counts = np.maximum(1, (self.size / (COLUMN * fluid.spacing) + 1.0e-6).astype(int)).tolist()
         columns = self.counts[0] * self.counts[1]
         self.half = 0.5 * fluid.spacing  # [m]
-        self.top = np.zeros(columns, dtype=fluid.particles.position.precision)  # [m]
-        self.which, self.away = np.zeros(columns, dtype=np.int32), np.zeros(columns, dtype=self.top.dtype)
+        self.top = np.zeros((columns, 3), dtype=fluid.particles.position.precision)  # [m]
+        self.which = np.zeros(columns, dtype=np.int32)
 
-    def heights(self) -> np.ndarray:
-        """(m,) of the surface over them [m]."""
-        self.compare(self.top, self.which, self.away)
-        over = self.which >= 0
-        return self.away[over].astype(float) - (self.top[over].astype(float) + self.half)
+    def points(self) -> np.ndarray:
+        """(m, 3) where they are now [m]."""
+        self.find(self.top, self.which)
+        return self.top[self.which >= 0].astype(float) + [0.0, self.half, 0.0]
 
     @ti.kernel
-    def compare(self, top: Array, which: Integers, away: Array):
-        for c in range(top.shape[0]):
-            top[c], which[c] = LOW, -1
+    def find(self, top: Array2, which: Integers):
+        p = self.particles.position
+        for c in range(which.shape[0]):
+            top[c, 1], which[c] = LOW, -1
         for i in range(self.particles.count.there()):
-            ti.atomic_max(top[self.column(i)], self.particles.position.y[i])
+            ti.atomic_max(top[self.column(i), 1], p.y[i])
         for i in range(self.particles.count.there()):
             c = self.column(i)
-            if self.particles.position.y[i] == top[c]:
+            if p.y[i] == top[c, 1]:
                 ti.atomic_max(which[c], i)
-        for c in range(top.shape[0]):
+        for c in range(which.shape[0]):
             if which[c] >= 0:
-                p = self.particles.position
-                away[c] = self.surface.elevation(p.x[which[c]], p.z[which[c]])
+                top[c, 0], top[c, 2] = p.x[which[c]], p.z[which[c]]
 
     @ti.func
     def column(self, i):
@@ -67,15 +66,20 @@ class Tops:
         return found
 
 
+def fit(surface: "Surface", top: np.ndarray) -> tuple[float, float]:
+    """Mean and root mean square of the height of a surface over (m, 3) points [m]."""
+    away = surface.elevations(top[:, [0, 2]]) - top[:, 1]
+    return float(away.mean()), float(np.sqrt(np.square(away).mean()))
+
+
 class SurfaceFit:
     """Numbers of a row of accuracy.csv: the fit, and what the surface measures of itself."""
 
     def __init__(self, surface: "Surface", basin: Basin, fluid: ParticleFluid) -> None:
-        self.surface, self.tops = surface, Tops(surface, basin, fluid)
+        self.surface, self.tops = surface, Tops(basin, fluid)
         self.meaning = MEANING | {name.rsplit("_m", 1)[0]: meaning for name, meaning in surface.measured.items()}
         self.columns = ["surface_offset_m", "surface_fit_m", *surface.measured]
 
     def values(self) -> list[float]:
         """In the order of the columns."""
-        away = self.tops.heights()
-        return [float(away.mean()), float(np.sqrt(np.square(away).mean())), *self.surface.measures()]
+        return [*fit(self.surface, self.tops.points()), *self.surface.measures()]

@@ -142,7 +142,7 @@ def _launch_of(primal: Any, owner: Any, given: tuple) -> Launch | None:
             if not isinstance(value, np.ndarray):
                 return None
             takes.append(Taken(k, (slots,), value.dtype, value.ndim))
-        elif needed in (float, int):
+        elif needed in (float, int, ti.f32, ti.f64):
             takes.append(Taken(k, (slots,), needed is int, None))
         else:
             return None

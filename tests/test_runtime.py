@@ -185,6 +185,10 @@ class Adding:
             to[k] += times * number + self.start
 
     @ti.kernel
+    def add_exactly(self, to: runtime.Array, number: ti.f64):
+        to[0] += number
+
+    @ti.kernel
     def add_another(self, to: runtime.Array, other: runtime.Template):
         to[0] += other.start
 
@@ -210,6 +214,9 @@ def test_a_kernel_launched_again_takes_what_it_is_given_now(taichi_cpu):
         one.add_another(to, ten)
         one.add_another(to, one)
         assert to[0] == 11.0
+        one.add_exactly(to, 1.0e-12)
+        one.add_exactly(to, 1.0e-12)
+        assert to[0] - 11.0 == pytest.approx(2.0e-12, rel=1e-3)
         assert one.answered(2.0) == 3.0 and ten.answered(2.0) == 12.0
 
 

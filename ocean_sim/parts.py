@@ -213,6 +213,8 @@ class FluidConfig(KindConfig):
 
     made_of_particles: ClassVar[bool] = False
     """Whether it is made of particles, which start on a `lattice`; else it is a closed form."""
+    counts_in_doubles: ClassVar[bool] = True
+    """Whether its steps add up in float64, which not every graphics card has."""
     conserves_momentum: ClassVar[bool] = False
     """Whether what its particles exchange keeps momentum and angular momentum to rounding."""
     bears_shear: ClassVar[float] = 0.0

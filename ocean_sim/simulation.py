@@ -271,7 +271,8 @@ def must_have_doubles(scene: Scene, backend: runtime.Backend) -> None:
         "sea": tank.sea is not None,
         "basin.obstacles": bool(tank.obstacles),
         "basin.walls": any(side.absorbing is not None for side in tank.sides),
-        "fluid.kind": not scene.fluid.made_of_particles,
+        "health": "health" in scene.observers and scene.fluid.made_of_particles,
+        "fluid.kind": scene.fluid.counts_in_doubles,
         "wind": wind.needs_area,
     }
     found = [key for key, counts in counting.items() if counts]

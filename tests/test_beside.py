@@ -22,6 +22,7 @@ def test_the_rim_of_a_patch_stands_in_its_sea_or_beside_it():
     assert beside.resolved() == inside.resolved() and "rim" not in beside.resolved()
     assert load(PATCH | {"sea": SEA, "rim": {"width": 0.6}}, {"rim.width": 0.4}).sea.rim.width == 0.4
     assert load(PATCH | {"sea": "calm", "rim": {"rate": 3.0}}).sea.rim.rate == 3.0
+    assert load(PATCH | {"rim": {"width": 0.6}}, {"sea": SEA}).sea.rim.width == 0.6
     assert load(PATCH | {"sea": SEA, "rim": None}).resolved() == load(PATCH | {"sea": SEA}).resolved()
     assert [key.path for key in found("rim.width")] == [key.path for key in found("sea.rim.width")]
 

@@ -164,11 +164,13 @@ def test_a_card_without_double_precision_says_what_it_cannot_do():
     scene = load({"basin": {"length": 1.0, "width": 1.0, "depth": 0.5}, "fluid": {"kind": "mueller", "spacing": 0.1}})
     single = runtime.Backend("metal", 0, "f32", doubles=False)
     with pytest.raises(
-        runtime.BackendMissing, match="no double precision, in which accuracy of this scene would count"
+        runtime.BackendMissing, match="no double precision, in which accuracy, health of this scene would count"
     ):
         must_have_doubles(scene, single)
-    bare = load({**scene.resolved(), "accuracy": None})
+    bare = load({**scene.resolved(), "accuracy": None, "health": None})
     must_have_doubles(bare, single)
+    with pytest.raises(runtime.BackendMissing, match=r"in which fluid\.kind of this scene"):
+        must_have_doubles(load({**bare.resolved(), "fluid": {"kind": "dfsph", "spacing": 0.1}}), single)
     must_have_doubles(scene, runtime.Backend("cpu", 1, "f32"))
 
 

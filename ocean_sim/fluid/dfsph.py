@@ -8,8 +8,8 @@ under which the particles arrive at its rest density (density). Each solver iter
 by relaxed Jacobi steps p = max(p + omega r / A_ii, 0) (their kappa is p / density), carried on along the way of the
 last ones (Nesterov 1983) unless that leads uphill (O'Donoghue & Candes 2015, Found. Comput. Math. 15). An iteration
 reads the kept pairs twice. The pressures of a step are where the next begins; iterations go on until the error is
-within its tolerance and, in calm water, half of what it was, so that it comes to rest; in water that breaks that would
-be half of the work, and changes nothing that is seen.
+within its tolerance and, in calm water and in brief steps, half of what it was, so that it comes to rest; in water that
+breaks that would be half of the work, and changes nothing that is seen.
 
 Where there is a free surface both pressures are forces, and never negative: with them the step is symplectic (it is
 SHAKE; Leimkuhler & Skeel 1994, J. Comput. Phys. 112), and still water stays still. A gap inside the water may close
@@ -69,6 +69,7 @@ class Config(SphConfig):
     unheeded: ClassVar[tuple[str, ...]] = ("compression",)
     default_ratio: ClassVar[tuple[float, float]] = (NEUTRAL_RATIO, NEUTRAL_RATIO)
     kernel: ClassVar[Kernel] = NEUTRAL
+    counts_in_doubles: ClassVar[bool] = True
     kind: Literal["dfsph"] = "dfsph"
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
     """Support radius of the smoothing kernel over the spacing; by default 4.0."""

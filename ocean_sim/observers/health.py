@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ocean_sim.ship import Ship
     from ocean_sim.simulation import Simulation
 
-POSITIONS_EVERY = 50  # steps between two checks of all positions, which are copied for it
+POSITIONS_EVERY = 50  # steps between two checks of all positions
 ENERGY_EVERY = 0.1  # [depth over reference speed] at most between two checks of the energy, however long the steps
 GAIN_REPORTED = 0.01  # of the same scale as `max_energy_gain`: less is not reported
 MOMENTUM_REPORTED = 1e-4  # over all impulses: more from nowhere is reported

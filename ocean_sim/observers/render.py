@@ -250,7 +250,8 @@ class Drawer:
         """End the child and its encoder, and remove what they left unfinished."""
         child = self.child
         if child is not None:
-            end_led(child)
+            if child.returncode != 0:  # else it has ended what it led
+                end_led(child)
             for stream in (child.stdin, child.stdout):
                 if stream is not None:
                     with suppress(OSError):
@@ -442,7 +443,7 @@ class Coming:
         """The frame of each picture of a film, as soon as it is known, and how many pictures there are, or 0."""
         done = 0
         while True:
-            ended = self.ended
+            ended, there = self.ended, len(self.log.files)
             numbers = schedule(self.log.times, every) if ended else known(self.log.times, every)
             for number in numbers[done:]:
                 yield self.log.files[number], len(numbers) if ended else 0
@@ -450,7 +451,7 @@ class Coming:
             if ended:
                 return
             self.look()
-            if not self.ended and len(known(self.log.times, every)) == done:
+            if not self.ended and len(self.log.files) == there:
                 self.over.wait(LOOKS_EVERY)
 
 

@@ -70,6 +70,8 @@ class Log:
 
     def grow(self, files: list[Path]) -> None:
         """Add the frames that have come since."""
+        if not files:
+            return
         times: list[float] = []
         for path in files:
             with np.load(path) as file:

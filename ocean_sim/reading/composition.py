@@ -177,9 +177,10 @@ def composed(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> C
     for slot in SLOTS:
         if slot in scene.data:
             result.lay(slot, scene.data[slot], None)
-    for key in BESIDE:
-        if key in scene.data and scene.data[key].data is not None:
-            result.lay_beside(key, scene.data[key])
+    beside = {key: scene.data[key] for key in BESIDE if key in scene.data and scene.data[key].data is not None}
+    early = [key for key in beside if result.slots.get(BESIDE[key]) is not None]
+    for key in early:
+        result.lay_beside(key, beside[key])
     if SEVERAL in scene.data:
         for place, ship in result.named_ships(scene.data[SEVERAL]):
             result.lay(place, ship, None)
@@ -194,6 +195,8 @@ def composed(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> C
             result.root.data[key] = node if below is None else merged(below, node)
     for key, node in sorted(overrides.items(), key=lambda item: (item[0].count("."), not item[0].endswith(".kind"))):
         result.set(key, node)
+    for key in beside.keys() - early:
+        result.lay_beside(key, beside[key])
     for slot, default in DEFAULTS.items():
         if result.slots.get(slot) is None:
             result.slots[slot] = chosen(slot, scene.with_data(default))

@@ -7,9 +7,9 @@ promised. Particles, that press on the section in a patch of open sea three wave
 heave and 20 % of roll.
 
 Off resonance the closed form misses: -5.7 % at 1.072 s, -6.9 % at 1.036 s, -19 % at 0.897 s, where the section hardly
-moves. So do particles: heave is 37 % too low at 1.158 s with 8 and with 12 spacings in the draught, so that is not the
-resolution's, and 43 % at 0.897 s with 8, where the same patch without a hull has its wave within 5 %. At 1.21 s it is
-1.4 % too high with 8. Roll is 28 to 47 % too low. Why is not known.
+moves. So do particles: heave is 37 % too low at 1.158 s with 8 and with 12 spacings in the draught (ten here), so that
+is not the resolution's, and 43 % at 0.897 s with 8, where the same patch without a hull has its wave within 5 %. At
+1.21 s it is 1.4 % too high with 8. Roll is 28 to 47 % too low. Why is not known.
 """
 
 from functools import partial

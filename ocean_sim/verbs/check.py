@@ -153,7 +153,7 @@ def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
     terms = ", ".join(f"{name} {console.duration(seconds)}" for name, seconds in shown.items() if seconds)
     if whole is None:
         return f"no estimate of the wall time of the steps ({terms}) for {config.duration:g} s"
-    meanwhile = "; the film is drawn while the steps go on, in less where cores are idle" if parts["pictures_s"] else ""
+    meanwhile = "; most films are drawn meanwhile, in less where cores are idle" if parts["pictures_s"] else ""
     return f"about {console.duration(whole)} for {config.duration:g} s on an idle machine ({terms}){meanwhile}"
 
 

@@ -52,7 +52,7 @@ def film(config: SceneConfig) -> None:
     seconds = sum(part.picture_time(config.duration) for part in config.observers.values())
     if seconds:
         time = f"about {console.duration(seconds)} on two idle cores"
-        console.say(f"its film is drawn while it goes on, the rest after it, {time}; --set render=null leaves them out")
+        console.say(f"its pictures, drawn while it goes on or after it, take {time}; --set render=null leaves them out")
 
 
 def report(

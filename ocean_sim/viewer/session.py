@@ -244,10 +244,11 @@ class Session:
             case p.Route(ship=ship, points=points, speed=speed):
                 if points:
                     self.sail(ship, points, speed)
+                    self.note(f"{ship}: route {points} at {speed:g} m/s")
                 else:
                     person = self.person(ship)
                     person.give(person.throttle, 0.0)
-                self.note(f"{ship}: route {points} at {speed:g} m/s")
+                    self.note(f"{ship}: no route")
             case p.Wind(name=name):
                 if name not in panel.winds:
                     raise Failed(f"there is no wind {name!r}")

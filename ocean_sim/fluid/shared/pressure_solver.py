@@ -24,9 +24,8 @@ if TYPE_CHECKING:  # it is imported only where there are bodies
 PILED = 4.0  # largest eigenvalue of A / A_ii for particles piled up in one position next to a wall
 REPORT = 3  # numbers that an iteration reports: sums over all particles
 TOO_DENSE, TOO_THIN, UPHILL = range(REPORT)
-SHARE = (
-    0.5  # of the error that a step begins with: in calm water iterations go on until it is less, so it comes to rest
-)
+# Of the error that a step begins with: in calm water iterations go on until it is less, so that it comes to rest.
+SHARE = 0.5
 
 
 class IncompressibleWater(Protocol):

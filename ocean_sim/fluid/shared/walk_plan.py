@@ -13,7 +13,7 @@ from ocean_sim.fluid.shared.particles import Count, Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.tasks import TASK, Tasks
 from ocean_sim.parts import LedgerRow
-from ocean_sim.runtime import CARDS
+from ocean_sim.runtime import CARDS, GRAPHICS
 
 SERIAL = 20_000  # up to so many particles one thread sorts faster than several
 CHUNKS = 8
@@ -139,7 +139,7 @@ class OfParticles(WalkPlan):
 
 
 CELLS, PARTICLES = OfCells(), OfParticles()
-PLANS: dict[str, WalkPlan] = {"cpu": CELLS, "auto": CELLS} | dict.fromkeys(CARDS, PARTICLES)
+PLANS: dict[str, WalkPlan] = {"cpu": CELLS, "auto": CELLS} | dict.fromkeys((*CARDS, *GRAPHICS), PARTICLES)
 """By backend; before it is started `auto` counts as the processor, and `gpu` as a card."""
 
 

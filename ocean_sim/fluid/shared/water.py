@@ -27,6 +27,7 @@ class WaterConfig(FluidConfig):
     """Keys that every kind of particle water shares."""
 
     made_of_particles: ClassVar[bool] = True
+    counts_in_doubles: ClassVar[bool] = False
     example: ClassVar[dict[str, Any]] = {"spacing": 2.5}
     kernel: ClassVar[Kernel] = WENDLAND
     """Of the gradient of pressure, and of exposed areas."""

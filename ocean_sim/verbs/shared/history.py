@@ -8,6 +8,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+from ocean_sim import kernel_library
 from ocean_sim.files.whole_file import whole
 from ocean_sim.machine import cores
 from ocean_sim.runtime import cache_directory
@@ -36,7 +37,13 @@ def processor() -> str:
 def way(order: dict[str, Any], row: dict[str, Any]) -> dict[str, Any]:
     """What two measurements must share to be compared: the machine, the scene and all that was set, and the threads."""
     of_order = {key: order[key] for key in ("scene", "profile", "sets")}
-    return {"machine": processor(), **of_order, "particles": row["particles"], "threads": row["threads"]}
+    return {
+        "machine": processor(),
+        "library": kernel_library.NAME,
+        **of_order,
+        "particles": row["particles"],
+        "threads": row["threads"],
+    }
 
 
 def before(of: dict[str, Any]) -> float | None:

@@ -88,7 +88,7 @@ def test_a_run_with_a_film_says_so_and_how_to_leave_it_out(capsys):
     run_verb.film(load(SEA))  # 10 pictures of 1280 x 720, a draft taking 0.5 s
     time = f"about {5.0:.1f} s on two idle cores"
     cure = "--set render=null leaves them out"
-    assert capsys.readouterr().out == f"its film is drawn while it goes on, the rest after it, {time}; {cure}\n"
+    assert capsys.readouterr().out == f"its pictures, drawn while it goes on or after it, take {time}; {cure}\n"
     run_verb.film(load(SEA, {"render.film": False}))
     run_verb.film(load(SEA, {"render": None}))
     assert capsys.readouterr().out == ""

@@ -11,17 +11,13 @@ from pathlib import Path
 from sys import stdout
 from typing import NamedTuple
 
-import ocean_sim  # noqa: F401  before Taichi, whose greeting would head the table
-
-# isort: split
 import numpy as np
-import taichi as ti
-import taichi.math as tm
 from _options import options
 from _paper import BLUE, GREY, INK, PALE, keep, paper, table
 
 from ocean_sim.conventions import AIR_DENSITY, GRAVITY, WATER_DENSITY
 from ocean_sim.fluid.shared.smoothing import Smoothing
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.parts import PACKAGE
 from ocean_sim.pictures.water_shading import REFRACTIVE_INDEX, fresnel
 from ocean_sim.random_numbers import numpy_uniform3

@@ -10,7 +10,6 @@ from functools import wraps
 from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, TypeVar
-from weakref import WeakSet
 
 import numpy as np
 
@@ -187,7 +186,7 @@ class Backend:
 _launches: "weakref.WeakKeyDictionary[Any, dict[Any, list[Launch]]]" = weakref.WeakKeyDictionary()  # by owner
 _started: tuple[RuntimeConfig, Backend] | None = None
 _allocations: list["Allocation"] = []  # the sets of fields that take memory now, in the order they were made
-_open: WeakSet["Fields"] = WeakSet()  # those that are not freed
+_open: "weakref.WeakSet[Fields]" = weakref.WeakSet()  # those that are not freed
 _numbered = False  # whether Taichi has given numbers to fields since it was started
 
 

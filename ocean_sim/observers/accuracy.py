@@ -86,7 +86,8 @@ class Accuracy(Observer):
             fluid = simulation.fluid
             self.pushing = [term for term in TERMS if term in fluid.impulse]
             self.driven = falls_around(simulation)
-            self.at_start = self.potential_energy(with_particles(simulation.fluid))
+            water = with_particles(fluid)
+            self.at_start = potential(water.particles.mass, water.totals(), self.gravity)
             self.energy_at_start = None
             self.solvers = tuple(fluid.solvers)
             between = BETWEEN_ENERGIES[: 1 if self.solvers else 2]  # what is not compressed stores nothing
@@ -132,10 +133,6 @@ class Accuracy(Observer):
                 "ended with and the worst since the start, steps that the limit of iterations ended"
             )
         return means
-
-    def potential_energy(self, fluid: ParticleFluid) -> float:
-        """Of the particles in gravity, zero at the origin [J]."""
-        return potential(fluid.particles.mass, fluid.totals(), self.gravity)
 
     def residual(self, energy: float, potential: float, work: dict[str, float]) -> float:
         """Energy [J] that the water has gained since the first row and no force has given."""

@@ -124,9 +124,10 @@ class Health(Concluding):
         if self.n > 0 and simulation.steps > 0:
             if self.suspicious() or simulation.steps % POSITIONS_EVERY == 0:
                 sentence = next(self.violations(), None)
+            elif self.judged and simulation.time >= self.energy_seen + self.energy_every:
+                sentence = next(self.energy_violations(with_particles(simulation.fluid).totals()), None)
             else:
-                due = self.judged and simulation.time >= self.energy_seen + self.energy_every
-                sentence = next(self.energy_violations(), None) if due else None
+                sentence = None
             if sentence is not None:
                 raise Diverged(sentence)
         self.judge_hulls(simulation)
@@ -170,7 +171,7 @@ class Health(Concluding):
                     f"the water has swollen: {high} (bound {bound:.3g}), {self.moment()}; {self.advice()}"
                     f"{self.last_frame()}"
                 )
-        yield from self.energy_violations()
+        yield from self.energy_violations(totals)
 
     def violations_of_particles(self) -> Iterator[str]:
         """The same of single particles, each of which is looked at."""
@@ -218,14 +219,13 @@ class Health(Concluding):
         """Of motion and height, and of compression [J]."""
         return mechanical(self.simulation, totals), self.simulation.fluid.internal_energy()
 
-    def energy_violations(self) -> Iterator[str]:
+    def energy_violations(self, totals: Totals) -> Iterator[str]:
         """Energy that no force has given: an unstable scheme creates it long before one particle is out of bounds, and
         a stiff one has it in its first lattice, which motion and height get when it gives way."""
         if self.judged and self.first_energy is not None:
             fluid, bound = self.simulation.fluid, self.config.max_energy_gain
             scale = with_particles(fluid).particles.mass * self.n * fluid.reference_speed**2
-            energies = self.energies(with_particles(fluid).totals())
-            moved, squeezed = (now - then for now, then in zip(energies, self.first_energy))
+            moved, squeezed = (now - then for now, then in zip(self.energies(totals), self.first_energy))
             gain, given = (moved + squeezed) / scale, (moved - self.stored) / scale
             self.energy_seen = self.simulation.time
             if not (gain <= GAIN_REPORTED or self.gain_reported):

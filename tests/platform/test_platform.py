@@ -10,7 +10,7 @@ from ocean_sim.platform import LEG_ACCELERATION, LEG_SPEED, SINGULAR, STROKE, Cu
 from ocean_sim.platform.hexapod import Config
 from ocean_sim.platform.shared.limits import Legs, Workspace, softened
 from ocean_sim.platform.shared.metrics import delay, dose, metrics, sickness_weighting
-from ocean_sim.platform.shared.motion_log import Ride, read, ride_of
+from ocean_sim.platform.shared.motion_log import Ride, read, ride_of, turned
 from ocean_sim.ship import PARTS
 from tests.platform.conftest import G, columns, ride, write
 
@@ -97,6 +97,35 @@ def test_the_ship_set_passes_heave_and_follows_roll_and_pitch(period):
     assert done.legs.min() >= 2.131 and done.legs.max() <= 3.281
     for k in (3, 4):
         assert amplitude_of(done.pose[:, k], period) == pytest.approx(np.radians(4.0), rel=0.001)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("period", [6.0, 7.0, 8.0])
+def test_the_adaptive_set_passes_a_yachts_heave_and_shows_surge_no_worse_than_twice(period, tmp_path):
+    """In waves of 1.2 m amplitude from 30 degrees off the bow: 90 % of the scaled heave acceleration, and at most twice
+    the error of felt surge of the classical set."""
+    import ocean_sim
+
+    scene = {
+        "duration": 90.0,
+        "basin": {"length": 160.0, "width": 160.0, "depth": 30.0, "walls": "none"},
+        "fluid": {"kind": "linear_waves", "height": 2.4, "period": period, "heading_deg": 150.0},
+        "ship": {"kind": "yacht"},
+        "motion": {"every": DT},
+    }
+    ocean_sim.run(
+        ocean_sim.load(scene | dict.fromkeys(("accuracy", "frames", "render", "report"))), out=tmp_path / "run"
+    )
+    rows = read(tmp_path / "run" / "motion.csv").ride
+    heave = 0.5 * (turned(rows.attitude, rows.specific_force)[:, 2] - G)
+    found = {}
+    for name in ("ship", "ship_adaptive"):
+        machine = Config(washout=name).build(DT)
+        done = machine.follow(rows)
+        found[name] = {m.quantity: m.value for m in metrics(rows, done, machine.hexapod, DT)}["force_x_error_rms"]
+    felt = np.diff(done.pose[:, 2], n=2, prepend=[0.0, 0.0]) / DT**2
+    assert amplitude_of(felt, period) >= 0.90 * amplitude_of(heave, period)
+    assert found["ship_adaptive"] <= 2.0 * found["ship"]
 
 
 def test_aircraft_sets_take_heave_away():

@@ -20,6 +20,7 @@ from ocean_sim.parts import Preflight, Problems
 from ocean_sim.pictures.buffers import Buffer, Mesh
 from ocean_sim.pictures.controls import controls
 from ocean_sim.pictures.curves import KEPT, NAMES, Curves
+from ocean_sim.pictures.pad import Pad
 from ocean_sim.pictures.panel import HELM, Panel, after, sliders_of
 from ocean_sim.pictures.preview_eye import Eye, Orbit, View, seen
 from ocean_sim.pictures.preview_scene import SPEEDS, Balls, PreviewScene, backdrop
@@ -124,6 +125,7 @@ class Screen:
         self.curves = {name: Buffer(2) for name in NAMES}
         self.shades, self.bar, self.bar_colours = Buffer(2), Buffer(2), Buffer(3)
         self.fresh = 0 if show else WARMING
+        self.pad = Pad()
         self.pressed: set[str] = set()
         self.cursor: tuple[float, float] | None = None
 
@@ -275,11 +277,15 @@ class Screen:
         return buffer.astype(np.uint8)[..., :3]
 
     def listen(self, panel: Panel, seconds: float) -> None:
-        """Take what keyboard and mouse did in the last so many seconds."""
+        """Take what keyboard, mouse and pad did in the last so many seconds."""
         panel.closed = panel.closed or not self.window.running
         for event in self.window.get_events(ti.ui.PRESS):
             panel.press(event.key)
         panel.hold({key for key in HELM if self.window.is_pressed(key)}, seconds)
+        self.pad.look()
+        panel.steer(*self.pad.held, seconds)
+        if self.pad.amidships:
+            panel.do("rudder amidships")
         for key, factor in (("q", 0.5), ("e", 2.0)):
             if self.window.is_pressed(key):
                 panel.nearer(factor**seconds)
@@ -295,6 +301,7 @@ class Screen:
 
     def close(self) -> None:
         """Release the window, the scenes first: they live on its graphics device."""
+        self.pad.close()
         self.plain = self.lit = self.canvas = self.camera = None
         self.window.destroy()
         self.window = None

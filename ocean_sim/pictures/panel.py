@@ -126,8 +126,13 @@ class Panel:
             self.asked.append(action)
 
     def hold(self, keys: set[str], seconds: float) -> None:
-        """Keys of the helm that were held for so long [s]; the first one takes the helm from the scene's controls."""
+        """Keys of the helm that were held for so long [s]."""
         pedal, wheel = (sum(HELM[key][k] for key in keys if key in HELM) for k in range(2))
+        self.steer(pedal, wheel, seconds)
+
+    def steer(self, pedal: float, wheel: float, seconds: float) -> None:
+        """Pedal, ahead positive, and wheel, to port positive, -1 to 1, that were held for so long [s]; the first touch
+        takes the helm from the scene's controls."""
         if not pedal and not wheel:
             return
         if self.person is None:

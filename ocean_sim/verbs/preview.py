@@ -1,6 +1,8 @@
 """`ocean-sim preview`: a window to play with, or the same pictures as numbered files."""
 
+from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import Any
 
@@ -15,6 +17,7 @@ from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import Bar
 
 OWN = "of the scene"  # a wind that is not a preset
+RIG = ("motion", "platform_log", "stream")  # observers that play along where a scene names `stream`
 BUDGET = 0.1  # [s] wall time for steps between two pictures of a window
 
 
@@ -39,7 +42,8 @@ def preview(
 
     observer.require(show=frames is None)
     with console.claim(folder):
-        session = Session(config, folder, lambda wind: load(scene, with_wind(overrides, wind), profile))
+        of_wind = partial(of_preset, scene, overrides, profile)
+        session = Session(config, folder, of_wind, frames is None)
         try:
             if frames is None:
                 session.play()
@@ -65,17 +69,23 @@ def with_wind(overrides: dict[str, Any], wind: str) -> dict[str, Any]:
     return {key: value for key, value in overrides.items() if key.split(".")[0] != "wind"} | {"wind": wind}
 
 
+def of_preset(scene: str, overrides: dict[str, Any], profile: str | None, wind: str) -> SceneConfig:
+    """The scene with a preset of wind; raises SceneError."""
+    return load(scene, with_wind(overrides, wind), profile)
+
+
 class Session:
     """A scene that is stepped, drawn, and played with."""
 
-    def __init__(self, config: SceneConfig, folder: Path, of_wind: Any) -> None:
-        """`of_wind`: the scene with another preset of wind, by name; raises SceneError."""
+    def __init__(self, config: SceneConfig, folder: Path, of_wind: Any, shown: bool) -> None:
+        """`of_wind`: the scene with another preset of wind, by name; raises SceneError. `shown`: in a window."""
         from ocean_sim.observers.preview import Config, Panel
 
-        self.config, self.folder, self.of_wind = config, folder, of_wind
+        self.config, self.folder, self.of_wind, self.shown = config, folder, of_wind, shown
         look = config.observers.get("preview")
         self.look = look if isinstance(look, Config) else Config(size=(1280, 720))
-        self.simulation = built(config)
+        self.away = TemporaryDirectory(prefix="ocean-sim-")  # files of observers, which are thrown away
+        self.simulation = self.built()
         own = name_of(config.wind)
         self.panel = Panel([*([own] if own == OWN else []), *named("wind"), "still"], own)
         self.playing = self.panel.wind  # the wind of the simulation
@@ -159,7 +169,7 @@ class Session:
             restarted = runtime.restarts(config.runtime)
             if restarted:
                 self.screen.close()
-            self.simulation = built(config)
+            self.simulation = self.built()
         if restarted:
             self.open(self.screen.shown)
         else:
@@ -196,6 +206,14 @@ class Session:
         if self.screen is not None:
             self.screen.close()
         self.simulation.close()
+        self.away.cleanup()
+
+    def built(self) -> Simulation:
+        """The simulation; where the scene of a window names `stream`, who steers rides on the platform it drives."""
+        if not self.shown or "stream" not in self.config.observers:
+            return Simulation(self.config)
+        playing = {name: part for name, part in self.config.observers.items() if name in RIG or not part.writes}
+        return Simulation(self.config.model_copy(update={"observers": playing}), Path(self.away.name))
 
     def facts(self) -> dict[str, Any]:
         """What was drawn, for programs."""
@@ -215,11 +233,6 @@ class Session:
         if facts["ms_per_picture"] is not None:
             sentence += f", {facts['ms_per_picture']:.0f} ms a picture"
         return f"{sentence}; {facts['folder']}" if self.folder.exists() else sentence
-
-
-def built(config: SceneConfig) -> Simulation:
-    """The simulation, with the observers that write nothing."""
-    return Simulation(config)
 
 
 def name_of(wind: WindConfig) -> str:

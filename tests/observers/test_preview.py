@@ -4,9 +4,12 @@ import ast
 import gc
 import json
 import os
+import socket
+import struct
 import subprocess
 import sys
 from math import pi, radians
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,8 +22,10 @@ from ocean_sim.pictures import panel as panel_module
 from ocean_sim.pictures import preview_eye, vulkan
 from ocean_sim.pictures.controls import controls
 from ocean_sim.pictures.curves import KEPT, Curves
+from ocean_sim.pictures.pad import Pad
 from ocean_sim.pictures.panel import Panel, Slider, sliders_of
 from ocean_sim.pictures.preview_scene import PreviewScene, backdrop, speed_colours
+from ocean_sim.platform.shared.packets import unpacked
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.verbs import preview as verb
@@ -336,7 +341,7 @@ def test_a_window_is_played_with(tmp_path, monkeypatch):
         "open",
         lambda self, show: self.__dict__.update(screen=window) or window.watch(self.simulation, self.panel),
     )
-    session = verb.Session(load(scene, sets), tmp_path, lambda wind: load(scene, verb.with_wind(sets, wind)))
+    session = verb.Session(load(scene, sets), tmp_path, lambda wind: load(scene, verb.with_wind(sets, wind)), True)
     assert session.panel.wind == "still"
     session.play()
     times = window.times
@@ -347,6 +352,64 @@ def test_a_window_is_played_with(tmp_path, monkeypatch):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["recording_000", "snapshot_000.png"]
     assert len(list((tmp_path / "recording_000").iterdir())) == 2
     session.close()
+
+
+def test_who_steers_in_a_window_rides_on_the_platform_that_its_scene_streams_to(tmp_path):
+    """Numbered pictures, which wait for no clock, send nothing."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as listening:
+        listening.bind(("127.0.0.1", 0))
+        listening.settimeout(5.0)
+        scene = {
+            "basin": {"length": 60.0, "width": 60.0, "depth": 20.0, "walls": "none"},
+            "fluid": {"kind": "linear_waves", "height": 0.5, "period": 4.0},
+            "ship": {"kind": "hydrostatic", "hull": "yacht", "cells_per_draught": 3},
+            "platform": {"kind": "hexapod", "ramp": 0.05},
+            "motion": {"every": 0.02},
+            "stream": {"to": f"udp://127.0.0.1:{listening.getsockname()[1]}"},
+            "runtime": {"threads": 1, "precision": "f64"},
+            "time_step": {"kind": "fixed", "dt": 0.02},
+        }
+        session = verb.Session(load(scene), tmp_path / "out", None, True)
+        session.panel.ship = "ship"
+        for _ in range(4):
+            session.panel.steer(1.0, 0.5, 0.1)  # a pad's pedal and wheel
+            session.obey()
+            session.go_on(0.05)
+        assert session.panel.person.throttle > 0.0 and session.panel.person.rudder > 0.0
+        assert unpacked(listening.recv(4096)).seq == 0
+        away = session.away.name
+        session.close()
+        assert not (tmp_path / "out").exists() and not Path(away).exists()
+        film = verb.Session(load(scene), tmp_path / "out", None, False)
+        assert not {type(each).__name__ for each in film.simulation.observers} & {"Motion", "PlatformLog", "Stream"}
+        film.close()
+
+
+def test_a_pad_steers_and_may_come_and_go(tmp_path):
+    """Events as the kernel writes them, through a pipe of the name that a pad has."""
+
+    def event(kind, number, value):
+        return struct.pack("<IhBB", 0, value, kind, number)
+
+    pad = Pad(tmp_path)
+    pad.look()
+    assert pad.held == (0.0, 0.0)  # there is none
+    os.mkfifo(tmp_path / "js0")
+    plugged = os.open(tmp_path / "js0", os.O_RDWR)
+    os.write(plugged, b"".join(event(0x82, axis, -32767 if axis in (2, 5) else 0) for axis in range(6)))
+    pad.look()
+    assert pad.held == (0.0, 0.0) and not pad.amidships
+    os.write(plugged, event(2, 0, -32767) + event(2, 5, 0) + event(2, 4, 3000) + event(1, 0, 1))
+    pad.look()
+    assert pad.held == pytest.approx((0.5, 1.0)) and pad.amidships  # port; half a trigger; a stick that idles
+    pad.look()
+    assert not pad.amidships and pad.held[1] == 1.0  # a stick stays where it is
+    os.write(plugged, event(2, 4, 32767))
+    pad.look()
+    assert pad.held[0] == pytest.approx(-0.5)  # the other stick, pulled, against the trigger
+    pad.close()
+    os.close(plugged)
+    assert pad.held == (0.0, 0.0)
 
 
 def test_without_vulkan_or_a_screen_a_sentence_says_what_to_do(tmp_path, monkeypatch, capsys):

@@ -169,6 +169,15 @@ def test_a_barge_in_a_beam_sea_moves_as_the_coupled_table_says():
     assert abs(alone[2]) < 0.75 * abs(exact[2])
 
 
+def test_a_table_of_the_same_depth_has_the_beds_part():
+    ship = at_sea({"kind": "dynamic", "hull": "barge20", "radiation": str(BARGE)}, 20.0, 0.05)["ship"]
+    config = load(at_sea(ship, 20.0, 0.05)).ships["ship"]
+    config.table.depth = 5.0
+    hull = config.afloat(9.81, 1000.0)
+    assert config.over_a_bed(hull, 5.0) == "the water is 2.5 draughts deep: squat is not modelled"
+    assert "the bed's part" in config.over_a_bed(hull, 6.0)
+
+
 def test_check_says_where_a_table_is_of_another_case():
     ship = {"kind": "dynamic", "hull": "barge20", "radiation": str(BARGE), "velocity": [0.0, 0.0, 2.0]}
     scene = at_sea(ship, 20.0, 0.05, height=0.2, period=6.0)
@@ -177,5 +186,6 @@ def test_check_says_where_a_table_is_of_another_case():
     still = dict(ship, velocity=[0.0, 0.0, 0.0], centre_of_mass=[0.0, 3.0, 0.0])
     shallow, deep, axis = sorted(load(scene | {"ship": still}).warnings(), reverse=True)
     assert shallow.startswith("the water is 2.5 draughts deep: squat")
+    assert "added mass and damping" in shallow  # of deep water in the table
     assert "the table turns about a point 0.5 m over the still water, the centre of mass lies at 1 m" in deep
     assert "the table is of deep water, here it is 5 m" in axis and "shorter here" in axis

@@ -28,6 +28,7 @@ from ocean_sim.ship.shared.outline import outline
 from ocean_sim.ship.shared.propulsion import Propeller, Rudder
 from ocean_sim.ship.shared.rigid_body import RigidBody, matrix, oriented
 from ocean_sim.ship.shared.solid import Solid
+from ocean_sim.ship.shared.squat import squat
 from ocean_sim.ship.shared.vessel import Actuators, VesselConfig
 from ocean_sim.ship.shared.wall_contact import Sides
 from ocean_sim.ship.shared.water import ACROSS, ALONG, LEVELS, SurroundingSea, SurroundingWater
@@ -197,6 +198,25 @@ class FloatingConfig(VesselConfig):
         rule = "a rule of its waterplane, not the pressures, says what slamming does"
         return [f"{fall}: it falls on the water at {speed:.2g} m/s, and {rule}"]
 
+    def feels_bed(self, depth: float) -> bool:
+        """Whether added mass and damping are those over a bed at this depth [m]."""
+        return False
+
+    def over_a_bed(self, hull: Hydrostatics, depth: float) -> str:
+        """What is missing in water of few draughts."""
+        bed = "squat is" if self.feels_bed(depth) else "squat, and the bed's part in added mass and damping, are"
+        message = f"the water is {depth / hull.draught:.3g} draughts deep: {bed} not modelled"
+        speed = max(float(np.linalg.norm(self.velocity)), self.helm.speed if self.helm is not None else 0.0)
+        if speed == 0.0:
+            return message
+        _, breadth, _ = hull.stations
+        length = float(hull.voxels.size[2]) * np.count_nonzero(breadth > 0.0)
+        sunk = squat(hull.wanted, length, speed, depth)
+        if isinf(sunk):
+            return f"{message}; {speed:.3g} m/s are faster than the fastest wave there, sqrt(g h)"
+        touches = ", and touch the bed" if hull.draught + sunk >= depth else ""
+        return f"{message}; at {speed:.3g} m/s her bow would lie {sunk:.2g} m deeper{touches} (ICORELS 1980)"
+
     def warnings(self, preflight: Preflight) -> list[str]:
         hull = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
         if isinf(hull.draught):
@@ -208,8 +228,7 @@ class FloatingConfig(VesselConfig):
         if hull.metacentric_height() <= 0.0:
             found.append(f"the ship is unstable upright: GM = {hull.metacentric_height():.3g} m; it will heel")
         if not preflight.fluid.made_of_particles and preflight.tank.depth < SHALLOW * hull.draught:
-            message = f"the water is {preflight.tank.depth / hull.draught:.3g} draughts deep"
-            found.append(f"{message}: squat, and the bed's part in added mass and damping, are not modelled")
+            found.append(self.over_a_bed(hull, preflight.tank.depth))
         resistance = self.resistance(hull)
         if resistance is not None:
             found += resistance.warnings

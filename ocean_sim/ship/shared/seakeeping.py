@@ -93,6 +93,9 @@ class SeakeepingConfig(FloatingConfig):
         found = super().warnings(preflight) + ([deep] if preflight.surface is not None else [])
         return found if self.table is None else found + self.of_table(self.table, preflight)
 
+    def feels_bed(self, depth: float) -> bool:
+        return self.table is not None and self.table.depth == depth
+
     def of_table(self, table: Radiation, preflight: Preflight) -> list[str]:
         """Where a table is of another case than this one."""
         found, tank = list[str](), preflight.tank

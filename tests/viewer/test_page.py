@@ -1,6 +1,7 @@
 """The page in a real browser without a screen: it loads, the water moves, what is pressed arrives, a replay scrubs."""
 
 import json
+import shutil
 import subprocess
 import sys
 
@@ -80,6 +81,26 @@ def test_a_replay_opens_from_a_file_and_scrubs(run, tmp_path):
         drawn = browser.js("oceanSim.state.drawn")
         browser.wait(f"oceanSim.state.drawn > {drawn}")
         assert browser.picture() != before
+        assert browser.said == []
+
+
+@pytest.mark.slow
+@in_a_browser
+def test_two_runs_have_one_clock_and_the_longer_one_goes_on(run, tmp_path):
+    shorter = shutil.copytree(run, tmp_path / "shorter")
+    for k in range(21, 41):
+        (shorter / "frames" / f"frame_{k:05d}.npz").unlink()
+    path = replay_file([shorter, run], tmp_path / "replay.html")
+    with _chromium.Page((480, 360)) as browser:
+        browser.go(path.as_uri())
+        browser.wait("oceanSim.state.drawn > 1", 120.0)
+        assert browser.js("document.getElementById('names').innerText").split() == ["shorter", run.name]
+        browser.js("document.getElementById('scrub').value = 400; document.getElementById('scrub').oninput()")
+        assert browser.js("oceanSim.state.worlds.map(world => world.time)") == pytest.approx([0.8, 0.8], abs=1e-3)
+        browser.js("document.getElementById('go').click()")
+        browser.wait("oceanSim.state.paused", 120.0)
+        assert browser.js("oceanSim.state.time") == pytest.approx(2.0, abs=1e-6)
+        assert browser.js("oceanSim.state.worlds.map(world => world.time)") == pytest.approx([1.0, 2.0], abs=1e-3)
         assert browser.said == []
 
 

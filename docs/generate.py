@@ -313,7 +313,7 @@ def figures() -> str:
         [
             "# The thesis, figure by figure\n",
             (DOCS / "figures.md.in").read_text(encoding="utf-8"),
-            table(["figure", "ours", "command", "its number, and ours", *(["time, `--fast`"] if took else [])], cells),
+            table(["figure", "ours", "command", "its number, and ours", *(["processor time, `--fast`"] if took else [])], cells),
             "## Not drawn\n",
             table(["figure", "is"], left),
         ]

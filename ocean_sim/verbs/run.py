@@ -165,7 +165,8 @@ def summary(facts: dict[str, Any]) -> str:
         f"time step limited by {', '.join(f'{name} {share:.0%}' for name, share in limits.items())}",
     ]
     if worst := facts["worst_compression"]:
-        lines.append(f"worst compression: {', '.join(f'{name} {share:.2%}' for name, share in worst.items())}")
+        named = ", ".join(f"{name} {share:.2%}" for name, share in worst.items())
+        lines.append(f"worst density error (compression): {named}")
     lines += [f"event at t = {e.get('time_s', 0.0):.3f} s: {_described(e)}" for e in facts["events"][:5]]
     if len(facts["events"]) > 5:
         lines.append(f"... and {len(facts['events']) - 5} more events in events.jsonl")

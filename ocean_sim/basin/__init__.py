@@ -311,7 +311,7 @@ def astray(obstacles: tuple[Obstacle, ...], basin: "Basin", duration: float) -> 
                     continue
                 common = np.minimum(up, other.max + there.way[:d]) - np.maximum(low, other.min + there.way[:d])
                 if common.min() > ROUNDING:
-                    met.add(f"its way crosses obstacles.{j} at {time:.3g} s; let it `end` before")
+                    met.add(f"its path crosses obstacles.{j} at {time:.3g} s; let it `end` before")
             if met:
                 break
         found += [(key, sentence) for sentence in sorted(met)]

@@ -524,6 +524,6 @@ class DeltaSph(Sph):
         ratio = 1.0 + self.excess.to_numpy().astype(float) / self.particles.rest_density
         if not ratio.min() > 0.0:
             least = self.particles.rest_density * ratio.min()
-            raise Diverged(f"density fell to {least:.4g} kg/m^3, and water has some; try a shorter time step")
+            raise Diverged(f"density fell to {least:.4g} kg/m^3; it must stay above 0; try a shorter time step")
         powers = np.log(ratio) if gamma == 1 else (ratio ** (gamma - 1) - 1.0) / (gamma - 1)
         return self.particles.mass * self.sound_speed**2 / gamma * float((powers + 1.0 / ratio - 1.0).sum())

@@ -160,7 +160,7 @@ def summary(facts: dict[str, Any]) -> str:
     """The last lines of a run, for people."""
     factor, limits = f"{facts['real_time_factor']:.2g} x real time after the start", facts["limited_by"]
     lines = [
-        f"{facts['particles']} particles, {facts['steps']} steps, {facts['simulated_s']:.3g} s simulated in "
+        f"{facts['particles'] or 'no'} particles, {facts['steps']} steps, {facts['simulated_s']:.3g} s simulated in "
         f"{console.duration(facts['wall_s']['start'] + facts['wall_s']['steps'])}, start included; {factor}",
         f"time step limited by {', '.join(f'{name} {share:.0%}' for name, share in limits.items())}",
     ]

@@ -103,7 +103,7 @@ class SphConfig(WaterConfig):
                 found.append(
                     (
                         ("spacing",),
-                        f"a period of {period:g} m along {axis} is shorter than two supports of {support:g} m",
+                        f"a period of {period:g} m along {axis} is shorter than two support radii of {support:g} m",
                     )
                 )
         if basin.rough_bed is not None:

@@ -36,17 +36,17 @@ NO_FIGURE = {
 
 
 ELSEWHERE = {
-    "2-D, two-dimensional": "a slice: a basin without a `width`",
-    "3-D, three-dimensional": "in space: a basin with one",
-    "smoothing length h, 2h, kernel radius": "support radius; `support_ratio` is that over the spacing",
-    "ghost, mirror or dummy particles": "images, seen in a flat side; samples, of a solid body",
+    "slice, two-dimensional": "2-D: a basin without a `width`, a vertical slice",
+    "in space, three-dimensional": "3-D: a basin with a `width`",
+    "smoothing length h, 2h, kernel radius": "kernel support radius; `support_ratio` is that over the spacing",
+    "ghost, mirror or dummy particles": "ghost particles, the images in a flat side; samples, of a solid body",
     "CFL number, CFL limit": "`time_step.courant_number`; the limit `acoustic`",
-    "density error": "compression",
+    "density error": "compression, as keys and columns call it",
     "particle size, resolution dx": "`spacing`",
-    "inlet, inflow": "`fluid.emitter`",
+    "inlet, inflow": "inflow, the key `fluid.emitter`",
     "numerical beach, sponge layer, relaxation zone": "an absorbing side; with a target, one that relaxes the water",
     "wave probe, pressure probe, sensor": "gauge",
-    "template, preset": "a ready-made part, in `configs/`",
+    "template, ready-made part": "a preset, a file in `configs/`",
     "plug-in": "a kind, which is a module in the folder of its slot",
     "WCSPH": "`delta_sph`, `mueller`",
     "motion cueing": "`washout`",
@@ -118,7 +118,7 @@ for a name that you give.
 {key_table(heads)}
 `basin` and `fluid` are required. An absent `wind` is `still`; any other absent slot is nothing at all.
 
-{table(["slot", "", "kinds and ready-made parts"], [["[`basin`](scene_basin.md)", "The tank.", ""], *rows])}
+{table(["slot", "", "kinds and presets"], [["[`basin`](scene_basin.md)", "The tank.", ""], *rows])}
 `ships:` holds several ships by name in place of `ship`, with the same keys.
 
 ## Observers
@@ -166,7 +166,7 @@ def sections() -> dict[str, str]:
     found["runtime"] = page("The machine", "runtime", own_keys("runtime"))
     for slot in SLOTS:
         parts = [[code(name), sentence(slot, name)] for name in (*kinds(slot), *named(slot))]
-        text = [f"# {slot}\n", module_sentence(slot) + "\n", table(["kind or part", ""], parts)]
+        text = [f"# {slot}\n", module_sentence(slot) + "\n", table(["kind or preset", ""], parts)]
         for kind in kinds(slot):
             own = [key for key in keys() if key.section == f"{slot}.{kind}"]
             example = next((key.example for key in own), "")
@@ -302,6 +302,7 @@ def figures() -> str:
     from ocean_sim.verbs.figure import sentence as shows
 
     took = {row["figure"]: float(row["fast_s"]) for row in rows_of("figures")}
+    heads = ["processor time, `--fast`"] if took else []
     cells = []
     for name, path in scripts().items():
         if name[0].isdigit():
@@ -313,7 +314,7 @@ def figures() -> str:
         [
             "# The thesis, figure by figure\n",
             (DOCS / "figures.md.in").read_text(encoding="utf-8"),
-            table(["figure", "ours", "command", "its number, and ours", *(["time, `--fast`"] if took else [])], cells),
+            table(["figure", "ours", "command", "its number, and ours", *heads], cells),
             "## Not drawn\n",
             table(["figure", "is"], left),
         ]

@@ -3,7 +3,7 @@ the circulation of its presets; and a picture of the sea that each raises, toget
 
 Coarse water, 2.5 m apart: three whole layers, which lie still where no wind blows. Heights are 4 sqrt m0 over time at
 25 gauges from SETTLED s on, when the lattice has settled; the gusts of the trends begin then, the presets at once.
-Fetch is studied alone, in a slice of water 1.25 m apart: gust after gust goes over the fetch and over a beach behind it
+Fetch is studied alone, in 2-D of water 1.25 m apart: gust after gust goes over the fetch and over a beach behind it
 that absorbs, so every place of every basin is blown on as often; they go at 8 m/s, slower than the longest wave of this
 depth (8.6 m/s), for waves do not grow under a gust that outruns them; and heights are those of the last quarter of the
 fetch from when the first gusts have passed. The slice moves by delta_sph, with the viscosity of thesis_6000, whose own
@@ -76,7 +76,7 @@ class Waves(NamedTuple):
     tz: float  # their mean period [s]
     crest: float  # [m]
     waves: int  # whole ones of all gauges together
-    circulation: float  # at the end [m2/s]; not a number in a slice and where nothing turns
+    circulation: float  # at the end [m2/s]; not a number in 2-D and where nothing turns
     chart: tuple[np.ndarray, np.ndarray, np.ndarray] | None  # places [m] and elevation [m] at the end
 
 
@@ -115,7 +115,7 @@ def sea(
 
 
 def fetched(fetch: float, blowing: bool, seed: int, lasts: float) -> Waves:
-    """The sea at the end of a fetch [m], in a slice."""
+    """The sea at the end of a fetch [m], in 2-D."""
     length = fetch + BEACH
     scene = {
         "title": "figure 6-3, fetch",

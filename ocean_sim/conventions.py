@@ -9,11 +9,11 @@ One word for one thing, in names, messages and docs:
 
 accounts      sums of impulse and work, term by term, which `accuracy.csv` shows
 cell          of the grid that finds neighbours, or of a CSV file
-compression   rise of the density over the rest density
+compression   the density error: rise of the density over the rest density
 free surface  the upper boundary of the water
 gate          an obstacle that moves, or leaves
 hydrostatic offset  how far the water's own weight, or a step through a mirror, changes level or pressure
-image         what a side shows of a particle: reflected, seen as its mirror image
+image         a ghost particle: what a side shows of one, reflected as in a mirror
 kind          a module of a slot's folder, which a scene names as `kind:`
 lattice       the regular positions that particles start from
 ledger        the table of what a scene allocates, compiles and takes of a step
@@ -32,7 +32,7 @@ sample        a point of a solid body that the water's laws meet
 scheme        a kind of water whose particles act on each other
 slot          wind, fluid, surface, ship, platform or time_step of a scene
 spacing       distance between particles at rest; the unit "spacings" is multiples of it
-support       radius within which a smoothing kernel is not zero
+support       the kernel support radius: within it a smoothing kernel is not zero
 surface       what is laid on the free surface for pictures and ships
 tank          the basin with nothing afloat in it
 """

@@ -1,8 +1,10 @@
 """A scene run into a folder, and what the run left there, read when asked for."""
 
 import json
+import sys
 from functools import cached_property
 from pathlib import Path
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +19,8 @@ from ocean_sim.simulation import Observer, Simulation
 
 if TYPE_CHECKING:
     from ocean_sim.waves.field import WaveField
+
+TENTHS = 10  # parts of a run, and of its pictures, after which a line is printed
 
 
 class Result:
@@ -67,13 +71,58 @@ class Result:
         return self.table("timings")
 
 
+class Lines(Observer):
+    """Prints simulated time, speed and time left after each tenth of a run, for who waits for it, and then how many of
+    its pictures are drawn."""
+
+    def __init__(self, duration: float) -> None:
+        """`duration` of the run [s]."""
+        self.duration, self.every = duration, duration / TENTHS
+        self.first: tuple[float, float] | None = None  # simulated and wall time [s] when steps cost what they cost
+        self.passed = self.drawn = 0  # tenths of the run, and of its pictures
+
+    def observe(self, simulation: Simulation) -> None:
+        time = simulation.time
+        if simulation.steps == 0:
+            for observer in simulation.observers:
+                observer.show_progress(self.draw)
+        tenth = int(TENTHS * time / self.duration + 1e-9)
+        if tenth <= self.passed:
+            return
+        self.passed, now, speed = tenth, perf_counter(), ""
+        if self.first is None:
+            self.first = (time, now)
+        else:
+            factor = (time - self.first[0]) / (now - self.first[1])
+            speed = f", {factor:.2g} x real time, {max(0.0, self.duration - time) / factor:.0f} s left"
+        self.say(f"t = {time:.2f} of {self.duration:g} s{speed}")
+
+    def draw(self, done: int, total: int) -> None:
+        """So many pictures are drawn; of 0, while the run goes on and nobody knows of how many."""
+        if total and TENTHS * done // total > self.drawn:
+            self.drawn = TENTHS * done // total
+            self.say(f"picture {done} of {total}")
+
+    def say(self, line: str) -> None:
+        print(line, file=sys.stderr, flush=True)
+
+
 def run(
-    scene: SceneConfig | str | Path | dict[str, Any], out: str | Path, observers: tuple[Observer, ...] = ()
+    scene: SceneConfig | str | Path | dict[str, Any],
+    out: str | Path,
+    observers: tuple[Observer, ...] = (),
+    progress: bool = False,
 ) -> Result:
-    """Simulate a scene and write its run folder; `observers`: beyond those that the scene names."""
+    """Simulate a scene and write its run folder.
+
+    `observers`: beyond those that the scene names. `progress`: print simulated time, speed and time left after each
+    tenth, and how many pictures are drawn, to standard error. Raises SceneError, Diverged, and Refused where another
+    process writes into the folder.
+    """
     config = scene if isinstance(scene, SceneConfig) else load(scene)
+    shown = (Lines(config.duration),) if progress else ()
     with Claim(Path(out)) as folder:
-        return simulated(config, folder, observers)
+        return simulated(config, folder, (*observers, *shown))
 
 
 def simulated(config: SceneConfig, folder: Path, observers: tuple[Observer, ...]) -> Result:

@@ -11,6 +11,7 @@ from ocean_sim.parts import kinds, named
 from ocean_sim.reading import schema
 from ocean_sim.reading.keys import found, keys
 from ocean_sim.reading.scene import load
+from ocean_sim.reading.sentences import opening, sentence
 from ocean_sim.reading.translation import likeliest
 
 SEA = {"basin": {"length": 20.0, "width": 20.0, "depth": 5.0}, "fluid": {"kind": "linear_waves", "height": 0.5}}
@@ -95,3 +96,9 @@ def test_the_version_and_a_quiet_run(capsys, tmp_path):
     told = json.loads(capsys.readouterr().out)
     assert told["outcome"] == "done" and told["warnings"] == []
     assert set(told["wall_s"]) == {"start", "steps", "pictures", "total"} and told["wall_s"]["total"] > 0.0
+
+
+def test_no_sentence_of_a_list_is_cut_where_its_line_ends():
+    assert opening("A flume: a slice\nand a wall. More.\nYet more.\n\nElse.") == "A flume: a slice and a wall. More."
+    assert opening("") == "" and opening("A title, for `bench`") == "A title, for `bench`"
+    assert sentence("ship", "tug").endswith(".") and "three lengths" in sentence("ship", "tug")

@@ -3,13 +3,17 @@
 import json
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlparse
+from zipfile import ZipFile
 
 import pytest
 
 from ocean_sim.__main__ import answered
+from ocean_sim.parts import PACKAGE
+from ocean_sim.reading.schema import schema
 
 SERVER = shutil.which("yaml-language-server")
 WRONG = """
@@ -33,6 +37,20 @@ def test_a_new_scene_names_a_schema_that_exists_wherever_it_lies(tmp_path, monke
     file = tmp_path / "mine.yaml"
     assert answered(["new", str(file)]) == 0
     assert "properties" in json.loads(first_line(file).read_text())
+
+
+@pytest.mark.slow
+def test_packaged_scenes_name_a_schema_that_lies_in_the_wheel(tmp_path):
+    pytest.importorskip("hatchling")
+    command = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path)]
+    subprocess.run(command, cwd=PACKAGE.parent, check=True, capture_output=True)
+    with ZipFile(next(tmp_path.glob("*.whl"))) as wheel:
+        wheel.extractall(tmp_path / "site")
+    scenes = sorted((tmp_path / "site" / "ocean_sim" / "scenes").rglob("*.yaml"))
+    assert len(scenes) > 15
+    named = {first_line(scene).resolve() for scene in scenes if scene.read_text().startswith("# yaml")}
+    assert named == {tmp_path.resolve() / "site" / "ocean_sim" / "scene.schema.json"}
+    assert json.loads(named.pop().read_text()) == schema()  # though what built it had no Taichi
 
 
 class Editor:

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from ocean_sim import result as result_module
 from ocean_sim.reading.scene import load
 from ocean_sim.verbs import run as run_verb
 from ocean_sim.verbs.shared import bar as bar_module
@@ -104,3 +105,21 @@ def test_an_interrupt_names_what_can_still_be_done(tmp_path):
     sentence = str(run_verb.stopped(progress, tmp_path))
     later = f"`ocean-sim render {tmp_path}` draws them"
     assert sentence == f"stopped while its pictures were drawn; {tmp_path} holds all else of the run; {later}"
+
+
+def test_python_prints_a_line_after_each_tenth_where_it_is_asked_to(tmp_path, monkeypatch, capsys):
+    wall = iter(range(100))
+    monkeypatch.setattr(result_module, "perf_counter", lambda: float(next(wall)))
+    step = {"kind": "fixed", "dt": 0.01}
+    scene = SEA | {"duration": 1.0, "render": None, "report": None, "time_step": step, "runtime": {"threads": 1}}
+    result_module.run(scene, tmp_path / "quiet")
+    assert capsys.readouterr().err == ""
+    result_module.run(scene, tmp_path / "shown", progress=True)
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 10 and lines[0] == "t = 0.10 of 1 s"
+    assert lines[1] == "t = 0.20 of 1 s, 0.1 x real time, 8 s left" and lines[-1].endswith("0 s left")
+    shown = result_module.Lines(1.0)
+    for done in range(1, 41):
+        shown.draw(done, 40)
+    shown.draw(41, 0)
+    assert capsys.readouterr().err.splitlines()[::3] == [f"picture {k} of 40" for k in (4, 16, 28, 40)]

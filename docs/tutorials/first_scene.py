@@ -6,7 +6,7 @@ program is made.
 """
 
 # %%
-# Write the scene. `basin` without a `width` is a vertical slice: two dimensions, quick to compute. The water is
+# Write the scene. `basin` without a `width` is 2-D, a vertical slice: quick to compute. The water is
 # `delta_sph`, the scheme to rely on; it starts as a standing wave of half a wavelength in the tank.
 
 from math import pi, sqrt, tanh

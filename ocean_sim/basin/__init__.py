@@ -1,4 +1,4 @@
-"""The basin: its size, walls, floor and lid; three-dimensional, or a vertical slice in x-y where no width is given."""
+"""The basin: its size, walls, floor and lid; 3-D, or 2-D, a vertical slice in x-y, where no width is given."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -151,7 +151,7 @@ class RoughBed(Model):
 
 
 class Box(Model):
-    """A box of water, or one that it flows around; in a slice the points are [x, y]."""
+    """A box of water, or one that it flows around; in 2-D the points are [x, y]."""
 
     min: Point = quantity("m")
     """Lowest corner."""
@@ -198,7 +198,7 @@ class Config(Model):
     length: float = quantity("m", gt=0.0)
     """Length along x."""
     width: float | None = quantity("m", None, gt=0.0)
-    """Width along z; none: a vertical slice in x-y."""
+    """Width along z; null: 2-D, a vertical slice in x-y."""
     depth: float = quantity("m", gt=0.0)
     """Depth of the still water."""
     gravity: Vector3 = quantity("m/s2", (0.0, -GRAVITY, 0.0))
@@ -311,7 +311,7 @@ def astray(obstacles: tuple[Obstacle, ...], basin: "Basin", duration: float) -> 
                     continue
                 common = np.minimum(up, other.max + there.way[:d]) - np.maximum(low, other.min + there.way[:d])
                 if common.min() > ROUNDING:
-                    met.add(f"its way crosses obstacles.{j} at {time:.3g} s; let it `end` before")
+                    met.add(f"its path crosses obstacles.{j} at {time:.3g} s; let it `end` before")
             if met:
                 break
         found += [(key, sentence) for sentence in sorted(met)]
@@ -319,7 +319,7 @@ def astray(obstacles: tuple[Obstacle, ...], basin: "Basin", duration: float) -> 
 
 
 def corners(box: Box) -> Corners:
-    """Lowest and highest corner of a box in space [m]; of one in a slice without ends along z."""
+    """Lowest and highest corner of a box in space [m]; of one in 2-D without ends along z."""
     flat = 3 - len(box.min)
     return (*box.min, *flat * (-OPEN,)), (*box.max, *flat * (OPEN,))
 
@@ -348,7 +348,7 @@ class Solid(Protocol):
         ...
 
     def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray]:
-        """(n, 3) positions from the centre of mass, body axes [m], and (n,) volumes [m3], in a slice areas [m2]."""
+        """(n, 3) positions from the centre of mass, body axes [m], and (n,) volumes [m3], in 2-D areas [m2]."""
         ...
 
 
@@ -398,7 +398,7 @@ class Basin:
 
     @property
     def lower(self) -> tuple[float, float, float]:
-        """Lowest corner [m]: the bed; z is 0 in a slice."""
+        """Lowest corner [m]: the bed; z is 0 in 2-D."""
         return (-self.config.length / 2, -self.config.depth, -(self.config.width or 0.0) / 2)
 
     @property
@@ -415,7 +415,7 @@ class Basin:
 
     @property
     def volume(self) -> float:
-        """Volume of the still water [m3]; in a slice its area [m2]."""
+        """Volume of the still water [m3]; in 2-D its area [m2]."""
         return self.config.length * self.config.depth * (self.config.width or 1.0)
 
     @cached_property

@@ -53,7 +53,7 @@ class OpenSea(Protocol):
 
 
 def width_over_length(periods: tuple[float, float, float]) -> Fraction | None:
-    """Of a patch with these periods [m], as a ratio of whole numbers, 1 in a slice; None where there is none of up to
+    """Of a patch with these periods [m], as a ratio of whole numbers, 1 in 2-D; None where there is none of up to
     MOST_PARTS."""
     if not periods[2]:
         return Fraction(1)

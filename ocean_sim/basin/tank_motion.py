@@ -112,7 +112,7 @@ class Tank(Model):
     """The keys of every motion of the tank."""
 
     about: Point | None = quantity("m", None)
-    """The point about which it rolls; in a slice [x, y]; by default the centre of the still surface."""
+    """The point about which it rolls; in 2-D [x, y]; by default the centre of the still surface."""
 
     def problems(self, basin: waves.Tank) -> Problems:
         """What is wrong with this motion in this basin."""

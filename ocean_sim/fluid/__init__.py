@@ -136,7 +136,7 @@ class Particles(Protocol):
 
     @property
     def mass(self) -> float:
-        """Of each [kg]; in a slice [kg/m]."""
+        """Of each [kg]; in 2-D [kg/m]."""
         ...
 
     @property

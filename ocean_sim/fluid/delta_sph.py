@@ -67,16 +67,16 @@ class Config(SphConfig):
     kernel: ClassVar[Kernel] = NEUTRAL
     kind: Literal["delta_sph"] = "delta_sph"
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
-    """Support radius of the smoothing kernel over the spacing; by default 4.0. There the lattice that water starts
+    """Kernel support radius over the spacing; by default 4.0. There the lattice that water starts
     from bears no shear, so that waves run at their speed, and hardly gives way; much less of it damps waves."""
     exponent: int = quantity("1", 1, ge=1, le=9)
     """gamma of p = c^2 rho0 / gamma ((rho / rho0)^gamma - 1): 1 is linear, 7 is Tait's."""
     density_diffusion: float = quantity("1", 0.1, ge=0.0, le=0.5)
     """delta: strength of the diffusion of density."""
     artificial_viscosity: float = quantity("1", 0.0, ge=0.0)
-    """alpha of Monaghan (1992), on approaching particles: nu = alpha h c / 8 in a slice, / 10 in space."""
+    """alpha of Monaghan (1992), on approaching particles: nu = alpha h c / 8 in 2-D, / 10 in 3-D."""
     collision_distance: float = quantity("spacings", 0.25, gt=0.0, le=1.0)
-    """How near to a wall or the floor a particle's centre may come; the images in the wall hold it before that."""
+    """How near to a wall or the floor a particle's centre may come; its ghost particles hold it before that."""
 
     def limited(self, smoothing: Smoothing, sound_speed: float, speed: float, acceleration: float) -> Limits:
         """Limits of the time step. Pairs rub at rates of up to 14 nu / h^2 (twice that of the Laplacian's sum), so
@@ -524,6 +524,6 @@ class DeltaSph(Sph):
         ratio = 1.0 + self.excess.to_numpy().astype(float) / self.particles.rest_density
         if not ratio.min() > 0.0:
             least = self.particles.rest_density * ratio.min()
-            raise Diverged(f"density fell to {least:.4g} kg/m^3, and water has some; try a shorter time step")
+            raise Diverged(f"density fell to {least:.4g} kg/m^3; it must stay above 0; try a shorter time step")
         powers = np.log(ratio) if gamma == 1 else (ratio ** (gamma - 1) - 1.0) / (gamma - 1)
         return self.particles.mass * self.sound_speed**2 / gamma * float((powers + 1.0 / ratio - 1.0).sum())

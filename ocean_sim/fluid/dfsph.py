@@ -72,7 +72,7 @@ class Config(SphConfig):
     counts_in_doubles: ClassVar[bool] = True
     kind: Literal["dfsph"] = "dfsph"
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
-    """Support radius of the smoothing kernel over the spacing; by default 4.0."""
+    """Kernel support radius over the spacing; by default 4.0."""
     minimum_pressure: float | None = quantity("Pa", 0.0, ge=0.0, le=0.0)
     """Zero: water with a free surface knows no negative pressures."""
     artificial_viscosity: float = quantity("1", 0.01, ge=0.0)

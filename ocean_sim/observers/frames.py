@@ -82,7 +82,7 @@ class Frames(Observer):
         x, z = grid(basin, config.spacing or fluid.spacing)
         self.shape = (len(x), len(z))
         self.points = pairs(x, z)
-        self.cell = np.array([x[1] - x[0], z[1] - z[0]]) if len(z) > 1 else np.zeros(2)  # [m]; 0 in a slice
+        self.cell = np.array([x[1] - x[0], z[1] - z[0]]) if len(z) > 1 else np.zeros(2)  # [m]; 0 in 2-D
         open_air = basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0)
         self.white = foam.Field(self.shape, self.cell) if open_air else None
         self.wind_speed = simulation.scene.wind.strongest
@@ -169,7 +169,7 @@ class Frames(Observer):
 
     def origin(self) -> np.ndarray:
         """(2,) x and z of the middle of the points [m] on a sea that answers to ships: by whole cells near that of the
-        ships, which are free to sail away; without any, and in a slice, that of the basin."""
+        ships, which are free to sail away; without any, and in 2-D, that of the basin."""
         if not (self.ships and self.cell.all()):
             return np.zeros(2)
         middle = np.mean([ship.body.position[[0, 2]] for ship in self.ships], axis=0)

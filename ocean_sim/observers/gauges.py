@@ -1,7 +1,7 @@
 """Gauges: the height of the water and its pressure at points that are fixed, or ride with the ships or the patch of
 open sea; read from the fluid, never from a drawn surface.
 
-A pressure sensor may have a face: what it reads then is the mean over a disc, in a slice over a segment. The mean is
+A pressure sensor may have a face: what it reads then is the mean over a disc, in 2-D over a segment. The mean is
 that of SEGMENT equal parts of the segment, by their middles: exact for what is linear along it. In space it is that of
 the DISC points of two rings, each of which stands for an equal area of the disc and lies at the root mean square
 radius of its ring's area: exact for what is quadratic across it, too. Points that are dry read 0: times the area of the
@@ -30,7 +30,7 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 Column = Annotated[tuple[float, ...], Field(strict=False, min_length=1, max_length=2)]
 Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 
-SEGMENT = 9  # points of a sensor in a slice
+SEGMENT = 9  # points of a sensor in 2-D
 RINGS = (6, 12)  # points on the rings of a sensor in space
 DISC = sum(RINGS)
 RIDING = " from the middle of what it rides with"
@@ -40,7 +40,7 @@ class Wave(Model):
     """A gauge of the height of the water that may ride."""
 
     at: Column = quantity("m")
-    """Where it is [x, z]; in a slice [x]."""
+    """Where it is [x, z]; in 2-D [x]."""
     rides: bool = False
     """Whether `at` is seen from the middle of the ships, or of a patch of open sea that has none, and goes with it; it
     does not turn with them."""
@@ -50,7 +50,7 @@ class Sensor(Model):
     """A pressure sensor with a face of some size, flush with a wall, or one that rides."""
 
     at: Point = quantity("m")
-    """The middle of its face [x, y, z]; in a slice [x, y]."""
+    """The middle of its face [x, y, z]; in 2-D [x, y]."""
     diameter: float | None = quantity("m", None, ge=0.0)
     """Of its face, over which it takes the mean; null or 0: a point."""
     normal: Point | None = quantity("1", None)
@@ -114,9 +114,9 @@ class Config(PeriodicConfig):
     leaves: ClassVar[str] = "gauges.csv"
     takes: ClassVar[tuple[float, float]] = (3.4e-4, 4.3e-9)
     elevation: dict[Name, Column | Wave] = {}
-    """Height of the water at points [x, z] in metres; in a slice [x]. One that rides is {at: [x, z], rides: true}."""
+    """Height of the water at points [x, z] in metres; in 2-D [x]. One that rides is {at: [x, z], rides: true}."""
     pressure: dict[Name, Point | Sensor] = {}
-    """Pressure of the water at points [x, y, z] in metres, also on bed and walls; in a slice [x, y]; 0 where dry. A
+    """Pressure of the water at points [x, y, z] in metres, also on bed and walls; in 2-D [x, y]; 0 where dry. A
     sensor with a face is {at: [x, y, z], diameter: 0.09}, one that rides {at: [x, y, z], rides: true}."""
     every: float = quantity("s", 0.05, gt=0.0)
     """Simulated time between rows."""

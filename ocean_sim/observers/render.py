@@ -427,11 +427,16 @@ class Coming:
         self.look()
 
     def look(self) -> None:
-        """Add the frames that are there; whether the run is over is asked before, so that none is missed."""
+        """Add the frames that are there; whether the run is over is asked before, so that none is missed. Of a run that
+        is over, a person may have deleted some."""
         ended, number = self.over.is_set(), len(self.log.files)
-        while frame_path(self.folder, number).exists():
-            number += 1
-        self.log.grow([frame_path(self.folder, k) for k in range(len(self.log.files), number)])
+        if ended:
+            known = {path.name for path in self.log.files}
+            self.log.grow([path for path in frame_files(self.folder) if path.name not in known])
+        else:
+            while frame_path(self.folder, number).exists():
+                number += 1
+            self.log.grow([frame_path(self.folder, k) for k in range(len(self.log.files), number)])
         self.ended = ended
 
     def wait(self) -> None:
@@ -457,18 +462,8 @@ class Coming:
 
 def film(path: Path, picture: Picture, coming: Coming, every: float) -> Iterator[tuple[int, int]]:
     """H.264 that any player shows, in real time, and a row of small pictures of it."""
-    import imageio.v2 as imageio
-
     with whole(path) as draft:
-        writer = imageio.get_writer(
-            draft,
-            fps=1.0 / every,
-            codec="libx264",
-            quality=8,
-            macro_block_size=2,
-            pixelformat="yuv420p",
-            ffmpeg_params=["-preset", "veryfast", "-movflags", "+faststart"],
-        )
+        writer = writer_of(draft, every)
         shown, image, moments = None, None, Moments()
         with writer:
             for k, (file, total) in enumerate(coming.chosen(every)):
@@ -478,6 +473,30 @@ def film(path: Path, picture: Picture, coming: Coming, every: float) -> Iterator
                 moments.see(image)
                 yield k + 1, total
     save_png(path.with_name(MOMENTS), moments.row())
+
+
+def join(pictures: list[Path], path: Path, every: float) -> None:
+    """The same film of pictures that lie there as files, one for each `every` [s]."""
+    import imageio.v2 as imageio
+
+    with whole(path) as draft, writer_of(draft, every) as writer:
+        for picture in pictures:
+            writer.append_data(imageio.imread(picture))
+
+
+def writer_of(path: Path, every: float) -> Any:
+    """What takes the pictures of a film, one for each `every` [s]."""
+    import imageio.v2 as imageio
+
+    return imageio.get_writer(
+        path,
+        fps=1.0 / every,
+        codec="libx264",
+        quality=8,
+        macro_block_size=2,
+        pixelformat="yuv420p",
+        ffmpeg_params=["-preset", "veryfast", "-movflags", "+faststart"],
+    )
 
 
 def save_png(path: Path, image: np.ndarray) -> None:

@@ -42,7 +42,7 @@ class Config(PeriodicConfig):
     ids: list[Number] = []
     """Numbers of particles."""
     boxes: list[Box] = []
-    """Boxes [m] whose particles, as they are at the start, are followed; in a slice z is 0."""
+    """Boxes [m] whose particles, as they are at the start, are followed; in 2-D z is 0."""
     every: float = quantity("s", 0.05, gt=0.0)
     """Simulated time between rows."""
 

@@ -36,6 +36,7 @@ def controls(box: Any, panel: Panel, simulation: Subject, pace: float | None) ->
         ("pause", f"{'go on' if panel.paused else 'pause'} (space)"),
         ("step", "one step (n)"),
         ("reset", "reset (r)"),
+        ("rewind", "back by some moments (w)"),
         ("record", f"{'stop recording' if panel.recording else 'record'} (o)"),
         ("snapshot", "snapshot (p)"),
     ):

@@ -16,6 +16,7 @@ KEYS = {
     " ": "pause",
     "n": "step",
     "r": "reset",
+    "w": "rewind",
     "c": "camera",
     "v": "content",
     "m": "next wind",
@@ -89,7 +90,7 @@ class Panel:
     """Who steers it, once a person does: `give(throttle, rudder)`."""
     curves: Curves = field(default_factory=Curves)
     asked: list[str] = field(default_factory=list)
-    """What is to be done before the next picture: step, reset, wind, snapshot, helm."""
+    """What is to be done before the next picture: step, reset, rewind, wind, snapshot, helm."""
 
     def press(self, key: str) -> None:
         """A key goes down; unknown keys do nothing."""
@@ -122,7 +123,7 @@ class Panel:
             self.ship, self.person = after(self.ship, self.ships), None
         elif action == "rudder amidships" and self.person is not None:
             self.person.give(self.person.throttle, 0.0)
-        elif action in ("reset", "snapshot"):
+        elif action in ("reset", "rewind", "snapshot"):
             self.asked.append(action)
 
     def hold(self, keys: set[str], seconds: float) -> None:

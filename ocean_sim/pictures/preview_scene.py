@@ -167,7 +167,7 @@ class PreviewScene:
         )
 
     def lines(self) -> tuple[np.ndarray, np.ndarray]:
-        """(n, 2, 3) ends [m] and (n, 3) colours: the outline of the water at rest, the wind, in a slice the surface."""
+        """(n, 2, 3) ends [m] and (n, 3) colours: the outline of the water at rest, the wind, in 2-D the surface."""
         top = np.array([self.upper[0], 0.0, self.upper[2]])
         corners = np.array([[(self.lower, top)[b][a] for a, b in enumerate(k)] for k in np.ndindex(2, 2, 2)])
         pairs_of = [(i, i ^ bit) for i in range(8) for bit in (1, 2, 4) if i < i ^ bit]

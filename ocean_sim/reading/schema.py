@@ -12,7 +12,7 @@ from ocean_sim.files.yaml_file import Location, node_of
 from ocean_sim.parts import ALONE, BESIDE, MEANT, SEVERAL, SLOTS, config_of, kinds, named
 from ocean_sim.reading.composition import chosen, known
 from ocean_sim.reading.scene import Heading, observer_names
-from ocean_sim.reading.sentences import sentence
+from ocean_sim.reading.sentences import opening, sentence
 from ocean_sim.runtime import RuntimeConfig
 
 
@@ -32,7 +32,7 @@ def schema() -> dict[str, Any]:
     properties["runtime"] = _model(RuntimeConfig, definitions)
     for name in observer_names():
         module = import_module(f"ocean_sim.observers.{name}")
-        described = {"description": (module.__doc__ or "").split("\n")[0]}
+        described = {"description": opening(module.__doc__ or "")}
         properties[name] = described | {"anyOf": [_model(module.Config, definitions), {"type": "null"}]}
     found = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",

@@ -2,6 +2,7 @@
 
 import ast
 from functools import cache
+from itertools import dropwhile, takewhile
 from pathlib import Path
 
 from ocean_sim.files.yaml_file import read
@@ -17,14 +18,26 @@ def sentence(slot: str, name: str) -> str:
 
 
 def of_module(path: Path) -> str:
-    """The first line of a module's docstring."""
-    return (ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or "").split("\n")[0]
+    """What the docstring of a module begins with."""
+    return opening(ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or "")
+
+
+def opening(docstring: str) -> str:
+    """Its lines up to the first that ends a sentence, as one."""
+    lines = docstring.split("\n\n")[0].splitlines()
+    last = next((k for k, line in enumerate(lines) if line.endswith(".")), len(lines) - 1)
+    return " ".join(line.strip() for line in lines[: last + 1])
 
 
 def of_file(path: Path) -> str:
-    """The title in a file, or else its first comment line."""
+    """The title in a file, or else what its first comment begins with."""
     title = read(path).data.get("title")
     if title is not None and isinstance(title.data, str):
         return title.data
-    comments = [line for line in path.read_text(encoding="utf-8").splitlines() if line.startswith("# ")]
-    return next((line[2:] for line in comments if "yaml-language-server" not in line), "")
+    lines = [line for line in path.read_text(encoding="utf-8").splitlines() if "yaml-language-server" not in line]
+    comment = takewhile(is_comment, dropwhile(lambda line: not is_comment(line), lines))
+    return opening("\n".join(line.removeprefix("# ") for line in comment))
+
+
+def is_comment(line: str) -> bool:
+    return line.startswith("# ")

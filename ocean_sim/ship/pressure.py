@@ -28,7 +28,7 @@ FEWEST = 2.0  # spacings across a hull
 
 
 class Config(FloatingConfig):
-    """Weight, the water's pressure, propeller and rudder; in a slice a metre of the section amidships."""
+    """Weight, the water's pressure, propeller and rudder; in 2-D a metre of the section amidships."""
 
     needs_surface: ClassVar[bool] = False
     slices: ClassVar[bool] = True
@@ -44,7 +44,7 @@ class Config(FloatingConfig):
         return Solid(self.whole_hull.shape, still.matter.centre, self.start(still, flat), flat)
 
     def start(self, still: Hydrostatics, flat: bool) -> RigidBody:
-        """The body at the beginning; in a slice a metre of it."""
+        """The body at the beginning; in 2-D a metre of it."""
         matter = still.matter
         if flat:
             share = 1.0 / float(np.ptp(self.whole_hull.shape.bounds(), axis=0)[2])

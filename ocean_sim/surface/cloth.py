@@ -30,7 +30,7 @@ FURTHEST = 0.5  # [thicknesses] that its speed carries a node in one update
 
 
 class Config(SurfaceConfig):
-    """A sheet over the whole basin; in a slice a rope. Where it is dry it lies on the bed."""
+    """A sheet over the whole basin; in 2-D a rope. Where it is dry it lies on the bed."""
 
     compared: ClassVar[bool] = True
     kind: Literal["cloth"] = "cloth"
@@ -83,7 +83,7 @@ class Config(SurfaceConfig):
         ]
 
     def nodes(self, basin: Basin) -> tuple[int, int]:
-        """Along x and z; 1 along z in a slice."""
+        """Along x and z; 1 along z in 2-D."""
         assert self.spacing is not None, "completed() says how far apart nodes are"
         return columns(basin, self.spacing)
 

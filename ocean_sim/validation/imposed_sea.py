@@ -1,4 +1,4 @@
-"""An imposed sea: random waves of a piston in a slice, at a gauge two wavelengths away, against linear theory for the
+"""An imposed sea: random waves of a piston in 2-D, at a gauge two wavelengths away, against linear theory for the
 same amplitudes and phases there; and what the absorbing side sends back.
 
 The basin is five wavelengths of the peak long, the last two of which absorb. Incident and reflected waves are separated

@@ -1,4 +1,4 @@
-"""A ship of kind `pressure` in a slice: the draught of a box that the particles alone carry, and a half-immersed
+"""A ship of kind `pressure` in 2-D: the draught of a box that the particles alone carry, and a half-immersed
 cylinder released, against linear theory.
 
 A cylinder of 0.1524 m is released 0.0254 m too high (Ito 1977; Yeung 1982): extrema by the multipoles of Ursell (1949).

@@ -219,7 +219,7 @@ def long(found: dict[str, Any], config: SceneConfig) -> None:
             periods = ", ".join(f"{motion} {t:.3g} s" for motion, t in ship["periods_s"].items() if t is not None)
             console.say(
                 f"{called(name)}: {ship['displacement_kg']:.5g} kg, draught {ship['draught_m']:.3g} m, GM "
-                f"{ship['gm_m']:.3g} m, along {ship['gm_longitudinal_m']:.3g} m; natural periods: {periods}"
+                f"{ship['gm_m']:.3g} m, longitudinal GM {ship['gm_longitudinal_m']:.3g} m; natural periods: {periods}"
             )
     for sentence in found["statements"]:
         console.say(sentence)

@@ -134,7 +134,7 @@ def loaded(shape: "Hull", asked: Asked, condition: "Loading | None", notes: list
             x, z = float(cubes.centroid[0]), float(cubes.centroid[2])
         centre = (x, float(shape.shape.bounds()[0][1]) + asked.kg, z)
     if centre is None:
-        notes.append("no centre of mass is given: that of a hull of one matter (--kg or --cg set another)")
+        notes.append("no centre of mass is given: that of a hull of uniform density (--kg or --cg set another)")
     return shape.model_copy(update={"mass": mass, "centre_of_mass": centre})
 
 

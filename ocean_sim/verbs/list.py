@@ -39,7 +39,7 @@ def entries(section: str) -> list[dict[str, str]]:
     if section == "figures":
         return [row(section, name, "figure", figure.sentence(path)) for name, path in figure.scripts().items()]
     parts = [
-        row(section, name, "part", of_file(library("configs") / section / f"{name}.yaml")) for name in named(section)
+        row(section, name, "preset", of_file(library("configs") / section / f"{name}.yaml")) for name in named(section)
     ]
     what = "observer" if section == "observers" else "kind"
     return parts + [row(section, name, what, of_module(PACKAGE / section / f"{name}.py")) for name in kinds(section)]

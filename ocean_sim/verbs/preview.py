@@ -9,16 +9,20 @@ from typing import Any
 from ocean_sim import runtime
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError, read
+from ocean_sim.machine import extra_missing
 from ocean_sim.parts import WindConfig, library, named
+from ocean_sim.pictures.panel import sliders_of
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.reading.translation import validated
 from ocean_sim.simulation import Simulation
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import Bar
+from ocean_sim.verbs.shared.rewind import Rewind
 
 OWN = "of the scene"  # a wind that is not a preset
 RIG = ("motion", "platform_log", "stream")  # observers that play along where a scene names `stream`
 BUDGET = 0.1  # [s] wall time for steps between two pictures of a window
+FASTEST, SLOWEST = 1.0 / 120.0, 1.0  # [s] a picture of a film
 
 
 def preview(
@@ -79,12 +83,15 @@ class Session:
 
     def __init__(self, config: SceneConfig, folder: Path, of_wind: Any, shown: bool) -> None:
         """`of_wind`: the scene with another preset of wind, by name; raises SceneError. `shown`: in a window."""
+        from ocean_sim.observers import checkpoint
         from ocean_sim.observers.preview import Config, Panel
 
         self.config, self.folder, self.of_wind, self.shown = config, folder, of_wind, shown
         look = config.observers.get("preview")
         self.look = look if isinstance(look, Config) else Config(size=(1280, 720))
         self.away = TemporaryDirectory(prefix="ocean-sim-")  # files of observers, which are thrown away
+        kept = config.observers.get("checkpoint")
+        self.rewind = Rewind((kept if isinstance(kept, checkpoint.Config) else checkpoint.Config()).every)
         self.simulation = self.built()
         own = name_of(config.wind)
         self.panel = Panel([*([own] if own == OWN else []), *named("wind"), "still"], own)
@@ -116,6 +123,8 @@ class Session:
             self.pictures += 1
             bar.show(number + 1, f"picture {number + 1} of {frames}, t = {self.simulation.time:.2f} s")
         bar.close()
+        if frames > 1:
+            self.join(self.folder, self.look.every)
 
     def advance(self, until: float) -> None:
         """Step until a time [s]."""
@@ -151,9 +160,27 @@ class Session:
         panel = self.panel
         if panel.take("helm") and panel.ship:
             panel.person = self.simulation.ships[panel.ship].hand_over()
-        reset, wind = panel.take("reset"), panel.take("wind")
+        reset, wind, back = panel.take("reset"), panel.take("wind"), panel.take("rewind")
         if reset or (wind and panel.wind != self.playing):
             self.rebuild(panel.wind)
+        elif back:
+            self.go_back()
+
+    def go_back(self) -> None:
+        """To the newest moment that is kept; what a person has set, and the helm, stay with the person."""
+        panel, steered = self.panel, self.panel.person is not None
+        moments = self.rewind.earlier(self.simulation.time)
+        if not moments:
+            panel.message = "nothing is kept yet to go back to"
+            return
+        panel.wind = self.playing
+        self.rebuild(self.playing)
+        self.rewind.restore(self.simulation, moments)
+        panel.bind(sliders_of(self.simulation))
+        for slider in panel.sliders:  # those of a person now, not those of the moment
+            slider.apply(slider.value)
+        if steered:
+            panel.person = self.simulation.ships[panel.ship].hand_over()
 
     def rebuild(self, wind: str) -> None:
         """The scene from its beginning, with this preset of wind; in a new window where Taichi has to restart."""
@@ -170,6 +197,7 @@ class Session:
             if restarted:
                 self.screen.close()
             self.simulation = self.built()
+        self.rewind.forget()
         if restarted:
             self.open(self.screen.shown)
         else:
@@ -180,29 +208,50 @@ class Session:
         panel, begin = self.panel, perf_counter()
         until = self.simulation.time + span
         single = panel.take("step")
+        self.rewind.keep(self.simulation)
         try:
             while single or (not panel.paused and self.simulation.time < until):
                 self.simulation.run(self.simulation.time + 0.5 * self.simulation.next_dt)
                 if single or perf_counter() - begin > BUDGET:
                     break
         except Diverged as failure:
-            panel.paused, panel.message = True, f"diverged: {failure}. Reset starts again."
+            panel.paused, panel.message = True, f"diverged: {failure}. Reset starts again, w goes back."
 
     def record(self) -> None:
         """One more picture of a recording; each recording is a folder of its own."""
         from ocean_sim.observers.preview import write
 
         if not self.panel.recording:
-            self.recorded = 0
+            self.cut()
             return
         if self.recorded == 0:
             self.reel = free_name(self.folder, "recording_{:03d}")
             self.reel.mkdir(parents=True)
             self.recordings += 1
+            self.began = self.simulation.time
         write(self.reel / picture(self.recorded), self.screen.image())
         self.recorded += 1
 
+    def cut(self) -> None:
+        """End the recording, if there is one, with a film that runs as simulated time did."""
+        count, self.recorded = self.recorded, 0
+        if count > 1:
+            span = self.simulation.time - self.began
+            self.join(self.reel, span / count if span > 0.0 else self.look.every)
+
+    def join(self, folder: Path, every: float) -> None:
+        """A film of the numbered pictures of a folder, one for so much time [s]; they stay."""
+        from ocean_sim.observers import render
+
+        missing = extra_missing("pictures")
+        if missing:
+            self.panel.message = f"no film, but its pictures are there: {missing}"
+            console.complain(self.panel.message)
+            return
+        render.join(sorted(folder.glob("[0-9]*.png")), folder / "film.mp4", min(max(every, FASTEST), SLOWEST))
+
     def close(self) -> None:
+        self.cut()
         if self.screen is not None:
             self.screen.close()
         self.simulation.close()

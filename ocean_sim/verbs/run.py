@@ -160,12 +160,13 @@ def summary(facts: dict[str, Any]) -> str:
     """The last lines of a run, for people."""
     factor, limits = f"{facts['real_time_factor']:.2g} x real time after the start", facts["limited_by"]
     lines = [
-        f"{facts['particles']} particles, {facts['steps']} steps, {facts['simulated_s']:.3g} s simulated in "
+        f"{facts['particles'] or 'no'} particles, {facts['steps']} steps, {facts['simulated_s']:.3g} s simulated in "
         f"{console.duration(facts['wall_s']['start'] + facts['wall_s']['steps'])}, start included; {factor}",
         f"time step limited by {', '.join(f'{name} {share:.0%}' for name, share in limits.items())}",
     ]
     if worst := facts["worst_compression"]:
-        lines.append(f"worst compression: {', '.join(f'{name} {share:.2%}' for name, share in worst.items())}")
+        named = ", ".join(f"{name} {share:.2%}" for name, share in worst.items())
+        lines.append(f"worst density error (compression): {named}")
     lines += [f"event at t = {e.get('time_s', 0.0):.3f} s: {_described(e)}" for e in facts["events"][:5]]
     if len(facts["events"]) > 5:
         lines.append(f"... and {len(facts['events']) - 5} more events in events.jsonl")

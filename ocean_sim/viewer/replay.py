@@ -225,7 +225,7 @@ class Recorded:
                 add(platform, f"leg{k}_m", f"leg {k}", "m", "legs")
         accuracy = self.table("accuracy.csv")
         if "compression_max" in accuracy:
-            add(accuracy, "compression_max", "largest compression", "%", "compression", 100.0)
+            add(accuracy, "compression_max", "largest density error", "%", "compression", 100.0)
         timings = self.table("timings.csv")
         if "real_time_factor" in timings:
             add(timings, "real_time_factor", "simulated over wall time", "x", "pace")

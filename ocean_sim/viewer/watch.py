@@ -281,5 +281,5 @@ def names(gauges: Any, ships: list[str], platform: bool, particles: bool) -> lis
     if platform:
         rows += [row(f"leg{k}", f"leg {k}", "m", "legs") for k in range(1, 7)]
     if particles:
-        rows.append(row("compression", "largest compression", "%", "compression"))
+        rows.append(row("compression", "largest density error", "%", "compression"))
     return rows

@@ -276,7 +276,7 @@ def pressure(sea: Components, points: np.ndarray, time: float, density: float) -
 
 
 def direction(heading_deg: float | None, dimension: int) -> np.ndarray:
-    """Unit vector along x and z of where waves go to: 0 along +z, 90 along +x; by default +z, in a slice +x."""
+    """Unit vector along x and z of where waves go to: 0 along +z, 90 along +x; by default +z, in 2-D +x."""
     heading = radians((90.0 if dimension == 2 else 0.0) if heading_deg is None else heading_deg)
     return np.array([sin(heading), 0.0 if dimension == 2 else cos(heading)])
 
@@ -300,7 +300,7 @@ class Spectrum(Model):
     gamma: float | None = quantity("1", None, ge=1.0, le=20.0)
     """How far JONSWAP raises the peak; by default 3.3."""
     heading_deg: float | None = quantity("deg", None)
-    """Where the waves go to: 0 along +z, 90 along +x; by default 0, in a slice 90."""
+    """Where the waves go to: 0 along +z, 90 along +x; by default 0, in 2-D 90."""
     seed: int = quantity("1", 0, ge=0, lt=2**31)
     """Seed of the phases."""
     cut_off: float = quantity("1", 4.0, ge=1.2, le=10.0)
@@ -410,7 +410,7 @@ class HeadedTrain(WaveTrain):
     """Waves that go somewhere."""
 
     heading_deg: float | None = quantity("deg", None)
-    """Where regular waves go to: 0 along +z, 90 along +x; by default 0, in a slice 90."""
+    """Where regular waves go to: 0 along +z, 90 along +x; by default 0, in 2-D 90."""
 
     @model_validator(mode="after")
     def _one_heading(self) -> "HeadedTrain":

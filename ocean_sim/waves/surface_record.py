@@ -32,7 +32,7 @@ class Grid:
     x: np.ndarray
     """(nx,) [m]."""
     z: np.ndarray
-    """(nz,) [m]; one in a slice."""
+    """(nz,) [m]; one in 2-D."""
     lower: np.ndarray
     """(3,) lowest corner of the basin [m]."""
     upper: np.ndarray
@@ -81,7 +81,7 @@ class SurfaceRecord:
     """Of the circle about the middle of the basin [m]."""
     circulation: np.ndarray | None
     """(n,) [m2/s] closed integral of the velocity along that circle, by the right hand about the vertical: the mean
-    velocity along it of the particles in a ring, over all depths, times its length. None in a slice, or where frames
+    velocity along it of the particles in a ring, over all depths, times its length. None in 2-D, or where frames
     keep no particles."""
     cover: np.ndarray
     """(n,) part of the surface where crests break: where it falls faster than 0.4 g by linear theory."""
@@ -107,7 +107,7 @@ def surface_record(grid: Grid, frames: Iterable[Frame], begin: float) -> Surface
 
 
 def turn(grid: Grid, frame: Frame) -> float:
-    """Circulation of the particles of a frame [m2/s]; not a number in a slice, or where none are on the circle."""
+    """Circulation of the particles of a frame [m2/s]; not a number in 2-D, or where none are on the circle."""
     if grid.is_slice or frame.position is None or frame.velocity is None:
         return np.nan
     try:

@@ -49,7 +49,7 @@ class Config(Scheduled, WindConfig):
     """The stress itself, as it was measured, in place of `u10`, `drag_law` and `schedule`; what needs a speed of the
     wind, which is drag on a ship and sheltering, then takes the U10 to which Wu's law gives it."""
     heading_deg: float | None = quantity("deg", None)
-    """Where the wind goes to: 0 along +z, 90 along +x; by default 0, in a slice 90."""
+    """Where the wind goes to: 0 along +z, 90 along +x; by default 0, in 2-D 90."""
     drag_law: DragLaw | None = None
     """Drag coefficient by wind speed: `wu` (1982, (2.21)), the default, `garratt` (1977) or `zijlema` (2012)."""
     gain: float = quantity("1", 1.0, ge=0.0)

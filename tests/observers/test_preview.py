@@ -83,6 +83,8 @@ def test_keys_of_the_panel():
     panel.press("u")
     panel.orbit(0.2, 0.1)
     panel.nearer(0.5)
+    panel.press("w")
+    assert panel.take("rewind")
     panel.press("z")
     assert (panel.azimuth, panel.height, panel.distance) == (radians(38.0), radians(20.0), 1.0)
     before = repr(panel)
@@ -304,11 +306,11 @@ class Window:
     """Stands for the screen: plays keys, one list a picture, then closes."""
 
     def __init__(self, script):
-        self.script, self.drawn, self.times = list(script), 0, []
+        self.script, self.drawn, self.times, self.places = list(script), 0, [], []
 
     def watch(self, simulation, panel, config=None):
         self.simulation = simulation
-        panel.person = None
+        panel.ships, panel.ship, panel.person = tuple(simulation.ships), next(iter(simulation.ships), ""), None
         panel.bind(sliders_of(simulation))
 
     def listen(self, panel, seconds):
@@ -320,6 +322,7 @@ class Window:
     def draw(self, panel, milliseconds, pace=None):
         self.drawn += 1
         self.times.append(self.simulation.time)
+        self.places.append([ship.body.position.copy() for ship in self.simulation.ships.values()])
 
     def image(self):
         return np.zeros((4, 4, 3), np.uint8)
@@ -350,7 +353,57 @@ def test_a_window_is_played_with(tmp_path, monkeypatch):
     assert session.panel.wind != "still" and session.simulation.scene.wind.kind == "gusts"  # built anew
     assert session.simulation.time < max(times)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["recording_000", "snapshot_000.png"]
-    assert len(list((tmp_path / "recording_000").iterdir())) == 2
+    assert sorted(path.name for path in (tmp_path / "recording_000").iterdir()) == [
+        "00000.png",
+        "00001.png",
+        "film.mp4",
+    ]
+    session.close()
+
+
+def played(monkeypatch, tmp_path, script, **more):
+    """A session on a sea in closed form, with fixed steps and a moment kept each 0.1 s, after these keys."""
+    sets = {"runtime.threads": 1, "runtime.precision": "f64", "time_step.kind": "fixed", "time_step.dt": 0.02}
+    window = Window(script)
+    monkeypatch.setattr(
+        verb.Session,
+        "open",
+        lambda self, show: self.__dict__.update(screen=window) or window.watch(self.simulation, self.panel),
+    )
+    config = load("ship_linear_sea", {**sets, "checkpoint.every": 0.1, **more})
+    session = verb.Session(config, tmp_path, lambda wind: config, True)
+    session.play()
+    return session, window
+
+
+def test_a_window_goes_back_to_the_moment_that_was_kept_last_and_on_as_before(tmp_path, monkeypatch):
+    """Step by step; pressed where it is already, it goes to the moment before."""
+    session, window = played(monkeypatch, tmp_path, [["n"]] * 12 + [["w"], ["w"]] + [["n"]] * 7)
+    times = [round(time, 6) for time in window.times]
+    assert times[11:15] == [0.24, 0.2, 0.1, 0.12] and times[-2] == pytest.approx(0.24)
+    np.testing.assert_array_equal(window.places[-2], window.places[11])
+    session.close()
+
+
+def test_what_a_person_has_set_stays_where_a_window_goes_back(tmp_path, monkeypatch):
+    session, _ = played(monkeypatch, tmp_path, [["n"]] * 6 + [["Left"]] * 3, wind="narrow")
+    session.obey()
+    assert session.panel.person is not None
+    session.panel.sliders[0].move(2.0)
+    session.go_back()
+    assert session.simulation.time == pytest.approx(0.1) and session.simulation.wind.gain == 2.0
+    assert session.panel.person is not None and session.panel.message == ""
+    session.rewind.forget()
+    session.go_back()
+    assert session.panel.message == "nothing is kept yet to go back to"
+    session.close()
+
+
+def test_a_recording_without_what_makes_films_keeps_its_pictures(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(verb, "extra_missing", lambda extra: "vtk is not installed")
+    session, _ = played(monkeypatch, tmp_path, [["o"], ["n"], ["o"]])
+    assert len(list((tmp_path / "recording_000").glob("*.png"))) == 2
+    assert "its pictures are there: vtk" in session.panel.message and "vtk" in capsys.readouterr().err
     session.close()
 
 
@@ -526,7 +579,7 @@ def test_the_command_writes_numbered_pictures(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["out"]  # nothing but what was asked for
     facts = json.loads(child.stdout)
     assert facts["pictures"] == 2 and facts["simulated_s"] >= 1.0 / 30.0
-    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["00000.png", "00001.png"]
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["00000.png", "00001.png", "film.mp4"]
     import matplotlib.image
 
     assert matplotlib.image.imread(tmp_path / "out" / "00001.png").shape == (720, 1280, 3)

@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -99,6 +100,21 @@ def test_pictures_are_chosen_as_soon_as_no_later_frame_can_change_them():
         for n in range(1, len(times) + 1):
             already = frame_files.known(times[:n], every)
             assert already == chosen[: len(already)] and times[n - 1] - times[0] - every < every * len(already)
+
+
+def test_of_a_run_that_is_over_the_frames_are_drawn_that_are_left(tmp_path):
+    """Of one that goes on, those are that came without a gap."""
+    (tmp_path / "frames").mkdir()
+    for k in (0, 1, 3, 4):
+        np.savez(frame_files.frame_path(tmp_path, k), time=0.1 * k)
+    over = threading.Event()
+    coming = render.Coming(tmp_path, over)
+    assert coming.log.times == pytest.approx([0.0, 0.1])
+    over.set()
+    coming.wait()
+    assert coming.log.times == pytest.approx([0.0, 0.1, 0.3, 0.4])
+    frame_files.frame_path(tmp_path, 0).unlink()
+    assert render.Coming(tmp_path, over).log.times == pytest.approx([0.1, 0.3, 0.4])
 
 
 @pytest.mark.parametrize("size", [(961, 540), (960, 541), (0, 0), (960,), (20000, 540)])

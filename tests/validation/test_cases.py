@@ -3,7 +3,9 @@
 import csv
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from ocean_sim.__main__ import answered
@@ -11,7 +13,8 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.parts import compared, kinds
 from ocean_sim.validation import names, problems
 from ocean_sim.validation.shared import coarse
-from ocean_sim.validation.shared.case import KEYS, Finding, Problem, Promise
+from ocean_sim.validation.shared.case import KEYS, Curve, Finding, Problem, Promise
+from ocean_sim.validation.shared.plot import draw
 
 SCHEMES = list(compared("fluid"))
 OF_A_CASE = {"spacing", "fill", "initial", "rest_density", "kinematic_viscosity", "reference_speed", "body_force"}
@@ -136,3 +139,18 @@ def test_what_is_not_a_case_is_exit_code_2(capsys, tmp_path):
 def test_the_cases_are_listed(capsys):
     assert answered(["list", "cases", "--json"]) == 0
     assert [row["name"] for row in json.loads(capsys.readouterr().out)] == names()
+
+
+def test_a_picture_has_rows_of_panels_and_none_for_a_set_up_without_curves(tmp_path):
+    imread = pytest.importorskip("matplotlib.image").imread
+    line = [Curve("h", np.array([0.0, 1.0]), np.array([0.0, 1.0]))]
+    seen = Finding({"h": (1.0, 1.0, 0.0)}, line)
+    runs = [(SimpleNamespace(name=f"{k}"), "delta_sph", seen) for k in range(5)]
+    runs.append((SimpleNamespace(name="numbers"), "delta_sph", Finding({"h": (1.0, 1.0, 0.0)})))
+    draw(tmp_path / "five.png", "case", runs)
+    runs.append((SimpleNamespace(name="over"), "delta_sph", Finding({})))
+    draw(tmp_path / "six.png", "case", runs[3:])
+    sizes = [imread(tmp_path / f"{name}.png").shape[:2] for name in ("five", "six")]
+    assert sizes == [(960, 2560), (480, 1920)]
+    draw(tmp_path / "none.png", "case", runs[5:6])
+    assert not (tmp_path / "none.png").exists()

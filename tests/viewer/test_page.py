@@ -1,6 +1,7 @@
 """The page in a real browser without a screen: it loads, the water moves, what is pressed arrives, a replay scrubs."""
 
 import json
+import shutil
 import subprocess
 import sys
 
@@ -83,6 +84,26 @@ def test_a_replay_opens_from_a_file_and_scrubs(run, tmp_path):
         assert browser.said == []
 
 
+@pytest.mark.slow
+@in_a_browser
+def test_two_runs_have_one_clock_and_the_longer_one_goes_on(run, tmp_path):
+    shorter = shutil.copytree(run, tmp_path / "shorter")
+    for k in range(21, 41):
+        (shorter / "frames" / f"frame_{k:05d}.npz").unlink()
+    path = replay_file([shorter, run], tmp_path / "replay.html")
+    with _chromium.Page((480, 360)) as browser:
+        browser.go(path.as_uri())
+        browser.wait("oceanSim.state.drawn > 1", 120.0)
+        assert browser.js("document.getElementById('names').innerText").split() == ["shorter", run.name]
+        browser.js("document.getElementById('scrub').value = 400; document.getElementById('scrub').oninput()")
+        assert browser.js("oceanSim.state.worlds.map(world => world.time)") == pytest.approx([0.8, 0.8], abs=1e-3)
+        browser.js("document.getElementById('go').click()")
+        browser.wait("oceanSim.state.paused", 120.0)
+        assert browser.js("oceanSim.state.time") == pytest.approx(2.0, abs=1e-6)
+        assert browser.js("oceanSim.state.worlds.map(world => world.time)") == pytest.approx([1.0, 2.0], abs=1e-3)
+        assert browser.said == []
+
+
 HEADSET = """
 (() => {
   const one = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
@@ -111,10 +132,11 @@ def test_in_virtual_reality_one_stands_at_the_helm_and_a_platform_moves_the_sea_
         browser.wait("oceanSim.state.drawn > 0 && !document.getElementById('vr').hidden", 120.0)
         browser.js("document.getElementById('vr').onclick()")
         browser.wait("oceanSim.XR.drawn > 0")
-        eye = np.array(browser.js("oceanSim.XR.eye")).reshape(4, 4).T
-        at = np.array(browser.js("[...oceanSim.state.worlds[0].poses[0].position]"))
+        # Both of one moment: the replay goes on.
+        seen, at = browser.js("[[...oceanSim.XR.eye], [...oceanSim.state.worlds[0].poses[0].position]]")
+        eye = np.array(seen).reshape(4, 4).T
         helm = np.array(browser.js("oceanSim.state.worlds[0].still.ships[0].helm"))
-        assert eye[:3, 3] == pytest.approx(at + helm, abs=1e-4)
+        assert eye[:3, 3] == pytest.approx(np.array(at) + helm, abs=1e-4)
         assert eye[:3, :3] @ [0.0, 0.0, -1.0] == pytest.approx([0.0, 0.0, 1.0], abs=1e-6)  # ahead is the bow
         # A head that only the platform moves sees what a head at rest sees.
         browser.js("window.carried = oceanSim.XR.platform([0.1, -0.2, 0.05, 0.2, -0.1, 0.3])")

@@ -46,7 +46,7 @@ class Body:
     """Samples of a solid body."""
 
     position: np.ndarray  # (m, 3) in the body's axes, from its origin [m]
-    volume: np.ndarray  # (m,) [m3]; in a slice [m2]
+    volume: np.ndarray  # (m,) [m3]; in 2-D [m2]
     no_slip: bool
     origin: np.ndarray  # (3,) where it is at first [m]
     gate: Gate | None = None  # how it moves, where that is given
@@ -372,7 +372,7 @@ class Boundary:
 
     def forces(self) -> tuple[np.ndarray, np.ndarray]:
         """Force (k, 3) [N] of the water on each body in the last step and its torque (k, 3) about its origin [N m], in
-        the axes of the tank; in a slice per metre."""
+        the axes of the tank; in 2-D per metre."""
         borne = np.zeros((2, len(self.bodies), 3))
         self.sum_forces(borne)
         return borne[0], borne[1]

@@ -23,14 +23,14 @@ LATE = 1e-9  # [layers] rounding of the time
 
 
 class Emitter(Model):
-    """A mouth from which water flows, in a basin that is empty but for `fill`."""
+    """An inflow: a mouth from which water flows, in a basin that is empty but for `fill`."""
 
     position: Vector = quantity("m")
-    """Middle of the mouth; in a slice [x, y]."""
+    """Middle of the mouth; in 2-D [x, y]."""
     velocity: Vector = quantity("m/s")
-    """With which the water leaves, across the mouth; in a slice [u, v]."""
+    """With which the water leaves, across the mouth; in 2-D [u, v]."""
     rate: float = quantity("m3/s", gt=0.0)
-    """Volume of water that leaves per second; in a slice area, m2/s."""
+    """Volume of water that leaves per second; in 2-D area, m2/s."""
     cap: int = quantity("particles", ge=1, le=MOST_PARTICLES)
     """The most particles that there will be in all, those of `fill` counted; then it stops."""
 
@@ -51,7 +51,7 @@ class Jet:
     config: Emitter
     dimension: int
     spacing: float  # [m]
-    volume: float  # of a particle [m3]; in a slice [m2]
+    volume: float  # of a particle [m3]; in 2-D [m2]
     first: int  # number of the first particle that leaves it
 
     @property
@@ -61,7 +61,7 @@ class Jet:
 
     @property
     def area(self) -> float:
-        """Of the mouth [m2]; in a slice its width [m]."""
+        """Of the mouth [m2]; in 2-D its width [m]."""
         return self.config.rate / float(np.linalg.norm(self.velocity))
 
     @cached_property

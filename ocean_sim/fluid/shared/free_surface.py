@@ -21,7 +21,7 @@ class Share:
     sums = 1
 
     def __init__(self, smoothing: Smoothing, volume: float) -> None:
-        """`volume` of a particle [m3]; in a slice its area."""
+        """`volume` of a particle [m3]; in 2-D its area."""
         self.smoothing, self.constant = smoothing, volume * smoothing.poly6_constant
 
     @ti.func

@@ -93,7 +93,7 @@ class RegularWave(Start):
     period: float = quantity("s", gt=0.0)
     """Its wavelength must fit the basin."""
     heading_deg: float | None = quantity("deg", None)
-    """Where it goes to: 0 along +z, 90 along +x; by default 0, in a slice 90."""
+    """Where it goes to: 0 along +z, 90 along +x; by default 0, in 2-D 90."""
 
     def sea(self, basin: Basin) -> waves.Components:
         """The wave before it is fitted to the basin."""
@@ -180,7 +180,7 @@ class FromFile(Start):
 
     kind: Literal["file"] = "file"
     path: FileName
-    """A CSV with a heading, or an npz: x, y, z [m], u, v, w [m/s], and p [Pa] where it is known. In a slice without z
+    """A CSV with a heading, or an npz: x, y, z [m], u, v, w [m/s], and p [Pa] where it is known. In 2-D without z
     and w."""
 
     def columns(self) -> dict[str, np.ndarray]:
@@ -215,7 +215,7 @@ class FromFile(Start):
                 yield ("path",), f"{len(outside)} particles are outside the basin, the first at ({x:g}, {y:g}, {z:g}) m"
 
     def positions(self, basin: Basin) -> np.ndarray:
-        """(n, 3) [m]; z is 0 in a slice."""
+        """(n, 3) [m]; z is 0 in 2-D."""
         return vectors(self.columns(), "xyz", basin)
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
@@ -333,6 +333,6 @@ def apart(positions: np.ndarray, basin: Basin) -> float:
 
 
 def vectors(columns: dict[str, np.ndarray], names: str, basin: Basin) -> np.ndarray:
-    """(n, 3) of three columns; in a slice the third is 0."""
+    """(n, 3) of three columns; in 2-D the third is 0."""
     flat = np.zeros_like(columns[names[0]])
     return np.stack([columns[names[0]], columns[names[1]], flat if basin.dimension == 2 else columns[names[2]]], axis=1)

@@ -49,7 +49,7 @@ class Lattice:
 
     @property
     def volume(self) -> float:
-        """Volume of the water [m3]; in a slice its area [m2]."""
+        """Volume of the water [m3]; in 2-D its area [m2]."""
         return sum(float(np.prod((up - low)[: self.basin.dimension])) for low, up in self.boxes)
 
     @cached_property
@@ -100,7 +100,7 @@ class Lattice:
 
     @property
     def mass(self) -> float:
-        """Mass of a particle [kg], in a slice [kg/m]: rest density times volume of the water over n."""
+        """Mass of a particle [kg], in 2-D [kg/m]: rest density times volume of the water over n."""
         if not self.boxes and self.given is None:
             return self.config.rest_density * self.spacing**self.basin.dimension
         return self.config.rest_density * self.volume / (total(self.counts) if self.given is None else len(self.given))
@@ -113,7 +113,7 @@ class Lattice:
 
     @property
     def plan_area(self) -> float | None:
-        """Area of the still surface [m2], in a slice its length [m]; None where water does not fill the basin."""
+        """Area of the still surface [m2], in 2-D its length [m]; None where water does not fill the basin."""
         filled = self.config.fill is None and self.given is None and not self.basin.closed
         return self.basin.volume / self.basin.depth if filled else None
 

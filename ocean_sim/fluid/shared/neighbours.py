@@ -31,7 +31,7 @@ class ListSize:
 
     @property
     def at_rest(self) -> float:
-        """Candidates of a full cell in water at rest: a box of three supports (in a slice a square)."""
+        """Candidates of a full cell in water at rest: a box of three supports (in 2-D a square)."""
         return (3.0 * self.grid.support / self.grid.lattice.spacing) ** self.grid.lattice.basin.dimension
 
     @property

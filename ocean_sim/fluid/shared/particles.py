@@ -102,7 +102,7 @@ class Particles:
 
     n: int  # the most there will be; `count` says how many there are
     count: Count
-    mass: float  # [kg] of each; in a slice [kg/m]
+    mass: float  # [kg] of each; in 2-D [kg/m]
     rest_density: float  # [kg/m3]
     spacing: float  # [m]
     position: Components  # [m]

@@ -63,7 +63,7 @@ class Kernel:
         return (1.0 - t) * falls - self.gradient(t)
 
     def slope(self, dimension: int, support: float) -> float:
-        """That with which W integrates to 1 [m^-5], in a slice [m^-4]: the integral of -r W' is the dimension."""
+        """That with which W integrates to 1 [m^-5], in 2-D [m^-4]: the integral of -r W' is the dimension."""
         d = dimension
         moments = (
             term * factorial(self.power + k) * factorial(d + 1) / factorial(self.power + k + d + 2)
@@ -77,10 +77,10 @@ WENDLAND = Kernel(3, (1.0,))
 NEUTRAL = Kernel(5, (1.0, 11.0, -11.0), length=0.4)
 """grad W = -slope (1 - q)^5 (1 + 11 q (1 - q)) x, under which a lattice of particles is as water is: at supports of 3.8
 to 4.2 spacings it bears no shear, along its axes or their diagonals, and hardly a pattern of particles lies lower, in
-a slice and in space. Fitted so that both shear moduli and the softest mode vanish (Stencil.rigidity, Stencil.softest)
+2-D and in 3-D. Fitted so that both shear moduli and the softest mode vanish (Stencil.rigidity, Stencil.softest)
 while waves of two spacings are smoothed to 2 %: the less they are, the more room water takes that has lost its
 lattice."""
-NEUTRAL_RATIO = 4.0  # [spacings] 44 neighbours in a slice, 250 in space
+NEUTRAL_RATIO = 4.0  # [spacings] 44 neighbours in 2-D, 250 in 3-D
 
 
 @in_kernels
@@ -119,7 +119,7 @@ class Smoothing:
 
     @ti.func
     def between(self, own, other, first: Template):
-        """own - other of the three components from `first` on; in a slice nothing is spent on the third, which is 0."""
+        """own - other of the three components from `first` on; in 2-D nothing is spent on the third, which is 0."""
         return tm.vec3(
             [own[first + k] - other[first + k] if ti.static(k < self.dimension) else 0.0 for k in ti.static(range(3))]
         )

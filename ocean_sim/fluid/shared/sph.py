@@ -49,11 +49,11 @@ class SphConfig(WaterConfig):
     """By how much the scheme lengthens the period of waves."""
     joins_a_sea: ClassVar[bool] = True
     default_ratio: ClassVar[tuple[float, float]]
-    """Default of `support_ratio` in a slice and in space."""
+    """Default of `support_ratio` in 2-D and in 3-D."""
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
-    """Support radius of the smoothing kernel over the spacing."""
+    """Kernel support radius over the spacing."""
     compression: float | None = quantity("1", None, gt=0.0, le=1.0)
-    """Wanted rise of the density at the bed, (reference_speed / sound speed)^2; 0.01 by default."""
+    """Wanted density error: the rise of the density at the bed, (reference_speed / sound speed)^2; 0.01 by default."""
     reference_speed: float | None = quantity("m/s", None, gt=0.0)
     """The speed that compression refers to; default sqrt(|g| depth)."""
     kinematic_viscosity: float = quantity("m2/s", 0.0, ge=0.0)
@@ -103,7 +103,7 @@ class SphConfig(WaterConfig):
                 found.append(
                     (
                         ("spacing",),
-                        f"a period of {period:g} m along {axis} is shorter than two supports of {support:g} m",
+                        f"a period of {period:g} m along {axis} is shorter than two support radii of {support:g} m",
                     )
                 )
         if basin.rough_bed is not None:

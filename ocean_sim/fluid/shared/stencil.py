@@ -41,12 +41,12 @@ class Stencil:
 
     @property
     def volume(self) -> float:
-        """Of a particle [m3], in a slice [m2]."""
+        """Of a particle [m3], in 2-D [m2]."""
         return self.spacing**self.smoothing.dimension
 
     @property
     def slope(self) -> float:
-        """grad W over -x `gradient` [m^-5], in a slice [m^-4]."""
+        """grad W over -x `gradient` [m^-5], in 2-D [m^-4]."""
         return 1.0 / (self.smoothing.support**2 * self.volume * float(self.value.sum()))
 
     @property
@@ -81,7 +81,7 @@ class Stencil:
 
     @property
     def squares(self) -> float:
-        """Sum of the squared gradients [m^-8], in a slice [m^-6]."""
+        """Sum of the squared gradients [m^-8], in 2-D [m^-6]."""
         return self.slope**2 * float(self.gradient**2 @ (self.offsets**2).sum(axis=1))
 
     @property

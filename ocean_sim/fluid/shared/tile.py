@@ -39,7 +39,7 @@ class Tile:
 
     side: float  # along x [m]
     cells: int  # along x
-    rows: int  # along z; 1 in a slice
+    rows: int  # along z; 1 in 2-D
     depth: float  # [m]
     gravity: float  # [m/s2]
     part: float = 1.0  # of the wavenumbers along z that there are modes of; what is left out is taken as empty

@@ -39,12 +39,12 @@ class Hull(Model):
     mass: float | None = quantity("kg", None, gt=0.0)
     """Of the whole ship."""
     centre_of_mass: Vector3 | None = quantity("m", None)
-    """Null: the centroid of the hull, as if it were filled with one matter."""
+    """Null: the centroid of the hull, as if its density were uniform."""
     inertia: Inertia | None = quantity("kg m2", None)
-    """About the centre of mass: of pitch, yaw and roll (about x, y, z); null: of one matter."""
+    """About the centre of mass: of pitch, yaw and roll (about x, y, z); null: of uniform density."""
 
     def matter(self, cubes: Voxels) -> Matter:
-        """Mass, centre and inertia, given or of one matter; raises ValueError where there is no mass."""
+        """Mass, centre and inertia, given or of uniform density; raises ValueError where there is no mass."""
         if self.mass is None:
             raise ValueError("has no mass; give mass [kg]")
         centre = cubes.centroid if self.centre_of_mass is None else np.array(self.centre_of_mass)

@@ -20,7 +20,7 @@ GOLDEN = 0.6180339887498949  # spreads what is taken from a row evenly along it
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """A hull where it begins; in a slice the section amidships."""
+    """A hull where it begins; in 2-D the section amidships."""
 
     shape: HullShape
     centre: np.ndarray  # (3,) centre of mass from the hull's origin [m]
@@ -95,7 +95,7 @@ class Solid:
         return found * float(cubes.size.prod())
 
     def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray]:
-        """(n, 3) positions from the centre of mass, body axes [m], and (n,) volumes [m3], in a slice areas [m2]."""
+        """(n, 3) positions from the centre of mass, body axes [m], and (n,) volumes [m3], in 2-D areas [m2]."""
         from scipy.ndimage import distance_transform_edt
 
         cubes = voxels(self.shape, spacing, 1.0)

@@ -36,7 +36,7 @@ Position = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_le
 class VesselConfig(Helm, ShipConfig):
     """Keys of every kind of ship."""
 
-    slices: ClassVar[bool] = False  # whether it also floats in a slice
+    slices: ClassVar[bool] = False  # whether it also floats in 2-D
 
     position: Position = quantity("m", (0.0, 0.0))
     """Of the centre of mass: [x, z] afloat, or [x, y, z]."""

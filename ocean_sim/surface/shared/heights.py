@@ -9,7 +9,7 @@ from ocean_sim.surface.shared.mesh import Mesh, sheet
 
 
 def columns(basin: Basin, spacing: float) -> tuple[int, int]:
-    """Columns along x and z that stand about `spacing` [m] apart, the outermost on the sides; 1 along z in a slice."""
+    """Columns along x and z that stand about `spacing` [m] apart, the outermost on the sides; 1 along z in 2-D."""
     extents = np.subtract(basin.upper, basin.lower)
     cells = [max(1, round(float(extents[axis]) / spacing)) for axis in (0, 2)]
     return cells[0] + 1, cells[1] + 1 if basin.dimension == 3 else 1
@@ -32,7 +32,7 @@ class Heights:
         self.count, self.periodic, self.inset = count, periodic, inset
         between = [n - 1 + int(2 * inset) for n in count]
         widths = [(high - low) / max(1, n) for low, high, n in zip(lower, upper, between, strict=True)]
-        self.low, self.width = tm.vec2(lower), tm.vec2([width or 1.0 for width in widths])  # no width in a slice
+        self.low, self.width = tm.vec2(lower), tm.vec2([width or 1.0 for width in widths])  # no width in 2-D
         self.lower, self.upper = lower, upper
         self.cells = tuple(max(1, m if wraps else n - 1) for n, m, wraps in zip(count, between, periodic, strict=True))
         self.height = ti.field(float, shape=count[0] * count[1])

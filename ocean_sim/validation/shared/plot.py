@@ -1,24 +1,31 @@
 """One picture a case: what was measured over what was expected, a panel for each of its set-ups."""
 
+from math import ceil
 from pathlib import Path
 from typing import Any
 
 from ocean_sim.validation.shared.case import Curve, Finding, Problem
 
+ACROSS = 4  # panels in a row
 LINES, MARKERS = ("-", "--", ":", "-."), (".", "^", "s", "x", "+")
 
 
 def draw(path: Path, case: str, runs: list[tuple[Problem, str, Finding]]) -> None:
-    """Runs of one case, (set-up, scheme, what it showed); a run that diverged leaves its panel to the others."""
+    """Runs of one case, (set-up, scheme, what it showed); a run that diverged leaves its panel to the others, and a
+    set-up that has numbers and no curve has none. There may be no panel, and then there is no picture."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    panels = list(dict.fromkeys(problem.name for problem, _, _ in runs))
+    panels = list(dict.fromkeys(problem.name for problem, _, found in runs if found.measured or not found.numbers))
+    if not panels:
+        return
+    across = min(len(panels), ACROSS)
+    down = ceil(len(panels) / across)
     schemes = list(dict.fromkeys(scheme for _, scheme, _ in runs))
-    figure = Figure(figsize=(6.4 * len(panels), 4.8), layout="constrained")
+    figure = Figure(figsize=(6.4 * across, 4.8 * down), layout="constrained")
     FigureCanvasAgg(figure)
     for k, name in enumerate(panels):
-        axes = figure.add_subplot(1, len(panels), k + 1)
+        axes = figure.add_subplot(down, across, k + 1)
         here = [(scheme, found) for problem, scheme, found in runs if problem.name == name]
         for scheme, found in here:
             for n, curve in enumerate(found.measured):

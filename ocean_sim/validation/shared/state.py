@@ -74,7 +74,7 @@ def set_state(
 
 
 def shaken(simulation: Simulation, at: np.ndarray, size: float) -> np.ndarray:
-    """Vectors for the particles at these positions: random within a cube of half-width `size`, flat in a slice."""
+    """Vectors for the particles at these positions: random within a cube of half-width `size`, flat in 2-D."""
     random = size * numpy_uniform3(simulation.scene.seed, SHAKE, np.arange(len(at)), 0)
     random[:, simulation.basin.dimension :] = 0.0
     return random

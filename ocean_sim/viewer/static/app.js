@@ -35,7 +35,8 @@ function begin(stills) {
   $("title").textContent = state.worlds.length > 1 ? START.runs.map((run) => run.name).join("  |  ") : still.title;
   $("title").title = stills.map((one) => one.title).join(" | ");
   $("count").hidden = !still.particles && still.fluid === "";
-  $("count").textContent = still.particles ? `${still.particles.toLocaleString("en")} particles` : still.fluid.replaceAll("_", " ");
+  const counts = stills.map((one) => (one.particles ? `${one.particles.toLocaleString("en")} particles` : one.fluid.replaceAll("_", " ")));
+  $("count").textContent = [...new Set(counts)].join("  |  ");
   $("showSea").checked = first.sea;
   $("steering").hidden = !LIVE || !state.drives || !first.ships.length;
   $("rigCheck").hidden = $("ridesCheck").hidden = !still.platform;
@@ -520,6 +521,7 @@ function draw() {
   $("rig").hidden = !(state.rig && first?.legs);
   if (!$("rig").hidden) inset(first, ratio);
   gl.disable(gl.SCISSOR_TEST);
+  if (!LIVE) return;  // a replay has a clock of its own, by which two runs go on, one longer than the other
   state.time = state.worlds[0]?.time ?? 0;
   $("clock").textContent = `t = ${state.time.toFixed(2)} s`;
 }

@@ -41,7 +41,7 @@ class Camera {
     if (mode === "helm" && pose) return this.helm(ship, width, height);
     const { size } = world, long = Math.max(size[0], size[2]), follow = mode === "follow" && pose;
     let target = V.add(world.middleOf, [0, world.level, 0]), span = Math.hypot(size[0], size[2] || world.ribbon);
-    if (world.still.basin.flat) span = 0.9 * size[0];
+    if (world.still.basin.flat) { span = Math.max(0.9 * size[0], -1.6 * world.bed); target[1] += 0.35 * world.bed; }
     const wide = ship && long > 5 * ship.length && pose;
     if (follow || wide) {
       target = [pose.position[0], world.level + 0.08 * ship.length, pose.position[2]];

@@ -56,6 +56,7 @@ def upset(simulation, what):
         particles.position.values[2] = (np.inf, 0.0, 0.0)
 
 
+@pytest.mark.filterwarnings("error::RuntimeWarning")
 @pytest.mark.parametrize(
     "what, words",
     [

@@ -18,7 +18,8 @@ def kinetic(mass: float, totals: Totals) -> float:
 
 def potential(mass: float, totals: Totals, gravity: Sequence[float] | np.ndarray) -> float:
     """Energy [J] of the same in gravity [m/s2], zero at the origin."""
-    return -mass * float(totals.position @ gravity)
+    with np.errstate(invalid="ignore"):  # infinite is NaN along axes without gravity
+        return -mass * float(totals.position @ gravity)
 
 
 def mechanical(simulation: "Simulation", totals: Totals) -> float:

@@ -84,7 +84,7 @@ class Health(Concluding):
         self.energy_seen, self.gain_reported = 0.0, False
         self.momentum: Momentum | None = None
         self.balance: Balance | None = None
-        self.reported: set[str] = set()  # events of which one is enough
+        self.reported: list[str] = []  # events of which one is enough
         self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
         self.limit, self.limit_reported = "", -QUIET
         self.clipped, self.clipped_reported = 0, -QUIET
@@ -218,7 +218,7 @@ class Health(Concluding):
         """An event of which one is enough."""
         if name not in self.reported:
             self.event(name, **facts)
-            self.reported.add(name)
+            self.reported.append(name)
 
     def note_particles(self) -> None:
         """Where the water's mass is not that of all particles that there are, each once."""

@@ -71,7 +71,13 @@ def _bound(kernel: Any) -> Any:
         for known in launches.get(kernel, ()):
             if known.suits(given):
                 return known(given)
-        result = kernel._primal(self, *given)
+        try:
+            result = kernel._primal(self, *given)
+        except ti.TaichiCompilationError as error:  # which quotes what Freed says among lines of the kernel
+            why = next((why for why in (CLOSED, RESTARTED) if why in str(error)), None)
+            if why is None:
+                raise
+            raise RuntimeError(why) from None
         made = _launch_of(kernel._primal, self, given)
         if made is not None:
             launches.setdefault(kernel, []).append(made)
@@ -196,6 +202,11 @@ class Allocation(NamedTuple):
     tree: SNodeTree
     variables: list[Any]  # the expressions by which its fields are known
 
+    def forget(self, why: str) -> None:
+        """Whoever uses one of its fields from now on is told why that cannot be."""
+        for variable in self.variables:
+            variable.ptr = Freed(why)
+
 
 def _noted(finalize: Any) -> Any:
     """Taichi's own method, which gives memory to fields declared since the last time, and forgets the handle by which
@@ -215,14 +226,24 @@ def _noted(finalize: Any) -> Any:
 FieldsBuilder.finalize = _noted(FieldsBuilder.finalize)
 
 
+CLOSED = (
+    "this field belongs to a simulation that is closed, and its memory is freed; read it before the simulation is "
+    "closed, inside its `with` block"
+)
+RESTARTED = (
+    "the fields of this simulation are gone: a later one restarted Taichi, because its runtime differs or about a "
+    "hundred were open; close each before starting others, or run each in a process of its own"
+)
+
+
 class Freed:
     """Stands in for a field whose memory is freed."""
 
+    def __init__(self, why: str) -> None:
+        self.why = why
+
     def __getattr__(self, name: str) -> Any:
-        raise RuntimeError(
-            "this field belongs to a simulation that is closed, and its memory is freed; read it before the simulation "
-            "is closed, inside its `with` block"
-        )
+        raise RuntimeError(self.why)
 
 
 class Fields:
@@ -262,8 +283,7 @@ class Fields:
                 _allocations.remove(one)
                 one.tree.ptr.destroy_snode_tree(program)
         for one in self.allocations:
-            for variable in one.variables:
-                variable.ptr = Freed()
+            one.forget(CLOSED)
         self.allocations = []
 
 
@@ -288,6 +308,8 @@ def start(config: RuntimeConfig) -> Backend:
     _numbered = False
     threads = config.threads or cores()
     before = _thread_ids()
+    for one in _allocations:
+        one.forget(RESTARTED)
     _allocations.clear()
     _launches.clear()
     with redirect_stdout(StringIO()):  # Taichi announces itself
@@ -350,10 +372,7 @@ def restarts(config: RuntimeConfig) -> bool:
 def must_run(backend: Backend) -> None:
     """Raises RuntimeError where Taichi has been restarted since it gave this backend."""
     if _started is None or _started[1] is not backend:
-        raise RuntimeError(
-            "the fields of this simulation are gone: a later one restarted Taichi, because its runtime differs or "
-            "about a hundred were open; close each before starting others, or run each in a process of its own"
-        )
+        raise RuntimeError(RESTARTED)
 
 
 def base_memory(particles: int) -> int:

@@ -132,6 +132,9 @@ def test_what_cannot_be_resumed_is_refused_in_a_sentence(there, ask, tmp_path):
         return err
 
     assert "this is not a run folder" in refused(tmp_path / "nothing")
+    (tmp_path / "early").mkdir()
+    (tmp_path / "early" / "events.jsonl").touch()
+    assert "nothing had begun when this run ended" in refused(tmp_path / "early")
     assert "the last checkpoint is at t = 0.4" in refused(there, "--until", "0.3")
     assert refused(there, "--until", "-1").startswith("--until -1: duration: -1.0 is not greater than 0")
     scene = json.loads((there / "manifest.json").read_text())["scene"]

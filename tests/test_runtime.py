@@ -116,6 +116,25 @@ def test_a_simulation_whose_fields_are_gone_says_so(monkeypatch):
             third.step()
 
 
+def test_fields_that_a_restart_has_taken_say_so_whoever_asks():
+    """By a kernel that ran before, by one that did not, and by reading a field; Taichi itself may crash there."""
+    runtime.start(runtime.RuntimeConfig(threads=1))
+    with Simulation(load(WATER | {"basin": {"length": 2.0, "depth": 0.5}})) as first:
+        fluid, points = first.fluid, np.zeros((1, 2))
+        fluid.elevations(points)
+        runtime.start(runtime.RuntimeConfig(threads=1, precision="f64"))
+        for use in (
+            lambda: fluid.elevations(points),
+            lambda: fluid.pressures(np.zeros((1, 3))),
+            lambda: fluid.advance(1e-3),
+            lambda: fluid.totals(),
+            lambda: fluid.particles.position.to_numpy(),
+        ):
+            with pytest.raises(RuntimeError) as told:
+                use()
+            assert str(told.value) == runtime.RESTARTED
+
+
 def test_closing_a_simulation_frees_the_memory_of_its_fields_alone():
     with Simulation(load(WATER)) as outer:
         outer.step()

@@ -8,7 +8,7 @@ import numpy as np
 from ocean_sim.fluid import ParticleFluid, Totals, with_particles
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
-from ocean_sim.observers.shared.energy import falls_around, kinetic, potential
+from ocean_sim.observers.shared.energy import Balance, kinetic, potential
 from ocean_sim.observers.shared.escaped import beyond, kept
 from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.observers.shared.surface_fit import SurfaceFit
@@ -32,7 +32,6 @@ TERMS = (
     "shifting",
     "breaking",
 )
-BETWEEN_ENERGIES = ("gravity", "pressure")  # their work turns one energy into another; pressure's where water stores it
 SOLVED_FOR = {
     "density": "mean error of the density over the rest density",
     "divergence": "mean compression in a step over the rest density",
@@ -68,8 +67,6 @@ class Accuracy(Observer):
     """accuracy.csv: errors and balances of the whole water, summed in float64; of water without particles there are
     only the works that it counts and the time step."""
 
-    energy_at_start: float | None
-
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
         self.every = config.every
         self.sampled = Sampled(config.every, most=MOST_ROWS)
@@ -78,20 +75,16 @@ class Accuracy(Observer):
         self.surface: SurfaceFit | None = None
         if simulation.surface is not None:
             self.surface = SurfaceFit(simulation.surface, simulation.basin, with_particles(simulation.fluid))
-        self.outer: list[str] = []  # forces that give and take energy
         self.solvers: tuple[str, ...] = ()  # of a scheme that iterates
         self.working = [term for term in TERMS if term in simulation.fluid.work]
         meaning: dict[str, object] = {}
         if simulation.fluid.particles is not None:
             fluid = simulation.fluid
             self.pushing = [term for term in TERMS if term in fluid.impulse]
-            self.driven = falls_around(simulation)
             water = with_particles(fluid)
             self.at_start = potential(water.particles.mass, water.totals(), self.gravity)
-            self.energy_at_start = None
+            self.balance = Balance(simulation, self.working)
             self.solvers = tuple(fluid.solvers)
-            between = BETWEEN_ENERGIES[: 1 if self.solvers else 2]  # what is not compressed stores nothing
-            self.outer = [term for term in self.working if term not in between]
             meaning = self.meaning() | (self.surface.meaning if self.surface else {})
         elif self.working:
             meaning = {"work": "energy given to a tile of the sea since the start, by what gives or takes it"}
@@ -113,8 +106,8 @@ class Accuracy(Observer):
 
     def meaning(self) -> dict[str, object]:
         """What the columns mean."""
-        given = " + ".join(f"work_{term}" for term in self.outer) or "0"
-        if self.driven:
+        given = " + ".join(f"work_{term}" for term in self.balance.outer) or "0"
+        if self.balance.driven:
             given += " + (work_gravity + potential energy gained), the work of forces that have no potential"
         means: dict[str, object] = {
             "compression": "max(density / rest density - 1, 0)",
@@ -134,15 +127,6 @@ class Accuracy(Observer):
             )
         return means
 
-    def residual(self, energy: float, potential: float, work: dict[str, float]) -> float:
-        """Energy [J] that the water has gained since the first row and no force has given."""
-        given = sum(work[term] for term in self.outer)
-        if self.driven:
-            given += work.get("gravity", 0.0) + potential
-        if self.energy_at_start is None:
-            self.energy_at_start = energy - given
-        return energy - given - self.energy_at_start
-
     def balances(self, fluid: ParticleFluid, totals: Totals) -> list[float]:
         """The numbers of COLUMNS, then impulses and works."""
         n, mass = fluid.particles.count.now, fluid.particles.mass
@@ -156,7 +140,7 @@ class Accuracy(Observer):
             moving,
             gained,
             internal,
-            self.residual(moving + gained + internal, gained, work),
+            self.balance.residual(moving + gained + internal, gained, work),
             *(mass * totals.velocity),
             *(mass * totals.turning),
             *(component for term in self.pushing for component in impulse[term]),

@@ -14,7 +14,7 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.files.whole_file import naming
 from ocean_sim.fluid import Totals, with_particles
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.energy import driven, mechanical, stored_by_weight
+from ocean_sim.observers.shared.energy import Balance, driven, mechanical, potential, stored_by_weight
 from ocean_sim.observers.shared.escaped import beyond, kept
 from ocean_sim.observers.shared.level import level_ratio
 from ocean_sim.observers.shared.momentum import Momentum
@@ -29,6 +29,7 @@ POSITIONS_EVERY = 50  # steps between two checks of all positions
 ENERGY_EVERY = 0.1  # [depth over reference speed] at most between two checks of the energy, however long the steps
 GAIN_REPORTED = 0.01  # of the same scale as `max_energy_gain`: less is not reported
 MOMENTUM_REPORTED = 1e-4  # over all impulses: more from nowhere is reported
+WORK_REPORTED = 0.05  # over all work and the energy at the reference speed: gains beyond, that no work has given
 QUIET = 0.5  # [s] at least between two events of one kind
 FIRM = 100.0  # stiffness over the square of the reference speed that holds the water within 1 %
 STIFF = 10.0  # times the stiffness that holds the water within 1 %: from there on it is the likeliest cause
@@ -82,7 +83,8 @@ class Health(Concluding):
         self.energy_every = ENERGY_EVERY * basin.depth / fluid.reference_speed if self.judged else 0.0  # [s]
         self.energy_seen, self.gain_reported = 0.0, False
         self.momentum: Momentum | None = None
-        self.momentum_reported = False
+        self.balance: Balance | None = None
+        self.reported: list[str] = []  # events of which one is enough
         self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
         self.limit, self.limit_reported = "", -QUIET
         self.clipped, self.clipped_reported = 0, -QUIET
@@ -118,6 +120,9 @@ class Health(Concluding):
             self.first_energy = self.energies(with_particles(simulation.fluid).totals())
         if self.momentum is None and self.n > 0 and simulation.fluid.impulse:
             self.momentum = Momentum(simulation)
+            if not self.judged and not simulation.fluid.solvers:  # which count work between the halves of a step
+                self.balance = Balance(simulation, list(simulation.fluid.work))
+                self.unaccounted(self.balance, with_particles(simulation.fluid).totals())
         if self.levelled and isnan(self.first_level):
             particles = with_particles(simulation.fluid).particles
             self.first_level = level_ratio(particles.position.to_numpy(), particles.spacing, simulation.basin)
@@ -161,7 +166,9 @@ class Health(Concluding):
             yield from self.violations_of_particles()
         if not totals.finite:
             return
+        self.note_particles()
         self.note_momentum(totals)
+        self.note_work(totals)
         if self.levelled:
             level = level_ratio(particles.position.to_numpy(), particles.spacing, basin)
             bound = self.config.max_level_ratio * max(self.first_level, 1.0)
@@ -207,13 +214,44 @@ class Health(Concluding):
             far = f"the farthest by {distance.max():.4g} m (bound {self.max_distance:.4g} m)"
             yield self.sentence(f"{what}, {far}", position, [distance.argmax()])
 
+    def once(self, name: str, **facts: object) -> None:
+        """An event of which one is enough."""
+        if name not in self.reported:
+            self.event(name, **facts)
+            self.reported.append(name)
+
+    def note_particles(self) -> None:
+        """Where the water's mass is not that of all particles that there are, each once."""
+        particles = with_particles(self.simulation.fluid).particles
+        count = particles.count.now
+        there = np.bincount(particles.id.to_numpy()[:count], minlength=count)
+        if (there != 1).any():
+            self.once("particles from nowhere", lost=int((there == 0).sum()), twice=int((there > 1).sum()))
+
     def note_momentum(self, totals: Totals) -> None:
-        """Once, where the water's momentum is not what all forces have given it."""
-        if self.momentum is not None and not self.momentum_reported:
+        """Where the water's momentum is not what all forces have given it."""
+        if self.momentum is not None:
             share = self.momentum.from_nowhere(self.simulation, totals)
             if not share <= MOMENTUM_REPORTED:
-                self.event("momentum from nowhere", over_all_impulses=float(f"{share:.3g}"), bound=MOMENTUM_REPORTED)
-                self.momentum_reported = True
+                said = float(f"{share:.3g}")
+                self.once("momentum from nowhere", over_all_impulses=said, bound=MOMENTUM_REPORTED)
+
+    def note_work(self, totals: Totals) -> None:
+        """Where driven water has gained energy that no force has given; other water is judged by its energy alone, and
+        the accounts of a scheme that solves for its pressure do not close in long steps."""
+        if self.balance is not None and not self.simulation.fluid.status.clipped:
+            fluid = with_particles(self.simulation.fluid)
+            scale = fluid.particles.mass * fluid.particles.count.now * fluid.reference_speed**2
+            scale += sum(abs(work) for work in fluid.work.values())
+            share = self.unaccounted(self.balance, totals) / scale
+            if not share <= WORK_REPORTED:
+                self.once("energy that no work has given", over_all_work=float(f"{share:.3g}"), bound=WORK_REPORTED)
+
+    def unaccounted(self, balance: Balance, totals: Totals) -> float:
+        """Energy [J] that no force has given since the first look."""
+        fluid, gravity = with_particles(self.simulation.fluid), self.simulation.basin.gravity
+        energy = mechanical(self.simulation, totals) + fluid.internal_energy()
+        return balance.residual(energy, potential(fluid.particles.mass, totals, gravity), fluid.work)
 
     def energies(self, totals: Totals) -> tuple[float, float]:
         """Of motion and height, and of compression [J]."""

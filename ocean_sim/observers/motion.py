@@ -1,7 +1,8 @@
 """The motion of each ship at a fixed rate: pose, rates, specific force at a point, and every part of (4.27)."""
 
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -9,12 +10,13 @@ from ocean_sim.conventions import Frame, Motions, to_frame
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.handed_on import TakesMotion, takers
-from ocean_sim.observers.shared.sampled import Sampled
+from ocean_sim.observers.shared.sampled import Multiples, Sample, between
 from ocean_sim.parts import ALONE, LedgerRow, Preflight, Problems, called
-from ocean_sim.ship import Ship
+from ocean_sim.ship import Load, Ship
 from ocean_sim.simulation import Observer, PeriodicConfig
 
 if TYPE_CHECKING:
+    from ocean_sim.ship.shared.rigid_body import RigidBody
     from ocean_sim.simulation import Simulation
 
 LINES, TURNS = Motions._fields[:3], Motions._fields[3:]
@@ -85,8 +87,10 @@ class Config(PeriodicConfig):
 class Motion(Observer):
     """A log for each ship."""
 
+    every = 0.0  # what acts on a ship at one time is known a step later
+
     def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
-        self.every = config.every
+        self.simulation = simulation
         self.logs = [Log(config, folder, simulation, ship) for ship in simulation.ships.values()]
 
     def observe(self, simulation: "Simulation") -> None:
@@ -95,27 +99,41 @@ class Motion(Observer):
 
     def close(self) -> None:
         for log in self.logs:
-            log.close()
+            log.close(self.simulation)
+
+
+class Moment(NamedTuple):
+    """A ship at one time [s], and what acted on it then."""
+
+    time: float
+    body: "RigidBody"
+    orders: tuple[float, float]
+    acceleration: np.ndarray
+    turning: np.ndarray
+    load: Load
 
 
 class Log:
-    """motion.csv, of one ship."""
+    """motion.csv, of one ship. A step begins with what acts on the hull, so that this is known of a time when the step
+    is over; of the last time it is that of the step before."""
 
-    before: np.ndarray | None
+    last: "tuple[float, RigidBody, tuple[float, float]] | None"  # the newest time, body and orders
+    before: Moment | None
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation", ship: Ship) -> None:
         self.ship, self.frame = ship, config.frame
         self.signs = to_frame(self.frame, np.eye(3)).sum(axis=1)  # each of our axes is plus or minus one of the frame's
         self.arm = ship.points[config.point] if config.point else np.zeros(3)
-        self.sampled, self.gravity = Sampled(config.every), np.array(simulation.basin.gravity)
+        self.multiples, self.gravity = Multiples(config.every), np.array(simulation.basin.gravity)
         self.number = 0
-        self.before = None
+        self.last, self.before = None, None
         head = heading(
             simulation,
             f"every {config.every:g} s, linear between steps",
             rates_and_specific_force=f"body axes, gravity included, felt at {config.point or 'the centre of mass'}",
             angles="intrinsic yaw, pitch, roll; the quaternion turns body to world",
-            forces="world axes, torques about the centre of mass, of the step that ended",
+            forces="world axes, torques about the centre of mass",
+            velocities="those that led to the pose, which are of half a step before",
             damping="what the water that moves along does back is part of damping",
         )
         head |= {"frame": config.frame, "axes": AXES[config.frame]}
@@ -124,15 +142,27 @@ class Log:
         self.csv = CsvFile(folder / file_of(ship.name), head, self.columns)
 
     def observe(self, simulation: "Simulation") -> None:
-        rows: list[str] = []
-        for time, values, _ in self.sampled.rows(simulation.time, self.continuous(self.row(self.ship))):
-            angles, q = values[ANGLES], values[QUATERNION]
-            values[ANGLES] = np.remainder(angles + np.pi, 2.0 * np.pi) - np.pi
-            values[QUATERNION] = q / np.linalg.norm(q)
-            rows.append(self.csv.row([time, self.number, *values.tolist()]))
-            self.number += 1
-        if rows:
-            self.hand_on(rows, simulation)
+        self.complete(simulation)
+        self.last = simulation.time, self.ship.body, self.ship.orders
+
+    def complete(self, simulation: "Simulation") -> None:
+        """Write the rows up to the newest time, with what has acted on the ship since."""
+        if self.last is None:
+            return
+        ship = self.ship
+        now = Moment(*self.last, ship.acceleration, ship.turning, ship.last)
+        passed = self.multiples.reached(now.time)
+        if passed:
+            before, after = (Sample(at.time, self.row(at), ()) for at in (self.before or now, now))
+            if after.values[QUATERNION] @ before.values[QUATERNION] < 0.0:  # the short way around
+                after.values[QUATERNION] *= -1.0
+            lines = []
+            for k in passed:
+                time, values, _ = between(before, after, k * self.multiples.every)
+                lines.append(self.csv.row([time, self.number, *self.turned(values)]))
+                self.number += 1
+            self.hand_on(lines, simulation)
+        self.before = now
 
     def hand_on(self, rows: list[str], simulation: "Simulation") -> None:
         """Give rows, as the log shows them, to the observers that take them: what they make of them then is what they
@@ -142,26 +172,25 @@ class Log:
             table = np.array([[float(number) for number in row] for row in cells]).T
             observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)
 
-    def row(self, ship: Ship) -> np.ndarray:
-        """All columns but time and number."""
-        body, load, turn = ship.body, ship.last, ship.body.matrix
-        felt = body.point_acceleration(self.arm, ship.acceleration, ship.turning)
+    def row(self, now: Moment) -> np.ndarray:
+        """All columns but time and number; the quaternion in our axes, and nothing yet in place of the angles."""
+        body, load, turn = now.body, now.load, now.body.matrix
+        felt = body.point_acceleration(self.arm, now.acceleration, now.turning)
         parts = np.concatenate([load.parts, load.parts.sum(axis=0, keepdims=True)])
-        w, *vector = body.orientation.tolist()
-        vectors = np.concatenate([[vector, turn.T @ (felt - self.gravity)], parts.reshape(-1, 3)])
-        attitude, specific, *loads = to_frame(self.frame, vectors)
-        motions = np.array([body.position, body.angles, body.velocity, body.rates, ship.acceleration])
-        position, angles, *others = self.signs * motions  # positive as the frame's axes are
-        return np.concatenate([position, angles, [w], attitude, *others, specific, *loads, ship.orders])
+        vectors = np.concatenate([[turn.T @ (felt - self.gravity)], parts.reshape(-1, 3)])
+        specific, *loads = to_frame(self.frame, vectors)
+        motions = np.array([body.position, np.zeros(3), body.velocity, body.rates, now.acceleration])
+        position, unknown, *others = self.signs * motions  # positive as the frame's axes are
+        return np.concatenate([position, unknown, body.orientation, *others, specific, *loads, now.orders])
 
-    def continuous(self, row: np.ndarray) -> np.ndarray:
-        """The row with angles and quaternion near those of the row before, so that lines between them are short."""
-        if self.before is not None:
-            turns = np.round((row[ANGLES] - self.before[ANGLES]) / (2.0 * np.pi))
-            row[ANGLES] -= 2.0 * np.pi * turns
-            row[QUATERNION] *= 1.0 if row[QUATERNION] @ self.before[QUATERNION] >= 0.0 else -1.0
-        self.before = row.copy()
-        return row
+    def turned(self, row: np.ndarray) -> list[float]:
+        """The row with a unit quaternion in the frame's axes, and the angles that are its own: angles themselves leap
+        where a bow points straight up."""
+        q = row[QUATERNION] / np.linalg.norm(row[QUATERNION])
+        attitude = [q[0], *to_frame(self.frame, q[1:])]
+        angles = replace(self.ship.body, orientation=q).angles
+        return [*row[: ANGLES.start], *(self.signs * angles), *attitude, *row[QUATERNION.stop :]]
 
-    def close(self) -> None:
+    def close(self, simulation: "Simulation") -> None:
+        self.complete(simulation)
         self.csv.close()

@@ -25,6 +25,8 @@ SHOWN = 3  # differences that are named
 def resume(folder: Path, until: float | None, anyway: bool, as_json: bool, quiet: bool = False) -> None:
     """Go on with a run."""
     if not (folder / MANIFEST).is_file():
+        if (folder / "events.jsonl").is_file():  # the first of its files
+            raise console.Refused(f"{folder}: nothing had begun when this run ended; `run --overwrite` starts it again")
         raise console.Refused(f"{folder}: this is not a run folder (there is no {MANIFEST})")
     with Claim(folder):
         resumed(folder, until, anyway, as_json, quiet)

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ocean_sim.conventions import Diverged
+from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.observers.health import MOMENTUM_REPORTED
 from ocean_sim.observers.shared.energy import driven
 from ocean_sim.observers.shared.level import level_ratio
@@ -23,8 +24,7 @@ from ocean_sim.verbs.check import preflight
 
 STEPS = 12
 QUIET = dict.fromkeys(name for name in observer_names() if name not in ("manifest", "accuracy"))
-PLAIN = {"fluid", "basin", "wind", "time_step", "runtime", "accuracy", "manifest", "title", "seed", "duration"}
-PLAIN |= {"resolution"}  # keys of water alone
+PLAIN = ("basin", "fluid", "time_step", "runtime", "accuracy", "manifest", "title", "seed", "duration", "resolution")
 SWAPPED = {"x_min": "x_max", "x_max": "x_min"}
 
 
@@ -163,30 +163,44 @@ def checkpointed(config: SceneConfig) -> str:
         return judged(config, whole, ran(scene, STEPS - STEPS // 2, restored), 0.0)
 
 
-def mirrored(config: SceneConfig) -> str | None:
-    """Left to right, where all that the scene has can be mirrored: water, walls, obstacles."""
-    keys = quiet(config, **{"runtime.precision": "f64"}).resolved()
-    said = {key for key, value in keys.items() if value is not None}
-    fluid, basin = keys["fluid"], keys["basin"]
-    apart = [fluid.get("initial"), fluid.get("emitter"), basin.get("motion"), basin.get("wavemaker")]
-    if not said <= PLAIN or any(apart) or keys.get("wind", {"kind": "still"})["kind"] != "still":
+def water_alone(config: SceneConfig, basin: tuple[str, ...], fluid: tuple[str, ...]) -> dict[str, Any] | None:
+    """The resolved scene with nothing but its particles in double precision, without these keys of basin and fluid;
+    None where there are no particles."""
+    if not config.preflight.particles:
         return None
-    other = deepcopy(keys)
+    keys = {key: value for key, value in quiet(config).resolved().items() if key in PLAIN} | QUIET | {"render": None}
+    keys["runtime"] = keys["runtime"] | {"precision": "f64"}
+    for slot, without in (("basin", basin), ("fluid", fluid)):
+        keys[slot] = {key: value for key, value in keys[slot].items() if key not in without}
+    return keys
+
+
+def loaded(keys: dict[str, Any]) -> SceneConfig | None:
+    """The scene, unless what was left out was needed."""
+    try:
+        return quiet(load(keys))
+    except SceneError:
+        return None
+
+
+def mirrored(config: SceneConfig) -> str | None:
+    """Its water left to right, with walls and obstacles that rest."""
+    keys = water_alone(config, ("motion", "wavemaker", "lid"), ("initial", "emitter"))
+    one = None if keys is None else loaded(keys)
+    if one is None or any(box.get("velocity") or box.get("motion") for box in keys["basin"].get("obstacles") or []):
+        return None
+    other = deepcopy(one.resolved())
     for boxes in (other["fluid"].get("fill") or [], other["basin"].get("obstacles") or []):
         for box in boxes:
             low, high = box["min"][0], box["max"][0]
             box["min"][0], box["max"][0] = -high, -low
-            if box.get("velocity") is not None:
-                return None
     for vector in (other["fluid"].get("body_force"), other["basin"].get("gravity")):
         if vector:
             vector[0] = -vector[0]
     walls = other["basin"].get("walls")
     if isinstance(walls, dict):
         other["basin"]["walls"] = {SWAPPED.get(side, side): kind for side, kind in walls.items()}
-    if isinstance(other["basin"].get("lid"), dict):
-        return None
-    a, b = ran(load(keys)), ran(load(other))
+    a, b = ran(one), ran(load(other))
     if a.stopped or b.stopped:
         return judged(config, a, b, 0.0)
     flipped = b.position * [-1.0, 1.0, 1.0]
@@ -196,15 +210,17 @@ def mirrored(config: SceneConfig) -> str | None:
 
 
 def shifted(config: SceneConfig) -> str | None:
-    """A few spacings along, between periodic sides and over an even bed."""
-    scene = quiet(config, **{"runtime.precision": "f64"})
-    basin, keys = scene.preflight.tank, scene.resolved()
-    alone = {key for key, value in keys.items() if value is not None} <= PLAIN
-    if not basin.periods[0] or not alone or basin.config.obstacles or keys["fluid"].get("emitter"):
+    """Its water a few spacings along, between periodic sides and over an even bed."""
+    keys = water_alone(config, ("motion", "wavemaker", "lid", "obstacles"), ("emitter",))
+    if keys is None:
         return None
-    if not scene.wind.still or not scene.preflight.particles:
+    walls = keys["basin"].get("walls", "reflecting")
+    sides = dict.fromkeys(("x_min", "x_max", "z_min", "z_max"), walls) if isinstance(walls, str) else walls
+    across = {side: kind for side, kind in sides.items() if side[0] != "x" and "width" in keys["basin"]}
+    scene = loaded(keys | {"basin": keys["basin"] | {"walls": across | {"x": "periodic"}}})
+    if scene is None:
         return None
-    way = 3.0 * spacing_of(scene)
+    basin, way = scene.preflight.tank, 3.0 * spacing_of(scene)
 
     def along(simulation: Simulation) -> None:
         particles = simulation.fluid.of_particles.particles
@@ -215,6 +231,8 @@ def shifted(config: SceneConfig) -> str | None:
         simulation.fluid.begin()
 
     a, b = ran(scene), ran(scene, begin=along)
+    if a.stopped or b.stopped:
+        return judged(config, a, b, 0.0)
     back = b.position - [way, 0.0, 0.0]
     back[:, 0] += basin.periods[0] * np.round((a.position[:, 0] - back[:, 0]) / basin.periods[0])
     return judged(config, a, b._replace(position=back), 1e-6 * spacing_of(config))

@@ -90,6 +90,8 @@ class Sea(Fluid):
     def totals(self):
         particles, v = self.particles, self.particles.velocity.values
         x, excess = particles.position.values, particles.density.values / self.rest_density - 1.0
+        with np.errstate(invalid="ignore"):
+            turning = np.cross(x, v).sum(axis=0)
         return Totals(
             density=particles.density.values.sum(),
             compression=np.maximum(excess, 0.0).sum(),
@@ -98,7 +100,7 @@ class Sea(Fluid):
             squared_speed=(v * v).sum(),
             position=x.sum(axis=0),
             velocity=v.sum(axis=0),
-            turning=np.cross(x, v).sum(axis=0),
+            turning=turning,
             lower=x.min(axis=0),
             upper=x.max(axis=0),
         )

@@ -56,6 +56,7 @@ def upset(simulation, what):
         particles.position.values[2] = (np.inf, 0.0, 0.0)
 
 
+@pytest.mark.filterwarnings("error::RuntimeWarning")
 @pytest.mark.parametrize(
     "what, words",
     [
@@ -169,3 +170,39 @@ def test_clipping_is_summed_up_not_repeated(tmp_path, watched):
     assert len(reported) <= 3 and reported[-1]["since_start"] == 200
     assert sum(event["particles"] for event in reported) == 200
     assert events(tmp_path)[-1] == {"time_s": 1.0, "step": 100, "event": "stopped", "reason": "too hot"}
+
+
+def looked_at(simulation, folder):
+    """The events after another look at all particles."""
+    simulation.steps = health.POSITIONS_EVERY
+    simulation.observers[0].observe(simulation)
+    return [event for event in events(folder) if event["event"] not in ("start", "limit")]
+
+
+def test_a_particle_that_is_there_twice_is_told_once(tmp_path, watched):
+    simulation, _ = build(watched, tmp_path)
+    simulation.observers[0].observe(simulation)
+    assert not looked_at(simulation, tmp_path)
+    ids = simulation.fluid.particles.id.values
+    ids[3] = ids[4]
+    looked_at(simulation, tmp_path)
+    (event,) = looked_at(simulation, tmp_path)
+    assert event["event"] == "particles from nowhere" and (event["lost"], event["twice"]) == (1, 1)
+
+
+def test_energy_that_no_work_has_given_is_told_where_the_wind_drives(tmp_path, watched):
+    """Particles that are faster without a force; work of the wind that gives as much is none of that."""
+    for worked, said in ((0.0, ["energy that no work has given"]), (1.0, [])):
+        simulation = watched()
+        simulation.scene.wind = SimpleNamespace(still=False)
+        folder = tmp_path / f"{worked:g}"
+        folder.mkdir()
+        simulation.observers = [health.Config().build(folder, simulation)]
+        simulation.observers[0].observe(simulation)
+        fluid = simulation.fluid
+        fast = 1.5 * fluid.reference_speed
+        fluid.particles.velocity.values[:, 0] += fast
+        gained = 0.5 * fluid.particles.mass * fluid.particles.n * fast**2
+        fluid.work["wind"] += worked * gained
+        fluid.impulse["wind"][0] += fluid.particles.mass * fluid.particles.n * fast
+        assert [event["event"] for event in looked_at(simulation, folder)] == said

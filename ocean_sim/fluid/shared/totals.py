@@ -26,7 +26,8 @@ class Summing:
     def now(self) -> Totals:
         """Of the state that the particles are in."""
         self.add_up(self.table)
-        total, most = self.table[:, : SUMS.size].sum(axis=0), self.table[:, SUMS.size :].max(axis=0)
+        with np.errstate(invalid="ignore"):  # infinite both ways is NaN
+            total, most = self.table[:, : SUMS.size].sum(axis=0), self.table[:, SUMS.size :].max(axis=0)
         return Totals(
             density=float(total[SUMS.density]),
             compression=float(total[SUMS.compression]),

@@ -10,6 +10,30 @@ from ocean_sim.fluid import Totals, with_particles
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
+BETWEEN_ENERGIES = ("gravity", "pressure")  # their work turns one energy into another; pressure's where water stores it
+
+
+class Balance:
+    """The energy of particles against the work of all forces from the first look on; only where the fluid sums it."""
+
+    at_first: float | None
+
+    def __init__(self, simulation: "Simulation", working: Sequence[str]) -> None:
+        """`working`: the forces whose work is summed, in the order in which they are added."""
+        between = BETWEEN_ENERGIES[: 1 if simulation.fluid.solvers else 2]  # what is not compressed stores nothing
+        self.outer = [term for term in working if term not in between]  # forces that give and take energy
+        self.driven = falls_around(simulation)
+        self.at_first = None
+
+    def residual(self, energy: float, potential: float, work: dict[str, float]) -> float:
+        """Energy [J] that the water has gained since the first look and no force has given."""
+        given = sum(work[term] for term in self.outer)
+        if self.driven:
+            given += work.get("gravity", 0.0) + potential
+        if self.at_first is None:
+            self.at_first = energy - given
+        return energy - given - self.at_first
+
 
 def kinetic(mass: float, totals: Totals) -> float:
     """Energy of motion [J] of particles that each have this mass [kg]."""
@@ -18,7 +42,8 @@ def kinetic(mass: float, totals: Totals) -> float:
 
 def potential(mass: float, totals: Totals, gravity: Sequence[float] | np.ndarray) -> float:
     """Energy [J] of the same in gravity [m/s2], zero at the origin."""
-    return -mass * float(totals.position @ gravity)
+    with np.errstate(invalid="ignore"):  # infinite is NaN along axes without gravity
+        return -mass * float(totals.position @ gravity)
 
 
 def mechanical(simulation: "Simulation", totals: Totals) -> float:

@@ -9,7 +9,10 @@ COLUMN = 3.0  # spacings, about
 
 def level_ratio(position: np.ndarray, spacing: float, basin: Basin) -> float:
     """Height of the centre of mass of particles (n, 3) [m] over the bed, over what it would be if the water of each
-    column, three spacings wide, lay on the bed and were as dense as at rest; a column holds a layer at least."""
+    column, three spacings wide, lay on the bed and were as dense as at rest; a column holds a layer at least. NaN where
+    a position is not a number."""
+    if not np.isfinite(position).all():
+        return float("nan")
     axes = [0, 2][: basin.dimension - 1]
     lower, size = np.array(basin.lower), np.subtract(basin.upper, basin.lower)[axes]
     counts = np.maximum(1.0, np.round(size / (COLUMN * spacing)))

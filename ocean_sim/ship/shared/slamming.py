@@ -6,8 +6,9 @@ ZAMM 12) added mass is (pi / 2)^2 times von Karman's at a small deadrise, and le
 RISE is ours: fitted to the forces of similarity solutions of wedges as Zhao & Faltinsen (1993, J. Fluid Mech. 246) are
 quoted for them, not checked against the paper; of 10 to 30 degrees within 5 %, of 40 degrees 16 % below. A step has the
 impulse of all that it wets, so that its acceleration is a mean over the step and its peak grows as steps become
-shorter, up to a limit that it is near once a slam takes many steps. The water's mass grows no further than what moves
-along with the hull afloat. Going out of the water changes nothing: it falls off the hull.
+shorter, up to a limit that it is near once a slam takes many steps (figures: docs/theory/ship.md). The water's mass
+grows no further than what moves along with the hull afloat. Going out of the water changes nothing: it falls off the
+hull.
 
 A hull that lies half as deep or one and a half times as deep as afloat is a blunt body in heave (Hoerner 1965,
 Fluid-Dynamic Drag, 3): BLUNT on its waterplane, all of it from twice as deep and wholly out.

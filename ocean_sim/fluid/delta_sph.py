@@ -198,7 +198,7 @@ class Continuity:
     diffusion at the end of the last one. Of a pair the smaller share counts, so that no mass is made.
     """
 
-    row, apart = Columns(position=3, velocity=3, deviation=1, share=1), False
+    row, apart, padded = Columns(position=3, velocity=3, deviation=1, share=1), False, True
 
     def __init__(self, fluid: "DeltaSph") -> None:
         self.fluid = fluid
@@ -310,7 +310,7 @@ class Shear:
     """Spin and strain of the water around each particle, remembered over a while: seldom looked at, since they are
     dear."""
 
-    row, apart = Columns(position=3, velocity=3), False
+    row, apart, padded = Columns(position=3, velocity=3), False, True
 
     def __init__(self, fluid: "DeltaSph") -> None:
         self.fluid, self.reads, self.dimension = fluid, fluid.grid.moved[: STATE.id], fluid.smoothing.dimension

@@ -23,7 +23,8 @@ AXES = {
     "ned": "SNAME: x to the bow, y to starboard, z down; world x along our z, y along our -x, z down",
     "flu": "ISO 8855: x to the bow, y to port, z up; world x along our z, y along our x, z up",
 }
-ANGLES, QUATERNION = slice(3, 6), slice(6, 10)  # in a row without time and number
+BEFORE = ("time_s", "seq")
+ANGLES, QUATERNION = slice(3, 6), slice(6, 10)  # in a row without these two
 
 
 def file_of(ship: str) -> str:
@@ -34,8 +35,7 @@ def file_of(ship: str) -> str:
 def columns(parts: tuple[str, ...]) -> tuple[str, ...]:
     """Of a motion log, for a ship whose load has these parts."""
     return (
-        "time_s",
-        "seq",
+        *BEFORE,
         *(f"{name}_m" for name in LINES),
         *(f"{name}_rad" for name in TURNS),
         *("qw", "qx", "qy", "qz"),
@@ -146,13 +146,20 @@ class Log:
         """All columns but time and number."""
         body, load, turn = ship.body, ship.last, ship.body.matrix
         felt = body.point_acceleration(self.arm, ship.acceleration, ship.turning)
-        parts = np.concatenate([load.parts, load.parts.sum(axis=0, keepdims=True)])
-        w, *vector = body.orientation.tolist()
-        vectors = np.concatenate([[vector, turn.T @ (felt - self.gravity)], parts.reshape(-1, 3)])
-        attitude, specific, *loads = to_frame(self.frame, vectors)
-        motions = np.array([body.position, body.angles, body.velocity, body.rates, ship.acceleration])
-        position, angles, *others = self.signs * motions  # positive as the frame's axes are
-        return np.concatenate([position, angles, [w], attitude, *others, specific, *loads, ship.orders])
+        n = len(load.parts)
+        vectors = np.empty((4 + 2 * n, 3))  # of the quaternion, the specific force, and the loads
+        vectors[0], vectors[1] = body.orientation[1:], turn.T @ (felt - self.gravity)
+        vectors[2 : 2 + 2 * n], vectors[2 + 2 * n :] = load.parts.reshape(-1, 3), load.parts.sum(axis=0)
+        vectors = to_frame(self.frame, vectors)
+        motions = np.empty((5, 3))
+        motions[0], motions[1], motions[2] = body.position, body.angles, body.velocity
+        motions[3], motions[4] = body.rates, ship.acceleration
+        motions *= self.signs  # positive as the frame's axes are
+        row = np.empty(len(self.columns) - len(BEFORE))
+        row[:6], row[6], row[QUATERNION.start + 1 : QUATERNION.stop] = motions[:2].ravel(), body.orientation[0], vectors[0]
+        row[QUATERNION.stop : QUATERNION.stop + 9] = motions[2:].ravel()
+        row[QUATERNION.stop + 9 : -2], row[-2:] = vectors[1:].ravel(), ship.orders
+        return row
 
     def continuous(self, row: np.ndarray) -> np.ndarray:
         """The row with angles and quaternion near those of the row before, so that lines between them are short."""

@@ -156,7 +156,11 @@ class Log:
         motions[3], motions[4] = body.rates, ship.acceleration
         motions *= self.signs  # positive as the frame's axes are
         row = np.empty(len(self.columns) - len(BEFORE))
-        row[:6], row[6], row[QUATERNION.start + 1 : QUATERNION.stop] = motions[:2].ravel(), body.orientation[0], vectors[0]
+        row[:6], row[6], row[QUATERNION.start + 1 : QUATERNION.stop] = (
+            motions[:2].ravel(),
+            body.orientation[0],
+            vectors[0],
+        )
         row[QUATERNION.stop : QUATERNION.stop + 9] = motions[2:].ravel()
         row[QUATERNION.stop + 9 : -2], row[-2:] = vectors[1:].ravel(), ship.orders
         return row

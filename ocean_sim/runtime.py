@@ -167,7 +167,7 @@ class Copy:
         return values
 
     @ti.kernel
-    def fill(self, values: Array):
+    def fill(self, values: Array):  # type: ignore[no-untyped-def]
         for i in self.field:
             values[i] = self.field[i]
 

@@ -108,7 +108,7 @@ class WideAccounts(Accounts):
     @ti.func
     def add_up(self, b):
         """Put the rows of block b into one, but for impulses and work."""
-        blocks, end = ti.static(self.blocks), ti.min((b + 1) * self.block, self.groups)
+        blocks, end = self.blocks, ti.min((b + 1) * self.block, self.groups)
         speed2, acceleration2, thin, dense, total, clipped, crowded = self.added_up(b * self.block, end)
         blocks.speed2[b], blocks.acceleration2[b], blocks.thin[b], blocks.dense[b] = speed2, acceleration2, thin, dense
         blocks.sum[b], blocks.clipped[b], blocks.overflow[b] = total, clipped, crowded

@@ -287,7 +287,7 @@ class Neighbours:
     @ti.func
     def filled(self, law: Template, count):
         """How many candidates a sum over so many goes through: where the law is `padded`, as many as make whole
-        vectors. What is left over behind those is summed one by one, and took as long as all the rest."""
+        vectors. What is left over behind those is summed one by one, with four times the instructions each."""
         return (count + VECTOR - 1) // VECTOR * VECTOR if ti.static(law.padded) else count
 
     @ti.func

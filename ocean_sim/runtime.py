@@ -15,7 +15,7 @@ import numpy as np
 
 from ocean_sim import kernel_library
 from ocean_sim.conventions import Lacking
-from ocean_sim.kernel_library import FieldsBuilder, SNodeTree, impl, ti
+from ocean_sim.kernel_library import FieldsBuilder, SNodeTree, impl, ti, to_numpy_type
 from ocean_sim.machine import cores
 from ocean_sim.model import Model, quantity
 
@@ -157,6 +157,25 @@ def _launch_of(primal: Any, owner: Any, given: tuple) -> Launch | None:
     program = impl.get_runtime().prog
     kernel = primal.compiled_kernels[primal.ensure_compiled(owner, *given)]
     return Launch(program.compile_kernel(program.config(), program.get_device_caps(), kernel), kernel, takes)
+
+
+@in_kernels
+class Copy:
+    """What a field of one number a place holds now, many times as quickly as by Taichi's own way."""
+
+    def __init__(self, field: Any) -> None:
+        self.field = field
+
+    def now(self) -> np.ndarray:
+        """(n,) in the field's precision."""
+        values: np.ndarray = np.empty(self.field.shape, dtype=to_numpy_type(self.field.dtype))
+        self.fill(values)
+        return values
+
+    @ti.kernel
+    def fill(self, values: Array):  # type: ignore[no-untyped-def]
+        for i in self.field:
+            values[i] = self.field[i]
 
 
 class BackendMissing(Lacking):

@@ -37,7 +37,7 @@ from ocean_sim.fluid.shared.water import Lattice
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
-from ocean_sim.runtime import Array, arch, in_kernels
+from ocean_sim.runtime import Array, Copy, arch, in_kernels
 from ocean_sim.wind import Wind
 
 PAIR = 9.2e-9  # [s] of processor time a neighbour
@@ -198,7 +198,7 @@ class Continuity:
     diffusion at the end of the last one. Of a pair the smaller share counts, so that no mass is made.
     """
 
-    row, apart = Columns(position=3, velocity=3, deviation=1, share=1), False
+    row, apart, padded = Columns(position=3, velocity=3, deviation=1, share=1), False, True
 
     def __init__(self, fluid: "DeltaSph") -> None:
         self.fluid = fluid
@@ -310,7 +310,7 @@ class Shear:
     """Spin and strain of the water around each particle, remembered over a while: seldom looked at, since they are
     dear."""
 
-    row, apart = Columns(position=3, velocity=3), False
+    row, apart, padded = Columns(position=3, velocity=3), False, True
 
     def __init__(self, fluid: "DeltaSph") -> None:
         self.fluid, self.reads, self.dimension = fluid, fluid.grid.moved[: STATE.id], fluid.smoothing.dimension
@@ -380,6 +380,7 @@ class DeltaSph(Sph):
         self.deviation, self.pressing = self.carried[:CARRIED]  # in mid-step: [kg/m3], and (p + bulk rate) / rho^2
         self.next_deviation, self.next_pressing = self.grid.carried[:CARRIED]  # the same before the sort of a step
         self.excess, self.rate = (ti.field(float, shape=particles.n) for _ in range(2))  # [kg/m3] at its end, and rate
+        self.excesses = Copy(self.excess)
         self.slope = particles.mass * self.smoothing.slope  # -m grad W / x_ij over its shape
         self.clamped, self.shifting = config.minimum_pressure is not None, config.enclosed(basin)
         if self.shifting:
@@ -521,7 +522,7 @@ class DeltaSph(Sph):
         """Work of compression, m times the integral of p / rho^2 from the rest density [J]; raises Diverged where there
         is no density left."""
         gamma = self.config.exponent
-        ratio = 1.0 + self.excess.to_numpy().astype(float) / self.particles.rest_density
+        ratio = 1.0 + self.excesses.now().astype(float) / self.particles.rest_density
         if not ratio.min() > 0.0:
             least = self.particles.rest_density * ratio.min()
             raise Diverged(f"density fell to {least:.4g} kg/m^3; it must stay above 0; try a shorter time step")

@@ -21,7 +21,7 @@ from ocean_sim.fluid.shared.sph import SphConfig, rows
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
-from ocean_sim.runtime import arch, in_kernels
+from ocean_sim.runtime import Copy, arch, in_kernels
 from ocean_sim.wind import Wind
 
 TINY = 1.0e-12  # [m2] keeps two particles in one position finite
@@ -153,6 +153,7 @@ class Mueller(PairSph):
         self.factors = ti.field(float, shape=3)  # of pressure and viscosity: a field, so that a change compiles nothing
         self.specific_volume = ti.field(float, shape=self.particles.n)  # 1 / density [m3/kg]
         self.density, self.momentum = Density(self), Momentum(self)
+        self.densities = Copy(self.particles.density)
         self.stiffness = self.sound_speed**2
         self.adjust()
         self.begin()
@@ -178,7 +179,8 @@ class Mueller(PairSph):
 
     def internal_energy(self) -> float:
         """Work of compression, m times the integral of p / rho^2 from the rest density [J]."""
-        ratio = self.particles.density.to_numpy().astype(float) / self.particles.rest_density
+        density = self.densities.now()[: self.particles.count.now]
+        ratio = density.astype(float) / self.particles.rest_density
         energy = np.log(ratio) + 1.0 / ratio - 1.0
         if self.config.minimum_pressure is not None:
             energy = np.where(ratio > 1.0, energy, 0.0)

@@ -18,8 +18,8 @@ class Count:
 
     row, terms, apart = Columns(position=3), Columns(count=1, squares=1), True
 
-    def __init__(self, fluid) -> None:
-        self.reads = tuple(fluid.particles.position)
+    def __init__(self, fluid, padded: bool = False) -> None:
+        self.reads, self.padded = tuple(fluid.particles.position), padded
         self.support = fluid.smoothing.support
         self.count, self.squares = (ti.field(float, shape=fluid.particles.n) for _ in range(2))
         self.images, self.image_squares = (ti.field(float, shape=fluid.particles.n) for _ in range(2))
@@ -67,19 +67,21 @@ CLOUDS = {
 
 @pytest.fixture(scope="module")
 def clouds(water):
-    """One fluid a dimension, with its law, for all clouds: a new one would be compiled anew."""
+    """One fluid a dimension, with its laws, not padded and padded, for all clouds: a new one would be compiled anew."""
     made = {}
     for dimension in (2, 3):
         basin = {"length": 1.0, "depth": 0.5, "width": 1.0 if dimension == 3 else None}
         fluid = water(basin=basin, particles=300)
-        made[dimension] = fluid, Count(fluid)
+        made[dimension] = fluid, (Count(fluid), Count(fluid, padded=True))
     return made
 
 
 @pytest.mark.parametrize("cloud", CLOUDS)
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_the_walk_equals_brute_force(clouds, dimension, cloud):
-    fluid, law = clouds[dimension]
+@pytest.mark.parametrize("padded", [False, True])
+def test_the_walk_equals_brute_force(clouds, dimension, cloud, padded):
+    fluid, laws = clouds[dimension]
+    law = laws[padded]
     x = CLOUDS[cloud](np.random.default_rng(3), fluid.particles.n)
     x[:, 2] *= dimension - 2
     put(fluid, x)
@@ -106,8 +108,10 @@ def mirrored(x: np.ndarray, fluid) -> np.ndarray:
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_images_equal_mirrored_copies_of_all_particles(clouds, dimension):
-    fluid, law = clouds[dimension]
+@pytest.mark.parametrize("padded", [False, True])
+def test_images_equal_mirrored_copies_of_all_particles(clouds, dimension, padded):
+    fluid, laws = clouds[dimension]
+    law = laws[padded]
     rng = np.random.default_rng(8)
     x = rng.uniform(-0.5, 0.5, (fluid.particles.n, 3)) * [1.0, 0.5, 1.0] + [0.0, -0.25, 0.0]
     x[:, 2] *= dimension - 2

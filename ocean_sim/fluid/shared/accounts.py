@@ -33,8 +33,7 @@ class Accounts:
         self.clipped = ti.field(int, shape=groups)
         if impulses:
             self.terms = tuple(term for term in range(len(TERMS)) if term not in absent)
-            self.impulse = ti.field(ti.f64, shape=(groups, len(TERMS), 3))
-            self.work = ti.field(ti.f64, shape=(groups, len(TERMS)))
+            self.given = ti.field(ti.f64, shape=(groups, len(TERMS), WORK + 1))  # impulse, and work
             self.copied = np.zeros((groups, len(TERMS), WORK + 1))
 
     def acts(self, term: int) -> bool:
@@ -66,9 +65,9 @@ class Accounts:
     def count_impulse(self, group, term: Template, impulse, v):
         """Impulse [N s] of a term on a particle whose mean velocity of the step is v: v . impulse is its work [J]."""
         if ti.static(self.acts(term)):
-            for k in ti.static(range(3)):
-                self.impulse[group, term, k] = self.impulse[group, term, k] + ti.cast(impulse[k], ti.f64)
-            self.count_work(group, term, impulse.dot(v))
+            four = ti.Vector([impulse.x, impulse.y, impulse.z, impulse.dot(v)])
+            for k in ti.static(range(WORK + 1)):
+                self.given[group, term, k] = self.given[group, term, k] + ti.cast(four[k], ti.f64)
 
     @ti.func
     def count_step(self, group, kick, pressure, viscosity, wind, gravity, ship, walls, mean):
@@ -88,23 +87,28 @@ class Accounts:
 
     @ti.func
     def count_work(self, group, term: Template, work):
-        self.work[group, term] = self.work[group, term] + ti.cast(work, ti.f64)
+        self.given[group, term, WORK] = self.given[group, term, WORK] + ti.cast(work, ti.f64)
 
     @ti.func
-    def summarise(self, summary: Template):
-        """Into an array of SUMMARY numbers: largest squared speed and acceleration, least and largest density, a sum
-        that shows what is not a number, particles held back, and cells with more candidates than their list holds."""
-        speed2, acceleration2, thin, dense, total = 0.0, 0.0, DENSE, 0.0, 0.0
-        clipped, crowded = 0, 0
-        ti.loop_config(serialize=True)
-        for g in range(self.groups):
+    def added_up(self, begin, end):
+        """Of the rows from `begin` to `end`, but for impulses and work: what a step reports."""
+        speed2, acceleration2, thin, dense, total, clipped, crowded = 0.0, 0.0, DENSE, 0.0, 0.0, 0, 0
+        for g in range(begin, end):
             speed2, acceleration2 = ti.max(speed2, self.speed2[g]), ti.max(acceleration2, self.acceleration2[g])
             thin, dense = ti.min(thin, self.thin[g]), ti.max(dense, self.dense[g])
             total += self.sum[g] + self.dense[g]
             clipped += self.clipped[g]
             crowded += self.overflow[g]
-        for k, number in ti.static(enumerate((speed2, acceleration2, thin, dense, total, clipped, crowded))):
-            summary[k] = number
+        return speed2, acceleration2, thin, dense, total, clipped, crowded
+
+    @ti.func
+    def summarise(self, summary: Template):
+        """Into an array of SUMMARY numbers: largest squared speed and acceleration, least and largest density, a sum
+        that shows what is not a number, particles held back, and cells with more candidates than their list holds."""
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            for k, number in ti.static(enumerate(self.added_up(0, self.groups))):
+                summary[k] = number
 
     def status(self, summary: np.ndarray, grid: Grid) -> Status:
         """What `summarise` left, as it is shown outside; raises Diverged where a list of candidates overflowed."""
@@ -121,10 +125,8 @@ class Accounts:
     @ti.kernel
     def copy(self, to: Doubles3):
         """Impulse and work of each term, group by group."""
-        for group, term in self.work:
-            for k in ti.static(range(WORK)):
-                to[group, term, k] = self.impulse[group, term, k]
-            to[group, term, WORK] = self.work[group, term]
+        for group, term, k in self.given:
+            to[group, term, k] = self.given[group, term, k]
 
     def total(self) -> dict[str, np.ndarray]:
         """Impulse of each term since the start [N s], (3,) each; empty where it is not summed."""

@@ -1,7 +1,7 @@
 """What the laws have in common that push particles: solid bodies are pushed back by them."""
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from ocean_sim.columns import Columns
 from ocean_sim.fluid.shared.sph import Sph
@@ -16,6 +16,7 @@ if TYPE_CHECKING:  # it is imported only where there are bodies
 class Force(ABC):
     """A law that pushes particles and, as strongly, the samples of solid bodies: it has `sample` and `acceleration`."""
 
+    padded: ClassVar[bool] = True
     row: Columns
     reads: tuple[ti.Field, ...]
     terms: Columns

@@ -1,55 +1,60 @@
 """How large the grid of cells is, known before anything is allocated."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from math import floor, log2
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ocean_sim.fluid.shared.lattice import Lattice
+from ocean_sim.fluid.shared.particles import Count, Particles
+from ocean_sim.fluid.shared.tasks import Tasks
 
 
-class Plan(Protocol):
-    """How particles are shared out to tasks, sorted, and walk (`walk_plan.WalkPlan`)."""
+class Plan(ABC):
+    """How particles are shared out to tasks, sorted, and walk (`walk_plan.PLANS`)."""
 
     stride: ClassVar[int]
+    """Iterations of a parallel loop for a task."""
     samples: ClassVar[int]
+    """Samples of solid bodies of a task."""
 
+    @abstractmethod
     def groups(self, n: int) -> int:
         """Tasks of n particles, and rows of their accounts."""
-        ...
 
+    @abstractmethod
     def chunks(self, n: int) -> int:
         """Parts in which n particles are counted and sorted."""
-        ...
 
+    @abstractmethod
     def sorting(self, n: int, cells: int) -> int:
         """Whole numbers that sorting n particles needs besides a count for each cell and chunk."""
-        ...
 
+    @abstractmethod
     def lists(self, size: Any, word: int) -> int:
-        """Bytes of the lists of candidates."""
-        ...
+        """Bytes of the lists of a `neighbours.ListSize`, where `word` is the size of a `float` [bytes]."""
 
+    @abstractmethod
     def rows(self, n: int, word: int, impulses: bool) -> int:
         """Bytes of the accounts of n particles that are worth telling."""
-        ...
 
-    def grid(self, particles: Any, size: "GridSize", carried: tuple) -> Any:
-        """The cells."""
-        ...
+    @abstractmethod
+    def grid(self, particles: Particles, size: "GridSize", carried: tuple) -> Any:
+        """The cells: a `grid.Grid`."""
 
+    @abstractmethod
     def accounts(self, groups: int, impulses: bool, absent: tuple[int, ...]) -> Any:
-        """What a step did."""
-        ...
+        """What a step did: `accounts.Accounts`."""
 
-    def walk(self, particles: Any, grid: Any, accounts: Any, size: Any) -> Any:
-        """What walks over neighbours."""
-        ...
+    @abstractmethod
+    def walk(self, particles: Particles, grid: Any, accounts: Any, size: Any) -> Any:
+        """What walks: a `walk_plan.Walk`."""
 
-    def tasks(self, particles: Any, groups: int) -> Any:
+    def tasks(self, particles: Count, groups: int) -> Tasks:
         """The particles in as many parts as there are rows of accounts."""
-        ...
+        return Tasks(particles, groups, self.stride)
 
 
 @dataclass(frozen=True)

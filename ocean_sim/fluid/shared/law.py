@@ -19,6 +19,8 @@ class Law(Protocol):
     """What a neighbour adds to the sum, `total`."""
     apart: bool
     """Whether what images in the sides add is summed by itself, as `beyond`."""
+    padded: bool
+    """Whether candidates out of reach fill lists up to whole vectors: worth it where a pair takes long."""
 
     def begin(self, group: Any) -> None:
         """Before the first particle of a group."""
@@ -69,7 +71,7 @@ class PushingLaw(SampledLaw, Protocol):
 class PositionLaw:
     """A law that reads nothing but positions, whatever it sums."""
 
-    row = Columns(position=3)
+    row, padded = Columns(position=3), False
 
     @ti.func
     def image(self, other, mirror):

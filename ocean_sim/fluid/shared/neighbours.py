@@ -21,6 +21,9 @@ from ocean_sim.fluid.shared.tasks import TASK
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template, in_kernels
 
+VECTOR = 32  # candidates that a processor may sum up at once: eight lanes of f32, four times over
+AWAY = 1.0e9  # [m] x of candidates that fill a list up, out of reach of all
+
 
 @dataclass(frozen=True)
 class ListSize:
@@ -45,11 +48,16 @@ class ListSize:
         full = (self.grid.support / self.grid.lattice.spacing) ** self.grid.lattice.basin.dimension
         return int(2.0 * self.grid.lattice.n / self.grid.groups * self.at_rest / full) + 4 * self.capacity
 
+    @property
+    def width(self) -> int:
+        """Numbers of a column of the scratch of a group: the candidates of a cell, filled up to whole vectors twice."""
+        return self.capacity + 2 * VECTOR
+
     def bytes(self, word: int) -> int:
         """Of lists and scratch, where `word` is the size of a `float` [bytes]."""
         return (
             4 * (self.grid.occupied + self.grid.groups * self.segment)
-            + word * self.grid.groups * self.capacity * self.reads
+            + word * self.grid.groups * self.width * self.reads
         )
 
 
@@ -60,17 +68,18 @@ class Neighbours:
     def __init__(self, particles: Particles, grid: Grid, accounts: Accounts, size: ListSize) -> None:
         self.position, self.grid, self.accounts = particles.position, grid, accounts
         self.groups, self.capacity, self.segment = size.grid.groups, size.capacity, size.segment
+        self.width = size.width
         self.images = grid.images
         self.periods, self.periodic = tm.vec3(grid.basin.periods), any(grid.basin.periods)
         self.candidates = ti.field(int, shape=size.grid.occupied)
         self.candidate = ti.field(int, shape=self.groups * self.segment)
-        self.scratch = tuple(ti.field(float, shape=self.groups * self.capacity) for _ in range(size.reads))
+        self.scratch = tuple(ti.field(float, shape=self.groups * self.width) for _ in range(size.reads))
         self.keeps = False  # whether pairs are kept
 
     def keep(self, pairs: Pairs, smoothing: Smoothing) -> None:
         """From now on a walk that finds its candidates also keeps their pairs."""
         self.keeps, self.pairs, self.smoothing = True, pairs, smoothing
-        self.name, self.close = (ti.field(int, shape=self.groups * self.capacity) for _ in range(2))
+        self.name, self.close = (ti.field(int, shape=self.groups * self.width) for _ in range(2))
 
     @ti.func
     def bounds(self, c):
@@ -136,13 +145,14 @@ class Neighbours:
         return self.periods * (tm.ivec3(code % 3, code // 3 % 3, code // 9) - 1)
 
     @ti.func
-    def found_images(self, mirror, lo, up, scratch, m, first):
+    def found_images(self, mirror, lo, up, scratch, n, gap, m, first):
         """Keep those of the m candidates so far whose image is near the box, from `first` on; their number."""
         x, y, z = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
         run = 0
         for a in range(m):
+            at = scratch + a + ti.select(a < n, 0, gap)
             self.candidate[first + run] = a
-            run += self.near(mirrored(mirror, tm.vec3(x[scratch + a], y[scratch + a], z[scratch + a])), lo, up)
+            run += self.near(mirrored(mirror, tm.vec3(x[at], y[at], z[at])), lo, up)
         return run
 
     @ti.func
@@ -217,7 +227,7 @@ class Neighbours:
     @ti.func
     def gathered(self, k, law: Template, find: Template, group, first):
         """Put what the law reads of the candidates of occupied cell k into the scratch; how many there are."""
-        scratch, n = group * self.capacity, self.candidates[k]
+        scratch, n = group * self.width, self.candidates[k]
         for a in range(n):
             j = self.candidate[first + a]
             if ti.static(self.periodic):
@@ -236,12 +246,12 @@ class Neighbours:
 
     @ti.func
     def with_images(self, k, law: Template, find: Template, lo, up, group, n, entry, room):
-        """Put the images of the n candidates in the scratch after them; how many there are then, and where the list of
-        the next cell begins.
+        """Put the images of the n candidates in the scratch after them, behind the gap; how many there are then, and
+        where the list of the next cell begins.
 
         From `entry` on the list holds, for each side next to the cell, how many images there are and of which of them.
         """
-        scratch, last, m = group * self.capacity, (group + 1) * self.segment, n
+        scratch, last, m, gap = group * self.width, (group + 1) * self.segment, n, self.gap(law, n)
         if ti.static(self.images.sides > 0):
             indices = self.grid.indices_of(self.grid.occupied[k])
             if room > 0 and self.grid.at_rim(indices, self.images.deepest):
@@ -251,40 +261,65 @@ class Neighbours:
                         if ti.static(find):
                             self.candidate[entry] = 0
                             if entry + 1 + m + self.images.sides <= last and 2 * m <= self.capacity:
-                                found = self.found_images(mirror, lo, up, scratch, m, entry + 1)
+                                found = self.found_images(mirror, lo, up, scratch, n, gap, m, entry + 1)
                                 self.candidate[entry] = found
                             else:
                                 self.accounts.overflow[group] = self.accounts.overflow[group] + 1
                         run = self.candidate[entry]
-                        self.add_images(law, find, mirror, scratch, m, entry + 1, run)
+                        self.add_images(law, find, mirror, scratch, n, gap, m, entry + 1, run)
                         m, entry = m + run, entry + 1 + run
         return m, entry
 
     @ti.func
-    def add_images(self, law: Template, find: Template, mirror, scratch, m, first, run):
-        """Put the `run` images that one side shows, listed from `first` on, after the m candidates in the scratch."""
+    def add_images(self, law: Template, find: Template, mirror, scratch, n, gap, m, first, run):
+        """Put the `run` images that one side shows, listed from `first` on, after the m candidates in the scratch, of
+        which the first n lie before the gap."""
         for b in range(run):
-            a = scratch + self.candidate[first + b]
+            a, to = self.candidate[first + b], scratch + gap + m + b
+            a += scratch + ti.select(a < n, 0, gap)
             if ti.static(find and self.keeps):
-                self.name[scratch + m + b] = self.name[a] ^ flips(mirror)
+                self.name[to] = self.name[a] ^ flips(mirror)
             other = ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))])
             image = law.image(other, mirror)
             for t in ti.static(range(law.row.size)):
-                self.scratch[t][scratch + m + b] = image[t]
+                self.scratch[t][to] = image[t]
+
+    @ti.func
+    def filled(self, law: Template, count):
+        """How many candidates a sum over so many goes through: where the law is `padded`, as many as make whole
+        vectors. What is left over behind those is summed one by one, with four times the instructions each."""
+        return (count + VECTOR - 1) // VECTOR * VECTOR if ti.static(law.padded) else count
+
+    @ti.func
+    def gap(self, law: Template, n):
+        """Numbers of the scratch between n particles and their images, where these are summed apart."""
+        return self.filled(law, n) - n if ti.static(law.apart) else 0
+
+    @ti.func
+    def fill_up(self, law: Template, scratch, begin, end):
+        """Put candidates that are out of reach, and add nothing, from `begin` to `end` in the scratch."""
+        for a in range(begin, end):
+            for t in ti.static(range(law.row.size)):
+                self.scratch[t][a] = AWAY if ti.static(t == law.row.position) else self.scratch[t][scratch]
 
     @ti.func
     def sum_up(self, k, law: Template, find: Template, group, n, m):
         """Sum the law for every particle of occupied cell k over the m candidates in the scratch, the first n of them
         particles, and finish it."""
-        c, scratch = self.grid.occupied[k], group * self.capacity
+        c, scratch = self.grid.occupied[k], group * self.width
+        images = scratch + n + self.gap(law, n)
+        end = images + self.filled(law, m - n) if ti.static(law.apart) else scratch + self.filled(law, m)
+        if ti.static(law.padded):
+            self.fill_up(law, scratch, scratch + n, images)
+            self.fill_up(law, scratch, images + m - n, end)
         for i in range(self.grid.start[c], self.grid.start[c + 1]):
             own = ti.Vector([field[i] for field in ti.static(law.reads)])
             total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
-            for a in range(scratch, scratch + ti.select(law.apart, n, m)):
+            for a in range(scratch, images if ti.static(law.apart) else end):
                 other = ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))])
                 total += law.pair(own, other)
             if ti.static(law.apart):
-                for a in range(scratch + n, scratch + m):
+                for a in range(images, end):
                     other = ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))])
                     beyond += law.pair(own, other)
             if ti.static(find and self.keeps):

@@ -11,7 +11,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ocean_sim.fluid.shared.accounts import DENSE, Accounts
+from ocean_sim.fluid.shared.accounts import WORK, Accounts
 from ocean_sim.fluid.shared.around import Around
 from ocean_sim.fluid.shared.grid import Grid
 from ocean_sim.fluid.shared.grid_size import GridSize
@@ -108,14 +108,8 @@ class WideAccounts(Accounts):
     @ti.func
     def add_up(self, b):
         """Put the rows of block b into one, but for impulses and work."""
-        blocks = self.blocks
-        speed2, acceleration2, thin, dense, total, clipped, crowded = 0.0, 0.0, DENSE, 0.0, 0.0, 0, 0
-        for g in range(b * self.block, ti.min((b + 1) * self.block, self.groups)):
-            speed2, acceleration2 = ti.max(speed2, self.speed2[g]), ti.max(acceleration2, self.acceleration2[g])
-            thin, dense = ti.min(thin, self.thin[g]), ti.max(dense, self.dense[g])
-            total += self.sum[g] + self.dense[g]
-            clipped += self.clipped[g]
-            crowded += self.overflow[g]
+        blocks, end = self.blocks, ti.min((b + 1) * self.block, self.groups)
+        speed2, acceleration2, thin, dense, total, clipped, crowded = self.added_up(b * self.block, end)
         blocks.speed2[b], blocks.acceleration2[b], blocks.thin[b], blocks.dense[b] = speed2, acceleration2, thin, dense
         blocks.sum[b], blocks.clipped[b], blocks.overflow[b] = total, clipped, crowded
 
@@ -124,14 +118,12 @@ class WideAccounts(Accounts):
         """Put the impulses and the work of the rows of each block into one."""
         for b in range(self.blocks.groups):
             for term in ti.static(self.terms):
-                impulse, work = ti.Vector.zero(ti.f64, 3), ti.cast(0.0, ti.f64)
+                four = ti.Vector.zero(ti.f64, WORK + 1)
                 for g in range(b * self.block, ti.min((b + 1) * self.block, self.groups)):
-                    work += self.work[g, term]
-                    for k in ti.static(range(3)):
-                        impulse[k] += self.impulse[g, term, k]
-                self.blocks.work[b, term] = work
-                for k in ti.static(range(3)):
-                    self.blocks.impulse[b, term, k] = impulse[k]
+                    for k in ti.static(range(WORK + 1)):
+                        four[k] += self.given[g, term, k]
+                for k in ti.static(range(WORK + 1)):
+                    self.blocks.given[b, term, k] = four[k]
 
     def total(self) -> dict[str, np.ndarray]:
         if self.impulses:

@@ -1,17 +1,16 @@
 """Which walk over neighbours suits a machine: what each makes room for, and what does it."""
 
-from abc import ABC, abstractmethod
-from typing import Any, ClassVar, Protocol
+from typing import Any, Protocol
 
 from ocean_sim.fluid.shared.accounts import TERMS, Accounts
 from ocean_sim.fluid.shared.grid import Grid
-from ocean_sim.fluid.shared.grid_size import GridSize
+from ocean_sim.fluid.shared.grid_size import GridSize, Plan
 from ocean_sim.fluid.shared.neighbours import ListSize, Neighbours
 from ocean_sim.fluid.shared.pairs import Pairs
 from ocean_sim.fluid.shared.particle_walk import ParticleWalk, WideAccounts, WideGrid, levels
-from ocean_sim.fluid.shared.particles import Count, Particles
+from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing
-from ocean_sim.fluid.shared.tasks import TASK, Tasks
+from ocean_sim.fluid.shared.tasks import TASK
 from ocean_sim.parts import LedgerRow
 from ocean_sim.runtime import CARDS, GRAPHICS
 
@@ -33,52 +32,7 @@ class Walk(Protocol):
         ...
 
 
-class WalkPlan(ABC):
-    """How particles are shared out to tasks, and walk."""
-
-    stride: ClassVar[int]
-    """Iterations of a parallel loop for a task."""
-    samples: ClassVar[int]
-    """Samples of solid bodies of a task."""
-
-    @abstractmethod
-    def groups(self, n: int) -> int:
-        """Tasks of n particles, and rows of their accounts."""
-
-    @abstractmethod
-    def chunks(self, n: int) -> int:
-        """Parts in which n particles are counted and sorted."""
-
-    @abstractmethod
-    def sorting(self, n: int, cells: int) -> int:
-        """Whole numbers that sorting n particles needs besides a count for each cell and chunk."""
-
-    @abstractmethod
-    def lists(self, size: ListSize, word: int) -> int:
-        """Bytes of the lists of candidates, where `word` is the size of a `float` [bytes]."""
-
-    @abstractmethod
-    def rows(self, n: int, word: int, impulses: bool) -> int:
-        """Bytes of the accounts of n particles that are worth telling."""
-
-    @abstractmethod
-    def grid(self, particles: Particles, size: GridSize, carried: tuple) -> Grid:
-        """The cells."""
-
-    @abstractmethod
-    def accounts(self, groups: int, impulses: bool, absent: tuple[int, ...]) -> Accounts:
-        """What a step did."""
-
-    @abstractmethod
-    def walk(self, particles: Particles, grid: Grid, accounts: Accounts, size: ListSize) -> Walk:
-        """What walks."""
-
-    def tasks(self, particles: Count, groups: int) -> Tasks:
-        """The particles in as many parts as there are rows of accounts."""
-        return Tasks(particles, groups, self.stride)
-
-
-class OfCells(WalkPlan):
+class OfCells(Plan):
     """Few long tasks, each with a list of candidates for its cells, for the threads of a processor."""
 
     stride, samples = TASK, 32
@@ -108,7 +62,7 @@ class OfCells(WalkPlan):
         return Neighbours(particles, grid, accounts, size)
 
 
-class OfParticles(WalkPlan):
+class OfParticles(Plan):
     """A task a particle, for the threads of a graphics card."""
 
     stride, samples = 1, 1
@@ -139,7 +93,7 @@ class OfParticles(WalkPlan):
 
 
 CELLS, PARTICLES = OfCells(), OfParticles()
-PLANS: dict[str, WalkPlan] = {"cpu": CELLS, "auto": CELLS} | dict.fromkeys((*CARDS, *GRAPHICS), PARTICLES)
+PLANS: dict[str, Plan] = {"cpu": CELLS, "auto": CELLS} | dict.fromkeys((*CARDS, *GRAPHICS), PARTICLES)
 """By backend; before it is started `auto` counts as the processor, and `gpu` as a card."""
 
 

@@ -165,8 +165,9 @@ class Cubes:
             bare = (1.0 - wet) * (turn @ self.area[k])
             mass = self.mass_density * self.volume[k]
             blown = wind.force(self.key[k], x + middle, velocity + omega.cross(arm), bare, tm.vec3(0.0), mass)
-            self.put(total, SUMS.wind_drag, arm, tm.vec3(blown.x, 0.0, blown.z))
-            self.put(total, SUMS.wind_lift, arm, tm.vec3(0.0, blown.y, 0.0))
+            if (blown != 0.0).any():  # most cubes lie outside most gusts
+                self.put(total, SUMS.wind_drag, arm, tm.vec3(blown.x, 0.0, blown.z))
+                self.put(total, SUMS.wind_lift, arm, tm.vec3(0.0, blown.y, 0.0))
 
     @ti.func
     def immerse(self, total: Template, k, water: Template, tall, arm, x, turn: Template):

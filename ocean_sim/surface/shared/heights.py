@@ -4,7 +4,7 @@ import numpy as np
 
 from ocean_sim.basin import Basin
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
-from ocean_sim.runtime import Array, Array2, in_kernels
+from ocean_sim.runtime import Array, Array2, Copy, in_kernels
 from ocean_sim.surface.shared.mesh import Mesh, sheet
 
 
@@ -36,6 +36,7 @@ class Heights:
         self.lower, self.upper = lower, upper
         self.cells = tuple(max(1, m if wraps else n - 1) for n, m, wraps in zip(count, between, periodic, strict=True))
         self.height = ti.field(float, shape=count[0] * count[1])
+        self.copy = Copy(self.height)
 
     @classmethod
     def over(cls, basin: Basin, count: tuple[int, int]) -> "Heights":
@@ -79,7 +80,7 @@ class Heights:
     def area_and_volume(self, bed: float) -> list[float]:
         """Of `mesh`, without making it: its area [m2], and the volume between it and a flat bed at a height [m3]."""
         dx, dz = (float(up - low) / (n - 1) for low, up, n in zip(self.lower, self.upper, self.count, strict=True))
-        h = self.height.to_numpy().astype(float).reshape(self.count)
+        h = self.copy.now().astype(float).reshape(self.count)
         along_x, along_z = np.diff(h, axis=0), np.diff(h, axis=1)
         legs = ((h[:-1, :-1], along_x[:, :-1], along_z[:-1]), (h[1:, 1:], -along_x[:, 1:], -along_z[1:]))
         area = volume = 0.0
@@ -91,4 +92,4 @@ class Heights:
     def mesh(self) -> Mesh:
         """A sheet from side to side, two triangles between four columns; only without inset."""
         x, z = (np.linspace(low, up, n) for low, up, n in zip(self.lower, self.upper, self.count, strict=True))
-        return sheet(x, z, self.height.to_numpy().astype(float).reshape(self.count))
+        return sheet(x, z, self.copy.now().astype(float).reshape(self.count))

@@ -254,6 +254,10 @@ class FluidConfig(KindConfig):
         """Compression that the user asks for or allows; 0 where none is given."""
         return 0.0
 
+    def settling(self, preflight: Preflight) -> float:
+        """How far its surface settles before the first step, under the weight of the water [m]."""
+        return 0.0
+
     def speed(self, basin: Basin) -> float:
         """Reference speed [m/s]; by default that of a free fall over the depth."""
         return (hypot(*basin.gravity) * basin.depth) ** 0.5

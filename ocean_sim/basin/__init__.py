@@ -347,8 +347,9 @@ class Solid(Protocol):
         """(n,) which of (n, 3) lattice positions that fill boxes [m] make room, and (n, 3) where the others go."""
         ...
 
-    def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray]:
-        """(n, 3) positions from the centre of mass, body axes [m], and (n,) volumes [m3], in 2-D areas [m2]."""
+    def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(n, 3) positions from the centre of mass, body axes [m], (n,) volumes [m3], in 2-D areas [m2], and (n, 3)
+        outward normals of the nearest face."""
         ...
 
 

@@ -91,6 +91,14 @@ class Config(SphConfig):
     def viscosity(self, basin: Basin) -> float:
         return self.kinematic_viscosity + self.artificial(self.smoothing(basin), self.sound_speed(basin))
 
+    def settling(self, preflight: Preflight) -> float:
+        """Of the deepest column, g h^2 / (2 c^2)."""
+        tank, lattice = preflight.tank, preflight.untouched
+        if lattice is None or self.enclosed(tank):
+            return 0.0
+        deep = max(float(up[1] - low[1]) for low, up in lattice.boxes)
+        return -tank.gravity[1] * deep**2 / (2.0 * self.sound_speed(tank) ** 2)
+
     def still_limits(self, preflight: Preflight) -> Limits:
         return self.limited(self.smoothing(preflight.tank), self.sound_speed(preflight.tank), 0.0, 0.0)
 
@@ -104,7 +112,9 @@ class Config(SphConfig):
         if not self.enclosed(preflight.tank):
             what += "; share of diffusion, spin, strain"
         numbers = 15 if self.enclosed(preflight.tank) else 12 + 2 * GRADED
-        return rows(preflight, self.sizes(self.began(preflight), preflight.arch), numbers, what, PAIR)
+        return rows(
+            preflight, self.sizes(self.began(preflight), preflight.arch), numbers, what, PAIR, self.told_to_bodies
+        )
 
     def sizes(self, lattice: Lattice, arch: str) -> ListSize:
         """How large grid and lists are on a backend."""
@@ -210,7 +220,8 @@ class Continuity:
         h, rho_0 = fluid.smoothing.length, fluid.rest_density
         self.diffusion = 2.0 * fluid.config.density_diffusion * h * fluid.sound_speed / rho_0
         self.heavier = rho_0 / fluid.sound_speed**2  # density [kg/m3] over p / rho [m2/s2]
-        self.terms = Columns(rate=1, diffusion=1, **({"crowding": 3} if fluid.shifting else {"filled": 1}))
+        filled = {} if fluid.shifting and not fluid.bodies else {"filled": 1}
+        self.terms = Columns(rate=1, diffusion=1, **filled, **({"crowding": 3} if fluid.shifting else {}))
         # What `filled` sums up to on a lattice [kg/m3], times slope.
         whole = Stencil(fluid.smoothing, fluid.spacing).filled
         self.whole = whole * fluid.smoothing.dimension * rho_0
@@ -254,6 +265,7 @@ class Continuity:
         total[self.terms.diffusion] = weight * self.diffusion * more
         if ti.static(not self.fluid.shifting):
             total[self.terms.diffusion] *= tm.min(own[self.row.share], other[self.row.share])
+        if ti.static(not self.fluid.shifting or self.fluid.bodies):
             total[self.terms.filled] = weight * r * r
         if ti.static(self.fluid.shifting):
             near = self.fluid.closeness(r)
@@ -279,7 +291,9 @@ class Continuity:
         fluid, particles, rho_0 = self.fluid, self.fluid.particles, ti.static(self.fluid.rest_density)
         dt, deviation = fluid.dt[None], own[self.row.deviation]
         if ti.static(fluid.bodies):
-            total += self.solid.total(vec3(own, self.row.position), own)
+            solid = self.solid.total(vec3(own, self.row.position), own)
+            total += solid
+            fluid.steady(i, fluid.slope * solid[self.terms.filled] / self.whole)
         compressed, diffused = total[self.terms.rate], total[self.terms.diffusion]
         rate = fluid.slope * (compressed + diffused)
         excess = deviation + 0.5 * dt * rate
@@ -386,7 +400,9 @@ class DeltaSph(Sph):
         if self.shifting:
             self.shift = Components(particles.n)  # [1/m] where to
         else:
-            self.share, self.spin, self.strain = self.carried[CARRIED:]  # of diffusion, and squares [1/s2]
+            self.share, self.spin, self.strain = self.carried[
+                CARRIED : CARRIED + GRADED
+            ]  # of diffusion, and squares [1/s2]
             self.fresh = tuple(ti.field(float, shape=particles.n) for _ in range(GRADED))  # the same at its end
             self.memory = MEMORY * basin.depth / self.reference_speed  # [s]
             self.unseen, self.lately = 0.0, ti.field(float, shape=())  # [s] since the shear was looked at; over memory

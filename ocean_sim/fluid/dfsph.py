@@ -67,6 +67,7 @@ class Config(SphConfig):
     """Besides the artificial viscosity."""
     delay: ClassVar = Delay(0.2)
     unheeded: ClassVar[tuple[str, ...]] = ("compression",)
+    told_to_bodies: ClassVar[int] = 0
     default_ratio: ClassVar[tuple[float, float]] = (NEUTRAL_RATIO, NEUTRAL_RATIO)
     kernel: ClassVar[Kernel] = NEUTRAL
     counts_in_doubles: ClassVar[bool] = True

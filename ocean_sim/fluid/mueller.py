@@ -56,7 +56,9 @@ class Config(SphConfig):
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         sizes = self.sized(self.began(preflight), preflight.arch, Momentum.row.size)
-        return rows(preflight, sizes, 9, "position, velocity, density, pressure, volume, number", PAIR)
+        return rows(
+            preflight, sizes, 9, "position, velocity, density, pressure, volume, number", PAIR, self.told_to_bodies
+        )
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "Mueller":
         return Mueller(self, basin, accounts, wind)
@@ -90,7 +92,9 @@ class Density(PositionLaw):
     def finish(self, i, own, total, beyond, group):
         fluid, particles = self.fluid, self.fluid.particles
         if ti.static(fluid.bodies):
-            total += self.solid.total(own, own)
+            solid = self.solid.total(own, own)
+            total += solid
+            fluid.steady(i, self.constant * solid[self.terms.density] / fluid.rest_density)
         rho = total[self.terms.density]
         rho_i = self.constant * rho
         p_i = fluid.factors[SLOPE] * rho - fluid.factors[OFFSET]  # k (rho - rho0) (2.15), multiplied out

@@ -41,7 +41,8 @@ class Config(FloatingConfig):
     def solid(self, preflight: Preflight) -> Solid:
         still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
         flat = preflight.tank.dimension == 2
-        return Solid(self.whole_hull.shape, still.matter.centre, self.start(still, flat), flat)
+        body = self.unsettled(self.start(still, flat), preflight)
+        return Solid(self.whole_hull.shape, still.matter.centre, body, flat)
 
     def start(self, still: Hydrostatics, flat: bool) -> RigidBody:
         """The body at the beginning; in 2-D a metre of it."""

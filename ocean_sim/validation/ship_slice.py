@@ -18,6 +18,8 @@ LENGTH, DEPTH, SIDE, DRAUGHT, TOP = 3.2, 1.2, 0.8, 0.4, 0.3  # [m] of the tank, 
 SETTLED = 1.0  # [s]
 DENSITIES = (0.1, 0.3, 0.5, 0.7, 0.9, 0.95)
 RADIUS, RISE = 0.0762, 0.0254  # [m]
+LONG, DEEP = 3.2, 0.45  # [m]; half as long, it would rise by a tenth of RISE
+SQUEEZE = 0.02  # compression at the bed: the water settles by half of it of its depth
 EXTREMA = ((0.326, -0.6408), (0.635, 0.3045), (0.934, -0.2136))  # [s], of the rise
 LIMIT, PERIOD, FIRST = 3.0, 5.0, 10.0  # [%]
 PRESSURE = ("pressure",)
@@ -78,14 +80,14 @@ def cylinder(coarse: bool) -> Problem:
     }
     scene = {
         "duration": 1.0,
-        "basin": {"length": 1.6, "depth": 0.45, "walls": {"x": "absorbing"}},
+        "basin": {"length": LONG, "depth": DEEP, "walls": {"x": "absorbing"}},
         "fluid": {
             "kind": "delta_sph",
             "spacing": RADIUS / (5.0 if coarse else 10.0),
-            "compression": 0.02,
+            "compression": SQUEEZE,
             "artificial_viscosity": 0.03,
         },
-        "ship": {"hull": hull, "position": [0.0, RISE, 0.0], "free": ["heave"]},
+        "ship": {"hull": hull, "position": [0.0, RISE - 0.5 * SQUEEZE * DEEP, 0.0], "free": ["heave"]},
     }
     source = "linear theory (Ursell 1949, Yeung 1982)"
     promises = []
@@ -98,8 +100,9 @@ def cylinder(coarse: bool) -> Problem:
 
 
 def bobbing(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
-    """Extrema one after the other."""
-    t, y = np.array([(0.0, 1.0), *((t, b.position[1] / RISE) for t, b in track(simulation, 1.0))]).T
+    """Extrema one after the other, over the water's own level."""
+    sunk = simulation.fluid.sunk
+    t, y = np.array([(0.0, 1.0), *((t, (b.position[1] + sunk) / RISE) for t, b in track(simulation, 1.0))]).T
     numbers, begin = {}, 0
     for k, (when, height) in enumerate(EXTREMA):
         until = np.searchsorted(t, when + 0.15)

@@ -2,9 +2,11 @@
 water's laws as particles would, and what the water does to them is gathered back.
 
 A sample counts by its volume over that of a particle (Akinci et al. 2012, ACM Trans. Graph. 31). To each particle it
-shows that particle's own pressure, continued to where it is by the weight of the water less the acceleration of the
-body (the pressure gradient at a wall of Adami, Hu & Adams 2012, J. Comput. Phys. 231, eq. 26): both sides of a thin
-body keep their own pressure, and still water is exact. Its velocity is the body's where water is pressed together, and
+shows that particle's own pressure, continued to where it is: across the nearest face by the weight of the water less
+the acceleration of the body (the pressure gradient at a wall of Adami, Hu & Adams 2012, J. Comput. Phys. 231, eq. 26),
+along it by that weight less the acceleration of the particle, of its last step, which is the pressure gradient there. A
+body that pulled water along its faces would carry half a spacing of it as mass. Both sides of a thin body keep their
+own pressure, and still water is exact. Its velocity is the body's where water is pressed together, and
 that which a mirror there would show where it rubs. A sample is pushed as strongly as it pushes. Flat sides mirror
 samples as they mirror particles: what an image of a sample presses across its side is that side's, all else is the
 body's.
@@ -47,6 +49,7 @@ class Body:
 
     position: np.ndarray  # (m, 3) in the body's axes, from its origin [m]
     volume: np.ndarray  # (m,) [m3]; in 2-D [m2]
+    normal: np.ndarray  # (m, 3) of the nearest face, outward, in the body's axes
     no_slip: bool
     origin: np.ndarray  # (3,) where it is at first [m]
     gate: Gate | None = None  # how it moves, where that is given
@@ -83,14 +86,16 @@ def boxes(lattice: Lattice, support: float) -> list[Body]:
         apart = (up - low) / count
         index = np.array(list(product(*(range(n) for n in count[::-1]))))[:, ::-1]
         felt = (np.minimum(index, count - 1 - index) * apart < support).any(axis=1)
-        position = np.zeros((int(felt.sum()), 3))
+        position, normal = np.zeros((2, int(felt.sum()), 3))
         position[:, :d] = (index[felt] + 0.5) * apart - 0.5 * (up - low)
+        face = (0.5 * (up - low) - np.abs(position[:, :d])).argmin(axis=1)[:, None]
+        np.put_along_axis(normal, face, np.where(np.take_along_axis(position, face, 1) < 0.0, -1.0, 1.0), 1)
         origin = np.zeros(3)
         origin[:d] = 0.5 * (low + up)
         volume, no_slip = np.full(len(position), apart.prod()), obstacle.slip == "no_slip"
         thin = int(np.argmin(up - low))
         across = (int(count[thin]), float(apart[thin])) if obstacle.gate is not None else (0, 0.0)
-        bodies.append(Body(position, volume, no_slip, origin, obstacle.gate, across))
+        bodies.append(Body(position, volume, normal, no_slip, origin, obstacle.gate, across))
     return bodies
 
 
@@ -99,14 +104,13 @@ def floating(lattice: Lattice, support: float) -> dict[str, Body]:
     bodies = {}
     for name, solid in lattice.basin.afloat.items():
         if solid.felt:
-            position, volume = solid.samples(lattice.spacing, support)
-            bodies[name] = Body(position, volume, False, solid.origin)
+            bodies[name] = Body(*solid.samples(lattice.spacing, support), False, solid.origin)
     return bodies
 
 
 def memory(samples: int, bodies: int, cells: int, word: int, working: bool) -> int:
     """Bytes of the fields of a Boundary, where `word` is the size of a `float` [bytes] and work is summed or not."""
-    return samples * (20 * word + 20 + 24 + 16 * working) + 6 * word * bodies + 4 * (cells + 1)
+    return samples * (26 * word + 20 + 24 + 16 * working) + 6 * word * bodies + 4 * (cells + 1)
 
 
 @ti.func
@@ -126,6 +130,12 @@ def store(components: Template, s, values):
 def three(rows: Template, body, first: Template):
     """Three columns of the row of a body, from `first` on."""
     return ti.Vector([rows[body, first + k] for k in ti.static(range(3))])
+
+
+@ti.func
+def turned_by(mirror, direction):
+    """A direction as a mirror shows it."""
+    return tm.vec3([mirror[SIGN, k] * direction[k] for k in ti.static(range(3))])
 
 
 @in_kernels
@@ -155,6 +165,7 @@ class Boundary:
         self.speed = 0.0  # [m/s] of the fastest gate
         # In the order of the bodies; positions are from the origin [m], in the body's axes and in those of the tank.
         self.local, self.arm, self.force = Components(n), Components(n), Components(n)
+        self.facing = Components(n)  # as `local`
         self.impulse = ti.field(ti.f64, shape=(n, 3))
         if self.moving:
             self.strength = ti.field(float, shape=len(bodies))
@@ -167,6 +178,7 @@ class Boundary:
         self.owner, self.cell = ti.field(int, shape=n), ti.field(int, shape=n)
         # In the order of the cells, whose `name` is the number in the other.
         self.position, self.velocity, self.acceleration = Components(n), Components(n), Components(n)
+        self.normal = Components(n)
         self.share, self.free, self.name = ti.field(float, shape=n), ti.field(int, shape=n), ti.field(int, shape=n)
         self.start = ti.field(int, shape=self.grid.cell_count + 1)
         self.box = ti.field(float, shape=(len(bodies), 2, 3))  # half the size of each body and its middle [m]
@@ -175,6 +187,7 @@ class Boundary:
         unit = particles.mass / particles.rest_density
         self.volume = Volume(self, smoothing, unit)
         self.local.from_numpy(np.concatenate([body.position for body in bodies]))
+        self.facing.from_numpy(np.concatenate([body.normal for body in bodies]))
         shares = np.concatenate([body.volume for body in bodies]) / unit
         self.shares.from_numpy(shares.astype(self.arm.precision))
         self.slips.from_numpy(np.array([not body.no_slip for body in bodies], dtype=np.int32)[self.owners])
@@ -271,7 +284,7 @@ class Boundary:
     @ti.func
     def put(self, s, to, motion: Template):
         """Put sample s where it belongs in the order of the cells."""
-        b, arm, x = self.owner[s], vector(self.arm, s), self.where(s, motion)
+        b, arm, x, facing = self.owner[s], vector(self.arm, s), self.where(s, motion), vector(self.facing, s)
         spin = three(motion, b, MOTION.angular_velocity)
         swept = spin.cross(arm)
         v = three(motion, b, MOTION.velocity) + swept
@@ -280,6 +293,8 @@ class Boundary:
         store(self.position, to, x)
         store(self.velocity, to, v)
         store(self.acceleration, to, a)
+        for k, normal in ti.static(enumerate(self.normal)):
+            normal[to] = ti.cast(three(motion, b, MOTION.rotation + 3 * k).dot(facing), float)
         self.share[to], self.free[to], self.name[to] = self.shares[s], self.slips[s], s
 
     @ti.func
@@ -297,13 +312,11 @@ class Boundary:
         return found
 
     @ti.func
-    def head(self, x, s, d, mirror):
-        """Rise of p / rho [m2/s2] from a particle at x to sample s, seen at d [m] in a mirror."""
-        a = self.acceleration
-        pull, head = self.pull.at_rest(x), 0.0
-        for k, along in ti.static(enumerate((a.x, a.y, a.z))):
-            head += (pull[k] - mirror[SIGN, k] * along[s]) * d[k]
-        return head
+    def head(self, x, a, s, d, mirror):
+        """Rise of p / rho [m2/s2] from a particle at x that accelerates by a [m/s2] to sample s, seen at d [m] in a
+        mirror."""
+        n, a_s = turned_by(mirror, vector(self.normal, s)), turned_by(mirror, vector(self.acceleration, s))
+        return (self.pull.at_rest(x) - a).dot(d) + (a - a_s).dot(n) * n.dot(d)
 
     @ti.func
     def own_velocity(self, s, mirror):
@@ -447,7 +460,7 @@ class Reaction:
     @ti.func
     def term(self, own, j, d, mirror):
         law = self.law
-        here = ti.Vector([field[j] for field in ti.static(law.reads)])
+        here = ti.Vector([field[j] for field in ti.static(law.told)])
         away = tm.vec3([-mirror[SIGN, k] * d[k] for k in ti.static(range(3))])
         push = self.boundary.counted(own) * law.pair(here, law.sample(here, own, away, mirror))
         force = -self.mass * law.acceleration(here, push)

@@ -19,6 +19,7 @@ class Force(ABC):
     padded: ClassVar[bool] = True
     row: Columns
     reads: tuple[ti.Field, ...]
+    told: tuple[ti.Field, ...]
     terms: Columns
     boundary: "Boundary"
     solid: "SampleSum"
@@ -28,6 +29,7 @@ class Force(ABC):
         """To be called once `terms` are known."""
         self.fluid = fluid
         self.apart = fluid.accounts.impulses  # what images add is summed apart
+        self.told = self.reads
         if fluid.boundary is not None:
             self.boundary = fluid.boundary
             self.solid, self.reaction = fluid.boundary.summed(self), fluid.boundary.reaction(self)

@@ -56,7 +56,8 @@ class SampledLaw(Protocol):
 class PushingLaw(SampledLaw, Protocol):
     """What pushes solid bodies back (`boundary.Reaction`)."""
 
-    reads: tuple[ti.Field, ...]
+    told: tuple[ti.Field, ...]
+    """What samples are told of a particle: the fields of its row, and what its law adds."""
 
     def acceleration(self, own: Any, total: Any) -> Any:
         """Of a particle [m/s2], by its sum."""

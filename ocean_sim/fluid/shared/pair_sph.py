@@ -27,6 +27,7 @@ class MomentumLaw(Force):
     def __init__(self, fluid: Sph) -> None:
         self.terms = Columns(push=3, rub=3) if fluid.accounts.impulses else Columns(push=3)  # summed apart for accounts
         super().__init__(fluid)
+        self.told = (*self.reads, *fluid.last_acceleration)
 
     @ti.func
     def risen(self, head):
@@ -48,7 +49,8 @@ class MomentumLaw(Force):
     def continued(self, own, s, d, mirror):
         """A sample of a solid body: it has all of the particle, the pressure continued to where it is."""
         other = displaced(own, d, self.boundary.rubbing(vec3(own, self.row.velocity), s, mirror))
-        head = self.boundary.head(vec3(own, self.row.position), s, d, mirror)
+        a = tm.vec3([own[self.row.size + k] for k in ti.static(range(3))])
+        head = self.boundary.head(vec3(own, self.row.position), a, s, d, mirror)
         other[self.row.pressure] = own[self.row.pressure] + self.risen(head)
         return other
 
@@ -88,7 +90,7 @@ class MomentumLaw(Force):
         dt = fluid.dt[None]
         x, v = vec3(own, self.row.position), vec3(own, self.row.velocity)
         if ti.static(fluid.bodies):
-            beyond += self.solid.total(x, own)
+            beyond += self.solid.total(x, ti.Vector([field[i] for field in ti.static(self.told)]))
         a_water, a_walls = self.acceleration(own, total), self.acceleration(own, beyond)
         a_wind = fluid.blown(i, x, v)
         a_pull = fluid.pull.at(x, v)
@@ -107,6 +109,8 @@ class MomentumLaw(Force):
         x_free = x + fluid.grid.gone(i, ti.static(1.0 - self.passed) * dt * pushed)
         x_new, v_new = walls.bounced(x_free, pushed)
         fluid.leave(i, x_new, v_new)
+        for k, component in ti.static(enumerate(fluid.next_acceleration)):
+            component[i] = a[k]
         fluid.accounts.count_motion(group, v_new, a, fast)
         if ti.static(self.apart):
             a_pressure, mean = self.scale(own) * vec3(total, self.terms.push), 0.5 * (v + v_new)

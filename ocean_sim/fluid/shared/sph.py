@@ -34,6 +34,7 @@ PARTICLE = 1.8e-7  # [s] of processor time that a particle takes in a step apart
 NOTABLE = 0.1  # of the viscosity that was asked for: what a scheme adds is worth saying from there on
 STIFF = 10.0  # times the stiffness of 1 % compression: from there on it costs more than it gives
 SQUEEZED = 0.05  # compression at the bed that is worth saying
+CROWDED = 0.8  # share of a kernel that solid bodies fill, from which on what a particle remembers is taken back
 SAMPLE = 2.0  # times what a particle takes with its neighbours: of a solid body's sample, with what it adds to theirs
 
 
@@ -48,6 +49,8 @@ class SphConfig(WaterConfig):
     delay: ClassVar[Delay] = Delay(0.0)
     """By how much the scheme lengthens the period of waves."""
     joins_a_sea: ClassVar[bool] = True
+    told_to_bodies: ClassVar[int] = 3
+    """Numbers that are carried along for solid bodies: its acceleration, where a pressure is continued into them."""
     default_ratio: ClassVar[tuple[float, float]]
     """Default of `support_ratio` in 2-D and in 3-D."""
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
@@ -136,8 +139,10 @@ class SphConfig(WaterConfig):
         return []
 
     def sized(self, lattice: Lattice, arch: str, reads: int, carried: int = 0) -> ListSize:
-        """How large grid and lists are for laws that read so many fields, on a backend."""
+        """How large grid and lists are for laws that read so many fields and carry so many numbers along, on a
+        backend."""
         support = self.ratio(lattice.basin) * lattice.spacing
+        carried += self.told_to_bodies if with_bodies(lattice.basin) else 0
         return ListSize(GridSize(lattice, support, PLANS[arch], carried), reads)
 
     def still_limits(self, preflight: Preflight) -> Limits:
@@ -208,9 +213,9 @@ class SphConfig(WaterConfig):
                 )
 
 
-def rows(preflight: Preflight, sizes: ListSize, numbers: int, what: str, pair: float) -> list[LedgerRow]:
+def rows(preflight: Preflight, sizes: ListSize, numbers: int, what: str, pair: float, told: int = 0) -> list[LedgerRow]:
     """Ledger of a scheme that keeps so many numbers of each particle besides its number, and takes `pair` [s] for
-    each of its neighbours in a step."""
+    each of its neighbours in a step; solid bodies are `told` some more of each."""
     n, support, lattice, word = sizes.grid.lattice.n, sizes.grid.support, sizes.grid.lattice, preflight.word
     ratio = support / lattice.spacing
     neighbours = pi * ratio**2 if lattice.basin.dimension == 2 else 4.0 / 3.0 * pi * ratio**3
@@ -222,7 +227,7 @@ def rows(preflight: Preflight, sizes: ListSize, numbers: int, what: str, pair: f
         *_of_areas(preflight, n),
         *_of_targets(lattice, word),
         *_of_sea(lattice, word),
-        *_of_bodies(sizes.grid, word, SAMPLE * each, "accuracy" in preflight.parts),
+        *_of_bodies(sizes.grid, word, SAMPLE * each, "accuracy" in preflight.parts, told),
     ]
 
 
@@ -269,12 +274,13 @@ def _of_sea(lattice: Lattice, word: int) -> list[LedgerRow]:
     return found
 
 
-def _of_bodies(grid: GridSize, word: int, each: float, accounts: bool) -> list[LedgerRow]:
+def _of_bodies(grid: GridSize, word: int, each: float, accounts: bool, told: int) -> list[LedgerRow]:
     """The ledger of the solid bodies in the water, whose samples take `each` [s] a step; the first row holds where
-    every cell's begin. `accounts`: whether the work of gates is summed."""
+    every cell's begin, and `told` numbers that each particle carries along for them. `accounts`: whether the work of
+    gates is summed."""
     lattice, basin = grid.lattice, grid.lattice.basin
     rows: list[LedgerRow] = []
-    if not (basin.obstacles or any(solid.felt for solid in basin.afloat.values())):
+    if not with_bodies(basin):
         return []
     from ocean_sim.fluid.shared.boundary import boxes, floating, memory
 
@@ -287,8 +293,14 @@ def _of_bodies(grid: GridSize, word: int, each: float, accounts: bool) -> list[L
         if bodies:
             working = accounts and any(body.gate is not None for found in of_parts.values() for body in found)
             size = memory(count, len(bodies), 0 if rows else grid.cell_count, word, working)
+            size += 0 if rows else word * told * lattice.n
             rows.append(LedgerRow(part, f"{count} samples of solid bodies", size, why, count * each))
     return rows
+
+
+def with_bodies(basin: Basin) -> bool:
+    """Whether the laws of the water meet solid bodies."""
+    return bool(basin.obstacles or any(solid.felt for solid in basin.afloat.values()))
 
 
 def limits(smoothing: Smoothing, sound_speed: float, viscosity: float, speed: float, acceleration: float) -> Limits:
@@ -314,13 +326,16 @@ class Sph(ParticleWater):
         self.reference_speed, self.sound_speed = config.speed(basin), config.sound_speed(basin)
         self.kinematic_viscosity = config.kinematic_viscosity
         self.dt = ti.field(float, shape=())  # [s]
-        self.bodies = bool(basin.obstacles or any(solid.felt for solid in basin.afloat.values()))
+        self.bodies = with_bodies(basin)
         if self.bodies:
             from ocean_sim.fluid.shared.boundary import Boundary, boxes, floating
 
             lattice, support = sizes.grid.lattice, sizes.grid.support
             bodies = [*boxes(lattice, support), *floating(lattice, support).values()]
             self.boundary = Boundary(bodies, self.particles, self.grid, self.pull, self.smoothing, accounts)
+        own = len(self.carried) - (config.told_to_bodies if self.bodies else 0)
+        self.last_acceleration = self.carried[own:]  # [m/s2], which solid bodies are told
+        self.next_acceleration = self.grid.carried[own:]  # the same before the sort of a step
         self.field = Field(
             self.particles, self.grid, self.smoothing, self.pull.constant, self.pull, boundary=self.boundary
         )
@@ -378,6 +393,13 @@ class Sph(ParticleWater):
             total["obstacles"], counted = self.boundary.works()
             total["walls"] -= counted  # the laws count all as walls
         return total
+
+    @ti.func
+    def steady(self, i, share):
+        """Keep what particle i is pushed with, because it was before, from adding up where solid bodies fill most of
+        its kernel: `share` is how much."""
+        for component in ti.static(self.next_acceleration):
+            component[i] *= tm.min(1.0, CROWDED / tm.max(share, CROWDED))
 
     @ti.func
     def area(self, i):

@@ -117,9 +117,15 @@ class FloatingConfig(VesselConfig):
         if self.contact is None or preflight.spacing is None:
             return None
         still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
-        body = self.body(still.matter, *afloat_pose(still))
+        body = self.unsettled(self.body(still.matter, *afloat_pose(still)), preflight)
         reach = max(RIM, preflight.fluid.support_asked or RIM) * preflight.spacing
         return Solid(self.whole_hull.shape, still.matter.centre, body, False, felt=False, reach=reach)
+
+    def unsettled(self, body: RigidBody, preflight: Preflight) -> RigidBody:
+        """The body where it makes room in water that has not settled yet: higher by as much where its height is given,
+        so that no gap opens under it."""
+        rise = 0.0 if self.afloat_at_first else preflight.fluid.settling(preflight)
+        return replace(body, position=body.position + [0.0, rise, 0.0])
 
     def too_large(self, basin: Basin) -> str:
         """How the hull is larger than the basin, in words; empty where it is not."""

@@ -94,9 +94,10 @@ class Solid:
             found += float((cubes.share * within * np.clip((up[1] - positions[:, 1]) / tall + 0.5, 0.0, 1.0)).sum())
         return found * float(cubes.size.prod())
 
-    def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray]:
-        """(n, 3) positions from the centre of mass, body axes [m], and (n,) volumes [m3], in 2-D areas [m2]."""
-        from scipy.ndimage import distance_transform_edt
+    def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(n, 3) positions from the centre of mass, body axes [m], (n,) volumes [m3], in 2-D areas [m2], and (n, 3)
+        outward normals of the nearest face."""
+        from scipy.ndimage import distance_transform_edt, map_coordinates
 
         cubes = voxels(self.shape, spacing, 1.0)
         lower, upper = self.shape.bounds()
@@ -110,7 +111,13 @@ class Solid:
             full = np.repeat(full.any(axis=2, keepdims=True), full.shape[2], axis=2)
         deep = distance_transform_edt(full, sampling=cubes.size)[tuple(where.T + 1)]
         sampled = deep < support + cubes.size.max()
-        return position[sampled], volume[sampled]
+        values, first, step = around(self.shape, spacing / FINE, spacing, 2.0 * spacing)
+        at = ((position[sampled] + self.centre - first) / step).T
+        slopes = np.gradient(values["distance"], *step)
+        normal = np.stack([map_coordinates(slope, at, order=1, mode="nearest") for slope in slopes], axis=1)
+        normal *= [1.0, 1.0, 0.0 if self.flat else 1.0]
+        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
+        return position[sampled], volume[sampled], normal
 
 
 def packed(free: np.ndarray, others: np.ndarray, spacing: float, off: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:

@@ -84,9 +84,9 @@ class VesselConfig(Helm, ShipConfig):
         return spinning(body, rotated(turn, np.array(self.rates)))
 
     def lowered(self, body: RigidBody, fluid: Fluid) -> RigidBody:
-        """The body lower by as much as the water settles, where it begins at the height at which it floats."""
-        lower = fluid.sunk if self.afloat_at_first else 0.0
-        return replace(body, position=body.position - [0.0, lower, 0.0])
+        """The body as it begins in water that has settled: lower by as much where it floats, else at its own height."""
+        x, y, z = body.position
+        return replace(body, position=np.array([x, y - fluid.sunk if self.afloat_at_first else self.position[1], z]))
 
 
 class Actuators:

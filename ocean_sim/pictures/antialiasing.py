@@ -3,28 +3,38 @@ ends, and a pixel takes of its neighbour across it what the edge would cover. On
 
 import numpy as np
 
-LEAST, RELATIVE = 26.0, 0.2  # contrast of brightness of 255, and over the brightest around, from which there is an edge
+LEAST, RELATIVE = 26, 0.2  # contrast of brightness of 255, and over the brightest around, from which there is an edge
 STEPS = (1.0, 1.0, 1.0, 1.5, 2.0, 4.0, 8.0)  # pixels by which an edge is followed
 SINGLE = 0.6  # of the blur of what is a single pixel wide
-LUMA = np.array([0.299, 0.587, 0.114], np.float32)
+
+
+def mean(image: np.ndarray, samples: int) -> np.ndarray:
+    """A picture with so many samples along each side of a pixel as one of their means, 8-bit RGB."""
+    from PIL import Image
+
+    return np.asarray(Image.fromarray(np.ascontiguousarray(image)).reduce(samples))
 
 
 def smooth(image: np.ndarray) -> np.ndarray:
     """(height, width, 3) 8-bit RGB of the same size."""
-    bright = np.pad(image.astype(np.float32) @ LUMA, 1, mode="edge")
+    from PIL import Image
+
+    bright = np.pad(np.asarray(Image.fromarray(np.ascontiguousarray(image)).convert("L")), 1, mode="edge")
     rows = bright.shape[1]
     flat = bright.ravel()
     north, south, west, east = bright[:-2, 1:-1], bright[2:, 1:-1], bright[1:-1, :-2], bright[1:-1, 2:]
     middle = bright[1:-1, 1:-1]
     high = np.maximum(np.maximum(np.maximum(north, south), np.maximum(west, east)), middle)
     low = np.minimum(np.minimum(np.minimum(north, south), np.minimum(west, east)), middle)
-    y, x = np.nonzero(high - low > np.maximum(LEAST, RELATIVE * high))
-    if not len(y):
+    y, x = np.nonzero(high - low > LEAST)
+    contrast = (high - low)[y, x].astype(np.float32)
+    edges = contrast > RELATIVE * high[y, x]
+    if not edges.any():
         return image
-    contrast = (high - low)[y, x]
+    y, x, contrast = y[edges], x[edges], contrast[edges]
     at = (y + 1) * rows + x + 1
-    m, n, s, w, e = (flat[at + step] for step in (0, -rows, rows, -1, 1))
-    nw, ne, sw, se = (flat[at + step] for step in (-rows - 1, -rows + 1, rows - 1, rows + 1))
+    m, n, s, w, e = (flat[at + step].astype(np.float32) for step in (0, -rows, rows, -1, 1))
+    nw, ne, sw, se = (flat[at + step].astype(np.float32) for step in (-rows - 1, -rows + 1, rows - 1, rows + 1))
     around = (2.0 * (n + s + w + e) + nw + ne + sw + se) / 12.0
     single = np.clip(np.abs(around - m) / contrast, 0.0, 1.0)
     single = SINGLE * (single * single * (3.0 - 2.0 * single)) ** 2
@@ -60,6 +70,6 @@ def followed(
         whole = np.floor(distance[going]).astype(int)
         here = np.clip(at[going] + whole * along[going], 0, len(flat) - 1)
         beside = np.clip(here + across[going], 0, len(flat) - 1)
-        off[going] = 0.5 * (flat[here] + flat[beside]) - edge[going]
+        off[going] = 0.5 * flat[here] + 0.5 * flat[beside] - edge[going]
         going = going[np.abs(off[going]) < most[going]]
     return distance, off

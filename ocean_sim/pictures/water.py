@@ -54,7 +54,7 @@ class Shell:
         self.stage, self.lower, self.upper, self.depth = stage, tuple(lower), tuple(upper), depth
         pyvista = stage.pyvista
         box = pyvista.Box(np.stack([self.lower, self.upper], axis=1).ravel()).extract_feature_edges(30.0)
-        stage.plotter.add_mesh(box, color=EDGE, opacity=0.5, line_width=1.5, lighting=False)  # the tank, of glass
+        stage.plotter.add_mesh(box, color=EDGE, opacity=0.5, line_width=1.5 * stage.samples, lighting=False)  # the tank, of glass
         over = sky.clear()
         self.behind, self.far = (water_glsl.texture(np.zeros((2, 2, n), np.uint8)) for n in (3, 4))
         textures = {"sky": water_glsl.texture(over.image, smaller=True, repeat=True)}

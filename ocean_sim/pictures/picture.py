@@ -78,7 +78,7 @@ class Picture:
         elif self.at_sea and state is not None:
             self.content = Sea(stage, order, vessels, grid, state)
         elif first.folds:
-            self.content = Shell(stage, self.lower, self.upper, float(grid["depth"]))
+            self.content = Shell(stage, grid, self.upper, order.foam)
         else:
             self.content = Water(stage, grid, NODES[order.quality])
         fixed = grid.get("obstacles", np.zeros((0, 2, 3)))

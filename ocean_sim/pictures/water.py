@@ -54,10 +54,17 @@ class Shell:
     def __init__(self, stage: Stage, grid: Any, upper: np.ndarray, white: bool) -> None:
         """In the tank that frames keep, drawn up to `upper` [m]; `white`: with spray and bubbles."""
         depth = self.depth = float(grid["depth"])
-        self.stage, self.lower, self.upper, self.spacing = stage, tuple(grid["lower"]), tuple(upper), float(grid["spacing"])
+        self.stage, self.lower, self.upper, self.spacing = (
+            stage,
+            tuple(grid["lower"]),
+            tuple(upper),
+            float(grid["spacing"]),
+        )
         pyvista = stage.pyvista
         box = pyvista.Box(np.stack([self.lower, self.upper], axis=1).ravel()).extract_feature_edges(30.0)
-        stage.plotter.add_mesh(box, color=EDGE, opacity=0.5, line_width=1.5 * stage.samples, lighting=False)  # the tank, of glass
+        stage.plotter.add_mesh(
+            box, color=EDGE, opacity=0.5, line_width=1.5 * stage.samples, lighting=False
+        )  # the tank, of glass
         over = sky.clear()
         self.behind, self.far = (water_glsl.texture(np.zeros((2, 2, n), np.uint8)) for n in (3, 4))
         textures = {"sky": water_glsl.texture(over.image, smaller=True, repeat=True)}
@@ -84,7 +91,12 @@ class Shell:
         shape = self.stage.pyvista.PolyData.from_regular_faces(smooth.vertices, smooth.triangles)
         shape.point_data["nrm"] = smooth.normals.astype(np.float32)
         self.water.mesh.DeepCopy(shape)
-        if self.spray is not None and frame.position is not None and frame.velocity is not None and frame.id is not None:
+        if (
+            self.spray is not None
+            and frame.position is not None
+            and frame.velocity is not None
+            and frame.id is not None
+        ):
             air = stirred(frame.position, frame.velocity, self.spacing, self.depth)
             self.spray.place(frame.position[air > 0.0], frame.id[air > 0.0], air[air > 0.0])
         eye, plotter = self.stage.camera.eye, self.stage.plotter

@@ -35,7 +35,7 @@ def test_terraces_on_a_slope_are_smoothed_away_and_the_mean_stays():
 
 
 def test_waves_of_a_dozen_spacings_and_more_are_left_alone():
-    wave = lambda x: 0.05 * np.cos(2.0 * np.pi * x / (18.0 * SPACING))  # noqa: E731
+    wave = lambda x: 0.05 * np.cos(2.0 * np.pi * x / (18.0 * SPACING))
     assert np.abs(over(smoothed(sheet(wave), *BOX, MOST), wave)).max() < 0.05 * 0.05
 
 

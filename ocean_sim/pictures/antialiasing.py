@@ -12,7 +12,7 @@ def mean(image: np.ndarray, samples: int) -> np.ndarray:
     """A picture with so many samples along each side of a pixel as one of their means, 8-bit RGB."""
     from PIL import Image
 
-    return np.asarray(Image.fromarray(np.ascontiguousarray(image)).reduce(samples))
+    return np.array(Image.fromarray(np.ascontiguousarray(image)).reduce(samples))
 
 
 def smooth(image: np.ndarray) -> np.ndarray:

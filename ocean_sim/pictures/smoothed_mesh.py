@@ -24,7 +24,8 @@ def smoothed(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...], mos
         return mesh
     low, up, x = np.array(lower), np.array(upper), mesh.vertices.astype(float)
     sides = np.stack([x <= low + NEAR * (up - low), x >= up - NEAR * (up - low)])
-    curved = corners[~sides[:, corners].all(axis=2).any(axis=(0, 2))]  # the rest lies on a side
+    flat = np.any(np.all(sides[:, corners], axis=2), axis=(0, 2))  # triangles that lie on a side
+    curved = corners[~flat]
     i, j = np.concatenate([curved[:, [a, b]].T for a, b in ((0, 1), (1, 0), (1, 2), (2, 1), (0, 2), (2, 0))], axis=1)
     adjacent = coo_matrix((np.ones(len(i)), (i, j)), shape=(n, n)).tocsr()
     adjacent.data[:] = 1.0

@@ -12,7 +12,7 @@ NEAR = 1.0e-4  # of the box: what is nearer to one of its sides lies on it
 
 def smoothed(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...], most: float) -> Mesh:
     """The same triangles with vertices that lie smoothly, none more than `most` [m] from where it was, so that drops
-    and thin sheets are left.
+    and thin sheets are left; then all of it by the thin layer that keeps its volume.
 
     Vertices on the sides of the box from `lower` to `upper` [m] stay on them, and what is flat there does not pull at
     its rim. Measure the mesh as it was.
@@ -38,14 +38,23 @@ def smoothed(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...], mos
         before, now = now, 2.0 * np.where(free, adjacent @ now / degree, now) - before
         found += weight * now
     way = found - x
-    x = x + way * np.minimum(1.0, most / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1.0e-30))
-    moved = Mesh(x, corners, mesh.normals)
-    normals, across = np.zeros_like(x), moved.vector_areas
-    for k in range(3):
-        np.add.at(normals, corners[:, k], across)
+    way *= np.minimum(1.0, most / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1.0e-30))
+    before, after = (gathered(Mesh(each, corners, mesh.normals)) for each in (x, x + way))
+    swept = (way * (before + after)).sum() / 6.0  # [m3]; a layer of this volume is taken off again
+    areas = np.linalg.norm(after * free, axis=1, keepdims=True)
+    x = x + way - free * after / np.maximum(areas, 1.0e-30) * swept * 3.0 / max(float(areas.sum()), 1.0e-30)
+    normals = gathered(Mesh(x, corners, mesh.normals))
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.where(lengths > 0.0, normals / np.maximum(lengths, 1.0e-30), mesh.normals)
     return Mesh(x.astype(mesh.vertices.dtype), corners, normals.astype(mesh.normals.dtype))
+
+
+def gathered(mesh: Mesh) -> np.ndarray:
+    """(n, 3) vector areas [m2] of the triangles around each vertex, outwards."""
+    areas, across = np.zeros(mesh.vertices.shape), mesh.vector_areas
+    for k in range(3):
+        np.add.at(areas, mesh.triangles[:, k], across)
+    return areas
 
 
 def low_pass(edge: float, degree: int) -> np.ndarray:

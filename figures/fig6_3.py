@@ -10,7 +10,8 @@ fetch from when the first gusts have passed. The slice moves by delta_sph, with 
 scheme does not lie still there without wind: its lattice breaks up by itself between 10 s and 30 s, into waves of 0.15
 to 0.3 m and a level 0.12 m lower, and of 4 sqrt m0 0.09 m have not gone after 120 s. By delta_sph still air has 0.02 m,
 nearly all of it a level that creeps.
-Every preset is noisy, so its seeds differ. The third row is another water: spectral_sea, which is calm until the
+Every preset is noisy, so its seeds differ. Orange lines and arrows show a wind when it blew over the middle of the
+basin, crosses where it is nothing but noise. The third row is another water: spectral_sea, which is calm until the
 winds of the four printed presets press on it, on a tile of twice the basin; what they push along makes no waves there.
 
 python figures/fig6_3.py [--fast] [--out DIR]
@@ -21,12 +22,13 @@ from typing import NamedTuple
 
 import numpy as np
 from _options import options, progress
-from _paper import BLUE, INK, PALE, keep, paper, table
+from _paper import BLUE, INK, ORANGE, PALE, keep, paper, table
 
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.waves.orbits import circulation
 from ocean_sim.waves.record import evenly, zero_crossing_waves
+from ocean_sim.wind.shared.drawing import Drawing
 
 SETTLED, LASTS = 5.0, 15.0  # [s]
 QUIET = dict.fromkeys(("accuracy", "timings", "health", "frames", "render", "report"))
@@ -37,6 +39,7 @@ FETCH, FETCHES, BEACH = "fetch [m]", (20.0, 40.0, 80.0), 40.0  # [m]
 GUST_SPEED, GUST_GAP, STEADY = 8.0, 40.0, 18.0  # [m/s], [m] from gust to gust, [s] when the first have passed
 SLICE = {"kind": "delta_sph", "spacing": 1.25, "kinematic_viscosity": 1.0}
 COUNTED = 20  # waves of all gauges from which a period is told in a picture
+WEAK, LONGEST, TOP = 0.15, 9.0, 2.0  # arrows of which there are crosses instead; the longest [m]; how high they are [m]
 RING = 8.0  # [m] radius at which circulation is taken
 
 
@@ -78,6 +81,7 @@ class Waves(NamedTuple):
     waves: int  # whole ones of all gauges together
     circulation: float  # at the end [m2/s]; not a number in 2-D and where nothing turns
     chart: tuple[np.ndarray, np.ndarray, np.ndarray] | None  # places [m] and elevation [m] at the end
+    wind: Drawing | None  # when it blew most strongly and nearest to the middle
 
 
 def sea(
@@ -98,9 +102,10 @@ def sea(
     x, z = np.meshgrid(side * length, side * 40.0)
     gauges, times, heights = np.stack([x.ravel(), z.ravel()], axis=1), [], []
     with Simulation(load(scene)) as simulation:
-        turning, every = [], 0.1
+        turning, every, winds = [], 0.1, []
         while simulation.time < lasts:
             simulation.run(until=simulation.time + every)
+            winds.append(simulation.wind.drawing())
             if simulation.time >= SETTLED:
                 times.append(simulation.time)
                 heights.append(simulation.fluid.elevations(gauges))
@@ -111,7 +116,15 @@ def sea(
         x, z = np.meshgrid(*fine)
         top = simulation.fluid.elevations(np.stack([x.ravel(), z.ravel()], axis=1)).reshape(x.shape)
     turned = float(np.mean(turning)) if turning else float("nan")
-    return Waves(*heights_of(times, heights), turned, (fine[0], fine[1], top))
+    return Waves(*heights_of(times, heights), turned, (fine[0], fine[1], top), min(winds, key=order))
+
+
+def order(wind: Drawing) -> tuple[float, float]:
+    """Less the more strongly a wind blows, and then the nearer to the middle."""
+    if not len(wind.tails):
+        return 0.0, 0.0
+    strength = np.linalg.norm(wind.arrows, axis=1).max()
+    return -round(float(strength), 1), float(np.linalg.norm(wind.tails[:, [0, 2]].mean(axis=0)))
 
 
 def fetched(fetch: float, blowing: bool, seed: int, lasts: float) -> Waves:
@@ -134,7 +147,7 @@ def fetched(fetch: float, blowing: bool, seed: int, lasts: float) -> Waves:
             if simulation.time >= min(STEADY, 0.5 * lasts):
                 times.append(simulation.time)
                 heights.append(simulation.fluid.elevations(gauges))
-    return Waves(*heights_of(times, heights), float("nan"), None)
+    return Waves(*heights_of(times, heights), float("nan"), None, None)
 
 
 def heights_of(times: list[float], heights: list[np.ndarray]) -> tuple[float, float, float, float, int]:
@@ -168,12 +181,18 @@ def drawn(seas: dict[str, tuple], spectral: dict[str, tuple], trends: dict[str, 
     """The sea under each preset from above, that of spectral_sea, and the four trends."""
     figure = paper(15.0, 14.8)
     axes = figure.subplots(4, 4, height_ratios=(1.15, 1.15, 1.15, 1.0))
-    for panel, (name, (chart, caption)) in zip(axes[:3].ravel(), [*seas.items(), *spectral.items()]):
-        x, z, top = chart
+    for panel, (name, (run, caption)) in zip(axes[:3].ravel(), [*seas.items(), *spectral.items()]):
+        x, z, top = run.chart
         image = panel.pcolormesh(x, z, top, vmin=-1.5, vmax=1.5, cmap="RdBu_r", shading="auto", rasterized=True)
         letter = PRINTED.get(name, "")
         panel.set_title(f"{letter}{name.replace('_', ' ')}\n{caption}", fontsize=9.5, loc="left")
-        panel.set(aspect="equal", xlabel="x [m]", ylabel="z [m]")
+        panel.set(aspect="equal", xlabel="x [m]", ylabel="z [m]", xlim=(-20.0, 20.0), ylim=(-20.0, 20.0))
+        lines, arrows, noise = marks(run.wind)
+        panel.plot(*lines[[0, 2]], color=ORANGE, lw=1.2)
+        panel.quiver(
+            *arrows[:, [0, 2]].reshape(4, -1), color=INK, angles="xy", scale_units="xy", scale=1.0, width=0.008
+        )
+        panel.plot(*noise[[0, 2]], "x", color=INK, ms=5.0)
     figure.colorbar(image, ax=axes[:3].ravel().tolist(), label="elevation [m]", shrink=0.6)
     for panel, (what, rows) in zip(axes[3], trends.items()):
         value, mean, deviation, still = np.array(rows).T
@@ -185,14 +204,32 @@ def drawn(seas: dict[str, tuple], spectral: dict[str, tuple], trends: dict[str, 
     keep(figure, path)
 
 
-def pictured(chart: tuple[np.ndarray, np.ndarray, np.ndarray], path: Path) -> None:
-    """The sea under one preset, seen from aside."""
-    x, z, top = chart
+def marks(wind: Drawing) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """What shows a wind, where it is over the basin: (3, n) points of its outlines, of which some are not numbers, as
+    they begin elsewhere; (2, 3, m) where arrows begin and what they are along, level; and (3, k) where it is but
+    noise [m]."""
+    share = np.append(np.linspace(0.0, 1.0, 41), np.nan)[:, None]
+    lines = (wind.lines[:, :1] + share * (wind.lines[:, 1:] - wind.lines[:, :1])).reshape(-1, 3)
+    lines[np.abs(lines[:, [0, 2]]).max(axis=1, initial=0.0) > 20.0] = np.nan
+    over = np.abs(wind.tails[:, [0, 2]]).max(axis=1, initial=0.0) <= 20.0
+    blowing = over & (np.linalg.norm(wind.arrows, axis=1) > WEAK)
+    lines[:, 1], level = np.clip(lines[:, 1], 0.0, TOP), np.array([1.0, 0.0, 1.0])
+    tails, arrows = wind.tails * level + [0.0, TOP, 0.0], LONGEST * wind.arrows * level
+    return lines.T, np.stack([tails[blowing].T, arrows[blowing].T]), tails[over & ~blowing].T
+
+
+def pictured(run: Waves, path: Path) -> None:
+    """The sea under one preset, seen from aside, and the wind when it blew over its middle."""
+    x, z, top = run.chart
     figure = paper(2.8, 2.0)
-    axes = figure.add_subplot(projection="3d")
+    axes = figure.add_subplot(projection="3d", computed_zorder=False)
     across, along = np.meshgrid(z, x, indexing="ij")  # `top` has a row for each z
     shaded = {"cmap": "GnBu_r", "vmin": -2.5, "vmax": 2.5, "rcount": 49, "ccount": 49, "antialiased": False}
     axes.plot_surface(along, across, top, **shaded)
+    lines, arrows, noise = marks(run.wind)
+    axes.plot(*lines[[0, 2, 1]], color=ORANGE, lw=0.8)
+    axes.quiver(*arrows[:, [0, 2, 1]].reshape(6, -1), color=INK, lw=0.9, arrow_length_ratio=0.4)
+    axes.plot(*noise[[0, 2, 1]], "x", color=INK, ms=2.5, mew=0.7)
     axes.set(zlim=(-2.5, 2.5), xticks=(-20, 0, 20), yticks=(-20, 0, 20), zticks=(-2, 2))
     axes.set_box_aspect((4.0, 4.0, 1.0), zoom=1.1)
     axes.view_init(elev=30.0, azim=-60.0)
@@ -255,10 +292,10 @@ def main() -> None:
         numbers += (turn, scatter, sigmas, *spread([run.hs for run in runs]), *spread([run.tz for run in runs]))
         rows.append((what, value, length, len(seeds), *(f"{number:.4g}" for number in numbers)))
         if what == "preset":
-            seas[value] = runs[0].chart, summary(runs)
-            pictured(runs[0].chart, asked.out / f"fig6_3_{value}.png")
+            seas[value] = runs[0], summary(runs)
+            pictured(runs[0], asked.out / f"fig6_3_{value}.png")
         elif what == "spectral_sea":
-            spectral[f"spectral sea, {value}"] = runs[0].chart, summary(runs)
+            spectral[f"spectral sea, {value}"] = runs[0], summary(runs)
         else:
             trends.setdefault(what, []).append((value, mean, deviation, still))
     head = [f"thesis_6000 at {resolution:g} times its spacing; from {SETTLED:g} to {lasts:g} s"]

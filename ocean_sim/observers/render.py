@@ -64,7 +64,7 @@ class Config(PeriodicConfig):
     particles: bool = False
     """Draw the particles, coloured by speed, in place of the surface of the water."""
     quality: Quality = "draft"
-    """`draft`: quick; `final`: a finer mesh and many samples of each pixel."""
+    """`draft`: quick; `final`: a finer mesh and four samples of each pixel."""
     far_sea: bool = True
     """Draw the sea around the basin out to the horizon; without it, a block of water with cut sides. A basin that
     moves, has a wavemaker, a lid or obstacles, or runs dry somewhere is a tank: it stays a block, and so does a surface
@@ -395,12 +395,10 @@ def draw(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]:
     coming = Coming(folder, over)
     fastest = 0.1 if foreseen(grid, order) else survey(some(coming.log.files))[1]
     picture = Picture(grid, order, Frame(coming.log.files[0]), fastest, coming.log)
-    picture.smooth(order.quality == "final")
     if order.film:
         yield from film(out / "film.mp4", picture, coming, order.every)
     coming.wait()
     log = coming.log
-    picture.smooth(True)
     if order.preview:
         save_png(out / "preview.png", picture.draw(survey(some(log.files))[0]))
     missing = without_frame(log.files, order.stills)

@@ -3,28 +3,38 @@ ends, and a pixel takes of its neighbour across it what the edge would cover. On
 
 import numpy as np
 
-LEAST, RELATIVE = 26.0, 0.2  # contrast of brightness of 255, and over the brightest around, from which there is an edge
+LEAST, RELATIVE = 26, 0.2  # contrast of brightness of 255, and over the brightest around, from which there is an edge
 STEPS = (1.0, 1.0, 1.0, 1.5, 2.0, 4.0, 8.0)  # pixels by which an edge is followed
 SINGLE = 0.6  # of the blur of what is a single pixel wide
-LUMA = np.array([0.299, 0.587, 0.114], np.float32)
+
+
+def mean(image: np.ndarray, samples: int) -> np.ndarray:
+    """A picture with so many samples along each side of a pixel as one of their means, 8-bit RGB."""
+    from PIL import Image
+
+    return np.array(Image.fromarray(np.ascontiguousarray(image)).reduce(samples))
 
 
 def smooth(image: np.ndarray) -> np.ndarray:
     """(height, width, 3) 8-bit RGB of the same size."""
-    bright = np.pad(image.astype(np.float32) @ LUMA, 1, mode="edge")
+    from PIL import Image
+
+    bright = np.pad(np.asarray(Image.fromarray(np.ascontiguousarray(image)).convert("L")), 1, mode="edge")
     rows = bright.shape[1]
-    flat = bright.ravel()
+    flat = bright.ravel().astype(np.float32)
     north, south, west, east = bright[:-2, 1:-1], bright[2:, 1:-1], bright[1:-1, :-2], bright[1:-1, 2:]
     middle = bright[1:-1, 1:-1]
     high = np.maximum(np.maximum(np.maximum(north, south), np.maximum(west, east)), middle)
     low = np.minimum(np.minimum(np.minimum(north, south), np.minimum(west, east)), middle)
-    y, x = np.nonzero(high - low > np.maximum(LEAST, RELATIVE * high))
-    if not len(y):
+    contrast = (high - low).ravel()
+    edges = np.flatnonzero(contrast > LEAST).astype(np.int32)
+    edges = edges[contrast[edges] > np.float32(RELATIVE) * high.ravel()[edges]]
+    if not len(edges):
         return image
-    contrast = (high - low)[y, x]
-    at = (y + 1) * rows + x + 1
-    m, n, s, w, e = (flat[at + step] for step in (0, -rows, rows, -1, 1))
-    nw, ne, sw, se = (flat[at + step] for step in (-rows - 1, -rows + 1, rows - 1, rows + 1))
+    contrast = contrast[edges].astype(np.float32)
+    at = edges + 2 * (edges // (rows - 2)) + (rows + 1)
+    m, n, s, w, e = (flat.take(at + step) for step in (0, -rows, rows, -1, 1))
+    nw, ne, sw, se = (flat.take(at + step) for step in (-rows - 1, -rows + 1, rows - 1, rows + 1))
     around = (2.0 * (n + s + w + e) + nw + ne + sw + se) / 12.0
     single = np.clip(np.abs(around - m) / contrast, 0.0, 1.0)
     single = SINGLE * (single * single * (3.0 - 2.0 * single)) ** 2
@@ -33,20 +43,21 @@ def smooth(image: np.ndarray) -> np.ndarray:
     level = across_rows >= across_columns  # whether the edge runs along a row
     before, after = np.where(level, n, w), np.where(level, s, e)
     first = np.abs(before - m) >= np.abs(after - m)
-    across = np.where(level, rows, 1) * np.where(first, -1, 1)
+    across = np.where(level, np.int32(rows), np.int32(1)) * np.where(first, np.int32(-1), np.int32(1))
+    along = np.where(level, np.int32(1), np.int32(rows))
     steepness = np.where(first, np.abs(before - m), np.abs(after - m))
     edge = 0.5 * (m + np.where(first, before, after))
-    ends = [followed(flat, at, across, np.where(level, way, way * rows), edge, 0.25 * steepness) for way in (-1, 1)]
+    ends = [followed(flat, at, across, way * along, edge, 0.25 * steepness) for way in (-1, 1)]
     nearer = ends[0][0] <= ends[1][0]
     distance = np.where(nearer, ends[0][0], ends[1][0])
     beyond = np.where(nearer, ends[0][1], ends[1][1])
     covered = 0.5 - distance / (ends[0][0] + ends[1][0])
     share = np.maximum(np.where((m < edge) != (beyond < 0.0), covered, 0.0), single)[:, None]
     padded = np.pad(image, ((1, 1), (1, 1), (0, 0)), mode="edge").reshape(-1, 3)
-    result = image.copy()
+    result = image.reshape(-1, 3).copy()
     blended = (1.0 - share) * padded[at] + share * padded[at + across]
-    result[y, x] = (blended + 0.5).astype(np.uint8)
-    return result
+    result[edges] = (blended + 0.5).astype(np.uint8)
+    return result.reshape(image.shape)
 
 
 def followed(
@@ -54,12 +65,12 @@ def followed(
 ) -> tuple[np.ndarray, np.ndarray]:
     """How far along an edge its end lies (n,) [pixels], and by how much the brightness there is off the edge's."""
     distance, off = np.zeros(len(at), np.float32), np.zeros(len(at), np.float32)
-    going = np.arange(len(at))
+    going, reach = np.arange(len(at), dtype=np.int32), 0.0
     for step in STEPS:
-        distance[going] += step
-        whole = np.floor(distance[going]).astype(int)
-        here = np.clip(at[going] + whole * along[going], 0, len(flat) - 1)
-        beside = np.clip(here + across[going], 0, len(flat) - 1)
-        off[going] = 0.5 * (flat[here] + flat[beside]) - edge[going]
-        going = going[np.abs(off[going]) < most[going]]
+        reach += step
+        here = at + np.int32(reach) * along
+        found = 0.5 * (flat.take(here, mode="clip") + flat.take(here + across, mode="clip")) - edge
+        distance[going], off[going] = reach, found
+        more = np.flatnonzero(np.abs(found) < most)
+        going, at, across, along, edge, most = (each[more] for each in (going, at, across, along, edge, most))
     return distance, off

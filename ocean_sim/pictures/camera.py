@@ -20,8 +20,7 @@ TOWARDS = {  # direction of view, and what is up in the picture
 
 
 FAR = 2.5  # lengths of a ship; in a longer basin `third_person` follows it
-SHIPS = 0.85  # lengths of a ship that it sees each way then
-KEEL = 0.12  # lengths of a ship below the water that it sees
+SHIPS = 0.62  # lengths of a ship that it sees each way then, from the still water up
 BEHIND, ABOVE, QUARTER = 1.9, 0.5, 22.0  # lengths of a ship and [deg] to starboard, from which `follow` looks at it
 LAG = 0.9, 1.6  # [s] in which `follow` makes up for 1 - 1/e of a change of position and of heading
 ROUND, RISE = 2.2, 0.55  # lengths of a ship: radius and height of `orbit`
@@ -130,8 +129,7 @@ class Operator:
             lower, upper = np.maximum(self.lower, lower), np.minimum(self.upper, upper)
             if (self.upper - self.lower).max() <= FAR * length:
                 return self.standing
-        lower[1], upper[1] = self.lower[1], self.upper[1]
-        lower[1] = max(lower[1], -KEEL * length)
+        lower[1], upper[1] = 0.0, self.upper[1]
         return placed("third_person", lower, upper, self.aspect)
 
     def orbit(self, time: float) -> Camera:

@@ -36,6 +36,7 @@ class Frame:
             self.origin = file["origin"].astype(np.float64) if "origin" in file else np.zeros(2)  # of all these [m]
             self.position = file["position"] if "position" in file else None
             self.velocity = file["velocity"] if "velocity" in file else None
+            self.id = file["id"] if "id" in file else None  # of the particles
             self.ships = {key: (file[f"{key}_position"], file[f"{key}_turn"]) for key in ships_in(file, "_turn")}
             self.gates = file["gates"].astype(np.float64) if "gates" in file else np.zeros((0, 2, 3))
             empty = (("lines", (0, 2, 3)), ("tails", (0, 3)), ("arrows", (0, 3)))

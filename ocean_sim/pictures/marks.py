@@ -15,7 +15,8 @@ SHORTEST, LONGEST = 0.10, 0.25  # of the width of a picture: the bar
 
 def words(stage: Stage, text: str, position: tuple[int, int]) -> Any:
     """Text on a dark ground, legible on foam; x and y from the lower left corner [pixels]."""
-    made = stage.plotter.add_text(text, position=position, font_size=9, color=INK)
+    x, y = (stage.samples * n for n in position)
+    made = stage.plotter.add_text(text, position=(x, y), font_size=9 * stage.samples, color=INK)
     made.prop.SetBackgroundColor(*PAPER)
     made.prop.SetBackgroundOpacity(0.55)
     return made
@@ -39,7 +40,7 @@ class ScaleBar:
         metres = round_below(LONGEST * width / metre)
         self.length = int(round(metres * metre))
         self.words.input = f"{metres:g} m"
-        self.words.SetPosition(width - self.length - 24, 30)
+        self.words.SetPosition(*(self.stage.samples * n for n in (width - self.length - 24, 30)))
 
     def draw(self, image: np.ndarray) -> None:
         """Into a picture (height, width, 3)."""
@@ -66,7 +67,8 @@ class Outline:
         share = np.stack([np.interp(way, np.arange(5), corner[:, k]) for k in range(2)], axis=1)
         self.around = lower[[0, 2]] + share * (upper - lower)[[0, 2]]
         self.line = stage.pyvista.MultipleLines(np.insert(self.around, 1, 0.0, axis=1).astype(np.float32))
-        stage.plotter.add_mesh(self.line, color=OUTLINE, line_width=2.0, lighting=False, render=False)
+        width = 2.0 * stage.samples  # [pixels of the plotter]
+        stage.plotter.add_mesh(self.line, color=OUTLINE, line_width=width, lighting=False, render=False)
 
     def show(self, origin: np.ndarray, heights: np.ndarray) -> None:
         """Around an origin x, z [m], at heights (points,) [m]."""

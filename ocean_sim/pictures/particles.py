@@ -31,8 +31,8 @@ class Particles:
                 "height": 0.07,
                 "n_labels": 2,
                 "fmt": "%.2g",
-                "label_font_size": 14,
-                "title_font_size": 15,
+                "label_font_size": 14 * stage.samples,
+                "title_font_size": 15 * stage.samples,
                 "color": "#10222c",
             },
         )

@@ -18,6 +18,7 @@ from ocean_sim.pictures.stage import Stage
 from ocean_sim.pictures.water import NODES, Shell, Water
 from ocean_sim.pictures.wind_marks import WindMarks
 
+SAMPLES = {"draft": 1, "final": 2}  # along each side of a pixel; where there is one, edges are smoothed afterwards
 MAPS = "top", "side"  # cameras that see the whole way of a ship that leaves the basin
 
 
@@ -59,7 +60,7 @@ class Picture:
             target=order.target,
             away=away,
         )
-        stage = self.stage = Stage(order.size, self.operator.at(first.time))
+        stage = self.stage = Stage(order.size, self.operator.at(first.time), SAMPLES[order.quality])
         self.plotter = stage.plotter
         middle, size = 0.5 * (self.lower + self.upper), self.upper - self.lower
         self.reach = float(max(np.linalg.norm(stage.camera.eye - middle), np.linalg.norm(size)))  # [m]
@@ -77,7 +78,7 @@ class Picture:
         elif self.at_sea and state is not None:
             self.content = Sea(stage, order, vessels, grid, state)
         elif first.folds:
-            self.content = Shell(stage, self.lower, self.upper, float(grid["depth"]))
+            self.content = Shell(stage, grid, self.upper, order.foam)
         else:
             self.content = Water(stage, grid, NODES[order.quality])
         fixed = grid.get("obstacles", np.zeros((0, 2, 3)))
@@ -87,10 +88,9 @@ class Picture:
             shaded = {key: self.content.ship(model) for key, model in models.items()}
             self.ships |= shaded
             if shaded:
-                self.content.reflect(list(shaded.values()))
+                self.content.reflect()
         else:
             self.ships |= {key: DrawnShip(stage, model) for key, model in models.items()}
-        self.smoothed = True
         self.caption = marks.words(stage, " ", (14, 10)) if order.caption else None
         self.scale_bar = marks.ScaleBar(stage) if order.scale_bar else None
         self.outline = marks.Outline(stage, grid["lower"], grid["upper"]) if order.outline else None
@@ -161,8 +161,7 @@ class Picture:
             self.scale_bar.show(ships[0] if ships else 0.5 * (self.lower + self.upper) * [1.0, 0.0, 1.0])
         self.plotter.render()
         image = self.plotter.screenshot(None, return_img=True)
-        if not self.smoothed:
-            image = antialiasing.smooth(image)
+        image = antialiasing.smooth(image) if self.stage.samples == 1 else antialiasing.mean(image, self.stage.samples)
         if self.scale_bar is not None:
             self.scale_bar.draw(image)
         return image
@@ -183,15 +182,6 @@ class Picture:
         if camera.parallel_height is None and not self.at_sea:
             self.dome.position = tuple(camera.eye - self.first_eye)
         self.aim()
-
-    def smooth(self, on: bool) -> None:
-        """Whether edges are smoothed by many samples of each pixel: slow, so only for final pictures and the preview;
-        else in the finished picture."""
-        self.smoothed = on
-        if on:
-            self.plotter.enable_anti_aliasing("ssaa")
-        else:
-            self.plotter.disable_anti_aliasing()
 
     def close(self) -> None:
         if isinstance(self.content, Sea | Shell):

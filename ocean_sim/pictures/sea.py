@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ocean_sim import waves
-from ocean_sim.pictures import far_sea, foam, water_glsl
+from ocean_sim.pictures import far_sea, foam, ship_glsl, water_glsl
 from ocean_sim.pictures import sky as sky_module
 from ocean_sim.pictures.camera import Vessel
 from ocean_sim.pictures.far_sea import Fan
@@ -70,8 +70,11 @@ class Sea:
         self.gap = np.zeros((max(len(self.hulls), 1), rows, columns, 3), np.float32)  # [m] and share, for each ship
         self.gaps = water_glsl.texture(self.gap.reshape(-1, columns, 3))
         self.mirrored = water_glsl.texture(np.zeros((2, 2, 4), np.uint8), smaller=True)
-        textures = {"sky": image, "hull": self.gaps, "mirror": self.mirrored}
-        body, functions = water_glsl.water(len(self.hulls), "carW.xz"), water_glsl.WATER_FUNCTIONS
+        self.shadow = np.zeros((max(len(self.hulls), 1), ship_glsl.PIXELS, ship_glsl.PIXELS, 3), np.float32)  # [m]
+        self.shadows = water_glsl.texture(self.shadow.reshape(-1, ship_glsl.PIXELS, 3))
+        textures = {"sky": image, "hull": self.gaps, "mirror": self.mirrored, "shade": self.shadows}
+        dark = "".join(ship_glsl.shadow(k, len(self.hulls)) for k in range(len(self.hulls)))
+        body, functions = water_glsl.water(len(self.hulls), "carW.xz", dark), water_glsl.WATER_FUNCTIONS
         self.near = water_glsl.Shaded(self.mesh_of(self.surface), body, functions, textures, TRAITS)
         empty = stage.pyvista.PolyData()
         self.far = water_glsl.Shaded(empty, water_glsl.BEYOND + body, functions, textures, TRAITS)
@@ -86,6 +89,8 @@ class Sea:
         shown["rippleLongest"] = np.clip(2.0 * state.resolved, *RIPPLES)
         self.set(**shown)
         self.origin = np.zeros(2)  # x, z of the nodes' [m]
+        self.beyond = np.zeros(0, bool)  # triangles of the far sea that are not hidden in the basin
+        self.ships: list[ShadedShip] = []
         self.mirror: Mirror | None = None
         self.spray = Spray(stage, float(grid["spacing"])) if order.foam and state.exact is None else None
         sides = self.surface.x, self.surface.z
@@ -117,11 +122,12 @@ class Sea:
 
     def ship(self, model: Model) -> ShadedShip:
         """A ship in the light of this sea, not mirrored yet."""
-        return ShadedShip(self.stage, model, self.sky, self.image)
+        self.ships.append(ShadedShip(self.stage, model, self.sky, self.image))
+        return self.ships[-1]
 
-    def reflect(self, ships: list[ShadedShip]) -> None:
-        """Mirrors ships from now on."""
-        self.mirror = Mirror(self.stage, [ship.shaded for ship in ships], self.mirrored)
+    def reflect(self) -> None:
+        """Mirrors its ships from now on."""
+        self.mirror = Mirror(self.stage, [ship.shaded for ship in self.ships], self.mirrored)
 
     def show(self, frame: Frame) -> None:
         self.now = self.state.at(frame.time)
@@ -136,10 +142,19 @@ class Sea:
         levels = [self.meet(k, key, hull, *frame.ships[key]) for k, (key, hull) in enumerate(self.hulls.items())]
         if levels:
             water_glsl.fill(self.gaps.GetInput(), self.gap.reshape(-1, HULL_PIXELS[1], 3))
+        self.darken()
         if self.mirror is not None and levels:
             self.set(useMirror=1.0, mirrorView=self.mirror.show(float(np.mean(levels))))
         if self.spray is not None and frame.position is not None:
             self.spray.show(frame.position, self.heights_at(frame.position[:, [0, 2]]))
+
+    def darken(self) -> None:
+        """The shadows of its ships, where they are shown."""
+        for k, ship in enumerate(self.ships):
+            self.shadow[k] = ship.depth
+            self.set(**{f"shadeAt{k}": ship.position, f"shadeSize{k}": ship.shade.length, **ship.across})
+        if self.ships:
+            water_glsl.fill(self.shadows.GetInput(), self.shadow.reshape(-1, ship_glsl.PIXELS, 3))
 
     @property
     def pixel(self) -> float:
@@ -186,8 +201,8 @@ class Sea:
         heading = float(np.arctan2(camera.forward[2], camera.forward[0]))
         amplitude = self.now.waves.amplitude
         if fan.look(float(camera.eye[1]) - self.now.level, heading, half, lowest, self.pixel, amplitude):
-            made = self.mesh_of(fan)
-            self.far.mesh.DeepCopy(made)
+            self.far.mesh.DeepCopy(self.mesh_of(fan))
+            self.beyond = np.ones(len(fan.triangles), bool)
         height, slope_x, slope_z, drawn_together = np.moveaxis(surface.around(frame, camera.eye, self.now), -1, 0)
         nodes = fan.nodes + camera.eye[[0, 2]]
         white = np.zeros(fan.shape)
@@ -201,6 +216,11 @@ class Sea:
         self.lay(self.far, np.insert(nodes, 1, height.ravel(), axis=1), normals, traits, nodes)
         lap = 0.5 * np.array([surface.x[1] - surface.x[0], surface.z[1] - surface.z[0]])  # that no gap is seen
         low, high = surface.lower + self.origin + lap, surface.upper + self.origin - lap
+        inside = ((nodes > low) & (nodes < high)).all(axis=1)
+        beyond = ~inside[fan.triangles].all(axis=1)
+        if not np.array_equal(beyond, self.beyond):
+            self.far.mesh.regular_faces = fan.triangles[beyond]
+            self.beyond = beyond
         self.far.set(innerLow=np.insert(low, 1, 0.0), innerHigh=np.insert(high, 1, 0.0))
 
     def heights_at(self, positions: np.ndarray) -> np.ndarray:

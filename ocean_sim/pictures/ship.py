@@ -72,5 +72,5 @@ class ShadedShip:
         mesh.point_data["nrm"] = (self.normals @ turn.T).astype(np.float32)
         depth, right, up = self.shade.map(turn, self.sky.sun)
         water_glsl.fill(self.map.GetInput(), depth)
-        length = self.shade.length
-        self.shaded.set(shipAt=position, shipLength=length, sunRight=right, sunUp=up, eyeW=eye)
+        self.position, self.depth, self.across = position, depth, {"sunRight": right, "sunUp": up}
+        self.shaded.set(shipAt=position, shipLength=self.shade.length, eyeW=eye, **self.across)

@@ -10,6 +10,7 @@ from ocean_sim.pictures.water_shading import EXPOSURE
 TRAITS = "nrm", "col", "att"  # normal, paint, (gloss, share of the sky that is seen, 0)
 PIXELS = 256  # of the shadow's map along a side
 SAMPLES = 150_000  # points of her surface that cast it
+SOFT = 1.5  # pixels of the map between the samples of a shadow on the water
 BIAS = 0.02  # of her length: less than that lies in no shadow of its own
 DIRECTIONS, REACHES = 16, (0.6, 1.2, 2.0, 3.2)  # of rays to the sky, and how far they are followed [m]
 CELL = 0.3  # [m] of the blocks that hide the sky
@@ -50,6 +51,23 @@ SHIP = f"""
   float facets = exp(-(1.0 - c2) / (c2 * {number(2.0 * ROUGH)})) / ({number(2.0 * np.pi * ROUGH)} * c2 * c2);
   c += sunLight * {number(COAT)} * facets * 0.25 * sun;
   fragOutput0 = vec4(filmic(foggy(c, away, dist)), 1.0);
+"""
+
+
+def shadow(k: int, ships: int) -> str:
+    """The program of the water for the shadow that ship k casts on it; the maps of all lie one over another."""
+    return f"""
+  vec3 off{k} = posW - shadeAt{k};
+  vec2 cast{k} = 0.5 + 0.5 * vec2(dot(off{k}, sunRight), dot(off{k}, sunUp)) / shadeSize{k};
+  int dark{k} = all(greaterThan(cast{k}, vec2(0.02))) && all(lessThan(cast{k}, vec2(0.98))) ? 1 : 0;
+  for (int turn = 0; turn < dark{k}; turn++) {{
+    float depth = dot(off{k}, sunDir) + {number(BIAS)} * shadeSize{k};
+    for (int i = -1; i <= 1; i++)
+      for (int j = -1; j <= 1; j++) {{
+        vec2 uv = cast{k} + {number(SOFT / PIXELS)} * vec2(i, j);
+        sunlit -= step(depth, textureLod(shade, vec2(uv.x, ({k}.0 + uv.y) / {ships}.0), 0.0).r) / 9.0;
+      }}
+  }}
 """
 
 

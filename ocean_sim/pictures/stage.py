@@ -9,13 +9,13 @@ from ocean_sim.pictures.camera import Camera
 class Stage:
     """Handed to everything in a picture, which adds itself to the plotter."""
 
-    def __init__(self, size: tuple[int, int], camera: Camera) -> None:
-        """`size`: width and height [pixels]."""
+    def __init__(self, size: tuple[int, int], camera: Camera, samples: int) -> None:
+        """`size`: width and height [pixels]; `samples`: along each side of a pixel."""
         import pyvista
 
         self.pyvista: ModuleType = pyvista
-        self.size, self.camera = size, camera
-        self.plotter = self.empty(size)
+        self.size, self.camera, self.samples = size, camera, samples
+        self.plotter = self.empty((samples * size[0], samples * size[1]))
 
     def empty(self, size: tuple[int, int]) -> Any:
         """A plotter without light, off screen."""

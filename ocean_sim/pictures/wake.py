@@ -15,6 +15,7 @@ FAST = 4.0  # [m/s] from which a wake is as white as it gets
 WHITEST = 0.8
 HIGHEST = 0.13  # of V^2 / g: the greatest height of Kelvin's waves
 ASTERN, ABEAM, FADES = 9.0, 3.5, 5.0  # lengths of a ship that they are drawn behind her bow and aside; and fade in
+HOLLOW, DEEPEST = 0.15, 0.10  # of V^2 / g: depth of the water behind a transom; and of the breadth: its greatest
 FINEST = 0.5  # lengths of a node of their pattern, over the beam
 SLOWEST = 1.0  # [m/s] under which there are none
 ANGLES = 360  # of the waves that they are made of
@@ -38,6 +39,8 @@ class Wake:
         """(nx, nz) at a time [s], on nodes around an origin x, z [m]."""
         share = np.zeros((len(self.x), len(self.z)))
         track = self.vessel.track
+        if time <= track.time[0]:
+            return share
         stern = track.position - STERN * self.vessel.length * track.turn[:, :, 2]
         moments = np.linspace(max(track.time[0], time - AGE), time, STEPS)
         position = np.stack([np.interp(moments, track.time, stern[:, k]) for k in (0, 2)], axis=1) - origin
@@ -118,4 +121,15 @@ class Kelvin:
         offset = places - (track.position[k][[0, 2]] + STERN * length * ahead)
         behind, aside = -offset @ ahead, np.abs(offset @ [-ahead[1], ahead[0]])
         at = np.stack([behind, aside]) / (FINEST * self.breadth)
-        return map_coordinates(pattern(speed, self.breadth, length), at, order=1, mode="constant")
+        waves = map_coordinates(pattern(speed, self.breadth, length), at, order=1, mode="constant")
+        return waves - hollow(behind - 2.0 * STERN * length, aside, speed, self.breadth)
+
+
+def hollow(astern: np.ndarray, aside: np.ndarray, speed: float, breadth: float) -> np.ndarray:
+    """(n,) depth [m] by which water that leaves a transom stands lower than around it, before it rises again into a
+    wave of the ship's own length; at distances astern of it and aside [m]. The law is ours."""
+    depth = min(HOLLOW * speed**2 / GRAVITY, DEEPEST * breadth)
+    k = GRAVITY / speed**2
+    along = np.where(astern > 0.0, np.cos(k * astern) * np.exp(-0.3 * k * np.maximum(astern, 0.0)), 0.0)
+    under = np.clip(1.0 + astern / breadth, 0.0, 1.0) * (astern <= 0.0)  # the hull lies there
+    return depth * (along + under) * np.exp(-((aside / (0.5 * breadth)) ** 4))

@@ -6,11 +6,13 @@ import numpy as np
 
 from ocean_sim.pictures import sky, tank_glsl, water_glsl, water_shading
 from ocean_sim.pictures.frame_files import Frame
+from ocean_sim.pictures.spray import COARSE, Spray, stirred
 from ocean_sim.pictures.stage import Stage
 from ocean_sim.pictures.water_mesh import WaterMesh
 
 EDGE = "#eef3f6"
 EXPOSURE = 1.15  # of water in a tank, as of what is drawn with plain colours
+MOST = 0.4  # [spacings] by which a folded surface is smoothed
 NODES = {"draft": 40_000, "final": 160_000}  # of the drawn surface
 
 
@@ -49,12 +51,20 @@ class Water:
 class Shell:
     """A closed surface with drops and folds, smoothed, and as clear as water: see `tank_glsl`."""
 
-    def __init__(self, stage: Stage, lower: np.ndarray, upper: np.ndarray, depth: float) -> None:
-        """In a tank from `lower` to `upper` [m], of this depth [m]."""
-        self.stage, self.lower, self.upper, self.depth = stage, tuple(lower), tuple(upper), depth
+    def __init__(self, stage: Stage, grid: Any, upper: np.ndarray, white: bool) -> None:
+        """In the tank that frames keep, drawn up to `upper` [m]; `white`: with spray and bubbles."""
+        depth = self.depth = float(grid["depth"])
+        self.stage, self.lower, self.upper, self.spacing = (
+            stage,
+            tuple(grid["lower"]),
+            tuple(upper),
+            float(grid["spacing"]),
+        )
         pyvista = stage.pyvista
         box = pyvista.Box(np.stack([self.lower, self.upper], axis=1).ravel()).extract_feature_edges(30.0)
-        stage.plotter.add_mesh(box, color=EDGE, opacity=0.5, line_width=1.5, lighting=False)  # the tank, of glass
+        stage.plotter.add_mesh(
+            box, color=EDGE, opacity=0.5, line_width=1.5 * stage.samples, lighting=False
+        )  # the tank, of glass
         over = sky.clear()
         self.behind, self.far = (water_glsl.texture(np.zeros((2, 2, n), np.uint8)) for n in (3, 4))
         textures = {"sky": water_glsl.texture(over.image, smaller=True, repeat=True)}
@@ -67,6 +77,7 @@ class Shell:
         for part in (self.water, self.backs):
             part.set(**plain | {"exposure": EXPOSURE, "depth": depth, "reach": 1.0, "view": np.eye(4)})
         stage.plotter.add_actor(self.water.actor, reset_camera=False, render=False)
+        self.spray = Spray(stage, self.spacing, COARSE) if white else None
         self.measure = stage.empty(stage.size)  # the picture of distances
         self.measure.set_background("black")
         self.measure.add_actor(self.backs.actor, reset_camera=False, render=False)
@@ -76,10 +87,18 @@ class Shell:
         from ocean_sim.surface import Mesh
 
         assert frame.mesh is not None
-        smooth = smoothed(Mesh(*frame.mesh), self.lower, self.upper)
+        smooth = smoothed(Mesh(*frame.mesh), self.lower, self.upper, MOST * self.spacing)
         shape = self.stage.pyvista.PolyData.from_regular_faces(smooth.vertices, smooth.triangles)
         shape.point_data["nrm"] = smooth.normals.astype(np.float32)
         self.water.mesh.DeepCopy(shape)
+        if (
+            self.spray is not None
+            and frame.position is not None
+            and frame.velocity is not None
+            and frame.id is not None
+        ):
+            air = stirred(frame.position, frame.velocity, self.spacing, self.depth)
+            self.spray.place(frame.position[air > 0.0], frame.id[air > 0.0], air[air > 0.0])
         eye, plotter = self.stage.camera.eye, self.stage.plotter
         reach = 1.01 * float(np.linalg.norm(smooth.vertices - eye, axis=1).max())
         camera = plotter.camera

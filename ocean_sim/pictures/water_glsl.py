@@ -119,15 +119,16 @@ vec3 ripples(vec2 p, float footprint) {{
   }}
   return vec3(slope, 0.5 * lost);
 }}
-vec3 fromWithin(float height, vec3 n, vec3 e, float ct) {{
+vec3 fromWithin(float height, vec3 n, vec3 e, float ct, float sunlit) {{
   float up = 2.2 * skyLight.y, thin = clamp(0.25 + 0.5 * height, 0.0, 1.0);
   float behind = max(-dot(e, vec3(sunDir.x, 0.0, sunDir.z)), 0.0), tilt = 3.0 * clamp(1.0 - n.y * n.y, 0.0, 0.3);
   float through = 0.25 * up + 1.9 * sunLight.y * (0.30 + 1.3 * behind * behind) * thin * (0.25 + tilt);
-  return 2.0 * up * {vector(w.BODY)} + {vector(w.THIN)} * through * (0.55 + 0.45 * ct);
+  float sunny = 0.25 * up + (through - 0.25 * up) * sunlit;
+  return 2.0 * up * {vector(w.BODY)} + {vector(w.THIN)} * sunny * (0.55 + 0.45 * ct);
 }}
-vec3 foamColour(vec3 n, float white) {{
+vec3 foamColour(vec3 n, float white, float sunlit) {{
   float sunny = max(0.7 * dot(n, sunDir) + 0.3 * sunDir.y + 0.06, 0.0);
-  return mix({vector(w.THIN_FOAM)}, {vector(w.FOAM)}, white) * (1.25 * skyLight + 1.75 * sunLight * sunny);
+  return mix({vector(w.THIN_FOAM)}, {vector(w.FOAM)}, white) * (1.25 * skyLight + 1.75 * sunLight * sunny * sunlit);
 }}
 vec3 sunGlint(vec3 n, vec3 e, float variance) {{
   vec3 h = normalize(sunDir + e);
@@ -140,9 +141,10 @@ vec3 sunGlint(vec3 n, vec3 e, float variance) {{
 """
 
 
-def water(ships: int, grain: str = "posW.xz") -> str:
+def water(ships: int, grain: str = "posW.xz", shadows: str = "") -> str:
     """The program of water around so many ships; the maps of distances to their hulls lie one over another in one
-    texture. `grain`: the place by which foam finds its grain: its own, or where it was born."""
+    texture. `grain`: the place by which foam finds its grain: its own, or where it was born; `shadows`: the program
+    that takes its share from `sunlit`."""
     hulls = "".join(hull(k, ships) for k in range(ships))
     mirrors = "".join(mirror(k) for k in range(ships))
     return f"""
@@ -150,8 +152,8 @@ def water(ships: int, grain: str = "posW.xz") -> str:
   float dist = length(away);
   away /= dist;
   vec3 e = -away, n = normalize(nrmW);
-  float share = attW.x, variance = attW.z;
-{hulls}  float footprint = max(pixel * dist / sqrt(max(dot(e, n), 0.06)), 0.004);
+  float share = attW.x, variance = attW.z, sunlit = 1.0;
+{hulls}{shadows}  float footprint = max(pixel * dist / sqrt(max(dot(e, n), 0.06)), 0.004);
   if (rippleVariance > 0.0) {{
     vec3 r = ripples(posW.xz, footprint);
     float up = max(n.y, 0.1);
@@ -172,10 +174,10 @@ def water(ships: int, grain: str = "posW.xz") -> str:
 {mirrors}  if (glintKind > 1.5) mirrored *= 1.0 + {number(w.HDR_FACTOR)} *
     clamp(mirrored.r - {number(w.HDR_THRESHOLD)}, 0.0, {number(w.HDR_EXCESS)});
   vec3 c = useReflection * reflectance * mirrored;
-  c += useBody * (1.0 - reflectance) * fromWithin(attW.y, n, e, refracted(ci));
-  if (glintKind > 0.5 && glintKind < 1.5) c += sunGlint(n, e, variance) * (1.0 - hidden);
+  c += useBody * (1.0 - reflectance) * fromWithin(attW.y, n, e, refracted(ci), sunlit);
+  if (glintKind > 0.5 && glintKind < 1.5) c += sunGlint(n, e, variance) * (1.0 - hidden) * sunlit;
   float foamy = white(clamp(share, 0.0, 1.0), {grain}, footprint);
-  c = mix(c, foamColour(n, foamy), useFoam * foamy);
+  c = mix(c, foamColour(n, foamy, sunlit), useFoam * foamy);
   fragOutput0 = vec4(filmic(foggy(c, away, dist)), 1.0);
 """
 
@@ -183,13 +185,12 @@ def water(ships: int, grain: str = "posW.xz") -> str:
 def hull(k: int, ships: int) -> str:
     """Foam along the waterline of ship k, and no water inside it."""
     return f"""
-  if (useHull{k} > 0.5) {{
-    vec2 uv = (posW.xz - hullBox{k}.xy) / hullSize{k}.xy;
-    if (all(greaterThan(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)))) {{
-      vec2 near = textureLod(hull, vec2(uv.x, ({k}.0 + uv.y) / {ships}.0), 0.0).rg;
-      if (near.r < -0.12) discard;
-      share = max(share, max(hullFoam.x * exp(-max(near.r, 0.0) / hullFoam.y), near.g));
-    }}
+  vec2 uv{k} = (posW.xz - hullBox{k}.xy) / hullSize{k}.xy;
+  int near{k} = useHull{k} > 0.5 && all(greaterThan(uv{k}, vec2(0.0))) && all(lessThan(uv{k}, vec2(1.0))) ? 1 : 0;
+  for (int turn = 0; turn < near{k}; turn++) {{
+    vec2 near = textureLod(hull, vec2(uv{k}.x, ({k}.0 + uv{k}.y) / {ships}.0), 0.0).rg;
+    if (near.r < -0.12) discard;
+    share = max(share, max(hullFoam.x * exp(-max(near.r, 0.0) / hullFoam.y), near.g));
   }}
 """
 

@@ -77,7 +77,12 @@ class WindMarks:
         shown = {"lighting": False, "reset_camera": False, "render": False, "color": TINT}
         plotter.add_mesh(made, opacity=CLEAR, name="volumes", **shown)
         ends = points[quads[:, [2, 3]]].reshape(-1, 3).astype(np.float32)
-        plotter.add_mesh(pyvista.line_segments_from_points(ends), line_width=3.0, name="edges of volumes", **shown)
+        plotter.add_mesh(
+            pyvista.line_segments_from_points(ends),
+            line_width=3.0 * self.stage.samples,
+            name="edges of volumes",
+            **shown,
+        )
 
 
 def basis(vector: np.ndarray) -> np.ndarray:

@@ -45,7 +45,9 @@ class Entry(Model):
         """What simulates, and what draws, after `ocean-sim`."""
         verb, *options = shlex.split(self.draw)
         left_out = [word for name in RUN for word in ("--set", f"{name}=null")]
-        drawing = [verb, run, *options] + (["--no-film", "--size", SIZE] if verb == "render" else [])
+        drawing = [verb, run, *options] + (
+            ["--no-film", "--quality", "final", "--size", SIZE] if verb == "render" else []
+        )
         return ["run", self.scene, "--until", f"{self.until:g}", *left_out, "--out", run], drawing
 
 

@@ -24,7 +24,8 @@ def test_another_look_or_another_scene_makes_pictures_old(monkeypatch):
 def test_the_commands_name_the_scene_and_draw_from_its_run():
     entry = gallery.entries()[0]
     simulate, draw = entry.commands("runs/showcase")
-    assert simulate[:4] == ["run", "showcase", "--until", "5.2"] and draw[:2] == ["render", "runs/showcase"]
+    began = ["run", "showcase", "--until", f"{entry.until:g}"]
+    assert simulate[:4] == began and draw[:2] == ["render", "runs/showcase"]
     readme = FOLDER.parents[1] / "README.md"
     if readme.exists():
         shown = re.findall(r"figures/gallery/(\w+\.\w+)", readme.read_text(encoding="utf-8"))

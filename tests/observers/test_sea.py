@@ -299,6 +299,17 @@ def test_a_film_shows_what_a_final_picture_shows(picture):
     assert np.median(change) < 4.0 and np.quantile(change, 0.95) < 10.0
 
 
+@with_opengl
+@pytest.mark.parametrize("quality", ["draft", "final"])
+def test_words_and_the_scale_bar_are_as_large_in_every_quality(picture, quality):
+    marked, bare = picture(quality=quality, scale_bar=True), picture(quality=quality, caption=False)
+    changed = np.abs(marked - bare).max(axis=2) > 8.0
+    low = changed[-16:-12, 160:]
+    assert 0.1 * 320 < low.any(axis=0).sum() < 0.27 * 320  # the bar
+    rows = np.flatnonzero(changed[:, :100].any(axis=1))
+    assert 10 <= np.ptp(rows) + 1 <= 24 and rows.min() > 140  # the time
+
+
 def test_frames_keep_the_waves_of_a_sea_in_closed_form_and_nothing_of_particles():
     sea = spectrum()
     assert set(frames.plane_waves(SimpleNamespace(plane_waves=sea, answers=False))) == {

@@ -43,3 +43,24 @@ def test_the_bow_is_the_whiter_the_faster_she_goes_and_not_at_all_where_she_lies
     np.testing.assert_allclose(slow, 0.25 * fast)
     assert 0.1 < fast[4] < fast[0] and fast[5] < 1e-6
     assert not wake.along_hull(abaft, gap, 14.0, 4.0, 0.0).any()
+
+
+def test_a_wake_is_behind_a_ship_that_has_gone_and_nowhere_when_a_run_begins():
+    time = np.arange(0.0, 5.0, 0.5)
+    turn = np.broadcast_to(np.eye(3), (len(time), 3, 3))
+    going = np.stack([0.0 * time, 0.0 * time, 4.0 * time], axis=1)
+    nodes = np.linspace(-20.0, 20.0, 41)
+    left = wake.Wake(Vessel(14.0, np.zeros(3), Track(time, going, turn)), 4.0, nodes, nodes)
+    assert not left.share(0.0, np.zeros(2)).any()
+    share = left.share(4.0, np.zeros(2))
+    assert share[20, 20:30].min() > 0.1 and not share[:, 33:].any() and not share[:10].any()
+
+
+def test_water_behind_a_transom_is_hollow_and_rises_again_half_a_wave_astern():
+    speed, breadth = 4.0, 4.2
+    half_wave = np.pi * speed**2 / GRAVITY
+    astern = np.array([1e-6, 0.5 * half_wave, half_wave, 40.0 * half_wave, -2.0 * breadth, 1e-6])
+    depth = wake.hollow(astern, np.array([0.0, 0.0, 0.0, 0.0, 0.0, 2.0 * breadth]), speed, breadth)
+    assert depth[0] == pytest.approx(wake.HOLLOW * speed**2 / GRAVITY, rel=1e-4)
+    assert depth[1:] == pytest.approx([0.0, -np.exp(-0.3 * np.pi) * depth[0], 0.0, 0.0, 0.0], abs=1e-6)
+    assert wake.hollow(astern, 0.0 * astern, 20.0, breadth).max() <= wake.DEEPEST * breadth

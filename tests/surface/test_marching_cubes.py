@@ -114,7 +114,7 @@ def test_a_jittered_ball_keeps_both_and_smoothing_leaves_the_volume_alone(round_
     places = ball(SPACING)
     surface = put(round_water[0.1], places + np.random.default_rng(2).normal(0.0, 0.1 * SPACING, places.shape))
     raw = surface.mesh()
-    picture = smoothed(raw, surface.nodes.lower, surface.nodes.upper)
+    picture = smoothed(raw, surface.nodes.lower, surface.nodes.upper, 0.4 * SPACING)
     assert topology(raw) == (True, 2)
     assert raw.volume() == pytest.approx(4.0 / 3.0 * np.pi, rel=0.01)
     assert picture.volume() == pytest.approx(raw.volume(), rel=2e-3)

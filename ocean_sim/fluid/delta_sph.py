@@ -96,7 +96,7 @@ class Config(SphConfig):
         tank, lattice = preflight.tank, preflight.untouched
         if lattice is None or self.enclosed(tank):
             return 0.0
-        deep = max(float(up[1] - low[1]) for low, up in lattice.boxes)
+        deep = max((float(up[1] - low[1]) for low, up in lattice.boxes), default=0.0)
         return -tank.gravity[1] * deep**2 / (2.0 * self.sound_speed(tank) ** 2)
 
     def still_limits(self, preflight: Preflight) -> Limits:
@@ -293,7 +293,7 @@ class Continuity:
         if ti.static(fluid.bodies):
             solid = self.solid.total(vec3(own, self.row.position), own)
             total += solid
-            fluid.steady(i, fluid.slope * solid[self.terms.filled] / self.whole)
+            fluid.steady(fluid.next_acceleration, i, fluid.slope * solid[self.terms.filled] / self.whole)
         compressed, diffused = total[self.terms.rate], total[self.terms.diffusion]
         rate = fluid.slope * (compressed + diffused)
         excess = deviation + 0.5 * dt * rate

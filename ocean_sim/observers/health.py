@@ -84,6 +84,7 @@ class Health(Concluding):
         self.energy_seen, self.gain_reported = 0.0, False
         self.momentum: Momentum | None = None
         self.balance: Balance | None = None
+        self.stiffness = 0.0  # speed of sound [m/s] since which the balance counts
         self.reported: list[str] = []  # events of which one is enough
         self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
         self.limit, self.limit_reported = "", -QUIET
@@ -122,6 +123,7 @@ class Health(Concluding):
             self.momentum = Momentum(simulation)
             if not self.judged and not simulation.fluid.solvers:  # which count work between the halves of a step
                 self.balance = Balance(simulation, list(simulation.fluid.work))
+                self.stiffness = simulation.fluid.sound_speed
                 self.unaccounted(self.balance, with_particles(simulation.fluid).totals())
         if self.levelled and isnan(self.first_level):
             particles = with_particles(simulation.fluid).particles
@@ -224,7 +226,8 @@ class Health(Concluding):
         """Where the water's mass is not that of all particles that there are, each once."""
         particles = with_particles(self.simulation.fluid).particles
         count = particles.count.now
-        there = np.bincount(particles.id.to_numpy()[:count], minlength=count)
+        ids = particles.id.to_numpy()[:count]
+        there = np.bincount(ids[(ids >= 0) & (ids < count)], minlength=count)
         if (there != 1).any():
             self.once("particles from nowhere", lost=int((there == 0).sum()), twice=int((there > 1).sum()))
 
@@ -250,6 +253,8 @@ class Health(Concluding):
     def unaccounted(self, balance: Balance, totals: Totals) -> float:
         """Energy [J] that no force has given since the first look."""
         fluid, gravity = with_particles(self.simulation.fluid), self.simulation.basin.gravity
+        if fluid.sound_speed != self.stiffness:  # a person has made the water stiffer, or softer
+            balance.at_first, self.stiffness = None, fluid.sound_speed
         energy = mechanical(self.simulation, totals) + fluid.internal_energy()
         return balance.residual(energy, potential(fluid.particles.mass, totals, gravity), fluid.work)
 

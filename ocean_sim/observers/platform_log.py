@@ -33,7 +33,7 @@ class Config(ObserverConfig):
         at_once = any(self.name() in config.needs for config in observing)  # another waits for each row
         head = heading(rate) | {"seed": scene.seed}
         csv = CsvFile(folder / "platform.csv", head, COLUMNS)
-        ship, every = scene.platform.ridden(list(scene.ships)), rate if at_once else ROWS * rate
+        ship, every = scene.platform.ridden(list(scene.ships)), 0.0 if at_once else ROWS * rate
         return PlatformLog(csv, every, scene.platform.build(rate), simulation, ship)
 
 

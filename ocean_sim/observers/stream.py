@@ -53,16 +53,18 @@ class Config(ObserverConfig):
         scene = simulation.scene
         assert scene.platform is not None
         every = self.interval(scene.preflight)
-        return Stream(self, every, scene.platform.build(every))
+        return Stream(self, scene.platform.build(every))
 
 
 class Stream(Observer, TakesCommands):
     """Sends the rows of platform.csv. A run faster than real time is held back to it; a slower one stalls, and the
     receiver holds its pose. At the end the platform returns to neutral."""
 
-    def __init__(self, config: Config, every: float, platform: Platform) -> None:
-        """`every`: time between rows [s]; `platform`: one at rest, which knows the way back to neutral."""
-        self.config, self.every, self.platform = config, every, platform
+    every = 0.0  # each row leaves as soon as it is known
+
+    def __init__(self, config: Config, platform: Platform) -> None:
+        """`platform`: one at rest, which knows the way back to neutral."""
+        self.config, self.platform = config, platform
         self.new: list[Commands] = []  # rows that are not sent yet
         self.past = np.zeros((0, 6))  # the last two poses
         self.time, self.seq = 0.0, 0  # of the last row

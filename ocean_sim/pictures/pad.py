@@ -23,6 +23,7 @@ class Pad:
         self.devices, self.device = devices, -1
         self.axes: dict[int, float] = {}  # -1 to 1: right, down, pressed
         self.pressed: set[int] = set()  # buttons that went down since the last look
+        self.released: set[int] = set()  # axes that have rested at -1, as triggers do and sticks do not
 
     def look(self) -> None:
         """Take what was moved since the last look."""
@@ -50,13 +51,17 @@ class Pad:
         for _, value, kind, number in iter_unpack(EVENT, events):
             if kind & ~ALREADY == AXIS:
                 self.axes[number] = value / MOST
+                if value == -MOST:
+                    self.released.add(number)
             elif kind == BUTTON and value:
                 self.pressed.add(number)
 
     @property
     def held(self) -> tuple[float, float]:
         """Pedal, ahead positive, and wheel, to port positive, each -1 to 1."""
-        throttle, brake = (0.5 * (1.0 + self.axes.get(axis, -1.0)) for axis in (THROTTLE, BRAKE))
+        throttle, brake = (
+            0.5 * (1.0 + self.axes[axis]) if axis in self.released else 0.0 for axis in (THROTTLE, BRAKE)
+        )
         pedal = throttle - brake - self.stick(PEDALS)
         return min(max(pedal, -1.0), 1.0), -self.stick(WHEEL)
 
@@ -73,4 +78,4 @@ class Pad:
         """Let go of it, and of what it held."""
         if self.device >= 0:
             os.close(self.device)
-        self.device, self.axes, self.pressed = -1, {}, set()
+        self.device, self.axes, self.pressed, self.released = -1, {}, set(), set()

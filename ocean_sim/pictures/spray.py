@@ -36,7 +36,7 @@ def normal(uniform: np.ndarray) -> np.ndarray:
     return 0.5 * radius * np.cos(angle)
 
 
-def stirred(position: np.ndarray, velocity: np.ndarray, spacing: float, depth: float) -> np.ndarray:
+def stirred(position: np.ndarray, velocity: np.ndarray, depth: float) -> np.ndarray:
     """(n,) share, 0 to 1, of air in the water of particles (n, 3) [m] with velocities (n, 3) [m/s], in a tank of this
     depth [m]: where they are fast and go otherwise than their neighbours, after the potentials of Ihmsen, Akinci,
     Akinci & Teschner (2012, Vis. Comput. 28). The bounds are ours."""
@@ -44,8 +44,8 @@ def stirred(position: np.ndarray, velocity: np.ndarray, spacing: float, depth: f
 
     air = ramp((velocity**2).sum(axis=1) / (GRAVITY * depth), FAST)
     fast = np.flatnonzero(air > 0.0)
-    if not len(fast):
-        return air
+    if not len(fast) or len(position) < 2:
+        return np.zeros(len(position))
     _, near = cKDTree(position).query(position[fast], k=min(NEIGHBOURS, len(position)), workers=1)
     around = velocity[near]
     off = np.linalg.norm(around - around.mean(axis=1, keepdims=True), axis=2).mean(axis=1)

@@ -97,7 +97,7 @@ class Shell:
             and frame.velocity is not None
             and frame.id is not None
         ):
-            air = stirred(frame.position, frame.velocity, self.spacing, self.depth)
+            air = stirred(frame.position, frame.velocity, self.depth)
             self.spray.place(frame.position[air > 0.0], frame.id[air > 0.0], air[air > 0.0])
         eye, plotter = self.stage.camera.eye, self.stage.plotter
         reach = 1.01 * float(np.linalg.norm(smooth.vertices - eye, axis=1).max())

@@ -91,7 +91,9 @@ class Session:
         self.look = look if isinstance(look, Config) else Config(size=(1280, 720))
         self.away = TemporaryDirectory(prefix="ocean-sim-")  # files of observers, which are thrown away
         kept = config.observers.get("checkpoint")
-        self.rewind = Rewind((kept if isinstance(kept, checkpoint.Config) else checkpoint.Config()).every)
+        self.rewind = Rewind(
+            (kept if isinstance(kept, checkpoint.Config) else checkpoint.Config()).every, Path(self.away.name)
+        )
         self.simulation = self.built()
         own = name_of(config.wind)
         self.panel = Panel([*([own] if own == OWN else []), *named("wind"), "still"], own)

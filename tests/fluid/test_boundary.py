@@ -61,6 +61,17 @@ def test_momentum_of_water_and_box_is_accounted_for(still):
     np.testing.assert_array_equal(impulse["obstacles"], -fluid.boundary.impulses().sum(axis=0))
 
 
+def test_samples_of_a_box_face_the_side_that_is_nearest(still):
+    fluid, _ = still
+    body = fluid.boundary.bodies[0]
+    np.testing.assert_array_equal(abs(body.normal).sum(axis=1), 1.0)
+    deep = np.array([0.2, 0.1]) - abs(body.position[:, :2])
+    for k in range(len(deep)):
+        across = int(np.argmax(abs(body.normal[k])))
+        assert deep[k, across] == pytest.approx(deep[k].min())
+        assert body.normal[k, across] * body.position[k, across] > 0.0
+
+
 def test_nobody_is_inside(still):
     fluid, _ = still
     x = fluid.particles.position.to_numpy()

@@ -10,6 +10,7 @@ import subprocess
 import sys
 from math import pi, radians
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -430,6 +431,10 @@ def test_who_steers_in_a_window_rides_on_the_platform_that_its_scene_streams_to(
             session.go_on(0.05)
         assert session.panel.person.throttle > 0.0 and session.panel.person.rudder > 0.0
         assert unpacked(listening.recv(4096)).seq == 0
+        late, session.screen = session.simulation.time, Mock()
+        session.go_back()
+        assert session.simulation.time < late
+        session.go_on(0.05)
         away = session.away.name
         session.close()
         assert not (tmp_path / "out").exists() and not Path(away).exists()

@@ -56,8 +56,8 @@ def test_water_that_goes_as_one_holds_no_air_and_jets_that_meet_do():
     block = np.stack(np.meshgrid(*[np.arange(8) * SPACING] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     fast = np.tile([3.0, 0.0, 0.0], (len(block), 1))
     meeting = fast * np.where(block[:, :1] < 4 * SPACING, 1.0, -1.0)
-    assert stirred(block, 0.0 * fast, SPACING, 1.0).max() == 0.0
-    assert stirred(block, fast, SPACING, 1.0).max() == 0.0
-    air = stirred(block, meeting, SPACING, 1.0)
+    assert stirred(block, 0.0 * fast, 1.0).max() == 0.0
+    assert stirred(block, fast, 1.0).max() == 0.0
+    air = stirred(block, meeting, 1.0)
     front = np.abs(block[:, 0] - 3.5 * SPACING) < SPACING
     assert air[front].min() > 0.9 and air[block[:, 0] < 1.5 * SPACING].max() < 0.1

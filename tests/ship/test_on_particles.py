@@ -146,6 +146,36 @@ def test_a_half_immersed_cylinder_bobs_as_potential_flow_says():
     assert t[high] == pytest.approx(0.635, rel=0.05)
 
 
+def test_a_hull_at_a_given_height_lies_in_water_that_has_settled_around_it():
+    """Given the height at which another floats, it has the same water around it, and no gap below."""
+    places = []
+    start = None
+    for _ in range(2):
+        with Simulation(load(slice_of_water(start=start), QUIET)) as simulation:
+            start = float(simulation.ships["ship"].body.position[1])
+            places.append((start, simulation.fluid.particles.position.to_numpy()))
+    (afloat, water), (given, same) = places
+    assert simulation.fluid.sunk > 0.01 and given == pytest.approx(afloat, abs=1e-9)
+    np.testing.assert_allclose(same, water, atol=1e-6)
+
+
+@pytest.mark.slow
+def test_water_next_to_a_hull_is_not_pulled_along_its_sides():
+    """A box that draws all but a spacing of the water, moved up and down: the water at its sides stays behind, and what
+    force it takes beyond its weight is that of what is under it."""
+    scene = slice_of_water(mass=400.0, free=["heave"])
+    with Simulation(load(scene, QUIET)) as simulation:
+        ship, fluid = simulation.ships["ship"], simulation.fluid
+        boundary, still, push = fluid.boundary, ship.body.position.copy(), 2.0
+        for _ in range(40):
+            dt = simulation.next_dt
+            boundary.place(ship.number, still, acceleration=[0.0, push, 0.0])
+            fluid.advance(dt)
+        x, v = fluid.particles.position.to_numpy(), fluid.particles.velocity.to_numpy()
+        beside = (abs(abs(x[:, 0]) - 0.4) < 0.08) & (x[:, 1] < -0.08) & (x[:, 1] > still[1] - 0.1)
+        assert abs(v[beside, 1]).mean() < 0.2 * push * fluid.time
+
+
 def test_water_that_cannot_carry_it_is_refused():
     scene = slice_of_water() | {"fluid": {"kind": "dfsph", "spacing": 0.1}}
     with pytest.raises(SceneError, match="does not carry a ship of kind pressure"):

@@ -24,7 +24,7 @@ from ocean_sim.fluid.shared.water import Lattice, WaterConfig, free_fall_speed
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, key_of
-from ocean_sim.runtime import in_kernels
+from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.wind import Wind
 
 if TYPE_CHECKING:  # it is imported only where there are bodies
@@ -395,10 +395,10 @@ class Sph(ParticleWater):
         return total
 
     @ti.func
-    def steady(self, i, share):
+    def steady(self, acceleration: Template, i, share):
         """Keep what particle i is pushed with, because it was before, from adding up where solid bodies fill most of
-        its kernel: `share` is how much."""
-        for component in ti.static(self.next_acceleration):
+        its kernel: `share` is how much. `acceleration`: its components, where they lie by now."""
+        for component in ti.static(acceleration):
             component[i] *= tm.min(1.0, CROWDED / tm.max(share, CROWDED))
 
     @ti.func

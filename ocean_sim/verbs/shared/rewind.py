@@ -1,11 +1,14 @@
 """The last moments of a simulation that is played with, in memory, and the way back to them."""
 
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ocean_sim.observers.motion import Motion
+from ocean_sim.observers.shared.handed_on import TakesCommands, TakesMotion
 from ocean_sim.observers.shared.sampled import Multiples
-from ocean_sim.simulation import NOWHERE, Simulation
+from ocean_sim.simulation import Simulation
 from ocean_sim.state.walk import Restorer, Snapshot
 
 KEPT = 2  # moments: the newest, and the one before for who is there already
@@ -22,9 +25,9 @@ class Moment(NamedTuple):
 class Rewind:
     """Keeps the whole state at multiples of a simulated time, the newest ones."""
 
-    def __init__(self, every: float) -> None:
-        """`every`: simulated time between two moments [s]."""
-        self.every = every
+    def __init__(self, every: float, folder: Path) -> None:
+        """`every`: simulated time between two moments [s]; `folder`: where observers write, if any do."""
+        self.every, self.folder = every, folder
         self.forget()
 
     def forget(self) -> None:
@@ -35,7 +38,7 @@ class Rewind:
     def keep(self, simulation: Simulation) -> None:
         """Keep this moment if one is due."""
         if self.multiples.reached(simulation.time):
-            taken = Snapshot(roots(simulation), NOWHERE)
+            taken = Snapshot(roots(simulation), self.folder)
             self.moments = [*self.moments, Moment(simulation.time, taken.tree, taken.arrays)][-KEPT:]
 
     def earlier(self, time: float) -> list[Moment]:
@@ -45,11 +48,12 @@ class Rewind:
     def restore(self, simulation: Simulation, moments: list[Moment]) -> None:
         """Put a simulation that has just been built of the same scene into the last of these, and keep them."""
         self.moments, newest = moments, moments[-1]
-        Restorer(roots(simulation), newest.tree, newest.arrays, NOWHERE)
+        Restorer(roots(simulation), newest.tree, newest.arrays, self.folder)
         self.multiples = Multiples(self.every)
         self.multiples.reached(newest.time)
 
 
 def roots(simulation: Simulation) -> dict[str, Any]:
-    """Where the walk over a simulation without a run folder begins."""
-    return {"simulation": simulation, "observers": simulation.observers}
+    """Where the walk over a simulation without a run folder begins. What a rig has been sent is not taken back."""
+    kept = [each for each in simulation.observers if not isinstance(each, Motion | TakesMotion | TakesCommands)]
+    return {"simulation": simulation, "observers": kept}

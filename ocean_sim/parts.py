@@ -57,7 +57,7 @@ def kinds(slot: str) -> tuple[str, ...]:
 
 @cache
 def named(slot: str) -> tuple[str, ...]:
-    """The ready-made parts of this slot: the files of configs/<slot>/."""
+    """The presets of this slot: the files of configs/<slot>/."""
     return tuple(sorted(p.stem for p in (library("configs") / slot).glob("*.yaml")))
 
 

@@ -2,7 +2,7 @@
 open sea; read from the fluid, never from a drawn surface.
 
 A pressure sensor may have a face: what it reads then is the mean over a disc, in 2-D over a segment. The mean is
-that of SEGMENT equal parts of the segment, by their middles: exact for what is linear along it. In space it is that of
+that of SEGMENT equal parts of the segment, by their middles: exact for what is linear along it. In 3-D it is that of
 the DISC points of two rings, each of which stands for an equal area of the disc and lies at the root mean square
 radius of its ring's area: exact for what is quadratic across it, too. Points that are dry read 0: times the area of the
 face the mean is the force on it.
@@ -31,7 +31,7 @@ Column = Annotated[tuple[float, ...], Field(strict=False, min_length=1, max_leng
 Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 
 SEGMENT = 9  # points of a sensor in 2-D
-RINGS = (6, 12)  # points on the rings of a sensor in space
+RINGS = (6, 12)  # points on the rings of a sensor in 3-D
 DISC = sum(RINGS)
 RIDING = " from the middle of what it rides with"
 

@@ -18,7 +18,7 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 @dataclass
 class Choice:
-    """What stands in a slot: a kind or a ready-made part, and what was written over it."""
+    """What stands in a slot: a kind or a preset, and what was written over it."""
 
     base: Node  # a mapping with `kind`
     own: Node  # a mapping without
@@ -82,7 +82,7 @@ class Composition:
             self.problems.append(problem(ship.key_location, f"{SEVERAL}.{name}", message))
 
     def another_kind(self, place: str, below: Choice, kind: Node) -> Choice:
-        """Another kind, or ready-made part, that keeps the keys it also has; the others are dropped with a note."""
+        """Another kind, or preset, that keeps the keys it also has; the others are dropped with a note."""
         slot = slot_of(place)
         base = chosen(place, kind.with_data({"kind": kind})).base
         written = below.own if isinstance(kind.data, str) and kind.data not in kinds(slot) else below.whole()
@@ -258,7 +258,7 @@ def kind_of_keys(slot: str, node: Node) -> str | None:
 
 
 def known(slot: str) -> list[str]:
-    """Every name that a slot understands: ready-made parts and kinds."""
+    """Every name that a slot understands: presets and kinds."""
     return sorted({*named(slot), *kinds(slot)})
 
 

@@ -69,7 +69,7 @@ def _slot(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:
 
 
 def _ready_made(slot: str, name: str, definitions: dict[str, Any]) -> dict[str, Any]:
-    """A ready-made part with some keys of its own: those of its kind, none of them required."""
+    """A preset with some keys of its own: those of its kind, none of them required."""
     kind = chosen(slot, node_of(name, Location(name))).kind
     own = definitions[_name(config_of(slot, kind))]
     properties = own["properties"] | {"kind": {"const": name, "description": sentence(slot, name)}}

@@ -11,7 +11,7 @@ from ocean_sim.parts import PACKAGE, kinds, library, named
 
 @cache
 def sentence(slot: str, name: str) -> str:
-    """Of a kind, or of a ready-made part."""
+    """Of a kind, or of a preset."""
     if name in named(slot) and name not in kinds(slot):
         return of_file(library("configs") / slot / f"{name}.yaml")
     return of_module(PACKAGE / slot / f"{name}.py")

@@ -167,7 +167,7 @@ def test_a_worked_specific_force_as_the_log_tells_it(frame, felt):
     body.point_acceleration = partial(RigidBody.point_acceleration, body)
     load = SimpleNamespace(parts=np.zeros((len(PARTS), 2, 3)))
     ship = SimpleNamespace(
-        body=body, last=load, acceleration=turn @ acceleration, turning=turn @ change, orders=[0.0, 0.0]
+        body=body, load=load, acceleration=turn @ acceleration, turning=turn @ change, orders=[0.0, 0.0]
     )
     observer = Log.__new__(Log)
     observer.frame, observer.arm, observer.gravity = frame, arm, np.array([0.0, -G, 0.0])

@@ -409,8 +409,8 @@ def compiled_kernels() -> list[str]:
 
 
 def kernels_in(module: str) -> list[str]:
-    """Names of the Taichi kernels of a kind's module and of the shared modules of its room that it is made of; they are
-    compiled when they are first used."""
+    """Names of the Taichi kernels of a kind's module and of the shared modules of its room that it is made of, and of
+    those of this module that they use; they are compiled when they are first used."""
     room, found = module.rpartition(".")[0], set()
     waiting, seen = [module], set()
     while waiting:
@@ -420,7 +420,7 @@ def kernels_in(module: str) -> list[str]:
             home = str(getattr(thing, "__module__", ""))
             if home.startswith(f"{room}.") and home not in seen and home in sys.modules:
                 waiting.append(home)
-            if isinstance(thing, type) and home == name:
+            if isinstance(thing, type) and home in (name, __name__):
                 kernels = [key for key, law in vars(thing).items() if hasattr(law, "_is_wrapped_kernel")]
                 found |= {f"{thing.__qualname__}.{key}" for key in kernels}
     return sorted(found)

@@ -400,9 +400,8 @@ class DeltaSph(Sph):
         if self.shifting:
             self.shift = Components(particles.n)  # [1/m] where to
         else:
-            self.share, self.spin, self.strain = self.carried[
-                CARRIED : CARRIED + GRADED
-            ]  # of diffusion, and squares [1/s2]
+            graded = self.carried[CARRIED : CARRIED + GRADED]
+            self.share, self.spin, self.strain = graded  # of diffusion, and squares [1/s2]
             self.fresh = tuple(ti.field(float, shape=particles.n) for _ in range(GRADED))  # the same at its end
             self.memory = MEMORY * basin.depth / self.reference_speed  # [s]
             self.unseen, self.lately = 0.0, ti.field(float, shape=())  # [s] since the shear was looked at; over memory

@@ -255,8 +255,9 @@ class Health(Concluding):
         fluid, gravity = with_particles(self.simulation.fluid), self.simulation.basin.gravity
         if fluid.sound_speed != self.stiffness:  # a person has made the water stiffer, or softer
             balance.at_first, self.stiffness = None, fluid.sound_speed
-        energy = mechanical(self.simulation, totals) + fluid.internal_energy()
-        return balance.residual(energy, potential(fluid.particles.mass, totals, gravity), fluid.work)
+        return balance.residual(
+            sum(self.energies(totals)), potential(fluid.particles.mass, totals, gravity), fluid.work
+        )
 
     def energies(self, totals: Totals) -> tuple[float, float]:
         """Of motion and height, and of compression [J]."""

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from typing import Any, Protocol
 
 from ocean_sim.fluid.shared.grid import Grid
-from ocean_sim.fluid.shared.images import OFFSET, PULL, PUSH, SIDE, SIGN, TURN, mirrored
+from ocean_sim.fluid.shared.images import OFFSET, PULL, PUSH, SIDE, SIGN, TURN, flipped, mirrored
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template, in_kernels
 
@@ -120,8 +120,7 @@ class Around:
                 c, middle = grid.cell_at(there), grid.lower + (there - 0.5) / grid.per_width
                 for j in range(self.start[c], self.start[c + ti.static(1 if self.across else 3)]):
                     e = self.nearest(tm.vec3(px[j], py[j], pz[j]), middle) + shift - y
-                    d = tm.vec3([mirror[SIGN, k] * e[k] for k in ti.static(range(3))])
-                    total += law.term(own, j, d, mirror)
+                    total += law.term(own, j, flipped(mirror, e), mirror)
         return total
 
     @ti.func

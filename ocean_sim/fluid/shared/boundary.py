@@ -29,7 +29,7 @@ from ocean_sim.basin.gate import Gate
 from ocean_sim.columns import Columns
 from ocean_sim.fluid.shared.around import Around
 from ocean_sim.fluid.shared.grid import Grid
-from ocean_sim.fluid.shared.images import SIGN, turned
+from ocean_sim.fluid.shared.images import SIGN, flipped, turned
 from ocean_sim.fluid.shared.lattice import Lattice
 from ocean_sim.fluid.shared.law import PushingLaw, SampledLaw
 from ocean_sim.fluid.shared.particles import Components, Particles
@@ -130,12 +130,6 @@ def store(components: Template, s, values):
 def three(rows: Template, body, first: Template):
     """Three columns of the row of a body, from `first` on."""
     return ti.Vector([rows[body, first + k] for k in ti.static(range(3))])
-
-
-@ti.func
-def turned_by(mirror, direction):
-    """A direction as a mirror shows it."""
-    return tm.vec3([mirror[SIGN, k] * direction[k] for k in ti.static(range(3))])
 
 
 @in_kernels
@@ -315,7 +309,7 @@ class Boundary:
     def head(self, x, a, s, d, mirror):
         """Rise of p / rho [m2/s2] from a particle at x that accelerates by a [m/s2] to sample s, seen at d [m] in a
         mirror."""
-        n, a_s = turned_by(mirror, vector(self.normal, s)), turned_by(mirror, vector(self.acceleration, s))
+        n, a_s = flipped(mirror, vector(self.normal, s)), flipped(mirror, vector(self.acceleration, s))
         return (self.pull.at_rest(x) - a).dot(d) + (a - a_s).dot(n) * n.dot(d)
 
     @ti.func

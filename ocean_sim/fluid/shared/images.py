@@ -79,6 +79,12 @@ def mirrored(mirror, x):
 
 
 @ti.func
+def flipped(mirror, d):
+    """A direction as a mirror shows it."""
+    return tm.vec3([mirror[SIGN, k] * d[k] for k in ti.static(range(3))])
+
+
+@ti.func
 def hydrostatic_offset(mirror, x, pull):
     """(pull - acceleration of the side) . (image of x - x): rise of p / rho from x to its image [m2/s2]."""
     head = 0.0

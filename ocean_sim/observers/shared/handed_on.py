@@ -1,7 +1,7 @@
 """What one observer hands to another while a run goes on: rows in memory, as the files show them.
 
 Who takes rows says so by its base class, so observers need not know one another. Who hands on closes
-before who takes: the last rows are handed on as it closes, and observers close in the order of their names.
+before who takes: the last rows are handed on as it closes, and observers close by turn and name.
 """
 
 from typing import TYPE_CHECKING, TypeVar

@@ -1,6 +1,6 @@
 """A hull as the water's own laws meet it: what it keeps free of water, and samples of what lies within their reach."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -76,9 +76,7 @@ class Solid:
             """(m, 3) points half a spacing off the hull, where they were nearer."""
             at = ((points - self.origin) @ self.turn + self.centre - first) / step
             away = map_coordinates(values["distance"], at.T, order=1, cval=2.0 * spacing)
-            normal = np.stack([map_coordinates(slope, at.T, order=1) for slope in slopes], axis=1) @ self.turn.T
-            normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
-            return points + np.maximum(APART * spacing - away, 0.0)[:, None] * normal
+            return points + np.maximum(APART * spacing - away, 0.0)[:, None] * normals(slopes, at, self.turn.T)
 
         moved, free = positions.copy(), np.flatnonzero(~gone & (distance < 2.0 * spacing))
         moved[free] = packed(positions[free], positions[~gone & (distance >= 2.0 * spacing)], spacing, off)
@@ -97,7 +95,7 @@ class Solid:
     def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(n, 3) positions from the centre of mass, body axes [m], (n,) volumes [m3], in 2-D areas [m2], and (n, 3)
         outward normals of the nearest face."""
-        from scipy.ndimage import distance_transform_edt, map_coordinates
+        from scipy.ndimage import distance_transform_edt
 
         cubes = voxels(self.shape, spacing, 1.0)
         lower, upper = self.shape.bounds()
@@ -112,12 +110,18 @@ class Solid:
         deep = distance_transform_edt(full, sampling=cubes.size)[tuple(where.T + 1)]
         sampled = deep < support + cubes.size.max()
         values, first, step = around(self.shape, spacing / FINE, spacing, 2.0 * spacing)
-        at = ((position[sampled] + self.centre - first) / step).T
-        slopes = np.gradient(values["distance"], *step)
-        normal = np.stack([map_coordinates(slope, at, order=1, mode="nearest") for slope in slopes], axis=1)
-        normal *= [1.0, 1.0, 0.0 if self.flat else 1.0]
-        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
-        return position[sampled], volume[sampled], normal
+        at, slopes = (position[sampled] + self.centre - first) / step, np.gradient(values["distance"], *step)
+        across = np.diag([1.0, 1.0, 0.0 if self.flat else 1.0])
+        return position[sampled], volume[sampled], normals(slopes, at, across)
+
+
+def normals(slopes: Sequence[np.ndarray], at: np.ndarray, turn: np.ndarray) -> np.ndarray:
+    """(n, 3) outward normals of the nearest face, by the `slopes` of the distance along x, y and z on its lattice, at
+    (n, 3) positions there [nodes]; then turned by a (3, 3) matrix from the right."""
+    from scipy.ndimage import map_coordinates
+
+    found = np.stack([map_coordinates(slope, at.T, order=1, mode="nearest") for slope in slopes], axis=1) @ turn
+    return np.asarray(found / np.maximum(np.linalg.norm(found, axis=1, keepdims=True), 1e-12))
 
 
 def packed(free: np.ndarray, others: np.ndarray, spacing: float, off: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:

@@ -7,7 +7,9 @@ has to agree with it.
 """
 
 import os
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 from ocean_sim.conventions import Lacking
 
@@ -33,7 +35,8 @@ try:
         import taichi.math as tm
         from taichi._snode.fields_builder import FieldsBuilder
         from taichi._snode.snode_tree import SNodeTree
-        from taichi.lang import impl
+        from taichi.lang import impl, kernel_impl
+        from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
         from taichi.lang.field import ScalarField
         from taichi.lang.util import to_numpy_type
     else:
@@ -48,3 +51,30 @@ except ModuleNotFoundError as missing:
     if missing.name != QUADRANTS:
         raise
     raise Lacking(f"{VARIABLE}: {QUADRANTS} is not installed here; pip install {QUADRANTS}, or unset it") from missing
+
+
+def _place(context: Any, node: Any) -> str:
+    """Where a node of a kernel's source stands, for messages of the compiler: file, line, function, and the line."""
+    line = node.lineno + context.lineno_offset
+    return f'File "{context.file}", line {line}, in {context.func.func.__name__}:\n{context.src[node.lineno - 1]}\n'
+
+
+def _once(look: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """What is looked up about a function, looked up once for each."""
+    found: WeakKeyDictionary[Any, Any] = WeakKeyDictionary()
+
+    def known(function: Any) -> Any:
+        if function not in found:
+            found[function] = look(function)
+        return found[function]
+
+    return known
+
+
+if not TYPE_CHECKING and NAME == TAICHI:
+    # Before Taichi 1.7 finds a compiled kernel in its cache it reads the kernel's source through. Half of that time
+    # went into wrapped and underlined lines for every node, for messages that are hardly ever written, and into looking
+    # up the source of a function anew wherever one is called.
+    ASTTransformerContext.get_pos_info = _place
+    kernel_impl.getsourcelines = _once(kernel_impl.getsourcelines)
+    kernel_impl.getsourcefile = _once(kernel_impl.getsourcefile)

@@ -55,6 +55,20 @@ def test_a_library_that_nobody_knows_is_named():
     assert "OCEAN_SIM_LIBRARY: 'numba' is no library that compiles kernels here" in done.stderr
 
 
+def test_an_error_in_a_kernel_still_tells_the_place_and_the_line():
+    runtime.start(runtime.RuntimeConfig(threads=1))
+
+    @kernel_library.ti.kernel
+    def wrong() -> float:
+        return 1.0 + nowhere  # noqa: F821
+
+    with pytest.raises(kernel_library.ti.TaichiCompilationError) as error:
+        wrong()
+    line = wrong.__wrapped__.__code__.co_firstlineno + 2
+    assert f'test_kernel_library.py", line {line}, in wrong:\n' in str(error.value)
+    assert "return 1.0 + nowhere" in str(error.value)
+
+
 def test_a_fork_has_no_window_to_preview_in(monkeypatch):
     monkeypatch.setattr(kernel_library, "NAME", kernel_library.QUADRANTS)
     with pytest.raises(vulkan.Lacking, match="drawn in a window of Taichi's, and quadrants has none"):

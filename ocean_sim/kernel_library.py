@@ -35,7 +35,7 @@ try:
         import taichi.math as tm
         from taichi._snode.fields_builder import FieldsBuilder
         from taichi._snode.snode_tree import SNodeTree
-        from taichi.lang import impl, kernel_impl
+        from taichi.lang import impl, kernel_impl, snode
         from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
         from taichi.lang.field import ScalarField
         from taichi.lang.util import to_numpy_type
@@ -59,6 +59,11 @@ def _place(context: Any, node: Any) -> str:
     return f'File "{context.file}", line {line}, in {context.func.func.__name__}:\n{context.src[node.lineno - 1]}\n'
 
 
+def _untraced(stacklevel: int = 1) -> str:
+    """What Taichi keeps of a field's stack of calls: nothing."""
+    return ""
+
+
 def _once(look: Callable[[Any], Any]) -> Callable[[Any], Any]:
     """What is looked up about a function, looked up once for each."""
     found: WeakKeyDictionary[Any, Any] = WeakKeyDictionary()
@@ -74,7 +79,9 @@ def _once(look: Callable[[Any], Any]) -> Callable[[Any], Any]:
 if not TYPE_CHECKING and NAME == TAICHI:
     # Before Taichi 1.7 finds a compiled kernel in its cache it reads the kernel's source through. Half of that time
     # went into wrapped and underlined lines for every node, for messages that are hardly ever written, and into looking
-    # up the source of a function anew wherever one is called.
+    # up the source of a function anew wherever one is called; and each field took a millisecond for the stack of calls
+    # that declared it.
     ASTTransformerContext.get_pos_info = _place
     kernel_impl.getsourcelines = _once(kernel_impl.getsourcelines)
     kernel_impl.getsourcefile = _once(kernel_impl.getsourcefile)
+    impl.get_traceback = snode.get_traceback = _untraced

@@ -8,7 +8,7 @@ import numpy as np
 from ocean_sim.fluid.shared.initial import started
 from ocean_sim.fluid.shared.lattice import Lattice
 from ocean_sim.kernel_library import ScalarField, ti, tm, to_numpy_type
-from ocean_sim.runtime import Array2, in_kernels
+from ocean_sim.runtime import Array, Array2, in_kernels
 
 
 @in_kernels
@@ -111,6 +111,16 @@ class Particles:
     density: ti.Field  # [kg/m3]
     pressure: ti.Field  # [Pa]
 
+    @ti.kernel
+    def begin(self, position: Array2, velocity: Array2, pressure: Array, density: float):
+        """All are numbered in their order, and of one density."""
+        for i in range(position.shape[0]):
+            self.position.x[i], self.position.y[i], self.position.z[i] = position[i, 0], position[i, 1], position[i, 2]
+            self.velocity.x[i], self.velocity.y[i], self.velocity.z[i] = velocity[i, 0], velocity[i, 1], velocity[i, 2]
+            self.pressure[i], self.id[i] = pressure[i], i
+        for i in self.density:
+            self.density[i] = density
+
     def in_box(self, middle: np.ndarray, scale: np.ndarray, most: float, every: int) -> np.ndarray:
         """(m, 4) of every so many, by identity: where it is from the middle [m] times `scale` [1/m], a whole number
         within -`most` and `most` along each axis, and its speed [m/s]."""
@@ -155,9 +165,7 @@ def seeded(lattice: Lattice) -> Particles:
         x, v = jet.left(jet.first, count.now, 0.0, np.zeros(3))
         position, velocity = np.concatenate([position, x]), np.concatenate([velocity, v])
         pressure = np.concatenate([pressure, np.zeros(len(x))])
-    particles.position.from_numpy(position)
-    particles.velocity.from_numpy(velocity)
-    particles.pressure.from_numpy(pressure.astype(to_numpy_type(particles.pressure.dtype)))
-    particles.id.from_numpy(np.arange(count.now, dtype=np.int32))
-    particles.density.fill(lattice.config.rest_density)
+    dtype = particles.position.precision
+    position, velocity = (np.ascontiguousarray(rows, dtype=dtype) for rows in (position, velocity))
+    particles.begin(position, velocity, pressure.astype(dtype), particles.rest_density)
     return particles

@@ -197,12 +197,18 @@ def bench(
     peers: Annotated[
         bool, typer.Option("--peers", help="What pysplashsurf and Capytaine take for the same tasks, where installed.")
     ] = False,
+    peer_python: Annotated[
+        Path | None,
+        typer.Option(help="With --peers: the Python of an environment that has pysplishsplash, for dam breaks, too."),
+    ] = None,
     json: Json = False,
 ) -> None:
     """Speed alone: milliseconds a step, particle-steps per second, time to the first step, peak memory."""
     from ocean_sim.verbs.bench import bench
 
-    bench(scenes or [], profile, sets or [], threads, repeats, cold, peers, json)
+    if peer_python is not None and not peers:
+        raise typer.BadParameter("--peer-python goes with --peers")
+    bench(scenes or [], profile, sets or [], threads, repeats, cold, peers, peer_python, json)
 
 
 @app.command()

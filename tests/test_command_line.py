@@ -9,6 +9,7 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from ocean_sim import machine, runtime
@@ -17,7 +18,7 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.reading.scene import observer_names
 from ocean_sim.verbs import doctor
 from ocean_sim.verbs.run import run_folder, written
-from ocean_sim.verbs.shared import after, console
+from ocean_sim.verbs.shared import after, console, peers, splishsplash
 
 SMALL = """title: A small tank
 duration: 0.05
@@ -239,6 +240,37 @@ def test_bench_measures_in_a_process_of_its_own(ask):
     assert all(row[name] > 0.0 for name in (*positive, "peak_memory_mb"))
     assert row["ms_per_step_min"] <= row["ms_per_step"] <= row["ms_per_step_max"]
     assert "fluid" in row["stages"]
+
+
+def test_peers_are_measured_by_turns_with_the_same_water(ask, monkeypatch):
+    orders = []
+
+    def measured(python: Path, order: dict, threads: int) -> dict:
+        orders.append((python, order, threads))
+        return {"version": "2.19.0", "particles": 6000, "steps": 10, "wall": 0.05, "simulated": 0.005}
+
+    monkeypatch.setattr(splishsplash, "measured", measured)
+    monkeypatch.setattr(peers, "DAMS", [dam._replace(seconds=0.0, end=0.0) for dam in peers.DAMS[:1]])
+    monkeypatch.setattr(peers, "row", lambda peer, task, measured: peers.numbers(peer, None, task, []))
+    code, out, _ = ask("bench", "--peers", "--peer-python", "other/python", "--threads", "1", "--json")
+    assert code == 0, out
+    found = json.loads(out)[-1]
+    assert (found["peer"], found["version"]) == ("SPlisHSPlasH", "2.19.0")
+    assert found["peer_s"] == pytest.approx(0.005) and found["ratio"] == pytest.approx(found["ours_s"] / 0.005)
+    assert len(orders) == peers.TURNS and orders[0][0] == Path("other/python") and orders[0][2] == 1
+    water = splishsplash.scene(orders[0][1], "box.obj")["FluidBlocks"][0]
+    assert np.prod(orders[0][1]["lattice"]) == 6000 and water["end"] == pytest.approx([1.045, 0.795, 1.045])
+
+
+def test_a_peer_that_is_not_there_is_named(ask, tmp_path, monkeypatch):
+    monkeypatch.setattr(peers, "row", lambda peer, task, measured: peers.numbers(peer, None, task, []))
+    assert "pip install pysplishsplash into an environment of its own" in ask("bench", "--peers")[1]
+    assert ask("bench", "--peer-python", "python")[0] == 2
+    monkeypatch.setattr(peers, "DAMS", peers.DAMS[:1])
+    monkeypatch.setattr(peers, "here", lambda dam, threads: {})
+    code, _, err = ask("bench", "--peers", "--peer-python", sys.executable)
+    assert code == 3 and "SPlisHSPlasH does not run there: ModuleNotFoundError" in err
+    assert ask("bench", "--peers", "--peer-python", str(tmp_path / "none"))[0] == 3
 
 
 def test_a_thread_that_ends_before_it_is_pinned_harms_nothing(monkeypatch):

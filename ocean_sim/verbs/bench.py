@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
+from pathlib import Path
 from statistics import median
 from time import monotonic, perf_counter, process_time
 from typing import TYPE_CHECKING, Any
@@ -30,6 +31,7 @@ def bench(
     repeats: int,
     cold: bool,
     with_peers: bool,
+    peer_python: Path | None,
     as_json: bool,
 ) -> None:
     """Measure scenes one after the other and report; with peers those alone, unless scenes are named."""
@@ -50,7 +52,7 @@ def bench(
     if with_peers:
         from ocean_sim.verbs.shared import peers
 
-        found = peers.peers()
+        found = peers.peers(peer_python, threads)
         rows += found
         if not as_json:
             for row in found:

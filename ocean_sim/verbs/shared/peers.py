@@ -1,36 +1,125 @@
 """`bench --peers`: what other programs take for a task that this one has, too, where they are installed."""
 
+import subprocess
 from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from statistics import median
 from time import perf_counter
-from typing import Any, TypeAlias, cast
+from typing import Any, NamedTuple, TypeAlias, cast
 
 import numpy as np
 
-REPEATS = 5
+from ocean_sim.machine import cores
+from ocean_sim.verbs.shared import console, splishsplash
+
+REPEATS, TURNS = 5, 3
 Pairs: TypeAlias = list[tuple[float, float]]  # theirs and ours [s], measured by turns
 PERIOD, WAVES, STEPS = 6.0, 20, 60  # of the response of a barge: [s], waves that pass, steps in each
 
 
-def peers() -> list[dict[str, Any]]:
+class Dam(NamedTuple):
+    """A dam break of the scenes of `bench`, and what computes it there and here."""
+
+    name: str
+    lattice: tuple[int, int, int]
+    method: str
+    kind: str
+    support: float | None  # of ours [spacings]; theirs is 2
+    seconds: float = 0.0  # of wall time that a measurement takes [s], at least
+    end: float = 0.0  # simulated time to which it goes [s], at least
+
+    @property
+    def task(self) -> str:
+        """What is counted: steps, or a simulated second where steps are as long as each can make them."""
+        return (
+            f"{self.name}, its {self.method.upper()}, our {self.kind}, a {'simulated second' if self.end else 'step'}"
+        )
+
+    def each(self, found: dict[str, Any]) -> float:
+        """Wall time [s] of a step, or of a simulated second."""
+        return found["wall"] / found["simulated" if self.end else "steps"]
+
+
+SPACING, BEGIN = 0.05, 0.01  # [m]; simulated time that is not measured [s]
+DAMS = (
+    Dam("dam_break_6k", (20, 15, 20), "wcsph", "mueller", 2.0, seconds=1.0),
+    Dam("dam_break_50k", (37, 37, 37), "wcsph", "mueller", 2.0, seconds=2.0),
+    Dam("dam_break_50k", (37, 37, 37), "wcsph", "delta_sph", 2.82, seconds=2.0),
+    Dam("dam_break_50k", (37, 37, 37), "wcsph", "delta_sph", None, seconds=2.0),
+    Dam("dam_break_250k", (63, 63, 63), "wcsph", "mueller", 2.0, seconds=4.0),
+    Dam("dam_break_6k", (20, 15, 20), "dfsph", "dfsph", 2.0, end=0.5),
+    Dam("dam_break_6k", (20, 15, 20), "dfsph", "dfsph", None, end=0.5),
+)
+
+
+def peers(python: Path | None, threads: int | None) -> list[dict[str, Any]]:
     """One row of each: `peer`, `version`, `task`, `peer_s`, `ours_s`, `ratio` (ours over theirs); no numbers where it
-    is not installed."""
-    return [
+    is not installed. `python`: of the environment that has SPlisHSPlasH; both then run on so many threads, by default
+    on all cores."""
+    rows = [
         row("pysplashsurf", "surface of 6144 particles", surface),
         row("capytaine", "response of a barge", response),
     ]
+    if python is None:
+        return [*rows, numbers(splishsplash.PEER, None, "dam breaks", [])]
+    return rows + [dam_break(dam, python, threads or cores()) for dam in DAMS]
 
 
 def row(peer: str, task: str, measured: Callable[[], Pairs]) -> dict[str, Any]:
+    """What a peer takes that shares this environment."""
     try:
         found = version(peer)
     except PackageNotFoundError:
-        return {"peer": peer, "version": None, "task": task, "peer_s": None, "ours_s": None, "ratio": None}
-    times = measured()
-    theirs, ours = (median(both[k] for both in times) for k in range(2))
-    ratio = median(our / their for their, our in times)
+        return numbers(peer, None, task, [])
+    return numbers(peer, found, task, measured())
+
+
+def numbers(peer: str, found: str | None, task: str, times: Pairs) -> dict[str, Any]:
+    """Medians of what was measured by turns."""
+    theirs, ours, ratio = [median(column) for column in zip(*((a, b, b / a) for a, b in times))] or [None] * 3
     return {"peer": peer, "version": found, "task": task, "peer_s": theirs, "ours_s": ours, "ratio": ratio}
+
+
+def dam_break(dam: Dam, python: Path, threads: int) -> dict[str, Any]:
+    """Both by turns, each time from the beginning."""
+    order = {"method": dam.method, "lattice": dam.lattice, "spacing": SPACING, "begin": BEGIN}
+    order |= {"seconds": dam.seconds, "end": dam.end}
+    times: Pairs = []
+    here(dam, threads)  # which compiles
+    for _ in range(TURNS):
+        try:
+            theirs = splishsplash.measured(python, order, threads)
+        except (OSError, ValueError, subprocess.TimeoutExpired) as error:
+            raise console.Lacking(f"{python}: {splishsplash.PEER} does not run there: {error}") from None
+        ours = here(dam, threads)
+        if theirs["particles"] != ours["particles"]:
+            raise console.Failed(f"{dam.task}: {theirs['particles']} particles there, {ours['particles']} here")
+        times.append((dam.each(theirs), dam.each(ours)))
+    return numbers(splishsplash.PEER, theirs["version"], dam.task, times)
+
+
+def here(dam: Dam, threads: int) -> dict[str, Any]:
+    """What `splishsplash.measured` gives, of this program."""
+    from ocean_sim.fluid import with_particles
+    from ocean_sim.reading.scene import load, observer_names
+    from ocean_sim.simulation import Simulation
+
+    laid: dict[str, Any] = {name: None for name in observer_names() if name != "manifest"}
+    laid |= {"runtime.threads": threads, "fluid.kind": dam.kind, "fluid.support_ratio": dam.support}
+    if dam.end:
+        laid["time_step"] = "courant"
+    with Simulation(load(f"bench/{dam.name}", laid)) as simulation:
+        simulation.run(BEGIN)
+        time, steps, began = simulation.time, simulation.steps, perf_counter()
+        while (wall := perf_counter() - began) < dam.seconds or simulation.time < dam.end or simulation.steps == steps:
+            simulation.step()
+        return {
+            "particles": with_particles(simulation.fluid).particles.n,
+            "steps": simulation.steps - steps,
+            "wall": wall,
+            "simulated": simulation.time - time,
+        }
 
 
 def interleaved(theirs: Callable[[], object], ours: Callable[[], object], prepare: Callable[[], object]) -> Pairs:
@@ -102,7 +191,11 @@ def response() -> Pairs:
 
 def sentence(row: dict[str, Any]) -> str:
     """A row for people."""
+    if row["version"] is None and row["peer"] == splishsplash.PEER:
+        return f"{row['peer']}: pip install pysplishsplash into an environment of its own, and name its --peer-python"
     if row["version"] is None:
         return f"{row['peer']}: not installed; pip install 'ocean-sim[peers]' brings it"
-    theirs, ours = (f"{1e3 * row[key]:.3g} ms" for key in ("peer_s", "ours_s"))
+    theirs, ours = (
+        f"{row[key]:.3g} s" if row[key] > 1.0 else f"{1e3 * row[key]:.3g} ms" for key in ("peer_s", "ours_s")
+    )
     return f"{row['peer']} {row['version']}, {row['task']}: {theirs}, here {ours}: {row['ratio']:.3g} times"

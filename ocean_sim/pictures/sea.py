@@ -20,7 +20,7 @@ from ocean_sim.pictures.ship import ShadedShip
 from ocean_sim.pictures.ship_model import Model
 from ocean_sim.pictures.spray import Spray
 from ocean_sim.pictures.stage import Stage
-from ocean_sim.pictures.wake import RESTING, Kelvin, Wake, along_hull
+from ocean_sim.pictures.wake import RESTING, Kelvin, Wake, along_hull, standing
 from ocean_sim.pictures.water_shading import EXPOSURE, FOG, Terms, slope_variance
 
 TRAITS = "nrm", "att", "car"  # normal; white, crest, variance of slopes; place by which foam finds its grain
@@ -167,7 +167,12 @@ class Sea:
         return (height - self.now.level) / max(0.5 * self.now.height, 1e-3)
 
     def show_basin(self, frame: Frame) -> None:
-        now, surface = self.surface.at(frame, self.now), self.surface
+        surface, answer = self.surface, frame.answer
+        if answer is not None:
+            x, z = surface.middles(frame.origin)
+            for key, vessel in self.vessels.items():
+                answer = standing(answer, vessel, self.hulls[key].beam, x, z, frame.time)
+        now = surface.at(frame, self.now, answer)
         for kelvin in self.kelvins:
             waves_behind = kelvin.height(frame.time, surface.nodes + frame.origin).reshape(now.height.shape)
             now = replace(now, height=now.height + surface.share * waves_behind)

@@ -39,7 +39,6 @@ class Dome:
         self.directions = np.asarray(dome.points, dtype=np.float32)
         self.shaded = water_glsl.Shaded(dome, water_glsl.SKY, "", {"sky": image})
         self.shaded.set(exposure=EXPOSURE, fogReach=FOG, useFog=1.0)
-        stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
 
     def stand(self, eye: np.ndarray) -> None:
         self.shaded.mesh.points = (eye + 2.0 * far_sea.OUT * self.directions).astype(np.float32)
@@ -79,8 +78,6 @@ class Sea:
         empty = stage.pyvista.PolyData()
         self.far = water_glsl.Shaded(empty, water_glsl.BEYOND + body, functions, textures, TRAITS)
         self.dome = Dome(stage, sky, image)
-        for part in (self.near, self.far):
-            stage.plotter.add_actor(part.actor, reset_camera=False, render=False)
         glint = None if order.glint == "none" else order.glint
         terms = Terms(order.fresnel, order.reflection, order.body, glint, order.foam)
         shown = water_glsl.plain(len(self.hulls)) | water_glsl.lit_by(sky) | water_glsl.switched(terms)
@@ -124,6 +121,11 @@ class Sea:
         """A ship in the light of this sea, not mirrored yet."""
         self.ships.append(ShadedShip(self.stage, model, self.sky, self.image))
         return self.ships[-1]
+
+    def appear(self) -> None:
+        """Draws water and sky after the ships from now on, the nearer first: what is hidden is then never shaded."""
+        for part in (self.near, self.far, self.dome.shaded):
+            self.stage.plotter.add_actor(part.actor, reset_camera=False, render=False)
 
     def reflect(self) -> None:
         """Mirrors its ships from now on."""

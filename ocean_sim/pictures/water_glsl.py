@@ -60,7 +60,7 @@ float fresnel(float ci) {{
 float chance(ivec2 p) {{
   uint n = uint(p.x) * 374761393u + uint(p.y) * 668265263u;
   n = (n ^ (n >> 13u)) * 1274126177u;
-  return float((n ^ (n >> 16u)) & 65535u) / 65535.0;
+  return float((n ^ (n >> 16u)) & 65535u) * {number(1 / 65535)};
 }}
 vec3 noise(vec2 p) {{
   vec2 w = floor(p), f = p - w;

@@ -25,6 +25,7 @@ BEHIND, ABOVE, QUARTER = 1.9, 0.5, 22.0  # lengths of a ship and [deg] to starbo
 LAG = 0.9, 1.6  # [s] in which `follow` makes up for 1 - 1/e of a change of position and of heading
 ROUND, RISE = 2.2, 0.55  # lengths of a ship: radius and height of `orbit`
 LOOK_DOWN = 5.0  # [deg] below straight ahead, from the helm
+STRAIGHT_DOWN = -0.97  # vertical part of the direction of view, from which a picture is a map
 NEAR = 0.012  # lengths of a ship: what is nearer to the eye is not drawn
 
 
@@ -35,6 +36,11 @@ class Camera(NamedTuple):
     parallel_height: float | None  # [m] half the height of the picture in parallel projection; None: perspective
     angle: float = VIEW_ANGLE  # [deg], vertical
     near: float | None = None  # [m] the least distance that is drawn; None: as befits a picture of the whole basin
+
+    @property
+    def from_above(self) -> bool:
+        """Whether it looks straight down, or nearly: what it shows is a map."""
+        return bool(self.forward[1] < STRAIGHT_DOWN)
 
     def spread(self, aspect: float) -> tuple[float, float]:
         """How far to either side of its heading a picture `aspect` times as wide as high sees, and how far below the

@@ -16,7 +16,8 @@ MIDDLE, SPREAD = 0.550, 0.160  # mean and standard deviation of `patches`
 SCALE = 1.6  # of the grain of foam [1/m]
 TURNED = (0.8253, 0.5646)  # cosine and sine by which each octave of the grain is turned against the one before
 BENT = 0.9  # by which the grain is bent, so that it follows no axis
-SOFT = 0.24  # of a share: how far the edges of foam fade
+SOFT = 0.20  # of a covered share: how far the edges of foam fade at most
+THINNEST, THICK = 0.40, 0.50  # how white foam is where it is thinnest, and the share from which it is wholly white
 FINE = 0.45  # [m] footprint of a pixel beyond which the grain is not drawn
 
 
@@ -129,13 +130,18 @@ def patches(x: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def white(share: np.ndarray, x: np.ndarray, z: np.ndarray, footprint: np.ndarray) -> np.ndarray:
-    """How white a pixel is: the share broken into patches where they are wider than its footprint [m]. The mean over
-    an area stays the share's, as patches are thresholded by their own distribution."""
-    rank = 1.0 / (1.0 + np.exp(-1.702 * (patches(x, z) - MIDDLE) / SPREAD))
-    low = np.maximum(rank - SOFT, 0.0)
-    edge = np.clip((share - low) / (2.0 * SOFT), 0.0, 1.0)
+    """How white a pixel is: the share broken into patches where they are wider than its footprint [m].
+
+    The mean over an area stays the share's: patches are thresholded by their own distribution, the threads first and
+    the bubbles last, and foam that is thin covers the more of the water, the less white it is.
+    """
+    rank = 1.0 / (1.0 + np.exp(1.702 * (patches(x, z) - MIDDLE) / SPREAD))
+    thick = np.minimum(THINNEST + (1.0 - THINNEST) * share / THICK, 1.0)
+    covered = share / thick
+    soft = np.maximum(np.minimum(np.minimum(covered, 1.0 - covered), SOFT), 1e-3)
+    edge = np.clip((covered + soft - rank) / (2.0 * soft), 0.0, 1.0)
     fine = np.clip(1.0 - footprint / FINE, 0.0, 1.0)
-    return np.where(share > 0.0, share + (edge * edge * (3.0 - 2.0 * edge) - share) * fine, 0.0)
+    return np.where(share > 0.0, share + (thick * edge * edge * (3.0 - 2.0 * edge) - share) * fine, 0.0)
 
 
 def waterline(vertices: np.ndarray, triangles: np.ndarray, above: np.ndarray) -> np.ndarray:

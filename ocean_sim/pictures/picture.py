@@ -87,6 +87,7 @@ class Picture:
         if isinstance(self.content, Sea):
             shaded = {key: self.content.ship(model) for key, model in models.items()}
             self.ships |= shaded
+            self.content.appear()
             if shaded:
                 self.content.reflect()
         else:

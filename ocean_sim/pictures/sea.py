@@ -20,7 +20,7 @@ from ocean_sim.pictures.ship import ShadedShip
 from ocean_sim.pictures.ship_model import Model
 from ocean_sim.pictures.spray import Spray
 from ocean_sim.pictures.stage import Stage
-from ocean_sim.pictures.wake import RESTING, Kelvin, Wake, along_hull
+from ocean_sim.pictures.wake import RESTING, Kelvin, Wake, along_hull, standing
 from ocean_sim.pictures.water_shading import EXPOSURE, FOG, Terms, slope_variance
 
 TRAITS = "nrm", "att", "car"  # normal; white, crest, variance of slopes; place by which foam finds its grain
@@ -39,7 +39,6 @@ class Dome:
         self.directions = np.asarray(dome.points, dtype=np.float32)
         self.shaded = water_glsl.Shaded(dome, water_glsl.SKY, "", {"sky": image})
         self.shaded.set(exposure=EXPOSURE, fogReach=FOG, useFog=1.0)
-        stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
 
     def stand(self, eye: np.ndarray) -> None:
         self.shaded.mesh.points = (eye + 2.0 * far_sea.OUT * self.directions).astype(np.float32)
@@ -79,8 +78,6 @@ class Sea:
         empty = stage.pyvista.PolyData()
         self.far = water_glsl.Shaded(empty, water_glsl.BEYOND + body, functions, textures, TRAITS)
         self.dome = Dome(stage, sky, image)
-        for part in (self.near, self.far):
-            stage.plotter.add_actor(part.actor, reset_camera=False, render=False)
         glint = None if order.glint == "none" else order.glint
         terms = Terms(order.fresnel, order.reflection, order.body, glint, order.foam)
         shown = water_glsl.plain(len(self.hulls)) | water_glsl.lit_by(sky) | water_glsl.switched(terms)
@@ -125,6 +122,11 @@ class Sea:
         self.ships.append(ShadedShip(self.stage, model, self.sky, self.image))
         return self.ships[-1]
 
+    def appear(self) -> None:
+        """Draws water and sky after the ships from now on, the nearer first: what is hidden is then never shaded."""
+        for part in (self.near, self.far, self.dome.shaded):
+            self.stage.plotter.add_actor(part.actor, reset_camera=False, render=False)
+
     def reflect(self) -> None:
         """Mirrors its ships from now on."""
         self.mirror = Mirror(self.stage, [ship.shaded for ship in self.ships], self.mirrored)
@@ -167,7 +169,12 @@ class Sea:
         return (height - self.now.level) / max(0.5 * self.now.height, 1e-3)
 
     def show_basin(self, frame: Frame) -> None:
-        now, surface = self.surface.at(frame, self.now), self.surface
+        surface, answer = self.surface, frame.answer
+        if answer is not None:
+            x, z = surface.middles(frame.origin)
+            for key, vessel in self.vessels.items():
+                answer = standing(answer, vessel, self.hulls[key].beam, x, z, frame.time)
+        now = surface.at(frame, self.now, answer)
         for kelvin in self.kelvins:
             waves_behind = kelvin.height(frame.time, surface.nodes + frame.origin).reshape(now.height.shape)
             now = replace(now, height=now.height + surface.share * waves_behind)

@@ -45,15 +45,25 @@ class SeaSurface:
         """Share of the basin's own waves at the nodes along one side."""
         return far_sea.blend_weight((self.x, self.z)[k], self.lower[k], self.upper[k], self.margin)
 
-    def at(self, frame: Frame, now: Now) -> far_sea.SeaSample:
-        """Heights, convergence and lost slopes at all nodes (nx, nz)."""
+    def middles(self, origin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Where heights are kept along x and z [m], around an origin x, z [m]."""
+        cells = [own.shape[1] for own in self.own]
+        step = (self.upper - self.lower) / cells
+        x, z = (self.lower[k] + origin[k] + (np.arange(cells[k]) + 0.5) * step[k] for k in range(2))
+        return x, z
+
+    def at(self, frame: Frame, now: Now, answer: np.ndarray | None = None) -> far_sea.SeaSample:
+        """Heights, convergence and lost slopes at all nodes (nx, nz).
+
+        `answer`: what ships, winds and steepness add to the exact waves, at the points of the basin [m].
+        """
         far = self.far.at(far_sea.turning(now.waves, frame.time, frame.origin))
         (x, z), mine = self.own, self.share
         if self.exact is not None and self.state.exact is not None:
             sea = far_sea.grown(self.state.exact, frame.time)
             near = self.exact.at(far_sea.turning(sea, frame.time, frame.origin))
-            if frame.answer is not None:  # what ships, winds and steepness add to the exact waves
-                near = replace(near, height=near.height + x @ frame.answer @ z.T)
+            if answer is not None:
+                near = replace(near, height=near.height + x @ answer @ z.T)
             return far_sea.SeaSample(
                 far.height + mine * (near.height - far.height),
                 far.convergence + mine * (near.convergence - far.convergence),

@@ -23,6 +23,8 @@ STERN = 0.46  # lengths of a ship from its middle to its stern
 SPREADING = 0.22  # [half breadths at s^-1/2] by which it widens
 CLEARED, CLEARS = 0.75, 2.0  # share of the white in the middle that goes soonest, in so many seconds: a smooth path
 SLICK = 0.6  # [half breadths] is left between two lines of foam
+LEAST = 0.025  # lengths of a ship: the height to which the waves at a ship that lies still may rise
+AROUND = 1.3, 1.2  # lengths of a ship before and abaft her middle and breadths aside, within which they are limited
 RESTING = 0.30  # share of foam along a hull that lies still
 BOW, ABAFT = 1.0, 0.6  # share at the bow of a fast ship, and lengths from it in which that ends
 NARROW, WIDER = 0.12, 0.035  # [breadths] of the white along the hull at the bow, and what it gains a breadth abaft
@@ -133,3 +135,19 @@ def hollow(astern: np.ndarray, aside: np.ndarray, speed: float, breadth: float) 
     along = np.where(astern > 0.0, np.cos(k * astern) * np.exp(-0.3 * k * np.maximum(astern, 0.0)), 0.0)
     under = np.clip(1.0 + astern / breadth, 0.0, 1.0) * (astern <= 0.0)  # the hull lies there
     return depth * (along + under) * np.exp(-((aside / (0.5 * breadth)) ** 4))
+
+
+def standing(
+    answer: np.ndarray, vessel: Vessel, breadth: float, x: np.ndarray, z: np.ndarray, time: float
+) -> np.ndarray:
+    """(nx, nz) [m] what a water answers to a ship, at nodes x, z [m], no higher or deeper around her than a flow of her
+    speed can stand, V^2 / 2 g (Bernoulli): linear waves know no breaking, and leave a hole in the shape of her hull."""
+    track = vessel.track
+    k = int(np.abs(track.time - time).argmin())
+    ahead = track.turn[k][:, 2][[0, 2]] / np.linalg.norm(track.turn[k][:, 2][[0, 2]])
+    to_x, to_z = (x - track.position[k][0])[:, None], (z - track.position[k][2])[None, :]
+    along = np.abs(to_x * ahead[0] + to_z * ahead[1]) / (AROUND[0] * vessel.length)
+    aside = np.abs(to_z * ahead[0] - to_x * ahead[1]) / (AROUND[1] * breadth)
+    near = np.exp(-(along**4) - aside**4)
+    most = max(vessel.speed(time) ** 2 / (2.0 * GRAVITY), LEAST * vessel.length)
+    return answer + near * (most * np.tanh(answer / most) - answer)

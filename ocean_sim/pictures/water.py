@@ -39,7 +39,7 @@ class Water:
         height = np.clip(points[:, 1] / max(2.5 * float(frame.elevation.std()), self.scale), -1.0, 1.0)
         self.surface.points = points.astype(np.float32)
         camera = self.stage.camera
-        if camera.parallel_height is not None or camera.forward[1] < -0.97:
+        if camera.parallel_height is not None or camera.from_above:
             self.surface["colour"] = water_shading.display(water_shading.relief(normals, height))
         else:
             self.surface["colour"] = water_shading.display(water_shading.surface(points, normals, height, eye))

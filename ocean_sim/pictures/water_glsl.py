@@ -60,7 +60,7 @@ float fresnel(float ci) {{
 float chance(ivec2 p) {{
   uint n = uint(p.x) * 374761393u + uint(p.y) * 668265263u;
   n = (n ^ (n >> 13u)) * 1274126177u;
-  return float((n ^ (n >> 16u)) & 65535u) / 65535.0;
+  return float((n ^ (n >> 16u)) & 65535u) * {number(1 / 65535)};
 }}
 vec3 noise(vec2 p) {{
   vec2 w = floor(p), f = p - w;
@@ -88,9 +88,11 @@ float white(float share, vec2 q, float footprint) {{
   float fine = clamp(1.0 - footprint / {number(foam.FINE)}, 0.0, 1.0), result = max(share, 0.0);
   int turns = share > 0.0 && fine > 0.0 ? 1 : 0;
   for (int turn = 0; turn < turns; turn++) {{
-    float rank = 1.0 / (1.0 + exp(-1.702 * (patches(q) - {number(foam.MIDDLE)}) / {number(foam.SPREAD)}));
-    float edge = clamp((share - max(rank - {number(foam.SOFT)}, 0.0)) / {number(2 * foam.SOFT)}, 0.0, 1.0);
-    result = mix(share, edge * edge * (3.0 - 2.0 * edge), fine);
+    float rank = 1.0 / (1.0 + exp(1.702 * (patches(q) - {number(foam.MIDDLE)}) / {number(foam.SPREAD)}));
+    float thick = min({number(foam.THINNEST)} + {number((1 - foam.THINNEST) / foam.THICK)} * share, 1.0);
+    float covered = share / thick, soft = max(min(min(covered, 1.0 - covered), {number(foam.SOFT)}), 0.001);
+    float edge = clamp((covered + soft - rank) / (2.0 * soft), 0.0, 1.0);
+    result = mix(share, thick * edge * edge * (3.0 - 2.0 * edge), fine);
   }}
   return result;
 }}

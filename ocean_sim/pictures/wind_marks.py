@@ -8,7 +8,7 @@ from ocean_sim.pictures.light import lit
 from ocean_sim.pictures.stage import Stage
 
 TINT, PAINT = "#ffb347", np.array([0.95, 0.42, 0.04])  # of volumes; of arrows, linear RGB
-CLEAR = 0.22  # opacity of a volume
+CLEAR, CLEARER = 0.22, 0.14  # opacity of a volume; and on a map
 LOW, HIGH = 0.10, 0.18  # of the basin's length: least and greatest height of a volume over the water
 UNDER = 0.2  # of the basin's length: how far it goes on below, where waves hide it
 LONGEST, RAISED = 0.13, 0.02  # of the basin's length: the longest arrow, and how far over the water they begin
@@ -27,7 +27,7 @@ class WindMarks:
 
     def show(self, frame: Frame, heights: np.ndarray) -> None:
         """`heights` of the water at the arrows (n,) [m]."""
-        self.show_volumes(frame.wind_lines)
+        self.show_volumes(frame.wind_lines, float(frame.elevation.max()))
         tails = frame.wind_tails.astype(float)
         tails[:, 1] = np.maximum(tails[:, 1], heights) + RAISED * self.length
         arrows = LONGEST * self.length * frame.wind_arrows.astype(float)
@@ -58,27 +58,34 @@ class WindMarks:
         made["colour"] = water_shading.display(lit(np.concatenate(facing), paint, np.zeros((made.n_points, 1))))
         plotter.add_mesh(made, scalars="colour", rgb=True, lighting=False, name=name, reset_camera=False, render=False)
 
-    def show_volumes(self, lines: np.ndarray) -> None:
-        """Walls over the outlines of the volumes that lines (n, 2, 3) show."""
-        plotter, pyvista, walls = self.stage.plotter, self.stage.pyvista, []
+    def show_volumes(self, lines: np.ndarray, crest: float) -> None:
+        """Walls over the outlines of the volumes that lines (n, 2, 3) show; on a map, seen from straight above, their
+        areas, over the highest crest [m]."""
+        plotter, pyvista = self.stage.plotter, self.stage.pyvista
+        on_map = self.stage.camera.from_above
+        faces, ends = [], []
         for part in parts(lines):
             outline = hull(part.reshape(-1, 3)[:, [0, 2]])
-            top = float(np.clip(part[..., 1].max(), LOW * self.length, HIGH * self.length))
-            for a, b in zip(outline, np.roll(outline, -1, axis=0)):
-                walls.append([(*end, y) for end, y in ((a, -UNDER * self.length), (b, -UNDER * self.length))])
-                walls[-1] += [(*b, top), (*a, top)]
+            top = crest if on_map else float(np.clip(part[..., 1].max(), LOW * self.length, HIGH * self.length))
+            over = np.insert(outline, 1, top, axis=1)
+            under = np.insert(outline, 1, -UNDER * self.length, axis=1)
+            after = np.roll(over, -1, axis=0)
+            ends.append(np.stack([over, after], axis=1))
+            if on_map:  # a fan of triangles, which are quads with a point twice
+                middle = np.broadcast_to(over.mean(axis=0), over.shape)
+                faces.append(np.stack([middle, over, after, after], axis=1))
+            else:
+                faces.append(np.stack([under, np.roll(under, -1, axis=0), after, over], axis=1))
         for name in ("volumes", "edges of volumes"):
             plotter.remove_actor(name, render=False)
-        if not walls:
+        if not faces:
             return
-        points = np.array(walls)[..., [0, 2, 1]].reshape(-1, 3)
-        quads = np.arange(len(points)).reshape(-1, 4)
-        made = pyvista.PolyData.from_regular_faces(points.astype(np.float32), quads)
+        points = np.concatenate(faces).reshape(-1, 3).astype(np.float32)
+        made = pyvista.PolyData.from_regular_faces(points, np.arange(len(points)).reshape(-1, 4))
         shown = {"lighting": False, "reset_camera": False, "render": False, "color": TINT}
-        plotter.add_mesh(made, opacity=CLEAR, name="volumes", **shown)
-        ends = points[quads[:, [2, 3]]].reshape(-1, 3).astype(np.float32)
+        plotter.add_mesh(made, opacity=CLEARER if on_map else CLEAR, name="volumes", **shown)
         plotter.add_mesh(
-            pyvista.line_segments_from_points(ends),
+            pyvista.line_segments_from_points(np.concatenate(ends).reshape(-1, 3).astype(np.float32)),
             line_width=3.0 * self.stage.samples,
             name="edges of volumes",
             **shown,

@@ -88,6 +88,15 @@ def test_a_wind_is_drawn_where_it_blows(tmp_path, watched):
     painted = (with_wind[..., 0] > with_wind[..., 2] + 60) & changed
     assert 0.01 < changed.mean() < 0.5 and painted.sum() > 30
     assert not (without[..., 0] > without[..., 2] + 60).any()
+    plain, marked = (
+        np.asarray(
+            imread(render.render_run(tmp_path, out=tmp_path / f"map{k}", camera="top", wind=bool(k), **asked)[0])
+        ).astype(int)
+        for k in range(2)
+    )
+    rows, columns = np.nonzero(np.abs(marked - plain).max(axis=2) > 4)
+    filled = len(rows) / (np.ptp(rows) + 1) / (np.ptp(columns) + 1)
+    assert filled > 0.8  # on a map a volume is its area, tinted
 
 
 def test_a_box_has_six_faces_that_look_outwards():

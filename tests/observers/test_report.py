@@ -8,7 +8,7 @@ import pytest
 
 from ocean_sim.observers import accuracy, gauges, manifest, report, timings
 from ocean_sim.observers.shared.page import STYLE, text
-from ocean_sim.observers.shared.svg_plot import POINTS, curves, thinned, ticks
+from ocean_sim.observers.shared.svg_plot import COLOURS, POINTS, curves, thinned, ticks
 from ocean_sim.pictures.moments import Moments
 
 VOID = {"meta", "img", "br", "hr", "link"}
@@ -167,6 +167,15 @@ def test_every_word_of_a_page_has_a_contrast_of_4_5_to_1_in_both_themes():
         for words in ("ink", "soft", "bad", "link"):
             assert contrast(theme[words], theme["paper"]) >= 4.5, (words, theme)
         assert contrast(theme["ink"], theme["block"]) >= 4.5
+
+
+def test_every_curve_has_a_contrast_of_3_to_1_in_both_themes():
+    """WCAG 2.1, 1.4.11, with the factor by which a theme makes its colours darker or lighter."""
+    for theme in re.findall(r":root \{([^}]*)\}", STYLE)[:2]:
+        factor, paper = (re.search(rf"--{name}: ([^;]+);", theme).group(1) for name in ("curves", "paper"))
+        for colour in COLOURS:
+            parts = [min(round(float(factor) * int(colour[k : k + 2], 16)), 255) for k in (1, 3, 5)]
+            assert contrast("#{:02x}{:02x}{:02x}".format(*parts), paper) >= 3.0, (colour, theme)
 
 
 def test_limits_of_the_legs_are_drawn(tmp_path, ran):

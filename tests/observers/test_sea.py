@@ -89,7 +89,7 @@ def test_what_answers_to_a_ship_is_drawn_on_top_of_the_sea_and_ends_at_the_walls
     surface = sea_surface.SeaSurface(GRID | {"sea_answers": np.array(True)}, state(sea), 12_000)
     calm = SimpleNamespace(time=12.3, elevation=np.zeros_like(wake), answer=np.zeros_like(wake), origin=HERE)
     answered = SimpleNamespace(**vars(calm) | {"answer": wake})
-    added = surface.at(answered, now(12.3, sea)).height - surface.at(calm, now(12.3, sea)).height
+    added = surface.at(answered, now(12.3, sea), wake).height - surface.at(calm, now(12.3, sea)).height
     at, own = inner(surface)
     assert np.abs(added[at] - wake[own]).max() < 1e-3
     assert not added[[0, -1]].any() and not added[:, [0, -1]].any()

@@ -64,3 +64,20 @@ def test_water_behind_a_transom_is_hollow_and_rises_again_half_a_wave_astern():
     assert depth[0] == pytest.approx(wake.HOLLOW * speed**2 / GRAVITY, rel=1e-4)
     assert depth[1:] == pytest.approx([0.0, -np.exp(-0.3 * np.pi) * depth[0], 0.0, 0.0, 0.0], abs=1e-6)
     assert wake.hollow(astern, 0.0 * astern, 20.0, breadth).max() <= wake.DEEPEST * breadth
+
+
+def test_waves_at_a_ship_stand_no_higher_than_her_speed_lets_them_and_small_ones_are_left():
+    speed, length, breadth = 4.0, 14.0, 4.0
+    time = np.arange(0.0, 5.0, 0.5)
+    turn = np.broadcast_to(np.eye(3), (len(time), 3, 3))
+    going = np.stack([0.0 * time, 0.0 * time, speed * time], axis=1)
+    ship = Vessel(length, np.zeros(3), Track(time, going, turn))
+    x, z = np.linspace(-40.0, 40.0, 41), np.linspace(-60.0, 80.0, 71)
+    steep = 2.5 * np.cos(0.9 * z)[None, :] * np.ones((41, 1))
+    drawn = wake.standing(steep, ship, breadth, x, z, 4.0)
+    beside, behind = np.abs(x) <= 2.0, (z < 16.0) & (z > 16.0 - 0.6 * length)
+    most = speed**2 / (2.0 * GRAVITY)
+    assert np.abs(drawn[np.ix_(beside, behind)]).max() < 1.2 * most
+    np.testing.assert_allclose(drawn[np.abs(x) > 10.0], steep[np.abs(x) > 10.0], atol=1e-6)
+    low = wake.standing(0.1 * most * steep / 2.5, ship, breadth, x, z, 4.0)
+    np.testing.assert_allclose(low, 0.1 * most * steep / 2.5, rtol=0.01)

@@ -189,6 +189,16 @@ def test_the_cover_of_foam_is_the_one_asked_for(cover):
         assert ((white >= 0.0) & (white <= 1.0)).all()
 
 
+@pytest.mark.parametrize("share", [0.05, 0.15, 0.3, 0.6])
+def test_foam_is_lace_that_covers_as_much_as_is_white_and_is_grey_where_it_is_thin(share):
+    x, z = (a.ravel() for a in np.meshgrid(np.arange(0.0, 150.0, 0.25), np.arange(0.0, 150.0, 0.25)))
+    white = foam_module.white(np.full(x.shape, share), x, z, np.full(x.shape, 1e-6))
+    assert white.mean() == pytest.approx(share, rel=0.1)
+    threads = foam_module.patches(x, z)
+    assert threads[white > 0.3].min() > threads[white < 0.01].max()  # white on the threads, water in the bubbles
+    assert white.max() == pytest.approx(min(0.4 + 1.2 * share, 1.0), abs=0.02)
+
+
 @with_opengl
 @pytest.mark.parametrize("share", [0.1, 0.3, 0.7])
 def test_foam_of_the_program_is_numpy_s(drawn, share):

@@ -61,6 +61,19 @@ def test_bilge_keels_damp_and_beyond_the_regressions_a_sentence_says_so():
     assert all(low < high for low, high in LIMITS.values())
 
 
+def test_every_component_takes_energy_wherever_the_regressions_hold():
+    """The published one of eddies falls below zero beyond a block coefficient of 0.84."""
+    for cb, cm, bd, og, frequency, broad, long in np.random.default_rng(3).uniform(*zip(*LIMITS.values()), (2000, 7)):
+        form = EXAMPLE._replace(
+            block=cb, midship=cm, breadth=12.5 * bd, axis=og, frequency=frequency, keels=(long, broad)
+        )
+        for amplitude in (1.0, 20.0):
+            assert min(components(form, amplitude, VISCOSITY, 9.81)) >= 0.0
+    full = RollDamping(Ikeda(), hull_of("barge20").afloat(8.0, 1000.0, 9.81), 0.0, True)
+    assert full.parts[10.0].eddies == 0.0 and "counted as none" in full.warnings[-1]
+    assert len(RollDamping(Ikeda(), hull_of("wigley").afloat(8.0, 1000.0, 9.81), 0.0, True).warnings) == 1
+
+
 def test_the_linear_and_quadratic_parts_do_the_work_of_the_components():
     still = hull_of("wigley").afloat(8.0, 1000.0, 9.81)
     found = RollDamping(Ikeda(bilge_keels=BilgeKeels(length=0.9, breadth=0.009)), still, 0.01, True)

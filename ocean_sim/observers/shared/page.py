@@ -12,15 +12,16 @@ from typing import Any
 WIDEST, QUALITY = 1200, 82  # pixels of a picture in the page, and JPEG quality
 STYLE = """
 :root { color-scheme: light dark; --ink: #16242c; --paper: #fff; --soft: #4a5d68; --line: #dde5ea; --block: #f4f7f9;
-  --bad: #9c2b12; --link: #0b5c94; }
+  --bad: #9c2b12; --link: #0b5c94; --curves: .82; }
 @media (prefers-color-scheme: dark) { :root { --ink: #e6edf1; --paper: #10181d; --soft: #a9bac4; --line: #31414b;
-  --block: #1a252c; --bad: #ff9d85; --link: #7cc4f5; } }
+  --block: #1a252c; --bad: #ff9d85; --link: #7cc4f5; --curves: 1.5; } }
 body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper);
   max-width: 62rem; margin: 0 auto; padding: 1rem 1rem 4rem; overflow-wrap: break-word; }
 h1 { margin: .5rem 0 0; line-height: 1.2; } h2 { margin: 2.5rem 0 .5rem; border-bottom: 1px solid var(--line); }
 figure { margin: 1rem 0; } figcaption { color: var(--soft); font-size: .9rem; }
 img { width: 100%; height: auto; display: block; }
 .plot { overflow-x: auto; margin: 1rem 0; } .plot svg { width: 100%; min-width: 34rem; height: auto; display: block; }
+.plot [stroke-dasharray]:not([stroke=currentColor]) { filter: brightness(var(--curves)); }
 .wide { overflow-x: auto; } table { border-collapse: collapse; }
 th, td { padding: .15rem 1.2rem .15rem 0; vertical-align: top; text-align: left; }
 th { font-weight: 600; } td:first-child, th[scope=row] { color: var(--soft); font-weight: 400; }
@@ -28,7 +29,7 @@ a { color: var(--link); } nav { font-size: .9rem; } nav a { margin-right: 1rem; 
 .outcome { font-weight: 600; } .bad { color: var(--bad); }
 pre { background: var(--block); padding: .8rem; overflow-x: auto; font-size: .85rem; line-height: 1.4; }
 @media (max-width: 500px) {
-  body { padding: .6rem; font-size: 15px; } th, td { padding-right: .7rem; } .plot svg { min-width: 30rem; }
+  body { padding: .6rem; font-size: 15px; } th, td { padding-right: .7rem; } .plot svg { min-width: 46rem; }
 }
 @media print {
   :root { --ink: #000; --paper: #fff; }

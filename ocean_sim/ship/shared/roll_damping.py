@@ -215,8 +215,9 @@ def waves_made(cb: float, cm: float, bd: float, og: float, frequency: float) -> 
 
 
 def eddies(cb: float, cm: float, bd: float, og: float, amplitude: float) -> float:
-    """Of vortices at the naked hull, over the frequency."""
-    form = (-0.0182 * cb + 0.0155) * (bd - 1.8) ** 3 + polynomial(EDDIES_FORM, cb)
+    """Of vortices at the naked hull, over the frequency; none where the regression, beyond a block coefficient of 0.84,
+    falls below zero: a drag takes energy."""
+    form = max((-0.0182 * cb + 0.0155) * (bd - 1.8) ** 3 + polynomial(EDDIES_FORM, cb), 0.0)
     axis = (3.98 * cb - 5.1525) * (-0.2 * bd + 1.6) * og
     axis *= (0.9717 * cb**2 - 1.55 * cb + 0.723) * og + 0.04567 * cb + 0.9408
     section = (0.25 * og + 0.95) * og + polynomial(EDDIES_SECTION, cb)
@@ -273,9 +274,12 @@ class RollDamping:
     def warnings(self) -> list[str]:
         """What a reader of the results should know."""
         beyond = outside(self.form)
-        return (
+        said = (
             [f"roll damping: {', '.join(beyond)}: beyond Ikeda's regressions, taken at their limit"] if beyond else []
         )
+        if any(each.eddies == 0.0 for each in self.parts.values()):
+            said.append("roll damping: so full a hull has eddies below zero by Ikeda's regression, counted as none")
+        return said
 
     def share(self, amplitude: float) -> float:
         """Of critical damping, by all components at one of AMPLITUDES [deg]; 0 of a hull that nothing rights."""

@@ -150,8 +150,8 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
                 found.append(f"a ship of kind {ship.kind} has no hull that could push the water: she makes no waves")
             else:
                 found.append(
-                    f"the waves that {called(name)} makes act on others and are seen, not on herself: her law of "
-                    "motion has their force in its damping"
+                    f"the waves that {called(name)} makes are seen and act on other ships, but not on herself: her "
+                    "damping stands for their force"
                 )
         if not preflight.wind.still:
             found.append("only the vertical part of the wind presses on the water; its drag moves no water here")

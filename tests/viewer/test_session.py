@@ -314,3 +314,11 @@ def test_particles_answer_for_now(session):
     for more in ({"time": 3.0, "points": [[0.0, 0.0]], "verb": "elevation"}, {"verb": "field"}):
         ask(session, do="waves", **more)
         assert "plane waves" in session.desk.last("waves")["error"]
+
+
+def test_a_platform_stands_in_neutral_before_its_first_row(tmp_path):
+    """And not folded up on its base, with legs of no length."""
+    with Session(rig(tmp_path), Desk(), tmp_path, list) as one:
+        commands = one.watch.commands
+        assert not commands[:6].any() and commands[6:].min() > 0.1  # [m]
+        np.testing.assert_allclose(commands[6:], one.watch.platform.neutral_legs, rtol=1e-6)

@@ -166,8 +166,10 @@ def test_a_person_steers_and_a_route_is_sailed(session):
 def test_a_wrong_scene_is_told_at_its_lines_and_the_other_goes_on(session):
     text = session.source.text.replace("depth: 7.5", "depth: -1.0").replace("wind: wide", "wind: wid")
     steps = session.simulation.steps
-    for do in ("check", "apply"):
+    for do, notices in (("check", 0), ("apply", 1)):  # while a text is written nothing pops up over the page
+        said = len(session.desk.told)
         ask(session, do=do, text=text)
+        assert [message.get("bad") for message in session.desk.told[said:]].count(True) == notices
         problems = session.desk.last("problems")["problems"]
         assert [row["line"] for row in problems] == [5, 7] and "did you mean 'wide'" in problems[1]["message"]
     assert session.simulation.steps == steps

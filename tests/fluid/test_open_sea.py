@@ -197,7 +197,7 @@ def test_what_is_no_patch_of_a_sea_is_said_in_a_sentence(keys, sentence):
 
 def test_water_in_closed_form_is_no_patch():
     scene = {"basin": SLICE, "fluid": {"kind": "linear_waves", "height": 0.1, "period": PERIOD}, "sea": "calm"}
-    with pytest.raises(SceneError, match="no patch of an open sea"):
+    with pytest.raises(SceneError, match="cannot be a patch of open sea"):
         load(scene | QUIET)
 
 

@@ -301,14 +301,14 @@ def figures() -> str:
     from ocean_sim.verbs.figure import scripts
     from ocean_sim.verbs.figure import sentence as shows
 
-    took = {row["figure"]: float(row["fast_s"]) for row in rows_of("figures")}
-    heads = ["processor time, `--fast`"] if took else []
+    took = {row["figure"]: [row["full_s"], row["fast_s"]] for row in rows_of("figures")}
+    heads = ["processor time", "with `--fast`"]
     cells = []
     for name, path in scripts().items():
         if name[0].isdigit():
             what = shows(path).partition(": ")[2] or shows(path)
-            time = [f"{took[name]:.0f} s" if name in took else ""] if took else []
-            cells.append([name, what, f"`ocean-sim figure {name}`", NUMBERS.get(name, "none"), *time])
+            times = [f"{float(seconds):.0f} s" if seconds else "" for seconds in took.get(name, ["", ""])]
+            cells.append([name, what, f"`ocean-sim figure {name}`", NUMBERS.get(name, "none"), *times])
     left = [[name, why] for name, why in NO_FIGURE.items()]
     return "\n".join(
         [

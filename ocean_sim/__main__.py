@@ -61,7 +61,7 @@ Sets = Annotated[
 ]
 Out = Annotated[Path | None, typer.Option(help="The run folder; by default runs/<scene>.")]
 Json = Annotated[bool, typer.Option("--json", help="Answer in JSON.")]
-Quiet = Annotated[bool, typer.Option("--quiet", help="Print the run folder alone, and errors.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Print only the run folder, and errors.")]
 
 
 def show_version(asked: bool) -> None:
@@ -243,7 +243,7 @@ def hull(
     ],
     mass: Annotated[float | None, typer.Option(min=0.001, help="Of the whole ship [kg], if not as the hull.")] = None,
     draught: Annotated[float | None, typer.Option(min=0.0001, help="[m], upright, instead of a mass.")] = None,
-    kg: Annotated[float | None, typer.Option(help="Centre of mass over the keel [m].")] = None,
+    kg: Annotated[float | None, typer.Option(help="Height of the centre of mass above the keel [m].")] = None,
     cg: Annotated[
         str | None, typer.Option(help="X,Y,Z of the centre of mass [m], from the keel amidships, to port, up, forward.")
     ] = None,

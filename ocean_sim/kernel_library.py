@@ -28,7 +28,9 @@ __all__ = [
 ]
 
 if NAME not in (TAICHI, QUADRANTS):
-    raise Lacking(f"{VARIABLE}: {NAME!r} is no library that compiles kernels here; set it to {TAICHI} or {QUADRANTS}")
+    raise Lacking(
+        f"{VARIABLE}: {NAME!r} is not a library that compiles kernels here; set it to {TAICHI} or {QUADRANTS}"
+    )
 try:
     if TYPE_CHECKING or NAME == TAICHI:
         import taichi as ti

@@ -166,7 +166,7 @@ class SeaConfig(KindConfig):
             if self.rim.width > most:
                 found.append((("rim", "width"), f"leaves no water free; at most {most:g} m, half of the patch"))
         if not across and self.rim.velocity[1]:
-            found.append((("rim", "velocity"), "in 2-D it is along x alone; give [speed, 0.0]"))
+            found.append((("rim", "velocity"), "in 2-D it is only along x; give [speed, 0.0]"))
         return found
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:

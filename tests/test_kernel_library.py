@@ -52,7 +52,7 @@ def test_another_library_than_the_process_computes_with_is_refused(monkeypatch):
 
 def test_a_library_that_nobody_knows_is_named():
     done = process("import ocean_sim.kernel_library", "numba")
-    assert "OCEAN_SIM_LIBRARY: 'numba' is no library that compiles kernels here" in done.stderr
+    assert "OCEAN_SIM_LIBRARY: 'numba' is not a library that compiles kernels here" in done.stderr
 
 
 def test_an_error_in_a_kernel_still_tells_the_place_and_the_line():

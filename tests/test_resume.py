@@ -119,7 +119,7 @@ def test_a_damaged_checkpoint_gives_way_to_the_one_before(run, there, ask):
     with (there / "gauges.csv").open("a") as torn:
         torn.write("0.42,0.1\n0.44,")
     code, _, err = ask("resume", there)
-    assert (code, err.count("\n")) == (0, 1) and f"{damaged} is damaged or no checkpoint" in err and "taking" in err
+    assert (code, err.count("\n")) == (0, 1) and f"{damaged} is damaged, or not a checkpoint" in err and "taking" in err
     assert contents(there) == contents(run)
 
 
@@ -154,7 +154,7 @@ def test_what_cannot_be_resumed_is_refused_in_a_sentence(there, ask, tmp_path):
     (there / "gauges.csv").write_bytes(gauges)
     for path in file.kept(there):
         path.write_bytes(b"")
-    assert "is damaged or no checkpoint" in refused(there)
+    assert "is damaged, or not a checkpoint" in refused(there)
     for path in file.kept(there):
         path.unlink()
     assert "there is no checkpoint to go on from" in refused(there)

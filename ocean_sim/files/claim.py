@@ -67,7 +67,7 @@ class Claim:
             except OSError as error:
                 os.close(file)
                 if error.errno not in (EACCES, EAGAIN):
-                    raise Lacking(f"{self.folder}: its file system knows no locks ({error.strerror})") from None
+                    raise Lacking(f"{self.folder}: its file system has no locks ({error.strerror})") from None
                 raise Claimed(f"{self.folder}: {self.holder()} is writing here; name another folder") from None
             os.close(file)
 

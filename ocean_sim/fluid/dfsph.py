@@ -75,7 +75,7 @@ class Config(SphConfig):
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
     """Kernel support radius over the spacing; by default 4.0."""
     minimum_pressure: float | None = quantity("Pa", 0.0, ge=0.0, le=0.0)
-    """Zero: water with a free surface knows no negative pressures."""
+    """Zero: water with a free surface has no negative pressures."""
     artificial_viscosity: float = quantity("1", 0.01, ge=0.0)
     """alpha: under a free surface alpha times the smoothing length times reference_speed is added to the viscosity."""
     density_tolerance: float = quantity("1", 5.0e-4, gt=0.0)

@@ -36,14 +36,14 @@ class Config(waves.GrowingTrain, FluidConfig):
         if basin.obstacles:
             found.append((("kind",), "a sea in closed form goes through obstacles; leave basin.obstacles out"))
         if basin.rough_bed is not None:
-            found.append((("kind",), "a sea in closed form knows no friction; leave basin.floor out"))
+            found.append((("kind",), "a sea in closed form has no friction; leave basin.floor out"))
         return found + list(self.astray(basin))
 
     def statements(self, preflight: Preflight) -> list[str]:
         return [NO_DRIFT] if preflight.ships and self.scale[0] > 0.0 else []
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        deaf = "closed-form waves do not feel the wind; it reaches the ship alone"
+        deaf = "closed-form waves do not feel the wind; it reaches only the ship"
         return [] if preflight.wind.still else [deaf]
 
     def still_limits(self, preflight: Preflight) -> Limits:

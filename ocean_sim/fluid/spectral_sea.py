@@ -86,9 +86,9 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         if basin.obstacles:
             found.append((("kind",), "a sea without sides goes through obstacles; leave basin.obstacles out"))
         if basin.rough_bed is not None:
-            found.append((("kind",), "a sea by its surface alone knows no friction; leave basin.floor out"))
+            found.append((("kind",), "a sea computed by its surface has no friction; leave basin.floor out"))
         if basin.dimension == 2 and self.current[1]:
-            found.append((("current",), "in 2-D water flows along x alone; give [speed, 0.0]"))
+            found.append((("current",), "in 2-D water flows only along x; give [speed, 0.0]"))
         if self.order == 3 and not found:
             found += self.unfitted(basin)
         return found
@@ -150,11 +150,11 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
                 found.append(f"a ship of kind {ship.kind} has no hull that could push the water: she makes no waves")
             else:
                 found.append(
-                    f"the waves that {called(name)} makes act on others and are seen, not on herself: her law of "
-                    "motion has their force in its damping"
+                    f"the waves that {called(name)} makes are seen and act on other ships, but not on herself: her "
+                    "damping stands for their force"
                 )
         if not preflight.wind.still:
-            found.append("the wind presses on the water by its vertical part alone; its drag moves no water here")
+            found.append("only the vertical part of the wind presses on the water; its drag moves no water here")
         return found
 
     def statements(self, preflight: Preflight) -> list[str]:

@@ -174,7 +174,7 @@ def unridden(preflight: Preflight) -> str | None:
     if preflight.tank.sea is not None:
         return None
     if preflight.fluid.made_of_particles:
-        return "it rides over a patch of open sea alone; this water stays where it is: leave rides out, or name a sea"
+        return "a gauge rides only over a patch of open sea; this water stays in place: leave rides out, or name a sea"
     return None if preflight.ships else "there is no ship that it could ride with; leave rides out"
 
 

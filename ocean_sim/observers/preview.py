@@ -1,4 +1,6 @@
-"""A picture while the simulation goes on, drawn by GGUI in a window or without one; the only file with ti.ui.
+"""A picture while the simulation goes on, drawn by GGUI in a window or without one.
+
+The only file with ti.ui.
 
 Where there is no window, `show` would end the process, events are refused, and the panel settles in its first
 pictures (sliders come with the second, corners with the third); so those are drawn and thrown away.

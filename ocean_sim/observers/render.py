@@ -1,4 +1,6 @@
-"""Pictures and a film from the frames of a run, drawn off screen; the only file with PyVista and imageio.
+"""Pictures and a film from the frames of a run, drawn off screen.
+
+The only file with PyVista and imageio.
 
 Everything is drawn in a child process, `python -m ocean_sim.observers.render ORDER`: where OpenGL is missing VTK ends
 its process without an exception, and a run that went well must end well. The child follows the frames while the run

@@ -83,6 +83,11 @@ class WashoutConfig(Protocol):
 class Platform(Protocol):
     """A washout and the machine under it."""
 
+    @property
+    def neutral_legs(self) -> np.ndarray:
+        """(6,) lengths of the legs in neutral [m]."""
+        ...
+
     def follow(self, ride: Ride) -> Commands: ...
 
     def settled(self, past: np.ndarray, time: float, seq: int) -> Commands:

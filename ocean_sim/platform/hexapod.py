@@ -83,6 +83,10 @@ class Moving:
         self.start: float | None = None  # [s]
         self.past = np.zeros((2, 6))  # the last two poses
 
+    @property
+    def neutral_legs(self) -> np.ndarray:
+        return self.hexapod.neutral_legs
+
     def follow(self, ride: Ride) -> Commands:
         if self.start is None:
             self.start = float(ride.time[0])

@@ -75,7 +75,7 @@ class Composition:
             if NAME.fullmatch(str(name)) is None:
                 message = f"{name!r} is not a name: letters, digits and _, a letter first"
             elif name == ALONE:
-                message = f"{ALONE!r} is the name of a ship that is alone; choose another"
+                message = f"{ALONE!r} is the name of the only ship of a scene; choose another"
             else:
                 yield key_of(name), ship
                 continue

@@ -352,7 +352,7 @@ def _unsuited(parts: Mapping[str, PartConfig], data: dict[str, Node]) -> list[Pr
     problems, water = [], fluid.kind
     if "sea" in parts and not fluid.joins_a_sea:
         joining = " or ".join(name for name, config in water_schemes() if config.joins_a_sea)
-        sentence = f"water of kind {water} is no patch of an open sea; take {joining}"
+        sentence = f"water of kind {water} cannot be a patch of open sea; take {joining}"
         problems.append(problem(data["sea"].location, "sea", sentence))
     if surface is not None and not fluid.made_of_particles:
         sentence = f"a surface follows particles, and fluid.kind {water} has none; leave it out"

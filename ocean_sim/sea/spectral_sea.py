@@ -25,6 +25,6 @@ class Config(Steepening, Written):
     def problems(self, preflight: Preflight) -> Problems:
         found = super().problems(preflight)
         if not found and self.nonlinear is not None and width_over_length(preflight.tank.periods) is None:
-            sentence = f"the sides of the patch are no whole numbers of one cell; take a ratio of at most {MOST_PARTS}"
+            sentence = f"the sides of the patch are not multiples of one cell; take a ratio of at most {MOST_PARTS}"
             found.append((("kind",), f"{sentence}, or kind linear_waves"))
         return found

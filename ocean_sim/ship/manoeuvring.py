@@ -48,7 +48,7 @@ class Config(VesselConfig):
         return self.misplaced(preflight.tank)
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        return ["the Otter's model knows still water alone: neither waves nor wind reach it"]
+        return ["the Otter's model is of still water: neither waves nor wind act on it"]
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         """It has no fields."""

@@ -55,7 +55,7 @@ class Config(FloatingConfig):
     def warnings(self, preflight: Preflight) -> list[str]:
         found, spacing = super().warnings(preflight), preflight.spacing
         if not preflight.wind.still:
-            found.append("a ship of kind pressure feels the water alone; wind does not reach it")
+            found.append("a ship of kind pressure feels only the water; wind does not act on it")
         lower, upper = self.whole_hull.shape.bounds()
         if spacing is not None and (upper - lower).min() < FEWEST * spacing:
             found.append(f"the hull is {(upper - lower).min() / spacing:.2g} spacings thin: water feels through it")

@@ -80,7 +80,7 @@ def read(path: Path) -> Checkpoint:
     except OSError as error:
         raise Unreadable(f"{path.name} cannot be read: {error.strerror}") from None
     if data[:HEAD] != head(data[HEAD:]):
-        raise Unreadable(f"{path.name} is damaged or no checkpoint: its content does not match its hash")
+        raise Unreadable(f"{path.name} is damaged, or not a checkpoint: its content does not match its hash")
     try:
         with h5py.File(BytesIO(data), "r") as file:
             parts = {key: mapping(json.loads(bytes(file[key][()]))) for key in ("scene", "made", "tree")}

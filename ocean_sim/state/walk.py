@@ -161,7 +161,7 @@ class Restorer:
         except Mismatch:
             raise
         except Exception as error:  # a tree that no run has written can be wrong in any way
-            raise Mismatch(f"what it holds is no state of a run ({type(error).__name__})") from error
+            raise Mismatch(f"what it holds is not the state of a run ({type(error).__name__})") from error
 
     def cut(self) -> None:
         """Remove what was written to files after the state was taken."""

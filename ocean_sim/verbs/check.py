@@ -218,7 +218,7 @@ def long(found: dict[str, Any], config: SceneConfig) -> None:
         if ship["draught_m"] is not None:
             periods = ", ".join(f"{motion} {t:.3g} s" for motion, t in ship["periods_s"].items() if t is not None)
             console.say(
-                f"{called(name)}: {ship['displacement_kg']:.5g} kg, draught {ship['draught_m']:.3g} m, GM "
+                f"{called(name)}: {console.figures(ship['displacement_kg'])} kg, draught {ship['draught_m']:.3g} m, GM "
                 f"{ship['gm_m']:.3g} m, longitudinal GM {ship['gm_longitudinal_m']:.3g} m; natural periods: {periods}"
             )
     for sentence in found["statements"]:

@@ -70,7 +70,7 @@ def found_hull(name: str, ship: str | None) -> "tuple[Hull, float, tuple[float, 
     if not scene and name not in named("ship"):
         hulls, ships = ", ".join(named("hull")), ", ".join(named("ship"))
         raise console.Refused(
-            f"there is no hull {name!r}, and it is no scene and no {', '.join(MESHES)} file; there are the hulls "
+            f"there is no hull {name!r}, and it is neither a scene nor a {', '.join(MESHES)} file; there are the hulls "
             f"{hulls}, and those of the ships {ships}"
         )
     from ocean_sim.reading.scene import load

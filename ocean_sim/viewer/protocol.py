@@ -161,7 +161,7 @@ def command(text: str) -> Command:
         return _COMMANDS.validate_json(text)
     except (ValidationError, RecursionError) as error:
         first = error.errors()[0]["msg"] if isinstance(error, ValidationError) else "nested too deeply"
-        raise BadMessage(f"this is no command: {first}") from None
+        raise BadMessage(f"this is not a command: {first}") from None
 
 
 def packet(kind: str, arrays: Mapping[str, np.ndarray], boxes: Mapping[str, Any] | None = None, **header: Any) -> bytes:
@@ -183,7 +183,7 @@ def unpacked(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     if data[:1] == b"\x78":
         data = zlib.decompress(data)
     if data[:4] != MAGIC:
-        raise BadMessage("this is no packet")
+        raise BadMessage("this is not a packet")
     begin = 8 + int.from_bytes(data[4:8], "little")
     header = json.loads(data[8:begin])
     arrays = {}

@@ -191,6 +191,7 @@ class Session:
                 changed = self.take(order) or changed
             except SceneError as error:
                 self.problems(order.watcher, error)
+                self.say(next(map(str, error.problems), error.sentence), order.watcher, bad=True)
             except Failed as error:
                 self.say(error.sentence, order.watcher, bad=True)
             except (OSError, MemoryError, RuntimeError) as error:
@@ -338,6 +339,7 @@ class Session:
             self.touched.append(f"t = {self.simulation.time:.6f} s: {what}")
 
     def check(self, watcher: int, text: str) -> None:
+        """Of a text that is being written: its problems stand at their lines, and nowhere else."""
         try:
             self.source._replace(text=text, overrides={}).load()
         except SceneError as error:
@@ -349,7 +351,6 @@ class Session:
         """What is wrong with a scene, at its lines."""
         rows = [each._asdict() for each in error.problems[:100]]
         self.desk.tell(watcher, type="problems", problems=rows)
-        self.say(str(error.problems[0]) if error.problems else error.sentence, watcher, bad=True)
 
     def save(self, name: str) -> None:
         """The scene as it is played: its text, or where more was set than it says, all of its keys."""

@@ -75,6 +75,7 @@ class Watch(Observer, TakesMotion):
         if scene.platform is not None and simulation.ships and motion is not None:
             assert isinstance(motion, PeriodicConfig)
             self.platform = scene.platform.build(motion.every)
+            self.commands[6:] = self.platform.neutral_legs
             self.ridden = scene.platform.ridden([*simulation.ships])
         self.taken: dict[str, float] = defaultdict(float)  # by stage, since the last frame [s]
         self.spent = dict.fromkeys(STAGES, 0.0)  # milliseconds a step

@@ -24,7 +24,7 @@ def answer(fluid: "Fluid", now: float, asked: Waves) -> dict[str, Any]:
     time, sea = now if asked.time is None else asked.time, fluid.plane_waves
     if asked.verb == "field":
         if sea is None:
-            raise Refused("this water is no sum of plane waves: it has no square that repeats itself")
+            raise Refused("this water is not a sum of plane waves: it has no square that repeats itself")
         return {"time": time, "values": plain(WaveField(sea).field(asked.cells, asked.side, time))}
     length = 3 if asked.verb == "velocity" else 2
     if any(len(point) != length for point in asked.points):

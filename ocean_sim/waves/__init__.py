@@ -28,6 +28,7 @@ GOLDEN = 0.5 * (sqrt(5.0) - 1.0)  # whose multiples fill (0, 1) evenly however m
 Values = float | np.ndarray  # one value, or an array of any shape
 STEEPEST = 0.142  # height over wavelength, over tanh(kh), at which a wave breaks (Miche 1944)
 MANY = 256  # points from which it pays to find out whether they are a lattice
+AT_ONCE = 2**15  # angles of waves at points that are computed together
 
 
 def wavenumber(omega: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray:
@@ -151,12 +152,14 @@ class Components:
         """Share of their height at a time [s]."""
         return grown(time, self.ramp)
 
-    def angles(self, points: np.ndarray, time: float) -> Iterator[tuple[int, np.ndarray]]:
-        """Number of each component, and its k . (x, z) - omega t + phase [rad] at points whose first column is x and
-        last is z."""
+    def angles(self, points: np.ndarray, time: float) -> Iterator[tuple[slice, np.ndarray]]:
+        """The components by and by, a slice of n of them, and their k . (x, z) - omega t + phase [rad], (n, m), at m
+        points whose first column is x and last is z."""
         x, z = points[:, 0], points[:, -1]
-        for i, (kx, kz) in enumerate(self.wavevector):
-            yield i, kx * x + kz * z + (self.phase[i] - self.omega[i] * time)
+        n = max(1, AT_ONCE // max(1, len(points)))
+        for some in (slice(first, first + n) for first in range(0, len(self.amplitude), n)):
+            (kx, kz), turned = self.wavevector[some].T, self.phase[some] - self.omega[some] * time
+            yield some, np.outer(kx, x) + np.outer(kz, z) + turned[:, None]
 
 
 def together(seas: Sequence[Components], depth: float, gravity: float = GRAVITY) -> Components:
@@ -188,6 +191,20 @@ def profiles(k: Values, y: Values, depth: float) -> tuple[np.ndarray, np.ndarray
     return rise * (1.0 + mirrored) / (1.0 + bed), rise * (1.0 - mirrored) / (1.0 + bed)
 
 
+def summed(weight: np.ndarray, waves: np.ndarray) -> np.ndarray:
+    """(m,) sum of waves (n, m), each with its weight, in one order whatever the number of threads."""
+    return np.einsum("n,nm->m", weight, waves)
+
+
+def turning(
+    wavevector: np.ndarray, k: np.ndarray, reach: np.ndarray, level: np.ndarray, upright: np.ndarray
+) -> np.ndarray:
+    """(m, 3) sum over waves of what goes around: `level` (n, m) along the wavevector (n, 2), `upright` (n, m) along y,
+    both times k times the reach (n,)."""
+    along = [summed(wavevector[:, axis] * reach, level) for axis in (0, 1)]
+    return np.stack([along[0], summed(k * reach, upright), along[1]], axis=1)
+
+
 def elevation(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
     """(m,) height of the water [m] at points x, z (m, 2), or x, y, z (m, 3)."""
     rows = lattice_rows(points)
@@ -195,8 +212,8 @@ def elevation(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndar
         columns = len(points) // rows
         return sea.grown(time) * _elevation_on_lattice(sea, points[::columns, 0], points[:columns, -1], time)
     eta = np.zeros(len(points))
-    for i, angle in sea.angles(points, time):
-        eta += sea.amplitude[i] * np.cos(angle)
+    for some, angle in sea.angles(points, time):
+        eta += summed(sea.amplitude[some], np.cos(angle))
     return sea.grown(time) * eta
 
 
@@ -230,25 +247,23 @@ def stretched(sea: Components, points: np.ndarray, eta: np.ndarray) -> np.ndarra
 def linear_velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
     """(m, 3) velocity [m/s] by linear theory itself at points (m, 3): free of divergence and rotation."""
     v = np.zeros((len(points), 3))
-    for i, angle in sea.angles(points, time):
-        k = sea.wavenumber[i]
-        c, s = profiles(k, points[:, 1], sea.depth)
-        speed = sea.amplitude[i] * sea.gravity * k / sea.omega[i]
-        along = speed * c * np.cos(angle) / k
-        v += np.stack([sea.wavevector[i, 0] * along, speed * s * np.sin(angle), sea.wavevector[i, 1] * along], axis=1)
+    for some, angle in sea.angles(points, time):
+        k, omega = sea.wavenumber[some], sea.omega[some]
+        c, s = profiles(k[:, None], points[:, 1], sea.depth)
+        v += turning(
+            sea.wavevector[some], k, sea.amplitude[some] * sea.gravity / omega, c * np.cos(angle), s * np.sin(angle)
+        )
     return sea.grown(time) * v
 
 
 def displacement(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
     """(m, 3) how far water that rests at points (m, 3) is moved [m], by linear theory: free of divergence too."""
     moved = np.zeros((len(points), 3))
-    for i, angle in sea.angles(points, time):
-        k = sea.wavenumber[i]
-        c, s = profiles(k, points[:, 1], sea.depth)
-        reach = sea.amplitude[i] * sea.gravity * k / sea.omega[i] ** 2
-        along = -reach * c * np.sin(angle) / k
-        moved += np.stack(
-            [sea.wavevector[i, 0] * along, reach * s * np.cos(angle), sea.wavevector[i, 1] * along], axis=1
+    for some, angle in sea.angles(points, time):
+        k, omega = sea.wavenumber[some], sea.omega[some]
+        c, s = profiles(k[:, None], points[:, 1], sea.depth)
+        moved += turning(
+            sea.wavevector[some], k, sea.amplitude[some] * sea.gravity / omega**2, -c * np.sin(angle), s * np.cos(angle)
         )
     return sea.grown(time) * moved
 
@@ -256,8 +271,9 @@ def displacement(sea: Components, points: np.ndarray, time: float = 0.0) -> np.n
 def pressure_head(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
     """(m,) pressure of the waves over rho g [m] by linear theory at points (m, 3), without the hydrostatic part."""
     head = np.zeros(len(points))
-    for i, angle in sea.angles(points, time):
-        head += sea.amplitude[i] * profiles(sea.wavenumber[i], points[:, 1], sea.depth)[0] * np.cos(angle)
+    for some, angle in sea.angles(points, time):
+        c, _ = profiles(sea.wavenumber[some, None], points[:, 1], sea.depth)
+        head += summed(sea.amplitude[some], c * np.cos(angle))
     return sea.grown(time) * head
 
 

@@ -36,7 +36,7 @@ def of_swd(path: str | Path, gravity: float = waves.GRAVITY) -> waves.Components
     try:
         magic, version, shape, _, _, _, length = HEAD.unpack_from(data)
         if magic != MAGIC or version != FORMAT:
-            raise Unreadable(path, "this is no .swd file of format 100")
+            raise Unreadable(path, "this is not a .swd file of format 100")
         if shape != AIRY:
             raise Unreadable(path, f"its waves are of shape {shape}; plane waves, shape {AIRY}, are read")
         at = HEAD.size + length + SIZES.size

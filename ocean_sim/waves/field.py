@@ -23,8 +23,9 @@ class WaveField:
         """(n, 3) upward unit normals of the surface at points x, z (n, 2) [m]."""
         at = np.asarray(points, dtype=float)
         slope = np.zeros((len(at), 2))
-        for k, angle in self.sea.angles(at, time):
-            slope -= self.sea.amplitude[k] * np.sin(angle)[:, None] * self.sea.wavevector[k]
+        for some, angle in self.sea.angles(at, time):
+            steepness = self.sea.amplitude[some, None] * self.sea.wavevector[some]
+            slope -= np.stack([waves.summed(steepness[:, axis], np.sin(angle)) for axis in (0, 1)], axis=1)
         slope *= self.sea.grown(time)
         found = np.stack([-slope[:, 0], np.ones(len(at)), -slope[:, 1]], axis=1)
         return found / np.linalg.norm(found, axis=1, keepdims=True)

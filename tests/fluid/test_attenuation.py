@@ -72,4 +72,4 @@ def test_it_is_not_said_next_to_more_viscosity_nor_at_another_support():
 def test_standing_waves_travel_nowhere():
     fluid = {"kind": "delta_sph", "spacing": 0.02, "initial": {"kind": "standing_wave", "height": 0.02}}
     (one,) = said(basin={"length": 1.0, "depth": 0.5}, fluid=fluid)
-    assert "on the way of a wavelength" not in one and "waves 2 m long and 0.02 m high" in one
+    assert "over a wavelength travelled" not in one and "waves 2 m long and 0.02 m high" in one

@@ -164,7 +164,7 @@ def scene(floor: object, **fluid: object) -> dict:
         (
             {"fluid": {"kind": "linear_waves", "height": 0.02, "period": 1.0}}
             | {"basin": {"length": 4.0, "depth": 0.5, "floor": {"friction_factor": 0.1}}},
-            "fluid.kind: a sea in closed form knows no friction; leave basin.floor out",
+            "fluid.kind: a sea in closed form has no friction; leave basin.floor out",
         ),
     ],
 )

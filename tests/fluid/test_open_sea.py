@@ -178,10 +178,10 @@ def test_a_name_is_enough_for_a_calm_sea():
         ({"basin": SLICE | {"walls": "reflecting"}}, "set basin.walls: periodic"),
         (
             {"kind": "ballistic"},
-            "water of kind ballistic is no patch of an open sea; take delta_sph or dfsph or mueller",
+            "water of kind ballistic cannot be a patch of open sea; take delta_sph or dfsph or mueller",
         ),
         ({"sea": REGULAR | {"rim": {"width": 4.0}}}, "leaves no water free; at most 3 m"),
-        ({"sea": REGULAR | {"rim": {"velocity": [1.0, 1.0]}}}, "in 2-D it is along x alone"),
+        ({"sea": REGULAR | {"rim": {"velocity": [1.0, 1.0]}}}, "in 2-D it is only along x"),
         ({"sea": REGULAR | {"height": 1.0}}, "would break"),
         ({"sea": REGULAR | {"heading_deg": 0.0}}, "in 2-D"),
         (
@@ -197,7 +197,7 @@ def test_what_is_no_patch_of_a_sea_is_said_in_a_sentence(keys, sentence):
 
 def test_water_in_closed_form_is_no_patch():
     scene = {"basin": SLICE, "fluid": {"kind": "linear_waves", "height": 0.1, "period": PERIOD}, "sea": "calm"}
-    with pytest.raises(SceneError, match="no patch of an open sea"):
+    with pytest.raises(SceneError, match="cannot be a patch of open sea"):
         load(scene | QUIET)
 
 

@@ -201,7 +201,7 @@ def test_two_ships_in_contact_with_particles_keep_momentum_and_each_has_her_impu
         ({"ship": "yacht"}, "ship: give either `ship` or `ships`, not both"),
         ({"ships": ["yacht"]}, "ships: expected a mapping of names to ships, got a list"),
         ({"ships": {"2nd": "yacht"}}, "ships.2nd: '2nd' is not a name: letters, digits and _, a letter first"),
-        ({"ships": {"ship": "yacht"}}, "ships.ship: 'ship' is the name of a ship that is alone; choose another"),
+        ({"ships": {"ship": "yacht"}}, "ships.ship: 'ship' is the name of the only ship of a scene; choose another"),
         ({"ships": {"a": "yaht"}}, "ships.a: no ship 'yaht'; did you mean 'yacht'?"),
         ({"ships": {"a": {"kind": "yacht", "mas": 1.0}}}, "ships.a.mas: unknown key; did you mean 'mass'?"),
         (

@@ -50,7 +50,7 @@ def test_differences_add_up_again():
     ],
 )
 def test_what_is_no_command_is_refused(message):
-    with pytest.raises(p.BadMessage, match="no command"):
+    with pytest.raises(p.BadMessage, match="not a command"):
         p.command(message)
 
 

@@ -166,8 +166,10 @@ def test_a_person_steers_and_a_route_is_sailed(session):
 def test_a_wrong_scene_is_told_at_its_lines_and_the_other_goes_on(session):
     text = session.source.text.replace("depth: 7.5", "depth: -1.0").replace("wind: wide", "wind: wid")
     steps = session.simulation.steps
-    for do in ("check", "apply"):
+    for do, notices in (("check", 0), ("apply", 1)):  # while a text is written nothing pops up over the page
+        said = len(session.desk.told)
         ask(session, do=do, text=text)
+        assert [message.get("bad") for message in session.desk.told[said:]].count(True) == notices
         problems = session.desk.last("problems")["problems"]
         assert [row["line"] for row in problems] == [5, 7] and "did you mean 'wide'" in problems[1]["message"]
     assert session.simulation.steps == steps
@@ -314,3 +316,11 @@ def test_particles_answer_for_now(session):
     for more in ({"time": 3.0, "points": [[0.0, 0.0]], "verb": "elevation"}, {"verb": "field"}):
         ask(session, do="waves", **more)
         assert "plane waves" in session.desk.last("waves")["error"]
+
+
+def test_a_platform_stands_in_neutral_before_its_first_row(tmp_path):
+    """And not folded up on its base, with legs of no length."""
+    with Session(rig(tmp_path), Desk(), tmp_path, list) as one:
+        commands = one.watch.commands
+        assert not commands[:6].any() and commands[6:].min() > 0.1  # [m]
+        np.testing.assert_allclose(commands[6:], one.watch.platform.neutral_legs, rtol=1e-6)

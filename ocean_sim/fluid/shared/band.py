@@ -93,9 +93,9 @@ class Band:
         head = f"a patch of open sea: its rim is {self.width:.3g} m wide on either side, rate {self.rate:.3g} 1/s"
         if self.sea is None:
             return [f"{head}; the sea is calm"]
-        count = f"{len(self.sea.amplitude)} plane waves" if self.sea.random else "a wave"
+        count = f"{len(self.sea.amplitude)} plane waves, the highest" if self.sea.random else "one wave,"
         size = f"{self.sea.wavelength:.4g} m and {self.sea.period:.4g} s"
-        found = [f"{head}; the sea is fitted to the patch: {count}, the highest of {size}"]
+        found = [f"{head}; the sea is fitted to the patch: {count} of {size}"]
         if self.nonlinear is not None:
             cells = " x ".join(str(n) for n in cells_of(self)[: len(self.sides)])
             found.append(
@@ -107,7 +107,7 @@ class Band:
             return [*found, "how much of its height the sea has at the ship is not known for this scheme"]
         fed = "" if self.feed.any() else ", without a feed"
         found.append(
-            f"by a model of one line the sea has {abs(at_rest):.2g} of its height at a ship at rest and "
+            f"by a 1-D model the sea has {abs(at_rest):.2g} of its height at a ship at rest and "
             f"{abs(following):.2g} at one that keeps up with it{fed}"
         )
         return found
@@ -124,7 +124,7 @@ class Band:
         for speed, who in ((0.0, "at rest"), (1.0, "that keeps up with it")):
             there = self.at_ship(speed)
             if there is not None and abs(there) < 1.0 - WEAK:
-                found.append(f"the sea has {abs(there):.2g} of its height at a ship {who}, by a model of one line")
+                found.append(f"the sea has {abs(there):.2g} of its height at a ship {who}, by a 1-D model")
         return found
 
 

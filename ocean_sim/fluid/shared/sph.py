@@ -205,7 +205,7 @@ class SphConfig(WaterConfig):
             added = self.viscosity_added(preflight, length, train.height, train.standing)
             if added > NOTABLE * own:
                 a_period, a_wavelength = train.lost(own + added)
-                way = "" if train.standing else f", {a_wavelength:.2g} on the way of a wavelength"
+                way = "" if train.standing else f", {a_wavelength:.2g} over a wavelength travelled"
                 yield (
                     f"waves {length:.3g} m long and {train.height:.3g} m high: {self.kind} adds {added:.2g} m2/s "
                     f"to the viscosity of {own:g} m2/s, as measured; they lose {a_period:.2g} of their height in a "

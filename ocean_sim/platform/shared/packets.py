@@ -154,7 +154,7 @@ class Reading(NamedTuple):
 def reading(data: bytes) -> Reading:
     """What a platform reports; raises ValueError."""
     if len(data) != BACK.size or data[:4] != LEGS:
-        raise ValueError(f"{len(data)} bytes that are no report of legs")
+        raise ValueError(f"{len(data)} bytes that are not a report of legs")
     _, version, state, seq, moment, *legs = BACK.unpack(data)
     if version != VERSION or not np.isfinite([moment, *legs]).all():
         raise ValueError("a report of another version, or of what is not a number")

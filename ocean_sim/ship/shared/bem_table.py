@@ -126,7 +126,7 @@ def of_capytaine(file: str) -> BemTable:
             axis = float(data["rotation_center"][2]) if "rotation_center" in data else None
     except (OSError, KeyError, ValueError, AttributeError, IndexError) as error:
         what = str(error).splitlines()[0]
-        raise Unreadable(file, f"this is no NetCDF file of added mass and damping by Capytaine ({what})") from None
+        raise Unreadable(file, f"this is not a NetCDF file of added mass and damping by Capytaine ({what})") from None
     if speed != 0.0:
         raise Unreadable(file, f"it is of a hull under way at {speed:g} m/s; tables of one without speed are read")
     return BemTable(omega, names, added, damping, found, depth, axis)

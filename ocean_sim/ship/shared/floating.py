@@ -183,7 +183,7 @@ class FloatingConfig(VesselConfig):
         fluid, (x, z) = preflight.fluid, (self.position[0], self.position[-1])
         if not fluid.made_of_particles:
             large = self.too_large(preflight.tank)
-            return [f"{large}: pictures show the basin alone, a sea in closed form goes on"] if large else []
+            return [f"{large}: pictures show only the basin, a sea in closed form goes on"] if large else []
         found = [] if fluid.bears else [f"water of kind {fluid.kind} has no pressure: nothing bears the ship but a bed"]
         boxes = preflight.untouched.boxes if preflight.untouched is not None else []
         if preflight.tank.dimension == 3 and not any(

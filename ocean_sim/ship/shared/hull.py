@@ -80,7 +80,7 @@ def hull_of(name: str) -> Hull:
     if Path(name).suffix.lower() in MESHES:
         return Hull(shape=MeshFile(kind="mesh", file=name))
     raise ValueError(
-        f"there is no hull {name!r}, and it is no {', '.join(MESHES)} file; there are {', '.join(named('hull'))}"
+        f"there is no hull {name!r}, and it is not a {', '.join(MESHES)} file; there are {', '.join(named('hull'))}"
     )
 
 

@@ -112,7 +112,7 @@ def flaws(mesh: Any) -> list[str]:
     """Why a mesh bounds no volume: sentences with positions in the file's own units."""
     found = []
     if not np.isfinite(mesh.vertices).all():
-        return ["some vertices are no numbers"]
+        return ["some vertices are not numbers"]
     edges, count = np.unique(mesh.edges_sorted, axis=0, return_counts=True)
     for wrong, what in ((count == 1, "a hole"), (count > 2, "a seam of more than two faces")):
         if wrong.any():

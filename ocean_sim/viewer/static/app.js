@@ -12,7 +12,7 @@ function store(key, value) {
 
 const canvas = $("sea");
 const gl = canvas.getContext("webgl2", { antialias: true, alpha: false, powerPreference: "high-performance", preserveDrawingBuffer: true, xrCompatible: false });
-if (!gl) { $("coverText").textContent = "This browser has no WebGL 2, by which the sea is drawn."; throw new Error("no WebGL 2"); }
+if (!gl) { $("coverText").textContent = "This browser has no WebGL 2, which draws the sea."; throw new Error("no WebGL 2"); }
 gl.getExtension("EXT_color_buffer_float");
 gl.getExtension("EXT_color_buffer_half_float");
 gl.getExtension("OES_texture_float_linear");

@@ -14,7 +14,7 @@ async function inflated(buffer) {
 
 function unpack(buffer) {
   const view = new DataView(buffer);
-  if (view.getUint32(0, false) !== 0x4f535031) throw new Error("this is no packet");
+  if (view.getUint32(0, false) !== 0x4f535031) throw new Error("this is not a packet");
   const size = view.getUint32(4, true);
   const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 8, size)));
   let at = 8 + size;

@@ -14,7 +14,7 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.files.whole_file import naming
 from ocean_sim.fluid import Totals, with_particles
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.energy import Balance, driven, mechanical, potential, stored_by_weight
+from ocean_sim.observers.shared.energy import Balance, driven, mechanical, potential, stored_by_weight, told_apart
 from ocean_sim.observers.shared.escaped import beyond, kept
 from ocean_sim.observers.shared.level import level_ratio
 from ocean_sim.observers.shared.momentum import Momentum
@@ -84,6 +84,7 @@ class Health(Concluding):
         self.energy_seen, self.gain_reported = 0.0, False
         self.momentum: Momentum | None = None
         self.balance: Balance | None = None
+        self.working: list[str] = []  # the forces that it counts
         self.stiffness = 0.0  # speed of sound [m/s] since which the balance counts
         self.reported: list[str] = []  # events of which one is enough
         self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
@@ -121,8 +122,9 @@ class Health(Concluding):
             self.first_energy = self.energies(with_particles(simulation.fluid).totals())
         if self.momentum is None and self.n > 0 and simulation.fluid.impulse:
             self.momentum = Momentum(simulation)
-            if not self.judged and not simulation.fluid.solvers:  # which count work between the halves of a step
-                self.balance = Balance(simulation, list(simulation.fluid.work))
+            self.working = [] if self.judged else told_apart(simulation)
+            if self.working:
+                self.balance = Balance(simulation, self.working)
                 self.stiffness = simulation.fluid.sound_speed
                 self.unaccounted(self.balance, with_particles(simulation.fluid).totals())
         if self.levelled and isnan(self.first_level):
@@ -240,12 +242,11 @@ class Health(Concluding):
                 self.once("momentum from nowhere", over_all_impulses=said, bound=MOMENTUM_REPORTED)
 
     def note_work(self, totals: Totals) -> None:
-        """Where driven water has gained energy that no force has given; other water is judged by its energy alone, and
-        the accounts of a scheme that solves for its pressure do not close in long steps."""
+        """Where driven water has gained energy that no force has given; other water is judged by its energy alone."""
         if self.balance is not None and not self.simulation.fluid.status.clipped:
             fluid = with_particles(self.simulation.fluid)
             scale = fluid.particles.mass * fluid.particles.count.now * fluid.reference_speed**2
-            scale += sum(abs(work) for work in fluid.work.values())
+            scale += sum(abs(fluid.work[term]) for term in self.working)
             share = self.unaccounted(self.balance, totals) / scale
             if not share <= WORK_REPORTED:
                 self.once("energy that no work has given", over_all_work=float(f"{share:.3g}"), bound=WORK_REPORTED)

@@ -125,9 +125,10 @@ class Lattice:
     @property
     def stacked(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """The boxes that end at the height where another begins, from below."""
-        begins, ends = ([corners[k][1] for corners in self.boxes] for k in (0, 1))
-        touching = [np.isclose(low[1], ends).any() or np.isclose(up[1], begins).any() for low, up in self.boxes]
-        return sorted((box for box, touches in zip(self.boxes, touching) if touches), key=lambda box: box[0][1])
+        heights = np.array([(low[1], up[1]) for low, up in self.boxes]).reshape(-1, 2).round(9)
+        begins, ends = heights.T
+        touching = np.flatnonzero(np.isin(begins, ends) | np.isin(ends, begins))
+        return [self.boxes[k] for k in touching[begins[touching].argsort(kind="stable")]]
 
     @cached_property
     def deepest(self) -> float:
@@ -143,12 +144,12 @@ class Lattice:
         heights = np.array([(low[1], up[1]) for low, up in self.boxes]).reshape(-1, 2)
         ends = np.repeat(heights, np.array([np.prod(count) for count in self.counts], dtype=int), axis=0)[self.wet].T
         x, y, z = self.full[self.wet].T
-        for low, up in self.stacked:
-            along = (x >= low[0]) & (x <= up[0]) & (z >= low[2]) & (z <= up[2])
-            ends[1, along & np.isclose(ends[1], low[1])] = up[1]
-        for low, up in reversed(self.stacked):
-            along = (x >= low[0]) & (x <= up[0]) & (z >= low[2]) & (z <= up[2])
-            ends[0, along & np.isclose(ends[0], up[1])] = low[1]
+        for foot, head in self.stacked:
+            along = (x >= foot[0]) & (x <= head[0]) & (z >= foot[2]) & (z <= head[2])
+            ends[1, along & np.isclose(ends[1], foot[1])] = head[1]
+        for foot, head in reversed(self.stacked):
+            along = (x >= foot[0]) & (x <= head[0]) & (z >= foot[2]) & (z <= head[2])
+            ends[0, along & np.isclose(ends[0], head[1])] = foot[1]
         for low, up in self.basin.obstacles:
             over = (x > low[0]) & (x < up[0]) & (z > low[2]) & (z < up[2]) & (y > up[1])
             ends[0, over] = np.maximum(ends[0, over], up[1])

@@ -18,6 +18,7 @@ from ocean_sim.observers.shared.energy import Balance, driven, mechanical, poten
 from ocean_sim.observers.shared.escaped import beyond, kept
 from ocean_sim.observers.shared.level import level_ratio
 from ocean_sim.observers.shared.momentum import Momentum
+from ocean_sim.observers.shared.symmetry import Symmetry
 from ocean_sim.parts import ALONE
 from ocean_sim.simulation import NOWHERE, Concluding, PeriodicConfig
 
@@ -30,6 +31,7 @@ ENERGY_EVERY = 0.1  # [depth over reference speed] at most between two checks of
 GAIN_REPORTED = 0.01  # of the same scale as `max_energy_gain`: less is not reported
 MOMENTUM_REPORTED = 1e-4  # over all impulses: more from nowhere is reported
 WORK_REPORTED = 0.05  # over all work and the energy at the reference speed: gains beyond, that no work has given
+PARTED = 0.02  # spacings: images that are farther apart after so few steps as lie before the first look are reported
 QUIET = 0.5  # [s] at least between two events of one kind
 FIRM = 100.0  # stiffness over the square of the reference speed that holds the water within 1 %
 STIFF = 10.0  # times the stiffness that holds the water within 1 %: from there on it is the likeliest cause
@@ -84,6 +86,7 @@ class Health(Concluding):
         self.energy_seen, self.gain_reported = 0.0, False
         self.momentum: Momentum | None = None
         self.balance: Balance | None = None
+        self.symmetry: Symmetry | None = None
         self.working: list[str] = []  # the forces that it counts
         self.stiffness = 0.0  # speed of sound [m/s] since which the balance counts
         self.reported: list[str] = []  # events of which one is enough
@@ -120,6 +123,8 @@ class Health(Concluding):
     def observe(self, simulation: "Simulation") -> None:
         if self.judged and self.first_energy is None:
             self.first_energy = self.energies(with_particles(simulation.fluid).totals())
+        if self.n > 0 and simulation.steps == 0:
+            self.symmetry = Symmetry(simulation)
         if self.momentum is None and self.n > 0 and simulation.fluid.impulse:
             self.momentum = Momentum(simulation)
             self.working = [] if self.judged else told_apart(simulation)
@@ -171,6 +176,7 @@ class Health(Concluding):
         if not totals.finite:
             return
         self.note_particles()
+        self.note_symmetry()
         self.note_momentum(totals)
         self.note_work(totals)
         if self.levelled:
@@ -232,6 +238,12 @@ class Health(Concluding):
         there = np.bincount(ids[(ids >= 0) & (ids < count)], minlength=count)
         if (there != 1).any():
             self.once("particles from nowhere", lost=int((there == 0).sum()), twice=int((there > 1).sum()))
+
+    def note_symmetry(self) -> None:
+        """Where water that was its own mirror image is not any more, before rounding can have grown; looked at once."""
+        if self.symmetry is not None and not self.symmetry.lost(self.simulation) <= PARTED:
+            self.once("symmetry lost", spacings=float(f"{self.symmetry.lost(self.simulation):.3g}"), bound=PARTED)
+        self.symmetry = None
 
     def note_momentum(self, totals: Totals) -> None:
         """Where the water's momentum is not what all forces have given it."""

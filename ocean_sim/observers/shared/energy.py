@@ -80,12 +80,13 @@ def told_apart(simulation: "Simulation") -> list[str]:
 
     Water that solves for its pressure falls a little in each step before pressure and walls hold it; their works and
     that of gravity count that fall, which never happens. Together they give what the height takes, where walls rest;
-    where walls move, or the water falls around, what those give is not known: none.
+    where walls move, the water falls around, or the rim of an open sea slows that fall, what those give is not known:
+    none.
     """
     fluid, basin = simulation.fluid, simulation.basin
     if not fluid.solvers:
         return list(fluid.work)
-    unknown = walls_move(basin.config) or falls_around(simulation)
+    unknown = walls_move(basin.config) or falls_around(simulation) or basin.sea is not None
     return [] if unknown else [term for term in fluid.work if term not in HOLDING]
 
 

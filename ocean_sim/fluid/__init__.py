@@ -85,6 +85,11 @@ class Lattice(Protocol):
         """Height of the tallest box of water [m]."""
         ...
 
+    @property
+    def deepest(self) -> float:
+        """Height of its tallest column of water, of boxes that stand on one another [m]."""
+        ...
+
     def positions(self) -> np.ndarray:
         """(n, 3) positions of the particles [m]."""
         ...

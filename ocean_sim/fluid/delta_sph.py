@@ -93,11 +93,10 @@ class Config(SphConfig):
 
     def settling(self, preflight: Preflight) -> float:
         """Of the deepest column, g h^2 / (2 c^2)."""
-        tank, lattice = preflight.tank, preflight.untouched
-        if lattice is None or self.enclosed(tank):
+        tank, lattice, pull = preflight.tank, preflight.untouched, -preflight.tank.gravity[1]
+        if lattice is None or self.enclosed(tank) or pull <= 0.0:
             return 0.0
-        deep = max((float(up[1] - low[1]) for low, up in lattice.boxes), default=0.0)
-        return -tank.gravity[1] * deep**2 / (2.0 * self.sound_speed(tank) ** 2)
+        return float(lowered(0.0, pull * lattice.deepest, pull, self.sound_speed(tank)))
 
     def still_limits(self, preflight: Preflight) -> Limits:
         return self.limited(self.smoothing(preflight.tank), self.sound_speed(preflight.tank), 0.0, 0.0)
@@ -124,6 +123,12 @@ class Config(SphConfig):
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "DeltaSph":
         return DeltaSph(self, basin, accounts, wind)
+
+
+def lowered(top: np.ndarray | float, bottom: np.ndarray | float, pull: float, sound_speed: float) -> np.ndarray:
+    """How far [m] the weight of water lowers where its pressure over the density is `top` [m2/s2], over a column that
+    ends where it is `bottom`: the integral of p / (rho0 c^2)."""
+    return np.maximum(np.square(bottom) - np.square(top), 0.0) / (2.0 * pull * sound_speed**2)
 
 
 @in_kernels
@@ -424,8 +429,7 @@ class DeltaSph(Sph):
             x, p = self.particles.position.to_numpy().astype(float), self.particles.pressure.to_numpy().astype(float)
             rho_0 = self.particles.rest_density
             bed = np.append(bed, x[len(bed) :, 1])  # what has left an emitter stays
-            deepest = p + rho_0 * pull * (x[:, 1] - bed)
-            lower = np.maximum(deepest**2 - p**2, 0.0) / (2.0 * pull * (rho_0 * self.sound_speed) ** 2)
+            lower = lowered(p / rho_0, p / rho_0 + pull * (x[:, 1] - bed), pull, self.sound_speed)
             self.sunk = float(lower.max())
             x[:, 1] -= lower
             self.particles.position.from_numpy(x)

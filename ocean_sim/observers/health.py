@@ -14,10 +14,11 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.files.whole_file import naming
 from ocean_sim.fluid import Totals, with_particles
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.energy import Balance, driven, mechanical, potential, stored_by_weight
+from ocean_sim.observers.shared.energy import Balance, driven, mechanical, potential, stored_by_weight, told_apart
 from ocean_sim.observers.shared.escaped import beyond, kept
 from ocean_sim.observers.shared.level import level_ratio
 from ocean_sim.observers.shared.momentum import Momentum
+from ocean_sim.observers.shared.symmetry import Symmetry
 from ocean_sim.parts import ALONE
 from ocean_sim.simulation import NOWHERE, Concluding, PeriodicConfig
 
@@ -30,6 +31,7 @@ ENERGY_EVERY = 0.1  # [depth over reference speed] at most between two checks of
 GAIN_REPORTED = 0.01  # of the same scale as `max_energy_gain`: less is not reported
 MOMENTUM_REPORTED = 1e-4  # over all impulses: more from nowhere is reported
 WORK_REPORTED = 0.05  # over all work and the energy at the reference speed: gains beyond, that no work has given
+PARTED = 0.02  # spacings: images that are farther apart after so few steps as lie before the first look are reported
 QUIET = 0.5  # [s] at least between two events of one kind
 FIRM = 100.0  # stiffness over the square of the reference speed that holds the water within 1 %
 STIFF = 10.0  # times the stiffness that holds the water within 1 %: from there on it is the likeliest cause
@@ -84,6 +86,8 @@ class Health(Concluding):
         self.energy_seen, self.gain_reported = 0.0, False
         self.momentum: Momentum | None = None
         self.balance: Balance | None = None
+        self.symmetry: Symmetry | None = None
+        self.working: list[str] = []  # the forces that it counts
         self.stiffness = 0.0  # speed of sound [m/s] since which the balance counts
         self.reported: list[str] = []  # events of which one is enough
         self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
@@ -119,10 +123,13 @@ class Health(Concluding):
     def observe(self, simulation: "Simulation") -> None:
         if self.judged and self.first_energy is None:
             self.first_energy = self.energies(with_particles(simulation.fluid).totals())
+        if self.n > 0 and simulation.steps == 0:
+            self.symmetry = Symmetry(simulation)
         if self.momentum is None and self.n > 0 and simulation.fluid.impulse:
             self.momentum = Momentum(simulation)
-            if not self.judged and not simulation.fluid.solvers:  # which count work between the halves of a step
-                self.balance = Balance(simulation, list(simulation.fluid.work))
+            self.working = [] if self.judged else told_apart(simulation)
+            if self.working:
+                self.balance = Balance(simulation, self.working)
                 self.stiffness = simulation.fluid.sound_speed
                 self.unaccounted(self.balance, with_particles(simulation.fluid).totals())
         if self.levelled and isnan(self.first_level):
@@ -169,6 +176,7 @@ class Health(Concluding):
         if not totals.finite:
             return
         self.note_particles()
+        self.note_symmetry()
         self.note_momentum(totals)
         self.note_work(totals)
         if self.levelled:
@@ -231,6 +239,12 @@ class Health(Concluding):
         if (there != 1).any():
             self.once("particles from nowhere", lost=int((there == 0).sum()), twice=int((there > 1).sum()))
 
+    def note_symmetry(self) -> None:
+        """Where water that was its own mirror image is not any more, before rounding can have grown; looked at once."""
+        if self.symmetry is not None and not self.symmetry.lost(self.simulation) <= PARTED:
+            self.once("symmetry lost", spacings=float(f"{self.symmetry.lost(self.simulation):.3g}"), bound=PARTED)
+        self.symmetry = None
+
     def note_momentum(self, totals: Totals) -> None:
         """Where the water's momentum is not what all forces have given it."""
         if self.momentum is not None:
@@ -240,12 +254,11 @@ class Health(Concluding):
                 self.once("momentum from nowhere", over_all_impulses=said, bound=MOMENTUM_REPORTED)
 
     def note_work(self, totals: Totals) -> None:
-        """Where driven water has gained energy that no force has given; other water is judged by its energy alone, and
-        the accounts of a scheme that solves for its pressure do not close in long steps."""
+        """Where driven water has gained energy that no force has given; other water is judged by its energy alone."""
         if self.balance is not None and not self.simulation.fluid.status.clipped:
             fluid = with_particles(self.simulation.fluid)
             scale = fluid.particles.mass * fluid.particles.count.now * fluid.reference_speed**2
-            scale += sum(abs(work) for work in fluid.work.values())
+            scale += sum(abs(fluid.work[term]) for term in self.working)
             share = self.unaccounted(self.balance, totals) / scale
             if not share <= WORK_REPORTED:
                 self.once("energy that no work has given", over_all_work=float(f"{share:.3g}"), bound=WORK_REPORTED)

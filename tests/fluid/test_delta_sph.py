@@ -7,6 +7,7 @@ from ocean_sim.conventions import GRAVITY
 from ocean_sim.fluid.delta_sph import DAMPER, IMPACT
 from ocean_sim.fluid.shared.smoothing import NEUTRAL, NEUTRAL_RATIO
 from ocean_sim.fluid.shared.stencil import Stencil
+from ocean_sim.reading.scene import load
 from tests.fluid.conftest import box, by_id, put
 
 OPEN = {"length": 1.0, "width": 1.0, "depth": 0.5, "walls": "none", "floor": "none", "gravity": [0.0, 0.0, 0.0]}
@@ -21,6 +22,25 @@ def advance(fluid, until: float, number: float = 0.5) -> None:
         dt = min(number * fluid.limits().acoustic, 0.125 * fluid.limits().viscous, until - time)
         fluid.advance(dt)
         time += dt
+
+
+def test_boxes_that_stand_on_one_another_are_one_column(water):
+    """Half of a tank is deep: two boxes there, side by side with one, start as water of one box does."""
+    tank = {"length": 1.0, "width": None, "depth": 0.6}
+    stacked = [{"min": [-0.5, low], "max": [0.0, up]} for low, up in ((-0.3, 0.0), (-0.6, -0.3))]
+    shallow = {"min": [0.0, -0.6], "max": [0.5, -0.3]}
+    started = []
+    for boxes in ([*stacked, shallow], [{"min": [-0.5, -0.6], "max": [0.0, 0.0]}, shallow]):
+        keys = {"spacing": 0.05, "fill": boxes, "reference_speed": 2.0}
+        preflight = load({"basin": tank, "fluid": {"kind": "delta_sph", **keys}}).preflight
+        sinks = GRAVITY * 0.6**2 / (2.0 * 2.0**2 / 0.01)
+        assert preflight.fluid.settling(preflight) == pytest.approx(sinks)
+        fluid = water("delta_sph", basin=tank, **keys)
+        x, p = fluid.particles.position.to_numpy(), fluid.particles.pressure.to_numpy()
+        order = np.lexsort((x[:, 0].round(4), x[:, 1].round(4)))
+        started.append(np.column_stack([x[order], p[order] / 5884.0]))
+    np.testing.assert_allclose(*started, atol=1e-6)
+    assert started[0][:, 3].max() > 0.9
 
 
 def test_momentum_and_angular_momentum_are_kept_to_rounding(water):

@@ -7,6 +7,7 @@ import pytest
 from ocean_sim import simulation as loop
 from ocean_sim.conventions import Diverged
 from ocean_sim.observers import health
+from ocean_sim.reading.scene import load
 from ocean_sim.time_step.fixed import Config as Fixed
 
 
@@ -206,3 +207,63 @@ def test_energy_that_no_work_has_given_is_told_where_the_wind_drives(tmp_path, w
         fluid.work["wind"] += worked * gained
         fluid.impulse["wind"][0] += fluid.particles.mass * fluid.particles.n * fast
         assert [event["event"] for event in looked_at(simulation, folder)] == said
+
+
+def blown(fault, **basin):
+    """What health reports of incompressible water in a wind whose particles, from a step on, move at random at so
+    much of the reference speed."""
+    fluid = {"kind": "dfsph", "spacing": 0.05}
+    wind = {"kind": "stress", "u10": 10.0}
+    scene = {"basin": {"length": 1.0, "depth": 0.3, **basin}, "fluid": fluid, "wind": wind, "render": None}
+    with loop.Simulation(load(scene | {"runtime": {"threads": 1}})) as simulation:
+        observer = health.Config().build(loop.NOWHERE, simulation)
+        observer.observe(simulation)
+        fluid = simulation.fluid
+        for _ in range(100):
+            simulation.step()
+        v = fluid.particles.velocity.to_numpy()
+        stirred = np.random.default_rng(1).normal(size=(len(v), 2)) * fault * fluid.reference_speed
+        v[:, :2] += stirred - stirred.mean(axis=0)
+        fluid.particles.velocity.from_numpy(v)
+        observer.observe(simulation)
+        return observer.reported
+
+
+def test_so_it_is_in_water_that_solves_for_its_pressure():
+    assert blown(0.3) == ["energy that no work has given"]
+    assert not blown(0.0)
+
+
+def test_but_not_where_what_a_piston_gives_cannot_be_told():
+    assert not blown(0.3, wavemaker={"wall": "x_min", "height": 0.05, "period": 1.0})
+
+
+@pytest.mark.parametrize("kind", ["mueller", "delta_sph", "dfsph"])
+def test_a_column_in_the_middle_falls_alike_to_both_sides_and_one_that_does_not_is_told(kind):
+    """A fault pushes the particles of one half a little, away from where they should be."""
+    fluid = {"kind": kind, "spacing": 0.05, "fill": [{"min": [-0.3, -0.5], "max": [0.3, 0.1]}]}
+    scene = load({"basin": {"length": 2.0, "depth": 0.5}, "fluid": fluid, "runtime": {"threads": 1}, "render": None})
+    for push, said in ((0.0, []), (0.03, ["symmetry lost"])):
+        with loop.Simulation(scene) as simulation:
+            observer = health.Config().build(loop.NOWHERE, simulation)
+            observer.observe(simulation)
+            position = simulation.fluid.particles.position
+            for _ in range(health.POSITIONS_EVERY):
+                simulation.step()
+            x = position.to_numpy()
+            x[:, 0] += np.where(x[:, 0] > 0.0, push * 0.05, 0.0)
+            position.from_numpy(x)
+            observer.observe(simulation)
+            assert observer.reported == said
+
+
+@pytest.mark.parametrize(
+    "basin", [{"obstacles": [{"min": [0.5, -0.5], "max": [0.6, -0.2]}]}, {"walls": {"x_max": "no_slip"}}]
+)
+def test_a_tank_with_two_different_halves_has_no_symmetry_to_lose(basin):
+    scene = {"basin": {"length": 2.0, "depth": 0.5, **basin}, "fluid": {"kind": "ballistic", "spacing": 0.1}}
+    for uneven, pairs in ((scene, 0), (scene | {"basin": {"length": 2.0, "depth": 0.5}}, 1)):
+        with loop.Simulation(load(uneven | {"render": None})) as simulation:
+            observer = health.Config().build(loop.NOWHERE, simulation)
+            observer.observe(simulation)
+            assert len(observer.symmetry.twins) == pairs

@@ -122,13 +122,34 @@ class Lattice:
         """Height of the tallest box of water [m]."""
         return max((float((up - low)[1]) for low, up in self.boxes), default=self.basin.depth)
 
+    @property
+    def stacked(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """The boxes that end at the height where another begins, from below."""
+        heights = np.array([(low[1], up[1]) for low, up in self.boxes]).reshape(-1, 2).round(9)
+        begins, ends = heights.T
+        touching = np.flatnonzero(np.isin(begins, ends) | np.isin(ends, begins))
+        return [self.boxes[k] for k in touching[begins[touching].argsort(kind="stable")]]
+
+    @cached_property
+    def deepest(self) -> float:
+        """Height of its tallest column of water [m]; 0 without water."""
+        bed, surface = self.ends()
+        return float(np.max(surface - bed, initial=0.0))
+
     def ends(self) -> np.ndarray:
-        """(2, n) bed, or obstacle that it stands on, and surface of the water that each particle starts in [m]."""
+        """(2, n) bed, or obstacle that it stands on, and surface of the water that each particle starts in [m]: of its
+        box, and of those that stand on one another there."""
         if self.given is not None:
             return np.repeat([[self.basin.lower[1]], [0.0]], len(self.given), axis=1)
         heights = np.array([(low[1], up[1]) for low, up in self.boxes]).reshape(-1, 2)
         ends = np.repeat(heights, np.array([np.prod(count) for count in self.counts], dtype=int), axis=0)[self.wet].T
         x, y, z = self.full[self.wet].T
+        for foot, head in self.stacked:
+            along = (x >= foot[0]) & (x <= head[0]) & (z >= foot[2]) & (z <= head[2])
+            ends[1, along & np.isclose(ends[1], foot[1])] = head[1]
+        for foot, head in reversed(self.stacked):
+            along = (x >= foot[0]) & (x <= head[0]) & (z >= foot[2]) & (z <= head[2])
+            ends[0, along & np.isclose(ends[0], head[1])] = foot[1]
         for low, up in self.basin.obstacles:
             over = (x > low[0]) & (x < up[0]) & (z > low[2]) & (z < up[2]) & (y > up[1])
             ends[0, over] = np.maximum(ends[0, over], up[1])

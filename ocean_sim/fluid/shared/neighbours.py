@@ -167,11 +167,12 @@ class Neighbours:
         return found
 
     @ti.func
-    def keep_pairs(self, i, x, scratch, n, m, group):
-        """Keep the pairs of particle i with the m candidates in the scratch, the first n of them particles."""
+    def keep_pairs(self, i, x, scratch, n, images, m, group):
+        """Keep the pairs of particle i with the m candidates in the scratch, the first n of them particles; their
+        images begin at `images`."""
         px, py, pz = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
         near = self.closest(x, scratch, scratch + n, scratch, 0)
-        seen = self.closest(x, scratch + n, scratch + m, scratch, near)
+        seen = self.closest(x, images, images + m - n, scratch, near)
         if seen > self.pairs.room:
             near, seen = 0, 0
             self.accounts.overflow[group] = self.accounts.overflow[group] + 1
@@ -323,5 +324,5 @@ class Neighbours:
                     other = ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))])
                     beyond += law.pair(own, other)
             if ti.static(find and self.keeps):
-                self.keep_pairs(i, vec3(own, law.row.position), scratch, n, m, group)
+                self.keep_pairs(i, vec3(own, law.row.position), scratch, n, images, m, group)
             law.finish(i, own, total, beyond, group)

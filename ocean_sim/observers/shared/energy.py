@@ -8,8 +8,10 @@ import numpy as np
 from ocean_sim.fluid import Totals, with_particles
 
 if TYPE_CHECKING:
+    from ocean_sim.basin import Config as BasinConfig
     from ocean_sim.simulation import Simulation
 
+HOLDING = ("gravity", "pressure", "walls")  # forces of which only the sum tells, see `told_apart`
 BETWEEN_ENERGIES = ("gravity", "pressure")  # their work turns one energy into another; pressure's where water stores it
 
 
@@ -73,8 +75,28 @@ def falls_around(simulation: "Simulation") -> bool:
     return around or any(simulation.scene.fluid.steady_force) or basin.config.motion is not None
 
 
+def told_apart(simulation: "Simulation") -> list[str]:
+    """The forces whose work says what the water was given.
+
+    Water that solves for its pressure falls a little in each step before pressure and walls hold it; their works and
+    that of gravity count that fall, which never happens. Together they give what the height takes, where walls rest;
+    where walls move, the water falls around, or the rim of an open sea slows that fall, what those give is not known:
+    none.
+    """
+    fluid, basin = simulation.fluid, simulation.basin
+    if not fluid.solvers:
+        return list(fluid.work)
+    unknown = walls_move(basin.config) or falls_around(simulation) or basin.sea is not None
+    return [] if unknown else [term for term in fluid.work if term not in HOLDING]
+
+
+def walls_move(basin: "BasinConfig") -> bool:
+    """Whether a piston or a lid does."""
+    return basin.wavemaker is not None or (basin.lid is not None and any(basin.lid.velocity))
+
+
 def driven(simulation: "Simulation") -> bool:
     """Whether wind, walls or obstacles that move, ships, new water or a body force may give energy to the water."""
-    scene, basin = simulation.scene, simulation.basin.config
-    walls = basin.wavemaker or simulation.basin.gates or (basin.lid is not None and any(basin.lid.velocity))
+    scene, basin = simulation.scene, simulation.basin
+    walls = walls_move(basin.config) or basin.gates
     return bool(not scene.wind.still or walls or simulation.ships or scene.fluid.driven or falls_around(simulation))

@@ -1,6 +1,7 @@
 """The keys of a scene as users are told of them: every one has a meaning, and what it says is so."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -102,3 +103,12 @@ def test_no_sentence_of_a_list_is_cut_where_its_line_ends():
     assert opening("A flume: a slice\nand a wall. More.\nYet more.\n\nElse.") == "A flume: a slice and a wall. More."
     assert opening("") == "" and opening("A title, for `bench`") == "A title, for `bench`"
     assert sentence("ship", "tug").endswith(".") and "three lengths" in sentence("ship", "tug")
+
+
+def test_the_example_of_a_number_lies_within_its_range():
+    holds = {">=": float.__ge__, "<=": float.__le__, ">": float.__gt__, "<": float.__lt__}
+    for key in keys():
+        value = key.example.partition("=")[2]
+        if re.fullmatch(r"-?\d+(\.\d+)?", value):
+            for sign, bound in re.findall(r"(>=|<=|>|<) (-?[\d.]+(?:e[-+]\d+)?)", key.range):
+                assert holds[sign](float(value), float(bound)), f"{key.path}: {key.example}, {key.range}"

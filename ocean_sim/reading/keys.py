@@ -213,9 +213,19 @@ def value_of(path: str, node: dict[str, Any]) -> str:
     if "prefixItems" in member:
         return in_yaml([0.0] * len(member["prefixItems"]))
     if member.get("type") in ("number", "integer"):
-        low = member.get("minimum", member.get("exclusiveMinimum", 0.0))
-        return str(int(low) + 1) if member["type"] == "integer" else SIZES.get(node.get("unit", ""), "1.0")
+        low, high = limit(node, "minimum", "exclusiveMinimum"), limit(node, "maximum", "exclusiveMaximum")
+        if member["type"] == "integer":
+            return str(int(low or 0) + 1)
+        usual = SIZES.get(node.get("unit", ""), "1.0")
+        if low is not None and float(usual) <= low:
+            return f"{low + 1.0 if high is None else 0.5 * (low + high):g}"
+        return usual if high is None or float(usual) < high else f"{0.5 * ((low or 0.0) + high):g}"
     return {"array": "[...]", "boolean": "true", "string": "..."}.get(str(member.get("type")), "{...}")
+
+
+def limit(node: dict[str, Any], *names: str) -> float | None:
+    """A bound of a number, under the first of these names that the node or one of its members has."""
+    return next((place[name] for place in (node, *members(node)) for name in names if name in place), None)
 
 
 @cache

@@ -29,7 +29,7 @@ def test_a_ship_larger_than_the_tank_is_refused_however_it_touches_the_water(con
 SEA = {"kind": "linear_waves", "height": 0.1, "period": 3.0}
 CORNER = {"fill": [{"min": [-10.0, -2.0, -10.0], "max": [-5.0, 0.0, 10.0]}]}
 BAD = {
-    "the basin alone": ({"basin": TANK | {"width": 0.2}, "fluid": SEA}, {"basin": TANK, "fluid": SEA}, SHIP),
+    "only the basin": ({"basin": TANK | {"width": 0.2}, "fluid": SEA}, {"basin": TANK, "fluid": SEA}, SHIP),
     "nothing bears the ship": (
         {"basin": TANK, "fluid": WATER | {"kind": "ballistic"}},
         {"basin": TANK, "fluid": WATER},

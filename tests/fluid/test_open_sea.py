@@ -268,4 +268,4 @@ def test_gauges_ride_with_the_patch_beside_fixed_ones(tmp_path):
 
 def test_gauges_ride_on_an_open_sea_alone():
     gauge = {"gauges": {"elevation": {"a": {"at": [0.0], "rides": True}}}}
-    assert "rides over a patch of open sea alone" in refused(sea=None, **gauge)
+    assert "rides only over a patch of open sea" in refused(sea=None, **gauge)

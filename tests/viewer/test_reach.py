@@ -183,12 +183,22 @@ def test_the_keyboard_alone_suffices(live):
         assert browser.said == []
 
 
+def downloaded(browser, folder, pattern):
+    """Wait for a file that the page hands over."""
+    end = time.monotonic() + 30.0
+    while not list(folder.glob(pattern)):
+        assert time.monotonic() < end, [*folder.iterdir()]
+        browser.js("1")
+        time.sleep(0.1)
+
+
 def test_what_is_kept_is_kept(run, live, tmp_path):  # noqa: F811
     """A still, the curves as CSV, a record and a saved scene; and two runs side by side have one clock."""
     with _chromium.Page((800, 600)) as browser:
         browser.ask("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))
         opened(browser, live)
         browser.js("document.getElementById('still').click()")
+        downloaded(browser, tmp_path, "ocean_*.png")  # before the page is left
         live.orders()
         browser.js("document.getElementById('record').click()")
         asked(live, browser, "record")
@@ -205,11 +215,7 @@ def test_what_is_kept_is_kept(run, live, tmp_path):  # noqa: F811
             clocks == pytest.approx([0.5, 0.5]) and browser.js("document.querySelectorAll('#names span').length") == 2
         )
         browser.js("document.getElementById('csv').click()")
-        end = time.monotonic() + 30.0
-        while not (list(tmp_path.glob("ocean_*.png")) and list(tmp_path.glob("*.csv"))):
-            assert time.monotonic() < end, [*tmp_path.iterdir()]
-            browser.js("1")
-            time.sleep(0.1)
+        downloaded(browser, tmp_path, "*.csv")
     assert next(tmp_path.glob("ocean_*.png")).read_bytes()[:4] == b"\x89PNG"
     first, second = (tmp_path / "curves.csv").read_text().split("\n\n")
     assert first.splitlines()[1] == "time_s,elevation_centre_m" and first == second.rstrip()

@@ -241,9 +241,10 @@ class Health(Concluding):
 
     def note_symmetry(self) -> None:
         """Where water that was its own mirror image is not any more, before rounding can have grown; looked at once."""
-        if self.symmetry is not None and not self.symmetry.lost(self.simulation) <= PARTED:
-            self.once("symmetry lost", spacings=float(f"{self.symmetry.lost(self.simulation):.3g}"), bound=PARTED)
-        self.symmetry = None
+        if self.symmetry is not None:
+            apart, self.symmetry = self.symmetry.lost(self.simulation), None
+            if not apart <= PARTED:
+                self.once("symmetry lost", spacings=float(f"{apart:.3g}"), bound=PARTED)
 
     def note_momentum(self, totals: Totals) -> None:
         """Where the water's momentum is not what all forces have given it."""

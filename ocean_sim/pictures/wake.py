@@ -141,7 +141,7 @@ def standing(
     answer: np.ndarray, vessel: Vessel, breadth: float, x: np.ndarray, z: np.ndarray, time: float
 ) -> np.ndarray:
     """(nx, nz) [m] what a water answers to a ship, at nodes x, z [m], no higher or deeper around her than a flow of her
-    speed can stand, V^2 / 2 g (Bernoulli): linear waves know no breaking, and leave a hole in the shape of her hull."""
+    speed can stand, V^2 / 2 g (Bernoulli): linear waves do not break, and leave a hole in the shape of her hull."""
     track = vessel.track
     k = int(np.abs(track.time - time).argmin())
     ahead = track.turn[k][:, 2][[0, 2]] / np.linalg.norm(track.turn[k][:, 2][[0, 2]])

@@ -63,12 +63,12 @@ def _slot(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:
     choices: list[dict[str, Any]] = [{"enum": words, "markdownEnumDescriptions": told}] if words else []
     for kind in kinds(slot):
         choices.append(_model(config_of(slot, kind), definitions, None if MEANT.get(slot) == kind else kind))
-    ready_made = sorted(set(named(slot)) - set(kinds(slot)))
-    choices += [_ready_made(slot, name, definitions) for name in ready_made]
+    presets = sorted(set(named(slot)) - set(kinds(slot)))
+    choices += [_preset(slot, name, definitions) for name in presets]
     return {"description": (module.__doc__ or "").split(":")[0], "anyOf": [*choices, {"type": "null"}]}
 
 
-def _ready_made(slot: str, name: str, definitions: dict[str, Any]) -> dict[str, Any]:
+def _preset(slot: str, name: str, definitions: dict[str, Any]) -> dict[str, Any]:
     """A preset with some keys of its own: those of its kind, none of them required."""
     kind = chosen(slot, node_of(name, Location(name))).kind
     own = definitions[_name(config_of(slot, kind))]

@@ -67,7 +67,7 @@ def picture(number: int) -> str:
 
 
 def with_wind(overrides: dict[str, Any], wind: str) -> dict[str, Any]:
-    """The overrides with a ready-made wind instead of all that was set of the wind, or as they are for its own."""
+    """The overrides with a preset wind instead of all that was set of the wind, or as they are for its own."""
     if wind == OWN:
         return overrides
     return {key: value for key, value in overrides.items() if key.split(".")[0] != "wind"} | {"wind": wind}

@@ -144,12 +144,13 @@ class Lattice:
         heights = np.array([(low[1], up[1]) for low, up in self.boxes]).reshape(-1, 2)
         ends = np.repeat(heights, np.array([np.prod(count) for count in self.counts], dtype=int), axis=0)[self.wet].T
         x, y, z = self.full[self.wet].T
-        for foot, head in self.stacked:
-            along = (x >= foot[0]) & (x <= head[0]) & (z >= foot[2]) & (z <= head[2])
-            ends[1, along & np.isclose(ends[1], foot[1])] = head[1]
-        for foot, head in reversed(self.stacked):
-            along = (x >= foot[0]) & (x <= head[0]) & (z >= foot[2]) & (z <= head[2])
-            ends[0, along & np.isclose(ends[0], head[1])] = foot[1]
+        stacked = [
+            (low[1], up[1], (x >= low[0]) & (x <= up[0]) & (z >= low[2]) & (z <= up[2])) for low, up in self.stacked
+        ]
+        for foot, head, along in stacked:
+            ends[1, along & np.isclose(ends[1], foot)] = head
+        for foot, head, along in reversed(stacked):
+            ends[0, along & np.isclose(ends[0], head)] = foot
         for low, up in self.basin.obstacles:
             over = (x > low[0]) & (x < up[0]) & (z > low[2]) & (z < up[2]) & (y > up[1])
             ends[0, over] = np.maximum(ends[0, over], up[1])

@@ -32,9 +32,8 @@ class Dam(NamedTuple):
     @property
     def task(self) -> str:
         """What is counted: steps, or a simulated second where steps are as long as each can make them."""
-        return (
-            f"{self.name}, its {self.method.upper()}, our {self.kind}, a {'simulated second' if self.end else 'step'}"
-        )
+        ours = self.kind if self.support is None else f"{self.kind} at {self.support:g} spacings"
+        return f"{self.name}, its {self.method.upper()}, our {ours}, a {'simulated second' if self.end else 'step'}"
 
     def each(self, found: dict[str, Any]) -> float:
         """Wall time [s] of a step, or of a simulated second."""
@@ -99,14 +98,24 @@ def dam_break(dam: Dam, python: Path, threads: int) -> dict[str, Any]:
     return numbers(splishsplash.PEER, theirs["version"], dam.task, times)
 
 
+def unobserved() -> dict[str, Any]:
+    """What leaves the observers of a scene out."""
+    from ocean_sim.reading.scene import observer_names
+
+    return {name: None for name in observer_names() if name != "manifest"}
+
+
 def here(dam: Dam, threads: int) -> dict[str, Any]:
     """What `splishsplash.measured` gives, of this program."""
     from ocean_sim.fluid import with_particles
-    from ocean_sim.reading.scene import load, observer_names
+    from ocean_sim.reading.scene import load
     from ocean_sim.simulation import Simulation
 
-    laid: dict[str, Any] = {name: None for name in observer_names() if name != "manifest"}
-    laid |= {"runtime.threads": threads, "fluid.kind": dam.kind, "fluid.support_ratio": dam.support}
+    laid = unobserved() | {
+        "runtime.threads": threads,
+        "fluid.kind": dam.kind,
+        "fluid.support_ratio": dam.support,
+    }
     if dam.end:
         laid["time_step"] = "courant"
     with Simulation(load(f"bench/{dam.name}", laid)) as simulation:
@@ -142,12 +151,11 @@ def surface() -> Pairs:
     import pysplashsurf
 
     from ocean_sim.fluid import with_particles
-    from ocean_sim.reading.scene import load, observer_names
+    from ocean_sim.reading.scene import load
     from ocean_sim.simulation import Simulation
     from ocean_sim.surface.marching_cubes import MarchingCubes
 
-    quiet = {name: None for name in observer_names() if name != "manifest"}
-    with Simulation(load("bench/dam_break_6k", {**quiet, "surface": "marching_cubes"})) as simulation:
+    with Simulation(load("bench/dam_break_6k", {**unobserved(), "surface": "marching_cubes"})) as simulation:
         for _ in range(20):
             simulation.step()
         water, own = with_particles(simulation.fluid), cast(MarchingCubes, simulation.surface)
@@ -165,7 +173,7 @@ def response() -> Pairs:
     """Heave and pitch of barge20 in a head sea of one period: a panel method in frequency, and a run in time."""
     import capytaine
 
-    from ocean_sim.reading.scene import load, observer_names
+    from ocean_sim.reading.scene import load
     from ocean_sim.simulation import Simulation
 
     mesh = capytaine.mesh_parallelepiped(size=(20.0, 8.0, 4.0), resolution=(20, 8, 4)).immersed_part()
@@ -174,14 +182,13 @@ def response() -> Pairs:
     omega = 2.0 * np.pi / PERIOD
     problems = [capytaine.RadiationProblem(body=body, radiating_dof=dof, omega=omega) for dof in ("Heave", "Pitch")]
     problems.append(capytaine.DiffractionProblem(body=body, wave_direction=np.pi, omega=omega))
-    quiet = {name: None for name in observer_names() if name != "manifest"}
     scene = {
         "basin": {"length": 800.0, "width": 800.0, "depth": 400.0, "walls": "none"},
         "fluid": {"kind": "linear_waves", "height": 0.08, "period": PERIOD, "heading_deg": 180.0},
         "ship": {"kind": "dynamic", "hull": "barge20", "free": ["heave", "pitch"], "cells_per_draught": 4},
         "time_step": {"kind": "fixed", "dt": PERIOD / STEPS},
     }
-    with Simulation(load(scene | quiet)) as simulation:
+    with Simulation(load(scene | unobserved())) as simulation:
         return interleaved(
             lambda: solver.solve_all(problems, progress_bar=False),
             lambda: simulation.run(simulation.time + WAVES * PERIOD),

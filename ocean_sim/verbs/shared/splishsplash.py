@@ -6,7 +6,6 @@ of another environment, where nothing of ours is installed.
 
 import json
 import os
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -29,13 +28,16 @@ def measured(python: Path, order: dict[str, Any], threads: int) -> dict[str, Any
 
     `order`: `method`, "wcsph" or "dfsph"; `lattice`, particles along x, y and z; `spacing` [m]; `begin`, simulated time
     from which it counts [s]; `seconds` of wall time and simulated time `end`, to which it goes at least [s]. Raises
-    OSError or ValueError where that Python cannot.
+    OSError, ValueError or TimeoutExpired where that Python cannot.
     """
-    quiet = {"OMP_NUM_THREADS": str(threads), "OMP_WAIT_POLICY": "passive", "LD_PRELOAD": DISPATCH}
-    command = [str(python), "-I", __file__, json.dumps(order)]
-    done = subprocess.run(
-        command, env=os.environ | quiet, capture_output=True, text=True, timeout=PATIENCE, check=False
-    )
+    environment = os.environ | {
+        "OMP_NUM_THREADS": str(threads),
+        "OMP_WAIT_POLICY": "passive",
+        "LD_PRELOAD": DISPATCH,
+    }
+    with tempfile.TemporaryDirectory() as folder:
+        command = [str(python), "-I", __file__, json.dumps(order | {"folder": folder})]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=PATIENCE, check=False)
     try:
         return json.loads(done.stdout.splitlines()[-1])
     except (IndexError, ValueError):
@@ -104,10 +106,11 @@ def scene(order: dict[str, Any], box: str) -> dict[str, Any]:
 
 
 def main(order: dict[str, Any]) -> None:
-    """Run it in this process, and leave as soon as it has been measured: it offers no other end."""
+    """Run it in this process, with its files in the `folder` of the order, and leave as soon as it has been measured:
+    it offers no other end."""
     import pysplishsplash  # type: ignore[import-not-found]  # in another environment
 
-    folder = Path(tempfile.mkdtemp())
+    folder = Path(order["folder"])
     lines = [f"v {x} {y} {z}" for x, y, z in CUBE] + [f"f {a} {b} {c}" for a, b, c in FACES]
     (folder / "box.obj").write_text("\n".join(lines))
     (folder / "scene.json").write_text(json.dumps(scene(order, str(folder / "box.obj"))))
@@ -143,7 +146,6 @@ def main(order: dict[str, Any]) -> None:
                 "simulated": time - since["time"],
             }
             os.write(answer, json.dumps(found).encode())
-            shutil.rmtree(folder, ignore_errors=True)
             os._exit(0)
 
     run.setTimeStepCB(look)

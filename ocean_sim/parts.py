@@ -138,6 +138,7 @@ class SeaConfig(KindConfig):
     if TYPE_CHECKING:  # keys of each kind
         rim: Rim
         feed: float | None
+        ramp: float | None
 
     @property
     @abstractmethod

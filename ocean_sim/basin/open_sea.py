@@ -36,6 +36,9 @@ class OpenSea(Protocol):
     rim: Rim
     feed: float | None
     """Rate [1/s] at which its velocity is added to that of all water; None: what holds the waves up in a scheme."""
+    ramp: float | None
+    """In which it grows from calm water [s]; None: two periods of the highest waves where a ship is in the water, else
+    it is there at once."""
 
     @property
     def significant_height(self) -> float:

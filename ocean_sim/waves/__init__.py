@@ -102,6 +102,12 @@ def grown(time: float, ramp: float) -> float:
     return s - sin(2.0 * pi * s) / (2.0 * pi)
 
 
+def growth(time: float, ramp: float) -> float:
+    """The rate of it [1/s]."""
+    s = time / ramp if ramp > 0.0 else 1.0
+    return (1.0 - cos(2.0 * pi * s)) / ramp if 0.0 < s < 1.0 else 0.0
+
+
 @dataclass(frozen=True)
 class Components:
     """A sea as a sum of plane waves, each a cos(k . (x, z) - omega t + phase)."""
@@ -151,6 +157,10 @@ class Components:
     def grown(self, time: float) -> float:
         """Share of their height at a time [s]."""
         return grown(time, self.ramp)
+
+    def growth(self, time: float) -> float:
+        """Its rate [1/s]."""
+        return growth(time, self.ramp)
 
     def angles(self, points: np.ndarray, time: float) -> Iterator[tuple[slice, np.ndarray]]:
         """The components by and by, a slice of n of them, and their k . (x, z) - omega t + phase [rad], (n, m), at m

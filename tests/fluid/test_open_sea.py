@@ -167,6 +167,48 @@ def test_defaults_follow_from_the_highest_waves_and_stay_open_in_the_dump():
     assert load(scene.resolved()).resolved() == scene.resolved()
 
 
+HULL = {"shape": {"kind": "box", "length": 0.6, "breadth": 0.6, "height": 0.8}, "mass": 144.0}
+AFLOAT = {"kind": "pressure", "hull": HULL, "free": []}
+
+
+def test_the_sea_grows_over_two_periods_where_a_ship_is_in_it_else_it_is_there_at_once():
+    """A ship held fast in it bears, in the mean of the first periods, her weight and no more. Begun at once, the sea
+    draws her down by a fifteenth of it, for ever: what a crest has brought under her stays there."""
+    assert band_of(patch()).sea.ramp == 0.0 and "grows" not in " ".join(band_of(patch()).statements())
+    means = {}
+    for ramp in (None, 0.0):
+        scene = patch(REGULAR | {"ramp": ramp}, ship=AFLOAT)
+        with Simulation(scene) as simulation:
+            water, rows = simulation.fluid, []
+            assert water.sea.ramp == pytest.approx(2.0 * PERIOD if ramp is None else 0.0)
+            began = state(simulation)
+            assert (np.abs(began.velocity).max() == 0.0) == (ramp is None)
+            while simulation.time < 3.0 * PERIOD:
+                simulation.step()
+                rows.append((simulation.next_dt, simulation.ships["ship"].last.force[1]))
+        dt, beyond = np.array(rows).T  # her weight
+        means[ramp] = float((dt * beyond).sum() / dt.sum()) / (G * 1000.0 * 0.24)
+    assert abs(means[None]) < 0.02 and means[0.0] < -0.05
+
+
+@pytest.mark.parametrize("kind", ["linear_waves", "spectral_sea"])
+def test_a_sea_that_has_grown_is_the_sea(kind):
+    """Its height and phase on the whole patch, by the velocities: half way, and a period after its ramp."""
+    sea = REGULAR | {"kind": kind, "ramp": 2.0 * PERIOD, "height": 0.05}
+    k, omega = 2.0 * np.pi / LENGTH, 2.0 * np.pi / PERIOD
+    with Simulation(patch(sea, spacing=0.0625, duration=4.0)) as simulation:
+        for until, share in ((PERIOD, 0.5), (3.0 * PERIOD, 1.0)):
+            simulation.run(until)
+            water = state(simulation)
+            deep = (water.position[:, 1] < -0.05) & (water.position[:, 1] > -0.5)
+            x, y = water.position[deep, 0], water.position[deep, 1]
+            angle, c = k * x - omega * simulation.time, 0.025 * G * k / omega * waves.profiles(k, y, 1.0)[0]
+            base = np.stack([c * np.cos(angle), -c * np.sin(angle), np.ones_like(c)], axis=1)
+            real, imaginary, _ = np.linalg.lstsq(base, water.velocity[deep, 0], rcond=None)[0]
+            assert abs(complex(real, imaginary)) == pytest.approx(share, abs=0.02)
+            assert abs(np.degrees(np.arctan2(imaginary, real))) < 8.0
+
+
 def test_a_name_is_enough_for_a_calm_sea():
     scene = patch("calm")
     assert scene.sea.kind == "linear_waves" and band_of(scene).sea is None

@@ -1,14 +1,17 @@
-"""Linear potential flow around a ship's section across a flume, by panels: how data/section_radiation.csv was made.
+"""Linear potential flow around a ship's section across a flume, by panels: how data/section_radiation.csv and
+data/box_radiation.csv were made.
 
-`python tests/validation/panels.py` prints the table. The potential is that of constant sources and dipoles (Green's
-third identity with ln r and its image in the bed) on hull, free surface and two ends; at the ends it is a sum of the
-eigenfunctions of the depth, which lets every wave out. Slots between the hull and the walls of the flume are
-thin sheets of water with a free surface of their own: they take the pressure of the hull's contour and give it their
-flux, less what laminar friction between two plates holds back (Womersley 1955, J. Physiol. 127, in a plane).
+`python tests/validation/panels.py section` prints the one, `box` the other. The potential is that of constant sources
+and dipoles (Green's third identity with ln r and its image in the bed) on hull, free surface and two ends; at the ends
+it is a sum of the eigenfunctions of the depth, which lets every wave out. Slots between the hull and the walls of the
+flume are thin sheets of water with a free surface of their own: they take the pressure of the hull's contour and give
+it their flux, less what laminar friction between two plates holds back (Womersley 1955, J. Physiol. 127, in a plane).
 """
 
 from itertools import pairwise
 from math import pi, sqrt
+from sys import argv
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +20,7 @@ from ocean_sim import waves
 G, DENSITY, VISCOSITY = 9.81, 1000.0, 1e-6
 SECTION = (0.400, 0.200, 0.0512)  # breadth, draught, radius of the bilges [m]
 LENGTH, FLUME, DEPTH, AXIS = 0.586, 0.600, 1.00, -0.093  # [m]
+BOX = {"section": (1.0, 0.2, 0.0512), "length": 1.0, "flume": 1.0, "axis": -0.05}  # of open_sea_box
 MODES = 12  # of those that do not travel
 MOTIONS = ("sway", "heave", "roll")
 FREQUENCIES = [0.02, 0.1, *np.arange(0.25, 26.01, 0.25)]  # [rad/s]
@@ -95,6 +99,7 @@ def answers(
     length: float = LENGTH,
     flume: float = FLUME,
     fine: int = 1,
+    axis: float = AXIS,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """(3, 3) added mass and damping of sway, heave, roll; (3,) scattered and undisturbed force of waves of 1 m."""
     k, far = float(waves.wavenumber(omega, DEPTH, G)), 1.2 if omega < 12.0 else 0.8
@@ -121,7 +126,7 @@ def answers(
     if share < 1.0:
         slope[wet, wet] = (1.0 - share) * slot(hull, omega, (flume - length) / 2.0)
 
-    at, arm = middle[wet], middle[wet] - [0.0, AXIS]
+    at, arm = middle[wet], middle[wet] - [0.0, axis]
     motions = np.column_stack([normal, arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0]])
     arriving = -1j * G / omega * np.exp(1j * k * at[:, 0]) / np.cosh(k * DEPTH)
     level = k * (at[:, 1] + DEPTH)
@@ -136,13 +141,14 @@ def answers(
     return force[:, :3].imag / omega, -force[:, :3].real, force[:, 3], force[:, 4]
 
 
-def main() -> None:
+def main(name: str) -> None:
+    body: dict[str, Any] = {"section": {}, "box": BOX}[name]
     units = ("kg", "kg", "kg_m2")
     columns = [f"{m}_added_{u},{m}_damping_{u}_s" for m, u in zip(MOTIONS, units)]
     columns += [f"{m}_scattered_90_re,{m}_scattered_90_im" for m in MOTIONS]
     print(",".join(["omega_rad_s", *columns]))
     for omega in FREQUENCIES:
-        added, damping, scattered, _ = answers(float(omega))
+        added, damping, scattered, _ = answers(float(omega), **body)
         row = [omega, *np.column_stack([np.diag(added), np.diag(damping)]).ravel()]
         row += np.column_stack([scattered.real, scattered.imag]).ravel().tolist()
         print(",".join(f"{value:.6g}" for value in row))
@@ -160,4 +166,4 @@ def by_reciprocity(omega: float, damping: np.ndarray, length: float) -> np.ndarr
 
 
 if __name__ == "__main__":
-    main()
+    main(argv[1])

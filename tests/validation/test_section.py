@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from panels import DENSITY, LENGTH, MOTIONS, G, answers, by_reciprocity
+from panels import BOX, DENSITY, LENGTH, MOTIONS, G, answers, by_reciprocity
 
 from ocean_sim.files import csv_file
 from ocean_sim.validation.shared.tables import table_path
@@ -25,10 +25,11 @@ def test_without_slots_waves_push_as_reciprocity_demands():
     assert added[0, 2] == pytest.approx(added[2, 0], rel=5e-3)
 
 
-def test_the_table_is_what_the_panels_say():
-    table = csv_file.numbers(table_path("section_radiation"))
+@pytest.mark.parametrize("name, body", [("section_radiation", {}), ("box_radiation", BOX)])
+def test_the_table_is_what_the_panels_say(name, body):
+    table = csv_file.numbers(table_path(name))
     row = int(np.flatnonzero(table["omega_rad_s"] == 7.0)[0])
-    added, damping, scattered, _ = answers(7.0)
+    added, damping, scattered, _ = answers(7.0, **body)
     for k, motion in enumerate(MOTIONS):
         assert table[f"{motion}_added_{UNITS[motion]}"][row] == pytest.approx(added[k, k], rel=1e-4)
         assert table[f"{motion}_damping_{UNITS[motion]}_s"][row] == pytest.approx(damping[k, k], rel=1e-4)

@@ -102,6 +102,8 @@ class Band:
                 f"the sea is nonlinear to third order on {cells} cells, "
                 f"which comes on over the first {self.nonlinear.onset:.3g} s"
             )
+        if self.sea.ramp > 0.0:
+            found.append(f"the sea grows from calm water over the first {self.sea.ramp:.3g} s")
         at_rest, following = self.at_ship(0.0), self.at_ship(1.0)
         if at_rest is None or following is None:
             return [*found, "how much of its height the sea has at the ship is not known for this scheme"]

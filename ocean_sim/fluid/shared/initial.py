@@ -239,7 +239,7 @@ def started(
     if initial is not None:
         return initial.state(positions, basin, rest_density)
     sea = of_patch(basin, apart(positions, basin)) if basin.sea is not None else None
-    if sea is not None:
+    if sea is not None and not sea.ramp:
         return carried(sea, positions, basin, rest_density)
     return positions, np.zeros_like(positions), still_pressure(positions, basin, rest_density, surface)
 
@@ -305,7 +305,11 @@ def of_patch(basin: Basin, spacing: float) -> waves.Components | None:
     sea = basin.sea.plane_waves(basin) if basin.sea is not None else None
     if sea is None or basin.sea is None:
         return None
-    return fitted(borne(sea, basin.sea.significant_height, spacing) if sea.random else sea, basin)
+    there = fitted(borne(sea, basin.sea.significant_height, spacing) if sea.random else sea, basin)
+    ramp = basin.sea.ramp
+    if ramp is None:
+        ramp = waves.RAMP * there.period if basin.afloat else 0.0
+    return replace(there, ramp=ramp)
 
 
 def walled(wavevector: np.ndarray, basin: Basin) -> Iterator[str]:

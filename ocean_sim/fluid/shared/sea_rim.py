@@ -46,7 +46,7 @@ class SeaTable:
     """The sea on the patch, at one time."""
 
     def __init__(self, band: Band, sea: Components) -> None:
-        basin = band.lattice.basin
+        basin, self.sea = band.lattice.basin, sea
         self.every = sea.period / WRITTEN
         self.depth = min(basin.depth, sea.wavelength)  # [m] below which velocities are those there
         self.above = max(sea.significant_height, 1e-3 * self.depth)  # [m]
@@ -69,7 +69,11 @@ class SeaTable:
         """The sea at a time [s]."""
         from scipy.fft import ifft2
 
-        values = ifft2(self.source.modes(time), norm="forward", workers=1).real
+        modes, sea = self.source.modes(time), self.sea
+        velocity, fed = modes[:, :3], modes[:, 3:]
+        fed[:] = sea.grown(time) * fed + 2.0 * sea.growth(time) * velocity
+        velocity *= sea.grown(time)
+        values = ifft2(modes, norm="forward", workers=1).real
         self.take(slot, np.ascontiguousarray(values.transpose(2, 3, 0, 1), dtype=to_numpy_type(self.now.dtype)))
 
     def advance(self, time: float) -> None:
@@ -163,7 +167,8 @@ class SeaRim:
         self.width, self.rate, self.velocity = band.width, band.rate, np.array(basin.sea.rim.velocity)
         self.periods = np.array(basin.periods)[[0, 2]]
         self.axes = tuple((axis, 2 * axis, float(p)) for axis, p in enumerate(self.periods) if p)
-        self.waving, self.fed = band.sea is not None, bool(band.feed.any())
+        self.waving = band.sea is not None
+        self.fed = bool(band.feed.any()) or (band.sea is not None and band.sea.ramp > 0.0)
         if band.sea is not None:
             self.table = SeaTable(band, band.sea)
         self.ships: tuple[Displacing, ...] = ()

@@ -34,7 +34,7 @@ class Depths(NamedTuple):
 
 
 class Source(Protocol):
-    """What a table is written from."""
+    """What a table is written from: the sea without its ramp."""
 
     def modes(self, time: float) -> np.ndarray:
         """(levels, values, nodes along x, along z) complex: their Fourier sum over the nodes is what the table holds at

@@ -1,6 +1,7 @@
 """A nonlinear sea around a patch: it evolves on a tile over the patch, a cell a particle spacing, and is read at all
 levels."""
 
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -13,7 +14,7 @@ from ocean_sim.waves import Components
 
 
 class SteepSource:
-    """The nonlinear sea, at the last time that was asked for.
+    """The nonlinear sea, at the last time that was asked for, without its ramp.
 
     What is fed of a wave follows from its share f of the velocity. Of modes E of the elevation and P of the potential,
     the waves along their wavevector have the potential P / 2 - i g E / (2 omega); these get f, those against it its
@@ -26,7 +27,7 @@ class SteepSource:
         assert band.nonlinear is not None
         basin, (cells, rows) = band.lattice.basin, cells_of(band)
         tile = Tile(basin.periods[0], cells, rows, basin.depth, sea.gravity)
-        self.sea = evolving(sea, tile, *band.nonlinear, sea.period)
+        self.sea = evolving(replace(sea, ramp=0.0), tile, *band.nonlinear, sea.period)
         self.step, self.count = step_of(tile), count
         self.fed = fed(band, sea, self.sea.tile)
         tile = self.sea.tile

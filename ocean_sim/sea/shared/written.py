@@ -20,6 +20,10 @@ class Written(Seas, SeaConfig):
     def significant_height(self) -> float:
         return 0.0 if self.highest is None else self.highest[0]
 
+    ramp: float | None = quantity("s", None, ge=0.0)
+    """How long the sea grows on the whole patch, from calm water; null: two periods of the highest waves where
+    a ship is in the water, since waves that are there at once would run through her; else 0, at once."""
+
     def plane_waves(self, basin: waves.Tank) -> waves.Components | None:
         sea = self.sea_of(basin)
         return sea if sea.amplitude.any() else None

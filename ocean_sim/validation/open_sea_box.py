@@ -1,0 +1,154 @@
+"""A box that floats in a patch of open sea, carried by what the particles press on it: does it move as in the sea.
+
+A section 1.0 m wide and 0.2 m deep, on six spacings in its draught, across waves of 1.8 s and 60 mm, free in heave and
+pitch (its roll: waves go across it); at rest, and towed against the waves. The sea grows over two periods, since waves
+that were there at once would run through the box. Rims of a wavelength on either side leave two wavelengths free, and
+three in a larger patch. The answer is that of the same box in `linear_waves`, with added mass, damping and the force of
+scattered waves from a table of linear potential flow. Wanted, before anything was run: 8 % of it, and 3 % between both
+patches. The table knows no speed: of the towed box, whose pitch feels U times its added mass in heave, the closed form
+is reported and both patches are compared.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import cos, pi, sin
+from typing import Any
+
+import numpy as np
+
+from ocean_sim import waves
+from ocean_sim.reading.scene import load, observer_names
+from ocean_sim.simulation import Simulation
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
+from ocean_sim.validation.shared.ship import DENSITY, G, at_sea, ship_of, track
+from ocean_sim.validation.shared.tables import table_path
+
+BREADTH, DRAUGHT, HEIGHT, BILGE, LENGTH = 1.0, 0.2, 0.32, 0.0512, 1.0  # [m]
+KG, ROLL_RADIUS = 0.15, 0.2  # [m]
+MASS = DENSITY * LENGTH * (BREADTH * DRAUGHT - 2.0 * BILGE**2 * (1.0 - pi / 4.0))  # [kg]
+PERIOD, AMPLITUDE, DEPTH = 1.8, 0.03, 1.0  # [s], [m], [m]
+K = float(waves.wavenumber(2.0 * pi / PERIOD, DEPTH, G))
+WAVE = 2.0 * pi / K  # [m]
+FINE, RIM, FREE = 6, 1.0, (2.0, 3.0)  # spacings in the draught, [wavelengths], of two patches
+RUN, JUDGED, STEPS = 14.0, 4.0, 240  # periods, those that are looked at, steps in each of `linear_waves`
+SPEED, SETTING_OUT = -0.5, 2.0 * PERIOD  # [m/s] along x, in which it is reached [s]
+CORNERS = 8  # of a bilge
+MOTIONS = ("heave", "pitch")
+WITHIN, ALIKE = 8.0, 3.0  # [%]
+
+
+def problems(coarse: bool) -> list[Problem]:
+    return [] if coarse else [afloat("moored", 0.0), afloat("towed", SPEED)]
+
+
+def afloat(name: str, speed: float) -> Problem:
+    """Held in sway, or towed at a speed [m/s] along the waves, in two patches."""
+    source, within = "linear_waves, with its table", WITHIN if speed == 0.0 else None
+    wanted = {motion: promise(f"{name}: {motion}", within, source) for motion in MOTIONS}
+    of_larger = f", {FREE[1]:g} wavelengths free"
+    alike = {motion: promise(f"{name}: {motion}{of_larger}", ALIKE, f"{FREE[0]:g} of them free") for motion in MOTIONS}
+
+    def measure(simulation: Simulation) -> Finding:
+        right, small = in_closed_form(simulation, speed), motions(simulation, speed)
+        with beside(simulation, patch(FREE[1])) as larger:
+            large = motions(larger, speed)
+        numbers = {wanted[motion].quantity: relative(small.of[motion], right.of[motion]) for motion in MOTIONS}
+        numbers |= {alike[motion].quantity: relative(large.of[motion], small.of[motion]) for motion in MOTIONS}
+        curves = [*small.curves(), *large.curves(of_larger)]
+        return Finding(numbers, curves, right.curves(", linear"), ("t / T", "heave / a, pitch / k a"))
+
+    promises = (*wanted.values(), *alike.values())
+    return Problem(patch(FREE[0]), promises, measure, name, True, "ship", ("pressure",), True)
+
+
+def promise(quantity: str, within: float | None, source: str) -> Promise:
+    """Of an amplitude of heave over that of the waves, or of pitch over their slope, within so much of it [%]."""
+    over = "k a" if "pitch" in quantity else "a"
+    if within is None:
+        return Promise(f"{quantity} [{over}]", "%", f"{source}; reported")
+    return Promise(f"{quantity} [{over}]", "%", f"{source}; {within:g} %", {"pressure": within})
+
+
+def patch(free: float) -> dict[str, Any]:
+    """The scene of a patch with so many wavelengths between its rims."""
+    return {
+        "duration": RUN * PERIOD,
+        "basin": {
+            "length": (free + 2.0 * RIM) * WAVE,
+            "depth": DEPTH,
+            "walls": "periodic",
+            "gravity": [0.0, -G, 0.0],
+        },
+        "fluid": {"kind": "delta_sph", "spacing": WAVE / round(WAVE / DRAUGHT * FINE)},
+        "sea": {"kind": "linear_waves", "height": 2.0 * AMPLITUDE, "period": PERIOD, "rim": {"width": RIM * WAVE}},
+        "ship": box() | {"kind": "pressure"},
+    }
+
+
+def box() -> dict[str, Any]:
+    """The ship of a scene."""
+    angles = np.linspace(0.0, pi / 2.0, CORNERS + 1)
+    inner = BREADTH / 2.0 - BILGE
+    side = [(BREADTH / 2.0, HEIGHT)] + [(inner + BILGE * cos(a), BILGE - BILGE * sin(a)) for a in angles]
+    points = [[float(x), float(y), end * LENGTH / 2.0] for x, y in side for end in (1.0, -1.0)]
+    long = MASS * (LENGTH**2 + HEIGHT**2) / 12.0
+    return {
+        "hull": {
+            "shape": {"kind": "outline", "points": points},
+            "mass": MASS,
+            "centre_of_mass": [0.0, KG, 0.0],
+            "inertia": [long, long, MASS * ROLL_RADIUS**2],
+        },
+        "free": ["sway", "heave", "roll"],
+        "cells_per_draught": 12,
+    }
+
+
+def beside(simulation: Simulation, scene: dict[str, Any]) -> Simulation:
+    """Another scene without observers, on the same processor."""
+    quiet = {name: None for name in observer_names() if name != "manifest"}
+    return Simulation(load(scene | quiet | {"runtime": simulation.scene.resolved()["runtime"]}))
+
+
+@dataclass(frozen=True)
+class Motions:
+    """How a box moved, at a speed [m/s] along the waves."""
+
+    rows: np.ndarray  # (n, 3) time [s], heave over the amplitude of the waves, pitch over their slope
+    speed: float
+
+    @cached_property
+    def of(self) -> dict[str, float]:
+        """Amplitudes of both in the last periods, beside a trend."""
+        t = self.rows[:, 0]
+        last = t > t[-1] - JUDGED * PERIOD
+        met = (2.0 * pi / PERIOD - K * self.speed) * t[last]  # phase of the waves that are met
+        base = np.stack([np.cos(met), np.sin(met), np.ones_like(met), met], axis=1)
+        fit = np.linalg.lstsq(base, self.rows[last, 1:], rcond=None)[0]
+        return dict(zip(MOTIONS, map(float, np.hypot(fit[0], fit[1])), strict=True))
+
+    def curves(self, what: str = "") -> list[Curve]:
+        t = self.rows[:, 0] / PERIOD
+        return [Curve(f"{motion}{what}", t, self.rows[:, k + 1]) for k, motion in enumerate(MOTIONS)]
+
+
+def motions(simulation: Simulation, speed: float) -> Motions:
+    """How the box moves that is held in sway, or towed at a speed [m/s] along the waves."""
+    rows = []
+    for time, body in track(simulation, RUN * PERIOD):
+        pulled = np.array([speed * waves.grown(time, SETTING_OUT), *body.velocity[1:]])
+        ship_of(simulation).body = replace(body, velocity=pulled)
+        rows.append((time, body.position[1] / AMPLITUDE, body.angles[2] / (K * AMPLITUDE)))
+    found = np.array(rows)
+    found[:, 1] -= found[0, 1]
+    return Motions(found, speed)
+
+
+def in_closed_form(simulation: Simulation, speed: float) -> Motions:
+    """The same in `linear_waves`."""
+    extra = {"kind": "dynamic", "radiation": str(table_path("box_radiation")), "damping": {"cross_flow": 0.0}}
+    of_waves = {"height": 2.0 * AMPLITUDE, "period": PERIOD, "heading_deg": 90.0}
+    scene = at_sea(box() | extra, BREADTH, PERIOD / STEPS, RUN * PERIOD, **of_waves)
+    scene["basin"]["depth"] = DEPTH
+    with beside(simulation, scene) as plain:
+        return motions(plain, speed)

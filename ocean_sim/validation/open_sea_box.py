@@ -1,6 +1,6 @@
 """A box that floats in a patch of open sea, carried by what the particles press on it: does it move as in the sea.
 
-A section 1.0 m wide and 0.2 m deep, on six spacings in its draught, across waves of 1.8 s and 60 mm, free in heave and
+A section 1.0 m wide and 0.2 m deep, on eight spacings in its draught, across waves of 1.8 s and 60 mm, free in heave and
 pitch (its roll: waves go across it); at rest, and towed against the waves. The sea grows over two periods, since waves
 that were there at once would run through the box. Rims of a wavelength on either side leave two wavelengths free, and
 three in a larger patch. The answer is that of the same box in `linear_waves`, with added mass, damping and the force of
@@ -21,6 +21,7 @@ from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
 from ocean_sim.validation.shared.ship import DENSITY, G, at_sea, ship_of, track
+from ocean_sim.validation.shared.state import State, state
 from ocean_sim.validation.shared.tables import table_path
 
 BREADTH, DRAUGHT, HEIGHT, BILGE, LENGTH = 1.0, 0.2, 0.32, 0.0512, 1.0  # [m]
@@ -29,16 +30,17 @@ MASS = DENSITY * LENGTH * (BREADTH * DRAUGHT - 2.0 * BILGE**2 * (1.0 - pi / 4.0)
 PERIOD, AMPLITUDE, DEPTH = 1.8, 0.03, 1.0  # [s], [m], [m]
 K = float(waves.wavenumber(2.0 * pi / PERIOD, DEPTH, G))
 WAVE = 2.0 * pi / K  # [m]
-FINE, RIM, FREE = 6, 1.0, (2.0, 3.0)  # spacings in the draught, [wavelengths], of two patches
-RUN, JUDGED, STEPS = 14.0, 4.0, 240  # periods, those that are looked at, steps in each of `linear_waves`
+FINE, RIM, FREE = 8, 1.0, (2.0, 3.0)  # spacings in the draught, [wavelengths], of two patches
+RUN, JUDGED, STEPS = 11.0, 4.0, 240  # periods, those that are looked at, steps in each of `linear_waves`
 SPEED, SETTING_OUT = -0.5, 2.0 * PERIOD  # [m/s] along x, in which it is reached [s]
+STROKE, LOOKS, WHERE = 0.02, 16, (0.5, 0.95)  # of heave [m], looks at the waves a period, [wavelengths] from it
 CORNERS = 8  # of a bilge
 MOTIONS = ("heave", "pitch")
 WITHIN, ALIKE = 8.0, 3.0  # [%]
 
 
 def problems(coarse: bool) -> list[Problem]:
-    return [] if coarse else [afloat("moored", 0.0), afloat("towed", SPEED)]
+    return [] if coarse else [afloat("moored", 0.0), afloat("towed", SPEED), heaving()]
 
 
 def afloat(name: str, speed: float) -> Problem:
@@ -59,6 +61,49 @@ def afloat(name: str, speed: float) -> Problem:
 
     promises = (*wanted.values(), *alike.values())
     return Problem(patch(FREE[0]), promises, measure, name, True, "ship", ("pressure",), True)
+
+
+def heaving() -> Problem:
+    """Moved up and down in calm water: what of the waves that it makes comes back to it through the rim."""
+    back = Promise("heaving: wave that comes back, over that which leaves", "%", "none; 5 %", {"pressure": 5.0})
+    scene = patch(FREE[0])
+    scene["sea"] = {"kind": "linear_waves", "rim": scene["sea"]["rim"]}
+
+    def measure(simulation: Simulation) -> Finding:
+        omega, rows, values, nexts = 2.0 * pi / PERIOD, [], [], (RUN - JUDGED) * PERIOD
+        while simulation.time < RUN * PERIOD:
+            t = simulation.time + simulation.next_dt
+            speed = omega * STROKE * waves.grown(t, SETTING_OUT) * cos(omega * t)
+            ship_of(simulation).body = replace(ship_of(simulation).body, velocity=np.array([0.0, speed, 0.0]))
+            simulation.step()
+            if simulation.time >= nexts:
+                nexts += PERIOD / LOOKS
+                of, right = both_ways(state(simulation))
+                rows.append(of)
+                values.append(right)
+        fit = np.linalg.lstsq(np.concatenate(rows), np.concatenate(values), rcond=None)[0]
+        leaving, coming = np.hypot(fit[0], fit[1]), np.hypot(fit[2], fit[3])
+        share = 100.0 * float(coming / leaving)
+        return Finding({back.quantity: (share, 0.0, share)})
+
+    return Problem(scene, (back,), measure, "heaving", True, "ship", ("pressure",), True)
+
+
+def both_ways(water: State) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 4) velocities of waves of 1 m, cosine and sine, that leave and that come back, where they are looked at, and
+    (n,) those of the water; the patch is its own image left to right."""
+    (x, y), (u, v) = water.position[:, :2].T, water.velocity[:, :2].T
+    far = np.abs(x)
+    near = (far > WHERE[0] * WAVE) & (far < WHERE[1] * WAVE) & (y < -STROKE) & (y > -0.9 * DEPTH)
+    x, y, u, v = far[near], y[near], np.sign(x[near]) * u[near], v[near]
+    omega = 2.0 * pi / PERIOD
+    c, s = (G * K / omega * of for of in waves.profiles(K, y, DEPTH))
+    columns = []
+    for sign in (1.0, -1.0):
+        angle = sign * K * x - omega * water.time
+        columns.append(np.concatenate([sign * c * np.cos(angle), s * np.sin(angle)]))
+        columns.append(np.concatenate([-sign * c * np.sin(angle), s * np.cos(angle)]))
+    return np.stack(columns, axis=1), np.concatenate([u, v])
 
 
 def promise(quantity: str, within: float | None, source: str) -> Promise:

@@ -1,12 +1,12 @@
 """A box that floats in a patch of open sea, carried by what the particles press on it: does it move as in the sea.
 
-A section 1.0 m wide and 0.2 m deep, on eight spacings in its draught, across waves of 1.8 s and 60 mm, free in heave and
-pitch (its roll: waves go across it); at rest, and towed against the waves. The sea grows over two periods, since waves
-that were there at once would run through the box. Rims of a wavelength on either side leave two wavelengths free, and
-three in a larger patch. The answer is that of the same box in `linear_waves`, with added mass, damping and the force of
-scattered waves from a table of linear potential flow. Wanted, before anything was run: 8 % of it, and 3 % between both
-patches. The table knows no speed: of the towed box, whose pitch feels U times its added mass in heave, the closed form
-is reported and both patches are compared.
+A section 1.0 m wide and 0.2 m deep, on eight spacings in its draught, across waves of 1.8 s and 60 mm, free in heave
+and pitch (its roll: waves go across it); at rest, and towed against the waves. The sea grows over two periods, since
+waves that were there at once would run through the box. Rims of a wavelength on either side leave two wavelengths
+free, and three in a larger patch. The answer is that of the same box in `linear_waves`, with added mass, damping and
+the force of scattered waves from a table of linear potential flow. Wanted, before anything was run: 8 % of it, and 3 %
+between both patches. The table knows no speed: of the towed box, whose pitch feels U times its added mass in heave,
+the closed form is reported and both patches are compared.
 """
 
 from dataclasses import dataclass, replace

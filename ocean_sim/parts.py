@@ -283,6 +283,10 @@ class FluidConfig(KindConfig):
         """What the water does that a reader of its results should know."""
         return []
 
+    def notes(self, preflight: Preflight) -> list[str]:
+        """What its model leaves out in this scene, which nothing need be done about."""
+        return []
+
     def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
         """Memory that a window of its plane waves takes, with so many nodes and levels; 0 of particles."""
         return 0

@@ -125,10 +125,6 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
     def warnings(self, preflight: Preflight) -> list[str]:
         tile, found = self.tile_of(preflight.tank), []
         if self.order == 3:
-            found.append(
-                f"order 3: the sea from afar is nonlinear and repeats itself after {tile.side:.4g} m; the waves of "
-                "ships and winds stay linear"
-            )
             kept = 4.0 * tile.cell
             if self.highest is None:
                 found.append("order 3 changes nothing in calm water: what ships and winds make is linear")
@@ -148,14 +144,23 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
                 )
             if look is None:
                 found.append(f"a ship of kind {ship.kind} has no hull that could push the water: she makes no waves")
-            else:
-                found.append(
-                    f"the waves that {called(name)} makes are seen and act on other ships, but not on herself: her "
-                    "damping stands for their force"
-                )
         if not preflight.wind.still:
             found.append("only the vertical part of the wind presses on the water; its drag moves no water here")
         return found
+
+    def notes(self, preflight: Preflight) -> list[str]:
+        found, side = [], self.tile_of(preflight.tank).side
+        if self.order == 3:
+            found.append(
+                f"order 3: the sea from afar is nonlinear and repeats itself after {side:.4g} m; the waves of ships "
+                "and winds stay linear"
+            )
+        return found + [
+            f"the waves that {called(name)} makes are seen and act on other ships, but not on herself: her damping "
+            "stands for their force"
+            for name, ship in preflight.ships.items()
+            if ship.look(preflight) is not None
+        ]
 
     def statements(self, preflight: Preflight) -> list[str]:
         tile = self.tile_of(preflight.tank)

@@ -286,6 +286,7 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
         if not problems and not wrong:
             values = {key: getattr(heading, key) for key in headings}
             values |= {slot: parts[slot] for slot in SLOTS if slot != ALONE}
+            notes += preflight.fluid.notes(preflight)
             config = SceneConfig(
                 **values, ships=preflight.ships, basin=tank_config, runtime=runtime, observers=observers, notes=notes
             )

@@ -2,6 +2,7 @@
 
 Nothing else acts along x, so this is exact, whatever the resolution and however many particles count as surface; in
 single precision but for rounding: a particle's velocity gains in each step what is some 1e-5 of it, in digits of 1e-7.
+On 10 layers single precision is at its limit: -2e-6 to -1.1e-5, still air -3e-6 to 1.7e-5, as its sums are rounded.
 """
 
 from typing import Any
@@ -19,7 +20,7 @@ SOURCE = "dP/dt = tau A, exact"
 
 
 def problems(coarse: bool) -> list[Problem]:
-    layers = (5, 10) if coarse else (10, 20)
+    layers = (5,) if coarse else (10, 20)
     return [*(problem(DEPTH / n, "f32") for n in layers), problem(DEPTH / layers[-1], "f64")]
 
 

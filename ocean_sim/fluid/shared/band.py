@@ -100,7 +100,7 @@ class Band:
             cells = " x ".join(str(n) for n in cells_of(self)[: len(self.sides)])
             found.append(
                 f"the sea is nonlinear to third order on {cells} cells, "
-                f"which comes on over the first {self.nonlinear.onset:.3g} s"
+                f"which sets in over the first {self.nonlinear.onset:.3g} s"
             )
         at_rest, following = self.at_ship(0.0), self.at_ship(1.0)
         if at_rest is None or following is None:

@@ -36,7 +36,7 @@ from ocean_sim.parts import (
     slot_of,
     water_schemes,
 )
-from ocean_sim.reading.composition import Composition, composed, unknown_name
+from ocean_sim.reading.composition import Composition, composed, unknown_name, with_owners
 from ocean_sim.reading.translation import choice_sentence, dotted, likeliest, validated
 from ocean_sim.runtime import RuntimeConfig
 from ocean_sim.simulation import ObserverConfig
@@ -339,7 +339,12 @@ def _model(
     """The value of a key as its model, by default that of the kind in a slot; None where it is absent or wrong."""
     node = _node(composition.root.data, name)
     if node is not None and node.data is not None:
-        return validated(model or config_of(slot_of(name), node.data["kind"].data), node, (name,), problems, folder)
+        if model is not None:
+            return validated(model, node, (name,), problems, folder)
+        slot, wrong = slot_of(name), list[Problem]()
+        found = validated(config_of(slot, node.data["kind"].data), node, (name,), wrong, folder)
+        problems += (with_owners(one, slot, name) for one in wrong)
+        return found
     if name in ("basin", "fluid") and name not in composition.failed:
         problems.append(problem(composition.root.location, name, "missing key"))
     return RuntimeConfig() if name == "runtime" else None

@@ -80,14 +80,16 @@ def left_out(plan: dict[str, list[tuple[Problem, str]]], schemes: list[str], coa
     slow: dict[str, list[str]] = {}
     for case, pairs in plan.items():
         ran = {problem.name for problem, _ in pairs}
-        more = [p.name for p in problems(case, slow=True, coarse=coarse) if p.under(schemes) and p.name not in ran]
+        more = {
+            p.name: None for p in problems(case, slow=True, coarse=coarse) if p.under(schemes) and p.name not in ran
+        }
         if more:
-            slow[case] = more if pairs else []
+            slow[case] = list(more) if pairs else []
         elif not pairs:
             yield f"{case}: nothing to run under these schemes"
     if slow:
         why = "longer than a gate has time for" if coarse else "minutes"
-        names = [f"{case} ({', '.join(more)})" if more else case for case, more in slow.items()]
+        names = [f"{case} ({'; '.join(more)})" if more else case for case, more in slow.items()]
         yield f"left out, as they take {why} (--slow adds them): {', '.join(names)}"
 
 

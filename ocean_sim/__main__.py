@@ -227,7 +227,8 @@ def validate(
     coarse: Annotated[
         bool,
         typer.Option(
-            "--coarse", help="A gate of about a minute: at twice the spacing or more, with its own tolerances."
+            "--coarse",
+            help="A gate for CI: at twice the spacing or more, with its own tolerances, without what takes long.",
         ),
     ] = False,
     sets: Sets = None,

@@ -1,5 +1,5 @@
-"""Set-ups at coarse resolution, for a gate of a minute that tells of changes: their tolerances, and which of them it
-has no time for."""
+"""Set-ups at coarse resolution, for a gate that tells of changes in a minute or two: their tolerances, and which ones
+take longer than it has time for."""
 
 from dataclasses import replace
 from functools import cache

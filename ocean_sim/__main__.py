@@ -88,7 +88,7 @@ def run(
     sets: Sets = None,
     out: Out = None,
     until: Annotated[float | None, typer.Option(help="Simulated time [s], instead of the scene's duration.")] = None,
-    overwrite: Annotated[bool, typer.Option(help="Write into --out even where there is a run already.")] = False,
+    overwrite: Annotated[bool, typer.Option(help="Replace a run that is in --out already.")] = False,
     frame: Annotated[str | None, typer.Option(help="Axes of motion.csv: ship, ned or flu.")] = None,
     quiet: Quiet = False,
     json: Json = False,
@@ -220,8 +220,17 @@ def validate(
         list[str] | None,
         typer.Option(help="A kind of fluid or ship; give it twice to compare two. By default delta_sph."),
     ] = None,
-    slow: Annotated[bool, typer.Option("--slow", help="Also the set-ups that take minutes.")] = False,
-    coarse: Annotated[bool, typer.Option("--coarse", help="At twice the spacing or more, for a quick look.")] = False,
+    slow: Annotated[
+        bool,
+        typer.Option("--slow", help="Also the set-ups that take minutes; with --coarse seconds, too many for a gate."),
+    ] = False,
+    coarse: Annotated[
+        bool,
+        typer.Option(
+            "--coarse",
+            help="A gate for CI: at twice the spacing or more, with its own tolerances, without what takes long.",
+        ),
+    ] = False,
     sets: Sets = None,
     out: Annotated[Path, typer.Option(help="Where validate.csv and the pictures go.")] = Path("runs/validate"),
     junit: Annotated[
@@ -241,7 +250,9 @@ def hull(
     name: Annotated[
         str, typer.Argument(help="A hull, a ship or a scene by its name, a scene file, or an STL, OBJ or PLY file.")
     ],
-    mass: Annotated[float | None, typer.Option(min=0.001, help="Of the whole ship [kg], if not as the hull.")] = None,
+    mass: Annotated[
+        float | None, typer.Option(min=0.001, help="Mass of the whole ship [kg], where it is not that of the hull.")
+    ] = None,
     draught: Annotated[float | None, typer.Option(min=0.0001, help="[m], upright, instead of a mass.")] = None,
     kg: Annotated[float | None, typer.Option(help="Height of the centre of mass above the keel [m].")] = None,
     cg: Annotated[
@@ -297,16 +308,16 @@ def render(
     quality: Annotated[str, typer.Option(help="draft or final.")] = "final",
     size: Annotated[str | None, typer.Option(help="Width and height in pixels, even: 1280x720.")] = None,
     stills: Annotated[str | None, typer.Option(help="Times [s] of further pictures: 2,4.5,6.")] = None,
-    strip: Annotated[int, typer.Option(help="So many pictures side by side in strip.png.")] = 0,
+    strip: Annotated[int, typer.Option(help="Number of pictures side by side in strip.png.")] = 0,
     film: Annotated[bool, typer.Option("--film/--no-film", help="Make film.mp4.")] = True,
     fps: Annotated[float | None, typer.Option(help="Pictures a second of the film, which runs in real time.")] = None,
     particles: Annotated[bool, typer.Option("--particles", help="Draw particles instead of the surface.")] = False,
     eye: Annotated[str | None, typer.Option(help="X,Y,Z [m] of the fixed camera.")] = None,
     target: Annotated[str | None, typer.Option(help="X,Y,Z [m] at which the fixed camera looks.")] = None,
-    ship: Annotated[str | None, typer.Option(help="Of several ships, the one that a camera follows.")] = None,
+    ship: Annotated[str | None, typer.Option(help="The ship that a camera follows, where there are several.")] = None,
     caption: Annotated[bool, typer.Option("--caption/--no-caption", help="Write the time into the pictures.")] = True,
     outline: Annotated[bool, typer.Option("--outline", help="Draw where the basin ends.")] = False,
-    scale_bar: Annotated[bool, typer.Option("--scale-bar", help="Draw a bar of so many metres.")] = False,
+    scale_bar: Annotated[bool, typer.Option("--scale-bar", help="Length of a scale bar to draw [m].")] = False,
     wind: Annotated[bool, typer.Option("--wind", help="Draw where the wind blows, and where to.")] = False,
     out: Annotated[Path | None, typer.Option(help="By default the run folder.")] = None,
     json: Json = False,
@@ -358,7 +369,8 @@ def preview(
     profile: Profile = None,
     sets: Sets = None,
     frames: Annotated[
-        int | None, typer.Option(min=1, help="Write so many pictures instead of opening a window; needs no screen.")
+        int | None,
+        typer.Option(min=1, help="Number of pictures to write instead of opening a window; needs no screen."),
     ] = None,
     out: Annotated[
         Path | None, typer.Option(help="Where pictures, snapshots and recordings go; by default runs/<scene>-preview.")
@@ -473,7 +485,9 @@ def figure(
 @app.command()
 def gallery(
     names: Annotated[list[str] | None, typer.Argument(help="Of pictures; by default those that are old.")] = None,
-    check: Annotated[bool, typer.Option("--check", help="Only list those that are old, with their commands.")] = False,
+    check: Annotated[
+        bool, typer.Option("--check", help="Only list those that are out of date, with their commands.")
+    ] = False,
     every: Annotated[bool, typer.Option("--all", help="Make all of them.")] = False,
     out: Annotated[Path | None, typer.Option(help="By default figures/gallery of this checkout.")] = None,
     json: Json = False,
@@ -504,7 +518,9 @@ def platform(
     ] = None,
     packets: Annotated[str, typer.Option(help="ocean_sim, openmotionsim, floats or text.")] = "ocean_sim",
     key: Annotated[Path | None, typer.Option(help="A file whose content signs every packet of ocean_sim.")] = None,
-    film: Annotated[bool, typer.Option("--film", help="Also film.gif: the hexapod in its liveliest 10 s.")] = False,
+    film: Annotated[
+        bool, typer.Option("--film", help="Also film.gif: the 10 s in which the hexapod moves most.")
+    ] = False,
     out: Annotated[Path, typer.Option(help="Where platform.csv, metrics.csv and the pictures go.")] = Path(
         "runs/platform"
     ),

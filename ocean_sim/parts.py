@@ -284,6 +284,18 @@ class FluidConfig(KindConfig):
         """What the water does that a reader of its results should know."""
         return []
 
+    def notes(self, preflight: Preflight) -> list[str]:
+        """What its model leaves out in this scene, which nothing need be done about."""
+        return []
+
+    def point_spacing(self, preflight: Preflight) -> float:
+        """Distance [m] of the points at which frames keep the height of the water, where a scene gives none."""
+        return preflight.spacing or preflight.tank.depth
+
+    def point_time(self, preflight: Preflight) -> float:
+        """Processor time [s] of each of these points in closed form; that of particles goes with their number."""
+        return 0.0
+
     def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
         """Memory that a window of its plane waves takes, with so many nodes and levels; 0 of particles."""
         return 0

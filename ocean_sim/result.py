@@ -142,5 +142,5 @@ def wave_field(scene: str | Path | dict[str, Any], overrides: dict[str, Any] | N
     with Simulation(load(scene, overrides)) as simulation:
         sea = simulation.fluid.plane_waves
     if sea is None:
-        raise Refused("the water of this scene is not a sum of plane waves; linear_waves and spectral_sea are")
+        raise Refused("the water of this scene is not a sum of plane waves, as linear_waves and spectral_sea are")
     return WaveField(sea)

@@ -321,8 +321,9 @@ def start(config: RuntimeConfig) -> Backend:
         return _started[1]
     if config.library not in (None, kernel_library.NAME):
         raise BackendMissing(
-            f"runtime.library: {config.library} was asked for, and this process computes with {kernel_library.NAME}; "
-            f"set {kernel_library.VARIABLE}={config.library} before it starts, or leave the key out"
+            f"runtime.library: {config.library} was chosen, but this process already computes with "
+            f"{kernel_library.NAME}; set {kernel_library.VARIABLE}={config.library} before it starts, or leave the key "
+            "out"
         )
     _numbered = False
     threads = config.threads or cores()

@@ -59,7 +59,7 @@ class ObserverConfig(PartConfig):
     leaves: ClassVar[str] = ""
     """The files it leaves, as the ledger states them."""
     takes: ClassVar[tuple[float, float]] = (0.0, 0.0)
-    """Processor time of one observation [s], and more for each particle; not measured for water in closed form."""
+    """Processor time of one observation [s], and more for each particle."""
 
     @classmethod
     def name(cls) -> str:
@@ -74,12 +74,12 @@ class ObserverConfig(PartConfig):
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         base, each = self.takes
         every = self.interval(preflight) if base else 0.0
-        seconds = base + each * preflight.particles if preflight.particles else 0.0
+        seconds = base + each * preflight.particles
         return [LedgerRow(self.name(), self.leaves, 0, f"every {every:g} s" if every else "", seconds, every)]
 
-    def picture_time(self, duration: float) -> float:
-        """Wall time [s] of the pictures that it draws when a run of this duration [s] is over, as measured on two cores
-        without a graphics card."""
+    def picture_time(self, preflight: Preflight) -> float:
+        """Wall time [s] of the pictures of a film that it draws of a run, as measured on two cores without a graphics
+        card."""
         return 0.0
 
     @abstractmethod

@@ -99,6 +99,16 @@ def test_the_version_and_a_quiet_run(capsys, tmp_path):
     assert set(told["wall_s"]) == {"start", "steps", "pictures", "total"} and told["wall_s"]["total"] > 0.0
 
 
+def test_a_key_of_another_kind_names_that_kind(capsys):
+    assert answered(["explain", "wind.stress.u10"]) == 0
+    assert "where    wind.kind is stress" in capsys.readouterr().out
+    assert answered(["check", "showcase", "--set", "wind.u10=8"]) == 2
+    assert "wind.u10: unknown key; there are kind, " in (said := capsys.readouterr().err)
+    assert said.rstrip().endswith("it is a key of kind stress")
+    assert answered(["check", "showcase", "--set", "wind.tragets=[ship]"]) == 2
+    assert "did you mean 'targets'" in (said := capsys.readouterr().err) and "it is a key" not in said
+
+
 def test_no_sentence_of_a_list_is_cut_where_its_line_ends():
     assert opening("A flume: a slice\nand a wall. More.\nYet more.\n\nElse.") == "A flume: a slice and a wall. More."
     assert opening("") == "" and opening("A title, for `bench`") == "A title, for `bench`"

@@ -89,7 +89,7 @@ def test_a_run_with_a_film_says_so_and_how_to_leave_it_out(capsys):
     run_verb.film(load(SEA))  # 10 pictures of 1280 x 720, a draft taking 0.5 s
     time = f"about {5.0:.1f} s on two idle cores"
     cure = "--set render=null leaves them out"
-    assert capsys.readouterr().out == f"its pictures, drawn while it goes on or after it, take {time}; {cure}\n"
+    assert capsys.readouterr().out == f"its pictures, drawn during the run or after it, take {time}; {cure}\n"
     run_verb.film(load(SEA, {"render.film": False}))
     run_verb.film(load(SEA, {"render": None}))
     assert capsys.readouterr().out == ""
@@ -100,11 +100,11 @@ def test_an_interrupt_names_what_can_still_be_done(tmp_path):
     progress.time = 4.0
     assert str(run_verb.stopped(progress, tmp_path)) == f"stopped at t = 4.000 s; {tmp_path} holds what was written"
     (tmp_path / "checkpoint_000004.000000.h5").touch()
-    assert str(run_verb.stopped(progress, tmp_path)).endswith(f"; `ocean-sim resume {tmp_path}` goes on")
+    assert str(run_verb.stopped(progress, tmp_path)).endswith(f"; `ocean-sim resume {tmp_path}` continues it")
     progress.time = 10.0
     sentence = str(run_verb.stopped(progress, tmp_path))
     later = f"`ocean-sim render {tmp_path}` draws them"
-    assert sentence == f"stopped while its pictures were drawn; {tmp_path} holds all else of the run; {later}"
+    assert sentence == f"stopped while its pictures were drawn; {tmp_path} holds everything else; {later}"
 
 
 def test_python_prints_a_line_after_each_tenth_where_it_is_asked_to(tmp_path, monkeypatch, capsys):

@@ -8,7 +8,15 @@ from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.fluid import Limits
-from ocean_sim.fluid.shared.open_water import ADVANCE, POINTS_PER_WAVE, SMOOTH, OpenWater, status_of
+from ocean_sim.fluid.shared.open_water import (
+    ADVANCE,
+    POINT,
+    POINTS_PER_WAVE,
+    SMOOTH,
+    WAVE_AT_POINT,
+    OpenWater,
+    status_of,
+)
 from ocean_sim.fluid.shared.plane_waves import NO_DRIFT, PlaneWaves
 from ocean_sim.fluid.shared.window import Window
 from ocean_sim.kernel_library import ti
@@ -55,6 +63,17 @@ class Config(waves.GrowingTrain, FluidConfig):
         sampled, within 0.05 % of the waves."""
         return Limits(force=SMOOTH * self.scale[1])
 
+    def point_spacing(self, preflight: Preflight) -> float:
+        return self.apart(preflight.tank)
+
+    def apart(self, tank: waves.Tank) -> float:
+        """Distance [m] of points that show the waves."""
+        k = waves.wavenumber(2.0 * np.pi / self.scale[1], tank.depth, waves.pull(tank))
+        return 2.0 * np.pi / float(k) / POINTS_PER_WAVE
+
+    def point_time(self, preflight: Preflight) -> float:
+        return POINT + WAVE_AT_POINT * len(self.sea(preflight.tank).amplitude)
+
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         n, word = len(self.sea(preflight.tank).amplitude), preflight.word
         return [
@@ -80,8 +99,7 @@ class LinearWaves(OpenWater):
 
     def __init__(self, config: Config, basin: Basin) -> None:
         self.config, sea = config, config.growing(config.sea(basin))
-        k = float(waves.wavenumber(2.0 * np.pi / config.scale[1], basin.depth, sea.gravity))
-        self.spacing = 2.0 * np.pi / k / POINTS_PER_WAVE  # [m] between points that show the waves
+        self.spacing = config.apart(basin)  # [m]
         self.still = config.smooth
         self.reference_speed = (sea.gravity * basin.depth) ** 0.5
         self.rest_density = config.rest_density

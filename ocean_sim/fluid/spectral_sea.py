@@ -22,7 +22,16 @@ from ocean_sim.fluid import Displacing, Fluid, Limits
 from ocean_sim.fluid.shared.air_pressure import AirPressure
 from ocean_sim.fluid.shared.breaking import Breaking
 from ocean_sim.fluid.shared.high_order import STEEP, STEPS_PER_WAVE, HighOrder, evolving, step_of
-from ocean_sim.fluid.shared.open_water import ADVANCE, POINTS_PER_WAVE, SMOOTH, Felt, OpenWater, status_of
+from ocean_sim.fluid.shared.open_water import (
+    ADVANCE,
+    POINT,
+    POINTS_PER_WAVE,
+    SMOOTH,
+    WAVE_AT_POINT,
+    Felt,
+    OpenWater,
+    status_of,
+)
 from ocean_sim.fluid.shared.plane_waves import NO_DRIFT, PlaneWaves
 from ocean_sim.fluid.shared.sheet import WORDS, Sheet
 from ocean_sim.fluid.shared.tile import PER_TILE, RIM, Layer, OnTile, Shown, Tile
@@ -39,6 +48,7 @@ FITTING = 0.01  # part of its wavenumber by which a regular wave may be changed 
 HELD = 0.5  # part of a sea's energy that a tile which repeats itself must hold
 DRAWN = 4000  # plane waves that stand for a spectrum before they are fitted to a tile
 CELL, READ = 6.0e-8, 3.0e-7  # [s] of processor time a step and cell of a tile
+STEEP_AT_POINT, MADE_AT_POINT = 4.5e-6, 2.2e-6  # [s] at a point of a frame: of a nonlinear sea, of each tile else
 
 
 class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
@@ -125,10 +135,6 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
     def warnings(self, preflight: Preflight) -> list[str]:
         tile, found = self.tile_of(preflight.tank), []
         if self.order == 3:
-            found.append(
-                f"order 3: the sea from afar is nonlinear and repeats itself after {tile.side:.4g} m; the waves of "
-                "ships and winds stay linear"
-            )
             kept = 4.0 * tile.cell
             if self.highest is None:
                 found.append("order 3 changes nothing in calm water: what ships and winds make is linear")
@@ -148,14 +154,23 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
                 )
             if look is None:
                 found.append(f"a ship of kind {ship.kind} has no hull that could push the water: she makes no waves")
-            else:
-                found.append(
-                    f"the waves that {called(name)} makes are seen and act on other ships, but not on herself: her "
-                    "damping stands for their force"
-                )
         if not preflight.wind.still:
             found.append("only the vertical part of the wind presses on the water; its drag moves no water here")
         return found
+
+    def notes(self, preflight: Preflight) -> list[str]:
+        found, side = [], self.tile_of(preflight.tank).side
+        if self.order == 3:
+            found.append(
+                f"order 3: the sea from afar is nonlinear and repeats itself after {side:.4g} m; the waves of ships "
+                "and winds stay linear"
+            )
+        return found + [
+            f"the waves that {called(name)} makes are seen and act on other ships, but not on herself: her damping "
+            "stands for their force"
+            for name, ship in preflight.ships.items()
+            if ship.look(preflight) is not None
+        ]
 
     def statements(self, preflight: Preflight) -> list[str]:
         tile = self.tile_of(preflight.tank)
@@ -174,6 +189,14 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         within 0.05 % of the waves, and no step of a tile left out."""
         period = self.highest[1] if self.highest is not None else np.inf
         return Limits(force=min(SMOOTH * period, 4.0 * self.step_of(tile)))
+
+    def point_spacing(self, preflight: Preflight) -> float:
+        return spacing(self.sea_of(preflight.tank), self.tile_of(preflight.tank))
+
+    def point_time(self, preflight: Preflight) -> float:
+        made = sum(ship.look(preflight) is not None for ship in preflight.ships.values()) + (not preflight.wind.still)
+        steep = STEEP_AT_POINT if self.order == 3 else 0.0
+        return POINT + WAVE_AT_POINT * self.summed(preflight) + steep + MADE_AT_POINT * made
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         word, tile = preflight.word, self.tile_of(preflight.tank)

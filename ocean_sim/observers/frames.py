@@ -14,7 +14,7 @@ from ocean_sim.files.whole_file import whole
 from ocean_sim.fluid import Fluid
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.sampled import Multiples
-from ocean_sim.parts import Preflight, Problems, key_of
+from ocean_sim.parts import LedgerRow, Preflight, Problems, key_of
 from ocean_sim.pictures import foam
 from ocean_sim.ship import Ship
 from ocean_sim.simulation import Observer, PeriodicConfig
@@ -46,8 +46,8 @@ class Config(PeriodicConfig):
     """Keep the positions and velocities of the particles, which `export` and pictures of particles need."""
 
     def points(self, preflight: Preflight) -> int:
-        """At which a frame keeps the height of the water; as many as the finest wave asks for are not known yet."""
-        return grid_size(preflight.tank, self.spacing or preflight.spacing or preflight.tank.depth)
+        """At which a frame keeps the height of the water."""
+        return grid_size(preflight.tank, self.spacing or preflight.fluid.point_spacing(preflight))
 
     def mismatches(self, preflight: Preflight) -> Problems:
         points = self.points(preflight)
@@ -64,6 +64,10 @@ class Config(PeriodicConfig):
             return []
         cure = "; frames.particles: false keeps only the surface" if kept else ""
         return [f"frames: about {size / 1e9:.1f} GB on disk at one frame every {self.every:g} s{cure}"]
+
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        heights = self.points(preflight) * preflight.fluid.point_time(preflight)
+        return [row._replace(seconds=row.seconds + heights) for row in super().ledger(preflight)]
 
     def build(self, folder: Path, simulation: "Simulation") -> "Frames":
         return Frames(self, folder, simulation)

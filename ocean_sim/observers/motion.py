@@ -134,7 +134,7 @@ class Log:
             angles="intrinsic yaw, pitch, roll; the quaternion turns body to world",
             forces="world axes, torques about the centre of mass",
             velocities="those that led to the pose, which are of half a step before",
-            damping="what the water that moves along does back is part of damping",
+            damping="the reaction of added mass is part of damping",
         )
         head |= {"frame": config.frame, "axes": AXES[config.frame]}
         self.columns = columns(ship.parts)

@@ -37,7 +37,10 @@ from ocean_sim.simulation import Concluding, PeriodicConfig, Progress
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
-PICTURE = {"draft": 0.5, "final": 1.1}  # [s] of a picture of 1280 x 720 on two cores without a graphics card
+PICTURE = {  # [s] of a picture of 1280 x 720 on two cores without a graphics card, by dimensions and quality
+    2: {"draft": 0.07, "final": 0.18},
+    3: {"draft": 0.5, "final": 1.1},
+}
 GAP = 6  # pixels between the pictures of a strip
 YIELDING = 10  # by which the child that draws is nicer than a run that goes on
 MOMENTS = "moments.png"  # next to the film
@@ -49,7 +52,7 @@ probe = opengl.probe
 
 class Config(PeriodicConfig):
     turn: ClassVar[int] = 4
-    leaves: ClassVar[str] = "film, drawn while the run goes on, and pictures"
+    leaves: ClassVar[str] = "film, drawn during the run, and pictures"
     every: float = quantity("s", 0.033, gt=0.0)
     """Simulated time between pictures of the film, which runs in real time."""
     camera: Name = "third_person"
@@ -107,7 +110,7 @@ class Config(PeriodicConfig):
         if self.camera == "fixed" and (self.eye is None or self.target is None):
             raise ValueError("a fixed camera needs an eye and a target, [x, y, z] in metres each")
         if self.camera != "fixed" and not (self.eye is None and self.target is None):
-            raise ValueError(f"eye and target are of the camera fixed, not of {self.camera}")
+            raise ValueError(f"eye and target belong to the camera fixed, not to {self.camera}")
         if self.camera == "fixed" and self.eye == self.target:
             raise ValueError("a fixed camera cannot look at its own position; let eye and target differ")
         return self
@@ -129,8 +132,9 @@ class Config(PeriodicConfig):
         """How many pictures the film of a run of this duration [s] has; 0 without a film."""
         return int(duration / self.every * (1.0 + 1e-9)) + 1 if self.film else 0
 
-    def picture_time(self, duration: float) -> float:
-        return self.film_pictures(duration) * PICTURE[self.quality] * self.size[0] * self.size[1] / (1280.0 * 720.0)
+    def picture_time(self, preflight: Preflight) -> float:
+        each = PICTURE[preflight.tank.dimension][self.quality] * self.size[0] * self.size[1] / (1280.0 * 720.0)
+        return self.film_pictures(preflight.duration) * each
 
     def build(self, folder: Path, simulation: "Simulation") -> "Render":
         return Render(self, folder, simulation)

@@ -55,7 +55,7 @@ class Config(PlatformConfig):
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         """It has no fields; the ledger of `platform_log` holds the cost of its rows."""
         kind = cast(WashoutConfig, self.washout).kind
-        return [LedgerRow("platform", f"{kind} washout and six legs", 0, "platform_log asks for its rows")]
+        return [LedgerRow("platform", f"{kind} washout and six legs", 0, "for platform_log")]
 
     def build(self, every: float) -> "Moving":
         """`every`: time between the rows that it will follow [s]."""

@@ -257,6 +257,17 @@ def kind_of_keys(slot: str, node: Node) -> str | None:
     return best[0] if most and len(best) == 1 else None
 
 
+def with_owners(found: Problem, slot: str, place: str) -> Problem:
+    """A problem; that of an unknown key which no other is like says which other kinds of the slot have it."""
+    key = found.key.removeprefix(f"{place}.")
+    if not found.message.startswith("unknown key") or found.suggestion is not None:
+        return found
+    owners = [kind for kind in kinds(slot) if key in config_of(slot, kind).model_fields]
+    if not owners:
+        return found
+    return found._replace(message=f"{found.message}; it is a key of kind {', '.join(owners)}")
+
+
 def known(slot: str) -> list[str]:
     """Every name that a slot understands: presets and kinds."""
     return sorted({*named(slot), *kinds(slot)})

@@ -36,7 +36,7 @@ from ocean_sim.parts import (
     slot_of,
     water_schemes,
 )
-from ocean_sim.reading.composition import Composition, composed, unknown_name
+from ocean_sim.reading.composition import Composition, composed, unknown_name, with_owners
 from ocean_sim.reading.translation import choice_sentence, dotted, likeliest, validated
 from ocean_sim.runtime import RuntimeConfig
 from ocean_sim.simulation import ObserverConfig
@@ -286,6 +286,7 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
         if not problems and not wrong:
             values = {key: getattr(heading, key) for key in headings}
             values |= {slot: parts[slot] for slot in SLOTS if slot != ALONE}
+            notes += preflight.fluid.notes(preflight)
             config = SceneConfig(
                 **values, ships=preflight.ships, basin=tank_config, runtime=runtime, observers=observers, notes=notes
             )
@@ -338,7 +339,12 @@ def _model(
     """The value of a key as its model, by default that of the kind in a slot; None where it is absent or wrong."""
     node = _node(composition.root.data, name)
     if node is not None and node.data is not None:
-        return validated(model or config_of(slot_of(name), node.data["kind"].data), node, (name,), problems, folder)
+        if model is not None:
+            return validated(model, node, (name,), problems, folder)
+        slot, wrong = slot_of(name), list[Problem]()
+        found = validated(config_of(slot, node.data["kind"].data), node, (name,), wrong, folder)
+        problems += (with_owners(one, slot, name) for one in wrong)
+        return found
     if name in ("basin", "fluid") and name not in composition.failed:
         problems.append(problem(composition.root.location, name, "missing key"))
     return RuntimeConfig() if name == "runtime" else None

@@ -58,7 +58,8 @@ class Config(FloatingConfig):
             found.append("a ship of kind pressure feels only the water; wind does not act on it")
         lower, upper = self.whole_hull.shape.bounds()
         if spacing is not None and (upper - lower).min() < FEWEST * spacing:
-            found.append(f"the hull is {(upper - lower).min() / spacing:.2g} spacings thin: water feels through it")
+            thin = (upper - lower).min() / spacing
+            found.append(f"the hull is {thin:.2g} spacings thin: water on either side acts on that on the other")
         return found
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:

@@ -43,10 +43,11 @@ def names() -> list[str]:
 
 
 def problems(name: str, *, slow: bool = False, coarse: bool = False) -> "list[Problem]":
-    """The set-ups of a case; `slow` adds those that take minutes, `coarse` takes two or more times the spacing."""
-    found = [problem for problem in import_module(f"{__name__}.{name}").problems(coarse) if slow or not problem.slow]
-    if not coarse:
-        return found
-    from ocean_sim.validation.shared.coarse import coarse as made_coarse
+    """The set-ups of a case; `coarse` takes two or more times the spacing, `slow` adds those that take minutes, and of
+    coarse ones those that a gate has no time for."""
+    found: list[Problem] = import_module(f"{__name__}.{name}").problems(coarse)
+    if coarse:
+        from ocean_sim.validation.shared.coarse import coarse as made_coarse
 
-    return [made_coarse(name, problem) for problem in found]
+        found = [made_coarse(name, problem) for problem in found]
+    return [problem for problem in found if slow or not problem.slow]

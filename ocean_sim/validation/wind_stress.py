@@ -2,6 +2,9 @@
 
 Nothing else acts along x, so this is exact, whatever the resolution and however many particles count as surface; in
 single precision but for rounding: a particle's velocity gains in each step what is some 1e-5 of it, in digits of 1e-7.
+On 10 layers single precision is at its limit: -2e-6 to -1.1e-5, still air -3e-6 to 1.7e-5, as its sums are rounded. In
+water of 5 layers, whose support reaches from the surface nearly to the bed, 3e-7 of the momentum is lost in double
+precision, too, and on 10 layers less than 1e-12: why is not known.
 """
 
 from typing import Any
@@ -19,8 +22,9 @@ SOURCE = "dP/dt = tau A, exact"
 
 
 def problems(coarse: bool) -> list[Problem]:
-    layers = (5, 10) if coarse else (10, 20)
-    return [*(problem(DEPTH / n, "f32") for n in layers), problem(DEPTH / layers[-1], "f64")]
+    if coarse:
+        return [problem(DEPTH / 5, "f32"), problem(DEPTH / 10, "f64")]
+    return [*(problem(DEPTH / n, "f32") for n in (10, 20)), problem(DEPTH / 20, "f64")]
 
 
 def problem(spacing: float, precision: str) -> Problem:

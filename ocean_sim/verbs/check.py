@@ -16,7 +16,7 @@ NOTHING = dict.fromkeys(
 )
 CARD = 16e9  # [bytes] of a graphics card, which cannot be asked for its own before it is started
 LONGEST = 0.8  # the courant number of the profiles `ci` and `interactive`, up to which steps were found stable
-ON_ALL_THREADS = ("wind", "fluid", "surface")  # the slots whose work is shared among threads; the rest is done by one
+ON_ALL_THREADS = ("wind", "fluid", "surface")  # whose work among particles all threads share; one does the rest
 START, START_OF_PARTICLES = 3.1, 3.4  # [s] imports and kernels out of their cache, and what particles add; measured
 
 
@@ -67,13 +67,12 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
     if memory > 0.9 * machine.memory():
         warnings.append(f"needs {memory / 1e9:.1f} GB of memory; this machine has {machine.memory() / 1e9:.1f} GB")
     steps = config.duration / dt
-    shared = sum(row.a_step(dt) for row in rows if row.part in ON_ALL_THREADS)
+    shared = sum(row.a_step(dt) for row in rows if particles and row.part in ON_ALL_THREADS)
     alone = sum(row.a_step(dt) for row in rows) - shared
     parts = {
         "start_s": START + (START_OF_PARTICLES if particles else 0.0),
-        # not measured: that of closed forms, and of cards
-        "steps_s": steps * (shared / threads + alone) if particles and not card else None,
-        "pictures_s": sum(part.picture_time(config.duration) for part in config.observers.values()),
+        "steps_s": None if card else steps * (shared / threads + alone),  # that of cards was not measured
+        "pictures_s": sum(part.picture_time(config.preflight) for part in config.observers.values()),
     }
     return {
         "ok": True,

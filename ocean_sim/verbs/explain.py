@@ -3,7 +3,7 @@
 from typing import Any
 
 from ocean_sim.parts import SLOTS
-from ocean_sim.reading.keys import Key, found, keys
+from ocean_sim.reading.keys import Key, found, keys, schema_slots
 from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.verbs.list import list_choices
 from ocean_sim.verbs.shared import console
@@ -55,12 +55,15 @@ def unit_of(key: Key) -> str:
 def lines(key: Key, paths: list[str]) -> list[str]:
     """A key at length."""
     bounds = f", {key.range}" if key.range else ""
+    slot = paths[0].partition(".")[0]
+    owners = list(dict.fromkeys(path.split(".")[1] for path in paths)) if slot in schema_slots() else []
     return [
         ", ".join(paths),
         f"  {key.meaning}",
         f"  takes    {key.takes}{unit_of(key)}{bounds}",
         f"  default  {key.default or 'none'}",
         f"  example  --set {key.example}",
+        *([f"  where    {slot}.kind is {' or '.join(owners)}"] if owners else []),
     ]
 
 

@@ -174,7 +174,7 @@ def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> t
     cubes, weight = afloat.voxels, afloat.matter.mass
     if solid is not None:
         off = cubes.volume / solid.volume - 1.0
-        notes.append(f"{len(cubes.share)} cubes of {cubes.size[1]:.3g} m hold {off:+.2%} of the mesh's volume more")
+        notes.append(f"{len(cubes.share)} cubes of {cubes.size[1]:.3g} m differ from the mesh's volume by {off:+.2%}")
         if abs(off) > 0.02:
             problems.append(f"cubes of {cubes.size[1]:.3g} m miss the mesh's volume by {off:+.1%}; take more --cells")
     facts: dict[str, Any] = {"volume_m3": cubes.volume, "displacement_kg": weight}

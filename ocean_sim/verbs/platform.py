@@ -107,6 +107,8 @@ def opened(stream: str, packets: str, key: Path | None) -> datagrams.Sender:
 def opened_log(log: Path, frame: str | None) -> MotionLog:
     """A motion log, or the one in a run folder, that can be converted to this frame; raises Refused."""
     path = log / "motion.csv" if log.is_dir() else log
+    if log.is_dir() and (log / "manifest.json").is_file() and not any(log.glob("motion*.csv")):
+        raise console.Refused(f"{log}: this run has no motion log: its scene has no ship, or motion: null")
     several = sorted(found.name for found in log.glob("motion_*.csv")) if log.is_dir() and not path.exists() else []
     if several:
         raise console.Refused(f"{log} holds the logs of several ships; name one of {', '.join(several)}")

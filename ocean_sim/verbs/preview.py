@@ -41,7 +41,7 @@ def preview(
     config = load(scene, overrides, profile)
     folder = out or Path("runs") / f"{scene_path(scene).stem}-preview"
     if frames is not None and (folder / picture(0)).exists():
-        raise console.Refused(f"--out {folder}: pictures lie here already; name another folder")
+        raise console.Refused(f"--out {folder}: there are pictures here already; name another folder")
     from ocean_sim.observers import preview as observer
 
     observer.require(show=frames is None)

@@ -26,7 +26,7 @@ def resume(folder: Path, until: float | None, anyway: bool, as_json: bool, quiet
     """Go on with a run."""
     if not (folder / MANIFEST).is_file():
         if (folder / "events.jsonl").is_file():  # the first of its files
-            raise console.Refused(f"{folder}: nothing had begun when this run ended; `run --overwrite` starts it again")
+            raise console.Refused(f"{folder}: this run ended before its first step; `run --overwrite` starts it again")
         raise console.Refused(f"{folder}: this is not a run folder (there is no {MANIFEST})")
     with Claim(folder):
         resumed(folder, until, anyway, as_json, quiet)
@@ -46,7 +46,7 @@ def resumed(folder: Path, until: float | None, anyway: bool, as_json: bool, quie
         changed = check(folder, kept, manifest["scene"], until, anyway)
     progress = Progress(config.duration, as_json or quiet)
     if not (as_json or quiet):
-        nothing = "nothing had begun before its first checkpoint: it starts at t = 0"
+        nothing = "it ended before its first checkpoint: it starts at t = 0"
         start = nothing if kept is None else f"going on from t = {kept.time:.3f} s"
         console.say(f"{folder}: {start}\n{kernels()}")
 
@@ -115,7 +115,7 @@ def finished(folder: Path, manifest: dict[str, Any], as_json: bool) -> None:
     if as_json:
         console.answer(facts)
     else:
-        console.say(f"{folder}: this run is finished, at t = {manifest['simulated_s']:.3f} s; --until goes on")
+        console.say(f"{folder}: this run is finished, at t = {manifest['simulated_s']:.3f} s; --until continues it")
 
 
 def never_begun(folder: Path, config: SceneConfig) -> bool:
@@ -134,7 +134,7 @@ def newest(folder: Path, config: SceneConfig) -> file.Checkpoint:
     """The newest checkpoint that is whole; raises Refused."""
     paths, reason = [*file.kept(folder)], ""
     if not paths:
-        early = "it ended before its first one, so nothing had begun that could go on; start it again"
+        early = "it ended before its first one, so there is nothing to continue; start it again"
         cure = early if "checkpoint" in config.observers else "name `checkpoint` in a scene to have them"
         raise console.Refused(f"{folder}: there is no checkpoint to go on from; {cure}")
     for path in paths:
@@ -154,7 +154,7 @@ def check(folder: Path, kept: file.Checkpoint, scene: dict[str, Any], until: flo
     Refuses one of another scene, but for its duration, or one beyond the time asked for."""
     changed = changes(kept.made)
     if changed and not anyway:
-        cure = "its numbers may be others; --anyway goes on, and marks every file"
+        cure = "its results may differ; --anyway continues, and marks every file"
         raise console.Refused(f"{folder}: the checkpoint is of {changed}; {cure}")
     other = differences(kept.scene | {"duration": None}, scene | {"duration": None})
     if other:

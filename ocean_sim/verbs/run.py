@@ -49,10 +49,10 @@ def run(
 
 def film(config: SceneConfig) -> None:
     """Print the estimated time of the film, and how to leave it out; its first pictures give a better estimate."""
-    seconds = sum(part.picture_time(config.duration) for part in config.observers.values())
+    seconds = sum(part.picture_time(config.preflight) for part in config.observers.values())
     if seconds:
         time = f"about {console.duration(seconds)} on two idle cores"
-        console.say(f"its pictures, drawn while it goes on or after it, take {time}; --set render=null leaves them out")
+        console.say(f"its pictures, drawn during the run or after it, take {time}; --set render=null leaves them out")
 
 
 def report(
@@ -81,8 +81,8 @@ def stopped(progress: Progress, folder: Path) -> console.Stopped:
     progress.close()
     if progress.time >= progress.duration * (1.0 - 1e-12):
         later = f"`ocean-sim render {folder}` draws them"
-        return console.Stopped(f"stopped while its pictures were drawn; {folder} holds all else of the run; {later}")
-    cure = f"; `ocean-sim resume {folder}` goes on" if any(folder.glob("checkpoint_*.h5")) else ""
+        return console.Stopped(f"stopped while its pictures were drawn; {folder} holds everything else; {later}")
+    cure = f"; `ocean-sim resume {folder}` continues it" if any(folder.glob("checkpoint_*.h5")) else ""
     return console.Stopped(f"stopped at t = {progress.time:.3f} s; {folder} holds what was written{cure}")
 
 

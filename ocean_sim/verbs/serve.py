@@ -31,7 +31,7 @@ def serve(
     runs = [Path(target) for target in targets if (Path(target) / MANIFEST).exists()]
     if len(runs) == len(targets) and len(runs) <= 2:
         if profile or sets:
-            raise console.Refused("a finished run is only shown: --profile and --set are of scenes")
+            raise console.Refused("a finished run is only shown: --profile and --set are for scenes")
         watch_runs(runs, host, port, show, as_json)
     elif len(targets) == 1:
         play(targets[0], profile, sets, host, port, show, out, as_json)

@@ -16,7 +16,7 @@ def stability(scene: str | None, quick: bool, workers: int | None, out: Path, as
     """Maps of all settings; leaves stability.csv, limits.csv and a picture a map; 1 where a point has no verdict."""
     plan = spots(quick, scene)
     if not plan:
-        raise console.Refused(f"{scene}: this scene has no setting that could be taken to an extreme")
+        raise console.Refused(f"{scene}: this scene has no setting to take to an extreme")
     if not as_json:
         console.say(f"{len(plan)} runs, each on one thread")
     rows: dict[int, dict[str, Any]] = {}

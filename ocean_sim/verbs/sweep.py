@@ -46,7 +46,7 @@ def shown(
                 bar.show(done, f"{done} of {len(orders)} runs, {console.duration(perf_counter() - began)}")
             yield k, answer
     except KeyboardInterrupt:
-        message = f"stopped after {done} of {len(orders)} runs; the same command goes on from there"
+        message = f"stopped after {done} of {len(orders)} runs; the same command continues from there"
         raise console.Stopped(message) from None
     finally:
         bar.close()

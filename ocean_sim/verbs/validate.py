@@ -1,6 +1,7 @@
 """`ocean-sim validate`: problems with known answers, in a table, a CSV file and a picture a case."""
 
 import csv
+from collections.abc import Iterator
 from fnmatch import filter as matching
 from pathlib import Path
 from typing import Any
@@ -8,7 +9,7 @@ from typing import Any
 from ocean_sim.parts import kinds
 from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.validation import names, problems
-from ocean_sim.validation.shared.case import KEYS
+from ocean_sim.validation.shared.case import KEYS, Problem
 from ocean_sim.validation.shared.plot import draw
 from ocean_sim.verbs.shared import console
 
@@ -24,8 +25,7 @@ def validate(
     as_json: bool,
 ) -> int:
     """Run cases under schemes and report; the exit code is 1 where a promise was missed."""
-    cases = [name for case in cases for name in matching(names(), case) or [case]]
-    wanted = cases or names()
+    wanted = [name for case in cases for name in matching(names(), case) or [case]] or names()
     known_schemes = [*kinds("fluid"), *kinds("ship")]
     for what, given, known in (("case", wanted, names()), ("scheme", schemes, known_schemes)):
         for name in given:
@@ -43,25 +43,23 @@ def validate(
         )
         for case in wanted
     }
-    for case in cases:
+    for case in set(cases) & set(wanted):  # a pattern takes what there is
         if not problems(case, slow=slow, coarse=coarse):
-            raise console.Refused(f"{case} takes minutes: add --slow (or --coarse)")
+            cure = "longer than a gate has time for: add --slow" if coarse else "minutes: add --slow (or --coarse)"
+            raise console.Refused(f"{case} takes {cure}")
     for problem, scheme in [pair for pairs in plan.values() for pair in pairs]:
         problem.load(scheme, overrides)  # what is wrong is reported before anything runs
     rows: list[dict[str, Any]] = []
     for case, pairs in plan.items():
         if not pairs:
-            if not as_json:
-                console.say(f"\n{case}: nothing to run under these schemes, or only with --slow (minutes) or --coarse")
             continue
         runs, first = [], len(rows)
         for problem, scheme in pairs:
             found, finding = problem.run(case, scheme, overrides)
             rows += found
             runs.append((problem, scheme, finding))
-        if runs:
-            console.drawn(draw, out / f"{case}.png", case, runs)
-        if runs and not as_json:
+        console.drawn(draw, out / f"{case}.png", case, runs)
+        if not as_json:
             show(case, rows[first:])
     write(out / "validate.csv", rows)
     if junit is not None:
@@ -70,9 +68,29 @@ def validate(
     if as_json:
         console.answer(rows)
     else:
+        for sentence in left_out(plan, schemes, coarse):
+            console.say(f"\n{sentence}")
         promised = sum(row["tolerance"] is not None for row in rows)
         console.say(f"\n{promised - len(missed)} of {promised} tolerances kept; {out / 'validate.csv'} and pictures")
     return 1 if missed else 0
+
+
+def left_out(plan: dict[str, list[tuple[Problem, str]]], schemes: list[str], coarse: bool) -> Iterator[str]:
+    """Which cases have no set-up that ran, and which of the others have more."""
+    slow: dict[str, list[str]] = {}
+    for case, pairs in plan.items():
+        ran = {problem.name for problem, _ in pairs}
+        more = {
+            p.name: None for p in problems(case, slow=True, coarse=coarse) if p.under(schemes) and p.name not in ran
+        }
+        if more:
+            slow[case] = list(more) if pairs else []
+        elif not pairs:
+            yield f"{case}: nothing to run under these schemes"
+    if slow:
+        why = "longer than a gate has time for" if coarse else "minutes"
+        names = [f"{case} ({'; '.join(more)})" if more else case for case, more in slow.items()]
+        yield f"left out, as they take {why} (--slow adds them): {', '.join(names)}"
 
 
 def show(case: str, rows: list[dict[str, Any]]) -> None:

@@ -92,7 +92,7 @@ def surface_of(folder: Path, begin: float, quiet: bool) -> SurfaceRecord | None:
         return surface_record(grid, map(Frame, frame_files(folder)), begin)  # one at a time: frames are large
     except (OSError, ValueError, KeyError, IndexError, EOFError, BadZipFile):
         if not quiet:
-            console.say(f"{folder / 'frames'}: cannot be read, so there are no circulation and white caps")
+            console.say(f"{folder / 'frames'}: cannot be read, so circulation and white caps are left out")
         return None
 
 
@@ -111,7 +111,7 @@ def orbits(path: Path, folder: Path, begin: float, period: float | None) -> list
     """The orbits of tagged particles under waves of a period [s], shown, and left in orbits.csv; a sentence, and no
     file, where there is no period or there are no orbits."""
     if period is None:
-        console.say(f"{path}: no orbits, since no gauge's record resolves a peak period")
+        console.say(f"{path}: no orbits, as no gauge's record resolves a peak period")
         return []
     try:
         names, found = tracer_motion(path, begin, period)

@@ -35,7 +35,9 @@ def answer(fluid: "Fluid", now: float, asked: Waves) -> dict[str, Any]:
         verbs = {"elevation": whole.elevation, "normal": whole.normal, "velocity": whole.velocity}
         return {"time": time, "values": plain(verbs[asked.verb](points, time))}
     if asked.time is not None:
-        raise Refused("this water is more than its plane waves: it answers for now, leave out the time")
+        raise Refused(
+            "this water is more than its plane waves: it is known only at the present time, leave the time out"
+        )
     if asked.verb == "normal":
         return {"time": now, "values": plain(normals(fluid, points))}
     found = fluid.elevations(points) if asked.verb == "elevation" else fluid.velocities(points)

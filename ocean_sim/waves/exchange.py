@@ -48,7 +48,7 @@ def of_swd(path: str | Path, gravity: float = waves.GRAVITY) -> waves.Components
         raise Unreadable(path, "this .swd file ends too early") from None
     amplitude, k, heading, phase = rows.T
     if not (np.isfinite(rows).all() and (k > 0.0).all()):
-        raise Unreadable(path, "it holds what is not a number, or a wavenumber that is not above 0")
+        raise Unreadable(path, "it has a value that is not a number, or a wavenumber that is not above 0")
     deep = depth if depth > 0.0 else 1e3 * 2.0 * np.pi / float(k.min())  # infinite where it is below 0
     wavevector = k[:, None] * np.stack([np.sin(heading), np.cos(heading)], axis=1)
     return waves.Components(amplitude, wavevector, -phase, deep, gravity)

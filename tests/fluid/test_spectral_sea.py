@@ -375,3 +375,16 @@ def test_what_is_wrong_is_said():
     assert [key for key, _ in Config(**oblique, tile=70.0).problems(bay)] == [("tile",)]
     with pytest.raises(ValidationError, match="neither"):
         Config(height=0.2)
+
+
+def test_what_the_model_leaves_out_is_a_note_and_what_a_user_can_mend_a_warning():
+    scene = {
+        "basin": BAY,
+        "fluid": {"kind": "spectral_sea", "height": 0.3, "period": 4.0, "order": 3, "cells": 256},
+        "ship": {"kind": "dynamic", "hull": "yacht"},
+    }
+    config = load(scene)
+    assert any("not on herself" in note for note in config.notes)
+    assert any("repeats itself after" in note for note in config.notes)
+    assert any("take more fluid.cells" in warning for warning in load(scene, {"fluid.cells": 64}).warnings())
+    assert not set(config.notes) & set(config.warnings())

@@ -91,7 +91,7 @@ def test_the_manifest_says_what_was_run_and_how_it_ended(tmp_path, watched):
 
 
 def test_frames_that_would_fill_a_disk_are_announced(watched):
-    water = SimpleNamespace(lattice=lambda basin: SimpleNamespace(n=2_000_000, spacing=0.5))
+    water = SimpleNamespace(lattice=lambda basin: SimpleNamespace(n=2_000_000), point_spacing=lambda known: 0.5)
     scene = Preflight({"fluid": water}, watched().basin, 4, 20.0)
     [sentence] = frames.Config().warnings(scene)
     assert sentence.startswith("frames: about 38.9 GB") and "frames.particles: false" in sentence

@@ -506,7 +506,7 @@ def test_wrong_input_is_a_sentence(words, said, tmp_path, capsys):
 def test_pictures_are_never_written_over_others(tmp_path, capsys):
     (tmp_path / "00000.png").write_bytes(b"")
     assert answered(["preview", "ship_linear_sea", "--frames", "1", "--out", str(tmp_path)]) == 2
-    assert "pictures lie here already" in capsys.readouterr().err
+    assert "there are pictures here already" in capsys.readouterr().err
 
 
 @pytest.fixture

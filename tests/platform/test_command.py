@@ -55,6 +55,13 @@ def test_a_log_becomes_a_ride(ask, log, tmp_path):
     }
 
 
+def test_a_run_without_a_ship_has_no_motion_to_follow(ask, tmp_path):
+    (tmp_path / "tank").mkdir()
+    (tmp_path / "tank" / "manifest.json").write_text("{}")
+    code, _, err = ask(tmp_path / "tank")
+    assert code == 2 and "no motion log: its scene has no ship" in err
+
+
 @pytest.fixture(scope="module")
 def drawn():
     """A ride that is quiet at first, and its machine."""

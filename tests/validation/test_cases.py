@@ -44,12 +44,39 @@ def test_the_cases_asked_for_are_there():
 
 def test_coarse_set_ups_have_tolerances_of_their_own_and_fine_ones_keep_theirs():
     for (case, quantity), own in coarse.tolerances().items():
-        (rough,) = [
-            p for problem in problems(case, slow=True, coarse=True) for p in problem.promises if p.quantity == quantity
-        ]
-        (fine,) = [p for problem in problems(case, slow=True) for p in problem.promises if p.quantity == quantity]
-        assert all(rough.tolerance[scheme] == limit > fine.tolerance[scheme] for scheme, limit in own.items())
-        assert coarse.BASIS in rough.source and coarse.BASIS not in fine.source
+        rough, fine = (
+            [
+                p
+                for problem in problems(case, slow=True, coarse=those)
+                for p in problem.promises
+                if p.quantity == quantity
+            ]
+            for those in (True, False)
+        )
+        assert rough and fine
+        for scheme, limit in own.items():
+            assert all(p.tolerance[scheme] == limit for p in rough) and all(p.tolerance[scheme] < limit for p in fine)
+        assert all(coarse.BASIS in p.source for p in rough) and not any(coarse.BASIS in p.source for p in fine)
+
+
+def test_a_gate_runs_what_it_can_judge_and_has_time_for():
+    there = {(name, problem.name) for name in names() for problem in problems(name, slow=True, coarse=True)}
+    assert set(coarse.too_long()) <= there
+    gate = [(name, problem) for name in names() for problem in problems(name, coarse=True)]
+    assert not {(name, problem.name) for name, problem in gate} & set(coarse.too_long())
+    assert len({name for name, _ in gate}) >= 25
+    for _, problem in gate:
+        assert any(scheme in promise.tolerance for promise in problem.promises for scheme in problem.schemes)
+
+
+def test_what_was_left_out_is_said_in_one_sentence(tmp_path, capsys):
+    words = ["validate", "poiseuille", "couette", "ship_o*", "--out", str(tmp_path), "--set", "runtime.threads=1"]
+    assert answered([*words, "--coarse"]) == 0
+    said = capsys.readouterr().out
+    assert said.count("left out") == 1
+    assert "left out, as they take longer than a gate has time for (--slow adds them): ship_otter (turn)" in said
+    assert answered(["validate", "obstacle", "--coarse", "--out", str(tmp_path)]) == 2
+    assert "longer than a gate has time for: add --slow" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)

@@ -334,7 +334,7 @@ def test_the_command_says_what_a_short_record_cannot_say(tmp_path, capsys):
     run = gauges_file(tmp_path / "followed", {"time_s": time, "swell_m": waves_of["swell_m"]})
     (run / "tracers.csv").write_text("time_s\n0\n")
     assert answered(["waves", str(run)]) == 0
-    assert "no orbits, since no gauge's record resolves a peak period" in capsys.readouterr().out
+    assert "no orbits, as no gauge's record resolves a peak period" in capsys.readouterr().out
 
 
 def test_the_command_says_what_is_missing(tmp_path, capsys):

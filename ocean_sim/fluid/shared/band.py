@@ -100,7 +100,7 @@ class Band:
             cells = " x ".join(str(n) for n in cells_of(self)[: len(self.sides)])
             found.append(
                 f"the sea is nonlinear to third order on {cells} cells, "
-                f"which comes on over the first {self.nonlinear.onset:.3g} s"
+                f"which sets in over the first {self.nonlinear.onset:.3g} s"
             )
         if self.sea.ramp > 0.0:
             found.append(f"the sea grows from calm water over the first {self.sea.ramp:.3g} s")

@@ -17,6 +17,7 @@ if TYPE_CHECKING:  # they are imported only where there are tiles
     from ocean_sim.fluid.shared.tile import OnTile
 
 ADVANCE = 1.0e-4  # [s] of processor time a step
+POINT, WAVE_AT_POINT = 5.0e-7, 5.0e-9  # [s] of processor time of a point of a frame, and of each plane wave there
 POINTS_PER_WAVE = 16  # at which a wave is drawn
 SMOOTH = 0.04  # [periods] times a quarter (the force number of `courant`): a hundred steps a wave
 

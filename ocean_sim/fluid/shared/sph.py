@@ -129,7 +129,7 @@ class SphConfig(WaterConfig):
         times, compression = 0.01 * stiffness / speed**2, speed**2 / stiffness
         if times >= STIFF * (1.0 - 1e-9):
             more = f"{times:.3g} times that of 1 % compression"
-            cost = f"the time step is {sqrt(times):.2g} times shorter, and a lattice that gives way blows up more"
+            cost = f"the time step is {sqrt(times):.2g} times shorter, and a lattice that breaks up is less stable"
             return [f"a stiffness of {stiffness:.4g} m2/s2 is {more}: {cost}; 1 % needs {100.0 * speed**2:.4g} m2/s2"]
         if compression > SQUEEZED:
             squeezed = f"water that falls at {speed:.4g} m/s is compressed by {compression:.2g} of its density"

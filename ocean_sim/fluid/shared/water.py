@@ -92,7 +92,7 @@ class WaterConfig(FluidConfig):
             if fastest > speed and self.sound_speed(tank) > 0.0:
                 found.append(
                     f"obstacles.{k} moves at up to {fastest:.3g} m/s, faster than the reference speed of {speed:.3g} "
-                    "m/s: water that it runs into is compressed by more than asked for"
+                    "m/s: water that it runs into is compressed more than fluid.compression says"
                 )
         return found
 

@@ -54,7 +54,7 @@ class Run:
             yield from part()
         yield from self.happened()
         if self.scene:
-            yield f"<h2>Scene</h2>\n<p>With every default in place.</p>\n<pre>{html.escape(text(self.scene))}</pre>"
+            yield f"<h2>Scene</h2>\n<p>With all defaults.</p>\n<pre>{html.escape(text(self.scene))}</pre>"
         yield from self.versions()
         yield from self.files()
 
@@ -62,7 +62,7 @@ class Run:
         """How it ended, in a sentence."""
         manifest, outcome = self.manifest, self.manifest.get("outcome", "unknown")
         if outcome == "running":
-            sentence = "This run did not come to an end: it is still going on, or was killed."
+            sentence = "This run has no end yet: it is still running, or was killed."
         elif not manifest:
             sentence = "This run left no manifest that can be read."
         else:
@@ -161,7 +161,7 @@ class Run:
         felt = {axis: log[f"felt_force_{axis}_m_s2"] for axis in "xyz"}
         yield plot(curves(time, felt, "specific force on the platform [m/s2]"))
         share = float(np.mean(log["limited"] > 0.0))
-        yield f"<p>A limit was at work in {100.0 * share:.3g} % of the rows.</p>"
+        yield f"<p>A limit was reached in {100.0 * share:.3g} % of the rows.</p>"
 
     def gauges(self) -> Iterator[str]:
         log = self.read("gauges.csv")

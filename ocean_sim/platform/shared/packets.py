@@ -157,7 +157,7 @@ def reading(data: bytes) -> Reading:
         raise ValueError(f"{len(data)} bytes that are not a report of legs")
     _, version, state, seq, moment, *legs = BACK.unpack(data)
     if version != VERSION or not np.isfinite([moment, *legs]).all():
-        raise ValueError("a report of another version, or of what is not a number")
+        raise ValueError("a report of another version, or with a value that is not a number")
     return Reading(seq, moment, tuple(legs), state == 1)
 
 

@@ -183,8 +183,8 @@ class FloatingConfig(VesselConfig):
         fluid, (x, z) = preflight.fluid, (self.position[0], self.position[-1])
         if not fluid.made_of_particles:
             large = self.too_large(preflight.tank)
-            return [f"{large}: pictures show only the basin, a sea in closed form goes on"] if large else []
-        found = [] if fluid.bears else [f"water of kind {fluid.kind} has no pressure: nothing bears the ship but a bed"]
+            return [f"{large}: pictures show only the basin; a sea in closed form continues beyond it"] if large else []
+        found = [] if fluid.bears else [f"water of kind {fluid.kind} has no pressure: only a bed carries the ship"]
         boxes = preflight.untouched.boxes if preflight.untouched is not None else []
         if preflight.tank.dimension == 3 and not any(
             low[0] <= x <= up[0] and low[2] <= z <= up[2] for low, up in boxes
@@ -201,7 +201,7 @@ class FloatingConfig(VesselConfig):
             return []
         speed = sqrt(2.0 * -preflight.tank.gravity[1] * (above - hull.draught))
         fall = f"the ship begins {above:.3g} m above where it floats, more than its draught of {hull.draught:.3g} m"
-        rule = "a rule of its waterplane, not the pressures, says what slamming does"
+        rule = "slamming follows a rule of its waterplane, not the pressures"
         return [f"{fall}: it falls on the water at {speed:.2g} m/s, and {rule}"]
 
     def feels_bed(self, depth: float) -> bool:

@@ -278,7 +278,7 @@ class RollDamping:
             [f"roll damping: {', '.join(beyond)}: beyond Ikeda's regressions, taken at their limit"] if beyond else []
         )
         if any(each.eddies == 0.0 for each in self.parts.values()):
-            said.append("roll damping: so full a hull has eddies below zero by Ikeda's regression, counted as none")
+            said.append("roll damping: for so full a hull Ikeda's regression gives negative eddy damping, counted as 0")
         return said
 
     def share(self, amplitude: float) -> float:

@@ -84,7 +84,7 @@ class SeakeepingConfig(FloatingConfig):
     def problems(self, preflight: Preflight) -> Problems:
         found = super().problems(preflight)
         if self.radiation is not None and preflight.fluid.made_of_particles:
-            twice = "particles carry the waves that a hull makes, and a table of radiation would count them once more"
+            twice = "particles carry the waves that a hull makes, and a table of radiation would count them twice"
             found.append((("radiation",), f"{twice}; leave it out, or take water in closed form"))
         return found
 

@@ -112,7 +112,7 @@ def performed(order: dict[str, Any], folder: str, limit: float | None = None) ->
         except subprocess.TimeoutExpired:
             child.kill()
             child.communicate()
-            reason = f"it had taken {limit:g} s of wall time, which is the limit, and was ended"
+            reason = f"it was ended at its limit of {limit:g} s of wall time"
         finally:
             _running.discard(child)
     answer = _kept(run)

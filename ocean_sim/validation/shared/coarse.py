@@ -1,4 +1,5 @@
-"""Tolerances of set-ups at coarse resolution, for a gate of minutes that tells of changes."""
+"""Set-ups at coarse resolution, for a gate that tells of changes in a minute or two: their tolerances, and which ones
+take longer than it has time for."""
 
 from dataclasses import replace
 from functools import cache
@@ -19,9 +20,19 @@ def tolerances() -> dict[tuple[str, str], dict[str, float]]:
     return found
 
 
+@cache
+def too_long() -> dict[tuple[str, str], float]:
+    """By case and set-up: the processor time [s] of those that a gate has no time for, kernels in the cache."""
+    rows = csv_file.records(table_path("too_long_for_a_gate").read_text(encoding="utf-8"))
+    return {(row["case"], row["set-up"]): float(row["processor_s"]) for row in rows}
+
+
 def coarse(case: str, problem: Problem) -> Problem:
-    """A coarse set-up with tolerances of its own."""
-    return replace(problem, promises=tuple(promised(case, promise) for promise in problem.promises))
+    """A coarse set-up with tolerances of its own; slow where a gate has no time for it, or nothing to judge."""
+    promises = tuple(promised(case, promise) for promise in problem.promises)
+    judged = any(scheme in promise.tolerance for promise in promises for scheme in problem.schemes)
+    slow = problem.slow or not judged or (case, problem.name) in too_long()
+    return replace(problem, promises=promises, slow=slow)
 
 
 def promised(case: str, promise: Promise) -> Promise:

@@ -1,0 +1,56 @@
+"""What `check` and `run` estimate of a scene's time, against what it takes."""
+
+from time import process_time
+
+import pytest
+
+from ocean_sim.reading.scene import SceneConfig, load
+from ocean_sim.simulation import Simulation
+from ocean_sim.verbs.check import preflight, wall_time
+
+OPEN = {"length": 60.0, "width": 60.0, "depth": 30.0, "walls": "none"}
+JONSWAP = {"kind": "jonswap", "significant_wave_height": 0.5, "peak_period": 4.0}
+KEPT = {"frames": {"spacing": 1.0}, "render": None}
+
+
+def steps(scene: dict, **overrides: object) -> float:
+    """Estimated time of the steps [s]."""
+    return preflight(load(scene, overrides))["estimated_by_part"]["steps_s"]
+
+
+def taken(scene: SceneConfig, folder, count: int) -> float:
+    """Processor time of a step [s], kernels compiled."""
+    with Simulation(scene, folder) as simulation:
+        simulation.run(3.0 * simulation.next_dt)
+        before, first = simulation.steps, process_time()
+        simulation.run(simulation.time + count * simulation.next_dt)
+        return (process_time() - first) / (simulation.steps - before)
+
+
+@pytest.mark.parametrize("kind", ["linear_waves", "spectral_sea"])
+def test_a_sea_without_particles_has_an_estimate_near_what_its_steps_take(kind, taichi_cpu, tmp_path):
+    scene = load({"basin": OPEN, "fluid": {"kind": kind, "spectrum": JONSWAP}, "duration": 100.0} | KEPT)
+    found = preflight(scene)
+    expected = found["estimated_by_part"]["steps_s"] * found["time_step"] / scene.duration
+    assert 0.25 < taken(scene, tmp_path, 30) / expected < 4.0
+    assert "steps" in wall_time(found, scene) and found["estimated_wall_s"] > found["estimated_by_part"]["steps_s"]
+
+
+def test_frames_take_longer_with_more_waves_and_points_and_nothing_without():
+    scene = {"basin": OPEN, "fluid": {"kind": "linear_waves", "height": 0.5, "period": 4.0}, "duration": 20.0} | KEPT
+    many = scene | {"fluid": {"kind": "linear_waves", "spectrum": JONSWAP}}
+    assert steps(many) > 1.5 * steps(scene)
+    assert steps(many, **{"frames.spacing": 0.5}) > 3.0 * steps(many)
+    assert steps(many, frames=None) < 0.2 * steps(many)
+    wide = steps(many, **{"frames.spacing": None})  # a sixteenth of the highest wave
+    assert steps(many, **{"frames.spacing": 2.0}) < wide < steps(many)
+
+
+def test_a_picture_in_2d_takes_less_than_one_in_3d():
+    def pictures(**basin: float) -> float:
+        tank = {"length": 4.0, "depth": 1.0} | basin
+        return preflight(load({"basin": tank, "fluid": {"kind": "delta_sph", "spacing": 0.25}}))["estimated_by_part"][
+            "pictures_s"
+        ]
+
+    assert 0.0 < pictures() < 0.25 * pictures(width=4.0)

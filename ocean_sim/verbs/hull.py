@@ -29,12 +29,22 @@ class Asked(NamedTuple):
     cross: bool = False  # cross curves, too
     bilge_keels: tuple[float, float] | None = None  # length and breadth of each [m]
 
+    def agree(self, loading: Path | None) -> None:
+        """Raises Refused where two of the options, or one and a loading condition, say the same."""
+        weighs = {"--loading": loading, "--mass": self.mass, "--draught": self.draught}
+        centred = {"--loading": loading, "--kg": self.kg, "--cg": self.cg}
+        for what, options in (("what she weighs", weighs), ("where her centre of mass is", centred)):
+            given = [name for name, value in options.items() if value is not None]
+            if len(given) > 1:
+                raise console.Refused(f"{' and '.join(given)} each say {what}; give one of them")
+
 
 def hull(name: str, asked: Asked, loading: Path | None, ship: str | None, out: Path | None, as_json: bool) -> int:
     """Describe a hull; the exit code is 2 where it is not one."""
     from ocean_sim.ship.shared.hull import explained
     from ocean_sim.ship.shared.mesh import BadMesh
 
+    asked.agree(loading)
     condition = None if loading is None else condition_of(loading)
     try:
         shape, density, keels = found_hull(name, ship)

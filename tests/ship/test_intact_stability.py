@@ -104,6 +104,15 @@ def test_a_centre_of_mass_a_draught_and_a_ship_of_a_scene_are_taken(ask, tmp_pat
     assert code == 2 and "load.yaml:2:1: tank: unknown key; did you mean 'tanks'?" in err
 
 
+@pytest.mark.parametrize(
+    "options",
+    [("--mass", 75, "--draught", 0.1), ("--kg", 0.12, "--cg", "0,0.1,0"), ("--loading", "a.yaml", "--kg", 0.1)],
+)
+def test_two_options_that_say_the_same_are_refused(ask, options):
+    code, _, err = ask("hull", "wigley", *options)
+    assert code == 2 and f"{options[0]} and {options[2]} each say" in err
+
+
 def test_check_states_how_a_ship_floats(ask):
     code, out, _ = ask("check", "gallery/yacht_in_waves", "--json")
     (ship,) = json.loads(out)["ships"].values()

@@ -294,6 +294,8 @@ def stated(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[
 
 def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | None) -> None:
     """What `hull` answers, for people."""
+    from ocean_sim.ship.shared.stability import LAST
+
     console.say(name)
     for note in notes:
         console.say(note)
@@ -303,6 +305,7 @@ def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | Non
         stem, _, unit = key.rpartition("_")
         if isinstance(value, float) and unit in units:
             where = f", {found['flooding_at']}" if key == "flooding_deg" else ""
+            where += " or more" if key == "vanishing_deg" and value == LAST else ""
             rows.append([stem.replace("_", " "), f"{console.figures(value)} {units[unit]}{where}"])
     for motion, period in found["periods_s"].items():
         shown = "none" if period is None else f"{period:.3g} s ({found['dry_periods_s'][motion]:.3g} s without water)"

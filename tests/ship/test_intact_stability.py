@@ -89,6 +89,7 @@ def test_a_weight_that_is_moved_aft_trims_the_ship(ask, tmp_path):
 def test_a_centre_of_mass_a_draught_and_a_ship_of_a_scene_are_taken(ask, tmp_path):
     code, out, _ = ask("hull", "wigley", "--kg", 0.17, "--mass", 75, "--cells", 6, "--json")
     assert code == 0 and json.loads(out)["gm_m"] == pytest.approx(0.1583304 - 0.17, abs=0.001)
+    assert "90 deg or more" in ask("hull", "wigley", "--kg", 0.12, "--cells", 6)[1]
     code, out, _ = ask("hull", "barge20", "--draught", 1.0, "--cg", "0,1.0,0", "--cells", 6, "--json", "--cross")
     found = json.loads(out)
     assert found["displacement_kg"] == pytest.approx(160000.0, rel=0.01) and found["cross"]

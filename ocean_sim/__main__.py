@@ -267,6 +267,7 @@ def hull(
     bilge_keels: Annotated[
         str | None, typer.Option(help="LENGTH,BREADTH of each bilge keel [m], for the damping of roll.")
     ] = None,
+    depth: Annotated[float | None, typer.Option(min=0.001, help="Of the water [m]: also squat, over speed.")] = None,
     cells: Annotated[float, typer.Option(min=1.0, max=64.0, help="Cubes over the draught.")] = 16.0,
     out: Annotated[
         Path | None, typer.Option(help="The picture; by default runs/hull/<name>.png, with --json none.")
@@ -285,7 +286,7 @@ def hull(
     if keels is not None and (len(keels) != 2 or min(keels) <= 0.0):
         raise console.Refused(f"--bilge-keels: {bilge_keels!r} is not like 12,0.3")
     plates = None if keels is None else (keels[0], keels[1])
-    asked = Asked(mass, draught, kg, centre, density, cells, cross, plates)
+    asked = Asked(mass, draught, kg, centre, density, cells, cross, plates, depth)
     return hull(name, asked, loading, ship, out, json)
 
 

@@ -247,7 +247,7 @@ def test_peers_are_measured_by_turns_with_the_same_water(ask, monkeypatch):
 
     def measured(python: Path, order: dict, threads: int) -> dict:
         orders.append((python, order, threads))
-        return {"version": "2.19.0", "particles": 6000, "steps": 10, "wall": 0.05, "simulated": 0.005}
+        return {"version": "2.19.0", "particles": 6000, "steps": 10, "wall": 0.05, "cpu": 0.04, "simulated": 0.005}
 
     monkeypatch.setattr(splishsplash, "measured", measured)
     monkeypatch.setattr(peers, "DAMS", [dam._replace(seconds=0.0, end=0.0) for dam in peers.DAMS[:1]])
@@ -257,6 +257,8 @@ def test_peers_are_measured_by_turns_with_the_same_water(ask, monkeypatch):
     found = json.loads(out)[-1]
     assert (found["peer"], found["version"]) == ("SPlisHSPlasH", "2.19.0")
     assert found["peer_s"] == pytest.approx(0.005) and found["ratio"] == pytest.approx(found["ours_s"] / 0.005)
+    assert found["peer_cpu_s"] == pytest.approx(0.004)
+    assert found["cpu_ratio"] == pytest.approx(found["ours_cpu_s"] / 0.004) and found["ours_cpu_s"] > 0.0
     assert len(orders) == peers.TURNS and orders[0][0] == Path("other/python") and orders[0][2] == 1
     water = splishsplash.scene(orders[0][1], "box.obj")["FluidBlocks"][0]
     assert np.prod(orders[0][1]["lattice"]) == 6000 and water["end"] == pytest.approx([1.045, 0.795, 1.045])

@@ -3,7 +3,8 @@
 Needs the extra `gym`. The same seed gives the same episodes, byte for byte. A boat observes the sine and cosine of her
 heading error, her speed over the one she holds, rates of yaw, roll and pitch, roll, pitch and heave, and the elevation
 under her bow now and in the seconds of AHEAD; she orders helm (-1 to 1, positive turns to port) and throttle (0 to 1).
-The reward of a step is 1 at the heading asked for, less 2 for a full turn away, less a little for the helm.
+The reward of a step is 1 at the heading asked for, less 2 for a full turn away, less a little for the helm. Where she
+is and heads is in `info`. `gymnasium.make("ocean_sim.gym.environments:OceanSim/HoldHeading-v0")` makes them by name.
 """
 
 from dataclasses import replace
@@ -76,7 +77,7 @@ class OceanVectorEnv(VectorEnv):
     ) -> tuple[np.ndarray, dict[str, Any]]:
         super().reset(seed=seed if not isinstance(seed, list) else seed[0])
         self.begin(np.ones(self.num_envs, dtype=bool))
-        return self.observed(), {}
+        return self.observed(), self.info()
 
     def begin(self, which: np.ndarray) -> None:
         """New seas, headings and speeds of some boats (n,)."""
@@ -103,7 +104,13 @@ class OceanVectorEnv(VectorEnv):
         late = self.steps >= LONGEST
         over[again], late[again], reward[again] = False, False, 0.0
         self.done = over | late
-        return self.observed(), reward, over, late, {}
+        return self.observed(), reward, over, late, self.info()
+
+    def info(self) -> dict[str, Any]:
+        """`position` (n, 2), x and z [m], and `heading` (n,) [rad], each known of every boat."""
+        known = np.ones(self.num_envs, dtype=bool)
+        found = {"position": self.boats.place.copy(), "heading": self.boats.heading.copy()}
+        return found | {f"_{name}": known for name in found}
 
     def observed(self) -> np.ndarray:
         """(n, OBSERVED)."""
@@ -130,8 +137,17 @@ class OceanEnv(gymnasium.Env):
         super().reset(seed=seed)
         self.many.np_random = self.np_random
         self.many.begin(np.ones(1, bool))
-        return self.many.observed()[0], {}
+        return self.many.observed()[0], self.info()
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         seen, reward, over, late, _ = self.many.step(np.asarray(action)[None])
-        return seen[0], float(reward[0]), bool(over[0]), bool(late[0]), {}
+        return seen[0], float(reward[0]), bool(over[0]), bool(late[0]), self.info()
+
+    def info(self) -> dict[str, Any]:
+        """`position` (2,), x and z [m], and `heading` [rad]."""
+        return {"position": self.many.boats.place[0].copy(), "heading": float(self.many.boats.heading[0])}
+
+
+gymnasium.register(
+    "OceanSim/HoldHeading-v0", entry_point=f"{__name__}:OceanEnv", vector_entry_point=f"{__name__}:OceanVectorEnv"
+)

@@ -10,7 +10,7 @@ from ocean_sim.conventions import Frame, Motions, to_frame
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.handed_on import TakesMotion, takers
-from ocean_sim.observers.shared.sampled import Multiples, Sample, between
+from ocean_sim.observers.shared.sampled import Multiples, Passing, Sample, between, path
 from ocean_sim.parts import ALONE, LedgerRow, Preflight, Problems, called
 from ocean_sim.ship import Load, Ship
 from ocean_sim.simulation import Observer, PeriodicConfig
@@ -25,7 +25,7 @@ AXES = {
     "ned": "SNAME: x to the bow, y to starboard, z down; world x along our z, y along our -x, z down",
     "flu": "ISO 8855: x to the bow, y to port, z up; world x along our z, y along our x, z up",
 }
-ANGLES, QUATERNION = slice(3, 6), slice(6, 10)  # in a row without time and number
+UNKNOWN = np.full(7, np.nan)  # of a place
 
 
 def file_of(ship: str) -> str:
@@ -111,6 +111,29 @@ class Moment(NamedTuple):
     acceleration: np.ndarray
     turning: np.ndarray
     load: Load
+    velocity: np.ndarray = UNKNOWN  # (7,) of position and quaternion at this time
+
+    @property
+    def place(self) -> np.ndarray:
+        """(7,) position [m] and quaternion."""
+        return np.concatenate([self.body.position, self.body.orientation])
+
+    @property
+    def bend(self) -> np.ndarray:
+        """(7,) its second derivatives."""
+        return self.body.bend(self.acceleration, self.turning)
+
+
+def joined(before: Moment, now: Moment) -> tuple[Moment, Moment]:
+    """Two moments that follow each other, with the velocities of their own times. Those of the bodies have led from one
+    pose to the next, so they are the mean of a step; from there on accelerations change evenly."""
+    step = now.time - before.time
+    if now.body.orientation @ before.body.orientation < 0.0:  # the short way around
+        now = now._replace(body=replace(now.body, orientation=-now.body.orientation))
+    mean, first, last = (now.place - before.place) / step, before.bend, now.bend
+    if np.isnan(before.velocity).any():
+        before = before._replace(velocity=mean - step * (2.0 * first + last) / 6.0)
+    return before, now._replace(velocity=mean + step * (first + 2.0 * last) / 6.0)
 
 
 class Log:
@@ -129,7 +152,7 @@ class Log:
         self.last, self.before = None, None
         head = heading(
             simulation,
-            f"every {config.every:g} s, linear between steps",
+            f"every {config.every:g} s, between steps poses on cubics, all else linear",
             rates_and_specific_force=f"body axes, gravity included, felt at {config.point or 'the centre of mass'}",
             angles="intrinsic yaw, pitch, roll; the quaternion turns body to world",
             forces="world axes, torques about the centre of mass",
@@ -150,16 +173,17 @@ class Log:
         if self.last is None:
             return
         ship = self.ship
-        now = Moment(*self.last, ship.acceleration, ship.turning, ship.last)
+        before = now = Moment(*self.last, ship.acceleration, ship.turning, ship.last)
+        if self.before is not None and self.before.time < now.time:
+            before, now = joined(self.before, now)
         passed = self.multiples.reached(now.time)
         if passed:
-            before, after = (Sample(at.time, self.row(at), ()) for at in (self.before or now, now))
-            if after.values[QUATERNION] @ before.values[QUATERNION] < 0.0:  # the short way around
-                after.values[QUATERNION] *= -1.0
+            first, last = (Sample(at.time, self.row(at), ()) for at in (before, now))
+            start, end = (Passing(at.time, at.place, at.velocity) for at in (before, now))
             lines = []
             for k in passed:
-                time, values, _ = between(before, after, k * self.multiples.every)
-                lines.append(self.csv.row([time, self.number, *self.turned(values)]))
+                time, values, _ = between(first, last, k * self.multiples.every)
+                lines.append(self.csv.row([time, self.number, *self.pose(path(start, end, time)), *values]))
                 self.number += 1
             self.hand_on(lines, simulation)
         self.before = now
@@ -173,23 +197,23 @@ class Log:
             observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)
 
     def row(self, now: Moment) -> np.ndarray:
-        """All columns but time and number; the quaternion in our axes, and nothing yet in place of the angles."""
+        """All columns after the pose."""
         body, load, turn = now.body, now.load, now.body.matrix
         felt = body.point_acceleration(self.arm, now.acceleration, now.turning)
         parts = np.concatenate([load.parts, load.parts.sum(axis=0, keepdims=True)])
         vectors = np.concatenate([[turn.T @ (felt - self.gravity)], parts.reshape(-1, 3)])
         specific, *loads = to_frame(self.frame, vectors)
-        motions = np.array([body.position, np.zeros(3), body.velocity, body.rates, now.acceleration])
-        position, unknown, *others = self.signs * motions  # positive as the frame's axes are
-        return np.concatenate([position, unknown, body.orientation, *others, specific, *loads, now.orders])
+        motions = self.signs * np.array(
+            [body.velocity, body.rates, now.acceleration]
+        )  # positive as the frame's axes are
+        return np.concatenate([*motions, specific, *loads, now.orders])
 
-    def turned(self, row: np.ndarray) -> list[float]:
-        """The row with a unit quaternion in the frame's axes, and the angles that are its own: angles themselves leap
-        where a bow points straight up."""
-        q = row[QUATERNION] / np.linalg.norm(row[QUATERNION])
-        attitude = [q[0], *to_frame(self.frame, q[1:])]
-        angles = replace(self.ship.body, orientation=q).angles
-        return [*row[: ANGLES.start], *(self.signs * angles), *attitude, *row[QUATERNION.stop :]]
+    def pose(self, place: np.ndarray) -> np.ndarray:
+        """(10,) columns of position, angles and unit quaternion in the frame's axes, of (7,) position and quaternion in
+        ours. Angles are those of the quaternion: by themselves they leap where a bow points straight up."""
+        q = place[3:] / np.linalg.norm(place[3:])
+        motions = self.signs * [place[:3], replace(self.ship.body, orientation=q).angles]
+        return np.concatenate([*motions, q[:1], to_frame(self.frame, q[1:])])
 
     def close(self, simulation: "Simulation") -> None:
         self.complete(simulation)

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 HALF = 0.5  # of the water's density: what a hull without a mass is taken to weigh
 SWINGS = (5.0, 10.0, 20.0)  # [deg] amplitudes of roll
+FROUDE = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7)  # speeds over that of the fastest wave, for squat
 EMPTY = dict.fromkeys(("volume_m3", "displacement_kg", "draught_m", "kb_m", "bm_m", "gm_m"))
 
 
@@ -28,6 +29,16 @@ class Asked(NamedTuple):
     cells: float = 16.0  # cubes over the draught
     cross: bool = False  # cross curves, too
     bilge_keels: tuple[float, float] | None = None  # length and breadth of each [m]
+    depth: float | None = None  # of the water, for squat [m]
+
+    def agree(self, loading: Path | None) -> None:
+        """Raises Refused where two of the options, or one and a loading condition, say the same."""
+        weighs = {"--loading": loading, "--mass": self.mass, "--draught": self.draught}
+        centred = {"--loading": loading, "--kg": self.kg, "--cg": self.cg}
+        for what, options in (("what she weighs", weighs), ("where her centre of mass is", centred)):
+            given = [name for name, value in options.items() if value is not None]
+            if len(given) > 1:
+                raise console.Refused(f"{' and '.join(given)} each say {what}; give one of them")
 
 
 def hull(name: str, asked: Asked, loading: Path | None, ship: str | None, out: Path | None, as_json: bool) -> int:
@@ -35,6 +46,7 @@ def hull(name: str, asked: Asked, loading: Path | None, ship: str | None, out: P
     from ocean_sim.ship.shared.hull import explained
     from ocean_sim.ship.shared.mesh import BadMesh
 
+    asked.agree(loading)
     condition = None if loading is None else condition_of(loading)
     try:
         shape, density, keels = found_hull(name, ship)
@@ -189,7 +201,7 @@ def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> t
         problems.append(f"unstable upright: GM = {stability.gm:.3g} m")
     damped, beyond = rolling(afloat, asked)
     notes += beyond
-    found = stated(afloat, stability, asked.cross) | {"roll_damping": damped}
+    found = stated(afloat, stability, asked.cross) | {"roll_damping": damped, "squat": squatting(afloat, asked.depth)}
     return facts | found | {"notes": notes, "problems": problems}, notes
 
 
@@ -209,6 +221,27 @@ def rolling(afloat: "Hydrostatics", asked: Asked) -> tuple[list[dict[str, float]
         for a in SWINGS
     ]
     return rows, found.warnings
+
+
+def squatting(afloat: "Hydrostatics", depth: float | None) -> list[dict[str, float]]:
+    """How much deeper a ship lies at some speeds over a bed at this depth [m]; nothing without one. Raises Refused."""
+    from math import degrees, sqrt
+
+    from ocean_sim.ship.shared.squat import slender, squat
+
+    if depth is None:
+        return []
+    if depth <= afloat.draught:
+        raise console.Refused(f"--depth: she draws {afloat.draught:.3g} m, more than the water has")
+    law, rows = slender(afloat), []
+    for froude in FROUDE:
+        speed = froude * sqrt(GRAVITY * depth)
+        sinkage, trim = law.at(speed, depth)
+        bow = squat(afloat.wanted, afloat.length, speed, depth)
+        row = {"froude": froude, "speed_m_s": speed, "sinkage_m": sinkage, "trim_deg": degrees(trim), "bow_m": bow}
+        lowest = max(bow, sinkage + 0.5 * afloat.length * abs(trim))
+        rows.append(row | {"under_keel_m": depth - afloat.draught - lowest})
+    return rows
 
 
 def stated(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[str, Any]:
@@ -261,6 +294,8 @@ def stated(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[
 
 def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | None) -> None:
     """What `hull` answers, for people."""
+    from ocean_sim.ship.shared.stability import LAST
+
     console.say(name)
     for note in notes:
         console.say(note)
@@ -270,6 +305,7 @@ def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | Non
         stem, _, unit = key.rpartition("_")
         if isinstance(value, float) and unit in units:
             where = f", {found['flooding_at']}" if key == "flooding_deg" else ""
+            where += " or more" if key == "vanishing_deg" and value == LAST else ""
             rows.append([stem.replace("_", " "), f"{console.figures(value)} {units[unit]}{where}"])
     for motion, period in found["periods_s"].items():
         shown = "none" if period is None else f"{period:.3g} s ({found['dry_periods_s'][motion]:.3g} s without water)"
@@ -291,6 +327,12 @@ def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | Non
             for angle, *shares in (row.values() for row in found["roll_damping"])
         ]
         console.table("\nroll damping at rest, % of critical (Kawahara, Maekawa & Ikeda 2012)", heads, rows)
+    if found.get("squat"):
+        heads = ["U / sqrt(g h)", "speed [m/s]", "sinkage [m]", "trim, bow down [deg]", "bow [m]", "under the keel [m]"]
+        rows = [[f"{round(value, 5) + 0.0:.3g}" for value in row.values()] for row in found["squat"]]
+        console.table(
+            "\nsquat: sinkage and trim of a slender hull (Tuck 1966); bow at most (ICORELS 1980)", heads, rows
+        )
     if found.get("cross"):
         heads = ["kg", *(f"{row['heel_deg']:g} deg" for row in found["cross"][0]["kn"])]
         rows = [[f"{c['displacement_kg']:.5g}", *(f"{row['kn_m']:.4f}" for row in c["kn"])] for c in found["cross"]]

@@ -60,6 +60,21 @@ def test_it_keeps_the_contract_of_gymnasium():
     check_env(OceanEnv(), skip_render_check=True)
 
 
+def test_boats_are_made_by_name_and_tell_where_they_are():
+    gymnasium = pytest.importorskip("gymnasium")
+    name = "ocean_sim.gym.environments:OceanSim/HoldHeading-v0"
+    with gymnasium.make(name, height=0.0) as one:
+        _, at_first = one.reset(seed=3)
+        *_, info = one.step(np.array([0.0, 0.5], np.float32))
+    way, heading = info["position"] - at_first["position"], info["heading"]
+    assert np.hypot(*way) > 0.1
+    np.testing.assert_allclose(way / np.hypot(*way), [np.sin(heading), np.cos(heading)], atol=0.02)
+    many = gymnasium.make_vec(name, num_envs=3)
+    _, info = many.reset(seed=3)
+    assert info["position"].shape == (3, 2) and info["_heading"].all()
+    many.close()
+
+
 def test_the_same_seed_gives_the_same_episodes_byte_for_byte_and_another_does_not():
     pytest.importorskip("gymnasium")
     from ocean_sim.gym.environments import LONGEST, OceanVectorEnv

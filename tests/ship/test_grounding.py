@@ -1,14 +1,17 @@
-"""Keels that meet the bed under waves in closed form."""
+"""Keels that meet the bed under waves in closed form, and squat."""
 
 import json
+from math import inf, sqrt
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from ocean_sim.__main__ import answered
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.result import Result, run
-from ocean_sim.ship.shared.squat import squat
+from ocean_sim.ship.shared.squat import slender, squat
 
 QUIET = {name: None for name in observer_names() if name not in ("manifest", "health", "motion")}
 DEPTH = 2.3
@@ -53,3 +56,36 @@ def test_squat_under_way_over_a_bed_is_said():
     fast = [line for line in load(shallow(velocity=[0.0, 0.0, 5.0])).warnings() if "draughts deep" in line]
     assert "faster than the fastest wave there" in fast[0]
     assert not any("m/s" in line for line in load(shallow()).warnings() if "draughts deep" in line)
+
+
+def slice_of(fuller):
+    """Slices of a hull of 30 x 3 x 1 m: a parabola, fuller forward by this part of its breadth; of unit stiffness."""
+    d = 0.05
+    z = np.arange(-15.0 + d / 2.0, 15.0, d)
+    breadth = 3.0 * (1.0 - (z / 15.0) ** 2) * (1.0 + fuller * z / 15.0)
+    voxels = SimpleNamespace(size=(d, d, d))
+    stiffness = {"heave": 9810.0 * float(breadth.sum()) * d, "pitch": 9810.0 * float((breadth * z**2).sum()) * d}
+    water = {"density": 1000.0, "gravity": 9.81}
+    return SimpleNamespace(
+        stations=(z, breadth, 0.0 * z + 1.0), sections=breadth, voxels=voxels, stiffness=stiffness, **water
+    )
+
+
+def test_a_parabola_sinks_as_slender_theory_says_and_a_full_bow_dips():
+    """Of B and S like 1 - (2 z / L)^2 the double integral is in closed form: sinkage is 9 / (2 pi) V / L^2."""
+    even, full = slender(slice_of(0.0)), slender(slice_of(0.3))
+    volume = 2.0 / 3.0 * 30.0 * 3.0
+    assert even.sinkage * 30.0**2 / volume == pytest.approx(9.0 / (2.0 * np.pi), rel=1e-3)
+    assert abs(even.trim) < 1e-9 < full.trim
+    half, whole = even.at(1.0, 2.0), even.at(sqrt(2.0), 4.0)  # one Froude number
+    assert half.sinkage == pytest.approx(whole.sinkage) and even.at(5.0, 2.0).sinkage == inf
+
+
+def test_hull_tells_squat_over_a_bed(capfd):
+    """The Wigley hull of 3 m and 0.075 m3 at F 0.5 in 0.3 m: 1.432 0.075 / 9 0.25 / sqrt(0.75) = 3.45 mm, level."""
+    assert answered(["hull", "wigley", "--kg", "0.12", "--depth", "0.3", "--json"]) == 0
+    row = next(row for row in json.loads(capfd.readouterr().out)["squat"] if row["froude"] == 0.5)
+    assert row["speed_m_s"] == pytest.approx(0.5 * sqrt(9.81 * 0.3)) and abs(row["trim_deg"]) < 1e-3
+    assert row["sinkage_m"] == pytest.approx(0.00345, rel=0.01) and row["bow_m"] == pytest.approx(0.00577, rel=0.01)
+    assert answered(["hull", "wigley", "--kg", "0.12", "--depth", "0.1"]) == 2
+    assert "--depth: she draws 0.187 m" in capfd.readouterr().err

@@ -89,6 +89,7 @@ def test_a_weight_that_is_moved_aft_trims_the_ship(ask, tmp_path):
 def test_a_centre_of_mass_a_draught_and_a_ship_of_a_scene_are_taken(ask, tmp_path):
     code, out, _ = ask("hull", "wigley", "--kg", 0.17, "--mass", 75, "--cells", 6, "--json")
     assert code == 0 and json.loads(out)["gm_m"] == pytest.approx(0.1583304 - 0.17, abs=0.001)
+    assert "90 deg or more" in ask("hull", "wigley", "--kg", 0.12, "--cells", 6)[1]
     code, out, _ = ask("hull", "barge20", "--draught", 1.0, "--cg", "0,1.0,0", "--cells", 6, "--json", "--cross")
     found = json.loads(out)
     assert found["displacement_kg"] == pytest.approx(160000.0, rel=0.01) and found["cross"]
@@ -102,6 +103,15 @@ def test_a_centre_of_mass_a_draught_and_a_ship_of_a_scene_are_taken(ask, tmp_pat
     (tmp_path / "load.yaml").write_text("light: {mass: 1, at: [0, 0, 0]}\ntank: {}\n")
     code, _, err = ask("hull", "barge20", "--loading", "load.yaml")
     assert code == 2 and "load.yaml:2:1: tank: unknown key; did you mean 'tanks'?" in err
+
+
+@pytest.mark.parametrize(
+    "options",
+    [("--mass", 75, "--draught", 0.1), ("--kg", 0.12, "--cg", "0,0.1,0"), ("--loading", "a.yaml", "--kg", 0.1)],
+)
+def test_two_options_that_say_the_same_are_refused(ask, options):
+    code, _, err = ask("hull", "wigley", *options)
+    assert code == 2 and f"{options[0]} and {options[2]} each say" in err
 
 
 def test_check_states_how_a_ship_floats(ask):

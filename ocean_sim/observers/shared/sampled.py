@@ -1,4 +1,5 @@
-"""Values at exact multiples of `every`, whatever the time steps were: straight lines between the states around them."""
+"""Values at exact multiples of `every`, whatever the time steps were: straight lines between the states around them, or
+cubics where it is known how fast they change."""
 
 import math
 from typing import NamedTuple
@@ -67,3 +68,23 @@ def between(before: Sample, after: Sample, time: float) -> Sample:
         return Sample(time, after.values, after.held)
     part = max(0.0, (time - before.time) / (after.time - before.time))
     return Sample(time, before.values + part * (after.values - before.values), before.held)
+
+
+class Passing(NamedTuple):
+    """What moves along a smooth path, as it passes a time [s]: its place (n,) and velocity (n,) then."""
+
+    time: float
+    place: np.ndarray
+    velocity: np.ndarray
+
+
+def path(before: Passing, after: Passing, time: float) -> np.ndarray:
+    """(n,) the place at a time between two, on the cubic that has place and velocity of both (Hermite): neither of them
+    leaps from one step to the next. It is fourth-order in the step if the velocities are third-order."""
+    step = after.time - before.time
+    if time >= after.time or step <= 0.0:
+        return after.place
+    s = max(0.0, (time - before.time) / step)
+    moved = after.place - before.place
+    start, end = step * before.velocity - moved, step * after.velocity - moved
+    return before.place + s * moved + s * (1.0 - s) * ((1.0 - s) * start - s * end)

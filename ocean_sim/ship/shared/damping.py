@@ -116,6 +116,5 @@ class Resistance:
 
 def fullness(hull: Hydrostatics) -> float:
     """C_B B / T: the volume under water over length and draught squared."""
-    _, breadth, draught = hull.stations
-    length = float(hull.voxels.size[2]) * np.count_nonzero(breadth > 0.0)
-    return min(hull.wanted, hull.voxels.volume) / (length * float(draught.max()) ** 2)
+    _, _, draught = hull.stations
+    return min(hull.wanted, hull.voxels.volume) / (hull.length * float(draught.max()) ** 2)

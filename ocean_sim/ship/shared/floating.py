@@ -215,9 +215,7 @@ class FloatingConfig(VesselConfig):
         speed = max(float(np.linalg.norm(self.velocity)), self.helm.speed if self.helm is not None else 0.0)
         if speed == 0.0:
             return message
-        _, breadth, _ = hull.stations
-        length = float(hull.voxels.size[2]) * np.count_nonzero(breadth > 0.0)
-        sunk = squat(hull.wanted, length, speed, depth)
+        sunk = squat(hull.wanted, hull.length, speed, depth)
         if isinf(sunk):
             return f"{message}; {speed:.3g} m/s are faster than the fastest wave there, sqrt(g h)"
         touches = ", and touch the bed" if hull.draught + sunk >= depth else ""

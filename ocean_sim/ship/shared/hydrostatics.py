@@ -143,6 +143,11 @@ class Hydrostatics:
         draught = np.clip(level - lowest, 0.0, level - self.keel)
         return first + long * np.arange(n), np.bincount(number, shown, n) / (2.0 * step * long), draught
 
+    @property
+    def length(self) -> float:
+        """Of the waterline [m]."""
+        return float(self.voxels.size[2]) * int(np.count_nonzero(self.stations[1] > 0.0))
+
     @cached_property
     def sections(self) -> np.ndarray:
         """(n,) area under the still water of every slice of cubes [m2]."""

@@ -60,6 +60,12 @@ class RigidBody:
         away, omega = self.matrix @ arm, self.angular_velocity
         return acceleration + cross(turning, away) + cross(omega, cross(omega, away))
 
+    def bend(self, acceleration: np.ndarray, turning: np.ndarray) -> np.ndarray:
+        """(7,) second derivatives of position [m/s2] and quaternion [1/s2], from those accelerations."""
+        q, omega = self.orientation, self.angular_velocity
+        turned = product(np.concatenate([[0.0], turning]), q) - 0.5 * (omega @ omega) * q
+        return np.concatenate([acceleration, 0.5 * turned])
+
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """a x b of two (3,), many times as quick as NumPy's."""

@@ -152,7 +152,7 @@ class Components(NamedTuple):
 def form_of(hull: Hydrostatics, omega: float, keels: BilgeKeels | None) -> Form:
     """Of a hull that rolls at a frequency [rad/s]."""
     _, breadth, draught = hull.stations
-    length, broad = float(hull.voxels.size[2]) * np.count_nonzero(breadth > 0.0), float(breadth.max())
+    length, broad = hull.length, float(breadth.max())
     deep = float(draught.max())
     volume = min(hull.wanted, hull.voxels.volume)
     return Form(

@@ -5,8 +5,8 @@ from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from statistics import median
-from time import perf_counter
-from typing import Any, NamedTuple, TypeAlias, cast
+from time import perf_counter, process_time
+from typing import Any, NamedTuple, Self, TypeAlias, cast
 
 import numpy as np
 
@@ -14,8 +14,24 @@ from ocean_sim.machine import cores
 from ocean_sim.verbs.shared import console, splishsplash
 
 REPEATS, TURNS = 5, 3
-Pairs: TypeAlias = list[tuple[float, float]]  # theirs and ours [s], measured by turns
 PERIOD, WAVES, STEPS = 6.0, 20, 60  # of the response of a barge: [s], waves that pass, steps in each
+
+
+class Spent(NamedTuple):
+    """Time that a task took [s]: of the clock, and of all processors."""
+
+    wall: float
+    cpu: float
+
+    @classmethod
+    def now(cls) -> Self:
+        return cls(perf_counter(), process_time())
+
+    def since(self, begin: "Spent") -> "Spent":
+        return Spent(self.wall - begin.wall, self.cpu - begin.cpu)
+
+
+Pairs: TypeAlias = list[tuple[Spent, Spent]]  # theirs and ours, measured by turns
 
 
 class Dam(NamedTuple):
@@ -35,9 +51,10 @@ class Dam(NamedTuple):
         ours = self.kind if self.support is None else f"{self.kind} at {self.support:g} spacings"
         return f"{self.name}, its {self.method.upper()}, our {ours}, a {'simulated second' if self.end else 'step'}"
 
-    def each(self, found: dict[str, Any]) -> float:
-        """Wall time [s] of a step, or of a simulated second."""
-        return found["wall"] / found["simulated" if self.end else "steps"]
+    def each(self, found: dict[str, Any]) -> Spent:
+        """On a step, or on a simulated second."""
+        count = found["simulated" if self.end else "steps"]
+        return Spent(found["wall"] / count, found["cpu"] / count)
 
 
 SPACING, BEGIN = 0.05, 0.01  # [m]; simulated time that is not measured [s]
@@ -53,9 +70,9 @@ DAMS = (
 
 
 def peers(python: Path | None, threads: int | None) -> list[dict[str, Any]]:
-    """One row of each: `peer`, `version`, `task`, `peer_s`, `ours_s`, `ratio` (ours over theirs); no numbers where it
-    is not installed. `python`: of the environment that has SPlisHSPlasH; both then run on so many threads, by default
-    on all cores."""
+    """One row of each: `peer`, `version`, `task`, `peer_s`, `ours_s`, `ratio` (ours over theirs), and the same of the
+    time of all processors, `peer_cpu_s`, `ours_cpu_s`, `cpu_ratio`; no numbers where it is not installed. `python`: of
+    the environment that has SPlisHSPlasH; both then run on so many threads, by default on all cores."""
     rows = [
         row("pysplashsurf", "surface of 6144 particles", surface),
         row("capytaine", "response of a barge", response),
@@ -76,8 +93,12 @@ def row(peer: str, task: str, measured: Callable[[], Pairs]) -> dict[str, Any]:
 
 def numbers(peer: str, found: str | None, task: str, times: Pairs) -> dict[str, Any]:
     """Medians of what was measured by turns."""
-    theirs, ours, ratio = [median(column) for column in zip(*((a, b, b / a) for a, b in times))] or [None] * 3
-    return {"peer": peer, "version": found, "task": task, "peer_s": theirs, "ours_s": ours, "ratio": ratio}
+    row = {"peer": peer, "version": found, "task": task}
+    for head, what in (("", "wall"), ("cpu_", "cpu")):
+        pairs = [(getattr(theirs, what), getattr(ours, what)) for theirs, ours in times]
+        medians = [median(column) for column in zip(*((a, b, b / a) for a, b in pairs))] or [None] * 3
+        row |= dict(zip((f"peer_{head}s", f"ours_{head}s", f"{head}ratio"), medians))
+    return row
 
 
 def dam_break(dam: Dam, python: Path, threads: int) -> dict[str, Any]:
@@ -120,29 +141,31 @@ def here(dam: Dam, threads: int) -> dict[str, Any]:
         laid["time_step"] = "courant"
     with Simulation(load(f"bench/{dam.name}", laid)) as simulation:
         simulation.run(BEGIN)
-        time, steps, began = simulation.time, simulation.steps, perf_counter()
-        while (wall := perf_counter() - began) < dam.seconds or simulation.time < dam.end or simulation.steps == steps:
+        time, steps, began = simulation.time, simulation.steps, Spent.now()
+        spent = Spent(0.0, 0.0)
+        while spent.wall < dam.seconds or simulation.time < dam.end or simulation.steps == steps:
             simulation.step()
+            spent = Spent.now().since(began)
         return {
             "particles": with_particles(simulation.fluid).particles.n,
             "steps": simulation.steps - steps,
-            "wall": wall,
+            **spent._asdict(),
             "simulated": simulation.time - time,
         }
 
 
 def interleaved(theirs: Callable[[], object], ours: Callable[[], object], prepare: Callable[[], object]) -> Pairs:
-    """Wall times of both, by turns, so that what else the machine does strikes both alike; the first turn, which
+    """What both took, by turns, so that what else the machine does strikes both alike; the first turn, which
     compiles, is left out. `prepare`: what comes before ours and is not measured."""
     times = []
     for _ in range(REPEATS + 1):
-        begin = perf_counter()
+        begin = Spent.now()
         theirs()
-        between = perf_counter()
+        between = Spent.now()
         prepare()
-        began = perf_counter()
+        began = Spent.now()
         ours()
-        times.append((between - begin, perf_counter() - began))
+        times.append((between.since(begin), Spent.now().since(began)))
     return times[1:]
 
 
@@ -205,4 +228,5 @@ def sentence(row: dict[str, Any]) -> str:
     theirs, ours = (
         f"{row[key]:.3g} s" if row[key] > 1.0 else f"{1e3 * row[key]:.3g} ms" for key in ("peer_s", "ours_s")
     )
-    return f"{row['peer']} {row['version']}, {row['task']}: {theirs}, here {ours}: {row['ratio']:.3g} times"
+    times = f"{row['ratio']:.3g} times, of processor time {row['cpu_ratio']:.3g}"
+    return f"{row['peer']} {row['version']}, {row['task']}: {theirs}, here {ours}: {times}"

@@ -11,7 +11,7 @@ import sys
 import tempfile
 from importlib.metadata import version
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 PEER = "SPlisHSPlasH"
@@ -24,7 +24,7 @@ FACES += [(2, 6, 8), (2, 8, 4)]  # outwards
 
 
 def measured(python: Path, order: dict[str, Any], threads: int) -> dict[str, Any]:
-    """`version`, `particles`, `steps`, `wall` and `simulated` [s] of a dam break.
+    """`version`, `particles`, `steps`, `wall`, `cpu` of all threads and `simulated` [s] of a dam break.
 
     `order`: `method`, "wcsph" or "dfsph"; `lattice`, particles along x, y and z; `spacing` [m]; `begin`, simulated time
     from which it counts [s]; `seconds` of wall time and simulated time `end`, to which it goes at least [s]. Raises
@@ -134,7 +134,7 @@ def main(order: dict[str, Any]) -> None:
         now, time = perf_counter(), clock.getTime()
         if not since:
             if time >= order["begin"]:
-                since.update(wall=now, time=time, steps=0)
+                since.update(wall=now, cpu=process_time(), time=time, steps=0)
             return
         since["steps"] += 1
         if now - since["wall"] >= order["seconds"] and time >= order["end"]:
@@ -143,6 +143,7 @@ def main(order: dict[str, Any]) -> None:
                 "particles": water.numActiveParticles(),
                 "steps": since["steps"],
                 "wall": now - since["wall"],
+                "cpu": process_time() - since["cpu"],
                 "simulated": time - since["time"],
             }
             os.write(answer, json.dumps(found).encode())

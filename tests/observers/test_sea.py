@@ -349,6 +349,33 @@ def test_foam_lives_as_long_as_whitecaps_do_and_covers_what_is_asked_for():
         assert least <= (white[after:] > 0.3)[before].mean() <= most, after
 
 
+def unevenness(surface: sea_surface.SeaSurface, white: np.ndarray) -> float:
+    """Spread of the distances of a spot's edge from its middle over their mean."""
+    inside = white > 0.3
+    core = inside.copy()
+    for axis in (0, 1):
+        for way in (1, -1):
+            core &= np.roll(inside, way, axis=axis)
+    places = surface.nodes.reshape(*white.shape, 2)
+    away = np.linalg.norm(places[inside & ~core] - places[inside].mean(axis=0), axis=-1)
+    return float(away.std() / away.mean())
+
+
+def test_foam_of_a_coarse_grid_is_not_round_and_covers_as_much():
+    """White cells on their own: a spline makes round spots of them, whose edges lie equally far from the middle."""
+    surface = sea_surface.SeaSurface(GRID, state(), 40_000)
+    uneven, cover = [], []
+    for i, k in [(12, 10), (15, 14), (18, 9), (20, 13), (14, 12), (17, 15)]:
+        kept = np.zeros((len(X), len(Z)))
+        kept[i - 1 : i + 2, k - 1 : k + 2] = [[0.5, 0.7, 0.5], [0.7, 1.0, 0.7], [0.5, 0.7, 0.5]]
+        both = surface.carried(kept), surface.laced(kept, surface.nodes)
+        uneven.append([unevenness(surface, white) for white in both])
+        cover.append([white.mean() for white in both])
+    (round_spots, laced), (before, after) = np.mean(uneven, axis=0), np.mean(cover, axis=0)
+    assert laced > 2.0 * round_spots
+    assert after == pytest.approx(before, rel=0.15)
+
+
 def test_foam_goes_with_the_water_and_its_grain_with_it():
     field = foam.Field((40, 30), np.array([0.5, 0.5]))
     x, z = np.meshgrid(0.5 * np.arange(40), 0.5 * np.arange(30), indexing="ij")

@@ -1,15 +1,17 @@
-"""What is written over a picture: the time, a bar of so many metres, and where the basin ends."""
+"""What is written over a picture: the time, bars of lengths and of heights in metres, and where the basin ends."""
 
 from math import floor, log10
 from typing import Any
 
 import numpy as np
 
+from ocean_sim.pictures import water_shading
 from ocean_sim.pictures.stage import Stage
 
 INK, PAPER = "#eef3f6", (0.03, 0.09, 0.13)
 OUTLINE = "#ffb347"
 RAISED = 0.06  # [m] by which the outline stands over the water, so that it is seen
+BAR_TOP, BAR_HEIGHT, BAR_LEFT, BAR_WIDTH = 0.3, 0.4, 130, 18  # of a picture's height; [pixels] from its right edge
 SHORTEST, LONGEST = 0.10, 0.25  # of the width of a picture: the bar
 
 
@@ -55,6 +57,35 @@ def round_below(value: float) -> float:
     """The greatest of 1, 2, 5 times a power of ten that is not above a value."""
     power = 10.0 ** floor(log10(value))
     return next(m * power for m in (5.0, 2.0, 1.0) if m * power <= value * (1.0 + 1e-9))
+
+
+class HeightBar:
+    """The colours of heights on a map, from the deepest trough to the highest crest that it tells apart."""
+
+    def __init__(self, stage: Stage) -> None:
+        self.size = stage.size
+        self.top, self.height = round(BAR_TOP * stage.size[1]), round(BAR_HEIGHT * stage.size[1])  # [pixels]
+        self.words = [words(stage, " ", (stage.size[0] - BAR_LEFT + 34, self.tick(k) - 10)) for k in range(3)]
+
+    def tick(self, k: int) -> int:
+        """Pixels from the lower edge of the picture to the tick k of three, the lowest first."""
+        return self.size[1] - self.top - self.height + k * self.height // 2
+
+    def show(self, most: float) -> None:
+        """`most`: height of the highest crests, and depth of the deepest troughs, with colours of their own [m]."""
+        for k, text in enumerate(self.words):
+            text.input = f"{(k - 1) * most:+.3g} m" if k != 1 else "0 m"
+
+    def draw(self, image: np.ndarray) -> None:
+        """Into a picture (height, width, 3)."""
+        left, ink, paper = self.size[0] - BAR_LEFT, 238, np.multiply(PAPER, 255.0).astype(np.uint8)
+        up = np.tile([0.0, 1.0, 0.0], (self.height, 1))
+        colours = water_shading.display(water_shading.relief(up, np.linspace(1.0, -1.0, self.height)))
+        image[self.top - 2 : self.top + self.height + 2, left - 2 : left + BAR_WIDTH + 2] = paper
+        image[self.top : self.top + self.height, left : left + BAR_WIDTH] = colours[:, None]
+        for k in range(3):
+            row = min(self.size[1] - self.tick(k), self.top + self.height - 1)
+            image[row, left + BAR_WIDTH : left + BAR_WIDTH + 8] = ink
 
 
 class Outline:

@@ -94,6 +94,8 @@ class Picture:
             self.ships |= {key: DrawnShip(stage, model) for key, model in models.items()}
         self.caption = marks.words(stage, " ", (14, 10)) if order.caption else None
         self.scale_bar = marks.ScaleBar(stage) if order.scale_bar else None
+        on_map = isinstance(self.content, Water) and stage.camera.from_above
+        self.height_bar = marks.HeightBar(stage) if order.scale_bar and on_map else None
         self.outline = marks.Outline(stage, grid["lower"], grid["upper"]) if order.outline else None
         self.wind = WindMarks(stage, grid["lower"], grid["upper"]) if order.wind else None
         self.aim()
@@ -160,11 +162,14 @@ class Picture:
         if self.scale_bar is not None:
             ships = [position for position, _ in frame.ships.values()]
             self.scale_bar.show(ships[0] if ships else 0.5 * (self.lower + self.upper) * [1.0, 0.0, 1.0])
+        if self.height_bar is not None and isinstance(self.content, Water):
+            self.height_bar.show(self.content.most)
         self.plotter.render()
         image = self.plotter.screenshot(None, return_img=True)
         image = antialiasing.smooth(image) if self.stage.samples == 1 else antialiasing.mean(image, self.stage.samples)
-        if self.scale_bar is not None:
-            self.scale_bar.draw(image)
+        for bar in (self.scale_bar, self.height_bar):
+            if bar is not None:
+                bar.draw(image)
         return image
 
     def heights_at(self, frame: Frame, positions: np.ndarray) -> np.ndarray:

@@ -6,7 +6,7 @@ computes both sides of every `if`, but leaves a loop as soon as no pixel of a gr
 loop of one turn or none.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ def number(value: float) -> str:
     return f"{float(value):.9g}" if "." in f"{float(value):.9g}" or "e" in f"{float(value):.9g}" else f"{value:.1f}"
 
 
-def vector(values: np.ndarray) -> str:
+def vector(values: Iterable[float]) -> str:
     return f"vec3({', '.join(number(v) for v in values)})"
 
 

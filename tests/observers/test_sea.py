@@ -10,7 +10,7 @@ import pytest
 from ocean_sim import waves
 from ocean_sim.basin import points as points_module
 from ocean_sim.observers import frames, render
-from ocean_sim.pictures import far_sea, foam, frame_files, opengl, sea_state, sea_surface, spray
+from ocean_sim.pictures import far_sea, foam, frame_files, marks, opengl, sea_state, sea_surface, spray, water
 from ocean_sim.pictures import ripples as ripples_module
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
@@ -308,6 +308,22 @@ def test_words_and_the_scale_bar_are_as_large_in_every_quality(picture, quality)
     assert 0.1 * 320 < low.any(axis=0).sum() < 0.27 * 320  # the bar
     rows = np.flatnonzero(changed[:, :100].any(axis=1))
     assert 10 <= np.ptp(rows) + 1 <= 24 and rows.min() > 140  # the time
+
+
+@with_opengl
+def test_a_map_tells_which_colour_is_which_height(picture):
+    marked, bare = (picture(camera="top", scale_bar=on, caption=False) for on in (True, False))
+    left = 320 - marks.BAR_LEFT
+    bar = marked[56:124, left : left + marks.BAR_WIDTH].mean(axis=1)
+    assert (np.diff(bar.sum(axis=1)) <= 1e-9).all() and np.ptp(bar.sum(axis=1)) > 200.0  # crests are pale
+    assert (np.abs(marked - bare).max(axis=2)[50:130, 230:320] > 40.0).sum() > 60  # heights in metres
+    assert not np.abs(marked - bare)[:, : left - 3].any()
+
+
+def test_heights_of_a_map_end_at_round_numbers_that_hold_them():
+    assert [water.round_above(v) for v in (0.011, 0.12, 0.95, 1.3, 2.0, 71.0)] == pytest.approx(
+        [0.015, 0.15, 1.0, 1.5, 2.0, 80.0]
+    )
 
 
 def test_frames_keep_the_waves_of_a_sea_in_closed_form_and_nothing_of_particles():

@@ -219,7 +219,8 @@ def test_distance_to_the_waterline_of_a_box():
 def test_a_drop_is_isolated_and_water_is_not():
     block = np.stack(np.meshgrid(*[np.arange(6) * 1.0] * 3), axis=-1).reshape(-1, 3)
     drops = np.array([[2.0, 9.0, 2.0], [4.0, 12.0, 4.0]])
-    found = spray.isolated(np.concatenate([block, drops]), 1.0)
+    every = np.concatenate([block, drops])
+    found = spray.isolated(every, 1.0, every)
     assert found.sum() == 2 and found[-2:].all()
 
 

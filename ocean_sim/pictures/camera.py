@@ -74,6 +74,7 @@ class Vessel(NamedTuple):
     length: float  # [m]
     helm: np.ndarray  # (3,) body axes from the centre of mass [m]
     track: Track
+    height: float = 0.0  # [m] of the top of her mast over the centre of mass, upright
 
     def speed(self, time: float) -> float:
         """Over the ground at a time [s], since the frame before [m/s]."""
@@ -113,7 +114,7 @@ class Operator:
         k = int(np.abs(vessel.track.time - time).argmin())
         position, turn = vessel.track.position[k], vessel.track.turn[k]
         if self.name == "third_person":
-            return self.near_ship(position, vessel.length)
+            return below_mast(self.near_ship(position, vessel.length), position * [1.0, 0.0, 1.0], vessel.height)
         if self.name == "follow":
             if len(self.trail[0]) < len(vessel.track.time):
                 self.trail = damped(vessel.track)
@@ -160,6 +161,13 @@ def looking(eye: np.ndarray, target: np.ndarray) -> Camera:
     right = np.cross(forward, [0.0, 1.0, 0.0] if abs(forward[1]) < 0.999 else [0.0, 0.0, -1.0])
     right /= np.linalg.norm(right)
     return Camera(eye, forward, np.cross(right, forward), None)
+
+
+def below_mast(camera: Camera, foot: np.ndarray, height: float) -> Camera:
+    """The same camera, raised so far that the top of a mast on a foot [m], so high [m], is in its picture."""
+    top = foot + [0.0, height, 0.0] - camera.eye
+    over = float(top @ camera.up - np.tan(np.radians(camera.angle / 2.0)) / MARGIN * (top @ camera.forward))
+    return camera if over <= 0.0 else camera._replace(eye=camera.eye + over * camera.up)
 
 
 def close(eye: np.ndarray, target: np.ndarray, length: float) -> Camera:

@@ -46,7 +46,9 @@ class Picture:
                 self.upper[[0, 2]] = np.maximum(self.upper, track.position.max(axis=0))[[0, 2]]
         models = {key: kept_model(grid, key) for key in ships_in(grid, "_vertices")}
         vessels = {
-            key: Vessel(model.length, model.helm, log.tracks[key]) for key, model in models.items() if key in log.tracks
+            key: Vessel(model.length, model.helm, log.tracks[key], float(model.mesh.corners[..., 1].max()))
+            for key, model in models.items()
+            if key in log.tracks
         }
         vessel = next(iter(vessels.values()), None) if order.ship is None else vessels.get(key_of(order.ship))
         self.operator = Operator(

@@ -10,7 +10,7 @@ from ocean_sim.pictures.stage import Stage
 
 INK, PAPER = "#eef3f6", (0.03, 0.09, 0.13)
 OUTLINE = "#ffb347"
-RAISED = 0.06  # [m] by which the outline stands over the water, so that it is seen
+RAISED = 0.0015  # of the basin's length: how far the outline stands over the water, so that it is seen
 BAR_TOP, BAR_HEIGHT, BAR_LEFT, BAR_WIDTH = 0.3, 0.4, 130, 18  # of a picture's height; [pixels] from its right edge
 SHORTEST, LONGEST = 0.10, 0.25  # of the width of a picture: the bar
 
@@ -97,10 +97,11 @@ class Outline:
         corner = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]], dtype=float)
         share = np.stack([np.interp(way, np.arange(5), corner[:, k]) for k in range(2)], axis=1)
         self.around = lower[[0, 2]] + share * (upper - lower)[[0, 2]]
+        self.raised = RAISED * float((upper - lower)[[0, 2]].max())  # [m]
         self.line = stage.pyvista.MultipleLines(np.insert(self.around, 1, 0.0, axis=1).astype(np.float32))
         width = 2.0 * stage.samples  # [pixels of the plotter]
         stage.plotter.add_mesh(self.line, color=OUTLINE, line_width=width, lighting=False, render=False)
 
     def show(self, origin: np.ndarray, heights: np.ndarray) -> None:
         """Around an origin x, z [m], at heights (points,) [m]."""
-        self.line.points = np.insert(self.around + origin, 1, heights + RAISED, axis=1).astype(np.float32)
+        self.line.points = np.insert(self.around + origin, 1, heights + self.raised, axis=1).astype(np.float32)

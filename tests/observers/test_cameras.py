@@ -102,7 +102,7 @@ def test_the_mast_is_in_the_picture_wherever_she_is(side):
     moving = Operator("third_person", -upper, upper, 16 / 9, (0.0, 10.0), vessel=vessel)
     for t, foot in zip(time, place):
         camera = moving.at(t)
-        for point, sign in (([0.0, height, 0.0], 1.0), ([0.0, -0.5, 0.0], -1.0)):
+        for point, sign in (([0.0, height + 1.0, 0.0], 1.0), ([0.0, -0.5, 0.0], -1.0)):
             away = foot + point - camera.eye
             assert sign * (away @ camera.up) / (away @ camera.forward) < np.tan(np.radians(camera.angle / 2.0))
 

@@ -318,7 +318,9 @@ def render(
     ship: Annotated[str | None, typer.Option(help="The ship that a camera follows, where there are several.")] = None,
     caption: Annotated[bool, typer.Option("--caption/--no-caption", help="Write the time into the pictures.")] = True,
     outline: Annotated[bool, typer.Option("--outline", help="Draw where the basin ends.")] = False,
-    scale_bar: Annotated[bool, typer.Option("--scale-bar", help="Length of a scale bar to draw [m].")] = False,
+    scale_bar: Annotated[
+        bool, typer.Option("--scale-bar", help="Draw a bar of metres; on maps of heights, too.")
+    ] = False,
     wind: Annotated[bool, typer.Option("--wind", help="Draw where the wind blows, and where to.")] = False,
     out: Annotated[Path | None, typer.Option(help="By default the run folder.")] = None,
     json: Json = False,

@@ -21,6 +21,7 @@ TOWARDS = {  # direction of view, and what is up in the picture
 
 FAR = 2.5  # lengths of a ship; in a longer basin `third_person` follows it
 SHIPS = 0.62  # lengths of a ship that it sees each way then, from the still water up
+HEAVING = 0.1  # lengths of a ship over her top at rest that stay in the picture, too: she rises with the waves
 BEHIND, ABOVE, QUARTER = 1.9, 0.5, 22.0  # lengths of a ship and [deg] to starboard, from which `follow` looks at it
 LAG = 0.9, 1.6  # [s] in which `follow` makes up for 1 - 1/e of a change of position and of heading
 ROUND, RISE = 2.2, 0.55  # lengths of a ship: radius and height of `orbit`
@@ -74,6 +75,7 @@ class Vessel(NamedTuple):
     length: float  # [m]
     helm: np.ndarray  # (3,) body axes from the centre of mass [m]
     track: Track
+    height: float = 0.0  # [m] of the top of her mast over the centre of mass, upright
 
     def speed(self, time: float) -> float:
         """Over the ground at a time [s], since the frame before [m/s]."""
@@ -113,7 +115,8 @@ class Operator:
         k = int(np.abs(vessel.track.time - time).argmin())
         position, turn = vessel.track.position[k], vessel.track.turn[k]
         if self.name == "third_person":
-            return self.near_ship(position, vessel.length)
+            top = position * [1.0, 0.0, 1.0] + [0.0, vessel.height + HEAVING * vessel.length, 0.0]
+            return holding(self.near_ship(position, vessel.length), top)
         if self.name == "follow":
             if len(self.trail[0]) < len(vessel.track.time):
                 self.trail = damped(vessel.track)
@@ -160,6 +163,13 @@ def looking(eye: np.ndarray, target: np.ndarray) -> Camera:
     right = np.cross(forward, [0.0, 1.0, 0.0] if abs(forward[1]) < 0.999 else [0.0, 0.0, -1.0])
     right /= np.linalg.norm(right)
     return Camera(eye, forward, np.cross(right, forward), None)
+
+
+def holding(camera: Camera, top: np.ndarray) -> Camera:
+    """The same camera, raised so far that the top of a mast [m] is in its picture."""
+    away = top - camera.eye
+    over = float(away @ camera.up - np.tan(np.radians(camera.angle / 2.0)) / MARGIN * (away @ camera.forward))
+    return camera if over <= 0.0 else camera._replace(eye=camera.eye + over * camera.up)
 
 
 def close(eye: np.ndarray, target: np.ndarray, length: float) -> Camera:

@@ -19,6 +19,9 @@ BENT = 0.9  # by which the grain is bent, so that it follows no axis
 SOFT = 0.20  # of a covered share: how far the edges of foam fade at most
 THINNEST, THICK = 0.40, 0.50  # how white foam is where it is thinnest, and the share from which it is wholly white
 FINE = 0.45  # [m] footprint of a pixel beyond which the grain is not drawn
+HEAPS, HEAP_SLOPE = (1.9, 5.3, 14.0), 0.34  # [1/m] of the heaps in which foam lies thick; slope of each, of noise's own
+HOLLOWS = (0.34, 0.24, 0.18)  # share of its light that a hollow between heaps loses against their tops
+BENDS = (2.3, 1.3), (1.1, 0.8), (0.6, 0.35)  # cells of a wave that bends the edges of foam, and by how much
 
 
 def convergence(elevation: np.ndarray, spacing_x: float, spacing_z: float) -> np.ndarray:
@@ -142,6 +145,31 @@ def white(share: np.ndarray, x: np.ndarray, z: np.ndarray, footprint: np.ndarray
     edge = np.clip((covered + soft - rank) / (2.0 * soft), 0.0, 1.0)
     fine = np.clip(1.0 - footprint / FINE, 0.0, 1.0)
     return np.where(share > 0.0, share + (thick * edge * edge * (3.0 - 2.0 * edge) - share) * fine, 0.0)
+
+
+def heaps(x: np.ndarray, z: np.ndarray, footprint: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """How thick foam lies at positions [m], as fine as a pixel of a footprint [m] shows: slopes of its heaps along x
+    and z, and how bright they are, 1 in the mean: darker in hollows."""
+    slope_x, slope_z, bright = np.zeros(np.shape(x)), np.zeros(np.shape(x)), np.ones(np.shape(x))
+    cos, sin = TURNED
+    for scale, depth in zip(HEAPS, HOLLOWS, strict=True):
+        fine = np.clip(1.5 - 3.0 * footprint * scale, 0.0, 1.0)
+        value, u, v = noise(scale * (cos * x - sin * z) + 5.0, scale * (sin * x + cos * z) + 5.0)
+        slope_x += HEAP_SLOPE * fine * (cos * u + sin * v)
+        slope_z += HEAP_SLOPE * fine * (cos * v - sin * u)
+        bright += depth * fine * (value - 0.5)
+        cos, sin = cos * TURNED[0] - sin * TURNED[1], sin * TURNED[0] + cos * TURNED[1]
+    return slope_x, slope_z, bright
+
+
+def bent(x: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """(2, n) by how far the edges of foam are drawn out at positions (n,), all in cells of the grid that it is kept on:
+    a few values apart a cell would make round blobs of it."""
+    way = np.zeros((2, len(x)))
+    for wave, far in BENDS:
+        u, v = x / wave, z / wave
+        way += far * (np.stack([noise(u + 3.0, v + 17.0)[0], noise(u + 29.0, v + 5.0)[0]]) - 0.5)
+    return way
 
 
 def waterline(vertices: np.ndarray, triangles: np.ndarray, above: np.ndarray) -> np.ndarray:

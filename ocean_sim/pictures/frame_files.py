@@ -59,6 +59,12 @@ class Frame:
         return bool((np.cross(b - a, c - a)[:, 1] <= 0.0).any())
 
 
+def elevation_of(path: Path) -> np.ndarray:
+    """(nx, nz) heights [m] that a frame keeps; nothing else of it is read."""
+    with np.load(path) as file:
+        return file["elevation"].astype(np.float64)
+
+
 class Log:
     """Times of all frames of a run so far and the positions of the ships in them; no frame is read whole."""
 

@@ -1,15 +1,17 @@
-"""What is written over a picture: the time, a bar of so many metres, and where the basin ends."""
+"""What is written over a picture: the time, bars of lengths and of heights in metres, and where the basin ends."""
 
 from math import floor, log10
 from typing import Any
 
 import numpy as np
 
+from ocean_sim.pictures import water_shading
 from ocean_sim.pictures.stage import Stage
 
 INK, PAPER = "#eef3f6", (0.03, 0.09, 0.13)
 OUTLINE = "#ffb347"
-RAISED = 0.06  # [m] by which the outline stands over the water, so that it is seen
+RAISED = 0.0015  # of the basin's length: how far the outline stands over the water, so that it is seen
+BAR_TOP, BAR_HEIGHT, BAR_LEFT, BAR_WIDTH = 0.3, 0.4, 130, 18  # of a picture's height; [pixels] from its right edge
 SHORTEST, LONGEST = 0.10, 0.25  # of the width of a picture: the bar
 
 
@@ -57,6 +59,35 @@ def round_below(value: float) -> float:
     return next(m * power for m in (5.0, 2.0, 1.0) if m * power <= value * (1.0 + 1e-9))
 
 
+class HeightBar:
+    """The colours of heights on a map, from the deepest trough to the highest crest that it tells apart."""
+
+    def __init__(self, stage: Stage) -> None:
+        self.size = stage.size
+        self.top, self.height = round(BAR_TOP * stage.size[1]), round(BAR_HEIGHT * stage.size[1])  # [pixels]
+        self.words = [words(stage, " ", (stage.size[0] - BAR_LEFT + 34, self.tick(k) - 10)) for k in range(3)]
+
+    def tick(self, k: int) -> int:
+        """Pixels from the lower edge of the picture to the tick k of three, the lowest first."""
+        return self.size[1] - self.top - self.height + k * self.height // 2
+
+    def show(self, most: float) -> None:
+        """`most`: height of the highest crests, and depth of the deepest troughs, with colours of their own [m]."""
+        for k, text in enumerate(self.words):
+            text.input = f"{(k - 1) * most:+.3g} m" if k != 1 else "0 m"
+
+    def draw(self, image: np.ndarray) -> None:
+        """Into a picture (height, width, 3)."""
+        left, ink, paper = self.size[0] - BAR_LEFT, 238, np.multiply(PAPER, 255.0).astype(np.uint8)
+        up = np.tile([0.0, 1.0, 0.0], (self.height, 1))
+        colours = water_shading.display(water_shading.relief(up, np.linspace(1.0, -1.0, self.height)))
+        image[self.top - 2 : self.top + self.height + 2, left - 2 : left + BAR_WIDTH + 2] = paper
+        image[self.top : self.top + self.height, left : left + BAR_WIDTH] = colours[:, None]
+        for k in range(3):
+            row = min(self.size[1] - self.tick(k), self.top + self.height - 1)
+            image[row, left + BAR_WIDTH : left + BAR_WIDTH + 8] = ink
+
+
 class Outline:
     """The sides of the basin, drawn on the water."""
 
@@ -66,10 +97,11 @@ class Outline:
         corner = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]], dtype=float)
         share = np.stack([np.interp(way, np.arange(5), corner[:, k]) for k in range(2)], axis=1)
         self.around = lower[[0, 2]] + share * (upper - lower)[[0, 2]]
+        self.raised = RAISED * float((upper - lower)[[0, 2]].max())  # [m]
         self.line = stage.pyvista.MultipleLines(np.insert(self.around, 1, 0.0, axis=1).astype(np.float32))
         width = 2.0 * stage.samples  # [pixels of the plotter]
         stage.plotter.add_mesh(self.line, color=OUTLINE, line_width=width, lighting=False, render=False)
 
     def show(self, origin: np.ndarray, heights: np.ndarray) -> None:
         """Around an origin x, z [m], at heights (points,) [m]."""
-        self.line.points = np.insert(self.around + origin, 1, heights + RAISED, axis=1).astype(np.float32)
+        self.line.points = np.insert(self.around + origin, 1, heights + self.raised, axis=1).astype(np.float32)

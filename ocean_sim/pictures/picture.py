@@ -46,7 +46,9 @@ class Picture:
                 self.upper[[0, 2]] = np.maximum(self.upper, track.position.max(axis=0))[[0, 2]]
         models = {key: kept_model(grid, key) for key in ships_in(grid, "_vertices")}
         vessels = {
-            key: Vessel(model.length, model.helm, log.tracks[key]) for key, model in models.items() if key in log.tracks
+            key: Vessel(model.length, model.helm, log.tracks[key], float(model.mesh.corners[..., 1].max()))
+            for key, model in models.items()
+            if key in log.tracks
         }
         vessel = next(iter(vessels.values()), None) if order.ship is None else vessels.get(key_of(order.ship))
         self.operator = Operator(
@@ -94,6 +96,8 @@ class Picture:
             self.ships |= {key: DrawnShip(stage, model) for key, model in models.items()}
         self.caption = marks.words(stage, " ", (14, 10)) if order.caption else None
         self.scale_bar = marks.ScaleBar(stage) if order.scale_bar else None
+        on_map = isinstance(self.content, Water) and stage.camera.from_above
+        self.height_bar = marks.HeightBar(stage) if order.scale_bar and on_map else None
         self.outline = marks.Outline(stage, grid["lower"], grid["upper"]) if order.outline else None
         self.wind = WindMarks(stage, grid["lower"], grid["upper"]) if order.wind else None
         self.aim()
@@ -160,11 +164,14 @@ class Picture:
         if self.scale_bar is not None:
             ships = [position for position, _ in frame.ships.values()]
             self.scale_bar.show(ships[0] if ships else 0.5 * (self.lower + self.upper) * [1.0, 0.0, 1.0])
+        if self.height_bar is not None and isinstance(self.content, Water):
+            self.height_bar.show(self.content.most)
         self.plotter.render()
         image = self.plotter.screenshot(None, return_img=True)
         image = antialiasing.smooth(image) if self.stage.samples == 1 else antialiasing.mean(image, self.stage.samples)
-        if self.scale_bar is not None:
-            self.scale_bar.draw(image)
+        for bar in (self.scale_bar, self.height_bar):
+            if bar is not None:
+                bar.draw(image)
         return image
 
     def heights_at(self, frame: Frame, positions: np.ndarray) -> np.ndarray:

@@ -185,14 +185,14 @@ class Sea:
         fresh = surface.foam(now.convergence, self.order.foam_cover)
         nodes = surface.nodes + self.origin
         white, grain = fresh, nodes
-        if frame.foam is not None:
-            kept = surface.carried(frame.foam)
-            if self.order.foam_cover is not None:
-                kept = foam.shares(kept + 1e-3 * fresh, self.order.foam_cover)
-            white = np.maximum(kept, (1.0 - surface.share) * fresh)
         if frame.carried is not None:
             moved = [surface.carried(frame.carried[..., k]).ravel() for k in range(2)]
             grain = nodes - np.stack(moved, axis=-1)
+        if frame.foam is not None:
+            kept = surface.laced(frame.foam, grain)
+            if self.order.foam_cover is not None:
+                kept = foam.shares(kept + 1e-3 * fresh, self.order.foam_cover)
+            white = np.maximum(kept, (1.0 - surface.share) * fresh)
         for wake in self.wakes:
             white = np.maximum(white, wake.share(frame.time, frame.origin))
         traits = np.stack([np.clip(white, 0.0, 1.0), self.crest(now.height), now.variance], axis=-1)

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ocean_sim.pictures import far_sea
-from ocean_sim.pictures.frame_files import Frame, Log
+from ocean_sim.pictures.frame_files import Frame, Log, elevation_of
 from ocean_sim.pictures.ripples import Wind
 from ocean_sim.waves import Components
 from ocean_sim.wind.shared.air_load import stated_speed
@@ -69,7 +69,7 @@ class SeaState:
         return Now(level, max(height, LOWEST * self.resolved), waves, self.wind(height))
 
     def look(self, number: int) -> tuple[float, np.ndarray]:
-        elevation = Frame(self.log.files[number]).elevation
+        elevation = elevation_of(self.log.files[number])
         return float(elevation.mean()), self.modes.variances(elevation)
 
     def wind(self, height: float) -> Wind:

@@ -105,6 +105,16 @@ class SeaSurface:
         x, z = self.own
         return self.share * (x @ kept @ z.T)
 
+    def laced(self, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
+        """(nx, nz) the same of white water, at the nodes, whose grain is that of places (n, 2) [m]: its edges are bent
+        within a cell, and go with the grain."""
+        from scipy.ndimage import map_coordinates
+
+        cell = (self.upper - self.lower) / kept.shape
+        at = ((self.nodes - self.lower) / cell).T - 0.5 + foam.bent(*(grain / cell).T)
+        white = map_coordinates(kept, at, order=3, mode="nearest").reshape(self.share.shape)
+        return self.share * np.clip(white, 0.0, 1.0)
+
 
 def grain(x: np.ndarray, z: np.ndarray) -> np.ndarray:
     """How readily white water gathers at positions [m]."""

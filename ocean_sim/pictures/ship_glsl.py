@@ -83,7 +83,7 @@ class Shade:
         u, v = random.random((2, SAMPLES, 1))
         u, v = np.where(u + v > 1.0, 1.0 - u, u), np.where(u + v > 1.0, 1.0 - v, v)
         a, b, c = (corners[np.minimum(which, len(corners) - 1), k] for k in range(3))
-        self.points = a + u * (b - a) + v * (c - a)
+        self.points = np.ascontiguousarray((a + u * (b - a) + v * (c - a)).T, np.float32)  # (3, SAMPLES)
 
     def map(self, turn: np.ndarray, sun: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(PIXELS, PIXELS, 3) depth [m] along the sun of what it sees around her position, and the directions of the
@@ -93,12 +93,10 @@ class Shade:
         right = np.cross([0.0, 1.0, 0.0], sun)
         right /= np.linalg.norm(right)
         up = np.cross(sun, right)
-        seen = self.points @ (turn.T @ np.stack([right, up, sun], axis=1))
-        column, row = (
-            np.clip(((0.5 + 0.5 * seen[:, k] / self.length) * PIXELS).astype(int), 0, PIXELS - 1) for k in (0, 1)
-        )
+        seen = (np.stack([right, up, sun]) @ turn).astype(np.float32) @ self.points
+        column, row = np.clip((seen[:2] * (0.5 * PIXELS / self.length) + 0.5 * PIXELS).astype(np.int32), 0, PIXELS - 1)
         depth = np.full(PIXELS * PIXELS, -1e3, np.float32)
-        np.maximum.at(depth, row * PIXELS + column, seen[:, 2].astype(np.float32))
+        np.maximum.at(depth, row * PIXELS + column, seen[2])
         depth = maximum_filter(depth.reshape(PIXELS, PIXELS), 3)
         return np.repeat(depth[..., None], 3, axis=2), right, up
 

@@ -45,7 +45,7 @@ def colour(direction: np.ndarray) -> np.ndarray:
 def around(direction: np.ndarray) -> np.ndarray:
     """The clear gradient, and below the horizon a quiet ground that darkens downwards; for the background."""
     down = np.clip(-direction[:, 1], 0.0, 1.0)[:, None]
-    flat = unit(np.column_stack([direction[:, 0], np.zeros(len(direction)), direction[:, 2]]))
+    flat = unit(np.column_stack([direction[:, 0] + 1e-12, np.zeros(len(direction)), direction[:, 2]]))  # not (0, 0, 0)
     ground = GROUND + (0.72 * colour(flat) - GROUND) * np.exp(-down / 0.22)
     return np.where(direction[:, 1:2] >= 0.0, colour(direction), ground)
 

@@ -19,14 +19,13 @@ STIRRED = 0.08, 0.30  # of the speed of its neighbours: how far a particle's own
 OFFSETS = 0x5_0003  # stream of random numbers
 
 
-def isolated(position: np.ndarray, spacing: float) -> np.ndarray:
-    """(n,) which particles (n, 3) have left the water, by how few others are near."""
+def isolated(position: np.ndarray, spacing: float, high: np.ndarray) -> np.ndarray:
+    """(m,) which of the high ones (m, 3) among particles (n, 3) have left the water, by how few others are near."""
     from scipy.spatial import cKDTree
 
-    if not len(position):
+    if not len(high):
         return np.zeros(0, bool)
-    tree = cKDTree(position)
-    near = tree.query_ball_point(position, NEIGHBOURHOOD * spacing, return_length=True)
+    near = cKDTree(position).query_ball_point(high, NEIGHBOURHOOD * spacing, return_length=True)
     return near - 1 <= FEW
 
 
@@ -77,7 +76,8 @@ class Spray:
 
     def show(self, position: np.ndarray, heights: np.ndarray) -> None:
         """Particles (n, 3) and the heights (n,) of the water below them [m]."""
-        flying = position[isolated(position, self.spacing) & (position[:, 1] > heights + ABOVE * self.spacing)]
+        high = position[position[:, 1] > heights + ABOVE * self.spacing]
+        flying = high[isolated(position, self.spacing, high)]
         self.place(flying, np.arange(len(flying)), np.ones(len(flying)))
 
     def place(self, centres: np.ndarray, numbers: np.ndarray, shares: np.ndarray) -> None:

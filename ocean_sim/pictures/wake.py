@@ -57,17 +57,21 @@ class Wake:
         ]
         if not (len(near[0]) and len(near[1])):
             return share
-        at = np.stack(np.meshgrid(self.x[near[0]], self.z[near[1]], indexing="ij"), axis=-1)
+        x, z = self.x[near[0]], self.z[near[1]]
+        at = np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1)
         found, nearest = np.zeros(at.shape[:2]), np.full(at.shape[:2], np.inf)
         for k in range(STEPS - 1):
-            offset = at - position[k]
+            low, high = position[k : k + 2].min(axis=0) - reach, position[k : k + 2].max(axis=0) + reach
+            here = tuple(slice(*np.searchsorted(nodes, ends)) for nodes, ends in zip((x, z), zip(low, high)))
+            offset = at[here] - position[k]
             part = np.clip((offset @ along[k]) / length2[k], 0.0, 1.0)
             age = np.maximum(time - moments[k] - part * seconds, 0.0)
             width = self.half * (0.75 + SPREADING * np.sqrt(age))
             away = np.linalg.norm(offset - part[..., None] * along[k], axis=-1) / width
             slick = CLEARED * (1.0 - np.exp(-age / CLEARS)) * np.exp(-np.square(away / SLICK))
             white = WHITEST * min(speed[k] / FAST, 1.0) * np.exp(-age / LASTS - away**4) * (1.0 - slick)
-            found, nearest = np.where(away < nearest, white, found), np.minimum(away, nearest)
+            found[here] = np.where(away < nearest[here], white, found[here])
+            nearest[here] = np.minimum(away, nearest[here])
         share[np.ix_(*near)] = np.where(found > 0.02, found, 0.0)
         return share
 

@@ -1,5 +1,6 @@
 """The surface of the water in a picture."""
 
+from math import floor, log10
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ class Water:
         """`nodes`: about how many the drawn surface has."""
         pyvista, self.stage = stage.pyvista, stage
         self.scale = 0.02 * float(grid["depth"])  # [m] the least height that counts as a crest
+        self.most = self.scale  # [m] height from which crests have one colour
         self.mesh = WaterMesh(grid["x"], grid["z"], grid["lower"], grid["upper"], nodes)
         points, _ = self.mesh.surface(np.zeros((len(grid["x"]), len(grid["z"]))))
         self.surface = pyvista.PolyData.from_regular_faces(points.astype(np.float32), self.mesh.surface_triangles)
@@ -36,7 +38,8 @@ class Water:
         eye = self.stage.camera.eye
         points, normals = self.mesh.surface(frame.elevation)
         points += frame.place
-        height = np.clip(points[:, 1] / max(2.5 * float(frame.elevation.std()), self.scale), -1.0, 1.0)
+        self.most = round_above(max(2.5 * float(frame.elevation.std()), self.scale))
+        height = np.clip(points[:, 1] / self.most, -1.0, 1.0)
         self.surface.points = points.astype(np.float32)
         camera = self.stage.camera
         if camera.parallel_height is not None or camera.from_above:
@@ -46,6 +49,13 @@ class Water:
         sides, depth = self.mesh.sides(points), self.mesh.side_depth
         self.sides.points = sides.astype(np.float32)
         self.sides["colour"] = water_shading.display(water_shading.side(sides, self.mesh.side_normals, depth, eye))
+
+
+def round_above(value: float) -> float:
+    """The least number of one digit, or of a half more below 2, times a power of ten that is not below a value."""
+    power = 10.0 ** floor(log10(value))
+    steps = 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0
+    return next(m * power for m in steps if m * power >= value * (1.0 - 1e-9))
 
 
 class Shell:

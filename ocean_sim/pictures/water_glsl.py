@@ -6,7 +6,7 @@ computes both sides of every `if`, but leaves a loop as soon as no pixel of a gr
 loop of one turn or none.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ def number(value: float) -> str:
     return f"{float(value):.9g}" if "." in f"{float(value):.9g}" or "e" in f"{float(value):.9g}" else f"{value:.1f}"
 
 
-def vector(values: np.ndarray) -> str:
+def vector(values: Iterable[float]) -> str:
     return f"vec3({', '.join(number(v) for v in values)})"
 
 
@@ -96,6 +96,19 @@ float white(float share, vec2 q, float footprint) {{
   }}
   return result;
 }}
+vec3 heaps(vec2 q, float footprint) {{
+  vec2 turned = vec2({number(foam.TURNED[0])}, {number(foam.TURNED[1])}), way = turned;
+  vec3 scales = {vector(foam.HEAPS)}, depths = {vector(foam.HOLLOWS)}, found = vec3(0.0, 0.0, 1.0);
+  for (int o = 0; o < 3; o++) {{
+    float fine = clamp(1.5 - 3.0 * footprint * scales[o], 0.0, 1.0);
+    vec3 a = noise(scales[o] * vec2(way.x * q.x - way.y * q.y, way.y * q.x + way.x * q.y) + 5.0);
+    found.x += {number(foam.HEAP_SLOPE)} * fine * (way.x * a.y + way.y * a.z);
+    found.y += {number(foam.HEAP_SLOPE)} * fine * (way.x * a.z - way.y * a.y);
+    found.z += depths[o] * fine * (a.x - 0.5);
+    way = vec2(way.x * turned.x - way.y * turned.y, way.y * turned.x + way.x * turned.y);
+  }}
+  return found;
+}}
 vec3 ripples(vec2 p, float footprint) {{
   float c = cos(windAngle), s = sin(windAngle), wave = rippleLongest;
   float lost = {number(ripples.UNRESOLVED)} * rippleVariance;
@@ -128,9 +141,12 @@ vec3 fromWithin(float height, vec3 n, vec3 e, float ct, float sunlit) {{
   float sunny = 0.25 * up + (through - 0.25 * up) * sunlit;
   return 2.0 * up * {vector(w.BODY)} + {vector(w.THIN)} * sunny * (0.55 + 0.45 * ct);
 }}
-vec3 foamColour(vec3 n, float white, float sunlit) {{
-  float sunny = max(0.7 * dot(n, sunDir) + 0.3 * sunDir.y + 0.06, 0.0);
-  return mix({vector(w.THIN_FOAM)}, {vector(w.FOAM)}, white) * (1.25 * skyLight + 1.75 * sunLight * sunny * sunlit);
+vec3 foamColour(vec3 n, float white, vec3 heap, float sunlit) {{
+  float up = max(n.y, 0.1);
+  n = normalize(vec3(n.x / up - white * heap.x, 1.0, n.z / up - white * heap.y));
+  float sunny = max(0.7 * dot(n, sunDir) + 0.3 * sunDir.y + 0.06, 0.0), bright = 1.0 + white * (heap.z - 1.0);
+  vec3 light = 1.25 * skyLight + 1.75 * sunLight * sunny * sunlit;
+  return bright * mix({vector(w.THIN_FOAM)}, {vector(w.FOAM)}, white) * light;
 }}
 vec3 sunGlint(vec3 n, vec3 e, float variance) {{
   vec3 h = normalize(sunDir + e);
@@ -178,8 +194,9 @@ def water(ships: int, grain: str = "posW.xz", shadows: str = "") -> str:
   vec3 c = useReflection * reflectance * mirrored;
   c += useBody * (1.0 - reflectance) * fromWithin(attW.y, n, e, refracted(ci), sunlit);
   if (glintKind > 0.5 && glintKind < 1.5) c += sunGlint(n, e, variance) * (1.0 - hidden) * sunlit;
-  float foamy = white(clamp(share, 0.0, 1.0), {grain}, footprint);
-  c = mix(c, foamColour(n, foamy, sunlit), useFoam * foamy);
+  float foamy = useFoam * white(clamp(share, 0.0, 1.0), {grain}, footprint);
+  int lies = foamy > 0.0 ? 1 : 0;
+  for (int turn = 0; turn < lies; turn++) c = mix(c, foamColour(n, foamy, heaps({grain}, footprint), sunlit), foamy);
   fragOutput0 = vec4(filmic(foggy(c, away, dist)), 1.0);
 """
 

@@ -10,6 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ocean_sim.pictures import sky as sky_module
+from ocean_sim.pictures.ripples import tilted
 from ocean_sim.pictures.sky import HORIZON, SUN, SUNLIGHT, Sky, unit
 
 REFRACTIVE_INDEX = 1.333
@@ -32,6 +33,7 @@ AMBIENT = 1.0  # share of DEEP that Algorithm 6 sees everywhere: ours, the thesi
 SUN_STRENGTH = 1.6  # of the drawn sun over its colour
 EXPOSURE = 0.60
 FOG = 6000.0  # [m] in which the air takes 1 - 1/e of a colour
+LEVEL = np.array([[0.0, 0.0, 1.0]])  # foam without heaps
 END = 1.2, 2.2  # [of that] between which the sea ends in the horizon's colour
 FOAM_HEIGHT, FOAM_GAIN = 0.8, 1.5  # [m] and the factor of the thesis's foam (5.2.3)
 
@@ -137,10 +139,12 @@ def foam_by_height(height: np.ndarray, texture: np.ndarray | float = 1.0) -> np.
     return np.clip(np.clip(height / FOAM_HEIGHT, 0.0, 1.0) * texture * FOAM_GAIN, 0.0, 1.0)
 
 
-def foam_colour(normal: np.ndarray, white: np.ndarray, light: "Light") -> np.ndarray:
-    """White under the sun and the sky, grey-blue where foam is thin."""
-    sunny = np.maximum(0.7 * (normal @ light.sun) + 0.3 * light.sun[1] + 0.06, 0.0)[:, None]
-    return (THIN_FOAM + (FOAM - THIN_FOAM) * white) * (1.25 * light.sky + 1.75 * light.sunlight * sunny)
+def foam_colour(normal: np.ndarray, white: np.ndarray, heap: np.ndarray, light: "Light") -> np.ndarray:
+    """White under the sun and the sky, grey-blue where foam is thin, and in heaps where it is thick."""
+    heaped = tilted(normal, *(white * heap[:, :2]).T)
+    sunny = np.maximum(0.7 * (heaped @ light.sun) + 0.3 * light.sun[1] + 0.06, 0.0)[:, None]
+    bright = 1.0 + white * (heap[:, 2:] - 1.0)
+    return bright * (THIN_FOAM + (FOAM - THIN_FOAM) * white) * (1.25 * light.sky + 1.75 * light.sunlight * sunny)
 
 
 def foggy(colour: np.ndarray, horizon: np.ndarray, distance: np.ndarray, reach: float = FOG) -> np.ndarray:
@@ -183,6 +187,7 @@ class Water(NamedTuple):
     height: np.ndarray  # (n,) 0 at rest, 1 on a crest
     variance: np.ndarray  # (n,) of slopes finer than the normals
     foam: np.ndarray  # (n,) share of the surface that is white
+    heap: np.ndarray = LEVEL  # (n, 3) slopes of foam along x and z, and how bright it is, as `foam.heaps`; or (1, 3)
 
 
 def final_colour(water: Water, sky: Sky, terms: Terms = Terms(), fog: float = FOG) -> np.ndarray:
@@ -208,7 +213,7 @@ def final_colour(water: Water, sky: Sky, terms: Terms = Terms(), fog: float = FO
         colour += sun_glint(normal, to_eye, water.variance, sky.sun, sky.sunlight)
     if terms.foam:
         white = np.clip(water.foam, 0.0, 1.0)[:, None]
-        colour = colour * (1.0 - white) + foam_colour(normal, white, light) * white
+        colour = colour * (1.0 - white) + foam_colour(normal, white, water.heap, light) * white
     return foggy(colour, horizon(-to_eye, sky), water.distance, fog) if terms.fog else colour
 
 

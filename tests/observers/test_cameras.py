@@ -93,6 +93,20 @@ def test_a_picture_does_not_depend_on_what_was_drawn_before_it(operator):
         np.testing.assert_array_equal(one.at(6.0).eye, other.at(6.0).eye)
 
 
+@pytest.mark.parametrize("side", [30.0, 200.0])  # [m] of a basin that is seen whole, and of one that is not
+def test_the_mast_is_in_the_picture_wherever_she_is(side):
+    upper, height = np.array([0.5 * side, 0.5, 0.5 * side]), 8.5
+    time = np.linspace(0.0, 10.0, 11)
+    place = np.stack([0.0 * time, 0.0 * time, np.linspace(-0.3, 0.3, 11) * side], axis=1)
+    vessel = Vessel(LENGTH, np.zeros(3), Track(time, place, np.repeat(np.eye(3)[None], 11, axis=0)), height)
+    moving = Operator("third_person", -upper, upper, 16 / 9, (0.0, 10.0), vessel=vessel)
+    for t, foot in zip(time, place):
+        camera = moving.at(t)
+        for point, sign in (([0.0, height + 1.0, 0.0], 1.0), ([0.0, -0.5, 0.0], -1.0)):
+            away = foot + point - camera.eye
+            assert sign * (away @ camera.up) / (away @ camera.forward) < np.tan(np.radians(camera.angle / 2.0))
+
+
 def test_cameras_without_a_ship_stand_still_or_go_around_the_basin():
     still = Operator("third_person", LOWER, UPPER, 16 / 9, (0.0, 10.0), vessel=None)
     assert still.at(1.0) is still.at(9.0)

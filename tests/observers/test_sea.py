@@ -10,7 +10,7 @@ import pytest
 from ocean_sim import waves
 from ocean_sim.basin import points as points_module
 from ocean_sim.observers import frames, render
-from ocean_sim.pictures import far_sea, foam, frame_files, opengl, sea_state, sea_surface, spray
+from ocean_sim.pictures import far_sea, foam, frame_files, marks, opengl, sea_state, sea_surface, spray, water
 from ocean_sim.pictures import ripples as ripples_module
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
@@ -219,7 +219,8 @@ def test_distance_to_the_waterline_of_a_box():
 def test_a_drop_is_isolated_and_water_is_not():
     block = np.stack(np.meshgrid(*[np.arange(6) * 1.0] * 3), axis=-1).reshape(-1, 3)
     drops = np.array([[2.0, 9.0, 2.0], [4.0, 12.0, 4.0]])
-    found = spray.isolated(np.concatenate([block, drops]), 1.0)
+    every = np.concatenate([block, drops])
+    found = spray.isolated(every, 1.0, every)
     assert found.sum() == 2 and found[-2:].all()
 
 
@@ -310,6 +311,22 @@ def test_words_and_the_scale_bar_are_as_large_in_every_quality(picture, quality)
     assert 10 <= np.ptp(rows) + 1 <= 24 and rows.min() > 140  # the time
 
 
+@with_opengl
+def test_a_map_tells_which_colour_is_which_height(picture):
+    marked, bare = (picture(camera="top", scale_bar=on, caption=False) for on in (True, False))
+    left = 320 - marks.BAR_LEFT
+    bar = marked[56:124, left : left + marks.BAR_WIDTH].mean(axis=1)
+    assert (np.diff(bar.sum(axis=1)) <= 1e-9).all() and np.ptp(bar.sum(axis=1)) > 200.0  # crests are pale
+    assert (np.abs(marked - bare).max(axis=2)[50:130, 230:320] > 40.0).sum() > 60  # heights in metres
+    assert not np.abs(marked - bare)[:, : left - 3].any()
+
+
+def test_heights_of_a_map_end_at_round_numbers_that_hold_them():
+    assert [water.round_above(v) for v in (0.011, 0.12, 0.95, 1.3, 2.0, 71.0)] == pytest.approx(
+        [0.015, 0.15, 1.0, 1.5, 2.0, 80.0]
+    )
+
+
 def test_frames_keep_the_waves_of_a_sea_in_closed_form_and_nothing_of_particles():
     sea = spectrum()
     assert set(frames.plane_waves(SimpleNamespace(plane_waves=sea, answers=False))) == {
@@ -347,6 +364,33 @@ def test_foam_lives_as_long_as_whitecaps_do_and_covers_what_is_asked_for():
     for after, least, most in ((10, 0.6, 1.0), (35, 0.15, 0.35)):
         before = white[:-after] > 0.3
         assert least <= (white[after:] > 0.3)[before].mean() <= most, after
+
+
+def unevenness(surface: sea_surface.SeaSurface, white: np.ndarray) -> float:
+    """Spread of the distances of a spot's edge from its middle over their mean."""
+    inside = white > 0.3
+    core = inside.copy()
+    for axis in (0, 1):
+        for way in (1, -1):
+            core &= np.roll(inside, way, axis=axis)
+    places = surface.nodes.reshape(*white.shape, 2)
+    away = np.linalg.norm(places[inside & ~core] - places[inside].mean(axis=0), axis=-1)
+    return float(away.std() / away.mean())
+
+
+def test_foam_of_a_coarse_grid_is_not_round_and_covers_as_much():
+    """White cells on their own: a spline makes round spots of them, whose edges lie equally far from the middle."""
+    surface = sea_surface.SeaSurface(GRID, state(), 40_000)
+    uneven, cover = [], []
+    for i, k in [(12, 10), (15, 14), (18, 9), (20, 13), (14, 12), (17, 15)]:
+        kept = np.zeros((len(X), len(Z)))
+        kept[i - 1 : i + 2, k - 1 : k + 2] = [[0.5, 0.7, 0.5], [0.7, 1.0, 0.7], [0.5, 0.7, 0.5]]
+        both = surface.carried(kept), surface.laced(kept, surface.nodes)
+        uneven.append([unevenness(surface, white) for white in both])
+        cover.append([white.mean() for white in both])
+    (round_spots, laced), (before, after) = np.mean(uneven, axis=0), np.mean(cover, axis=0)
+    assert laced > 2.0 * round_spots
+    assert after == pytest.approx(before, rel=0.15)
 
 
 def test_foam_goes_with_the_water_and_its_grain_with_it():

@@ -206,10 +206,23 @@ def test_foam_of_the_program_is_numpy_s(drawn, share):
     points = plane.positions().reshape(-1, 3)
     footprint = plane.footprints(water)
     white = foam_module.white(np.full(len(points), share), points[:, 0], points[:, 2], footprint)
-    water = water._replace(foam=white)
+    heap = np.stack(foam_module.heaps(points[:, 0], points[:, 2], footprint), axis=1)
+    water = water._replace(foam=white, heap=heap)
     colours = w.final_colour(water, plane.smooth_sky(), w.Terms(glint=None))
     expected = w.display(colours, w.EXPOSURE).reshape(plane.PIXELS, plane.PIXELS, 3).astype(int)
     assert np.abs(drawn[f"foam {share}"] - expected).max() <= 2
+
+
+def test_thick_foam_is_no_plain_sheet_and_is_as_bright_as_one():
+    sky = plane.smooth_sky()
+    seen = plane.water(np.array(plane.EYES["above"]), foam=1.0)
+    points = plane.positions().reshape(-1, 3)
+    flat = w.final_colour(seen, sky, w.Terms(glint=None))
+    for footprint, least, most in ((0.004, 0.04, 0.3), (0.2, 0.02, 0.15), (2.0, 0.0, 1e-9)):
+        heap = np.stack(foam_module.heaps(points[:, 0], points[:, 2], np.full(len(points), footprint)), axis=1)
+        ratio = (w.final_colour(seen._replace(heap=heap), sky, w.Terms(glint=None)) / flat)[:, 1]
+        assert least <= ratio.std() <= most
+        assert ratio.mean() == pytest.approx(1.0, abs=0.06)
 
 
 def test_calm_water_has_no_foam_by_either_rule():

@@ -134,7 +134,7 @@ def test_what_cannot_be_resumed_is_refused_in_a_sentence(there, ask, tmp_path):
     assert "this is not a run folder" in refused(tmp_path / "nothing")
     (tmp_path / "early").mkdir()
     (tmp_path / "early" / "events.jsonl").touch()
-    assert "nothing had begun when this run ended" in refused(tmp_path / "early")
+    assert "this run ended before its first step" in refused(tmp_path / "early")
     assert "the last checkpoint is at t = 0.4" in refused(there, "--until", "0.3")
     assert refused(there, "--until", "-1").startswith("--until -1: duration: -1.0 is not greater than 0")
     scene = json.loads((there / "manifest.json").read_text())["scene"]
@@ -173,7 +173,7 @@ def test_another_program_is_refused_by_the_names_of_its_files_and_anyway_marks_e
     before = contents(there)
     code, out, err = ask("resume", there)
     assert (code, out) == (2, "") and "the checkpoint is of other sources: fluid/dfsph.py, old.py, ship/the" in err
-    assert "--anyway goes on" in err and contents(there) == before
+    assert "--anyway continues" in err and contents(there) == before
     assert ask("resume", there, "--anyway")[0] == 0 and last.exists()
     marked = "by another program: other sources: fluid/dfsph.py, old.py, ship/thesis.py"
     manifest = json.loads((there / "manifest.json").read_text())

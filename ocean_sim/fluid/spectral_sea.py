@@ -160,7 +160,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
 
     def notes(self, preflight: Preflight) -> list[str]:
         found, side = [], self.tile_of(preflight.tank).side
-        if self.order == 3:
+        if self.order == 3 and self.highest is not None:
             found.append(
                 f"order 3: the sea from afar is nonlinear and repeats itself after {side:.4g} m; the waves of ships "
                 "and winds stay linear"

@@ -203,9 +203,8 @@ class Log:
         parts = np.concatenate([load.parts, load.parts.sum(axis=0, keepdims=True)])
         vectors = np.concatenate([[turn.T @ (felt - self.gravity)], parts.reshape(-1, 3)])
         specific, *loads = to_frame(self.frame, vectors)
-        motions = self.signs * np.array(
-            [body.velocity, body.rates, now.acceleration]
-        )  # positive as the frame's axes are
+        of_body = np.array([body.velocity, body.rates, now.acceleration])
+        motions = self.signs * of_body  # positive as the frame's axes are
         return np.concatenate([*motions, specific, *loads, now.orders])
 
     def pose(self, place: np.ndarray) -> np.ndarray:

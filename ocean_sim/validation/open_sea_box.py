@@ -9,15 +9,17 @@ between both patches. The table knows no speed: of the towed box, whose pitch fe
 the closed form is reported and both patches are compared.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import cos, pi, sin
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.reading.scene import load, observer_names
+from ocean_sim.ship.pressure import Pressure
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
 from ocean_sim.validation.shared.ship import DENSITY, G, at_sea, ship_of, track
@@ -45,14 +47,15 @@ def problems(coarse: bool) -> list[Problem]:
 
 def afloat(name: str, speed: float) -> Problem:
     """Held in sway, or towed at a speed [m/s] along the waves, in two patches."""
+    moves = ("heave", "roll") if speed == 0.0 else ("sway", "heave", "roll")
     source, within = "linear_waves, with its table", WITHIN if speed == 0.0 else None
     wanted = {motion: promise(f"{name}: {motion}", within, source) for motion in MOTIONS}
     of_larger = f", {FREE[1]:g} wavelengths free"
     alike = {motion: promise(f"{name}: {motion}{of_larger}", ALIKE, f"{FREE[0]:g} of them free") for motion in MOTIONS}
 
     def measure(simulation: Simulation) -> Finding:
-        right, small = in_closed_form(simulation, speed), motions(simulation, speed)
-        with beside(simulation, patch(FREE[1])) as larger:
+        right, small = in_closed_form(simulation, speed, moves), motions(simulation, speed)
+        with beside(simulation, patch(FREE[1], moves)) as larger:
             large = motions(larger, speed)
         numbers = {wanted[motion].quantity: relative(small.of[motion], right.of[motion]) for motion in MOTIONS}
         numbers |= {alike[motion].quantity: relative(large.of[motion], small.of[motion]) for motion in MOTIONS}
@@ -60,22 +63,28 @@ def afloat(name: str, speed: float) -> Problem:
         return Finding(numbers, curves, right.curves(", linear"), ("t / T", "heave / a, pitch / k a"))
 
     promises = (*wanted.values(), *alike.values())
-    return Problem(patch(FREE[0]), promises, measure, name, True, "ship", ("pressure",), True)
+    return Problem(patch(FREE[0], moves), promises, measure, name, True, "ship", ("pressure",), True)
 
 
 def heaving() -> Problem:
     """Moved up and down in calm water: what of the waves that it makes comes back to it through the rim."""
     back = Promise("heaving: wave that comes back, over that which leaves", "%", "none; 5 %", {"pressure": 5.0})
-    scene = patch(FREE[0])
+    scene = patch(FREE[0], ["heave"])
     scene["sea"] = {"kind": "linear_waves", "rim": scene["sea"]["rim"]}
 
     def measure(simulation: Simulation) -> Finding:
         omega, rows, values, nexts = 2.0 * pi / PERIOD, [], [], (RUN - JUDGED) * PERIOD
+        began = float(ship_of(simulation).body.position[1])
         while simulation.time < RUN * PERIOD:
-            t = simulation.time + simulation.next_dt
-            speed = omega * STROKE * waves.grown(t, SETTING_OUT) * cos(omega * t)
-            ship_of(simulation).body = replace(ship_of(simulation).body, velocity=np.array([0.0, speed, 0.0]))
             simulation.step()
+            phase, share = omega * simulation.time, waves.grown(simulation.time, SETTING_OUT)
+            rate = waves.growth(simulation.time, SETTING_OUT)
+            moved = Moved(
+                began + STROKE * share * sin(phase),
+                STROKE * (omega * share * cos(phase) + rate * sin(phase)),
+                STROKE * omega * (2.0 * rate * cos(phase) - omega * share * sin(phase)),
+            )
+            impose(simulation, 1, moved)
             if simulation.time >= nexts:
                 nexts += PERIOD / LOOKS
                 of, right = both_ways(state(simulation))
@@ -114,8 +123,8 @@ def promise(quantity: str, within: float | None, source: str) -> Promise:
     return Promise(f"{quantity} [{over}]", "%", f"{source}; {within:g} %", {"pressure": within})
 
 
-def patch(free: float) -> dict[str, Any]:
-    """The scene of a patch with so many wavelengths between its rims."""
+def patch(free: float, moves: Sequence[str]) -> dict[str, Any]:
+    """The scene of a patch with so many wavelengths between its rims, and a box with these motions."""
     return {
         "duration": RUN * PERIOD,
         "basin": {
@@ -126,11 +135,11 @@ def patch(free: float) -> dict[str, Any]:
         },
         "fluid": {"kind": "delta_sph", "spacing": WAVE / round(WAVE / DRAUGHT * FINE)},
         "sea": {"kind": "linear_waves", "height": 2.0 * AMPLITUDE, "period": PERIOD, "rim": {"width": RIM * WAVE}},
-        "ship": box() | {"kind": "pressure"},
+        "ship": box(moves) | {"kind": "pressure"},
     }
 
 
-def box() -> dict[str, Any]:
+def box(moves: Sequence[str]) -> dict[str, Any]:
     """The ship of a scene."""
     angles = np.linspace(0.0, pi / 2.0, CORNERS + 1)
     inner = BREADTH / 2.0 - BILGE
@@ -144,7 +153,7 @@ def box() -> dict[str, Any]:
             "centre_of_mass": [0.0, KG, 0.0],
             "inertia": [long, long, MASS * ROLL_RADIUS**2],
         },
-        "free": ["sway", "heave", "roll"],
+        "free": list(moves),
         "cells_per_draught": 12,
     }
 
@@ -153,6 +162,25 @@ def beside(simulation: Simulation, scene: dict[str, Any]) -> Simulation:
     """Another scene without observers, on the same processor."""
     quiet = {name: None for name in observer_names() if name != "manifest"}
     return Simulation(load(scene | quiet | {"runtime": simulation.scene.resolved()["runtime"]}))
+
+
+class Moved(NamedTuple):
+    """Along one axis of the world."""
+
+    place: float  # [m]
+    speed: float  # [m/s]
+    acceleration: float  # [m/s2]
+
+
+def impose(simulation: Simulation, axis: int, moved: Moved) -> None:
+    """Have the box move along an axis as given, whatever the water does, and the water know of it."""
+    ship = ship_of(simulation)
+    position, velocity = ship.body.position.copy(), ship.body.velocity.copy()
+    position[axis], velocity[axis] = moved.place, moved.speed
+    ship.body = replace(ship.body, position=position, velocity=velocity)
+    if isinstance(ship, Pressure):
+        ship.known[0, axis] = moved.acceleration
+        ship.place()
 
 
 @dataclass(frozen=True)
@@ -179,21 +207,24 @@ class Motions:
 
 def motions(simulation: Simulation, speed: float) -> Motions:
     """How the box moves that is held in sway, or towed at a speed [m/s] along the waves."""
-    rows = []
+    rows, x, before, last = [], 0.0, 0.0, 0.0
     for time, body in track(simulation, RUN * PERIOD):
-        pulled = np.array([speed * waves.grown(time, SETTING_OUT), *body.velocity[1:]])
-        ship_of(simulation).body = replace(body, velocity=pulled)
+        if speed != 0.0:
+            now = speed * waves.grown(time, SETTING_OUT)
+            x, before = x + 0.5 * (before + now) * (time - last), now
+            impose(simulation, 0, Moved(x, now, speed * waves.growth(time, SETTING_OUT)))
+            last = time
         rows.append((time, body.position[1] / AMPLITUDE, body.angles[2] / (K * AMPLITUDE)))
     found = np.array(rows)
     found[:, 1] -= found[0, 1]
     return Motions(found, speed)
 
 
-def in_closed_form(simulation: Simulation, speed: float) -> Motions:
+def in_closed_form(simulation: Simulation, speed: float, moves: Sequence[str]) -> Motions:
     """The same in `linear_waves`."""
     extra = {"kind": "dynamic", "radiation": str(table_path("box_radiation")), "damping": {"cross_flow": 0.0}}
     of_waves = {"height": 2.0 * AMPLITUDE, "period": PERIOD, "heading_deg": 90.0}
-    scene = at_sea(box() | extra, BREADTH, PERIOD / STEPS, RUN * PERIOD, **of_waves)
+    scene = at_sea(box(moves) | extra, BREADTH, PERIOD / STEPS, RUN * PERIOD, **of_waves)
     scene["basin"]["depth"] = DEPTH
     with beside(simulation, scene) as plain:
         return motions(plain, speed)

@@ -200,8 +200,9 @@ def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> t
     if stability.gm <= 0.0:
         problems.append(f"unstable upright: GM = {stability.gm:.3g} m")
     damped, beyond = rolling(afloat, asked)
-    notes += beyond
-    found = stated(afloat, stability, asked.cross) | {"roll_damping": damped, "squat": squatting(afloat, asked.depth)}
+    sunk, blunt = squatting(afloat, asked.depth)
+    notes += [*beyond, *blunt]
+    found = stated(afloat, stability, asked.cross) | {"roll_damping": damped, "squat": sunk}
     return facts | found | {"notes": notes, "problems": problems}, notes
 
 
@@ -223,25 +224,33 @@ def rolling(afloat: "Hydrostatics", asked: Asked) -> tuple[list[dict[str, float]
     return rows, found.warnings
 
 
-def squatting(afloat: "Hydrostatics", depth: float | None) -> list[dict[str, float]]:
-    """How much deeper a ship lies at some speeds over a bed at this depth [m]; nothing without one. Raises Refused."""
+def squatting(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[str, float]], list[str]]:
+    """How much deeper a ship lies at some speeds over a bed at this depth [m], nothing without one, and where the
+    theory is not for her. Raises Refused."""
     from math import degrees, sqrt
 
     from ocean_sim.ship.shared.squat import slender, squat
 
     if depth is None:
-        return []
+        return [], []
     if depth <= afloat.draught:
         raise console.Refused(f"--depth: she draws {afloat.draught:.3g} m, more than the water has")
     law, rows = slender(afloat), []
     for froude in FROUDE:
         speed = froude * sqrt(GRAVITY * depth)
-        sinkage, trim = law.at(speed, depth)
+        at = law.at(speed, depth)
         bow = squat(afloat.wanted, afloat.length, speed, depth)
-        row = {"froude": froude, "speed_m_s": speed, "sinkage_m": sinkage, "trim_deg": degrees(trim), "bow_m": bow}
-        lowest = max(bow, sinkage + 0.5 * afloat.length * abs(trim))
+        row = {
+            "froude": froude,
+            "speed_m_s": speed,
+            "sinkage_m": at.sinkage,
+            "trim_deg": degrees(at.trim),
+            "bow_m": bow,
+        }
+        lowest = max(bow, at.deepest)
         rows.append(row | {"under_keel_m": depth - afloat.draught - lowest})
-    return rows
+    blunt = "squat: sinkage and trim are of a slender hull; her ends are blunt, and they grow slowly with --cells"
+    return rows, [blunt] if law.blunt else []
 
 
 def stated(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[str, Any]:

@@ -13,6 +13,8 @@ from ocean_sim.validation.shared.case import KEYS, Problem
 from ocean_sim.validation.shared.plot import draw
 from ocean_sim.verbs.shared import console
 
+TOO_LONG, NOT_COARSE = "takes longer than a gate has time for", "has no coarse set-up"
+
 
 def validate(
     cases: list[str],
@@ -43,10 +45,12 @@ def validate(
         )
         for case in wanted
     }
-    for case in set(cases) & set(wanted):  # a pattern takes what there is
+    for case in (name for name in cases if name in wanted):  # a pattern takes what there is
         if not problems(case, slow=slow, coarse=coarse):
-            cure = "longer than a gate has time for: add --slow" if coarse else "minutes: add --slow (or --coarse)"
-            raise console.Refused(f"{case} takes {cure}")
+            if not problems(case, slow=True, coarse=coarse):
+                raise console.Refused(f"{case} {NOT_COARSE}: leave --coarse out")
+            cure = f"{TOO_LONG}: add --slow" if coarse else "takes minutes: add --slow (or --coarse)"
+            raise console.Refused(f"{case} {cure}")
     for problem, scheme in [pair for pairs in plan.values() for pair in pairs]:
         problem.load(scheme, overrides)  # what is wrong is reported before anything runs
     rows: list[dict[str, Any]] = []
@@ -85,12 +89,14 @@ def left_out(plan: dict[str, list[tuple[Problem, str]]], schemes: list[str], coa
         }
         if more:
             slow[case] = list(more) if pairs else []
+        elif coarse and not problems(case, slow=True, coarse=True):
+            yield f"{case} {NOT_COARSE}"
         elif not pairs:
             yield f"{case}: nothing to run under these schemes"
     if slow:
-        why = "longer than a gate has time for" if coarse else "minutes"
+        why = "they take longer than a gate has time for, or promise nothing" if coarse else "they take minutes"
         names = [f"{case} ({'; '.join(more)})" if more else case for case, more in slow.items()]
-        yield f"left out, as they take {why} (--slow adds them): {', '.join(names)}"
+        yield f"left out, as {why} (--slow adds them): {', '.join(names)}"
 
 
 def show(case: str, rows: list[dict[str, Any]]) -> None:

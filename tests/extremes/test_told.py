@@ -30,7 +30,7 @@ SEA = {"kind": "linear_waves", "height": 0.1, "period": 3.0}
 CORNER = {"fill": [{"min": [-10.0, -2.0, -10.0], "max": [-5.0, 0.0, 10.0]}]}
 BAD = {
     "only the basin": ({"basin": TANK | {"width": 0.2}, "fluid": SEA}, {"basin": TANK, "fluid": SEA}, SHIP),
-    "nothing bears the ship": (
+    "only a bed carries the ship": (
         {"basin": TANK, "fluid": WATER | {"kind": "ballistic"}},
         {"basin": TANK, "fluid": WATER},
         SHIP,

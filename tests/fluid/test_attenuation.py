@@ -17,7 +17,7 @@ def said(**parts) -> list[str]:
 
 def added(case: str, number: int, scheme: str, coarse: bool = False) -> tuple[float, float]:
     """Viscosity [m2/s] that is said to be added in a case, and its wavelength [m]."""
-    config = problems(case, coarse=coarse)[number].load(scheme)
+    config = problems(case, slow=coarse, coarse=coarse)[number].load(scheme)
     height = {"standing_wave": 0.1, "wind_growth": 2.0 * 0.06 / 6.2832}[case]
     length = {"standing_wave": 2.0, "wind_growth": 1.0}[case]
     return config.fluid.viscosity_added(config.preflight, length, height, case == "standing_wave"), length

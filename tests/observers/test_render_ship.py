@@ -62,7 +62,7 @@ def ask(capsys, *words):
     [
         (("--camera", "folow"), "'folow' is not a choice; did you mean 'follow'?"),
         (("--camera", "fixed"), "a fixed camera needs an eye and a target"),
-        (("--eye", "1,2,3"), "eye and target are of the camera fixed"),
+        (("--eye", "1,2,3"), "eye and target belong to the camera fixed"),
         (("--camera", "fixed", "--eye", "1,2", "--target", "0,0,0"), "eye"),
         (("--size", "321x180"), "even width and height"),
         (("--size", "big"), "--size big: a size is width x height"),

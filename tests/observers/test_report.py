@@ -106,7 +106,11 @@ def test_a_run_that_was_killed_has_a_page_of_what_it_left(tmp_path, ran):
     (tmp_path / "preview.png").write_bytes(b"\x89PNG not a picture")
     report.write(tmp_path)
     page, parsed = checked(tmp_path)
-    assert "did not come to an end" in page and "12.5 m/s" in page and "img" not in parsed.seen
+    assert (
+        "This run has no end yet: it is still running, or was killed." in page
+        and "12.5 m/s" in page
+        and "img" not in parsed.seen
+    )
 
 
 def test_an_empty_folder_has_a_page(tmp_path):

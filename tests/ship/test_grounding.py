@@ -75,6 +75,8 @@ def test_a_parabola_sinks_as_slender_theory_says_and_a_full_bow_dips():
     """Of B and S like 1 - (2 z / L)^2 the double integral is in closed form: sinkage is 9 / (2 pi) V / L^2."""
     even, full = slender(slice_of(0.0)), slender(slice_of(0.3))
     volume = 2.0 / 3.0 * 30.0 * 3.0
+    assert not even.blunt and even.levers == pytest.approx((15.0, 15.0))
+    assert even.deepest == pytest.approx(even.sinkage) and full.deepest > full.sinkage
     assert even.sinkage * 30.0**2 / volume == pytest.approx(9.0 / (2.0 * np.pi), rel=1e-3)
     assert abs(even.trim) < 1e-9 < full.trim
     half, whole = even.at(1.0, 2.0), even.at(sqrt(2.0), 4.0)  # one Froude number
@@ -87,5 +89,7 @@ def test_hull_tells_squat_over_a_bed(capfd):
     row = next(row for row in json.loads(capfd.readouterr().out)["squat"] if row["froude"] == 0.5)
     assert row["speed_m_s"] == pytest.approx(0.5 * sqrt(9.81 * 0.3)) and abs(row["trim_deg"]) < 1e-3
     assert row["sinkage_m"] == pytest.approx(0.00345, rel=0.01) and row["bow_m"] == pytest.approx(0.00577, rel=0.01)
+    assert answered(["hull", "barge20", "--depth", "3", "--json"]) == 0
+    assert any("her ends are blunt" in note for note in json.loads(capfd.readouterr().out)["notes"])
     assert answered(["hull", "wigley", "--kg", "0.12", "--depth", "0.1"]) == 2
     assert "--depth: she draws 0.187 m" in capfd.readouterr().err

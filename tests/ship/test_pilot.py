@@ -91,5 +91,5 @@ def test_radiation_on_particles_is_refused_as_they_radiate_already():
     ship = {"kind": "dynamic", "hull": "barge20", "radiation": str(table_path("barge20_radiation"))}
     water = {"kind": "mueller", "spacing": 4.0}
     basin = {"length": 60.0, "width": 60.0, "depth": 12.0}
-    with pytest.raises(SceneError, match="would count them once more"):
+    with pytest.raises(SceneError, match="would count them twice"):
         load({"basin": basin, "fluid": water, "surface": "cloth", "ship": ship})

@@ -23,7 +23,7 @@ def test_the_profile_bears_the_weight_meets_the_law_and_has_the_mean_speed():
 
 def test_the_grains_lie_below_the_lowest_particles():
     for coarse in (False, True):
-        (problem,) = problems("rough_channel", coarse=coarse)
+        (problem,) = problems("rough_channel", slow=True, coarse=coarse)
         scene = problem.load("delta_sph")
         assert scene.preflight.tank.rough_bed == RoughBed(roughness=rough_channel.ROUGHNESS)
         assert not [sentence for sentence in scene.warnings() if "grains" in sentence]
@@ -32,7 +32,7 @@ def test_the_grains_lie_below_the_lowest_particles():
 @pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["delta_sph", "dfsph"])
 def test_a_coarse_run_keeps_its_promises(scheme):
-    (problem,) = problems("rough_channel", coarse=True)
+    (problem,) = problems("rough_channel", slow=True, coarse=True)
     rows, _ = problem.run("rough_channel", scheme, QUICK)
     assert [row["quantity"] for row in rows if not row["ok"]] == []
     assert sum(row["tolerance"] is not None for row in rows) == 3
@@ -42,6 +42,6 @@ def test_a_coarse_run_keeps_its_promises(scheme):
 @pytest.mark.parametrize("bed", [{"roughness": 6e-3}, {"roughness": 1.5e-3}])
 def test_over_another_bed_stress_by_the_law_and_speed_are_red(bed):
     """The negative control; what the weight demands of the bed, it bears whatever its law."""
-    (problem,) = problems("rough_channel", coarse=True)
+    (problem,) = problems("rough_channel", slow=True, coarse=True)
     rows, _ = problem.run("rough_channel", "dfsph", QUICK | {f"basin.floor.{key}": value for key, value in bed.items()})
     assert [row["ok"] for row in rows[:3]] == [False, True, False]

@@ -107,7 +107,7 @@ class Band:
         at_rest, following = self.at_ship(0.0), self.at_ship(1.0)
         if at_rest is None or following is None:
             return [*found, "how much of its height the sea has at the ship is not known for this scheme"]
-        fed = "" if self.feed.any() else ", without a feed"
+        fed = "" if self.feed.any() else ", then without a feed" if self.sea.ramp > 0.0 else ", without a feed"
         found.append(
             f"by a 1-D model the sea has {abs(at_rest):.2g} of its height at a ship at rest and "
             f"{abs(following):.2g} at one that keeps up with it{fed}"

@@ -14,7 +14,7 @@ class Written(Seas, SeaConfig):
     feed: float | None = quantity("1/s", None, ge=0.0)
     """Rate at which the velocity of the sea is added to that of all water, which holds the waves up between the rims;
     null: what the scheme takes from waves of each length, and by how much it delays them, as far as that has been
-    measured; 0: none."""
+    measured; 0: none, but for what lets the sea grow over its `ramp`."""
 
     @property
     def significant_height(self) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 
+BLUNT = 0.1  # of the greatest area, of a slice at an end
 SINKAGE = 2.4  # of the bow, for merchant ships in open shallow water
 
 
@@ -24,12 +25,19 @@ class Slender(NamedTuple):
 
     sinkage: float  # of the centre of her waterplane [m]
     trim: float  # bow down [rad]
+    levers: tuple[float, float]  # from there to the stern and to the bow [m]
+    blunt: bool = False  # whether she ends in more than a tenth of her greatest area, which the theory does not allow
+
+    @property
+    def deepest(self) -> float:
+        """How much deeper the lower of her ends lies [m]."""
+        return self.sinkage + self.trim * (self.levers[1] if self.trim > 0.0 else -self.levers[0])
 
     def at(self, speed: float, depth: float) -> "Slender":
         """That at a speed [m/s] over a bed at a depth [m]; infinite from F = 1 on."""
         froude_2 = speed**2 / (GRAVITY * depth)
         factor = froude_2 / sqrt(1.0 - froude_2) if froude_2 < 1.0 else inf
-        return Slender(factor * self.sinkage, factor * self.trim)
+        return self._replace(sinkage=factor * self.sinkage, trim=factor * self.trim)
 
 
 def slender(hull: Hydrostatics) -> Slender:
@@ -54,4 +62,6 @@ def slender(hull: Hydrostatics) -> Slender:
         return -float(bends(values) @ kernel @ bends(s)) * hull.density * hull.gravity / (2.0 * pi)
 
     stiff = hull.stiffness
-    return Slender(-pulled(b) / stiff["heave"], -pulled((x - centre) * b) / stiff["pitch"])
+    blunt = bool(max(s[1], s[-2]) > BLUNT * s.max())
+    levers = (centre - float(x[0]), float(x[-1]) - centre)
+    return Slender(-pulled(b) / stiff["heave"], -pulled((x - centre) * b) / stiff["pitch"], levers, blunt)

@@ -13,18 +13,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import cos, pi, sin
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.reading.scene import load, observer_names
-from ocean_sim.ship.pressure import Pressure
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
 from ocean_sim.validation.shared.ship import DENSITY, G, at_sea, ship_of, track
 from ocean_sim.validation.shared.state import State, state
 from ocean_sim.validation.shared.tables import table_path
+
+if TYPE_CHECKING:
+    from ocean_sim.ship.pressure import Pressure
 
 BREADTH, DRAUGHT, HEIGHT, BILGE, LENGTH = 1.0, 0.2, 0.32, 0.0512, 1.0  # [m]
 KG, ROLL_RADIUS = 0.15, 0.2  # [m]
@@ -178,9 +180,10 @@ def impose(simulation: Simulation, axis: int, moved: Moved) -> None:
     position, velocity = ship.body.position.copy(), ship.body.velocity.copy()
     position[axis], velocity[axis] = moved.place, moved.speed
     ship.body = replace(ship.body, position=position, velocity=velocity)
-    if isinstance(ship, Pressure):
-        ship.known[0, axis] = moved.acceleration
-        ship.place()
+    if any(solid.felt for solid in simulation.basin.afloat.values()):
+        pressed = cast("Pressure", ship)
+        pressed.known[0, axis] = moved.acceleration
+        pressed.place()
 
 
 @dataclass(frozen=True)

@@ -110,6 +110,32 @@ print(held)
     assert [child.returncode for child in children] == [0, 0, 0] and min(counts) > 0
 
 
+def test_a_folder_that_goes_while_it_is_claimed_is_made_again(tmp_path, monkeypatch):
+    """Another holder, who had made it for nothing, removes it between two steps of a claim."""
+    folder, made = tmp_path / "run", Path.mkdir
+    steps = iter([FileExistsError(folder), None])
+
+    def mkdir(path: Path, *words: object, **more: object) -> None:
+        error = next(steps, None) if path == folder else None
+        if error:
+            raise error
+        made(path, *words, **more)
+
+    monkeypatch.setattr(Path, "mkdir", mkdir)
+    with Claim(folder):
+        assert (folder / ".lock").exists()
+    assert not folder.exists() and next(steps, "used up") == "used up"
+
+
+@pytest.mark.parametrize("out", ["file", "file/run", "nowhere", "nowhere/run"])
+def test_what_can_be_no_folder_is_refused(tmp_path, monkeypatch, capsys, out):
+    monkeypatch.chdir(tmp_path)
+    Path("file").write_text("mine")
+    Path("nowhere").symlink_to("elsewhere")
+    assert answered(["run", "linear_sea", "--out", out, "--until", "0.1"]) == 2
+    assert out in capsys.readouterr().err and Path("file").read_text() == "mine"
+
+
 def test_what_a_killed_writer_left_unfinished_goes_and_nothing_else_does(tmp_path):
     with pytest.raises(KeyboardInterrupt), whole(tmp_path / "film.mp4") as draft:
         draft.write_text("half")

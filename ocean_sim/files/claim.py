@@ -35,8 +35,8 @@ class Claim:
     """A folder, made where there is none, that only this holder may write into; use it as a context manager.
 
     The lock is the kernel's, so a process that is killed holds nothing. What killed writers left unfinished is
-    removed, and so is at the end a folder that was made for nothing. Raises Claimed where another holds it, and
-    Lacking where the file system knows no locks.
+    removed, and so is at the end a folder that was made for nothing. Raises Claimed where another holds it, Refused
+    where it can be no folder, and Lacking where the file system knows no locks.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -52,12 +52,21 @@ class Claim:
     def locked(self) -> int:
         """The open lock file, locked. A holder removes it at the end: a lock on a file that has lost its name is
         none."""
+        try:
+            self.folder.parent.mkdir(parents=True, exist_ok=True)
+        except (FileExistsError, NotADirectoryError):
+            raise Refused(f"{self.folder}: a file lies where a folder should be made") from None
         while True:
-            self.folder.mkdir(parents=True, exist_ok=True)
+            with suppress(FileExistsError):
+                self.folder.mkdir()
             try:
                 file = os.open(self.path, os.O_RDWR | os.O_CREAT, 0o666)
             except FileNotFoundError:  # another holder has removed the folder, which was made for nothing
+                if self.folder.is_symlink():
+                    raise Refused(f"{self.folder}: a link to a folder that is not there") from None
                 continue
+            except NotADirectoryError:
+                raise Refused(f"{self.folder}: this is a file, not a folder") from None
             try:
                 _locked(file)
                 if os.path.samestat(os.fstat(file), os.stat(self.path)):

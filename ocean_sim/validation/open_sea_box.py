@@ -21,7 +21,7 @@ from ocean_sim import waves
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.ship import DENSITY, G, at_sea, ship_of, track
+from ocean_sim.validation.shared.ship import DENSITY, G, at_sea, first_harmonics, section, ship_of, track
 from ocean_sim.validation.shared.state import State, state
 from ocean_sim.validation.shared.tables import table_path
 
@@ -38,7 +38,6 @@ FINE, RIM, FREE = 8, 1.0, (2.0, 3.0)  # spacings in the draught, [wavelengths], 
 RUN, JUDGED, STEPS = 11.0, 4.0, 240  # periods, those that are looked at, steps in each of `linear_waves`
 SPEED, SETTING_OUT = -0.5, 2.0 * PERIOD  # [m/s] along x, in which it is reached [s]
 STROKE, LOOKS, WHERE = 0.02, 16, (0.5, 0.95)  # of heave [m], looks at the waves a period, [wavelengths] from it
-CORNERS = 8  # of a bilge
 MOTIONS = ("heave", "pitch")
 WITHIN, ALIKE = 8.0, 3.0  # [%]
 
@@ -143,21 +142,8 @@ def patch(free: float, moves: Sequence[str]) -> dict[str, Any]:
 
 def box(moves: Sequence[str]) -> dict[str, Any]:
     """The ship of a scene."""
-    angles = np.linspace(0.0, pi / 2.0, CORNERS + 1)
-    inner = BREADTH / 2.0 - BILGE
-    side = [(BREADTH / 2.0, HEIGHT)] + [(inner + BILGE * cos(a), BILGE - BILGE * sin(a)) for a in angles]
-    points = [[float(x), float(y), end * LENGTH / 2.0] for x, y in side for end in (1.0, -1.0)]
-    long = MASS * (LENGTH**2 + HEIGHT**2) / 12.0
-    return {
-        "hull": {
-            "shape": {"kind": "outline", "points": points},
-            "mass": MASS,
-            "centre_of_mass": [0.0, KG, 0.0],
-            "inertia": [long, long, MASS * ROLL_RADIUS**2],
-        },
-        "free": list(moves),
-        "cells_per_draught": 12,
-    }
+    whole = section(BREADTH, HEIGHT, BILGE, LENGTH, MASS, KG, ROLL_RADIUS, cells=12)
+    return whole | {"free": list(moves)}
 
 
 def beside(simulation: Simulation, scene: dict[str, Any]) -> Simulation:
@@ -198,10 +184,9 @@ class Motions:
         """Amplitudes of both in the last periods, beside a trend."""
         t = self.rows[:, 0]
         last = t > t[-1] - JUDGED * PERIOD
-        met = (2.0 * pi / PERIOD - K * self.speed) * t[last]  # phase of the waves that are met
-        base = np.stack([np.cos(met), np.sin(met), np.ones_like(met), met], axis=1)
-        fit = np.linalg.lstsq(base, self.rows[last, 1:], rcond=None)[0]
-        return dict(zip(MOTIONS, map(float, np.hypot(fit[0], fit[1])), strict=True))
+        met = 2.0 * pi / PERIOD - K * self.speed  # [rad/s] of the waves that are met
+        found = first_harmonics(t[last], self.rows[last, 1:], met)
+        return dict(zip(MOTIONS, map(float, found), strict=True))
 
     def curves(self, what: str = "") -> list[Curve]:
         t = self.rows[:, 0] / PERIOD

@@ -20,7 +20,7 @@ the closed form lacks 19 %.
 """
 
 from functools import partial
-from math import cos, pi, sin
+from math import pi
 from typing import Any
 
 import numpy as np
@@ -29,7 +29,7 @@ from ocean_sim import waves
 from ocean_sim.files import csv_file
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.ship import DENSITY, G, at_sea, floating, pose, track
+from ocean_sim.validation.shared.ship import DENSITY, G, at_sea, first_harmonics, floating, pose, section, track
 from ocean_sim.validation.shared.tables import table_path
 
 LENGTH, BREADTH, HEIGHT, DRAUGHT, BILGE = 0.586, 0.400, 0.256, 0.200, 0.0512  # [m]
@@ -44,7 +44,6 @@ WANTED = 5.0  # of heave off resonance [%]
 BY_PARTICLES = (1.158, 1.21, 0.897)  # [s]
 PRESSED = {"heave": 10.0, "roll": 20.0}  # [%]
 FINE, PATCH, RUN = 10, 3.0, 14.0  # spacings in the draught, [wavelengths], [periods]
-CORNERS = 8  # of a bilge
 SOURCE = "Sundsdal et al. (2025), measured"
 
 
@@ -86,7 +85,7 @@ def in_closed_form(scenario: str, coarse: bool = False) -> Problem:
         )
 
     extra = {"radiation": str(table_path("section_radiation")), "damping": {"cross_flow": 0.0}}
-    ship = section(8 if coarse else 12) | extra | {"free": list(freed)}
+    ship = measured_section(8 if coarse else 12) | extra | {"free": list(freed)}
     if "sway" in freed:
         ship["moorings"] = springs()
     scene = at_sea(ship, 1.0, 0.01, heading_deg=90.0)
@@ -127,7 +126,7 @@ def by_particles(period: float) -> Problem:
         "basin": {"length": PATCH * length, "depth": DEPTH, "walls": "periodic", "gravity": [0.0, -G, 0.0]},
         "fluid": {"kind": "delta_sph", "spacing": length / round(length / DRAUGHT * FINE)},
         "sea": {"kind": "linear_waves", "height": 2.0 * AMPLITUDE, "period": period},
-        "ship": section(12),
+        "ship": measured_section(12),
     }
     look = partial(pressed, promises=promises, period=period)
     return Problem(scene, promises, look, f"particles, {period:g} s", True, "ship", ("pressure",))
@@ -139,36 +138,22 @@ def pressed(simulation: Simulation, promises: tuple[Promise, ...], period: float
     t, heave, roll = np.array(rows).T
     late = t > t[-1] - JUDGED * period
     omega = 2.0 * pi / period
-    base = np.stack([np.cos(omega * t), np.sin(omega * t), np.ones_like(t), t], axis=1)[late]
-    over = {"heave": AMPLITUDE, "roll": AMPLITUDE * float(waves.wavenumber(omega, DEPTH, G))}
-    fits = {motion: np.linalg.lstsq(base, y[late], rcond=None)[0] for motion, y in (("heave", heave), ("roll", roll))}
-    values = {motion: float(np.hypot(*fit[:2])) / over[motion] for motion, fit in fits.items()}
+    over = np.array([AMPLITUDE, AMPLITUDE * float(waves.wavenumber(omega, DEPTH, G))])
+    found = first_harmonics(t[late], np.stack([heave, roll], axis=1)[late], omega) / over
+    values = dict(zip(MOTIONS, map(float, found), strict=True))
     seen = measured()[period]
     numbers = {promise.quantity: relative(values[motion], seen[motion]) for promise, motion in zip(promises, MOTIONS)}
     curves = [
         Curve("heave", t / period, (heave - heave[0]) / AMPLITUDE),
-        Curve("roll", t / period, roll / over["roll"]),
+        Curve("roll", t / period, roll / over[1]),
     ]
     return Finding(numbers, curves, [], ("t / T", "heave / a, roll / k a"))
 
 
-def section(cells: int) -> dict[str, Any]:
+def measured_section(cells: int) -> dict[str, Any]:
     """The ship of a scene."""
-    angles = np.linspace(0.0, pi / 2.0, CORNERS + 1)
-    inner = BREADTH / 2.0 - BILGE
-    side = [(BREADTH / 2.0, HEIGHT)] + [(inner + BILGE * cos(a), BILGE - BILGE * sin(a)) for a in angles]
-    points = [[float(x), float(y), end * LENGTH / 2.0] for x, y in side for end in (1.0, -1.0)]
-    long = MASS * (LENGTH**2 + HEIGHT**2) / 12.0
-    return {
-        "hull": {
-            "shape": {"kind": "outline", "points": points},
-            "mass": MASS,
-            "centre_of_mass": [0.0, KG, 0.0],
-            "inertia": [long, long, MASS * ROLL_RADIUS**2],
-        },
-        "free": ["heave", "roll"],
-        "cells_per_draught": cells,
-    }
+    whole = section(BREADTH, HEIGHT, BILGE, LENGTH, MASS, KG, ROLL_RADIUS, cells)
+    return whole | {"free": ["heave", "roll"]}
 
 
 def measured(scenario: str = "heave+roll") -> dict[float, dict[str, float]]:
@@ -200,6 +185,5 @@ def harmonics(rows: np.ndarray, period: float) -> dict[str, float]:
     """First harmonics of sway, heave and roll, over the amplitude, of roll over k times it, beside a trend; rows (n, 4)
     of time [s], sway, heave [m] and roll [rad]."""
     t, omega = rows[:, 0], 2.0 * pi / period
-    base = np.stack([np.cos(omega * t), np.sin(omega * t), np.ones_like(t), t], axis=1)
-    sway, heave, roll = np.hypot(*np.linalg.lstsq(base, rows[:, 1:], rcond=None)[0][:2]) / AMPLITUDE
+    sway, heave, roll = first_harmonics(t, rows[:, 1:], omega) / AMPLITUDE
     return {"sway": float(sway), "heave": float(heave), "roll": float(roll / waves.wavenumber(omega, DEPTH, G))}

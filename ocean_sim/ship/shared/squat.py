@@ -16,8 +16,13 @@ def squat(volume: float, length: float, speed: float, depth: float) -> float:
     """Sinkage of the bow [m] of a ship of a volume under water [m3] and length [m] at a speed [m/s] over a bed at a
     depth [m]: 2.4 V / L^2 F^2 / sqrt(1 - F^2) with F^2 = U^2 / (g h) (Tuck 1966, J. Fluid Mech. 26; as PIANC's ICORELS
     1980 has it); infinite from F = 1 on, where the law ends."""
+    return SINKAGE * volume / length**2 * of_speed(speed, depth)
+
+
+def of_speed(speed: float, depth: float) -> float:
+    """F^2 / sqrt(1 - F^2), infinite from F = 1 on."""
     froude_2 = speed**2 / (GRAVITY * depth)
-    return SINKAGE * volume / length**2 * froude_2 / sqrt(1.0 - froude_2) if froude_2 < 1.0 else inf
+    return froude_2 / sqrt(1.0 - froude_2) if froude_2 < 1.0 else inf
 
 
 class Slender(NamedTuple):
@@ -35,8 +40,7 @@ class Slender(NamedTuple):
 
     def at(self, speed: float, depth: float) -> "Slender":
         """That at a speed [m/s] over a bed at a depth [m]; infinite from F = 1 on."""
-        froude_2 = speed**2 / (GRAVITY * depth)
-        factor = froude_2 / sqrt(1.0 - froude_2) if froude_2 < 1.0 else inf
+        factor = of_speed(speed, depth)
         return self._replace(sinkage=factor * self.sinkage, trim=factor * self.trim)
 
 

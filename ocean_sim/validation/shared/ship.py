@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from math import cos, pi, sin
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from ocean_sim.ship.shared.rigid_body import RigidBody
 
 G, DENSITY = 9.81, 1000.0
+CORNERS = 8  # of a bilge
 OF_WATER = compared("ship")
 
 
@@ -28,6 +30,33 @@ def at_sea(ship: dict[str, Any], size: float, dt: float, duration: float = 1.0, 
         "time_step": {"kind": "fixed", "dt": dt},
         "runtime": {"precision": "f64"},
     }
+
+
+def section(
+    breadth: float, height: float, bilge: float, length: float, mass: float, kg: float, roll_radius: float, cells: int
+) -> dict[str, Any]:
+    """A ship of one section with round bilges, so high over its keel [m], from a bow to a stern that are flat; its mass
+    [kg] lies kg [m] over the keel."""
+    angles, inner = np.linspace(0.0, pi / 2.0, CORNERS + 1), breadth / 2.0 - bilge
+    side = [(breadth / 2.0, height)] + [(inner + bilge * cos(a), bilge - bilge * sin(a)) for a in angles]
+    points = [[float(x), float(y), end * length / 2.0] for x, y in side for end in (1.0, -1.0)]
+    long = mass * (length**2 + height**2) / 12.0
+    return {
+        "hull": {
+            "shape": {"kind": "outline", "points": points},
+            "mass": mass,
+            "centre_of_mass": [0.0, kg, 0.0],
+            "inertia": [long, long, mass * roll_radius**2],
+        },
+        "cells_per_draught": cells,
+    }
+
+
+def first_harmonics(t: np.ndarray, values: np.ndarray, omega: float) -> np.ndarray:
+    """(k,) amplitudes of records (n, k) over times (n,) [s] at a frequency [rad/s], beside a mean and a trend."""
+    base = np.stack([np.cos(omega * t), np.sin(omega * t), np.ones_like(t), t], axis=1)
+    fit = np.linalg.lstsq(base, values, rcond=None)[0]
+    return np.hypot(fit[0], fit[1])
 
 
 def ship_of(simulation: Simulation) -> "Ship":

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ocean_sim.surface import Mesh
 
 
-SURFACE_FIELDS = 7  # elevation, foam, how far it was carried, velocity
+SURFACE_FIELDS = 6 + foam.FINER**2  # elevation, how far foam was carried, velocity; foam
 BYTES_PER_PARTICLE = 32  # position, velocity, id and pressure
 SAMPLED = 800  # points at most at which water in closed form is asked for its velocity
 TOPMOST = 1.2  # [spacings] under the surface: the particles that carry foam

@@ -12,6 +12,7 @@ from ocean_sim.conventions import Failed, Lacking
 from ocean_sim.files.glb import Glb
 from ocean_sim.files.input_file import arrays
 from ocean_sim.files.whole_file import whole
+from ocean_sim.pictures.foam import coarser
 from ocean_sim.pictures.frame_files import ships_in
 from ocean_sim.pictures.ship_model import Model, modelled
 from ocean_sim.pictures.water_mesh import triangles
@@ -52,7 +53,7 @@ def shot(frame: Path, grid: dict[str, np.ndarray]) -> Shot:
         points = np.stack([x + dx, data["elevation"], z + dz], axis=-1).reshape(-1, 3).astype(np.float32)
         faces = triangles(*x.shape)
         if "foam" in data:
-            fields["foam"] = data["foam"].ravel().astype(np.float32)
+            fields["foam"] = coarser(data["foam"], x.shape).ravel().astype(np.float32)
         if "surface_velocity" in data:
             fields["velocity"] = data["surface_velocity"].reshape(-1, 3).astype(np.float32)
     ships = {key: (data[f"{key}_position"], data[f"{key}_turn"]) for key in ships_in(data, "_turn")}

@@ -11,6 +11,7 @@ BREAKING = 0.30
 MOST = 0.10  # share of the sea that may be white where none is asked for
 LASTS = 3.5  # [s] in which foam falls to a third (Monahan & Zietlow 1969, J. Geophys. Res. 74: 3.85 s in salt water)
 RAMP = 0.3  # of the area that turns white: its edge, less than wholly white
+FINER = 2  # cells of white water along a cell of the waves: the water carries foam of one cell's width, and keeps it
 SETTLES = 9.0  # [s] in which the grain of foam forgets how far the water has carried it
 MIDDLE, SPREAD = 0.550, 0.160  # mean and standard deviation of `patches`
 SCALE = 1.6  # of the grain of foam [1/m]
@@ -58,48 +59,76 @@ def monahan(speed: float) -> float:
 class Field:
     """White water that lasts: it is born where crests converge, is carried with the water and fades.
 
-    Its mean is kept at what crests or the wind call for: as much is born as has faded.
+    Its mean is kept at what crests or the wind call for, in the mean over the time that foam lasts: as much is born as
+    has faded. It is kept on FINER cells along each of the waves', or what is carried would blur.
     """
 
     def __init__(self, shape: tuple[int, int], cell: np.ndarray) -> None:
-        """`cell`: sides of a cell along x and z [m]."""
+        """`shape` and `cell`: number and sides [m] of the cells of the waves, along x and z."""
         self.cell, self.time = cell, 0.0
-        self.white = np.zeros(shape)  # share of each cell
+        self.white = np.zeros((FINER * shape[0], FINER * shape[1]))  # share of each of its cells
         self.carried = np.zeros((*shape, 2))  # by which the grain has been moved along x and z [m]
+        self.cover = 0.0  # that is called for
         self.started = False
 
     def advance(self, time: float, velocity: np.ndarray, source: np.ndarray, wanted: float | None) -> None:
         """To a time [s], with the velocity of the surface along x and z (nx, nz, 2) [m/s].
 
-        `source`: convergence, of which as much turns white as keeps the mean at `wanted`; or, without one, the share
-        that has just been made white.
+        `source` (nx, nz): convergence, of which as much turns white as keeps the mean at `wanted`; or, without one, the
+        share that has just been made white.
         """
         step = max(time - self.time, 0.0) if self.started else 0.0
+        fades = np.exp(-step / LASTS) if self.started else 0.0
         self.time, self.started = time, True
         if step > 0.0:
             self.carry(velocity * step)
-            self.white *= np.exp(-step / LASTS)
+            self.white *= fades
             self.carried *= np.exp(-step / SETTLES)
-        born = source if wanted is None else born_to(self.white, source, wanted)
+        born = finer(source)
+        if wanted is not None:
+            self.cover = wanted + (self.cover - wanted) * fades
+            born = born_to(self.white, born, self.cover)
         self.white = np.maximum(self.white, born)
 
     def carry(self, way: np.ndarray) -> None:
         """All of it by a way (nx, nz, 2) [m]; what comes in from beyond is as it is at the edge."""
-        from scipy.ndimage import map_coordinates
-
-        at = np.indices(self.white.shape) - np.moveaxis(way / self.cell, -1, 0)
-        self.white = np.clip(map_coordinates(self.white, at, order=3, mode="nearest"), 0.0, 1.0)
-        parts = (map_coordinates(self.carried[..., k], at, order=3, mode="nearest") for k in range(2))
-        self.carried = np.stack(list(parts), axis=-1) + way
+        cells = np.moveaxis(way / self.cell, -1, 0)
+        self.white = np.clip(moved(self.white, FINER * np.stack([finer(along) for along in cells])), 0.0, 1.0)
+        self.carried = np.stack([moved(self.carried[..., k], cells) for k in range(2)], axis=-1) + way
 
     def shift(self, cells: np.ndarray) -> None:
         """The grid moves by whole cells along x and z; what it comes upon bears no foam yet."""
         for axis, n in enumerate(int(k) for k in cells):
-            if n:
-                self.white, self.carried = np.roll(self.white, -n, axis), np.roll(self.carried, -n, axis)
-                new = [slice(None), slice(None)]
-                new[axis] = slice(-n, None) if n > 0 else slice(None, -n)
-                self.white[tuple(new)], self.carried[tuple(new)] = 0.0, 0.0
+            self.white, self.carried = beyond(self.white, FINER * n, axis), beyond(self.carried, n, axis)
+
+
+def beyond(values: np.ndarray, n: int, axis: int) -> np.ndarray:
+    """Values of a grid that moves by n cells along an axis; what it comes upon is 0."""
+    shifted = np.roll(values, -n, axis)
+    new = [slice(None)] * values.ndim
+    new[axis] = slice(-n, None) if n > 0 else slice(0, -n)
+    shifted[tuple(new)] = 0.0
+    return shifted
+
+
+def finer(values: np.ndarray) -> np.ndarray:
+    """(FINER nx, FINER nz) of values (nx, nz) in the middles of cells, those in the middles of their parts."""
+    from scipy.ndimage import zoom
+
+    return np.asarray(zoom(values, FINER, order=1, mode="nearest", grid_mode=True))
+
+
+def coarser(white: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """(nx, nz) means of white water over the cells of the waves, of which a frame has this shape."""
+    nx, nz = shape
+    return white.reshape(nx, white.shape[0] // nx, nz, white.shape[1] // nz).mean(axis=(1, 3))
+
+
+def moved(values: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Values (nx, nz) that have gone by (2, nx, nz) cells; what comes in from beyond is as it is at the edge."""
+    from scipy.ndimage import map_coordinates
+
+    return np.asarray(map_coordinates(values, np.indices(values.shape) - cells, order=3, mode="nearest"))
 
 
 def born_to(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np.ndarray:

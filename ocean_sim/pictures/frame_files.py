@@ -31,7 +31,7 @@ class Frame:
             self.time = float(file["time"])
             self.elevation = file["elevation"].astype(np.float64)
             self.answer = file["answer"].astype(np.float64) if "answer" in file else None  # beyond the plane waves [m]
-            self.foam = file["foam"].astype(np.float64) if "foam" in file else None  # share that is white
+            self.foam = file["foam"].astype(np.float64) if "foam" in file else None  # share that is white, finer
             self.carried = file["carried"].astype(np.float64) if "carried" in file else None  # its grain, x, z [m]
             self.origin = file["origin"].astype(np.float64) if "origin" in file else np.zeros(2)  # of all these [m]
             self.position = file["position"] if "position" in file else None

@@ -10,6 +10,7 @@ import numpy as np
 from ocean_sim.conventions import Refused
 from ocean_sim.files import csv_file
 from ocean_sim.files.whole_file import whole
+from ocean_sim.pictures.foam import coarser
 from ocean_sim.pictures.frame_files import Frame, frame_files, ships_in
 from ocean_sim.viewer.page import page
 from ocean_sim.viewer.protocol import FULL, boxed, differences, packet
@@ -113,7 +114,7 @@ class Recorded:
             origins.append(frame.origin)
             heights.append(frame.elevation[::i, ::j].ravel())
             if frame.foam is not None:
-                foams.append(frame.foam[::i, ::j].ravel())
+                foams.append(coarser(frame.foam, frame.elevation.shape)[::i, ::j].ravel())
             poses.append([self.pose(*frame.ships[key]) for key in self.keys()])
             if frame.position is not None and k % SHARE == 0:
                 with np.load(path) as file:

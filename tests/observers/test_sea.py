@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.ndimage import map_coordinates
 
 from ocean_sim import waves
 from ocean_sim.basin import points as points_module
@@ -347,23 +348,37 @@ def test_foam_covers_what_is_asked_for():
     assert not surface.foam(gentle, 0.0).any()
 
 
-def test_foam_lives_as_long_as_whitecaps_do_and_covers_what_is_asked_for():
-    """Followed with the water: of what is white, most is after a second and a part after a fall to a third; the mean
-    cover is the wanted one."""
-    sea, wanted, step = far_sea.strongest(spectrum(), 40), 0.04, 0.1
-    places = np.stack(np.meshgrid(X, Z, indexing="ij"), axis=-1).reshape(-1, 2)
-    shape, field = (len(X), len(Z)), foam.Field((len(X), len(Z)), np.array([1.25, 1.25]))
-    still = np.zeros((*shape, 2))
-    kept = []
+@pytest.mark.parametrize("moves", [0.0, 1.0])
+def test_foam_lives_as_long_as_whitecaps_do_and_covers_what_is_asked_for(moves):
+    """Followed with the water, at rest and in motion: of what is white, most is after a second and a part after a fall
+    to a third; the mean cover is the wanted one, whose own fluctuations leave no trace in it."""
+    sea, wanted, step, side = far_sea.strongest(spectrum(), 40), 0.04, 0.1, 1.25
+    places = np.stack(np.meshgrid(X, Z, indexing="ij"), axis=-1)
+    shape, flat = (len(X), len(Z)), np.insert(places.reshape(-1, 2), 1, 0.0, axis=1)
+    field, kept, ways = foam.Field(shape, np.array([side, side])), [], []
     for n in range(400):
-        elevation = waves.elevation(sea, places, step * n).reshape(shape)
-        field.advance(step * n, still, foam.convergence(elevation, 1.25, 1.25), wanted)
+        elevation = waves.elevation(sea, places.reshape(-1, 2), step * n).reshape(shape)
+        ways.append(moves * waves.linear_velocity(sea, flat, step * n)[:, [0, 2]].reshape(*shape, 2))
+        varying = wanted * (1.0 + 0.6 * np.sin(2.0 * step * n))
+        field.advance(step * n, ways[-1], foam.convergence(elevation, side, side), varying)
         kept.append(field.white.copy())
     white = np.array(kept[100:])
     assert white.mean() == pytest.approx(wanted, rel=0.2)
     for after, least, most in ((10, 0.6, 1.0), (35, 0.15, 0.35)):
-        before = white[:-after] > 0.3
-        assert least <= (white[after:] > 0.3)[before].mean() <= most, after
+        shares = [followed(kept, ways, n, after, step / side) for n in range(100, 400 - after, 7)]
+        assert least <= np.mean(np.concatenate(shares)) <= most, after
+
+
+def followed(kept: list[np.ndarray], ways: list[np.ndarray], first: int, after: int, scale: float) -> np.ndarray:
+    """Whether what is white in a field is so some steps later where the water has carried it, unless beyond the sides;
+    `scale`: step over cell [s/m], by which a velocity is one in cells a step."""
+    cells = np.argwhere(kept[first] > 0.3)
+    at = (cells + 0.5) / foam.FINER - 0.5
+    for n in range(first, first + after):
+        at = at + np.stack([map_coordinates(ways[n][..., k], at.T, order=1, mode="nearest") for k in (0, 1)], 1) * scale
+    found = foam.FINER * (at + 0.5) - 0.5
+    inside = ((found > 0.0) & (found < np.array(kept[first].shape) - 1.0)).all(axis=1)
+    return map_coordinates(kept[first + after], found[inside].T, order=1) > 0.3
 
 
 def unevenness(surface: sea_surface.SeaSurface, white: np.ndarray) -> float:
@@ -402,13 +417,14 @@ def test_foam_goes_with_the_water_and_its_grain_with_it():
     for n in range(1, 31):
         field.advance(0.1 * n, velocity, np.zeros_like(spot), None)
     carried = np.exp(-((x - 10.5) ** 2 + (z - 5.5) ** 2)) * np.exp(-3.0 / foam.LASTS)
-    assert np.abs(field.white - carried).max() < 0.03
+    assert np.abs(field.white - foam.finer(carried)).max() < 0.03
+    np.testing.assert_allclose(foam.coarser(foam.finer(carried), x.shape).sum(), carried.sum(), rtol=1e-3)
     expected = (1.5 * foam.SETTLES) * (1.0 - np.exp(-3.0 / foam.SETTLES))
     np.testing.assert_allclose(field.carried[20, 15, 0], expected, rtol=0.03)
-    before = field.white.copy()
+    before, (i, k) = field.white.copy(), foam.FINER * np.array([3, 2])
     field.shift(np.array([3, -2]))
-    np.testing.assert_array_equal(field.white[:37, 2:], before[3:, :-2])
-    assert not field.white[37:].any() and not field.white[:, :2].any()
+    np.testing.assert_array_equal(field.white[:-i, k:], before[i:, :-k])
+    assert not field.white[-i:].any() and not field.white[:, :k].any()
 
 
 def test_what_the_wind_whitens_is_what_was_counted():

@@ -8,8 +8,8 @@ that absorbs, so every place of every basin is blown on as often; they go at 8 m
 depth (8.6 m/s), for waves do not grow under a gust that outruns them; and heights are those of the last quarter of the
 fetch from when the first gusts have passed. The slice moves by delta_sph, with the viscosity of thesis_6000, whose own
 scheme does not lie still there without wind: its lattice breaks up by itself between 10 s and 30 s, into waves of 0.15
-to 0.3 m and a level 0.12 m lower, and of 4 sqrt m0 0.09 m have not gone after 120 s. By delta_sph still air has 0.02 m,
-nearly all of it a level that creeps.
+to 0.3 m and a level 0.12 m lower, and of 4 sqrt m0 0.09 m have not gone after 120 s.
+By delta_sph still air has 0.01 mm.
 Every preset is noisy, so its seeds differ. Orange lines and arrows show a wind when it blew over the middle of the
 basin, crosses where it is nothing but noise. The third row is another water: spectral_sea, which is calm until the
 winds of the four printed presets press on it, on a tile of twice the basin; what they push along makes no waves there.

@@ -33,6 +33,9 @@ def test_a_key_is_explained_with_and_without_its_kind(capsys):
     assert (told["unit"], told["range"]) == ("m/s", ">= 0, <= 200")
     assert answered(["explain", "wind.stres.u10"]) == 2
     assert "there are wind.stress.u10" in capsys.readouterr().err
+    for word, meant in (("wind.speed", "wind.u10"), ("ship.direction", "ship.heading_deg"), ("ship.hul", "ship.hull")):
+        assert answered(["explain", word]) == 2
+        assert f"did you mean '{meant}'?" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -45,8 +48,9 @@ def test_a_key_is_explained_with_and_without_its_kind(capsys):
         ("dt", ["time_step", "duration"], "time_step"),
         ("output", ["frames", "fluid"], "frames"),
         ("viscosity", ["kinematic_viscosity", "spacing"], "kinematic_viscosity"),
-        ("Density", ["rest_density", "spacing"], "rest_density"),
+        ("Density", ["rest_density", "density_diffusion", "spacing"], "rest_density"),
         ("size", ["length", "depth"], "length"),
+        ("size", ["spacing", "fill"], "spacing"),
         ("spacng", ["spacing", "support_ratio"], "spacing"),
         ("xyzzy", ["spacing", "support_ratio"], None),
     ],

@@ -49,7 +49,7 @@ SYNONYMS = {
         "output outputs save vtk snapshots dump": "frames every",
         "viscosity nu mu": "kinematic_viscosity",
         "density rho rho0": "rest_density",
-        "size dimensions extent domain_size": "length half_size size",
+        "size dimensions extent domain_size": "length half_size size spacing",
         "dx particle_spacing particle_size radius_of_particles": "spacing",
         "smoothing_length kernel_radius support_radius": "support_ratio",
         "time end_time t_end tmax stop_time total_time simulation_time": "duration end stop",
@@ -120,17 +120,17 @@ def dotted(path: Path) -> str:
 
 
 def likeliest(word: str, choices: Any) -> str | None:
-    """The choice that a word most likely meant: one that it begins or that begins it, another word for the same, or
+    """The choice that a word most likely meant: one that begins it, another word for the same, one that it begins, or
     one that is spelled almost so."""
     by_lower = {lowered(str(choice)): str(choice) for choice in choices}
     lower = lowered(word)
     if lower in by_lower:
         return by_lower[lower]
-    begun = [choice for choice in by_lower if choice.startswith(lower) and len(lower) >= SHORTEST]
-    begun += [choice for choice in by_lower if lower.startswith(f"{choice}_")]
+    begun = [choice for choice in by_lower if lower.startswith(f"{choice}_")]
     others = [choice for choice in SYNONYMS.get(lower, ()) if choice in by_lower]
+    longer = [choice for choice in by_lower if choice.startswith(lower) and len(lower) >= SHORTEST]
     close = get_close_matches(lower, by_lower, n=1)
-    found = next(iter([*sorted(begun, key=len), *others, *close]), None)
+    found = next(iter([*sorted(begun, key=len), *others, *sorted(longer, key=len), *close]), None)
     return by_lower[found] if found is not None else None
 
 

@@ -23,7 +23,7 @@ SIDE, CELLS, STEP = 320.0, 160, 0.2  # [m], cells, [s]
 PRESSURE, LONG, BROAD = 2000.0, 3.0, 1.5  # [Pa], [m], [m]
 RISE, END = 10.0, 90.0  # [s]
 CLEAR = 0.33  # of the side, from the pressure on, in which waves are free
-ANGLES, RADII, APART = 400, 160, 0.5  # nodes of the integrals; [m] between the points of a cut
+ANGLES, RADII, APART = 200, 80, 0.5  # nodes of the integrals, to 0.004 mm; [m] between the points of a cut
 TURN, FAR = np.pi / 8.0, 7.0  # [rad] of the ray; where a Gaussian of the width 1 ends
 
 

@@ -4,7 +4,7 @@ from typing import Any
 
 from ocean_sim.parts import SLOTS
 from ocean_sim.reading.keys import Key, found, keys, schema_slots
-from ocean_sim.reading.translation import choice_sentence
+from ocean_sim.reading.translation import choice_sentence, likeliest
 from ocean_sim.verbs.list import list_choices
 from ocean_sim.verbs.shared import console
 
@@ -22,7 +22,7 @@ def explain(word: str, as_json: bool) -> None:
         shorter = {path.partition(".")[0] for path in whole} | {path.rpartition(".")[2] for path in whole}
         end, _ = choice_sentence(word, sorted(whole | shorter))
         ends = sorted({key.path for key in keys() if key.path.split(".")[-1] == word.split(".")[-1]})
-        raise console.Refused(f"there is no key {word!r}{elsewhere(ends) or end}")
+        raise console.Refused(f"there is no key {word!r}{among(word) or elsewhere(ends) or end}")
     if as_json:
         console.answer([answer(key, paths) for key, paths in same])
     elif len(same) <= MOST:
@@ -30,6 +30,14 @@ def explain(word: str, as_json: bool) -> None:
             console.say("\n".join(lines(key, paths)) + "\n")
     else:
         console.table("", ["key", "default", "meaning"], [row(key, paths) for key, paths in same])
+
+
+def among(word: str) -> str:
+    """The likeliest of the keys that lie beside a wrong one: `wind.u10` for `wind.speed`."""
+    above, _, last = word.rpartition(".")
+    there = {key.path.rpartition(".")[2] for key in found(above)} - {above.rpartition(".")[2]} if above else ()
+    meant = likeliest(last, sorted(there))
+    return f"; did you mean '{above}.{meant}'?" if meant else ""
 
 
 def elsewhere(paths: list[str]) -> str:

@@ -1,8 +1,8 @@
 """PPO learns to hold a heading in waves: `pip install 'ocean-sim[gym]' stable-baselines3`, then run this file.
 
-It trains one boat for about a minute and a half of processor time. With Stable-Baselines3 2.9.2 and PyTorch 2.15.0 the mean
-reward of a step was 0.705 untrained and 0.968 after 30 000 steps, where 1 is a heading held exactly; the mean heading
-error in the second half of an episode fell from 42.5 to 1.6 degrees.
+It trains one boat for about a minute and a half of processor time. With Stable-Baselines3 2.9.2 and PyTorch 2.15.0 the
+mean reward of a step was 0.705 untrained and 0.968 after 30 000 steps, where 1 is a heading held exactly; the mean
+heading error in the second half of an episode fell from 42.5 to 1.6 degrees.
 """
 
 import sys

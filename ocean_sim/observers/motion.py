@@ -119,6 +119,17 @@ class Moment(NamedTuple):
         return np.concatenate([self.body.position, self.body.orientation])
 
     @property
+    def passing(self) -> Passing:
+        """With the velocity of this time."""
+        return Passing(self.time, self.place, self.velocity)
+
+    def setting_out(self, dt: float) -> Passing:
+        """At the first time: with the mean of the velocity that it has and that of the next step, of dt [s]."""
+        gained = 0.5 * dt * self.acceleration, 0.5 * dt * self.turning
+        change = self.body.change(self.body.velocity + gained[0], self.body.angular_velocity + gained[1])
+        return Passing(self.time, self.place, change)
+
+    @property
     def bend(self) -> np.ndarray:
         """(7,) its second derivatives."""
         return self.body.bend(self.acceleration, self.turning)
@@ -152,11 +163,11 @@ class Log:
         self.last, self.before = None, None
         head = heading(
             simulation,
-            f"every {config.every:g} s, between steps poses on cubics, all else linear",
+            f"every {config.every:g} s, between steps poses on cubics, velocities and rates theirs, all else linear",
             rates_and_specific_force=f"body axes, gravity included, felt at {config.point or 'the centre of mass'}",
             angles="intrinsic yaw, pitch, roll; the quaternion turns body to world",
             forces="world axes, torques about the centre of mass",
-            velocities="those that led to the pose, which are of half a step before",
+            velocities="of the time of their row: how fast positions and attitudes change then",
             damping="the reaction of added mass is part of damping",
         )
         head |= {"frame": config.frame, "axes": AXES[config.frame]}
@@ -173,17 +184,25 @@ class Log:
         if self.last is None:
             return
         ship = self.ship
-        before = now = Moment(*self.last, ship.acceleration, ship.turning, ship.last)
+        now = Moment(*self.last, ship.acceleration, ship.turning, ship.last)
         if self.before is not None and self.before.time < now.time:
             before, now = joined(self.before, now)
+            start, end = before.passing, now.passing
+        else:
+            before, start = now, now.setting_out(simulation.time - now.time)
+            end = start
         passed = self.multiples.reached(now.time)
         if passed:
-            first, last = (Sample(at.time, self.row(at), ()) for at in (before, now))
-            start, end = (Passing(at.time, at.place, at.velocity) for at in (before, now))
+            first, last = (
+                Sample(at.time, self.row(at._replace(body=at.body.passing(there.place, there.velocity))), ())
+                for at, there in ((before, start), (now, end))
+            )
             lines = []
             for k in passed:
                 time, values, _ = between(first, last, k * self.multiples.every)
-                lines.append(self.csv.row([time, self.number, *self.pose(path(start, end, time)), *values]))
+                there = path(start, end, time)
+                motions = self.motions(now.body.passing(there.place, there.velocity))
+                lines.append(self.csv.row([time, self.number, *motions, *values]))
                 self.number += 1
             self.hand_on(lines, simulation)
         self.before = now
@@ -197,22 +216,21 @@ class Log:
             observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)
 
     def row(self, now: Moment) -> np.ndarray:
-        """All columns after the pose."""
+        """All columns after velocities and rates."""
         body, load, turn = now.body, now.load, now.body.matrix
         felt = body.point_acceleration(self.arm, now.acceleration, now.turning)
         parts = np.concatenate([load.parts, load.parts.sum(axis=0, keepdims=True)])
         vectors = np.concatenate([[turn.T @ (felt - self.gravity)], parts.reshape(-1, 3)])
         specific, *loads = to_frame(self.frame, vectors)
-        of_body = np.array([body.velocity, body.rates, now.acceleration])
-        motions = self.signs * of_body  # positive as the frame's axes are
-        return np.concatenate([*motions, specific, *loads, now.orders])
+        acceleration = self.signs * now.acceleration  # positive as the frame's axes are
+        return np.concatenate([acceleration, specific, *loads, now.orders])
 
-    def pose(self, place: np.ndarray) -> np.ndarray:
-        """(10,) columns of position, angles and unit quaternion in the frame's axes, of (7,) position and quaternion in
-        ours. Angles are those of the quaternion: by themselves they leap where a bow points straight up."""
-        q = place[3:] / np.linalg.norm(place[3:])
-        motions = self.signs * [place[:3], replace(self.ship.body, orientation=q).angles]
-        return np.concatenate([*motions, q[:1], to_frame(self.frame, q[1:])])
+    def motions(self, body: "RigidBody") -> np.ndarray:
+        """(16,) columns of position, angles, unit quaternion, velocity and rates in the frame's axes. Angles are of the
+        quaternion: by themselves they leap where a bow points straight up."""
+        pose, speed = self.signs * [body.position, body.angles], self.signs * [body.velocity, body.rates]
+        q = body.orientation
+        return np.concatenate([*pose, q[:1], to_frame(self.frame, q[1:]), *speed])
 
     def close(self, simulation: "Simulation") -> None:
         self.complete(simulation)

@@ -78,13 +78,16 @@ class Passing(NamedTuple):
     velocity: np.ndarray
 
 
-def path(before: Passing, after: Passing, time: float) -> np.ndarray:
-    """(n,) the place at a time between two, on the cubic that has place and velocity of both (Hermite): neither of them
-    leaps from one step to the next. It is fourth-order in the step if the velocities are third-order."""
+def path(before: Passing, after: Passing, time: float) -> Passing:
+    """What passes a time between two, on the cubic that has place and velocity of both (Hermite): neither of them leaps
+    from one step to the next. If their velocities are third-order in the step, so is its own, and its place
+    fourth-order."""
     step = after.time - before.time
     if time >= after.time or step <= 0.0:
-        return after.place
+        return after._replace(time=time)
     s = max(0.0, (time - before.time) / step)
     moved = after.place - before.place
     start, end = step * before.velocity - moved, step * after.velocity - moved
-    return before.place + s * moved + s * (1.0 - s) * ((1.0 - s) * start - s * end)
+    place = before.place + s * moved + s * (1.0 - s) * ((1.0 - s) * start - s * end)
+    velocity = (moved + (1.0 - s) * (1.0 - 3.0 * s) * start - s * (2.0 - 3.0 * s) * end) / step
+    return Passing(time, place, velocity)

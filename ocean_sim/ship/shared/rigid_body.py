@@ -66,6 +66,16 @@ class RigidBody:
         turned = product(np.concatenate([[0.0], turning]), q) - 0.5 * (omega @ omega) * q
         return np.concatenate([acceleration, 0.5 * turned])
 
+    def change(self, velocity: np.ndarray, omega: np.ndarray) -> np.ndarray:
+        """(7,) first derivatives of position [m/s] and quaternion [1/s], of a velocity and an angular one [rad/s]."""
+        return np.concatenate([velocity, 0.5 * product(np.concatenate([[0.0], omega]), self.orientation)])
+
+    def passing(self, place: np.ndarray, change: np.ndarray) -> "RigidBody":
+        """This body where it passes a place, (7,) position [m] and quaternion of any length, with these derivatives."""
+        q = place[3:]
+        omega = 2.0 / float(q @ q) * product(change[3:], inverse(q))[1:]
+        return spinning(replace(self, position=place[:3], orientation=normalised(q), velocity=change[:3]), omega)
+
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """a x b of two (3,), many times as quick as NumPy's."""

@@ -243,7 +243,7 @@ def test_the_command_says_how_to_go_on(number, tmp_path):
     waited(lambda: any((tmp_path / "run").glob("checkpoint_*")), child)
     child.send_signal(number)
     _, err = child.communicate(timeout=120)
-    assert child.returncode == 1 and f"`ocean-sim resume {tmp_path / 'run'}` goes on" in err, err
+    assert child.returncode == 1 and f"`ocean-sim resume {tmp_path / 'run'}` continues it" in err, err
 
 
 def begun(*words: str) -> "subprocess.Popen[str]":

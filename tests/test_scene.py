@@ -276,6 +276,7 @@ def test_settings_reach_into_lists():
     [
         ("fluid.spacng=1", "fluid.spacng: unknown key; did you mean 'spacing'?"),
         ("flud.spacing=1", "flud: unknown key; did you mean 'fluid'?"),
+        ("fluidsupport_ratio=2", "fluidsupport_ratio: unknown key; did you mean 'fluid.support_ratio'?"),
         (
             "fluid.spacing.x=1",
             "fluid.spacing.x: fluid.spacing is 1.25, which has no keys; set fluid.spacing as a whole",

@@ -110,8 +110,20 @@ class Composition:
                 self.set_part(place, path[2:], value)
         elif path[0] in SLOTS:
             self.set_part(path[0], path[1:], value)
+        elif len(path) == 1 and (meant := self.without_dot(key)) is not None:
+            self.problems.append(problem(value.location, key, f"unknown key; did you mean {meant!r}?", meant))
         else:
             self.root = self.put(self.root, path, (), value)
+
+    def without_dot(self, word: str) -> str | None:
+        """The key of a part that a word is without its dot: `fluid.spacing` of `fluidspacing` or `fluid_spacing`."""
+        for place, choice in self.slots.items():
+            key = word.removeprefix(place).lstrip("_")
+            if choice is None or not word.startswith(place):
+                continue
+            if key in config_of(slot_of(place), choice.kind).model_fields:
+                return f"{place}.{key}"
+        return None
 
     def lay_beside(self, key: str, node: Node) -> None:
         """Lay what stands beside the part that it belongs to over that part."""

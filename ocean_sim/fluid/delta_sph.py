@@ -298,7 +298,7 @@ class Continuity:
         if ti.static(fluid.bodies):
             solid = self.solid.total(vec3(own, self.row.position), own)
             total += solid
-            fluid.steady(fluid.next_acceleration, i, fluid.slope * solid[self.terms.filled] / self.whole)
+            fluid.steady(i, fluid.slope * solid[self.terms.filled] / self.whole)
         compressed, diffused = total[self.terms.rate], total[self.terms.diffusion]
         rate = fluid.slope * (compressed + diffused)
         excess = deviation + 0.5 * dt * rate

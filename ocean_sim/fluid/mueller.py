@@ -94,7 +94,7 @@ class Density(PositionLaw):
         if ti.static(fluid.bodies):
             solid = self.solid.total(own, own)
             total += solid
-            fluid.steady(fluid.last_acceleration, i, self.constant * solid[self.terms.density] / fluid.rest_density)
+            fluid.steady(i, self.constant * solid[self.terms.density] / fluid.rest_density)
         rho = total[self.terms.density]
         rho_i = self.constant * rho
         p_i = fluid.factors[SLOPE] * rho - fluid.factors[OFFSET]  # k (rho - rho0) (2.15), multiplied out

@@ -156,15 +156,32 @@ def test_what_a_moving_body_gives_the_water_gets(again, kind):
     np.testing.assert_allclose(bounced, 0.0, atol=1e-11 * np.abs(given).max())
 
 
+@pytest.mark.parametrize("kind", ["mueller", "delta_sph"])
+def test_bodies_are_told_how_the_water_accelerates(again, kind):
+    """By what each particle's velocity has changed in the last step, but of those that bounced."""
+    fluid = thrown(again, kind)
+    for _ in range(110):
+        fluid.advance(0.0015)
+    before = by_id(fluid, fluid.particles.velocity.to_numpy())
+    fluid.advance(0.0015)
+    gained = (by_id(fluid, fluid.particles.velocity.to_numpy()) - before) / 0.0015
+    told = by_id(fluid, np.stack([component.to_numpy() for component in fluid.last_acceleration], axis=1))
+    pushed = np.linalg.norm(gained, axis=1) > 0.1
+    same = np.isclose(told, gained, rtol=1e-6, atol=1e-6).all(axis=1)
+    assert pushed.sum() > 5 and same[pushed].mean() > 0.8
+
+
 def falling(water, told: float) -> float:
     """Largest force over weight on a box that falls with the water around it, its acceleration told or not. Without the
-    diffusion of density, which takes water for still: falling, it would be pressed by up to 9 % of the weight."""
+    diffusion of density, which takes water for still: falling, it would be pressed by up to 9 % of the weight. Bodies
+    are told the water's acceleration of the step before, hence of the first one that it falls already."""
     basin = FREE | {"gravity": [0.0, -GRAVITY, 0.0], "obstacles": [BOX]}
     fill = [{"min": [-0.5, -0.5], "max": [0.5, 0.0]}]
     fluid = water("delta_sph", basin=basin, spacing=0.05, fill=fill, density_diffusion=0.0)
     fluid.particles.pressure.fill(0.0)
     x = fluid.particles.position.to_numpy()
     put(fluid, by_id(fluid, x))
+    fluid.last_acceleration[1].fill(-GRAVITY)
     worst, dt = 0.0, 1e-3
     for step in range(20):
         t = dt * (step + 1)  # bodies are placed where they are at the end of the step

@@ -88,7 +88,8 @@ def boxes(lattice: Lattice, support: float) -> list[Body]:
         felt = (np.minimum(index, count - 1 - index) * apart < support).any(axis=1)
         position, normal = np.zeros((2, int(felt.sum()), 3))
         position[:, :d] = (index[felt] + 0.5) * apart - 0.5 * (up - low)
-        face = (0.5 * (up - low) - np.abs(position[:, :d])).argmin(axis=1)[:, None]
+        deep = (0.5 * (up - low) - np.abs(position[:, :d])) / lattice.spacing
+        face = deep.round(6).argmin(axis=1)[:, None]  # of two as near the first, on the left as on the right
         np.put_along_axis(normal, face, np.where(np.take_along_axis(position, face, 1) < 0.0, -1.0, 1.0), 1)
         origin = np.zeros(3)
         origin[:d] = 0.5 * (low + up)

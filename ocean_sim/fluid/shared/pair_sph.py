@@ -108,9 +108,9 @@ class MomentumLaw(Force):
         pushed, fast = walls.held_back(walls.relaxed(x, free, dt), dt)
         x_free = x + fluid.grid.gone(i, ti.static(1.0 - self.passed) * dt * pushed)
         x_new, v_new = walls.bounced(x_free, pushed)
-        fluid.leave(i, x_new, v_new)
-        for k, component in ti.static(enumerate(fluid.next_acceleration)):
+        for k, component in ti.static(enumerate(fluid.last_acceleration)):
             component[i] = a[k]
+        fluid.leave(i, x_new, v_new)
         fluid.accounts.count_motion(group, v_new, a, fast)
         if ti.static(self.apart):
             a_pressure, mean = self.scale(own) * vec3(total, self.terms.push), 0.5 * (v + v_new)

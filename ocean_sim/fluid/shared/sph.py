@@ -24,7 +24,7 @@ from ocean_sim.fluid.shared.water import Lattice, WaterConfig, free_fall_speed
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, key_of
-from ocean_sim.runtime import Template, in_kernels
+from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import Wind
 
 if TYPE_CHECKING:  # it is imported only where there are bodies
@@ -335,7 +335,6 @@ class Sph(ParticleWater):
             self.boundary = Boundary(bodies, self.particles, self.grid, self.pull, self.smoothing, accounts)
         own = len(self.carried) - (config.told_to_bodies if self.bodies else 0)
         self.last_acceleration = self.carried[own:]  # [m/s2], which solid bodies are told
-        self.next_acceleration = self.grid.carried[own:]  # the same before the sort of a step
         self.field = Field(
             self.particles, self.grid, self.smoothing, self.pull.constant, self.pull, boundary=self.boundary
         )
@@ -395,10 +394,10 @@ class Sph(ParticleWater):
         return total
 
     @ti.func
-    def steady(self, acceleration: Template, i, share):
+    def steady(self, i, share):
         """Keep what particle i is pushed with, because it was before, from adding up where solid bodies fill most of
-        its kernel: `share` is how much. `acceleration`: its components, where they lie by now."""
-        for component in ti.static(acceleration):
+        its kernel: `share` is how much."""
+        for component in ti.static(self.last_acceleration):
             component[i] *= tm.min(1.0, CROWDED / tm.max(share, CROWDED))
 
     @ti.func

@@ -52,21 +52,14 @@ class Claim:
     def locked(self) -> int:
         """The open lock file, locked. A holder removes it at the end: a lock on a file that has lost its name is
         none."""
-        try:
-            self.folder.parent.mkdir(parents=True, exist_ok=True)
-        except (FileExistsError, NotADirectoryError):
-            raise Refused(f"{self.folder}: a file lies where a folder should be made") from None
         while True:
-            with suppress(FileExistsError):
-                self.folder.mkdir()
             try:
+                self.folder.mkdir(parents=True, exist_ok=True)
                 file = os.open(self.path, os.O_RDWR | os.O_CREAT, 0o666)
-            except FileNotFoundError:  # another holder has removed the folder, which was made for nothing
-                if self.folder.is_symlink():
-                    raise Refused(f"{self.folder}: a link to a folder that is not there") from None
-                continue
-            except NotADirectoryError:
-                raise Refused(f"{self.folder}: this is a file, not a folder") from None
+            except (FileExistsError, FileNotFoundError, NotADirectoryError):
+                if self.folder.is_file() or self.folder.is_symlink() or not self.folder.parent.is_dir():
+                    raise Refused(f"{self.folder}: a file or a link to nowhere lies where a folder should be") from None
+                continue  # another holder has removed the folder, which was made for nothing
             try:
                 _locked(file)
                 if os.path.samestat(os.fstat(file), os.stat(self.path)):

@@ -104,9 +104,11 @@ class Field:
 
 def beyond(values: np.ndarray, n: int, axis: int) -> np.ndarray:
     """Values of a grid that moves by n cells along an axis; what it comes upon is 0."""
+    if n == 0:
+        return values
     shifted = np.roll(values, -n, axis)
     new = [slice(None)] * values.ndim
-    new[axis] = slice(-n, None) if n > 0 else slice(0, -n)
+    new[axis] = slice(-n, None) if n > 0 else slice(None, -n)
     shifted[tuple(new)] = 0.0
     return shifted
 

@@ -158,8 +158,9 @@ def test_what_a_moving_body_gives_the_water_gets(again, kind):
 
 @pytest.mark.parametrize("kind", ["mueller", "delta_sph"])
 def test_bodies_are_told_how_the_water_accelerates(again, kind):
-    """By what each particle's velocity has changed in the last step, but of those that bounced."""
-    fluid = thrown(again, kind)
+    """By what each particle's velocity has changed in the last step, but of those that bounced: without viscosity all
+    of it presses, but for what `delta_sph` takes from particles that meet."""
+    fluid = thrown(again, kind, kinematic_viscosity=0.0)
     for _ in range(110):
         fluid.advance(0.0015)
     before = by_id(fluid, fluid.particles.velocity.to_numpy())
@@ -167,23 +168,25 @@ def test_bodies_are_told_how_the_water_accelerates(again, kind):
     gained = (by_id(fluid, fluid.particles.velocity.to_numpy()) - before) / 0.0015
     told = by_id(fluid, np.stack([component.to_numpy() for component in fluid.last_acceleration], axis=1))
     pushed = np.linalg.norm(gained, axis=1) > 0.1
-    same = np.isclose(told, gained, rtol=1e-6, atol=1e-6).all(axis=1)
-    assert pushed.sum() > 5 and same[pushed].mean() > 0.8
+    off = np.linalg.norm(told - gained, axis=1)[pushed] / np.linalg.norm(gained, axis=1)[pushed]
+    assert pushed.sum() > 5 and (off < {"mueller": 1e-6, "delta_sph": 0.15}[kind]).mean() > 0.8
 
 
 def falling(water, told: float) -> float:
-    """Largest force over weight on a box that falls with the water around it, its acceleration told or not. Without the
-    diffusion of density, which takes water for still: falling, it would be pressed by up to 9 % of the weight. Bodies
-    are told the water's acceleration of the step before, hence of the first one that it falls already."""
+    """Largest force over weight on a box that falls with the water around it, that both accelerate told or not. Without
+    the diffusion of density, which takes water for still: falling, it would be pressed by up to 9 % of the weight.
+    Bodies are told the water's acceleration of the step before, hence of the first one that it falls already."""
     basin = FREE | {"gravity": [0.0, -GRAVITY, 0.0], "obstacles": [BOX]}
     fill = [{"min": [-0.5, -0.5], "max": [0.5, 0.0]}]
     fluid = water("delta_sph", basin=basin, spacing=0.05, fill=fill, density_diffusion=0.0)
     fluid.particles.pressure.fill(0.0)
     x = fluid.particles.position.to_numpy()
     put(fluid, by_id(fluid, x))
-    fluid.last_acceleration[1].fill(-GRAVITY)
+    fluid.last_acceleration[1].fill(-told)
     worst, dt = 0.0, 1e-3
     for step in range(20):
+        if not told:
+            fluid.last_acceleration[1].fill(0.0)
         t = dt * (step + 1)  # bodies are placed where they are at the end of the step
         place = np.array([0.0, -0.25 - 0.5 * GRAVITY * t**2, 0.0])
         fluid.boundary.place(0, place, velocity=(0.0, -GRAVITY * t, 0.0), acceleration=(0.0, -told, 0.0))
@@ -193,7 +196,7 @@ def falling(water, told: float) -> float:
 
 
 @pytest.mark.slow
-def test_a_box_that_falls_with_its_water_feels_nothing_if_its_acceleration_is_told(water):
+def test_a_box_that_falls_with_its_water_feels_nothing_if_accelerations_are_told(water):
     assert falling(water, GRAVITY) < 1e-12
     assert falling(water, 0.0) > 0.3
 
@@ -244,7 +247,8 @@ def test_and_not_to_one_with_slip(water):
     fluid = dragged(water, "free_slip")
     late = 4.0 / np.pi * np.exp(-(np.pi**2) * 0.05 * fluid.time / (4.0 * 0.2**2))  # the slowest part of the series
     assert fluid.particles.velocity.to_numpy()[:, 0].min() == pytest.approx(1.0 - late, abs=0.02)
-    assert abs(fluid.boundary.forces()[0][0, 0]) < 1e-6 * 1000.0 * 0.05 / 0.2 * 0.6
+    passed = abs(fluid.boundary.impulses()[0][0]) / fluid.time  # at any moment rows of water slide over samples
+    assert passed < 1e-5 * 1000.0 * 0.05 / 0.2 * 0.6
 
 
 def test_particles_without_interaction_bounce_from_a_box(water):

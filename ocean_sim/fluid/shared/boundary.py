@@ -4,12 +4,12 @@ water's laws as particles would, and what the water does to them is gathered bac
 A sample counts by its volume over that of a particle (Akinci et al. 2012, ACM Trans. Graph. 31). To each particle it
 shows that particle's own pressure, continued to where it is: across the nearest face by the weight of the water less
 the acceleration of the body (the pressure gradient at a wall of Adami, Hu & Adams 2012, J. Comput. Phys. 231, eq. 26),
-along it by that weight less the acceleration of the particle, of its last step, which is the pressure gradient there. A
-body that pulled water along its faces would carry half a spacing of it as mass. Both sides of a thin body keep their
-own pressure, and still water is exact. Its velocity is the body's where water is pressed together, and
-that which a mirror there would show where it rubs. A sample is pushed as strongly as it pushes. Flat sides mirror
-samples as they mirror particles: what an image of a sample presses across its side is that side's, all else is the
-body's.
+along it by that weight less what weight and pressure accelerated the particle by in its last step, which is the
+pressure gradient there: friction and wind bend no isobar. A body that pulled water along its faces would carry half a
+spacing of it as mass. Both sides of a thin body keep their own pressure, and still water is exact. Its velocity is the
+body's where water is pressed together, and that which a mirror there would show where it rubs. A sample is pushed as
+strongly as it pushes. Flat sides mirror samples as they mirror particles: what an image of a sample presses across its
+side is that side's, all else is the body's.
 
 A gate is a body that moves as the scene says, whatever the water does to it; once it has left, its samples are in no
 cell. A step takes it where it is when the step ends. Its work is that of its force along its way; what bounces from its

@@ -25,7 +25,8 @@ class MomentumLaw(Force):
     """Part of a step that the particles have gone before they are pushed; with their new velocity they go the rest."""
 
     def __init__(self, fluid: Sph) -> None:
-        self.terms = Columns(push=3, rub=3) if fluid.accounts.impulses else Columns(push=3)  # summed apart for accounts
+        self.split = fluid.accounts.impulses or fluid.bodies  # what presses and what rubs are summed each by itself
+        self.terms = Columns(push=3, rub=3) if self.split else Columns(push=3)
         super().__init__(fluid)
         self.told = (*self.reads, *fluid.last_acceleration)
 
@@ -58,7 +59,7 @@ class MomentumLaw(Force):
     def added(self, weight, push, rub):
         """What a pair adds that presses with `push` and rubs with `rub`."""
         total = ti.Vector.zero(float, self.terms.size)
-        if ti.static(self.apart):
+        if ti.static(self.split):
             for k in ti.static(range(3)):
                 total[self.terms.push + k], total[self.terms.rub + k] = weight * push[k], weight * rub[k]
         else:
@@ -74,7 +75,7 @@ class MomentumLaw(Force):
     def acceleration(self, own, total):
         """Of a particle by what it has summed [m/s2]."""
         both = vec3(total, self.terms.push)
-        if ti.static(self.apart):
+        if ti.static(self.split):
             both += vec3(total, self.terms.rub)
         return self.scale(own) * both
 
@@ -108,8 +109,11 @@ class MomentumLaw(Force):
         pushed, fast = walls.held_back(walls.relaxed(x, free, dt), dt)
         x_free = x + fluid.grid.gone(i, ti.static(1.0 - self.passed) * dt * pushed)
         x_new, v_new = walls.bounced(x_free, pushed)
-        for k, component in ti.static(enumerate(fluid.last_acceleration)):
-            component[i] = a[k]
+        if ti.static(fluid.bodies):  # pressure goes with what pulls and presses; what rubs or blows bends no isobar
+            pressed = vec3(total, self.terms.push) + vec3(beyond, self.terms.push)
+            falls = fluid.pull.at_rest(x) + self.scale(own) * pressed
+            for k, component in ti.static(enumerate(fluid.last_acceleration)):
+                component[i] = falls[k]
         fluid.leave(i, x_new, v_new)
         fluid.accounts.count_motion(group, v_new, a, fast)
         if ti.static(self.apart):

@@ -176,7 +176,8 @@ class Momentum(MomentumLaw):
         weight = self.fluid.smoothing.shape_gradient(r)
         near, p_i, p_j = self.fluid.closeness(r), own[self.row.pressure], other[self.row.pressure]
         pull = positive(-p_i) + positive(-p_j)
-        push, rub = (p_i + p_j + TENSION * near * near * near * near * pull) * x_ij, tm.vec3(0.0)
+        push = (p_i + p_j + TENSION * near * near * near * near * pull) * x_ij
+        rub, shear = tm.vec3(0.0), tm.vec3(0.0)
         if ti.static(self.viscous):
             v_ij = self.fluid.smoothing.between(own, other, self.row.velocity)
             along = v_ij.dot(x_ij) / (r2 + self.tiny)
@@ -185,11 +186,12 @@ class Momentum(MomentumLaw):
                 lost += ti.min(-IMPACT * r * along, self.fluid.sound_speed) * r * self.fluid.per_density
             strength = ti.select(along < 0.0, lost, 0.0)
             if ti.static(self.inside):
-                rub = -self.laminar * v_ij
+                rub = shear = -self.laminar * v_ij
             else:
                 strength += self.laminar * self.central
+                shear = -self.laminar * self.central * along * x_ij
             rub -= strength * along * x_ij
-        return self.added(weight, push, rub)
+        return self.added(weight, push, rub, shear)
 
     @ti.func
     def worked(self, own, total):

@@ -139,7 +139,7 @@ class Momentum(MomentumLaw):
         if ti.static(self.fluid.viscous):
             rub = self.fluid.factors[VISCOUS] * v_ji
         push = (own[self.row.pressure] + other[self.row.pressure]) * q / r * x_ij
-        return self.added(q * other[self.row.volume], push, rub)
+        return self.added(q * other[self.row.volume], push, rub, rub)
 
 
 @in_kernels

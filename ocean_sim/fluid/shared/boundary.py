@@ -4,7 +4,7 @@ water's laws as particles would, and what the water does to them is gathered bac
 A sample counts by its volume over that of a particle (Akinci et al. 2012, ACM Trans. Graph. 31). To each particle it
 shows that particle's own pressure, continued to where it is: across the nearest face by the weight of the water less
 the acceleration of the body (the pressure gradient at a wall of Adami, Hu & Adams 2012, J. Comput. Phys. 231, eq. 26),
-along it by that weight less what weight and pressure accelerated the particle by in its last step, which is the
+along it by that weight less what all but wind and viscosity accelerated the particle by in its last step, which is the
 pressure gradient there: friction and wind bend no isobar. A body that pulled water along its faces would carry half a
 spacing of it as mass. Both sides of a thin body keep their own pressure, and still water is exact. Its velocity is the
 body's where water is pressed together, and that which a mirror there would show where it rubs. A sample is pushed as

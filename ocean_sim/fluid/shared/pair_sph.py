@@ -25,8 +25,9 @@ class MomentumLaw(Force):
     """Part of a step that the particles have gone before they are pushed; with their new velocity they go the rest."""
 
     def __init__(self, fluid: Sph) -> None:
-        self.split = fluid.accounts.impulses or fluid.bodies  # what presses and what rubs are summed each by itself
-        self.terms = Columns(push=3, rub=3) if self.split else Columns(push=3)
+        self.sheared = fluid.bodies and fluid.kinematic_viscosity > 0.0
+        shear = {"shear": 3} if self.sheared else {}  # friction once more, by itself
+        self.terms = Columns(push=3, rub=3, **shear) if fluid.accounts.impulses else Columns(push=3, **shear)
         super().__init__(fluid)
         self.told = (*self.reads, *fluid.last_acceleration)
 
@@ -56,14 +57,16 @@ class MomentumLaw(Force):
         return other
 
     @ti.func
-    def added(self, weight, push, rub):
-        """What a pair adds that presses with `push` and rubs with `rub`."""
+    def added(self, weight, push, rub, shear):
+        """What a pair adds that presses with `push` and rubs with `rub`, of which `shear` is friction."""
         total = ti.Vector.zero(float, self.terms.size)
-        if ti.static(self.split):
-            for k in ti.static(range(3)):
+        for k in ti.static(range(3)):
+            if ti.static(self.apart):
                 total[self.terms.push + k], total[self.terms.rub + k] = weight * push[k], weight * rub[k]
-        else:
-            total = weight * (push + rub)
+            else:
+                total[self.terms.push + k] = weight * (push[k] + rub[k])
+            if ti.static(self.sheared):
+                total[self.terms.shear + k] = weight * shear[k]
         return total
 
     @ti.func
@@ -75,7 +78,7 @@ class MomentumLaw(Force):
     def acceleration(self, own, total):
         """Of a particle by what it has summed [m/s2]."""
         both = vec3(total, self.terms.push)
-        if ti.static(self.split):
+        if ti.static(self.apart):
             both += vec3(total, self.terms.rub)
         return self.scale(own) * both
 
@@ -109,11 +112,12 @@ class MomentumLaw(Force):
         pushed, fast = walls.held_back(walls.relaxed(x, free, dt), dt)
         x_free = x + fluid.grid.gone(i, ti.static(1.0 - self.passed) * dt * pushed)
         x_new, v_new = walls.bounced(x_free, pushed)
-        if ti.static(fluid.bodies):  # pressure goes with what pulls and presses; what rubs or blows bends no isobar
-            pressed = vec3(total, self.terms.push) + vec3(beyond, self.terms.push)
-            falls = fluid.pull.at_rest(x) + self.scale(own) * pressed
+        if ti.static(fluid.bodies):  # pressure goes with what pulls and presses; friction and wind bend no isobar
+            pressed = fluid.pull.at_rest(x) + a_water + a_walls
+            if ti.static(self.sheared):
+                pressed -= self.scale(own) * (vec3(total, self.terms.shear) + vec3(beyond, self.terms.shear))
             for k, component in ti.static(enumerate(fluid.last_acceleration)):
-                component[i] = falls[k]
+                component[i] = pressed[k]
         fluid.leave(i, x_new, v_new)
         fluid.accounts.count_motion(group, v_new, a, fast)
         if ti.static(self.apart):

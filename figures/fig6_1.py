@@ -41,7 +41,7 @@ def drawn(position: np.ndarray, mesh, rows: np.ndarray, spacing: float, caption:
     most = float(np.percentile(np.abs(off), 98))
     shown = chart.scatter(rows[:, 0], rows[:, 1], c=off, s=22.0, marker="s", cmap="PuOr", vmin=-most, vmax=most)
     chart.set(aspect="equal", xlabel="x [m]", ylabel="z [m]", title="cloth minus particles")
-    figure.colorbar(shown, ax=chart, label="[spacings]", shrink=0.7)
+    figure.colorbar(shown, ax=chart, label="[spacings]", shrink=0.7, extend="both")
     keep(figure, path)
 
 

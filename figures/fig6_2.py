@@ -61,7 +61,7 @@ def drawn(meshes: dict[str, Mesh], captions: dict[str, str], off: np.ndarray, pa
     most = float(np.percentile(np.abs(off[:, 2]), 98))
     shown = chart.scatter(*off[:, :2].T, c=off[:, 2], s=22.0, marker="s", cmap="PuOr", vmin=-most, vmax=most)
     chart.set(aspect="equal", xlabel="x [m]", ylabel="z [m]", title="cloth minus marching cubes")
-    figure.colorbar(shown, ax=chart, label="[spacings]", shrink=0.7)
+    figure.colorbar(shown, ax=chart, label="[spacings]", shrink=0.7, extend="both")
     for k, (name, mesh) in enumerate(meshes.items()):
         axes = figure.add_subplot(1, 3, k + 1, projection="3d")
         x, y, z = mesh.vertices.T
@@ -73,7 +73,7 @@ def drawn(meshes: dict[str, Mesh], captions: dict[str, str], off: np.ndarray, pa
         axes.set(xlabel="x [m]", ylabel="z [m]", zlabel="y [m]", zlim=(-4.0, 4.0), zticks=(-4, -2, 0, 2, 4))
         axes.set(xticks=(-20, -10, 0, 10, 20), yticks=(-20, -10, 0, 10, 20))
         axes.view_init(elev=24.0, azim=-60.0)
-    figure.colorbar(shaded, ax=axes, label="y [m]", shrink=0.5, orientation="horizontal")
+    figure.colorbar(shaded, ax=axes, label="y [m]", shrink=0.5, orientation="horizontal", extend="both")
     keep(figure, path)
 
 
@@ -112,7 +112,9 @@ def main() -> None:
     table(asked.out / "fig6_2.csv", head, columns, counted)
     timed = [(name, round(ms, 4)) for name, ms, *_ in rows] + [("step of the water", round(step, 4))]
     table(asked.out / "fig6_2_timings.csv", [f"medians of {ROUNDS} [ms]"], ["surface", "ms"], timed)
-    captions = {name: f"{ms:.2f} ms, {count} triangles, {rms:.3f} spacings" for name, ms, count, _, rms, _ in rows}
+    captions = {
+        name: f"{ms:.2f} ms, {count} triangles, {rms:.3f} spacings (RMS)" for name, ms, count, _, rms, _ in rows
+    }
     drawn(meshes, captions, np.column_stack([top[:, [0, 2]], between]), asked.out / "fig6_2.png")
 
 

@@ -11,6 +11,8 @@ BREAKING = 0.30
 MOST = 0.10  # share of the sea that may be white where none is asked for
 LASTS = 3.5  # [s] in which foam falls to a third (Monahan & Zietlow 1969, J. Geophys. Res. 74: 3.85 s in salt water)
 RAMP = 0.3  # of the area that turns white: its edge, less than wholly white
+PATCH = 4.0  # cells of white water along a side of the least patch that a crest makes: less would blur as it is carried
+RISES = 0.4  # [s] in which a patch turns white while the crest that breaks runs over it
 FINER = 2  # cells of white water along a cell of the waves: the water carries foam of one cell's width, and keeps it
 SETTLES = 9.0  # [s] in which the grain of foam forgets how far the water has carried it
 MIDDLE, SPREAD = 0.550, 0.160  # mean and standard deviation of `patches`
@@ -60,15 +62,18 @@ class Field:
     """White water that lasts: it is born where crests converge, is carried with the water and fades.
 
     Its mean is kept at what crests or the wind call for, in the mean over the time that foam lasts: as much is born as
-    has faded. It is kept on FINER cells along each of the waves', or what is carried would blur.
+    has faded, by patches, of which each has the width of a white cap: what faded meanwhile is owed. It is kept on FINER
+    cells along each of the waves', or what is carried would blur.
     """
 
     def __init__(self, shape: tuple[int, int], cell: np.ndarray) -> None:
         """`shape` and `cell`: number and sides [m] of the cells of the waves, along x and z."""
         self.cell, self.time = cell, 0.0
         self.white = np.zeros((FINER * shape[0], FINER * shape[1]))  # share of each of its cells
+        self.breaking = np.zeros_like(self.white)  # share that breaking crests are about to make white
         self.carried = np.zeros((*shape, 2))  # by which the grain has been moved along x and z [m]
         self.cover = 0.0  # that is called for
+        self.owed = 0.0  # cover that is lacking in the mean over the time that foam lasts
         self.started = False
 
     def advance(self, time: float, velocity: np.ndarray, source: np.ndarray, wanted: float | None) -> None:
@@ -87,8 +92,26 @@ class Field:
         born = finer(source)
         if wanted is not None:
             self.cover = wanted + (self.cover - wanted) * fades
-            born = born_to(self.white, born, self.cover)
+            born = self.broken(born, step)
         self.white = np.maximum(self.white, born)
+
+    def broken(self, drawn_together: np.ndarray, step: float) -> np.ndarray:
+        """The share that crests have made white after a step [s], so that the mean comes to the cover called for.
+
+        Crests are told from what is shorter than a patch by a mean over its width.
+        """
+        from scipy.ndimage import gaussian_filter
+
+        white, least = np.maximum(self.white, self.breaking), PATCH**2 / self.white.size
+        lacks = self.cover - white.mean()
+        self.owed = float(np.clip(self.owed + lacks * step / LASTS, -least, least))
+        if max(lacks, self.owed) >= 0.5 * least:
+            more = born_to(white, gaussian_filter(drawn_together, PATCH), max(self.cover, white.mean() + least))
+            self.breaking = np.maximum(self.breaking, more)
+        rising = self.white + step / RISES if step > 0.0 else np.inf
+        reached = np.minimum(self.breaking, rising)
+        self.breaking = np.where(reached < self.breaking, self.breaking, 0.0)
+        return reached
 
     def carry(self, way: np.ndarray) -> None:
         """All of it by a way (nx, nz, 2) [m]; what comes in from beyond is as it is at the edge."""
@@ -100,6 +123,7 @@ class Field:
         """The grid moves by whole cells along x and z; what it comes upon bears no foam yet."""
         for axis, n in enumerate(int(k) for k in cells):
             self.white, self.carried = beyond(self.white, FINER * n, axis), beyond(self.carried, n, axis)
+            self.breaking = beyond(self.breaking, FINER * n, axis)
 
 
 def beyond(values: np.ndarray, n: int, axis: int) -> np.ndarray:

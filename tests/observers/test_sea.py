@@ -352,21 +352,43 @@ def test_foam_covers_what_is_asked_for():
 def test_foam_lives_as_long_as_whitecaps_do_and_covers_what_is_asked_for(moves):
     """Followed with the water, at rest and in motion: of what is white, most is after a second and a part after a fall
     to a third; the mean cover is the wanted one, whose own fluctuations leave no trace in it."""
-    sea, wanted, step, side = far_sea.strongest(spectrum(), 40), 0.04, 0.1, 1.25
-    places = np.stack(np.meshgrid(X, Z, indexing="ij"), axis=-1)
-    shape, flat = (len(X), len(Z)), np.insert(places.reshape(-1, 2), 1, 0.0, axis=1)
-    field, kept, ways = foam.Field(shape, np.array([side, side])), [], []
-    for n in range(400):
-        elevation = waves.elevation(sea, places.reshape(-1, 2), step * n).reshape(shape)
-        ways.append(moves * waves.linear_velocity(sea, flat, step * n)[:, [0, 2]].reshape(*shape, 2))
-        varying = wanted * (1.0 + 0.6 * np.sin(2.0 * step * n))
-        field.advance(step * n, ways[-1], foam.convergence(elevation, side, side), varying)
-        kept.append(field.white.copy())
+    wanted, step, side = 0.04, 0.1, 1.25
+    covers = wanted * (1.0 + 0.6 * np.sin(2.0 * step * np.arange(400)))
+    kept, ways = whitened(X, Z, far_sea.strongest(spectrum(), 40), covers, moves)
     white = np.array(kept[100:])
     assert white.mean() == pytest.approx(wanted, rel=0.2)
     for after, least, most in ((10, 0.6, 1.0), (35, 0.15, 0.35)):
         shares = [followed(kept, ways, n, after, step / side) for n in range(100, 400 - after, 7)]
         assert least <= np.mean(np.concatenate(shares)) <= most, after
+
+
+def test_where_little_of_the_sea_is_white_foam_lasts_as_long():
+    """In short waves, too, whose steepest points are single cells: what is born there must not be as small."""
+    wanted = 0.002
+    x = points_module.middles(-40.0, 40.0, 1.25)
+    kept, ways = whitened(x, x, spectrum(), np.full(300, wanted))
+    assert np.mean(kept[100:]) == pytest.approx(wanted, rel=0.2)
+    for after, least, most in ((10, 0.6, 1.0), (35, 0.15, 0.35)):
+        shares = [followed(kept, ways, n, after, 0.1 / 1.25) for n in range(60, 300 - after, 7)]
+        assert least <= np.mean(np.concatenate(shares)) <= most, after
+    grown = np.diff(kept[60:], axis=0).max()
+    assert grown < 0.5  # of a cell in a step of 0.1 s: patches do not pop up
+
+
+def whitened(
+    x: np.ndarray, z: np.ndarray, sea: waves.Components, covers: np.ndarray, moves: float = 1.0
+) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """White water at points 1.25 m apart in a sea, every 0.1 s, at covers that are called for, and the velocities that
+    carry it: those of the water times `moves`."""
+    places = np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1)
+    shape, flat = (len(x), len(z)), np.insert(places.reshape(-1, 2), 1, 0.0, axis=1)
+    field, kept, ways = foam.Field(shape, np.array([1.25, 1.25])), [], []
+    for n, wanted in enumerate(covers):
+        elevation = waves.elevation(sea, places.reshape(-1, 2), 0.1 * n).reshape(shape)
+        ways.append(moves * waves.linear_velocity(sea, flat, 0.1 * n)[:, [0, 2]].reshape(*shape, 2))
+        field.advance(0.1 * n, ways[-1], foam.convergence(elevation, 1.25, 1.25), float(wanted))
+        kept.append(field.white.copy())
+    return kept, ways
 
 
 def followed(kept: list[np.ndarray], ways: list[np.ndarray], first: int, after: int, scale: float) -> np.ndarray:

@@ -151,12 +151,14 @@ def test_the_verb_draws_stills_a_strip_and_a_film_of_the_right_length(folder, tm
 
 
 MEMORY = """
-import json, sys
+import json, sys, threading
 from ocean_sim.observers import render
 from ocean_sim.pictures.order import Order
 def resident():
     return int(open("/proc/self/statm").read().split()[1]) * 4096 / 1e6
-for done, _ in render.draw(Order(**json.loads(sys.argv[1]))):
+over = threading.Event()
+over.set()
+for done, _ in render.draw(Order(**json.loads(sys.argv[1])), over):
     if done in (60, 500):
         print("resident", resident())
 """

@@ -46,6 +46,24 @@ def paths_of_keys(begun: str) -> list[str]:
     return [key.path for key in keys() if key.path.startswith(begun)]
 
 
+def sections(begun: str) -> list[str]:
+    from ocean_sim.verbs.list import SECTIONS
+
+    return [name for name in SECTIONS if name.startswith(begun)]
+
+
+def cases_of_validation(begun: str) -> list[str]:
+    from ocean_sim.validation import names
+
+    return [name for name in names() if name.startswith(begun)]
+
+
+def figures(begun: str) -> list[str]:
+    from ocean_sim.verbs.figure import scripts
+
+    return [name for name in (*scripts(), "all") if name.startswith(begun)]
+
+
 Scene = Annotated[
     str,
     typer.Argument(
@@ -152,7 +170,8 @@ def new(
 @app.command("list")
 def list_(
     slot: Annotated[
-        str | None, typer.Argument(help="scenes, observers, cases, figures, or a slot such as wind.")
+        str | None,
+        typer.Argument(help="scenes, observers, cases, figures, or a slot such as wind.", autocompletion=sections),
     ] = None,
     json: Json = False,
 ) -> None:
@@ -214,7 +233,11 @@ def bench(
 @app.command()
 def validate(
     cases: Annotated[
-        list[str] | None, typer.Argument(help="By default all (ocean-sim list cases); patterns too, as 'open_*'.")
+        list[str] | None,
+        typer.Argument(
+            help="By default all (ocean-sim list cases); patterns too, as 'open_*'.",
+            autocompletion=cases_of_validation,
+        ),
     ] = None,
     scheme: Annotated[
         list[str] | None,
@@ -473,7 +496,10 @@ def sea(
 
 @app.command()
 def figure(
-    names: Annotated[list[str], typer.Argument(help="As in 6-3, or all of the thesis (ocean-sim list figures).")],
+    names: Annotated[
+        list[str],
+        typer.Argument(help="As in 6-3, or all of the thesis (ocean-sim list figures).", autocompletion=figures),
+    ],
     fast: Annotated[bool, typer.Option("--fast", help="Coarse and short, for a quick look.")] = False,
     out: Annotated[Path, typer.Option(help="Where data (CSV) and pictures (PNG) go.")] = Path("runs/figures"),
     json: Json = False,

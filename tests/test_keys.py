@@ -5,10 +5,11 @@ import re
 from pathlib import Path
 
 import pytest
+from ruamel.yaml import YAML
 
 from ocean_sim.__main__ import answered
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.parts import kinds, named
+from ocean_sim.parts import SLOTS, config_of, kinds, named
 from ocean_sim.reading import schema
 from ocean_sim.reading.keys import found, keys
 from ocean_sim.reading.scene import load
@@ -32,10 +33,50 @@ def test_a_key_is_explained_with_and_without_its_kind(capsys):
     (told,) = json.loads(capsys.readouterr().out)
     assert (told["unit"], told["range"]) == ("m/s", ">= 0, <= 200")
     assert answered(["explain", "wind.stres.u10"]) == 2
-    assert "there are wind.stress.u10" in capsys.readouterr().err
-    for word, meant in (("wind.speed", "wind.u10"), ("ship.direction", "ship.heading_deg"), ("ship.hul", "ship.hull")):
+    assert "there is wind.stress.u10" in capsys.readouterr().err
+    for word, meant in (
+        ("wind.speed", "wind.u10"),
+        ("wind.stres", "wind.stress"),
+        ("ship.direction", "ship.heading_deg"),
+        ("ship.hul", "ship.hull"),
+        ("ship.yacht.pos", "ship.yacht.position"),
+        ("density", "rest_density"),
+    ):
         assert answered(["explain", word]) == 2
         assert f"did you mean '{meant}'?" in capsys.readouterr().err
+
+
+def test_a_preset_or_a_kind_is_explained_by_its_sentence_and_its_keys(capsys):
+    for word in ("ship.yacht", "yacht"):
+        assert answered(["explain", word]) == 0
+        told = capsys.readouterr().out
+        assert told.startswith("ship.yacht: A motor yacht") and "ship.dynamic.heading_deg" in told
+    for word in ("ship.yacht.position", "Ship.Position", "ship.position=[1.0, 2.0]"):
+        assert answered(["explain", word]) == 0
+        assert "ship.dynamic.position" in capsys.readouterr().out
+    assert answered(["explain", "xyzzy"]) == 2
+    assert "`ocean-sim list`" in capsys.readouterr().err
+
+
+def test_the_kinds_of_what_is_inside_a_part_are_a_key():
+    (key,) = found("fluid.delta_sph.initial.kind")
+    assert "taylor_green" in key.choices and "`standing_wave`: A standing wave along x" in key.meaning
+    assert any(key.choices == ("adaptive", "classical") for key in found("platform.washout.kind"))
+
+
+def test_every_example_is_a_value_that_its_key_takes():
+    """But for one key of two that go together, and for files that are not there."""
+    in_pairs = {"height", "period", "particles", "spectrum"}
+    for key in keys():
+        value = YAML(typ="safe").load(key.example.partition("=")[2])
+        assert "..." not in key.example and value != [], key.example
+        words = key.path.split(".")
+        if len(words) == 3 and words[0] in SLOTS and words[2] not in in_pairs:
+            config = config_of(words[0], words[1])
+            try:
+                config.model_validate({**config.example, "kind": words[1], words[2]: value}, strict=False)
+            except ValueError as error:
+                assert "there is no such file" in str(error), f"{key.example}: {error}"
 
 
 @pytest.mark.parametrize(
@@ -74,6 +115,8 @@ def test_a_new_scene_says_what_its_keys_mean_and_is_the_same_scene(tmp_path, cap
         assert "# Simulated time [s]" in file.read_text()
         assert answered(["new", str(file)]) == 2 and "there already" in capsys.readouterr().err
         file.unlink()
+    assert answered(["new", str(tmp_path / "nowhere" / "mine.yaml")]) == 2
+    assert "there is no folder" in capsys.readouterr().err
 
 
 def test_editors_know_the_keys_of_ready_made_parts_and_hover_units_and_defaults():

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from ocean_sim.files.yaml_file import Node, Problem, SceneError, described, merged, problem, read
+from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, described, merged, node_of, problem, read
 from ocean_sim.parts import ALONE, BESIDE, MEANT, SEVERAL, SLOTS, config_of, key_of, kinds, library, named, slot_of
 from ocean_sim.reading.translation import choice_sentence, dotted, likeliest
 
@@ -278,6 +278,11 @@ def with_owners(found: Problem, slot: str, place: str) -> Problem:
     if not owners:
         return found
     return found._replace(message=f"{found.message}; it is a key of kind {', '.join(owners)}")
+
+
+def kind_named(slot: str, name: str) -> str:
+    """The kind that a preset, or a kind, stands for; raises SceneError."""
+    return chosen(slot, node_of({"kind": name}, Location(name))).kind
 
 
 def known(slot: str) -> list[str]:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from ocean_sim.parts import BESIDE, SEVERAL, KindConfig, config_of, kinds, slot_of
 from ocean_sim.reading.schema import schema
+from ocean_sim.reading.sentences import opening
 
 NAMED, ITEM = "NAME", "[]"
 WORDS = {
@@ -24,6 +25,26 @@ WORDS = {
 PLAIN = ("number", "integer", "boolean", "string")
 BOUNDS = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
 NO_DEFAULT = object()
+EXAMPLES = {  # of keys by their names, where no default is one; of any other text the name itself
+    "particles": "6000",
+    "waves": "{height: 1.0, period: 6.0}",
+    "wavemaker": "{height: 0.1, period: 2.0}",
+    "spectra": "[{height: 1.0, period: 6.0}]",
+    "helm": "{speed: 3.0, heading_deg: 90.0}",
+    "inertia": "[1.0e+6, 1.0e+6, 1.0e+5]",
+    "title": "A trial",
+    "file": "rows.csv",
+    "path": "particles.csv",
+    "components": "waves.csv",
+    "point": "helm",
+    "ship": "tug",
+    "from": "bow",
+    "key": "secret.key",
+    "radiation": "radiation.csv",
+    "period": "2.0",
+    "peak_period": "6.0",
+}
+ENTRIES = {"min": "-1.0", "max": "1.0", "half_size": "1.0"}  # numbers of a list, by the name of its key
 SIZES = {"m": "1.0", "s": "0.1", "deg": "30.0", "1": "0.5"}  # an example of a number, by its unit
 
 
@@ -102,6 +123,7 @@ def of_value(path: str, node: dict[str, Any], required: bool, within: tuple[str,
 
 def inside(path: str, node: dict[str, Any], within: tuple[str, ...]) -> Iterator[Key]:
     """The keys below a value; a model inside itself is left out."""
+    yield from kind_inside(path, node)
     for member in members(node):
         name = member.get("$ref")
         if name is not None and name not in within:
@@ -111,8 +133,27 @@ def inside(path: str, node: dict[str, Any], within: tuple[str, ...]) -> Iterator
                 yield from inside(path, target, (*within, name))
         elif member.get("type") == "array" and isinstance(member.get("items"), dict):
             yield from inside(path + ITEM, member["items"], within)
-        elif member.get("type") == "object" and isinstance(member.get("additionalProperties"), dict):
-            yield from inside(f"{path}.{NAMED}", member["additionalProperties"], within)
+        elif "patternProperties" in member:
+            yield from inside(f"{path}.{NAMED}", of_names(member), within)
+
+
+def of_names(node: dict[str, Any]) -> dict[str, Any]:
+    """What stands under each name of a mapping whose names the user gives."""
+    return next(iter(node["patternProperties"].values()))
+
+
+def kind_inside(path: str, node: dict[str, Any]) -> Iterator[Key]:
+    """The key `kind` of a value that may be one of several mappings, each with its sentence."""
+    mappings = [definition(member["$ref"]) for member in members(node) if "$ref" in member]
+    chosen = {
+        m["properties"]["kind"]["const"]: m for m in mappings if "const" in m.get("properties", {}).get("kind", {})
+    }
+    if not chosen:
+        return
+    told = [f"`{kind}`: {opening(said).rstrip('.')}." for kind, m in chosen.items() if (said := m.get("description"))]
+    words, meaning = tuple(chosen), " ".join(told) or "Which of them it is."
+    takes, needed = ", ".join(f"`{word}`" for word in words), f"{example_path(path)}.kind={words[0]}"
+    yield Key(f"{path}.kind", takes, "", "required", "", meaning, needed, words, is_plain=True)
 
 
 def members(node: dict[str, Any]) -> Iterator[dict[str, Any]]:
@@ -164,7 +205,7 @@ def kind_of(node: dict[str, Any]) -> str:
     if node.get("type") == "array" and isinstance(node.get("items"), dict):
         inner = " or ".join(dict.fromkeys(kind_of(member) for member in members(node["items"])))
         return f"list of {inner}"
-    if node.get("type") == "object" and isinstance(node.get("additionalProperties"), dict):
+    if "patternProperties" in node:
         return "mapping of names"
     return WORDS.get(str(node.get("type", "")), "anything")
 
@@ -190,11 +231,15 @@ def in_yaml(value: Any) -> str:
 
 def example(path: str, node: dict[str, Any]) -> str:
     """A key and a value, as `--set` takes them."""
+    return f"{example_path(path)}={value_of(path, node)}"
+
+
+def example_path(path: str) -> str:
+    """A path as `--set` takes it: without the kind, the first entry of a list."""
     words = path.split(".")
     if words[0] in schema_slots():
         words = [words[0], *words[2:]]
-    plain_path = ".".join(words).replace(ITEM, ".0").replace(NAMED, "name")
-    return f"{plain_path}={value_of(path, node)}"
+    return ".".join(words).replace(ITEM, ".0").replace(NAMED, "name")
 
 
 def value_of(path: str, node: dict[str, Any]) -> str:
@@ -204,23 +249,54 @@ def value_of(path: str, node: dict[str, Any]) -> str:
         given: type[KindConfig] = config_of(slot_of(words[0]), words[1])
         if words[2] in given.example:
             return in_yaml(given.example[words[2]])
+    return value_within(node, words[-1], ())
+
+
+def value_within(node: dict[str, Any], name: str, within: tuple[str, ...]) -> str:
+    """A value of a node: its default, else one of its size; of a mapping the keys that it must have, else its first."""
     default = node.get("default")
     if default not in (None, [], {}, ""):
         return in_yaml(default)
-    member = next((m for m in members(node) if m.get("type") != "null"), node)
-    if "enum" in member:
-        return str(member["enum"][0])
+    if name in EXAMPLES:
+        return EXAMPLES[name]
+    member = next((m for m in members(node) if m.get("type") != "null" and m.get("$ref") not in within), node)
+    if "$ref" in member:
+        return value_within(definition(member["$ref"]), name, (*within, member["$ref"]))
+    if "const" in member or "enum" in member:
+        return in_yaml(member["const"] if "const" in member else member["enum"][0])
     if "prefixItems" in member:
-        return in_yaml([0.0] * len(member["prefixItems"]))
+        return f"[{', '.join([ENTRIES.get(name, '0.0')] * len(member['prefixItems']))}]"
     if member.get("type") in ("number", "integer"):
-        low, high = limit(node, "minimum", "exclusiveMinimum"), limit(node, "maximum", "exclusiveMaximum")
-        if member["type"] == "integer":
-            return str(int(low or 0) + 1)
-        usual = SIZES.get(node.get("unit", ""), "1.0")
-        if low is not None and float(usual) <= low:
-            return f"{low + 1.0 if high is None else 0.5 * (low + high):g}"
-        return usual if high is None or float(usual) < high else f"{0.5 * ((low or 0.0) + high):g}"
-    return {"array": "[...]", "boolean": "true", "string": "..."}.get(str(member.get("type")), "{...}")
+        return number(node, member)
+    if member.get("type") == "array":
+        entry = ENTRIES.get(name) or value_within(member["items"], name, within)
+        return f"[{', '.join([entry] * max(1, member.get('minItems', 1)))}]"
+    if "properties" in member:
+        return mapping(member, within)
+    if "patternProperties" in member:
+        return f"{{name: {value_within(of_names(member), name, within)}}}"
+    return {"boolean": "true", "string": name}.get(str(member.get("type")), "null")
+
+
+def mapping(node: dict[str, Any], within: tuple[str, ...]) -> str:
+    """A mapping of a model: its kind and what it must have; where that is no more, its first number, or first key."""
+    own, needed = node["properties"], node.get("required", [])
+    names = [name for name in own if name in needed or (name == "kind" and "const" in own[name])]
+    if names in ([], ["kind"]):
+        numbers = [name for name in own if any(m.get("type") == "number" for m in members(own[name]))]
+        names += [name for name in numbers or own if name != "kind"][:1]
+    return f"{{{', '.join(f'{name}: {value_within(own[name], name, within)}' for name in names)}}}"
+
+
+def number(node: dict[str, Any], member: dict[str, Any]) -> str:
+    """A number of the size that its unit has, within its bounds."""
+    low, high = limit(node, "minimum", "exclusiveMinimum"), limit(node, "maximum", "exclusiveMaximum")
+    if member["type"] == "integer":
+        return str(int(low or 0) + 1)
+    usual = SIZES.get(node.get("unit", ""), "1.0")
+    if low is not None and float(usual) <= low:
+        return f"{low + 1.0 if high is None else 0.5 * (low + high):g}"
+    return usual if high is None or float(usual) < high else f"{0.5 * ((low or 0.0) + high):g}"
 
 
 def limit(node: dict[str, Any], *names: str) -> float | None:

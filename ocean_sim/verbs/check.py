@@ -15,6 +15,7 @@ NOTHING = dict.fromkeys(
     ("particles", "memory_mb", "bytes_a_particle", "most_particles", "time_step", "limited_by", "estimated_wall_s")
 )
 CARD = 16e9  # [bytes] of a graphics card, which cannot be asked for its own before it is started
+FEW = 20_000  # particles, below which most memory of the water does not go with their number
 LONGEST = 0.8  # the courant number of the profiles `ci` and `interactive`, up to which steps were found stable
 ON_ALL_THREADS = ("wind", "fluid", "surface")  # whose work among particles all threads share; one does the rest
 START, START_OF_PARTICLES = 3.1, 3.4  # [s] imports and kernels out of their cache, and what particles add; measured
@@ -166,6 +167,8 @@ def fitting(found: dict[str, Any], config: SceneConfig) -> str:
     if config.runtime.arch in CARDS:
         where = f"{CARD / 1e9:.0f} GB of a graphics card"
     fit = f"{found['most_particles'] / 1e6:.2g} million particles fit into {where}"
+    if found["particles"] < FEW:
+        return f"at least {fit}"
     return f"{found['bytes_a_particle']} bytes a particle: {fit}"
 
 

@@ -2,8 +2,10 @@
 
 from typing import Any
 
-from ocean_sim.parts import SLOTS
+from ocean_sim.parts import ALONE, SEVERAL, SLOTS
+from ocean_sim.reading.composition import kind_named, known
 from ocean_sim.reading.keys import Key, found, keys, schema_slots
+from ocean_sim.reading.sentences import sentence
 from ocean_sim.reading.translation import choice_sentence, likeliest
 from ocean_sim.verbs.list import list_choices
 from ocean_sim.verbs.shared import console
@@ -12,36 +14,68 @@ MOST = 12  # keys that are explained at length; of more only their meanings are 
 
 
 def explain(word: str, as_json: bool) -> None:
-    """Explain a key; what is no key is refused with the likeliest one."""
-    if word in SLOTS:
-        list_choices(word, as_json)
+    """Explain a key, or the keys of a preset or a kind; what is none of them is refused with the likeliest key."""
+    asked = word.partition("=")[0].strip().lower()
+    if asked in (*SLOTS, SEVERAL):
+        list_choices(ALONE if asked == SEVERAL else asked, as_json)
         return
-    same = grouped(found(word) or [key for key in keys() if key.path.split(".")[-1] == word])
-    if not same:
-        whole = {key.path for key in keys()}
-        shorter = {path.partition(".")[0] for path in whole} | {path.rpartition(".")[2] for path in whole}
-        end, _ = choice_sentence(word, sorted(whole | shorter))
-        ends = sorted({key.path for key in keys() if key.path.split(".")[-1] == word.split(".")[-1]})
-        raise console.Refused(f"there is no key {word!r}{among(word) or elsewhere(ends) or end}")
+    same = grouped(found(by_kind(asked)) or [key for key in keys() if key.path.split(".")[-1] == asked])
+    part = None if same and "." not in asked else choice(asked)
+    if part is not None:
+        same = grouped(found(f"{part[0]}.{kind_named(*part)}"))
+    if not same and part is None:
+        raise console.Refused(f"there is no key {word!r}{meant(asked)}")
     if as_json:
         console.answer([answer(key, paths) for key, paths in same])
-    elif len(same) <= MOST:
+        return
+    if part is not None:
+        console.say(f"{'.'.join(part)}: {sentence(*part)}\n")
+    if len(same) <= MOST:
         for key, paths in same:
             console.say("\n".join(lines(key, paths)) + "\n")
     else:
         console.table("", ["key", "default", "meaning"], [row(key, paths) for key, paths in same])
 
 
+def choice(word: str) -> tuple[str, str] | None:
+    """The slot and the name of a preset or a kind: of `ship.yacht`, or of `yacht` alone."""
+    slot, _, name = word.rpartition(".")
+    return next(((each, name) for each in SLOTS if slot in ("", each) and name in known(each)), None)
+
+
+def by_kind(word: str) -> str:
+    """A path with the kind in place of the preset: `ship.dynamic.position` for `ship.yacht.position`."""
+    slot, _, rest = word.partition(".")
+    name, dot, below = rest.partition(".")
+    if choice(f"{slot}.{name}") is None:
+        return word
+    return f"{slot}.{kind_named(slot, name)}{dot}{below}"
+
+
+def meant(word: str) -> str:
+    """The end of a refusal: what the word most likely means, else where there is more."""
+    whole = {key.path for key in keys()}
+    shorter = {path.partition(".")[0] for path in whole} | {path.rpartition(".")[2] for path in whole}
+    named_so = {key.path for key in keys() if key.path.split(".")[-1] == word.rpartition(".")[2]}
+    ends = sorted(named_so, key=lambda path: (path.count("."), path))
+    end, _ = choice_sentence(word, sorted(whole | shorter))
+    return among(word) or elsewhere(ends) or end or "; `ocean-sim list` shows all there is to choose from"
+
+
 def among(word: str) -> str:
-    """The likeliest of the keys that lie beside a wrong one: `wind.u10` for `wind.speed`."""
+    """The likeliest of what lies beside a wrong one: the key `wind.u10` for `wind.speed`, the kind `wind.stress`."""
     above, _, last = word.rpartition(".")
-    there = {key.path.rpartition(".")[2] for key in found(above)} - {above.rpartition(".")[2]} if above else ()
-    meant = likeliest(last, sorted(there))
-    return f"; did you mean '{above}.{meant}'?" if meant else ""
+    beside = by_kind(above)
+    there = {key.path.rpartition(".")[2] for key in found(beside)} - {beside.rpartition(".")[2]} if above else set()
+    names = known(above) if above in SLOTS else []
+    likely = likeliest(last, sorted({*there, *names}))
+    return f"; did you mean '{above}.{likely}'?" if likely else ""
 
 
 def elsewhere(paths: list[str]) -> str:
     """Where keys of this name are, if there are any."""
+    if len(paths) == 1:
+        return f"; there is {paths[0]}"
     more = f" and {len(paths) - 3} more" if len(paths) > 3 else ""
     return f"; there are {', '.join(paths[:3])}{more}" if paths else ""
 

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from ocean_sim.files.whole_file import whole
-from ocean_sim.files.yaml_file import Location, Node, node_of, read
+from ocean_sim.files.yaml_file import Node, read
 from ocean_sim.parts import PACKAGE, SLOTS
-from ocean_sim.reading.composition import chosen, known
+from ocean_sim.reading.composition import kind_named, known
 from ocean_sim.reading.keys import in_yaml, keys
 from ocean_sim.reading.scene import load, scene_path
 from ocean_sim.reading.schema import text
@@ -28,6 +28,8 @@ def new(file: Path, source: str, as_json: bool) -> None:
     """Write a scene like another one; never over a file that is there."""
     if file.suffix not in (".yaml", ".yml"):
         raise console.Refused(f"{file}: a scene is a YAML file; name one that ends in .yaml")
+    if not file.parent.is_dir():
+        raise console.Refused(f"{file}: there is no folder {file.parent}; make it first")
     if file.exists():
         raise console.Refused(f"{file}: this file is there already; name another one")
     load(source)  # what is wrong with it is reported first
@@ -99,7 +101,7 @@ def kind_of(path: tuple[str, ...], name: str) -> str:
     """The kind whose keys are written below a slot; empty elsewhere."""
     if path[0] not in SLOTS or not name:
         return ""
-    return chosen(path[0], node_of({"kind": name}, Location(name))).kind
+    return kind_named(path[0], name)
 
 
 def commented(text: str, comment: str) -> str:

@@ -16,6 +16,8 @@ from ocean_sim.platform.shared.washing import NotNegative3, Positive3, Washing, 
 
 
 class Config(WashingConfig):
+    """The share of an acceleration that is travelled falls where the travel runs short."""
+
     kind: Literal["adaptive"] = "adaptive"
     return_frequency: Positive3 = quantity("rad/s")
     """Corner of the return to neutral along x, y and z."""

@@ -22,6 +22,8 @@ from ocean_sim.platform.shared.washing import (
 
 
 class Config(WashingConfig):
+    """Filters take away what a platform cannot travel; tilting makes what lasts of gravity."""
+
     kind: Literal["classical"] = "classical"
     translation_frequency: Positive3 = quantity("rad/s")
     """Corner of the second-order high-pass along x, y and z."""

@@ -62,16 +62,16 @@ def unexplained(fluid) -> float:
 def test_the_work_of_a_plate_is_such_that_axes_do_not_matter(water):
     """The water explains its energy as well from axes in which the plate stands still, and does no work, as from those
     in which it moves, but for half a step of its way: a step takes it where it is at the end, and forces act in the
-    middle. Steps are so short that this is all (at 100 what is of second order undoes half of it). Negative control:
-    without that work it does not."""
+    middle: of first order from 400 steps on (at 100 the second undoes half of it). Negative control: without that work
+    it does not."""
     off = []
-    for steps in (400, 1600):
+    for steps in (100, 400, 1600):
         moving, standing = (swept(water, "delta_sph", "no_slip", drift, steps) for drift in (None, SPEED))
         start = 0.5 * standing.particles.mass * standing.particles.n * SPEED @ SPEED
         scale = moving.work["obstacles"]
         assert standing.work["obstacles"] == pytest.approx(0.0, abs=1e-9 * scale)
         off.append(abs(unexplained(moving) - unexplained(standing) + start) / scale)
-    assert off[0] < 0.03 and off[1] < 0.6 * off[0]
+    assert max(off) < 0.03 and off[2] < 0.6 * off[1]
     assert abs(unexplained(moving) + scale - unexplained(standing) + start) > 0.5 * scale
 
 

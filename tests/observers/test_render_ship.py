@@ -159,7 +159,7 @@ def resident():
 over = threading.Event()
 over.set()
 for done, _ in render.draw(Order(**json.loads(sys.argv[1])), over):
-    if done in (160, 600):  # what the pictures of a longer voyage need has come by 140: 34 MB, once
+    if done in (60, 500):
         print("resident", resident())
 """
 
@@ -167,8 +167,8 @@ for done, _ in render.draw(Order(**json.loads(sys.argv[1])), over):
 @with_opengl
 @pytest.mark.slow
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
-def test_the_memory_of_a_film_of_600_pictures_is_flat(tmp_path):
-    run = voyage(tmp_path / "long", 600, every=0.05)
+def test_the_memory_of_a_film_of_500_pictures_is_flat(tmp_path):
+    run = voyage(tmp_path / "long", 500, every=0.05)
     order = {"folder": str(run), "out": str(tmp_path), "camera": "follow", "size": (64, 64), "particles": False}
     order |= {"quality": "draft", "every": 0.05, "film": True}
     child = subprocess.run(

@@ -74,7 +74,8 @@ class Config(SphConfig):
     density_diffusion: float = quantity("1", 0.1, ge=0.0, le=0.5)
     """delta: strength of the diffusion of density."""
     artificial_viscosity: float = quantity("1", 0.0, ge=0.0)
-    """alpha of Monaghan (1992), on approaching particles: nu = alpha h c / 8 in 2-D, / 10 in 3-D."""
+    """alpha of Monaghan (1992), on approaching particles: nu = alpha h c / 8 in 2-D, / 10 in 3-D; h is 0.4 of
+    the kernel support radius."""
     collision_distance: float = quantity("spacings", 0.25, gt=0.0, le=1.0)
     """How near to a wall or the floor a particle's centre may come; its ghost particles hold it before that."""
 

@@ -14,7 +14,8 @@ class Config(TimeStepConfig):
 
     kind: Literal["courant"] = "courant"
     courant_number: float = quantity("1", 0.6, gt=0.0)
-    """The CFL number, of h / (c + |v|): how far sound and water may run in a step."""
+    """The CFL number, of h / (c + |v|): how far sound and water may run in a step; h is 0.4 or 0.5 of the kernel
+    support radius, by the kernel."""
     viscous_number: float = quantity("1", 0.125, gt=0.0)
     """Of h^2 / nu: how far shear may spread in a step."""
     force_number: float = quantity("1", 0.25, gt=0.0)

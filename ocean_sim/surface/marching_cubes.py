@@ -122,6 +122,8 @@ class Config(SurfaceConfig):
 class MarchingCubes:
     """The field on the grid, its surface and the heights of its columns, each computed when it is read."""
 
+    left_out = ("followed", "read_by_kernel")  # of checkpoints: what this simulation's kernels are compiled for
+
     def __init__(self, config: Config, basin: Basin, particles: Particles) -> None:
         assert config.radius is not None
         self.config, self.basin, self.nodes = config, basin, config.nodes(basin)
@@ -136,7 +138,7 @@ class MarchingCubes:
         self.bed, self.top = self.nodes.lower[1], self.nodes.upper[1]
         self.outside = 0  # particles that the grid does not reach, in the field that was built last
         self.moment, self.sampled, self.levelled = 0, -1, -1  # steps taken; those that field and heights show
-        self.read_by_kernel = False  # whether a kernel reads the heights
+        self.followed, self.read_by_kernel = False, False  # whether it has seen a step; whether a kernel reads heights
         self.measured = MEASURED
         self.goes_on = sum(
             1 << 2 * axis + side
@@ -147,10 +149,11 @@ class MarchingCubes:
 
     def follow(self, particles: Particles, dt: float) -> None:
         """Take in that the particles have moved on by dt [s]; heights are computed at once if a kernel reads
-        them, and in the first step, in which one may be compiled."""
+        them, and in the first step that it sees, in which one may be compiled."""
         self.moment += 1
-        if self.read_by_kernel or self.moment == 1:
+        if self.read_by_kernel or not self.followed:
             self.level()
+        self.followed = True
 
     def sample(self) -> None:
         """Make the field current."""

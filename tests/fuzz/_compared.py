@@ -1,11 +1,16 @@
 """One scene run twice in ways that must agree: what is compared, within what, and books that every run must close.
-A comparison answers in words, with none where the two agree; None where it does not suit the scene.
+A comparison answers in words for each start of the scene, with none where the two agree; None where it does not suit
+the scene.
 
-Twins have the same fixed step, a half of what is stable, and STEPS steps, so that chaos has no time to part them.
+Twins have the same fixed step, at most a half of what is stable, and STEPS steps, so that chaos has no time to part
+them. Nearly all of their time is compiling: what is built once is run from several starts, which differ in numbers that
+no kernel holds.
 """
 
+import random
 from collections.abc import Callable
 from copy import deepcopy
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -24,6 +29,22 @@ STEPS = 12
 QUIET = dict.fromkeys(name for name in observer_names() if name not in ("manifest", "accuracy"))
 PLAIN = ("basin", "fluid", "time_step", "runtime", "accuracy", "manifest", "title", "seed", "duration", "resolution")
 SWAPPED = {"x_min": "x_max", "x_max": "x_min"}
+SLOW = 0.01  # spacings that eddies carry water in a step
+MIRROR = np.array([-1.0, 1.0, 1.0])
+
+
+class Start(NamedTuple):
+    """How a scene begins, in numbers that no kernel holds; without any, as it says itself."""
+
+    pace: float = 1.0  # its time step, over that of the scene
+    eddies: int | None = None  # the draw of eddies that are added to the velocity of its water
+
+
+def starts(config: SceneConfig, count: int, draw: str) -> list[Start]:
+    """As the scene begins, and otherwise; only that of a scene without particles, which compiles little."""
+    drawn = random.Random(draw)
+    others = [Start(drawn.uniform(0.5, 1.0), drawn.getrandbits(31)) for _ in range(count - 1)]
+    return [Start(), *(others if config.preflight.particles else [])]
 
 
 class State(NamedTuple):
@@ -82,11 +103,49 @@ class Books:
         return [what for what in self.health.reported if not (heats and what == "energy that no work has given")]
 
 
-def ran(config: SceneConfig, steps: int = STEPS, begin: Callable[[Simulation], None] | None = None) -> State:
-    """The state after so many steps; `begin` changes the first."""
-    with Simulation(config) as simulation:
-        if begin is not None:
-            begin(simulation)
+def eddies(config: SceneConfig, x: np.ndarray, draw: int) -> np.ndarray:
+    """(n, 3) velocity [m/s] at places (n, 3) [m] that compresses nothing and that periodic sides go on with: each
+    component varies along another axis."""
+    numbers = np.random.default_rng(draw)
+    basin, speed = config.basin, SLOW * spacing_of(config) / config.time_step.dt
+    along = np.array([x[:, 1] / basin.depth, x[:, 0] / basin.length, x[:, 0] / basin.length]).T
+    wave = np.sin(2.0 * np.pi * (numbers.integers(1, 4, 3) * along + numbers.random(3)))
+    return speed * numbers.uniform(-1.0, 1.0, 3) * wave * [1.0, 1.0, config.basin.width is not None]
+
+
+class Built:
+    """A scene that is built once and run from any of its starts."""
+
+    def __init__(self, config: SceneConfig) -> None:
+        self.config, self.simulation = config, Simulation(config)
+        self.first = Snapshot(self.simulation, Path())
+        self.fresh = True
+
+    def put(self, held: Snapshot, start: Start) -> None:
+        """Into this state, with the time step of the start."""
+        Restorer(self.simulation, held.tree, {name: values.copy() for name, values in held.arrays.items()}, Path())
+        self.paced(start)
+
+    def paced(self, start: Start) -> None:
+        self.simulation.time_step.adjust(dt=start.pace * self.config.time_step.dt)
+        self.simulation.next_dt = self.simulation.time_step.next(self.simulation)
+        self.fresh = False
+
+    def begin(self, start: Start, side: np.ndarray | float = 1.0) -> None:
+        """At a start; `side` is MIRROR for the mirror image of its eddies."""
+        if self.fresh:
+            self.paced(start)
+        else:
+            self.put(self.first, start)
+        if start.eddies is not None:
+            fields = self.simulation.fluid.of_particles.particles
+            x, v = fields.position.to_numpy(), fields.velocity.to_numpy()
+            fields.velocity.from_numpy((v + side * eddies(self.config, x * side, start.eddies)).astype(v.dtype))
+            self.simulation.fluid.begin()
+
+    def on(self, steps: int = STEPS) -> State:
+        """The state so many steps further on."""
+        simulation = self.simulation
         water, books = simulation.fluid.of_particles, Books(simulation)
         start = None if water is None else sorted_by_id(water, water.particles.position)
         try:
@@ -95,6 +154,53 @@ def ran(config: SceneConfig, steps: int = STEPS, begin: Callable[[Simulation], N
             return state(simulation, start, "", books.check())
         except Diverged as stopped:
             return state(simulation, start, str(stopped), [])
+
+    def half_way(self) -> Snapshot | State:
+        """What a checkpoint half way holds; the last state where it does not come so far."""
+        try:
+            for _ in range(STEPS // 2):
+                self.simulation.step()
+            return Snapshot(self.simulation, Path())
+        except Diverged as stopped:
+            return state(self.simulation, None, str(stopped), [])
+
+
+class Twins:
+    """A scene with its starts, and what is built and known of it; close it when all is compared."""
+
+    def __init__(self, config: SceneConfig, starts: list[Start]) -> None:
+        self.config, self.starts = config, starts
+        self.open: Built | None = None
+
+    def built(self, config: SceneConfig) -> Built:
+        """One of the ways to build the scene; only the last of them is kept, because the next may restart Taichi."""
+        if self.open is None or self.open.config is not config:
+            self.close()
+            self.open = Built(config)
+        return self.open
+
+    def close(self) -> None:
+        if self.open is not None:
+            self.open.simulation.close()
+            self.open = None
+
+    def ran(self, config: SceneConfig, side: np.ndarray | float = 1.0) -> list[State]:
+        """The state at the end from each start."""
+        built, found = self.built(config), []
+        for start in self.starts:
+            built.begin(start, side)
+            found.append(built.on())
+        return found
+
+    @cached_property
+    def plain(self) -> SceneConfig:
+        """The scene in single precision, on one thread."""
+        return quiet(self.config, **{"runtime.precision": "f32"})
+
+    @cached_property
+    def ends(self) -> list[State]:
+        """What one of the twins comes to, from each start."""
+        return self.ran(self.plain)
 
 
 def parted(a: State, b: State) -> float:
@@ -109,44 +215,45 @@ def spacing_of(config: SceneConfig) -> float:
     return config.preflight.spacing or 0.1
 
 
-def precision(config: SceneConfig) -> str:
+def precision(twins: Twins) -> list[str]:
     """f32 against f64."""
-    single, double = (ran(quiet(config, **{"runtime.precision": p})) for p in ("f32", "f64"))
-    return judged(config, single, double, 0.01 * spacing_of(config) + 0.02 * double.moved)
+    single, double = twins.ends, twins.ran(quiet(twins.config, **{"runtime.precision": "f64"}))
+    spacing = spacing_of(twins.config)
+    return [judged(twins.config, a, b, 0.01 * spacing + 0.02 * b.moved) for a, b in zip(single, double, strict=True)]
 
 
-def threads(config: SceneConfig) -> str:
+def threads(twins: Twins) -> list[str]:
     """One thread and two: the same bytes."""
-    one, two = (ran(quiet(config, **{"runtime.threads": n})) for n in (1, 2))
-    return judged(config, one, two, 0.0)
+    one, two = twins.ends, twins.ran(quiet(twins.config, **{"runtime.precision": "f32", "runtime.threads": 2}))
+    return [judged(twins.config, a, b, 0.0) for a, b in zip(one, two, strict=True)]
 
 
-def step(config: SceneConfig) -> str | None:
+def step(twins: Twins) -> list[str] | None:
     """A step and half of it, which order and noise of a wind at every step may part."""
-    if "noise" in str(config.resolved().get("wind")):
+    if "noise" in str(twins.config.resolved().get("wind")):
         return None
-    whole = quiet(config)
-    halves = quiet(config, **{"time_step.dt": 0.5 * whole.time_step.dt})
-    a, b = ran(whole), ran(halves, 2 * STEPS)
-    return judged(config, a, b, 0.02 * spacing_of(config) + 0.5 * max(a.moved, b.moved))
+    whole, built, found = twins.ends, twins.built(twins.plain), []
+    for a, start in zip(whole, twins.starts, strict=True):
+        built.begin(start._replace(pace=0.5 * start.pace))
+        b = built.on(2 * STEPS)
+        found.append(judged(twins.config, a, b, 0.02 * spacing_of(twins.config) + 0.5 * max(a.moved, b.moved)))
+    return found
 
 
-def checkpointed(config: SceneConfig) -> str:
+def checkpointed(twins: Twins) -> list[str]:
     """Put into another simulation half way, and not: the same bytes."""
-    scene = quiet(config)
-    whole = ran(scene)
-    with Simulation(scene) as first:
-        try:
-            for _ in range(STEPS // 2):
-                first.step()
-        except Diverged as stopped:
-            return judged(config, whole, state(first, None, str(stopped), []), 0.0)
-        held = Snapshot(first, Path())
-
-        def restored(simulation: Simulation) -> None:
-            Restorer(simulation, held.tree, {name: values.copy() for name, values in held.arrays.items()}, Path())
-
-        return judged(config, whole, ran(scene, STEPS - STEPS // 2, restored), 0.0)
+    whole, first, held = twins.ends, twins.built(twins.plain), []
+    for start in twins.starts:
+        first.begin(start)
+        held.append(first.half_way())
+    twins.close()
+    second, found = twins.built(twins.plain), []
+    for start, a, half in zip(twins.starts, whole, held, strict=True):
+        if isinstance(half, Snapshot):
+            second.put(half, start)
+            half = second.on(STEPS - STEPS // 2)
+        found.append(judged(twins.config, a, half, 0.0))
+    return found
 
 
 def water_alone(config: SceneConfig, basin: tuple[str, ...], fluid: tuple[str, ...]) -> dict[str, Any] | None:
@@ -169,8 +276,9 @@ def loaded(keys: dict[str, Any]) -> SceneConfig | None:
         return None
 
 
-def mirrored(config: SceneConfig) -> str | None:
+def mirrored(twins: Twins) -> list[str] | None:
     """Its water left to right, with walls and obstacles that rest."""
+    config = twins.config
     keys = water_alone(config, ("motion", "wavemaker", "lid"), ("initial", "emitter"))
     one = None if keys is None else loaded(keys)
     if one is None or any(box.get("velocity") or box.get("motion") for box in keys["basin"].get("obstacles") or []):
@@ -186,18 +294,25 @@ def mirrored(config: SceneConfig) -> str | None:
     walls = other["basin"].get("walls")
     if isinstance(walls, dict):
         other["basin"]["walls"] = {SWAPPED.get(side, side): kind for side, kind in walls.items()}
-    a, b = ran(one), ran(load(other))
+    here = twins.ran(one)
+    return [
+        judged(config, *overlaid(a, b), 1e-6 * spacing_of(config))
+        for a, b in zip(here, twins.ran(load(other), MIRROR), strict=True)
+    ]
+
+
+def overlaid(a: State, b: State) -> tuple[State, State]:
+    """A state, and the mirror image of another, both in the order of their places: particles have other numbers."""
     if a.stopped or b.stopped:
-        return judged(config, a, b, 0.0)
-    flipped = b.position * [-1.0, 1.0, 1.0]
+        return a, b
+    flipped = b.position * MIRROR
     order = [np.lexsort(np.round(x, 6).T) for x in (a.position, flipped)]
-    mirror = b._replace(position=flipped[order[1]], ships=b.ships)
-    return judged(config, a._replace(position=a.position[order[0]]), mirror, 1e-6 * spacing_of(config))
+    return a._replace(position=a.position[order[0]]), b._replace(position=flipped[order[1]])
 
 
-def shifted(config: SceneConfig) -> str | None:
+def shifted(twins: Twins) -> list[str] | None:
     """Its water a few spacings along, between periodic sides and over an even bed."""
-    keys = water_alone(config, ("motion", "wavemaker", "lid", "obstacles"), ("emitter",))
+    keys = water_alone(twins.config, ("motion", "wavemaker", "lid", "obstacles"), ("emitter",))
     if keys is None:
         return None
     walls = keys["basin"].get("walls", "reflecting")
@@ -206,22 +321,23 @@ def shifted(config: SceneConfig) -> str | None:
     scene = loaded(keys | {"basin": keys["basin"] | {"walls": across | {"x": "periodic"}}})
     if scene is None:
         return None
-    basin, way = scene.preflight.tank, 3.0 * spacing_of(scene)
-
-    def along(simulation: Simulation) -> None:
-        particles = simulation.fluid.of_particles.particles
+    basin, way, found = scene.preflight.tank, 3.0 * spacing_of(scene), []
+    here, built = twins.ran(scene), twins.built(scene)
+    particles = built.simulation.fluid.of_particles.particles
+    for start, a in zip(twins.starts, here, strict=True):
+        built.begin(start)
         x = particles.position.to_numpy()
         low, period = basin.lower[0], basin.periods[0]
         x[:, 0] = (x[:, 0] + way - low) % period + low
         particles.position.from_numpy(x)
-        simulation.fluid.begin()
-
-    a, b = ran(scene), ran(scene, begin=along)
-    if a.stopped or b.stopped:
-        return judged(config, a, b, 0.0)
-    back = b.position - [way, 0.0, 0.0]
-    back[:, 0] += basin.periods[0] * np.round((a.position[:, 0] - back[:, 0]) / basin.periods[0])
-    return judged(config, a, b._replace(position=back), 1e-6 * spacing_of(config))
+        built.simulation.fluid.begin()
+        b = built.on()
+        if not (a.stopped or b.stopped):
+            back = b.position - [way, 0.0, 0.0]
+            back[:, 0] += period * np.round((a.position[:, 0] - back[:, 0]) / period)
+            b = b._replace(position=back)
+        found.append(judged(twins.config, a, b, 1e-6 * spacing_of(twins.config)))
+    return found
 
 
 def judged(config: SceneConfig, a: State, b: State, within: float) -> str:
@@ -234,4 +350,6 @@ def judged(config: SceneConfig, a: State, b: State, within: float) -> str:
     return "; ".join(wrong)
 
 
-COMPARISONS = {f.__name__: f for f in (precision, threads, step, checkpointed, mirrored, shifted)}
+COMPARISONS: dict[str, Callable[[Twins], list[str] | None]] = {
+    f.__name__: f for f in (precision, threads, step, checkpointed, mirrored, shifted)
+}

@@ -1,26 +1,28 @@
-"""Valid scenes, each run twice in two ways that must agree, and the books of every run close.
+"""Valid scenes, each from several starts run twice in two ways that must agree, and the books of every run close.
 
-    OCEAN_SIM_TWINS=1000 OCEAN_SIM_LEDGER=twins.jsonl pytest tests/fuzz/test_compared_runs.py -m slow -n 0 -s
+    OCEAN_SIM_TWINS=250 OCEAN_SIM_LEDGER=twins.jsonl pytest tests/fuzz/test_compared_runs.py -m slow -n 0 -s
 
 What stands in the ledger is not run again, so a run that was ended goes on. OCEAN_SIM_SEED draws other scenes; so does
-another number of them.
+another number of them. Two of these can run side by side, with another seed and another ledger.
 """
 
 import json
 import os
 import random
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
-from _compared import COMPARISONS, State, judged
+from _compared import COMPARISONS, Built, State, Twins, judged, parted, starts
 from test_valid_scenes import drawn
 
 from ocean_sim.reading.scene import SceneConfig, load
 
-TWINS = int(os.environ.get("OCEAN_SIM_TWINS", 40))  # scenes; two comparisons of one take a minute of one core
+TWINS = int(os.environ.get("OCEAN_SIM_TWINS", 40))  # scenes
 SEED = int(os.environ.get("OCEAN_SIM_SEED", 0))
-DRAWN = 2  # comparisons of a scene
+STARTS = 4  # of a scene with particles: the first as it says, and others that share its kernels
+DRAWN = 2  # comparisons of each of them
 
 
 def resting(**changes) -> State:
@@ -45,12 +47,36 @@ def test_what_disagrees_is_said(other, words):
     assert bool(found) == bool(words) and words in found
 
 
-def test_a_slice_at_rest_agrees_with_its_mirror_image_and_with_itself_a_little_further():
-    """Water by two boxes, one taller than the other, between periodic sides."""
+@pytest.fixture
+def slice_of_water() -> Iterator[Twins]:
+    """Water by two boxes, one taller than the other, between periodic sides; from two starts."""
     boxes = [{"min": [-0.5, -0.5], "max": [0.0, 0.0]}, {"min": [0.0, -0.5], "max": [0.5, -0.2]}]
     basin = {"length": 1.0, "depth": 0.5, "walls": "periodic"}
     config = load({"basin": basin, "fluid": {"kind": "ballistic", "spacing": 0.1, "fill": boxes}})
-    assert COMPARISONS["mirrored"](config) == "" and COMPARISONS["shifted"](config) == ""
+    twins = Twins(config, starts(config, 2, "a slice"))
+    yield twins
+    twins.close()
+
+
+def test_a_slice_agrees_with_its_mirror_image_and_with_itself_a_little_further(slice_of_water):
+    assert COMPARISONS["mirrored"](slice_of_water) == COMPARISONS["shifted"](slice_of_water) == ["", ""]
+
+
+def test_eddies_that_are_not_mirrored_are_told(slice_of_water, monkeypatch):
+    begin = Built.begin
+    monkeypatch.setattr(Built, "begin", lambda built, start, side=1.0: begin(built, start))
+    at_rest, moving = COMPARISONS["mirrored"](slice_of_water)
+    assert at_rest == "" and "m apart" in moving
+
+
+def test_starts_differ_and_the_first_comes_back_byte_for_byte(slice_of_water):
+    built, (first, other) = slice_of_water.built(slice_of_water.plain), slice_of_water.starts
+    ends = []
+    for start in (first, other, first):
+        built.begin(start)
+        ends.append(built.on())
+    assert parted(ends[0], ends[2]) == 0.0 and np.array_equal(ends[0].velocity, ends[2].velocity)
+    assert parted(ends[0], ends[1]) > 0.01 * slice_of_water.config.preflight.spacing
 
 
 @pytest.mark.slow
@@ -62,19 +88,24 @@ def test_many_scenes_agree_with_themselves(tmp_path):
         for number, config in enumerate(drawn(TWINS, SEED)):
             if number in done:
                 continue
-            row = {"seed": SEED, "of": TWINS, "scene": number, "found": compared(f"{SEED} {number}", config)}
-            known.append(row)
-            file.write(json.dumps(row) + "\n")
+            row = {"seed": SEED, "of": TWINS, "scene": number}
+            draw = f"{SEED} {number}"
+            known += (rows := [row | {"start": k, "found": found} for k, found in enumerate(compared(draw, config))])
+            file.writelines(json.dumps(row) + "\n" for row in rows)
             file.flush()
     wrong = [row for row in known if any(row["found"].values())]
-    print(f"{sum(len(row['found']) for row in known)} comparisons of {len(known)} scenes")
+    print(f"{sum(len(row['found']) for row in known)} comparisons of {len(known)} starts")
     assert not wrong
 
 
-def compared(draw: str, config: SceneConfig) -> dict[str, str]:
-    """What the first comparisons that suit the scene say, by name, in an order that is drawn."""
-    found: dict[str, str] = {}
-    for name in random.Random(draw).sample(list(COMPARISONS), len(COMPARISONS)):
-        if len(found) < DRAWN and (said := COMPARISONS[name](config)) is not None:
-            found[name] = said
-    return found
+def compared(draw: str, config: SceneConfig) -> list[dict[str, str]]:
+    """What the first comparisons that suit the scene say of each start, by name, in an order that is drawn."""
+    twins = Twins(config, starts(config, STARTS, draw))
+    found: list[dict[str, str]] = [{} for _ in twins.starts]
+    try:
+        for name in random.Random(draw).sample(list(COMPARISONS), len(COMPARISONS)):
+            if len(found[0]) < DRAWN and (said := COMPARISONS[name](twins)) is not None:
+                found = [one | {name: words} for one, words in zip(found, said, strict=True)]
+        return found
+    finally:
+        twins.close()

@@ -72,7 +72,8 @@ class Field:
         self.white = np.zeros((FINER * shape[0], FINER * shape[1]))  # share of each of its cells
         self.breaking = np.zeros_like(self.white)  # share that breaking crests are about to make white
         self.carried = np.zeros((*shape, 2))  # by which the grain has been moved along x and z [m]
-        self.cover = 0.0  # that is called for
+        self.cover = 0.0  # that is called for, in the mean over the time that foam lasts, or since any was
+        self.called = 0.0  # weight of that mean: near 1 once foam has been called for as long as it lasts
         self.owed = 0.0  # cover that is lacking in the mean over the time that foam lasts
         self.started = False
 
@@ -91,9 +92,16 @@ class Field:
             self.carried *= np.exp(-step / SETTLES)
         born = finer(source)
         if wanted is not None:
-            self.cover = wanted + (self.cover - wanted) * fades
+            self.call(wanted, fades)
             born = self.broken(born, step)
         self.white = np.maximum(self.white, born)
+
+    def call(self, wanted: float, fades: float) -> None:
+        """Take into the mean a cover that is called for; `fades`: share that is left of what was before."""
+        before = self.called * fades
+        self.called = before + 1.0 - fades if before > 0.0 or wanted > 0.0 else 0.0
+        if self.called > 0.0:
+            self.cover += (wanted - self.cover) * (1.0 - before / self.called)
 
     def broken(self, drawn_together: np.ndarray, step: float) -> np.ndarray:
         """The share that crests have made white after a step [s], so that the mean comes to the cover called for.

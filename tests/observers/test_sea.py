@@ -375,6 +375,14 @@ def test_where_little_of_the_sea_is_white_foam_lasts_as_long():
     assert grown < 0.5  # of a cell in a step of 0.1 s: patches do not pop up
 
 
+def test_where_waves_have_just_begun_to_break_foam_is_what_is_asked_for_from_the_first():
+    """In a small basin, too, of whose water a patch of foam is a share as large as what is asked for."""
+    x, wanted, begins = points_module.middles(-20.0, 20.0, 1.25), 0.004, 20
+    kept, _ = whitened(x, x, spectrum(), np.where(np.arange(60) < begins, 0.0, wanted))
+    assert not np.any(kept[:begins])
+    assert np.mean(kept[begins:]) == pytest.approx(wanted, rel=0.2)
+
+
 def whitened(
     x: np.ndarray, z: np.ndarray, sea: waves.Components, covers: np.ndarray, moves: float = 1.0
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:

@@ -186,14 +186,15 @@ class RuntimeConfig(Model):
     """How a run uses the machine."""
 
     arch: Literal["cpu", "cuda", "vulkan", "metal", "gpu", "auto"] = "cpu"
-    """Taichi backend; `gpu`: any graphics processor, `auto`: one if there is one, else the processor."""
+    """Taichi backend; `cpu`: the processor, `cuda`: NVIDIA, `metal`: Apple, `vulkan`: most graphics processors, `gpu`:
+    any of them, `auto`: one if there is one, else the processor."""
     precision: Literal["f32", "f64"] = "f32"
-    """Floating-point precision of particles and kernels."""
+    """Floating-point precision of particles and kernels; `f32`: 7 digits, `f64`: 16, slower."""
     threads: int | None = quantity("threads", None, ge=1, le=1024)
     """Worker threads on the processor; null: all cores this process may use."""
     library: Literal["taichi", "quadrants"] | None = None
-    """What compiles the kernels: Taichi, or its fork Quadrants where it is installed and OCEAN_SIM_LIBRARY=quadrants is
-    set; null: what the process computes with."""
+    """What compiles the kernels: `taichi`, or its fork `quadrants` where it is installed and
+    OCEAN_SIM_LIBRARY=quadrants is set; null: what the process computes with."""
     pin: bool = False
     """Bind each worker thread to one core (Linux): steadier timings, but a burden on a shared machine."""
 

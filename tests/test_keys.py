@@ -26,6 +26,15 @@ def test_every_key_has_a_meaning_and_its_path_is_found():
         assert any(key.path == other.path for other in found(key.path)), key.path
 
 
+def test_every_word_that_a_key_may_have_is_told():
+    meanings = {key.path: key.meaning for key in keys()}
+    letters = re.compile(r"-?[xyz](_min|_max)?")
+    for key in keys():
+        told = key.meaning + meanings.get(key.path.rpartition(".")[0], "")
+        words = [word for word in key.choices if word not in ("true", "false") and not letters.fullmatch(word)]
+        assert len(words) < 2 or all(f"`{word}`" in told for word in words), key.path
+
+
 def test_a_key_is_explained_with_and_without_its_kind(capsys):
     assert [key.path for key in found("wind.u10")] == ["wind.stress.u10"]
     assert next(key.path for key in found("ships.tug.moorings.0.stiffness")) == "ship.dynamic.moorings[].stiffness"
@@ -51,6 +60,8 @@ def test_a_preset_or_a_kind_is_explained_by_its_sentence_and_its_keys(capsys):
         assert answered(["explain", word]) == 0
         told = capsys.readouterr().out
         assert told.startswith("ship.yacht: A motor yacht") and "ship.dynamic.heading_deg" in told
+    assert "{helm: [0.0, 4.2, 0.5]}" in told and answered(["explain", "ship.dynamic"]) == 0
+    assert "helm: [0.0" not in capsys.readouterr().out
     for word in ("ship.yacht.position", "Ship.Position", "ship.position=[1.0, 2.0]"):
         assert answered(["explain", word]) == 0
         assert "ship.dynamic.position" in capsys.readouterr().out

@@ -54,7 +54,8 @@ OneSide = Annotated[
 
 
 class Walls(Model):
-    """The kind of wall on each side; `x` stands for both `x_min` and `x_max`, and so does `z`."""
+    """The wall on each side; `reflecting`: water slides along it, `no_slip`: it sticks to it, `periodic`: what leaves
+    comes in at the other side, `absorbing`: waves end there, `none`: water flows out."""
 
     x: OneSide = "reflecting"
     """Both sides across x."""
@@ -90,7 +91,7 @@ class Lid(Model):
     """A flat lid at the height of the still water."""
 
     slip: Slip = "no_slip"
-    """Whether water sticks to it."""
+    """`no_slip`: water sticks to it; `free_slip`: it slides along."""
     velocity: Vector3 = quantity("m/s", (0.0, 0.0, 0.0))
     """It slides in its own plane."""
 
@@ -170,7 +171,7 @@ class Obstacle(Box):
     lets the water on both sides feel each other through it."""
 
     slip: Slip = "free_slip"
-    """`no_slip`: water that touches it moves with it."""
+    """`no_slip`: water that touches it moves with it; `free_slip`: it slides along."""
     motion: Gate | None = None
     """How it moves and when it has left, as a gate does; null: as `velocity` and `until` say."""
     velocity: Vector3 | None = quantity("m/s", None)
@@ -207,7 +208,8 @@ class Config(Model):
     """`reflecting` (free slip), `no_slip`, `periodic`, `absorbing` or `none`, for all sides or per side; walls rise
     without limit. Per side also {kind: absorbing, length: 2.0, rate: 3.0}."""
     floor: Literal["free_slip", "no_slip", "none"] | RoughBed = "free_slip"
-    """The bed; between free slip and no slip it has a `roughness` or a `friction_factor`."""
+    """The bed; `free_slip`: water slides along it, `no_slip`: it sticks to it, `none`: there is no bed; between the
+    first two it has a `roughness` or a `friction_factor`."""
     lid: Lid | None = None
     """A lid on the still water; none: a free surface."""
     restitution: float = quantity("1", 0.0, ge=0.0, le=1.0)

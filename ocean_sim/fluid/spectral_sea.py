@@ -59,7 +59,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
     current: Vector2 = quantity("m/s", (0.0, 0.0))
     """Velocity of the water along x and z, the same at every depth; waves are carried by it."""
     order: Literal[1, 3] = 1
-    """1: linear waves; 3: the sea that comes from afar is nonlinear up to the third order in its slope, and repeats
+    """`1`: linear waves; `3`: the sea that comes from afar is nonlinear up to the third order in its slope, and repeats
     itself on the tile. What ships and winds make stays linear."""
     tile: float | None = quantity("m", None, gt=0.0)
     """Side of the tiles; null: six of the highest waves, in calm water the longer side of the basin."""

@@ -64,7 +64,7 @@ class Config(PeriodicConfig):
     point: str | None = None
     """The name in `points` of every ship where the specific force is felt; null: the centre of mass."""
     frame: Frame = "ship"
-    """Axes that are written: ours, `ned` (SNAME) or `flu` (ISO 8855)."""
+    """Axes that are written; `ship`: ours, `ned` (SNAME) or `flu` (ISO 8855)."""
 
     def mismatches(self, preflight: Preflight) -> Problems:
         if not preflight.ships:

@@ -26,9 +26,10 @@ class Config(ObserverConfig):
     to: str = "udp://127.0.0.1:5005"
     """Where packets go; another machine only when it is named."""
     packets: Literal["ocean_sim", "openmotionsim", "floats", "text"] = "ocean_sim"
-    """Their format."""
+    """Their format; `ocean_sim`: poses and legs, and signed with a `key`; `openmotionsim`: angles and height; `floats`:
+    six motions for FlyPt Mover and SimHub; `text`: the same, a line of numbers, for SimTools."""
     frame: Literal["flu", "ned", "ship"] = "flu"
-    """The axes of their poses."""
+    """The axes of their poses; `flu` (ISO 8855), `ned` (SNAME) or `ship`: ours."""
     key: FileName | None = None
     """A file whose content signs every packet, of `ocean_sim` alone; null: they are not signed."""
 

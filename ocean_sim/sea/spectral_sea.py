@@ -14,7 +14,8 @@ class Config(Steepening, Written):
 
     kind: Literal["spectral_sea"] = "spectral_sea"
     order: Literal[1, 3] = 3
-    """3: nonlinear up to the third order in its slope, on a cell a particle spacing; 1: linear, as `linear_waves`."""
+    """`3`: nonlinear up to the third order in its slope, on a cell a particle spacing; `1`: linear, as
+    `linear_waves`."""
 
     @property
     def nonlinear(self) -> Nonlinear | None:

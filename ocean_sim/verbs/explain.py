@@ -2,9 +2,10 @@
 
 from typing import Any
 
+from ocean_sim.files.yaml_file import Location, node_of
 from ocean_sim.parts import ALONE, SEVERAL, SLOTS
-from ocean_sim.reading.composition import kind_named, known
-from ocean_sim.reading.keys import Key, found, keys, schema_slots
+from ocean_sim.reading.composition import chosen, kind_named, known
+from ocean_sim.reading.keys import Key, found, in_yaml, keys, schema_slots
 from ocean_sim.reading.sentences import sentence
 from ocean_sim.reading.translation import choice_sentence, likeliest
 from ocean_sim.verbs.list import list_choices
@@ -22,7 +23,7 @@ def explain(word: str, as_json: bool) -> None:
     same = grouped(found(by_kind(asked)) or [key for key in keys() if key.path.split(".")[-1] == asked])
     part = None if same and "." not in asked else choice(asked)
     if part is not None:
-        same = grouped(found(f"{part[0]}.{kind_named(*part)}"))
+        same = [(over(key, *part), paths) for key, paths in grouped(found(f"{part[0]}.{kind_named(*part)}"))]
     if not same and part is None:
         raise console.Refused(f"there is no key {word!r}{meant(asked)}")
     if as_json:
@@ -41,6 +42,13 @@ def choice(word: str) -> tuple[str, str] | None:
     """The slot and the name of a preset or a kind: of `ship.yacht`, or of `yacht` alone."""
     slot, _, name = word.rpartition(".")
     return next(((each, name) for each in SLOTS if slot in ("", each) and name in known(each)), None)
+
+
+def over(key: Key, slot: str, name: str) -> Key:
+    """A key of the kind of a preset, with the preset's own value as its default."""
+    own = chosen(slot, node_of(name, Location(name))).base.plain()
+    value = own.get(key.path.split(".")[2])
+    return key if value is None else key._replace(default=in_yaml(value))
 
 
 def by_kind(word: str) -> str:

@@ -25,7 +25,7 @@ class Mooring(Model):
     to: Vector3 = quantity("m")
     """Where it is fast in the world."""
     kind: Literal["line", "fender"] = "line"
-    """A line only pulls, a fender only pushes."""
+    """`line`: it only pulls; `fender`: it only pushes."""
     stiffness: float = quantity("N/m", gt=0.0)
     """Force over the length beyond `slack_length`; of a fender, over the length below it."""
     damping: float = quantity("N s/m", 0.0, ge=0.0)

@@ -6,7 +6,10 @@ process computes with one of them, chosen before anything is compiled, by OCEAN_
 has to agree with it.
 """
 
+import linecache
 import os
+import re
+import sys
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
@@ -66,6 +69,16 @@ def _untraced(stacklevel: int = 1) -> str:
     return ""
 
 
+def _in_oriented_class(level_of_class_stackframe: int) -> bool:
+    """Whether a function is decorated in the body of a class that Taichi compiles, by the line where that class begins."""
+    try:
+        frame = sys._getframe(level_of_class_stackframe)
+    except ValueError:  # a script's own function
+        return False
+    line = linecache.getline(frame.f_code.co_filename, frame.f_lineno, frame.f_globals).strip()
+    return any(re.match(pattern, line) for pattern in kernel_impl._KERNEL_CLASS_STACKFRAME_STMT_RES)
+
+
 def _once(look: Callable[[Any], Any]) -> Callable[[Any], Any]:
     """What is looked up about a function, looked up once for each."""
     found: WeakKeyDictionary[Any, Any] = WeakKeyDictionary()
@@ -81,9 +94,10 @@ def _once(look: Callable[[Any], Any]) -> Callable[[Any], Any]:
 if not TYPE_CHECKING and NAME == TAICHI:
     # Before Taichi 1.7 finds a compiled kernel in its cache it reads the kernel's source through. Half of that time
     # went into wrapped and underlined lines for every node, for messages that are hardly ever written, and into looking
-    # up the source of a function anew wherever one is called; and each field took a millisecond for the stack of calls
-    # that declared it.
+    # up the source of a function anew wherever one is called; each field took a millisecond for the stack of calls that
+    # declared it, and each decorated function one for the module it is in.
     ASTTransformerContext.get_pos_info = _place
     kernel_impl.getsourcelines = _once(kernel_impl.getsourcelines)
     kernel_impl.getsourcefile = _once(kernel_impl.getsourcefile)
+    kernel_impl._inside_class = _in_oriented_class
     impl.get_traceback = snode.get_traceback = _untraced

@@ -35,29 +35,33 @@ class Contact:
         return ti.static(self.constant) * w * w * ti.Vector([w, 6.0 * d.y])
 
     @cached_property
-    def over_a_lattice(self) -> tuple[np.ndarray, np.ndarray]:
-        """Heights above flat water [m], rising, and shares there, (positions between the particles, heights)."""
+    def over_a_lattice(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Heights above flat water [m], rising, shares there, (positions between the particles, heights), and the weight
+        of each position: of those that mirror each other only one is there."""
         reach = self.thickness / self.spacing
         n = ceil(reach) + 1
         height = np.linspace(-n, n, HEIGHTS)
-        offset = (np.arange(OFFSETS) + 0.5) / OFFSETS - 0.5
-        across = np.arange(-n, n + 1)
-        if self.dimension == 2:
-            across_squared = np.square(offset[:, None] - across)
-        else:
-            x = np.square(offset[:, None] - across)
-            across_squared = (x[:, None, :, None] + x[None, :, None, :]).reshape(OFFSETS**2, -1)
+        offset = (np.arange(OFFSETS // 2) + 0.5) / OFFSETS
+        x = np.square(offset[:, None] - np.arange(-n, n + 1))
+        across_squared, weight = x, np.ones(len(x))
+        if self.dimension == 3:
+            i, k = np.triu_indices(len(x))
+            across_squared = (x[i][:, :, None] + x[k][:, None, :]).reshape(len(i), -1)
+            weight = np.where(i == k, 1.0, 2.0)
         below = np.square(height[:, None] + 0.5 + np.arange(2 * n + 1))
         w = np.maximum(reach**2 - across_squared[:, None, :, None] - below[None, :, None, :], 0.0)
-        return height * self.spacing, self.constant * self.spacing**6 * np.sum(w**3, axis=(2, 3))
+        shares = self.constant * self.spacing**6 * np.sum(w * w * w, axis=(2, 3))
+        return height * self.spacing, shares, weight / weight.sum()
 
-    def heights(self, share: float) -> np.ndarray:
-        """Where water on a lattice has this share, seen from above [m], at every position between the particles."""
-        height, shares = self.over_a_lattice
+    def height(self, share: float) -> float:
+        """Where water on a lattice has this share, seen from above [m], on an average over all positions between the
+        particles."""
+        height, shares, weight = self.over_a_lattice
         k = HEIGHTS - 1 - np.argmax(shares[:, ::-1] >= share, axis=1)
         k = np.minimum(k, HEIGHTS - 2)
         inside, outside = (np.take_along_axis(shares, column[:, None], axis=1)[:, 0] for column in (k, k + 1))
-        return height[k] + (height[1] - height[0]) * (inside - share) / np.maximum(inside - outside, 1.0e-12)
+        above = height[k] + (height[1] - height[0]) * (inside - share) / np.maximum(inside - outside, 1.0e-12)
+        return float(weight @ above)
 
     @cached_property
     def at_surface(self) -> float:
@@ -65,11 +69,11 @@ class Contact:
         low, high = 0.05, 0.95
         for _ in range(40):
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if self.heights(middle).mean() > 0.0 else (low, middle)
+            low, high = (middle, high) if self.height(middle) > 0.0 else (low, middle)
         return 0.5 * (low + high)
 
     @cached_property
     def steepness(self) -> float:
         """How fast the share falls through a flat surface [1/m]."""
-        height, shares = self.over_a_lattice
-        return float(-np.gradient(shares.mean(axis=0), height).min())
+        height, shares, weight = self.over_a_lattice
+        return float(-np.gradient(weight @ shares, height).min())

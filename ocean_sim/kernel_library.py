@@ -10,7 +10,10 @@ import linecache
 import os
 import re
 import sys
+import textwrap
 from collections.abc import Callable
+from functools import lru_cache
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
@@ -70,7 +73,7 @@ def _untraced(stacklevel: int = 1) -> str:
 
 
 def _in_oriented_class(level_of_class_stackframe: int) -> bool:
-    """Whether a function is decorated in the body of a class that Taichi compiles, by the line where that class begins."""
+    """Whether a function is decorated in the body of a class, by the line where that begins."""
     try:
         frame = sys._getframe(level_of_class_stackframe)
     except ValueError:  # a script's own function
@@ -94,10 +97,11 @@ def _once(look: Callable[[Any], Any]) -> Callable[[Any], Any]:
 if not TYPE_CHECKING and NAME == TAICHI:
     # Before Taichi 1.7 finds a compiled kernel in its cache it reads the kernel's source through. Half of that time
     # went into wrapped and underlined lines for every node, for messages that are hardly ever written, and into looking
-    # up the source of a function anew wherever one is called; each field took a millisecond for the stack of calls that
-    # declared it, and each decorated function one for the module it is in.
+    # up the source of a function anew wherever one is called, and through each of its lines for tabs; each field took a
+    # millisecond for the stack of calls that declared it, and each decorated function one for the module it is in.
     ASTTransformerContext.get_pos_info = _place
     kernel_impl.getsourcelines = _once(kernel_impl.getsourcelines)
     kernel_impl.getsourcefile = _once(kernel_impl.getsourcefile)
+    kernel_impl.textwrap = SimpleNamespace(fill=lru_cache(None)(textwrap.fill), dedent=textwrap.dedent)
     kernel_impl._inside_class = _in_oriented_class
     impl.get_traceback = snode.get_traceback = _untraced

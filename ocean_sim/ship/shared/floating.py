@@ -361,8 +361,8 @@ def afloat_pose(still: Hydrostatics) -> tuple[float, np.ndarray]:
 
 
 def balanced(levers: Callable[[np.ndarray], np.ndarray], angle: np.ndarray) -> np.ndarray:
-    """Pitch and roll [rad] without levers, by Newton's method with differences over 1e-4 rad and at most 0.1 rad a step:
-    to 1e-10 rad, or as near as 20 steps come."""
+    """Pitch and roll [rad] without levers, by Newton's method with differences over 1e-4 rad and at most 0.1 rad a
+    step: to 1e-10 rad, or as near as 20 steps come."""
     small = 1e-4
     for _ in range(20):
         here = levers(angle)

@@ -36,8 +36,8 @@ class Contact:
 
     @cached_property
     def over_a_lattice(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Heights above flat water [m], rising, shares there, (positions between the particles, heights), and the weight
-        of each position: of those that mirror each other only one is there."""
+        """Heights above flat water [m], rising, shares there, (positions between the particles, heights), and the
+        weight of each position: of those that mirror each other only one is there."""
         reach = self.thickness / self.spacing
         n = ceil(reach) + 1
         height = np.linspace(-n, n, HEIGHTS)

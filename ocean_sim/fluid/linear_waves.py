@@ -51,8 +51,10 @@ class Config(waves.GrowingTrain, FluidConfig):
         return [NO_DRIFT] if preflight.ships and self.scale[0] > 0.0 else []
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        deaf = "closed-form waves do not feel the wind; it reaches only the ship"
-        return [] if preflight.wind.still else [deaf]
+        found = list(waves.cut_short(preflight.duration, self.growing(self.sea(preflight.tank)).ramp))
+        if not preflight.wind.still:
+            found.append("closed-form waves do not feel the wind; it reaches only the ship")
+        return found
 
     def still_limits(self, preflight: Preflight) -> Limits:
         return self.smooth

@@ -133,7 +133,10 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return float((snapped(whole, self.tile_of(basin)).amplitude ** 2).sum()) / energy if energy else 1.0
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        tile, found = self.tile_of(preflight.tank), []
+        tile = self.tile_of(preflight.tank)
+        found: list[str] = []
+        if self.highest is not None:
+            found += waves.cut_short(preflight.duration, self.growing(self.sea_of(preflight.tank)).ramp)
         if self.order == 3:
             kept = 4.0 * tile.cell
             if self.highest is None:

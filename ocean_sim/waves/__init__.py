@@ -108,6 +108,16 @@ def growth(time: float, ramp: float) -> float:
     return (1.0 - cos(2.0 * pi * s)) / ramp if 0.0 < s < 1.0 else 0.0
 
 
+def cut_short(duration: float, ramp: float) -> Iterator[str]:
+    """What a run of this duration [s] is warned of whose waves grow over a longer ramp [s]."""
+    if duration < ramp:
+        share = 100.0 * grown(duration, ramp)
+        yield (
+            f"the waves grow from calm water over the first {ramp:.4g} s, and the run ends at {duration:.4g} s, when "
+            f"they have {share:.2g} % of their height; take a longer duration or a shorter ramp"
+        )
+
+
 @dataclass(frozen=True)
 class Components:
     """A sea as a sum of plane waves, each a cos(k . (x, z) - omega t + phase)."""

@@ -12,6 +12,7 @@ from ocean_sim.basin import Config as BasinConfig
 from ocean_sim.basin import tank_motion
 from ocean_sim.basin.points import pairs
 from ocean_sim.conventions import GRAVITY
+from ocean_sim.reading.scene import load
 
 # depth [m], kh, period [s], wavelength, c, cg, H/S of a piston: linear wavemaker theory, Biesel & Suquet (1951) and
 # Dean & Dalrymple (1991), computed apart from this program to six digits.
@@ -190,3 +191,31 @@ def test_the_elevation_on_a_lattice_is_that_at_its_points():
     np.testing.assert_allclose(
         waves.elevation(sea, points, 7.3)[shuffled], waves.elevation(sea, points[shuffled], 7.3), atol=1e-12
     )
+
+
+GROWING = {
+    "linear_waves": ({}, {"kind": "linear_waves", "height": 0.2, "period": 2.0}, {}),
+    "spectral_sea": ({}, {"kind": "spectral_sea", "height": 0.2, "period": 2.0, "tile": 60.0}, {}),
+    "a patch of particles": (
+        {"walls": "periodic"},
+        {"kind": "delta_sph", "spacing": 0.4},
+        {"sea": {"kind": "linear_waves", "height": 0.2, "period": 2.0, "ramp": 4.0}},
+    ),
+    "a piston": (
+        {"wavemaker": {"wall": "x_min", "height": 0.2, "period": 2.0, "ramp": 4.0}},
+        {"kind": "delta_sph", "spacing": 0.4},
+        {},
+    ),
+}
+
+
+@pytest.mark.parametrize("water", GROWING)
+def test_a_run_that_ends_while_its_waves_grow_is_told_how_high_they_are(water):
+    """After half the ramp the share is 1/2, by the symmetry of its window."""
+    basin, fluid, more = GROWING[water]
+    scene = {"basin": {"length": 25.0, "depth": 2.0} | basin, "fluid": fluid, "duration": 2.0} | more
+    if water == "spectral_sea":
+        scene["basin"]["width"] = 25.0
+    told = [line for line in load(scene).warnings() if "grow from calm water" in line]
+    assert len(told) == 1 and "first 4 s" in told[0] and "ends at 2 s, when they have 50 % of their height" in told[0]
+    assert not [line for line in load(scene | {"duration": 4.0}).warnings() if "grow from calm water" in line]

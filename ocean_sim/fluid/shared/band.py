@@ -114,9 +114,9 @@ class Band:
         )
         return found
 
-    def warnings(self) -> list[str]:
-        """What is wrong with it but possible."""
-        found = []
+    def warnings(self, duration: float) -> list[str]:
+        """What is wrong with it but possible, in a run of this duration [s]."""
+        found = list(waves.cut_short(duration, self.sea.ramp)) if self.sea is not None else []
         if self.sea is not None and self.width < NARROW * self.sea.wavelength and self.rate > 0.0:
             found.append(
                 f"the rim of the patch is {self.width:.3g} m wide, less than {NARROW:g} of the wavelength of "

@@ -120,7 +120,7 @@ class SphConfig(WaterConfig):
         if "compression" not in self.unheeded:
             found += self.of_stiffness(basin)
         around = band(self.began(preflight))
-        found += around.warnings() if around is not None else []
+        found += around.warnings(preflight.duration) if around is not None else []
         return [*found, *of_zones(zones(self.began(preflight)))]
 
     def of_stiffness(self, basin: Basin) -> list[str]:

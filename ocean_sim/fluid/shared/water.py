@@ -17,7 +17,7 @@ from ocean_sim.fluid.shared.lattice import Lattice, inside
 from ocean_sim.fluid.shared.smoothing import WENDLAND, Kernel
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import FluidConfig, Preflight, Problems
-from ocean_sim.waves import Components
+from ocean_sim.waves import Components, cut_short
 
 COARSE = 1e-3  # [spacings] between two numbers: about a hundredth of the way of a particle in a step
 TIGHT = 2.0  # [spacings] thickness of a gate that holds still water back as a wall does
@@ -80,6 +80,8 @@ class WaterConfig(FluidConfig):
     def warnings(self, preflight: Preflight) -> list[str]:
         found, tank, spacing = super().warnings(preflight), preflight.tank, preflight.spacing
         found += [*fallen(tank), *coarse_numbers(preflight)]
+        if tank.piston is not None:
+            found += cut_short(preflight.duration, tank.piston.ramp)
         for k, gate in tank.gates:
             box = tank.config.obstacles[k]
             thin = min(up - low for low, up in zip(box.min, box.max))

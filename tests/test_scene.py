@@ -191,6 +191,18 @@ def test_a_mistake_in_a_part_names_the_file_of_the_part(folder, library):
     ]
 
 
+def test_what_is_wrong_with_a_part_beside_the_others_is_told_where_the_scene_names_it(folder):
+    """Not where its preset says what kind it is."""
+    for ship, kind in (("{kind: yacht}", 14), ("yacht", 7)):
+        text = "basin: {length: 2.0, depth: 0.5}\nfluid: {kind: delta_sph, spacing: 0.1}\n"
+        Path("s.yaml").write_text(f"{text}ship: {ship}\n")
+        assert refusal("s.yaml") == [
+            "s.yaml:3:7: ship: a dynamic ship over particles reads the height of the water from a surface; add a "
+            "`surface`",
+            f"s.yaml:3:{kind}: ship.kind: a ship needs a basin with a width",
+        ]
+
+
 def test_a_file_that_is_not_there(folder):
     (sentence,) = refusal("thesis/fig6_3c_wid")
     assert sentence.startswith("thesis/fig6_3c_wid: there is no such file or scene")

@@ -28,7 +28,8 @@ class Choice:
         return self.base.data["kind"].data
 
     def whole(self) -> Node:
-        return merged(self.base, self.own) if self.own.data else self.base
+        """Where the part was written, whatever the file of its preset."""
+        return merged(self.base, self.own)
 
 
 @dataclass
@@ -253,7 +254,9 @@ def chosen(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
         raise SceneError([problem(name.location, f"{place}.kind", f"expected a name, got {described(name.data)}")])
     if name.data in named(slot) and name.data not in within and (part_first or name.data not in kinds(slot)):
         part = read(library("configs") / slot / f"{name.data}.yaml")
-        return Choice(chosen(place, part, (*within, name.data)).whole(), own)
+        base = chosen(place, part, (*within, name.data)).whole()
+        kind = name.with_data(base.data["kind"].data)
+        return Choice(base.with_data(base.data | {"kind": kind}), own)
     if name.data in kinds(slot):
         return Choice(node.with_data({"kind": name}), own)
     raise SceneError([unknown_name(slot, name, f"{place}.kind" if node.is_mapping else place)])

@@ -147,7 +147,8 @@ def test_the_version_and_a_quiet_run(capsys, tmp_path):
     assert capsys.readouterr().out.split()[0] == "ocean-sim"
     scene = Path(tmp_path / "sea.yaml")
     off = "render: null\nframes: null\nreport: null\naccuracy: null\n"
-    sea = "basin: {length: 9.0, width: 9.0, depth: 5.0}\nfluid: {kind: linear_waves, height: 0.5, period: 3.0, ramp: 0.0}\n"
+    waves = "fluid: {kind: linear_waves, height: 0.5, period: 3.0, ramp: 0.0}\n"
+    sea = f"basin: {{length: 9.0, width: 9.0, depth: 5.0}}\n{waves}"
     scene.write_text(f"duration: 0.05\n{sea}{off}")
     assert answered(["run", str(scene), "--quiet", "--out", str(tmp_path / "run")]) == 0
     assert capsys.readouterr().out == f"{tmp_path / 'run'}\n"

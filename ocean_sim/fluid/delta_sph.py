@@ -26,7 +26,7 @@ from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.accounts import DIFFUSION, PRESSURE, VISCOSITY, WALLS
 from ocean_sim.fluid.shared.attenuation import Attenuation, Delay
 from ocean_sim.fluid.shared.grid import STATE
-from ocean_sim.fluid.shared.images import displaced, hydrostatic_offset, reflected_free_slip
+from ocean_sim.fluid.shared.images import displaced, halfway, hydrostatic_offset, reflected_free_slip
 from ocean_sim.fluid.shared.neighbours import ListSize
 from ocean_sim.fluid.shared.pair_sph import MomentumLaw
 from ocean_sim.fluid.shared.particles import Components
@@ -245,7 +245,8 @@ class Continuity:
         """A neighbour as a side shows it: its velocity across it turned round, its density continued
         hydrostatically."""
         x, image = vec3(other, self.row.position), reflected_free_slip(mirror, other)
-        image[self.row.deviation] += self.heavier * hydrostatic_offset(mirror, x, self.fluid.pull.at_rest(x))
+        pull = self.fluid.pull.at_rest(halfway(mirror, x))
+        image[self.row.deviation] += self.heavier * hydrostatic_offset(mirror, x, pull)
         return image
 
     @ti.func
@@ -254,7 +255,7 @@ class Continuity:
         to a face gain what the samples add to its sum, and lose it as it goes: moved against the water, as an image
         moves, a sample that stays where it is would add twice that, and press twice as hard on what streams by."""
         other = displaced(own, d, self.boundary.own_velocity(s, mirror))
-        still = self.heavier * self.fluid.pull.at_rest(vec3(own, self.row.position))
+        still = self.heavier * self.fluid.pull.at_rest(vec3(own, self.row.position) + 0.5 * d)
         other[self.row.deviation] = own[self.row.deviation] + still.dot(d)
         return other
 
@@ -268,7 +269,8 @@ class Continuity:
         weight = smoothing.shape_gradient(r)
         total = ti.Vector.zero(float, self.terms.size)
         total[self.terms.rate] = -weight * v_ij.dot(x_ij)
-        still = self.heavier * self.fluid.pull.at_rest(x_own)  # gradient of the density at rest [kg/m4]
+        between = x_own - 0.5 * x_ij
+        still = self.heavier * self.fluid.pull.at_rest(between)  # gradient of the density at rest [kg/m4]
         more = other[self.row.deviation] - own[self.row.deviation] + still.dot(x_ij)
         total[self.terms.diffusion] = weight * self.diffusion * more
         if ti.static(not self.fluid.shifting):

@@ -32,7 +32,7 @@ from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.accounts import BED, GRAVITY, PRESSURE, SEA, SHIP, VISCOSITY, WALLS, WIND
 from ocean_sim.fluid.shared.attenuation import Attenuation, Delay
 from ocean_sim.fluid.shared.force import Force
-from ocean_sim.fluid.shared.images import hydrostatic_offset, mirrored, turned
+from ocean_sim.fluid.shared.images import halfway, hydrostatic_offset, mirrored, turned
 from ocean_sim.fluid.shared.law import PositionLaw
 from ocean_sim.fluid.shared.pairs import Pairs
 from ocean_sim.fluid.shared.pairs import size as size_of_pairs
@@ -209,7 +209,7 @@ class Forces(Force):
         x_image, image = mirrored(mirror, x), other
         for k in ti.static(range(3)):
             image[self.row.position + k] = x_image[k]
-        offset = hydrostatic_offset(mirror, x, self.fluid.pull.at_rest(x))
+        offset = hydrostatic_offset(mirror, x, self.fluid.pull.at_rest(halfway(mirror, x)))
         image[self.row.pressure] += self.fluid.rest_density * offset
         if ti.static(self.viscous):
             v_image = turned(mirror, vec3(other, self.row.velocity))

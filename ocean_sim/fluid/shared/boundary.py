@@ -311,7 +311,7 @@ class Boundary:
         """Rise of p / rho [m2/s2] from a particle at x that accelerates by a [m/s2] to sample s, seen at d [m] in a
         mirror."""
         n, a_s = flipped(mirror, vector(self.normal, s)), flipped(mirror, vector(self.acceleration, s))
-        return (self.pull.at_rest(x) - a).dot(d) + (a - a_s).dot(n) * n.dot(d)
+        return (self.pull.at_rest(x + 0.5 * d) - a).dot(d) + (a - a_s).dot(n) * n.dot(d)
 
     @ti.func
     def own_velocity(self, s, mirror):

@@ -14,7 +14,7 @@ import numpy as np
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid.shared.around import Around
 from ocean_sim.fluid.shared.grid import Grid
-from ocean_sim.fluid.shared.images import hydrostatic_offset, turned
+from ocean_sim.fluid.shared.images import halfway, hydrostatic_offset, turned
 from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.pull import Pull
 from ocean_sim.fluid.shared.smoothing import Smoothing
@@ -60,7 +60,8 @@ class DynamicPressure:
         particles, p = self.field.particles, self.field.particles.position
         weight = self.field.weight(d) * self.field.factor(own, d)
         x = tm.vec3(p.x[j], p.y[j], p.z[j])
-        driven = ti.static(particles.rest_density) * hydrostatic_offset(mirror, x, self.field.unsteady(x))
+        unsteady = self.field.unsteady(halfway(mirror, x))
+        driven = ti.static(particles.rest_density) * hydrostatic_offset(mirror, x, unsteady)
         return ti.Vector([weight * (particles.pressure[j] - self.field.still(x) + driven)])
 
 

@@ -79,6 +79,13 @@ def mirrored(mirror, x):
 
 
 @ti.func
+def halfway(mirror, x):
+    """Between x and its image [m]: a pull that changes evenly, as in a tank that turns, is there what it is on the whole
+    way."""
+    return 0.5 * (x + mirrored(mirror, x))
+
+
+@ti.func
 def flipped(mirror, d):
     """A direction as a mirror shows it."""
     return tm.vec3([mirror[SIGN, k] * d[k] for k in ti.static(range(3))])

@@ -6,7 +6,7 @@ from typing import ClassVar
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid.shared.accounts import BED, SEA, WALLS
 from ocean_sim.fluid.shared.force import Force
-from ocean_sim.fluid.shared.images import displaced, hydrostatic_offset, reflected
+from ocean_sim.fluid.shared.images import displaced, halfway, hydrostatic_offset, reflected
 from ocean_sim.fluid.shared.law import Law
 from ocean_sim.fluid.shared.sph import Sph
 from ocean_sim.kernel_library import ti, tm
@@ -40,7 +40,8 @@ class MomentumLaw(Force):
     def image(self, other, mirror):
         """A neighbour as a side shows it: its velocity turned round, its pressure continued hydrostatically."""
         x, image = vec3(other, self.row.position), reflected(mirror, other)
-        image[self.row.pressure] += self.risen(hydrostatic_offset(mirror, x, self.fluid.pull.at_rest(x)))
+        pull = self.fluid.pull.at_rest(halfway(mirror, x))
+        image[self.row.pressure] += self.risen(hydrostatic_offset(mirror, x, pull))
         return image
 
     @ti.func

@@ -80,8 +80,8 @@ def mirrored(mirror, x):
 
 @ti.func
 def halfway(mirror, x):
-    """Between x and its image [m]: a pull that changes evenly, as in a tank that turns, is there what it is on the whole
-    way."""
+    """Between x and its image [m]: a pull that changes evenly, as in a tank that turns, has its mean over the way
+    there."""
     return 0.5 * (x + mirrored(mirror, x))
 
 

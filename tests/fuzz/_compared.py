@@ -144,13 +144,16 @@ class Built:
             self.simulation.fluid.begin()
 
     def on(self, steps: int = STEPS) -> State:
-        """The state so many steps further on."""
+        """The state so many steps further on; looked at half way, too, where a checkpoint would be."""
         simulation = self.simulation
-        water, books = simulation.fluid.of_particles, Books(simulation)
+        water = simulation.fluid.of_particles
         start = None if water is None else sorted_by_id(water, water.particles.position)
         try:
-            for _ in range(steps):
+            books = Books(simulation)
+            for k in range(1, steps + 1):
                 simulation.step()
+                if k == STEPS // 2:
+                    books.check()
             return state(simulation, start, "", books.check())
         except Diverged as stopped:
             return state(simulation, start, str(stopped), [])

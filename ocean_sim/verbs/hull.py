@@ -175,12 +175,13 @@ def mass_at(shape: "Hull", asked: Asked) -> float:
     if not asked.draught < float(upper[1] - lower[1]):
         raise console.Refused(f"--draught: the hull is {float(upper[1] - lower[1]):g} m high, less than the draught")
     some = shape.model_copy(update={"mass": 1.0})
-    still = some.floating(asked.draught / asked.cells, density_of(asked), GRAVITY, 1.0)
+    still = some.floating(max(asked.draught / asked.cells, some.finest), density_of(asked), GRAVITY, 1.0)
     return density_of(asked) * float(still.wet(UP, still.keel + asked.draught).sum())
 
 
 def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> tuple[dict[str, Any], list[str]]:
     """What `hull` answers, and sentences for people."""
+    from ocean_sim.ship.shared.hull import ENOUGH
     from ocean_sim.ship.shared.shapes import MeshFile
     from ocean_sim.ship.shared.stability import Stability
 
@@ -208,6 +209,10 @@ def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> t
             f"{console.figures(weight)} kg is more than {console.figures(cubes.volume)} m3 can carry: it sinks"
         )
         return facts | {**EMPTY, **facts, "gz": [], "periods_s": {}, "problems": problems}, notes
+    resolved = afloat.draught / float(cubes.size[1])
+    if resolved < 0.9 * asked.cells:
+        most = f"no more than {ENOUGH:g} cubes are made"
+        notes.append(f"{resolved:.3g} cubes over the draught, not {asked.cells:g}: {most}")
     if condition is not None:
         afloat = replace(afloat, lost=condition.lost)
     stability = Stability(afloat, None if condition is None else condition.openings)

@@ -185,6 +185,7 @@ def test_a_wrong_name_gets_the_likeliest(ask, name, meant):
         ),
         (("--kg", 3.8), "unstable upright: GM = -0.135 m; she lolls to 17"),
         (("--kg", 6.0), "no lever rights her"),
+        (("--draught", 0.1, "--cells", 64), "0.875 cubes over the draught, not 64: no more than 400000 cubes are made"),
     ],
 )
 def test_a_ship_that_will_not_stay_as_she_is_put_is_told_of(ask, options, sentence):

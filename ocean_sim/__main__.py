@@ -283,7 +283,10 @@ def hull(
         str | None, typer.Option(help="X,Y,Z of the centre of mass [m], from the keel amidships, to port, up, forward.")
     ] = None,
     loading: Annotated[
-        Path | None, typer.Option(help="A loading condition: light, weights, tanks, openings (YAML).")
+        Path | None,
+        typer.Option(
+            help="A loading condition (YAML): light: {mass: 250000, at: [0, 2.5, 0]}; weights, tanks, openings by name."
+        ),
     ] = None,
     density: Annotated[float | None, typer.Option(min=1.0, help="Of the water [kg/m3]; by default 1000.")] = None,
     ship: Annotated[str | None, typer.Option(help="Of several ships in a scene, this one.")] = None,

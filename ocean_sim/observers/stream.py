@@ -94,6 +94,6 @@ class Stream(Observer, TakesCommands):
         if len(self.past):
             self.send(self.platform.settled(self.past[[0, -1]], self.time, self.seq))
         latency = self.sender.latency()
-        back = f"; {latency}" if latency is not None else ""
+        back = "".join(f"; {told}" for told in (latency, self.sender.stopped()) if told)
         print(f"stream to {self.config.to}: {self.sender.jitter()}{back}", file=sys.stderr, flush=True)
         self.sender.close()

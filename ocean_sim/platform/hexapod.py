@@ -37,7 +37,8 @@ class Config(PlatformConfig):
     """Time over which the platform goes over from neutral to the motion, and of a stream back to neutral at its end."""
 
     catch_up: float = quantity("m/s2", 2.0, gt=0.0)
-    """Largest acceleration of a platform that fell behind: beyond what the washout asks for nothing more is felt."""
+    """Largest acceleration of a platform that fell behind. Near the end of a stroke it is braked with at most half as
+    much again; beyond that its reference point and its joints accelerate only as the washout asks."""
 
     @field_validator("geometry", "washout", mode="before")
     @classmethod

@@ -35,6 +35,7 @@ SHAPES = {
 }
 
 SHORTEST = 3  # letters of the beginning of a word by which it is known
+SLIP, ALMOST = 0.9, 0.6  # parts of the letters that two words share: one mistyped, one like the other
 
 # What other programs call it, and what it may be called here; the first that there is counts.
 SYNONYMS = {
@@ -120,8 +121,8 @@ def dotted(path: Path) -> str:
 
 
 def likeliest(word: str, choices: Any) -> str | None:
-    """The choice that a word most likely meant: one that begins it, another word for the same, one that it begins, or
-    one that is spelled almost so."""
+    """The choice that a word most likely meant: one but for a slip, one that begins it, another word for the same, one
+    that it begins, or one that is spelled almost so."""
     by_lower = {lowered(str(choice)): str(choice) for choice in choices}
     lower = lowered(word)
     if lower in by_lower:
@@ -129,8 +130,8 @@ def likeliest(word: str, choices: Any) -> str | None:
     begun = [choice for choice in by_lower if lower.startswith(f"{choice}_")]
     others = [choice for choice in SYNONYMS.get(lower, ()) if choice in by_lower]
     longer = [choice for choice in by_lower if choice.startswith(lower) and len(lower) >= SHORTEST]
-    close = get_close_matches(lower, by_lower, n=1)
-    found = next(iter([*sorted(begun, key=len), *others, *sorted(longer, key=len), *close]), None)
+    slip, close = (get_close_matches(lower, by_lower, n=1, cutoff=part) for part in (SLIP, ALMOST))
+    found = next(iter([*slip, *sorted(begun, key=len), *others, *sorted(longer, key=len), *close]), None)
     return by_lower[found] if found is not None else None
 
 

@@ -1,8 +1,11 @@
 """`ocean-sim hull`: is this a ship: watertight, volume, draught, stability, natural periods, and a picture."""
 
+from dataclasses import replace
 from math import isinf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from ocean_sim.conventions import GRAVITY, WATER_DENSITY
 from ocean_sim.verbs.shared import console
@@ -32,7 +35,11 @@ class Asked(NamedTuple):
     depth: float | None = None  # of the water, for squat [m]
 
     def agree(self, loading: Path | None) -> None:
-        """Raises Refused where two of the options, or one and a loading condition, say the same."""
+        """Raises Refused where an option is no finite number, or two of them, or one and a loading condition, say the
+        same."""
+        for name, value in self._asdict().items():
+            if not np.isfinite([] if value is None else value).all():
+                raise console.Refused(f"--{name.replace('_', '-')}: expected finite numbers")
         weighs = {"--loading": loading, "--mass": self.mass, "--draught": self.draught}
         centred = {"--loading": loading, "--kg": self.kg, "--cg": self.cg}
         for what, options in (("what she weighs", weighs), ("where her centre of mass is", centred)):
@@ -77,17 +84,22 @@ def found_hull(name: str, ship: str | None) -> "tuple[Hull, float, tuple[float, 
     from ocean_sim.ship.shared.hull import MESHES, hull_of
 
     scene = Path(name).suffix in (".yaml", ".yml") or (library("scenes") / f"{name}.yaml").is_file()
+    if ship is not None and not scene:
+        raise console.Refused(f"--ship names one of the ships of a scene, and {name} is none")
     if name in named("hull") or Path(name).suffix.lower() in MESHES:
         return hull_of(name), WATER_DENSITY, None
-    if not scene and name not in named("ship"):
-        hulls, ships = ", ".join(named("hull")), ", ".join(named("ship"))
-        raise console.Refused(
-            f"there is no hull {name!r}, and it is neither a scene nor a {', '.join(MESHES)} file; there are the hulls "
-            f"{hulls}, and those of the ships {ships}"
-        )
-    from ocean_sim.reading.scene import load
+    from ocean_sim.reading.scene import load, packaged_scenes
+    from ocean_sim.reading.translation import likeliest
     from ocean_sim.ship.shared.floating import FloatingConfig
 
+    if not scene and name not in named("ship"):
+        hulls, ships = ", ".join(named("hull")), ", ".join(named("ship"))
+        meant = likeliest(name, dict.fromkeys([*named("hull"), *named("ship"), *packaged_scenes()]))
+        there = f"; there are the hulls {hulls}, and those of the ships {ships}"
+        raise console.Refused(
+            f"there is no hull {name!r}, and it is neither a scene nor a {', '.join(MESHES)} file"
+            f"{there if meant is None else f'; did you mean {meant!r}?'}"
+        )
     if scene:
         config = load(name)
     else:
@@ -163,12 +175,13 @@ def mass_at(shape: "Hull", asked: Asked) -> float:
     if not asked.draught < float(upper[1] - lower[1]):
         raise console.Refused(f"--draught: the hull is {float(upper[1] - lower[1]):g} m high, less than the draught")
     some = shape.model_copy(update={"mass": 1.0})
-    still = some.floating(asked.draught / asked.cells, density_of(asked), GRAVITY, 1.0)
+    still = some.floating(max(asked.draught / asked.cells, some.finest), density_of(asked), GRAVITY, 1.0)
     return density_of(asked) * float(still.wet(UP, still.keel + asked.draught).sum())
 
 
 def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> tuple[dict[str, Any], list[str]]:
     """What `hull` answers, and sentences for people."""
+    from ocean_sim.ship.shared.hull import ENOUGH
     from ocean_sim.ship.shared.shapes import MeshFile
     from ocean_sim.ship.shared.stability import Stability
 
@@ -183,6 +196,7 @@ def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> t
         notes.append(f"watertight, {len(solid.faces)} faces; {guess.sentence()}")
     whole = loaded(shape, asked, condition, notes)
     afloat = whole.afloat(asked.cells, density_of(asked), GRAVITY)
+    notes += outlying(shape, afloat, condition)
     cubes, weight = afloat.voxels, afloat.matter.mass
     if solid is not None:
         off = cubes.volume / solid.volume - 1.0
@@ -195,15 +209,48 @@ def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> t
             f"{console.figures(weight)} kg is more than {console.figures(cubes.volume)} m3 can carry: it sinks"
         )
         return facts | {**EMPTY, **facts, "gz": [], "periods_s": {}, "problems": problems}, notes
-    lost = 0.0 if condition is None else condition.moment / weight
-    stability = Stability(afloat, lost, None if condition is None else condition.openings)
-    if stability.gm <= 0.0:
-        problems.append(f"unstable upright: GM = {stability.gm:.3g} m")
+    resolved = afloat.draught / float(cubes.size[1])
+    if resolved < 0.9 * asked.cells:
+        most = f"no more than {ENOUGH:g} cubes are made"
+        notes.append(f"{resolved:.3g} cubes over the draught, not {asked.cells:g}: {most}")
+    if condition is not None:
+        afloat = replace(afloat, lost=condition.lost)
+    stability = Stability(afloat, None if condition is None else condition.openings)
+    problems += troubles(stability)
     damped, beyond = rolling(afloat, asked)
     sunk, blunt = squatting(afloat, asked.depth)
     notes += [*beyond, *blunt]
     found = stated(afloat, stability, asked.cross) | {"roll_damping": damped, "squat": sunk}
     return facts | found | {"notes": notes, "problems": problems}, notes
+
+
+def outlying(shape: "Hull", afloat: "Hydrostatics", condition: "Loading | None") -> list[str]:
+    """What lies outside the hull, in words: a weight, an opening, the centre of mass."""
+    lower, upper = (np.array(corner) for corner in shape.shape.bounds())
+    centre, found = afloat.matter.centre, [] if condition is None else condition.beyond(lower, upper)
+    if (np.maximum(lower - centre, centre - upper) > 0.0).any():
+        box = ", ".join(f"{a + 0.0:.3g} to {b:.3g}" for a, b in zip(lower, upper))
+        at = ", ".join(f"{value:.3g}" for value in centre)
+        found.append(f"her centre of mass, ({at}) m, lies outside the hull, which takes {box} m along x, y and z")
+    return found
+
+
+def troubles(stability: "Stability") -> list[str]:
+    """Why a ship would not stay as she is put into the water, in words."""
+    from ocean_sim.ship.shared.floating import LEAN, at_rest
+
+    found = []
+    if stability.gm <= 0.0:
+        ends = "no lever rights her" if stability.rest is None else f"she lolls to {stability.rest:.1f} deg"
+        found.append(f"unstable upright: GM = {stability.gm:.3g} m; {ends}")
+    elif at_rest(stability.still) is None:
+        found.append(
+            f"within {LEAN:g} degrees of trim and heel she has no pose at rest: her centre of mass is too far out"
+        )
+    angle, opening = stability.flooding
+    if angle == 0.0:
+        found.append(f"water comes in upright: openings.{opening} lies under the water")
+    return found
 
 
 def rolling(afloat: "Hydrostatics", asked: Asked) -> tuple[list[dict[str, float]], list[str]]:
@@ -213,6 +260,10 @@ def rolling(afloat: "Hydrostatics", asked: Asked) -> tuple[list[dict[str, float]
     from ocean_sim.ship.shared.roll_damping import BilgeKeels, Ikeda, RollDamping
 
     keels = None if asked.bilge_keels is None else BilgeKeels(length=asked.bilge_keels[0], breadth=asked.bilge_keels[1])
+    if keels is not None and keels.length > afloat.length:
+        raise console.Refused(
+            f"--bilge-keels: {keels.length:g} m are longer than her waterline of {afloat.length:.3g} m"
+        )
     found = RollDamping(Ikeda(bilge_keels=keels), afloat, float(by_rule(afloat)[5]), True)
     if not found.parts:
         return [], []
@@ -255,35 +306,29 @@ def squatting(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[st
 
 def stated(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[str, Any]:
     """Draught, heights, trim, levers, criteria and periods of a ship that floats."""
-    from math import degrees
-
     from ocean_sim.ship.shared.added_mass import by_rule
-    from ocean_sim.ship.shared.floating import afloat_pose
     from ocean_sim.ship.shared.hydrostatics import HEELS
-    from ocean_sim.ship.shared.rigid_body import matrix
     from ocean_sim.ship.shared.stability import CROSS
 
-    gm, kb = afloat.metacentric_height(), afloat.kb
+    kb = afloat.kb
     added = by_rule(afloat)
     extra = {"heave": added[1], "pitch": added[3], "roll": added[5]}
     kg = float(afloat.matter.centre[1]) - afloat.keel
-    _, rest = afloat_pose(afloat)
-    turn = matrix(rest)
     heels = [0.0, *HEELS]
     by_heel = dict(zip(stability.heels.tolist(), stability.levers.tolist()))
     levers = [by_heel[heel] for heel in heels]
     angle, opening = stability.flooding
     found: dict[str, Any] = {
         "draught_m": afloat.draught,
+        **resting(afloat),
         "kb_m": kb,
-        "bm_m": gm + kg - kb,
+        "bm_m": stability.gm + afloat.lost[0] + kg - kb,
         "gm_m": stability.gm,
         "gm_longitudinal_m": afloat.metacentric_height(0),
         "kg_m": kg,
-        "free_surface_m": stability.lost,
+        "free_surface_m": afloat.lost[0],
         "waterplane_m2": afloat.waterplane,
-        "trim_deg": round(degrees(float(-turn[1, 2])), 9) + 0.0,  # bow down
-        "heel_deg": round(degrees(float(turn[1, 0])), 9) + 0.0,  # starboard down
+        "gz_to": "port" if stability.side < 0.0 else "starboard",
         "gz": [{"heel_deg": heel, "gz_m": lever} for heel, lever in zip(heels, levers)],
         "vanishing_deg": stability.vanishing,
         "flooding_deg": None if isinf(angle) else angle,
@@ -301,6 +346,24 @@ def stated(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[
     return found
 
 
+def resting(afloat: "Hydrostatics") -> dict[str, float | None]:
+    """Trim and heel at rest [deg], and draughts at both ends of the waterline [m], amidships of her breadth; null where
+    she has no pose at rest."""
+    from math import asin, degrees
+
+    from ocean_sim.ship.shared.floating import at_rest, matrix_of
+
+    angles, names = at_rest(afloat), ("draught_fore_m", "draught_aft_m", "trim_deg", "heel_deg")
+    if angles is None:
+        return dict.fromkeys(names)
+    up = matrix_of(angles)[1]
+    level, (z, breadth, _) = afloat.level(up), afloat.stations
+    half, wet = 0.5 * float(afloat.voxels.size[2]), z[breadth > 0.0]
+    ends = [(level - up[2] * end) / up[1] - afloat.keel for end in (float(wet[-1]) + half, float(wet[0]) - half)]
+    trim, heel = (round(degrees(asin(float(tilt))), 9) + 0.0 for tilt in (-up[2], up[0]))
+    return dict(zip(names, [*map(float, ends), trim, heel]))  # bow down, starboard down
+
+
 def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | None) -> None:
     """What `hull` answers, for people."""
     from ocean_sim.ship.shared.stability import LAST
@@ -309,12 +372,15 @@ def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | Non
     for note in notes:
         console.say(note)
     units = {"m3": "m3", "kg": "kg", "m2": "m2", "m": "m", "deg": "deg"}
+    sides = {"trim_deg": ("by the stern", "by the bow"), "heel_deg": ("to port", "to starboard")}
     rows = []
     for key, value in found.items():
         stem, _, unit = key.rpartition("_")
         if isinstance(value, float) and unit in units:
             where = f", {found['flooding_at']}" if key == "flooding_deg" else ""
             where += " or more" if key == "vanishing_deg" and value == LAST else ""
+            if key in sides and value != 0.0:
+                where, value = f" {sides[key][value > 0.0]}", abs(value)
             rows.append([stem.replace("_", " "), f"{console.figures(value)} {units[unit]}{where}"])
     for motion, period in found["periods_s"].items():
         shown = "none" if period is None else f"{period:.3g} s ({found['dry_periods_s'][motion]:.3g} s without water)"
@@ -322,7 +388,8 @@ def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | Non
     console.table("", ["", ""], rows)
     if found["gz"]:
         levers = [[f"{row['heel_deg']:g}", f"{round(row['gz_m'], 4) + 0.0:.4f}"] for row in found["gz"]]
-        console.table("\nrighting lever", ["heel [deg]", "GZ [m]"], levers)
+        heads = [f"heel to {found['gz_to']} [deg]", "GZ [m]"]
+        console.table("\nrighting lever, on even keel", heads, levers)
         asked = [
             [row["name"], f"{row['value']:.4g} {row['unit']}", f"{row['least']:g}", "yes" if row["ok"] else "no"]
             for row in found["criteria"]
@@ -354,7 +421,6 @@ def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | Non
 
 def draw(path: Path, shape: Any, found: dict[str, Any]) -> None:
     """Three views of the hull with its waterline, and its righting lever."""
-    import numpy as np
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

@@ -63,8 +63,9 @@ def platform(
         console.answer(answer)
     elif jitter is not None:
         console.say(f"{stream}: {jitter}")
-        if latency is not None:
-            console.say(f"{stream}: {latency}")
+        for told in (latency, sender.stopped() if sender is not None else ""):
+            if told:
+                console.say(f"{stream}: {told}")
 
 
 def configured(geometry: str, washout: str, sets: Sequence[str] = ()) -> Config:

@@ -16,6 +16,7 @@ from ocean_sim.__main__ import answered, app
 from ocean_sim.files.yaml_file import Location, parsed
 from ocean_sim.parts import PACKAGE, library
 from ocean_sim.reading.scene import load
+from ocean_sim.ship.shared.stability import Loading
 
 ROOT = library("scenes").parent
 PAGES = [ROOT / "README.md", *sorted(p for p in (ROOT / "docs").rglob("*.md") if "generated" not in p.parts)]
@@ -25,6 +26,7 @@ LOOKS = ("list", "check", "explain", "new", "hull", "schema")  # verbs that only
 BY_SANDBOX = ("demo", "test", "docs")  # what `sandbox` does by itself: every build runs two of them
 TUTORIALS = sorted((ROOT / "docs" / "tutorials").glob("*.py"))
 QUICK = ("first_scene",)
+LOADING = "loading.yaml"  # the caption of a loading condition, which a command on its page reads
 
 pytestmark = pytest.mark.skipif(not (ROOT / "docs").is_dir(), reason="an installed package has no docs")
 
@@ -42,6 +44,13 @@ def commands(page: Path) -> list[list[str]]:
     words = [shlex.split(line, comments=True) for line in lines]
     assert all(line[0] in ("ocean-sim", "./sandbox") for line in words), f"{page}: {lines}"
     return [line[1:] for line in words if line[1] not in BY_SANDBOX]
+
+
+def lay_out(page: Path) -> None:
+    """The loading condition of a page, as a file where its commands run."""
+    for caption, text in blocks(page, "yaml"):
+        if caption == LOADING:
+            Path(caption).write_text(text)
 
 
 def with_commands() -> list[Path]:
@@ -64,6 +73,7 @@ def test_commands_that_only_look_do_what_they_promise(tmp_path, monkeypatch, cap
     monkeypatch.chdir(tmp_path)
     seen = set()
     for page in PAGES:
+        lay_out(page)
         for words in commands(page):
             if words[0] in LOOKS and tuple(words) not in seen:
                 seen.add(tuple(words))
@@ -77,7 +87,12 @@ def test_commands_that_only_look_do_what_they_promise(tmp_path, monkeypatch, cap
 def test_every_scene_in_the_docs_is_one(page):
     for caption, text in blocks(page, "yaml"):
         data = parsed(text, Location(page.name)).plain()
-        load(data if not caption else {"basin": {"length": 9.0, "depth": 3.0}, "fluid": "thesis_6000", "wind": data})
+        if caption == LOADING:
+            Loading.model_validate(data)
+        else:
+            load(
+                data if not caption else {"basin": {"length": 9.0, "depth": 3.0}, "fluid": "thesis_6000", "wind": data}
+            )
 
 
 def test_no_block_of_code_is_where_nothing_runs_it():
@@ -116,6 +131,7 @@ def test_a_tutorial_runs_and_keeps_what_it_asserts(script, tmp_path):
 @pytest.mark.parametrize("page", with_commands(), ids=lambda page: page.stem)
 def test_the_commands_of_a_page_run_in_their_order(page, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
+    lay_out(page)
     for words in commands(page):
         done = subprocess.run(
             [sys.executable, "-m", "ocean_sim", *words],

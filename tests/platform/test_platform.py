@@ -8,7 +8,7 @@ from ocean_sim.files.csv_file import columns as read_columns
 from ocean_sim.parts import Preflight
 from ocean_sim.platform import LEG_ACCELERATION, LEG_SPEED, SINGULAR, STROKE, Cue
 from ocean_sim.platform.hexapod import Config
-from ocean_sim.platform.shared.limits import Legs, Workspace, softened
+from ocean_sim.platform.shared.limits import Governor, Legs, Workspace, softened
 from ocean_sim.platform.shared.metrics import delay, dose, metrics, sickness_weighting
 from ocean_sim.platform.shared.motion_log import Ride, read, ride_of, turned
 from ocean_sim.ship import PARTS
@@ -154,6 +154,34 @@ def test_legs_that_cannot_follow_are_felt_no_harder_than_the_ship():
     felt, asked = (np.linalg.norm(force - [0.0, 0.0, G], axis=1) for force in (done.felt_force, done.cue.force))
     assert (done.limited & LEG_SPEED).any() and np.abs(done.leg_velocity).max() <= 0.4 + 1e-12
     assert felt.max() < 1.3 * asked.max() + config.catch_up
+
+
+RIDES = [(2.5, 0.5, 6.0), (3.0, 1.0, 12.0), (4.0, 5.0, 20.0), (5.0, 1.5, 6.0), (6.0, 3.0, 10.0), (8.0, 4.0, 15.0)]
+
+
+def accelerations(machine, poses):
+    """(n,) of the reference point, or of the joints as they turn, where that is more [m/s2]."""
+    return machine.governor.sizes(np.diff(np.vstack([np.zeros((2, 6)), poses]), n=2, axis=0)) / DT**2
+
+
+@pytest.mark.parametrize("name", ["ship", "ship_adaptive"])
+@pytest.mark.parametrize("period, amplitude, angle", RIDES)
+def test_at_the_end_of_a_stroke_no_more_is_felt_than_is_promised(period, amplitude, angle, name):
+    """1.5 times `catch_up`, or 1.05 times what the washout asks for in that moment, whatever the ride."""
+    machine = Config(washout=name).build(DT)
+    done = machine.follow(wave(period, amplitude, seconds=40.0, angles=np.radians(angle)))
+    asked = done.cue.pose * machine.part(done.time)[:, None]
+    most = np.maximum(1.5 * Config().catch_up, 1.05 * accelerations(machine, asked))
+    assert (accelerations(machine, done.pose) <= most * (1.0 + 1e-6)).all()
+    assert done.legs.min() >= 2.131 - 1e-9 and done.legs.max() <= 3.281 + 1e-9
+
+
+def test_a_platform_that_does_not_think_of_stopping_is_thrown_at_its_ends(monkeypatch):
+    """The negative control of the one above."""
+    monkeypatch.setattr(Governor, "stops", lambda self, pose, velocity: np.ones(len(pose), dtype=bool))
+    machine = Config().build(DT)
+    done = machine.follow(wave(6.0, 3.0, seconds=40.0, angles=np.radians(10.0)))
+    assert accelerations(machine, done.pose)[200:].max() > 1.5 * 1.5 * Config().catch_up
 
 
 def test_scaling_back_is_smooth_and_leaves_what_fits():

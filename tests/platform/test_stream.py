@@ -101,10 +101,23 @@ def test_the_receiver_waits_for_a_first_packet_and_says_what_is_wrong(capsys):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         other.bind(("127.0.0.1", 0))
         for wrong in ("tcp://there", f"udp://127.0.0.1:{other.getsockname()[1]}"):
-            with pytest.raises(SystemExit) as end:
-                datagrams.main(wrong)
-            said = capsys.readouterr().err
-            assert end.value.code == 2 and said.count("\n") == 1 and wrong in said
+            for words in ([wrong], ["stop", wrong]) if wrong.startswith("tcp") else ([wrong],):
+                assert datagrams.main(words) == 2
+                said = capsys.readouterr().err
+                assert said.count("\n") == 1 and wrong in said
+
+
+@pytest.mark.parametrize("words", [["stop"], ["udp://127.0.0.1:5005", "key", "more"], ["stop", "a", "b", "c"]])
+def test_too_few_or_too_many_words_get_the_usage(words, capsys):
+    assert datagrams.main(words) == 2 and "stop udp://127.0.0.1:5005 [KEYFILE]" in capsys.readouterr().err
+    assert datagrams.main(["--help"]) == 0 and "stops that platform" in capsys.readouterr().out
+
+
+def test_an_unknown_host_and_a_key_that_is_not_there_are_said(capsys):
+    assert datagrams.main(["stop", "udp://nowhere.invalid:5"]) == 2
+    assert datagrams.main(["stop", "udp://127.0.0.1:5", "no.key"]) == 2
+    said = capsys.readouterr().err.splitlines()
+    assert len(said) == 2 and "udp://nowhere.invalid:5" in said[0] and said[1] == "no.key: there is no such file"
 
 
 def test_a_stream_that_begins_anew_is_followed():
@@ -210,4 +223,24 @@ def test_a_platform_reports_where_its_legs_are_and_how_long_the_way_was():
     sender.close()
     assert latency is not None and latency.packets > 30 and 0.0 < latency.median <= latency.most <= latency.longest
     np.testing.assert_allclose(sender.readings[-1][1].legs, 2.706, atol=1e-3)
-    assert found[0].came == 40 and not sender.readings[-1][1].stopped
+    assert found[0].came == 40 and not sender.readings[-1][1].stopped and sender.stopped() == ""
+
+
+def test_who_sends_to_a_platform_that_is_stopped_hears_of_it(capsys):
+    url = f"udp://127.0.0.1:{free_port()}"
+    thread = threading.Thread(target=received, args=(url, 0.5, lambda packet: None))
+    thread.start()
+    time.sleep(0.3)
+    sender = Sender(url)
+    for seq in range(40):
+        sender.send(packet(seq)._replace(pose=(0.0,) * 6))
+        if seq == 20:
+            assert datagrams.main(["stop", url]) == 0 and url in capsys.readouterr().out
+    time.sleep(0.05)
+    sender.listen()
+    thread.join()
+    sender.close()
+    states = [found.stopped for _, found in sender.readings]
+    assert states == sorted(states) and states[0] is False and states[-1] is True
+    assert sender.stopped().startswith("the platform was stopped, 0.")
+    assert sender.readings[-1][1].seq <= 21  # the last that counted

@@ -1,7 +1,8 @@
 """Stability of loaded ships against closed forms of a box, and the verbs that print it."""
 
 import json
-from math import atan, degrees, radians, sin, tan
+from dataclasses import replace
+from math import atan, degrees, radians, sin, sqrt, tan
 
 import numpy as np
 import pytest
@@ -55,9 +56,55 @@ def test_a_free_surface_costs_what_its_second_moment_says(barge):
     mass, centre = loading.matter
     assert mass == 3.2e5 and centre == pytest.approx([0.0, 2.5, 0.0])
     lost = 900.0 * 5.0 * 4.0**3 / 12.0 / mass
-    found, dry = Stability(barge, loading.moment / mass), Stability(barge)
+    along = 900.0 * 4.0 * 5.0**3 / 12.0 / mass
+    assert loading.lost == pytest.approx((lost, along))
+    wet = replace(barge, lost=loading.lost)
+    found, dry = Stability(wet), Stability(barge)
     assert found.gm == pytest.approx(dry.gm - lost)
     assert found.levers - dry.levers == pytest.approx(-lost * np.sin(np.radians(found.heels)))
+    assert wet.metacentric_height(0) == pytest.approx(barge.metacentric_height(0) - along)
+    assert wet.periods()["roll"] == pytest.approx(barge.periods()["roll"] * sqrt(dry.gm / found.gm))
+
+
+def test_a_list_is_that_of_the_free_surface_too_and_levers_are_those_of_the_side_to_which_she_lies(ask, tmp_path):
+    """A crate of 40 t, 0.2 m to port: w d / (m GM), without what the fuel costs; trim, draughts by w d / (m GM_L)."""
+    (tmp_path / "load.yaml").write_text(
+        "light: {mass: 250000, at: [0, 2.5, 0]}\n"
+        "weights: {cargo: {mass: 40000, at: [0.2, 3.0, 1.0]}}\n"
+        "tanks: {fuel: {mass: 30000, at: [0, 1.0, -4.0], length: 4.0, breadth: 6.0, density: 850.0}}\n"
+    )
+    kg = (250.0 * 2.5 + 40.0 * 3.0 + 30.0 * 1.0) / 320.0
+    across = GM + KG - kg - 850.0 * 4.0 * 6.0**3 / 12.0 / 3.2e5
+    along = DRAUGHT / 2.0 + 20.0**2 / 12.0 / DRAUGHT - kg - 850.0 * 6.0 * 4.0**3 / 12.0 / 3.2e5
+    code, out, _ = ask("hull", "barge20", "--loading", "load.yaml", "--cells", 8, "--json")
+    found = json.loads(out)
+    assert code == 0 and found["gm_m"] == pytest.approx(across, rel=0.005)
+    assert found["gm_longitudinal_m"] == pytest.approx(along, rel=0.005)
+    list_deg, trim_deg = degrees(atan(40.0 * 0.2 / 320.0 / across)), degrees(atan((40.0 - 120.0) / 320.0 / along))
+    assert found["heel_deg"] == pytest.approx(-list_deg, rel=0.01) and found["trim_deg"] == pytest.approx(
+        trim_deg, rel=0.01
+    )
+    dip = 10.0 * tan(radians(trim_deg))
+    assert found["draught_fore_m"] == pytest.approx(DRAUGHT + dip, abs=0.005)
+    assert found["draught_aft_m"] == pytest.approx(DRAUGHT - dip, abs=0.005)
+    levers = {row["heel_deg"]: row["gz_m"] for row in found["gz"]}
+    ten = radians(10.0)
+    wall_sided = sin(ten) * (across + 0.5 * BREADTH**2 / 12.0 / DRAUGHT * tan(ten) ** 2) - 0.025 * np.cos(ten)
+    assert found["gz_to"] == "port" and levers[0.0] == pytest.approx(-0.025, abs=1e-4)
+    assert levers[10.0] == pytest.approx(wall_sided, rel=0.01)
+    code, out, _ = ask("hull", "barge20", "--loading", "load.yaml", "--cells", 8)
+    assert code == 0 and "deg to port" in out and "deg by the stern" in out and "heel to port [deg]" in out
+
+
+def test_an_unstable_barge_lolls_where_the_wall_sided_formula_says():
+    """tan^2 = -2 GM / BM, within the deck's edge at 26.6 degrees."""
+    found = Stability(
+        hull_of("barge20").model_copy(update={"centre_of_mass": (0.0, 3.8, 0.0)}).afloat(8.0, 1000.0, 9.81)
+    )
+    assert found.gm < 0.0 and found.rest == pytest.approx(
+        degrees(atan(sqrt(-2.0 * (GM + KG - 3.8) * DRAUGHT * 12.0) / BREADTH)), abs=0.5
+    )
+    assert found.vanishing > found.rest + 5.0
 
 
 def test_water_comes_in_where_the_edge_of_the_deck_goes_under_and_no_area_counts_beyond(barge):
@@ -66,6 +113,8 @@ def test_water_comes_in_where_the_edge_of_the_deck_goes_under_and_no_area_counts
     assert angle == pytest.approx(degrees(atan(2.0 * DRAUGHT / BREADTH)), abs=0.5) and where == "hatch"
     to_thirty, to_flooding, between = (row.value for row in found.criteria[:3])
     assert to_thirty == to_flooding and between == 0.0
+    lever, heel = found.criteria[3], found.criteria[4]
+    assert lever.value == 0.0 and not lever.ok and heel.value == pytest.approx(angle, abs=0.1)  # no lever counts beyond
 
 
 def test_cross_curves_do_not_know_the_centre_of_mass(barge):
@@ -103,6 +152,70 @@ def test_a_centre_of_mass_a_draught_and_a_ship_of_a_scene_are_taken(ask, tmp_pat
     (tmp_path / "load.yaml").write_text("light: {mass: 1, at: [0, 0, 0]}\ntank: {}\n")
     code, _, err = ask("hull", "barge20", "--loading", "load.yaml")
     assert code == 2 and "load.yaml:2:1: tank: unknown key; did you mean 'tanks'?" in err
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (("--kg", "nan"), "--kg: expected finite numbers"),
+        (("--mass", "inf"), "--mass: expected finite numbers"),
+        (("--cg", "0,nan,0"), "--cg: expected finite numbers"),
+        (("--ship", "tug"), "--ship names one of the ships of a scene, and barge20 is none"),
+        (("--bilge-keels", "60,0.2"), "60 m are longer than her waterline of 20 m"),
+    ],
+)
+def test_options_that_cannot_be_meant_are_refused(ask, options, sentence):
+    code, _, err = ask("hull", "barge20", "--cells", 4, *options)
+    assert code == 2 and sentence in err
+
+
+@pytest.mark.parametrize(("name", "meant"), [("two_ships", "gallery/two_ships"), ("bargee", "barge20")])
+def test_a_wrong_name_gets_the_likeliest(ask, name, meant):
+    code, _, err = ask("hull", name)
+    assert code == 2 and f"did you mean '{meant}'?" in err
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (("--cg", "30,2.5,0"), "within 30 degrees of trim and heel she has no pose at rest"),
+        (
+            ("--cg", "30,2.5,0"),
+            "her centre of mass, (30, 2.5, 0) m, lies outside the hull, which takes -4 to 4, 0 to 4",
+        ),
+        (("--kg", 3.8), "unstable upright: GM = -0.135 m; she lolls to 17"),
+        (("--kg", 6.0), "no lever rights her"),
+        (("--draught", 0.1, "--cells", 64), "0.875 cubes over the draught, not 64: no more than 400000 cubes are made"),
+    ],
+)
+def test_a_ship_that_will_not_stay_as_she_is_put_is_told_of(ask, options, sentence):
+    code, out, _ = ask("hull", "barge20", "--cells", 6, *options)
+    assert code == 0 and sentence in " ".join(out.split())
+
+
+@pytest.mark.parametrize(
+    ("more", "sentence"),
+    [
+        ("tanks: {fuel: {mass: 3, at: [0, 1, 0], length: 3}}", "a free surface has a length and a breadth"),
+        ("tanks: {fuel: {mass: 3, at: [0, 1, 0], length: 3, breadth: 9}}", "tanks.fuel.breadth is 9 m, more than the"),
+        ("weights: {crate: {mass: 3, at: [0, 1, 12]}}", "weights.crate lies 2 m ahead or astern of the hull"),
+        ("openings: {vent: [5, 6, 0]}", "openings.vent lies 1 m abeam of the hull"),
+        ("openings: {vent: [0, 1, 0]}", "openings.vent lies under the water"),
+    ],
+)
+def test_a_loading_condition_that_cannot_be_meant_is_told_of(ask, tmp_path, more, sentence):
+    (tmp_path / "load.yaml").write_text(f"light: {{mass: 320000, at: [0, 2.5, 0]}}\n{more}\n")
+    _, out, err = ask("hull", "barge20", "--cells", 4, "--loading", "load.yaml")
+    assert sentence in " ".join((out + err).split())
+
+
+def test_check_warns_of_a_ship_that_cannot_rest_near_upright(ask, tmp_path):
+    (tmp_path / "scene.yaml").write_text(
+        "basin: {length: 100.0, width: 100.0, depth: 20.0}\nfluid: {kind: linear_waves, height: 0.0, period: 5.0}\n"
+        "ship: {kind: dynamic, hull: barge20, centre_of_mass: [0.0, 2.5, 9.0], position: [0.0, 0.0]}\n"
+    )
+    code, out, _ = ask("check", "scene.yaml")
+    assert code == 0 and "within 30 degrees of trim and heel the ship has no pose at rest" in " ".join(out.split())
 
 
 @pytest.mark.parametrize(

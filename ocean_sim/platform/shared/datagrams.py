@@ -8,7 +8,7 @@ address it stops the platform that listens there.
 import socket
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import NamedTuple
 from urllib.parse import urlsplit
@@ -36,6 +36,9 @@ from ocean_sim.platform.shared.packets import (
 LEAST_KEY, MOST_KEY = 16, 4096  # bytes
 LOOPBACK = "127.0.0.1"
 BRAKE = 0.15  # [s] in which a platform that is stopped loses its speed
+USAGE = """usage: python -m ocean_sim.platform.shared.datagrams [udp://127.0.0.1:5005] [KEYFILE]
+       python -m ocean_sim.platform.shared.datagrams stop udp://127.0.0.1:5005 [KEYFILE]
+The first receives packets, prints what comes, and reports where the legs are; the second stops that platform."""
 SPIN = 0.0005  # [s] before its time for which a packet is waited for without sleeping
 
 
@@ -148,6 +151,11 @@ class Sender:
             return None
         median, most = np.percentile(ways, [50.0, 99.0]).tolist()
         return Latency(len(ways), median, most, max(ways))
+
+    def stopped(self) -> str:
+        """What the platform says of a stop, in words; empty where it was not stopped."""
+        came = next((came for came, found in self.readings if found.stopped), None)
+        return "" if came is None else f"the platform was stopped, {came - self.sent[0]:.2f} s after the first packet"
 
     def jitter(self) -> Jitter:
         """How evenly the packets went out so far."""
@@ -284,8 +292,8 @@ def ready_made(name: str) -> Geometry:
 
 def received(url: str, patience: float, report: Callable[[Packet], None], platform: Receiver | None = None) -> Receiver:
     """Wait for a first packet that counts, then receive until none came for `patience` [s], whatever else came,
-    reporting every packet, and to its sender where the legs are; by default for the platform `hexapod_a`. Raises
-    OSError or ValueError."""
+    reporting every packet, and to its sender where the legs are, also when the platform is stopped; by default for the
+    platform `hexapod_a`. Raises OSError or ValueError."""
     host, port = address(url)
     platform = platform or Receiver(ready_made("hexapod_a"))
     with socket.socket(socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0][0], socket.SOCK_DGRAM) as listening:
@@ -298,8 +306,9 @@ def received(url: str, patience: float, report: Callable[[Packet], None], platfo
             except TimeoutError:
                 continue
             packet = platform.hear(data, source, time.perf_counter())
-            if packet is not None:
+            if packet is not None or (platform.glide is not None and source == platform.source):
                 listening.sendto(platform.report(), source)
+            if packet is not None:
                 report(packet)
         return platform
 
@@ -318,24 +327,39 @@ def stop(url: str, key: bytes = b"") -> None:
         sending.sendto(halt(key, time.time_ns()), (host, port))
 
 
-def main(url: str = f"udp://{LOOPBACK}:5005", key: str = "") -> None:
-    """Receive a stream and print how it came."""
+def listens(url: str, key: bytes = b"") -> None:
+    """Receive a stream, and print how it came. Raises OSError or ValueError."""
     print(f"waiting for packets at {url}", flush=True)
-    try:
-        platform = Receiver(ready_made("hexapod_a"), key_in(key) if key else b"")
-        seen = received(url, 10.0, print_some, platform)
-    except (OSError, ValueError) as error:
-        print(error if isinstance(error, ValueError) else f"{url}: {error.strerror or error}", file=sys.stderr)
-        sys.exit(2)
-    except KeyboardInterrupt:
-        sys.exit(130)
+    seen = received(url, 10.0, print_some, Receiver(ready_made("hexapod_a"), key))
     kinds = ("lost", "out of order", "strange", "from elsewhere", "implausible")
     counts = zip(kinds, (seen.lost, seen.reordered, seen.strange, seen.foreign, seen.implausible))
-    print(f"{seen.came} packets, " + ", ".join(f"{count} {kind}" for kind, count in counts) + f"; {seen.stalls} stalls")
+    ends = "; it was stopped" if seen.glide is not None else ""
+    told = ", ".join(f"{count} {kind}" for kind, count in counts)
+    print(f"{seen.came} packets, {told}; {seen.stalls} stalls{ends}")
+
+
+def main(words: Sequence[str]) -> int:
+    """Receive a stream, or stop a platform, as the words of a command say; its exit code."""
+    stops = [*words[:1]] == ["stop"]
+    rest = words[1:] if stops else words or [f"udp://{LOOPBACK}:5005"]
+    if "--help" in words or not 1 <= len(rest) <= 2:
+        print(USAGE, file=sys.stdout if "--help" in words else sys.stderr)
+        return 0 if "--help" in words else 2
+    url = rest[0]
+    try:
+        secret = key_in(rest[1]) if len(rest) > 1 else b""
+        if stops:
+            stop(url, secret)
+            print(f"stop sent to {url}")
+        else:
+            listens(url, secret)
+    except (OSError, ValueError) as error:
+        print(error if isinstance(error, ValueError) else f"{url}: {error.strerror or error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+    return 0
 
 
 if __name__ == "__main__":
-    if sys.argv[1:2] == ["stop"]:
-        stop(sys.argv[2], key_in(sys.argv[3]) if len(sys.argv) > 3 else b"")
-    else:
-        main(*sys.argv[1:3])
+    sys.exit(main(sys.argv[1:]))

@@ -8,8 +8,11 @@ from ocean_sim.platform.shared.kinematics import FINE, Geometry, Hexapod, rates_
 KNEE = 0.75  # part of the stroke that is used as it is; the rest is approached ever more slowly
 SAME = 1e-9  # [m] of a leg
 MORE = 1.05  # times what was asked for, that may be felt
-NEAR = 0.01  # [m] of a stroke, for which a leg is braked no harder than this far from its end
-LATE = 0.5  # of an acceleration: what is counted on in braking before the end of a stroke
+LATE = 0.5  # of an acceleration: what is counted on in slowing down before the end of a stroke
+BRAKE = 1.5  # times what a platform catches up with: what it is braked with where it could not stop in time
+OF_LEGS = 2.0  # times the acceleration of a platform: more than any leg has
+ALONG = (0.5, 1.0)  # of the way to a stop, where legs are looked at
+HALVED = 8  # times that a part of a change is halved
 TURNS = np.repeat([0.0, 1.0], 3)
 NORM = 32
 EXACT = 1e-10  # part of the stroke
@@ -102,14 +105,17 @@ class Governor:
     shake the platform.
 
     A platform that fell behind catches up with at most an acceleration that is given, of its reference point and of
-    its joints as they turn. No leg moves towards its end faster than it can stop with it, and one that does is braked
-    evenly over what is left of its stroke.
+    its joints as they turn. It never moves so that it could not be stopped, evenly and on a straight way, with BRAKE
+    times that before a leg is at its end: what is asked for is held back before, so that nothing else has to be felt
+    at the end of a stroke. Then one velocity can always be had, that of braking, and the one given is as near to what
+    is wanted as can be stopped from (a reference governor: Garone, Di Cairano & Kolmanovsky 2017, Automatica 75).
     """
 
     def __init__(self, geometry: Geometry, hexapod: Hexapod, every: float, catch_up: float) -> None:
         """`every`: time between rows [s]; `catch_up` [m/s2]."""
         self.hexapod, self.every, self.catch_up = hexapod, every, catch_up
         self.speed, self.acceleration = geometry.leg_speed, geometry.leg_acceleration
+        self.brake = min(BRAKE * catch_up, geometry.leg_acceleration / OF_LEGS)  # [m/s2]
         self.target = self.pose = np.zeros(6)  # the last one wanted, and the last one given
         self.velocity = np.zeros(6)  # [m/s], [rad/s]
         self.asked = np.zeros((2, 6))  # the last two poses that were asked for, whether they fit or not
@@ -122,11 +128,9 @@ class Governor:
         self.asked = free[-2:]
         felt = self.sizes(np.diff(free, n=2, axis=0)) / dt**2
         steps = np.diff(known, axis=0) / dt
-        legs = self.hexapod.legs(known)
-        moved = np.diff(legs, axis=0) / dt
-        fastest = np.minimum(self.speed, self.stopping(self.catch_up, self.left(legs[1:], moved)))
+        moved = np.diff(self.hexapod.legs(known), axis=0) / dt
         turn = np.abs(np.diff(moved, axis=0, prepend=moved[:1])).max(axis=1, initial=0.0)
-        slow = (np.abs(moved) <= fastest).all(axis=1)
+        slow = (np.abs(moved) <= self.speed).all(axis=1) & self.stops(wanted, steps)
         reach = slow & (turn <= self.acceleration * dt)
         allowed = np.maximum(self.catch_up, MORE * felt) * dt
         reach &= self.sizes(np.diff(steps, axis=0, prepend=steps[:1])) <= allowed
@@ -174,16 +178,35 @@ class Governor:
         behind = self.target - self.pose
         far = self.size(behind)
         aim = step + behind * (min(1.0 / dt, float(self.stopping(a, np.array(far))) / far) if far > 0.0 else 0.0)
-        legs, of_aim, of_now = self.hexapod.legs(self.pose[None])[0], self.of_legs(aim), self.of_legs(self.velocity)
+        legs, of_aim = self.hexapod.legs(self.pose[None])[0], self.of_legs(aim)
         room = self.stopping(LATE * a, self.left(legs, of_aim))
         share = float((np.minimum(self.speed, room) / np.maximum(np.abs(of_aim), EXACT)).min())
-        needed = float((0.5 * of_now**2 / np.maximum(self.left(legs, of_now) - self.speed * dt, NEAR)).max())
         change = aim * min(1.0, share) - self.velocity
-        most = max(a, needed / LATE)
-        hard = max(self.size(change) / most, float(np.abs(self.of_legs(change)).max()) / self.acceleration) / dt
-        self.velocity = self.velocity + change / max(1.0, hard)
+        hard = max(self.size(change) / a, float(np.abs(self.of_legs(change)).max()) / self.acceleration) / dt
+        self.velocity = self.stoppable(self.velocity + change / max(1.0, hard))
         self.pose = self.pose + self.velocity * dt
         return (LEG_SPEED if share < 1.0 else 0) | (LEG_ACCELERATION if hard > 1.0 or share >= 1.0 else 0)
+
+    def stoppable(self, velocity: np.ndarray) -> np.ndarray:
+        """(6,) a velocity, as far as the platform can stop from it; what is left of it is braked."""
+        braked = self.velocity * max(0.0, 1.0 - self.brake * self.every / max(self.size(self.velocity), EXACT))
+        fits, part, step = 0.0, 1.0, 0.5
+        for _ in range(HALVED):
+            tried = braked + part * (velocity - braked)
+            if self.stops((self.pose + tried * self.every)[None], tried[None])[0]:
+                fits = part
+            if fits == 1.0:
+                break
+            part, step = fits + step, 0.5 * step
+        return braked + fits * (velocity - braked)
+
+    def stops(self, pose: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+        """(n,) whether a platform in (n, 6) poses with (n, 6) velocities [m/s], [rad/s] can be stopped with all legs
+        within their strokes."""
+        way = velocity * (0.5 * self.sizes(velocity) / self.brake)[:, None]
+        legs = np.hstack([self.hexapod.legs(pose + part * way) for part in ALONG])
+        within = (legs >= self.hexapod.low) & (legs <= self.hexapod.high)
+        return np.asarray(within.all(axis=1))
 
     def stopping(self, acceleration: float, left: np.ndarray) -> np.ndarray:
         """Speed [m/s] from which something stops in whole rows on its way that is left [m]."""

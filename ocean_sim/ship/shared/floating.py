@@ -41,6 +41,7 @@ FORCE_NUMBER = 0.25  # the share of a limit that `courant` takes
 BODY, CUBE = 3.0e-4, 3.0e-8  # [s] of processor time a step
 FEW = 4.0  # spacings in a draught
 SHALLOW = 4.0  # draughts of water from which on the bed is hardly felt
+LEAN = 30.0  # [deg] of trim or heel, within which a pose at rest is looked for
 
 
 class FloatingConfig(VesselConfig):
@@ -231,6 +232,9 @@ class FloatingConfig(VesselConfig):
             found.append(f"the hull has {cells:.2g} cubes over its draught, as it draws little of its height")
         if hull.metacentric_height() <= 0.0:
             found.append(f"the ship is unstable upright: GM = {hull.metacentric_height():.3g} m; it will heel")
+        elif at_rest(hull) is None:
+            far = "her centre of mass lies too far from that of her buoyancy"
+            found.append(f"within {LEAN:g} degrees of trim and heel the ship has no pose at rest: {far}")
         if not preflight.fluid.made_of_particles and preflight.tank.depth < SHALLOW * hull.draught:
             found.append(self.over_a_bed(hull, preflight.tank.depth))
         resistance = self.resistance(hull)
@@ -338,26 +342,30 @@ class FloatingHull:
 
 
 def afloat_pose(still: Hydrostatics) -> tuple[float, np.ndarray]:
-    """Height of the centre of mass over the still water [m], and the quaternion of trim and heel, at rest; a ship that
-    cannot float begins with its deck awash."""
+    """Height of the centre of mass over the still water [m], and the quaternion of trim and heel, at rest, or upright
+    where there is no such pose; a ship that cannot float begins with its deck awash."""
     if isinf(still.draught):
         return float(still.matter.centre[1] - still.voxels.centre[:, 1].max()), oriented(0.0, 0.0, 0.0)
-    limit = radians(30.0)
+    found = at_rest(still)
+    angle = np.zeros(2) if found is None else found
+    turn = matrix_of(angle)
+    level = still.level(turn[1])
+    return float((turn @ still.matter.centre)[1] - level), oriented(angle[0], 0.0, angle[1])
+
+
+def at_rest(still: Hydrostatics) -> np.ndarray | None:
+    """(2,) pitch and roll of a hull that floats [rad], at which nothing turns it: upright, if it can rest so; None
+    where there is no such pose within LEAN."""
 
     def levers(angle: np.ndarray) -> np.ndarray:
-        turn = matrix_of(angle)
-        apart = still.centre_of_buoyancy(turn) - turn @ still.matter.centre
-        return apart[[2, 0]]
+        return still.apart(matrix_of(angle))[::-1]
 
     upright = np.zeros(2)
     size = float(np.ptp(still.voxels.centre[:, 2]))
-    if np.abs(levers(upright)).max() > 1e-6 * size:
-        found = balanced(levers, upright)
-        if np.abs(levers(found)).max() < 1e-3 * size and np.abs(found).max() < limit:
-            upright = found
-    turn = matrix_of(upright)
-    level = still.level(turn[1])
-    return float((turn @ still.matter.centre)[1] - level), oriented(upright[0], 0.0, upright[1])
+    if np.abs(levers(upright)).max() <= 1e-6 * size:
+        return upright
+    found = balanced(levers, upright)
+    return found if np.abs(levers(found)).max() < 1e-3 * size and np.abs(found).max() < radians(LEAN) else None
 
 
 def balanced(levers: Callable[[np.ndarray], np.ndarray], angle: np.ndarray) -> np.ndarray:

@@ -54,17 +54,22 @@ class Hull(Model):
     def afloat(self, cells: float, density: float, gravity: float) -> Hydrostatics:
         """The hull in still water, with so many cubes over its draught; raises ValueError."""
         lower, upper = self.shape.bounds()
-        height = float(upper[1] - lower[1])
+        height, least = float(upper[1] - lower[1]), self.finest
         flat = FLAT if cells <= OF_MOTIONS else 1.0
         rough = self.floating(height / COARSE, density, gravity)
         draught = rough.draught
         if isinf(draught):
             draught = height
-        least = float((upper - lower).prod() / ENOUGH) ** (1.0 / 3.0)
         fine = self.floating(max(draught / cells, least), density, gravity, flat)
         if isinf(fine.draught) or abs(fine.draught / draught - 1.0) < 0.02:
             return fine
         return self.floating(max(fine.draught / cells, least), density, gravity, flat)
+
+    @property
+    def finest(self) -> float:
+        """Side of the smallest cubes that the hull is cut in, to find where it floats [m]."""
+        lower, upper = self.shape.bounds()
+        return float((upper - lower).prod() / ENOUGH) ** (1.0 / 3.0)
 
     def floating(self, side: float, density: float, gravity: float, flat: float = FLAT) -> Hydrostatics:
         """The hull in cubes of a given height [m], up to `flat` times as long."""

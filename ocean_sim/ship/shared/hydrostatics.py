@@ -35,6 +35,7 @@ class Hydrostatics:
     matter: Matter
     density: float  # of the water [kg/m3]
     gravity: float  # [m/s2]
+    lost: tuple[float, float] = (0.0, 0.0)  # of the metacentric heights across and along by liquids on board [m]
 
     @property
     def wanted(self) -> float:
@@ -85,11 +86,16 @@ class Hydrostatics:
         dx, dz = self.voxels.aside(turn, float(self.whole[(share > 0.0) & (share < 1.0)].sum()))
         return (turn @ (volume[:, None] * self.voxels.centre).sum(axis=0) + [dx, 0.0, dz]) / volume.sum()
 
+    def apart(self, turn: np.ndarray) -> np.ndarray:
+        """(2,) from the centre of mass to that of buoyancy of a turned hull, to port and ahead [m]; free surfaces move
+        the former to the lower side."""
+        between = self.centre_of_buoyancy(turn) - turn @ self.matter.centre
+        return between[[0, 2]] + self.lost * turn[1, [0, 2]]
+
     def lever(self, axis: int, degrees: float) -> float:
         """Righting lever [m] of a turn about z (2: GZ) or x (0: in trim), with free sinkage."""
-        turn = about(axis, radians(degrees))
-        apart = self.centre_of_buoyancy(turn) - turn @ self.matter.centre
-        return float(-apart[0] if axis == 2 else apart[2])
+        to_port, ahead = self.apart(about(axis, radians(degrees))).tolist()
+        return -to_port if axis == 2 else ahead
 
     def gz(self, degrees: float) -> float:
         """Righting lever [m] at a heel, starboard down where positive."""

@@ -1,17 +1,19 @@
 """Stability of a loaded ship: righting levers, areas under them, flooding, and what the IMO asks of them.
 
-Levers are those of a ship on even keel with free sinkage. The criteria are those of IMO resolution A.749(18), 3.1.2,
-which the 2008 Intact Stability Code (MSC.267(85), A/2.2) keeps. A tank that is not full costs metacentric height
-rho i / displacement, i its surface's second moment, and that times sin(heel) of every lever.
+Levers are those of a ship on even keel with free sinkage, to the side to which she heels by herself. The criteria are
+those of IMO resolution A.749(18), 3.1.2, which the 2008 Intact Stability Code (MSC.267(85), A/2.2) keeps; no lever
+counts beyond the heel at which water comes in. A tank that is not full costs metacentric height rho i / displacement, i
+its surface's second moment, and that times sin(heel) of every lever.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import inf, isinf, radians, sin
+from math import inf, isinf, radians
 from typing import NamedTuple
 
 import numpy as np
+from pydantic import model_validator
 
 from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics, Matter
@@ -20,7 +22,10 @@ from ocean_sim.ship.shared.rigid_body import about
 STEP = 5.0  # [deg] between levers; a cubic goes through them
 LAST = 90.0  # [deg]
 FINE = 901  # points of a curve
+HALVED = 12  # times that a step is halved to find a heel at rest
+BEYOND = ("abeam of the hull", "under the keel", "ahead or astern of the hull")  # along x, y and z
 CROSS = tuple(float(heel) for heel in range(10, 90, 10))  # [deg] of cross curves
+LIST = 1e-3  # of the metacentric height: a lever upright, from which on a ship heels to one side
 SHARES = (0.4, 0.6, 0.8, 1.0, 1.2, 1.4)  # displacements of cross curves over the ship's own
 
 
@@ -42,10 +47,17 @@ class Liquid(Weight):
     density: float = quantity("kg/m3", 1000.0, gt=0.0)
     """Of the liquid."""
 
+    @model_validator(mode="after")
+    def _whole(self) -> "Liquid":
+        if (self.length is None) != (self.breadth is None):
+            raise ValueError("a free surface has a length and a breadth; a tank that is full or empty has neither")
+        return self
+
     @property
-    def moment(self) -> float:
-        """rho i of its free surface across the ship [kg m]."""
-        return self.density * (self.length or 0.0) * (self.breadth or 0.0) ** 3 / 12.0
+    def moments(self) -> np.ndarray:
+        """(2,) rho i of its free surface across and along the ship [kg m]."""
+        long, broad = self.length or 0.0, self.breadth or 0.0
+        return self.density * np.array([long * broad**3, broad * long**3]) / 12.0
 
 
 class Loading(Model):
@@ -68,9 +80,34 @@ class Loading(Model):
         return mass, np.sum([part.mass * np.array(part.at) for part in parts], axis=0) / mass
 
     @property
-    def moment(self) -> float:
-        """rho i of all free surfaces [kg m]."""
-        return sum(tank.moment for tank in self.tanks.values())
+    def lost(self) -> tuple[float, float]:
+        """Of the metacentric heights across and along, by all free surfaces [m]."""
+        across, along = sum((tank.moments for tank in self.tanks.values()), np.zeros(2)) / self.matter[0]
+        return float(across), float(along)
+
+    def beyond(self, lower: np.ndarray, upper: np.ndarray) -> list[str]:
+        """What lies outside the box of the hull, by its lower and upper corner (3,) [m], in words: masses over the deck
+        and openings there are where they may be."""
+        low, high = np.array(lower), np.array([upper[0], inf, upper[2]])
+        found = []
+        for what, point in self.points.items():
+            out = np.maximum(low - point, point - high)
+            if out.max() > 1e-9:
+                found.append(f"{what} lies {out.max():.3g} m {BEYOND[int(np.argmax(out))]}")
+        for name, tank in self.tanks.items():
+            for side, size in (("length", tank.length or 0.0), ("breadth", tank.breadth or 0.0)):
+                whole = float(upper[2] - lower[2] if side == "length" else upper[0] - lower[0])
+                if size > whole:
+                    found.append(f"tanks.{name}.{side} is {size:g} m, more than the hull's {whole:g} m")
+        return found
+
+    @property
+    def points(self) -> dict[str, np.ndarray]:
+        """Where everything is, from the hull's origin [m], by its key."""
+        parts = {"light": self.light} | {f"weights.{name}": each for name, each in self.weights.items()}
+        parts |= {f"tanks.{name}": each for name, each in self.tanks.items()}
+        points = {name: np.array(part.at) for name, part in parts.items()}
+        return points | {f"openings.{name}": np.array(point) for name, point in self.openings.items()}
 
 
 class Criterion(NamedTuple):
@@ -88,26 +125,34 @@ class Criterion(NamedTuple):
 
 @dataclass(frozen=True)
 class Stability:
-    """A ship in still water with free surfaces on board, and openings."""
+    """A ship in still water, with openings."""
 
     still: Hydrostatics
-    lost: float = 0.0  # of the metacentric height by free surfaces [m]
     openings: Mapping[str, Vector3] | None = None  # from the hull's origin [m]
 
     @cached_property
+    def gm(self) -> float:
+        """Metacentric height, free surfaces taken off [m]."""
+        return self.still.metacentric_height()
+
+    @cached_property
+    def side(self) -> float:
+        """To which she heels by herself: -1 to port, else 1, starboard."""
+        return -1.0 if self.still.gz(0.0) > LIST * abs(self.gm) else 1.0
+
+    @cached_property
     def heels(self) -> np.ndarray:
-        """(n,) [deg], starboard down."""
+        """(n,) [deg], that side down."""
         return np.arange(0.0, LAST + STEP, STEP)
 
     @cached_property
     def levers(self) -> np.ndarray:
         """(n,) GZ at the heels, free surfaces taken off [m]."""
-        return np.array([self.still.gz(heel) - self.lost * sin(radians(heel)) for heel in self.heels.tolist()])
+        return np.array([self.lever(heel) for heel in self.heels.tolist()])
 
-    @property
-    def gm(self) -> float:
-        """Metacentric height, free surfaces taken off [m]."""
-        return self.still.metacentric_height() - self.lost
+    def lever(self, heel: float) -> float:
+        """GZ [m] at a heel [deg], that side down."""
+        return self.side * self.still.gz(self.side * heel)
 
     @cached_property
     def flooding(self) -> tuple[float, str]:
@@ -148,25 +193,41 @@ class Stability:
         heels = np.linspace(first, last, FINE)
         return float(np.trapezoid(np.interp(heels, *self.curve), np.radians(heels)))
 
+    @cached_property
+    def rest(self) -> float | None:
+        """Heel [deg] at which she stays, 0 where upright: of a list, or of a loll where she is unstable upright; None
+        where no lever rights her."""
+        righted = np.flatnonzero(self.levers[1:] > 0.0)
+        if not len(righted):
+            return None
+        low, high = self.heels[righted[0] : righted[0] + 2].tolist()
+        for _ in range(HALVED):
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if self.lever(middle) > 0.0 else (middle, high)
+        return low
+
     @property
     def vanishing(self) -> float:
         """Heel [deg] at which the lever comes back to 0; 90 where it does not, 0 where there is none."""
         heels, levers = self.curve
-        gone = np.flatnonzero(levers[1:] <= 0.0)
-        return float(heels[gone[0]]) if len(gone) else LAST
+        if self.rest is None:
+            return 0.0
+        first = int(np.argmax((levers > 0.0) & (heels > self.rest)))
+        gone = np.flatnonzero(levers[first:] <= 0.0)
+        return float(heels[first + gone[0] - 1]) if len(gone) else LAST
 
     @property
     def criteria(self) -> list[Criterion]:
         """A.749(18), 3.1.2.1 to 3.1.2.4; the levers end at the angle of flooding."""
         end = min(self.flooding[0], 40.0)
-        heels, levers = self.curve
-        beyond = levers[(heels >= 30.0) & (heels <= max(30.0, self.flooding[0]))]
+        heels, levers = (part[self.curve[0] <= self.flooding[0]] for part in self.curve)
+        beyond = float(levers[heels >= 30.0].max()) if heels[-1] >= 30.0 else 0.0
         to_thirty = min(30.0, end)
         return [
             Criterion("area to 30 deg", self.area(0.0, to_thirty), 0.055, "m rad"),
             Criterion(f"area to {end:.3g} deg", self.area(0.0, end), 0.090, "m rad"),
             Criterion(f"area from 30 to {end:.3g} deg", self.area(30.0, end) if end > 30.0 else 0.0, 0.030, "m rad"),
-            Criterion("largest lever at 30 deg or more", float(beyond.max()), 0.20, "m"),
+            Criterion("largest lever at 30 deg or more", beyond, 0.20, "m"),
             Criterion("heel of the largest lever", float(heels[np.argmax(levers)]), 25.0, "deg"),
             Criterion("initial metacentric height", self.gm, 0.15, "m"),
         ]
@@ -177,7 +238,7 @@ class Stability:
         for share in SHARES:
             mass = share * own.mass
             keel = np.array([0.0, self.still.keel, own.centre[2]])
-            other = replace(self.still, matter=Matter(mass, keel, own.inertia))
+            other = replace(self.still, matter=Matter(mass, keel, own.inertia), lost=(0.0, 0.0))
             if not isinf(other.draught):
                 found[mass] = [other.gz(heel) for heel in CROSS]
         return found

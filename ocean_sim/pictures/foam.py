@@ -21,6 +21,7 @@ TURNED = (0.8253, 0.5646)  # cosine and sine by which each octave of the grain i
 BENT = 0.9  # by which the grain is bent, so that it follows no axis
 SOFT = 0.20  # of a covered share: how far the edges of foam fade at most
 THINNEST, THICK = 0.40, 0.50  # how white foam is where it is thinnest, and the share from which it is wholly white
+FAINT = 0.005  # share of white water below which none is drawn
 FINE = 0.45  # [m] footprint of a pixel beyond which the grain is not drawn
 HEAPS, HEAP_SLOPE = (1.9, 5.3, 14.0), 0.34  # [1/m] of the heaps in which foam lies thick; slope of each, of noise's own
 HOLLOWS = (0.34, 0.24, 0.18)  # share of its light that a hollow between heaps loses against their tops

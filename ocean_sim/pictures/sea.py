@@ -154,7 +154,9 @@ class Sea:
         """The shadows of its ships, where they are shown."""
         for k, ship in enumerate(self.ships):
             self.shadow[k] = ship.depth
-            self.set(**{f"shadeAt{k}": ship.position, f"shadeSize{k}": ship.shade.length, **ship.across})
+            low, high = ship_glsl.cast(ship.depth[..., 0], ship.shade.length)
+            known = {"At": ship.position, "Size": ship.shade.length, "Low": low, "High": high}
+            self.set(**{f"shade{name}{k}": value for name, value in known.items()} | ship.across)
         if self.ships:
             water_glsl.fill(self.shadows.GetInput(), self.shadow.reshape(-1, ship_glsl.PIXELS, 3))
 
@@ -195,7 +197,8 @@ class Sea:
             white = np.maximum(kept, (1.0 - surface.share) * fresh)
         for wake in self.wakes:
             white = np.maximum(white, wake.share(frame.time, frame.origin))
-        traits = np.stack([np.clip(white, 0.0, 1.0), self.crest(now.height), now.variance], axis=-1)
+        white = np.where(white < foam.FAINT, 0.0, np.minimum(white, 1.0))
+        traits = np.stack([white, self.crest(now.height), now.variance], axis=-1)
         points = np.insert(nodes, 1, now.height.ravel(), axis=1)
         self.lay(self.near, points, surface.normals(now.height).reshape(-1, 3), traits.reshape(-1, 3), grain)
 

@@ -138,6 +138,7 @@ class Frames(Observer):
         wind = simulation.wind.drawing()
         if len(wind.tails):
             frame |= {"wind_lines": wind.lines, "wind_tails": wind.tails, "wind_arrows": wind.arrows}
+            frame |= {"wind_strongest": np.array(wind.strongest), "wind_unit": np.array(wind.unit)}
         if simulation.basin.gates:
             frame["gates"] = np.array(simulation.basin.gates_at(simulation.time)).reshape(-1, 2, 3)
         for ship in self.ships:

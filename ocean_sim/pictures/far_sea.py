@@ -21,6 +21,7 @@ RAYS = 120, 320  # least and most of the fan in which the far sea is drawn
 NEAREST = 0.35  # [heights of the eye] away, or nearer, where the first ring lies
 WIDENING, BEYOND = 0.03, 1.09  # spacing of rings over their distance, and in the farthest over the one before
 REACHES = ((400.0, 0.06), (1000.0, 0.20))  # [m] to which waves but this share of the variance, the shortest, are drawn
+PEAK_PERIOD = 0.90  # energy period over that of the peak, of JONSWAP's spectrum
 TURN = np.radians(8.0)  # by which the eye turns before the fan does
 ASTREAM, PHASES, PLACES = 0x5_0000, 0x5_0001, 0x5_0002  # streams of random numbers
 
@@ -213,3 +214,18 @@ def wind_speed_of(height: float) -> float:
     """Speed [m/s] of the wind that raises a full sea of this significant height [m]: H = 0.21 U^2 / g (Pierson &
     Moskowitz 1964, J. Geophys. Res. 69)."""
     return float(np.sqrt(GRAVITY * max(height, 0.0) / 0.21))
+
+
+def raised_by(sea: Components, time: float) -> float:
+    """Speed [m/s] 10 m over the water of the wind that raises such a random sea, 0 for regular waves; as its growth has
+    come at a time [s].
+
+    Height and peak grow with the fetch F, g F / U^2 = X, as H g / U^2 = 0.0016 X^(1/2) and omega_p U / g = 22 X^(-1/3)
+    (Hasselmann et al. 1973, Dtsch. Hydrogr. Z. A8 12); X is eliminated. A swell, low for its period, tells of none.
+    """
+    energy = sea.amplitude**2
+    if not sea.random or energy.sum() <= 0.0:
+        return 0.0
+    peak = PEAK_PERIOD * energy.sum() / (energy / sea.omega).sum()
+    height = sea.grown(time) * sea.significant_height
+    return float((height * GRAVITY / (0.0016 * (22.0 * GRAVITY / peak) ** 1.5)) ** 2)

@@ -37,7 +37,7 @@ def convergence(elevation: np.ndarray, spacing_x: float, spacing_z: float) -> np
 
 
 def cover(drawn_together: np.ndarray) -> float:
-    """The share of the sea that is white where none is asked for: where crests fall faster than they can."""
+    """The share of the sea that crests make white: where they fall faster than they can."""
     return float(min((drawn_together > BREAKING).mean(), MOST))
 
 
@@ -57,6 +57,11 @@ def monahan(speed: float) -> float:
     """Share of the sea that is white in a wind [m/s] at 10 m (Monahan & O'Muircheartaigh 1980, J. Phys. Oceanogr. 10,
     equation 5)."""
     return 3.84e-6 * max(speed, 0.0) ** 3.41
+
+
+def called_for(drawn_together: np.ndarray, wind: float) -> float:
+    """The share of the sea that is white where none is asked for: what its crests or a wind [m/s] call for."""
+    return min(max(monahan(wind), cover(drawn_together)), MOST)
 
 
 class Field:

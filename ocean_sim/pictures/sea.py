@@ -184,7 +184,9 @@ class Sea:
         if not np.array_equal(frame.origin, self.origin):
             self.origin = frame.origin
             surface.grain = surface.grain_at(frame.origin)
-        fresh = surface.foam(now.convergence, self.order.foam_cover)
+        cover = self.order.foam_cover
+        called = foam.called_for(now.convergence, self.now.raising) if cover is None else cover
+        fresh = surface.foam(now.convergence, called)
         nodes = surface.nodes + self.origin
         white, grain = fresh, nodes
         if frame.carried is not None:

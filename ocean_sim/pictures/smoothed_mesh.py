@@ -26,7 +26,7 @@ def smoothed(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...], mos
         return mesh
     low, up, x = np.array(lower), np.array(upper), mesh.vertices.astype(float)
     sides = np.stack([x <= low + NEAR * (up - low), x >= up - NEAR * (up - low)])
-    on = sides.any(axis=0)
+    on = np.any(sides, axis=0)
     lies = np.all(sides[:, corners], axis=2)  # (2, m, 3) whether a triangle lies on the lower, on the upper side
     flat = lies.any(axis=(0, 2))
     curved = corners[~flat]

@@ -22,6 +22,7 @@ NEAREST = 0.35  # [heights of the eye] away, or nearer, where the first ring lie
 WIDENING, BEYOND = 0.03, 1.09  # spacing of rings over their distance, and in the farthest over the one before
 REACHES = ((400.0, 0.06), (1000.0, 0.20))  # [m] to which waves but this share of the variance, the shortest, are drawn
 PEAK_PERIOD = 0.90  # energy period over that of the peak, of JONSWAP's spectrum
+BAND = 0.5  # pixels of the height of a picture of which no more than one ring is drawn
 TURN = np.radians(8.0)  # by which the eye turns before the fan does
 ASTREAM, PHASES, PLACES = 0x5_0000, 0x5_0001, 0x5_0002  # streams of random numbers
 
@@ -115,7 +116,7 @@ class Fan:
         self.sea = sea
         self.looked: tuple[float, ...] = ()
         self.nodes = np.zeros((0, 2))  # around the eye [m]
-        self.triangles = np.zeros((0, 3), dtype=int)
+        self.triangles = np.zeros((0, 3), dtype=int)  # of those that are seen
 
     def look(
         self, height: float, heading: float, half: float, lowest: float, pixel: float, amplitude: np.ndarray
@@ -143,7 +144,12 @@ class Fan:
         away = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
         self.shape = len(distance), len(angle)
         self.nodes = (distance[:, None, None] * away).reshape(-1, 2)
-        self.triangles = triangles(*self.shape)
+        self.distance = distance
+        band = np.floor(np.arctan2(step, distance) / (BAND * pixel))
+        starts = np.flatnonzero(np.diff(band, prepend=np.inf))
+        ends = np.append(starts[1:], len(distance))
+        self.bands = np.minimum(starts[:, None] + np.arange((ends - starts).max()), ends[:, None] - 1)
+        self.triangles = triangles(len(starts), len(angle))
         sea, (least, enough) = self.sea, NODES_PER_WAVE
         phase = (self.nodes @ sea.wavevector.T).astype(np.float32).reshape(*self.shape, -1)
         self.waves = np.concatenate([np.cos(phase), np.sin(phase)], axis=-1)
@@ -156,6 +162,13 @@ class Fan:
         seen_slopes = self.drawn * np.clip((length / footprint[:, None] - least) / (enough - least), 0.0, 1.0)
         self.sloping = seen_slopes
         return True
+
+    def seen(self, height: np.ndarray, eye: float) -> np.ndarray:
+        """(bands, rays) on each ray, of the rings that a row of pixels shows, the number of the one that hides the
+        others; `height` (rings, rays) of the water and of the eye [m]."""
+        rise = (height - eye) / self.distance[:, None]
+        highest = rise[self.bands].argmax(axis=1)
+        return np.take_along_axis(self.bands, highest, axis=1)
 
     def lost(self, amplitude: np.ndarray) -> np.ndarray:
         """(rings,) variance along each axis of the slopes that are not drawn, of waves of these amplitudes (n,) [m]."""

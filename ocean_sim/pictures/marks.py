@@ -11,7 +11,7 @@ from ocean_sim.pictures.stage import Stage
 INK, PAPER = "#eef3f6", (0.03, 0.09, 0.13)
 OUTLINE = "#ffb347"
 RAISED = 0.0015  # of the basin's length: how far the outline stands over the water, so that it is seen
-HEIGHTS = "height of the water"
+HEIGHTS = "height of\nthe water"
 BAR_TOP, BAR_HEIGHT, BAR_LEFT, BAR_WIDTH = 0.3, 0.4, 130, 18  # of a picture's height; [pixels] from its right edge
 ARROW, HEAD, LETTER = (240, 190, 60), 18, 8  # of the wind: colour; [pixels] of its head, and of a letter
 SHORTEST, LONGEST = 0.10, 0.25  # of the width of a picture: the bar
@@ -100,7 +100,7 @@ class HeightBar:
         self.size = stage.size
         self.top, self.height = round(BAR_TOP * stage.size[1]), round(BAR_HEIGHT * stage.size[1])  # [pixels]
         self.words = [words(stage, " ", (stage.size[0] - BAR_LEFT + 34, self.tick(k) - 10)) for k in range(3)]
-        self.name = words(stage, HEIGHTS, (stage.size[0] - 24 - LETTER * len(HEIGHTS), self.tick(2) + 18))
+        words(stage, HEIGHTS, (stage.size[0] - BAR_LEFT, self.tick(2) + 18))
 
     def tick(self, k: int) -> int:
         """Pixels from the lower edge of the picture to the tick k of three, the lowest first."""

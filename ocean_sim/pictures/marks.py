@@ -100,7 +100,7 @@ class HeightBar:
         self.size = stage.size
         self.top, self.height = round(BAR_TOP * stage.size[1]), round(BAR_HEIGHT * stage.size[1])  # [pixels]
         self.words = [words(stage, " ", (stage.size[0] - BAR_LEFT + 34, self.tick(k) - 10)) for k in range(3)]
-        words(stage, HEIGHTS, (stage.size[0] - BAR_LEFT + 8, self.tick(2) + 18))
+        words(stage, HEIGHTS, (stage.size[0] - BAR_LEFT + 34, self.tick(2) + 18))
 
     def tick(self, k: int) -> int:
         """Pixels from the lower edge of the picture to the tick k of three, the lowest first."""

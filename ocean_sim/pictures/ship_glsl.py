@@ -19,14 +19,21 @@ BRIGHTER = 1.15 / EXPOSURE  # of paint's light for the exposure of the sea
 ROUGH = 0.012  # variance of the slopes of paint
 COAT = 0.05  # reflectance of paint and panes at normal incidence
 
+# The share of three by three pixels of the map that the sun sees, moved with the point, so that no pixel shows.
 FUNCTIONS = f"""
 float sunlit(vec3 p, vec3 n) {{
   vec3 q = p + 0.6 * {number(BIAS)} * shipLength * n - shipAt;
-  vec2 uv = 0.5 + 0.5 * vec2(dot(q, sunRight), dot(q, sunUp)) / shipLength;
-  float depth = dot(q, sunDir), open = 0.0, texel = 1.0 / {PIXELS}.0;
-  for (int i = -1; i <= 1; i++)
-    for (int j = -1; j <= 1; j++)
-      open += step(textureLod(shade, uv + texel * vec2(i, j), 0.0).r, depth + {number(BIAS)} * shipLength) / 9.0;
+  vec2 at = {PIXELS}.0 * (0.5 + 0.5 * vec2(dot(q, sunRight), dot(q, sunUp)) / shipLength) - 0.5;
+  vec2 first = floor(at), rest = at - first;
+  float depth = dot(q, sunDir) + {number(BIAS)} * shipLength, open = 0.0;
+  for (int i = -1; i <= 2; i++) {{
+    float column = i < 0 ? 1.0 - rest.x : (i > 1 ? rest.x : 1.0);
+    for (int j = -1; j <= 2; j++) {{
+      float row = j < 0 ? 1.0 - rest.y : (j > 1 ? rest.y : 1.0);
+      vec2 uv = (first + vec2(i, j) + 0.5) / {PIXELS}.0;
+      open += column * row / 9.0 * step(textureLod(shade, uv, 0.0).r, depth);
+    }}
+  }}
   return open;
 }}
 """

@@ -22,10 +22,10 @@ COAT = 0.05  # reflectance of paint and panes at normal incidence
 # The share of three by three pixels of the map that the sun sees, moved with the point, so that no pixel shows.
 FUNCTIONS = f"""
 float sunlit(vec3 p, vec3 n) {{
-  vec3 q = p + 0.6 * {number(BIAS)} * shipLength * n - shipAt;
+  vec3 q = p + {number(BIAS)} * shipLength * n - shipAt;
   vec2 at = {PIXELS}.0 * (0.5 + 0.5 * vec2(dot(q, sunRight), dot(q, sunUp)) / shipLength) - 0.5;
   vec2 first = floor(at), rest = at - first;
-  float depth = dot(q, sunDir) + {number(BIAS)} * shipLength, open = 0.0;
+  float depth = dot(q, sunDir) + (2.5 - 1.5 * dot(n, sunDir)) * {number(BIAS)} * shipLength, open = 0.0;
   for (int i = -1; i <= 2; i++) {{
     float column = i < 0 ? 1.0 - rest.x : (i > 1 ? rest.x : 1.0);
     for (int j = -1; j <= 2; j++) {{

@@ -29,6 +29,12 @@ def foreseen(grid: Any, order: Order) -> bool:
     return not (order.particles or not bool(grid["has_surface"]) or order.camera == "orbit" or whole_way)
 
 
+def swept(lower: np.ndarray, upper: np.ndarray, ways: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Corners [m] of all that a piece of sea covers that goes with the middle of ships, which go these ways (n, 3)."""
+    middle = np.mean(ways, axis=0) * [1.0, 0.0, 1.0]
+    return lower + middle.min(axis=0), upper + middle.max(axis=0)
+
+
 class Picture:
     """One plotter, built once; each frame only moves its points and colours."""
 
@@ -40,10 +46,8 @@ class Picture:
         self.upper[1] = max(0.12 * float(grid["depth"]), float(first.elevation.max()))
         flat = bool(self.lower[2] == self.upper[2])
         away = "sea_answers" in grid  # ships are free to leave the basin
-        if away and order.camera in MAPS:
-            for track in log.tracks.values():
-                self.lower[[0, 2]] = np.minimum(self.lower, track.position.min(axis=0))[[0, 2]]
-                self.upper[[0, 2]] = np.maximum(self.upper, track.position.max(axis=0))[[0, 2]]
+        if away and order.camera in MAPS and log.tracks:
+            self.lower, self.upper = swept(self.lower, self.upper, [track.position for track in log.tracks.values()])
         models = {key: kept_model(grid, key) for key in ships_in(grid, "_vertices")}
         vessels = {
             key: Vessel(model.length, model.helm, log.tracks[key], float(model.mesh.corners[..., 1].max()))

@@ -31,11 +31,12 @@ def paper(width: float, height: float) -> Any:
     return Figure(figsize=(width, height), layout="constrained")
 
 
-def keep(figure: Any, path: Path) -> None:
-    """The figure as a PNG with its number and caption, the same bytes each time; a hasty one says so."""
+def keep(figure: Any, path: Path, found: str = "") -> None:
+    """The figure as a PNG with its number and caption, the same bytes each time; a hasty one says so. `found`: numbers
+    that the caption ends with, as the table has them."""
     width = figure.get_figwidth()
     if width > NARROW:
-        words = wrap(Said.caption, int(width * LETTERS))
+        words = wrap(". ".join(part for part in (Said.caption, found) if part), int(width * LETTERS))
         figure.supxlabel("\n".join(words), x=0.01, ha="left", fontsize=8.0, color=GREY)
     if Said.fast:
         figure.text(

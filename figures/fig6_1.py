@@ -17,11 +17,11 @@ SCENE, MOMENT = "thesis/fig6_3c_wide", 6.0  # [s]
 SOON = 3.0  # [s] in haste: the gust has come in
 
 
-def drawn(position: np.ndarray, mesh, rows: np.ndarray, spacing: float, caption: str, path: Path) -> None:
+def drawn(position: np.ndarray, mesh, rows: np.ndarray, spacing: float, rms: str, found: str, path: Path) -> None:
     """Particles alone, with the cloth over them, and the map of what is between; `rows`: x, z and both heights."""
     figure = paper(16.0, 5.2)
     size = np.ptp(position, axis=0)
-    for k, title in enumerate(("particles", f"and the cloth on them: {caption}")):
+    for k, title in enumerate(("particles", f"and the cloth on them: {rms}")):
         axes = figure.add_subplot(1, 3, k + 1, projection="3d", computed_zorder=False)
         x, y, z = position.T
         dots = axes.scatter(x, z, y, s=5.0, c=y, cmap="cividis", depthshade=False)
@@ -42,7 +42,7 @@ def drawn(position: np.ndarray, mesh, rows: np.ndarray, spacing: float, caption:
     shown = chart.scatter(rows[:, 0], rows[:, 1], c=off, s=22.0, marker="s", cmap="PuOr", vmin=-most, vmax=most)
     chart.set(aspect="equal", xlabel="x [m]", ylabel="z [m]", title="cloth minus particles")
     figure.colorbar(shown, ax=chart, label="[spacings]", shrink=0.7, extend="both")
-    keep(figure, path)
+    keep(figure, path, found)
 
 
 def main() -> None:
@@ -57,10 +57,12 @@ def main() -> None:
         mean, rms = fit(simulation.surface, top)
     head = [f"{SCENE} at {moment:.3f} s, {len(position)} particles {spacing:g} m apart"]
     head += ["particles: the highest in every column two spacings wide, half a spacing above its centre"]
-    head += [f"cloth minus particles: mean {mean:.5f} m, root mean square {rms:.5f} m"]
+    off = f"{rms / spacing:.3f} spacings (RMS)"
+    found = f"Cloth minus particles: {mean / spacing:+.3f} spacings in the mean, {off}."
+    head += [found]
     rows = np.column_stack([top[:, [0, 2]], cloth, top[:, 1]]).round(6)
     table(asked.out / "fig6_1.csv", head, ["x_m", "z_m", "cloth_m", "particles_m"], rows.tolist())
-    drawn(position, mesh, rows, spacing, f"{rms / spacing:.3f} spacings (RMS)", asked.out / "fig6_1.png")
+    drawn(position, mesh, rows, spacing, off, found, asked.out / "fig6_1.png")
 
 
 if __name__ == "__main__":

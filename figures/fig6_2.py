@@ -53,9 +53,9 @@ def flying_edges(cubes: Any) -> Callable[[], Any]:
     return lambda: image.contour([0.0], values, method="flying_edges")
 
 
-def drawn(meshes: dict[str, Mesh], captions: dict[str, str], off: np.ndarray, path: Path) -> None:
+def drawn(meshes: dict[str, Mesh], captions: dict[str, str], off: np.ndarray, found: str, path: Path) -> None:
     """Both surfaces, seen from the same place, and the map of what is between them; `off`: x, z [m] and
-    that [spacings]."""
+    that [spacings]; `found`: the end of the caption."""
     figure = paper(17.0, 5.2)
     chart = figure.add_subplot(1, 3, 3)
     most = float(np.percentile(np.abs(off[:, 2]), 98))
@@ -74,7 +74,7 @@ def drawn(meshes: dict[str, Mesh], captions: dict[str, str], off: np.ndarray, pa
         axes.set(xticks=(-20, -10, 0, 10, 20), yticks=(-20, -10, 0, 10, 20))
         axes.view_init(elev=24.0, azim=-60.0)
     figure.colorbar(shaded, ax=axes, label="y [m]", shrink=0.5, orientation="horizontal", extend="both")
-    keep(figure, path)
+    keep(figure, path, found)
 
 
 def main() -> None:
@@ -108,14 +108,19 @@ def main() -> None:
     head = [f"{SCENE} at {simulation.time:.3f} s, {fluid.particles.n} particles {spacing:g} m apart"]
     head += ["distance over the highest particle of every column, in spacings; an open edge has one triangle"]
     columns = ["surface", "triangles", "mean_spacings", "rms_spacings", "open_edges"]
-    counted = [(name, count, round(mean, 4), round(rms, 4), open) for name, _, count, mean, rms, open in rows]
+    rows = [
+        (name, round(ms, 2), count, round(mean, 3), round(rms, 3), open) for name, ms, count, mean, rms, open in rows
+    ]
+    counted = [(name, *others) for name, _, *others in rows]
     table(asked.out / "fig6_2.csv", head, columns, counted)
-    timed = [(name, round(ms, 4)) for name, ms, *_ in rows] + [("step of the water", round(step, 4))]
+    timed = [(name, ms) for name, ms, *_ in rows] + [("step of the water", round(step, 2))]
     table(asked.out / "fig6_2_timings.csv", [f"medians of {ROUNDS} [ms]"], ["surface", "ms"], timed)
-    captions = {
-        name: f"{ms:.2f} ms, {count} triangles, {rms:.3f} spacings (RMS)" for name, ms, count, _, rms, _ in rows
-    }
-    drawn(meshes, captions, np.column_stack([top[:, [0, 2]], between]), asked.out / "fig6_2.png")
+    captions = {name: f"{ms:g} ms, {count} triangles, {rms:g} spacings (RMS)" for name, ms, count, _, rms, _ in rows}
+    means = {name: mean for name, _, _, mean, *_ in rows}
+    found = (
+        f"From the particles: cloth {means['cloth']:+g}, marching cubes {means['marching_cubes']:+g} spacings (mean)."
+    )
+    drawn(meshes, captions, np.column_stack([top[:, [0, 2]], between]), found, asked.out / "fig6_2.png")
 
 
 if __name__ == "__main__":

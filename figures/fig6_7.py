@@ -67,7 +67,9 @@ def momenta(run: Path) -> np.ndarray:
     return np.column_stack([time, water, ship, water + ship, walls, given, rise, up])
 
 
-def drawn(pictures: list[np.ndarray], frames: list[Frame], sides: tuple, rows: np.ndarray, path: Path) -> None:
+def drawn(
+    pictures: list[np.ndarray], frames: list[Frame], sides: tuple, rows: np.ndarray, found: str, path: Path
+) -> None:
     """The strip, heights below it, momentum below these."""
     figure = paper(16.0, 8.0)
     grid = figure.add_gridspec(3, PICTURES, height_ratios=(1.1, 0.95, 1.1))
@@ -96,7 +98,7 @@ def drawn(pictures: list[np.ndarray], frames: list[Frame], sides: tuple, rows: n
     axes.set(xlabel="time [s]", ylabel="momentum along the way [kN s]", xlim=(0.0, time[-1]))
     axes.grid(color=PALE, lw=0.7)
     axes.legend(loc="center left", ncols=2)
-    keep(figure, path)
+    keep(figure, path, found)
 
 
 def main() -> None:
@@ -117,11 +119,14 @@ def main() -> None:
     save(asked.out / "fig6_7_bare.png", bare)
     left = rows[:, 3] - rows[:, 4] - rows[0, 3]
     head = [f"yacht of {MASS:g} kg at {SPEED:g} m/s, dropped by {DROP:g} m; momentum along z, upwards along y"]
-    head += [f"both, less what the walls gave, changes by at most {100 * np.abs(left / rows[0, 3]).max():.2f} %"]
+    both, walls = rows[-1, 3] - rows[0, 3], rows[-1, 4]
+    found = f"Until {rows[-1, 0]:.1f} s both together change by {both / 1e3:+.1f} kN s, of which the walls gave "
+    found += f"{walls / 1e3:+.1f}; less what these gave, by at most {100 * np.abs(left / rows[0, 3]).max():.2f} %."
+    head += [found]
     columns = ["time_s", "water_kg_m_s", "ship_kg_m_s", "both_kg_m_s", "given_by_walls_Ns", "given_by_ship_Ns"]
     columns += ["ship_up_kg_m_s", "water_up_kg_m_s"]
     table(asked.out / "fig6_7.csv", head, columns, rows.tolist())
-    drawn(pictures, frames, (low[2], up[2], low[0], up[0]), rows, asked.out / "fig6_7.png")
+    drawn(pictures, frames, (low[2], up[2], low[0], up[0]), rows, found, asked.out / "fig6_7.png")
     progress(1.0, "done")
 
 

@@ -346,7 +346,8 @@ def render(
     caption: Annotated[bool, typer.Option("--caption/--no-caption", help="Write the time into the pictures.")] = True,
     outline: Annotated[bool, typer.Option("--outline", help="Draw where the basin ends.")] = False,
     scale_bar: Annotated[
-        bool, typer.Option("--scale-bar", help="Draw a bar of metres; on maps of heights, too.")
+        bool,
+        typer.Option("--scale-bar", help="Draw a bar of metres; on maps of heights, too; with --wind, of an arrow."),
     ] = False,
     wind: Annotated[bool, typer.Option("--wind", help="Draw where the wind blows, and where to.")] = False,
     out: Annotated[Path | None, typer.Option(help="By default the run folder.")] = None,

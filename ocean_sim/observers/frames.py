@@ -16,6 +16,7 @@ from ocean_sim.model import quantity
 from ocean_sim.observers.shared.sampled import Multiples
 from ocean_sim.parts import LedgerRow, Preflight, Problems, key_of
 from ocean_sim.pictures import foam
+from ocean_sim.pictures.far_sea import raised_by
 from ocean_sim.ship import Ship
 from ocean_sim.simulation import Observer, PeriodicConfig
 
@@ -138,6 +139,7 @@ class Frames(Observer):
         wind = simulation.wind.drawing()
         if len(wind.tails):
             frame |= {"wind_lines": wind.lines, "wind_tails": wind.tails, "wind_arrows": wind.arrows}
+            frame |= {"wind_strongest": np.array(wind.strongest), "wind_unit": np.array(wind.unit)}
         if simulation.basin.gates:
             frame["gates"] = np.array(simulation.basin.gates_at(simulation.time)).reshape(-1, 2, 3)
         for ship in self.ships:
@@ -165,7 +167,9 @@ class Frames(Observer):
         made = simulation.fluid.foam(points)
         if made is None:
             source = foam.convergence(elevation, *self.cell)
-            wanted = min(max(foam.monahan(self.wind_speed), foam.cover(source)), foam.MOST)
+            sea = simulation.fluid.plane_waves
+            wind = self.wind_speed or (0.0 if sea is None else raised_by(sea, simulation.time))
+            wanted = foam.called_for(source, wind)
             self.white.advance(simulation.time, velocity[..., [0, 2]], source, wanted)
         else:
             self.white.advance(simulation.time, velocity[..., [0, 2]], made.reshape(self.shape), None)

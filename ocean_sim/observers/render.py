@@ -88,7 +88,7 @@ class Config(PeriodicConfig):
     """Draw where the basin ends, on the water."""
     scale_bar: bool = False
     """Draw a bar of so many metres, as long as they are at the ship, or else in the middle of the basin; from `top`
-    also one of the colours of heights."""
+    also one of the colours of heights, and with `wind` what an arrow stands for."""
     wind: bool = False
     """Draw where the wind blows, as tinted volumes with an arrow along what it does there, and a cross where it is
     nothing but noise."""

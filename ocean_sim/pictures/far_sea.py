@@ -21,6 +21,8 @@ RAYS = 120, 320  # least and most of the fan in which the far sea is drawn
 NEAREST = 0.35  # [heights of the eye] away, or nearer, where the first ring lies
 WIDENING, BEYOND = 0.03, 1.09  # spacing of rings over their distance, and in the farthest over the one before
 REACHES = ((400.0, 0.06), (1000.0, 0.20))  # [m] to which waves but this share of the variance, the shortest, are drawn
+PEAK_PERIOD = 0.90  # energy period over that of the peak, of JONSWAP's spectrum
+BAND = 0.5  # pixels of the height of a picture of which no more than one ring is drawn
 TURN = np.radians(8.0)  # by which the eye turns before the fan does
 ASTREAM, PHASES, PLACES = 0x5_0000, 0x5_0001, 0x5_0002  # streams of random numbers
 
@@ -114,7 +116,7 @@ class Fan:
         self.sea = sea
         self.looked: tuple[float, ...] = ()
         self.nodes = np.zeros((0, 2))  # around the eye [m]
-        self.triangles = np.zeros((0, 3), dtype=int)
+        self.triangles = np.zeros((0, 3), dtype=int)  # of those that are seen
 
     def look(
         self, height: float, heading: float, half: float, lowest: float, pixel: float, amplitude: np.ndarray
@@ -142,7 +144,12 @@ class Fan:
         away = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
         self.shape = len(distance), len(angle)
         self.nodes = (distance[:, None, None] * away).reshape(-1, 2)
-        self.triangles = triangles(*self.shape)
+        self.distance = distance
+        band = np.floor(np.arctan2(step, distance) / (BAND * pixel))
+        starts = np.flatnonzero(np.diff(band, prepend=np.inf))
+        ends = np.append(starts[1:], len(distance))
+        self.bands = np.minimum(starts[:, None] + np.arange((ends - starts).max()), ends[:, None] - 1)
+        self.triangles = triangles(len(starts), len(angle))
         sea, (least, enough) = self.sea, NODES_PER_WAVE
         phase = (self.nodes @ sea.wavevector.T).astype(np.float32).reshape(*self.shape, -1)
         self.waves = np.concatenate([np.cos(phase), np.sin(phase)], axis=-1)
@@ -155,6 +162,13 @@ class Fan:
         seen_slopes = self.drawn * np.clip((length / footprint[:, None] - least) / (enough - least), 0.0, 1.0)
         self.sloping = seen_slopes
         return True
+
+    def seen(self, height: np.ndarray, eye: float) -> np.ndarray:
+        """(bands, rays) on each ray, of the rings that a row of pixels shows, the number of the one that hides the
+        others; `height` (rings, rays) of the water and of the eye [m]."""
+        rise = (height - eye) / self.distance[:, None]
+        highest = rise[self.bands].argmax(axis=1)
+        return np.take_along_axis(self.bands, highest, axis=1)
 
     def lost(self, amplitude: np.ndarray) -> np.ndarray:
         """(rings,) variance along each axis of the slopes that are not drawn, of waves of these amplitudes (n,) [m]."""
@@ -213,3 +227,18 @@ def wind_speed_of(height: float) -> float:
     """Speed [m/s] of the wind that raises a full sea of this significant height [m]: H = 0.21 U^2 / g (Pierson &
     Moskowitz 1964, J. Geophys. Res. 69)."""
     return float(np.sqrt(GRAVITY * max(height, 0.0) / 0.21))
+
+
+def raised_by(sea: Components, time: float) -> float:
+    """Speed [m/s] 10 m over the water of the wind that raises such a random sea, 0 for regular waves; as its growth has
+    come at a time [s].
+
+    Height and peak grow with the fetch F, g F / U^2 = X, as H g / U^2 = 0.0016 X^(1/2) and omega_p U / g = 22 X^(-1/3)
+    (Hasselmann et al. 1973, Dtsch. Hydrogr. Z. A8 12); X is eliminated. A swell, low for its period, tells of none.
+    """
+    energy = sea.amplitude**2
+    if not sea.random or energy.sum() <= 0.0:
+        return 0.0
+    peak = PEAK_PERIOD * energy.sum() / (energy / sea.omega).sum()
+    height = sea.grown(time) * sea.significant_height
+    return float((height * GRAVITY / (0.0016 * (22.0 * GRAVITY / peak) ** 1.5)) ** 2)

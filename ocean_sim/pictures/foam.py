@@ -21,6 +21,7 @@ TURNED = (0.8253, 0.5646)  # cosine and sine by which each octave of the grain i
 BENT = 0.9  # by which the grain is bent, so that it follows no axis
 SOFT = 0.20  # of a covered share: how far the edges of foam fade at most
 THINNEST, THICK = 0.40, 0.50  # how white foam is where it is thinnest, and the share from which it is wholly white
+FAINT = 0.005  # share of white water below which none is drawn
 FINE = 0.45  # [m] footprint of a pixel beyond which the grain is not drawn
 HEAPS, HEAP_SLOPE = (1.9, 5.3, 14.0), 0.34  # [1/m] of the heaps in which foam lies thick; slope of each, of noise's own
 HOLLOWS = (0.34, 0.24, 0.18)  # share of its light that a hollow between heaps loses against their tops
@@ -36,7 +37,7 @@ def convergence(elevation: np.ndarray, spacing_x: float, spacing_z: float) -> np
 
 
 def cover(drawn_together: np.ndarray) -> float:
-    """The share of the sea that is white where none is asked for: where crests fall faster than they can."""
+    """The share of the sea that crests make white: where they fall faster than they can."""
     return float(min((drawn_together > BREAKING).mean(), MOST))
 
 
@@ -56,6 +57,11 @@ def monahan(speed: float) -> float:
     """Share of the sea that is white in a wind [m/s] at 10 m (Monahan & O'Muircheartaigh 1980, J. Phys. Oceanogr. 10,
     equation 5)."""
     return 3.84e-6 * max(speed, 0.0) ** 3.41
+
+
+def called_for(drawn_together: np.ndarray, wind: float) -> float:
+    """The share of the sea that is white where none is asked for: what its crests or a wind [m/s] call for."""
+    return min(max(monahan(wind), cover(drawn_together)), MOST)
 
 
 class Field:

@@ -43,6 +43,8 @@ class Frame:
             self.wind_lines, self.wind_tails, self.wind_arrows = (  # as in `wind.shared.drawing`
                 file[f"wind_{name}"] if f"wind_{name}" in file else np.zeros(shape) for name, shape in empty
             )
+            self.wind_strongest = float(file["wind_strongest"]) if "wind_strongest" in file else 0.0
+            self.wind_unit = str(file["wind_unit"]) if "wind_unit" in file else ""
             self.mesh = [file[name] for name in ("vertices", "triangles", "normals")] if "vertices" in file else None
 
     @property

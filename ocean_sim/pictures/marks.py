@@ -11,7 +11,9 @@ from ocean_sim.pictures.stage import Stage
 INK, PAPER = "#eef3f6", (0.03, 0.09, 0.13)
 OUTLINE = "#ffb347"
 RAISED = 0.0015  # of the basin's length: how far the outline stands over the water, so that it is seen
+HEIGHTS = "height of\nthe water"
 BAR_TOP, BAR_HEIGHT, BAR_LEFT, BAR_WIDTH = 0.3, 0.4, 130, 18  # of a picture's height; [pixels] from its right edge
+ARROW, HEAD, LETTER = (240, 190, 60), 18, 8  # of the wind: colour; [pixels] of its head, and of a letter
 SHORTEST, LONGEST = 0.10, 0.25  # of the width of a picture: the bar
 
 
@@ -24,6 +26,14 @@ def words(stage: Stage, text: str, position: tuple[int, int]) -> Any:
     return made
 
 
+def metre(stage: Stage, target: np.ndarray) -> float:
+    """How long a metre across the picture is at the distance of a target [m]: pixels."""
+    camera, half = stage.camera, stage.camera.parallel_height
+    if half is None:
+        half = float((target - camera.eye) @ camera.forward) * float(np.tan(np.radians(camera.angle) / 2.0))
+    return stage.size[1] / (2.0 * max(half, 1e-6))
+
+
 class ScaleBar:
     """A round number of metres, as long as they are across the picture at the camera's target."""
 
@@ -34,13 +44,9 @@ class ScaleBar:
 
     def show(self, target: np.ndarray) -> None:
         """At the distance of a target [m]."""
-        camera, (width, height) = self.stage.camera, self.stage.size
-        half = camera.parallel_height
-        if half is None:
-            half = float((target - camera.eye) @ camera.forward) * float(np.tan(np.radians(camera.angle) / 2.0))
-        metre = height / (2.0 * max(half, 1e-6))  # [pixels]
-        metres = round_below(LONGEST * width / metre)
-        self.length = int(round(metres * metre))
+        width, each = self.stage.size[0], metre(self.stage, target)
+        metres = round_below(LONGEST * width / each)
+        self.length = int(round(metres * each))
         self.words.input = f"{metres:g} m"
         self.words.SetPosition(*(self.stage.samples * n for n in (width - self.length - 24, 30)))
 
@@ -51,6 +57,34 @@ class ScaleBar:
         for k in range(4):
             left = right - self.length + k * self.length // 4
             image[low - 6 : low, left : left + self.length // 4] = 238 if k % 2 == 0 else 110
+
+
+class ArrowBar:
+    """An arrow of the wind as long as it is at the camera's target, and what it stands for, over the bar of metres."""
+
+    def __init__(self, stage: Stage) -> None:
+        self.stage = stage
+        self.words = words(stage, " ", (0, 0))
+        self.length = 0  # [pixels]
+
+    def show(self, target: np.ndarray, length: float, text: str) -> None:
+        """For an arrow of a length at the distance of a target [m]; 0: none, only the text."""
+        self.length = int(round(length * metre(self.stage, target)))
+        self.words.input = text
+        left = self.stage.size[0] - 24 - max(self.length, LETTER * len(text))
+        self.words.SetPosition(*(self.stage.samples * n for n in (left, 92 if self.length else 70)))
+
+    def draw(self, image: np.ndarray) -> None:
+        """Into a picture (height, width, 3)."""
+        if not self.length:
+            return
+        right, row = self.stage.size[0] - 24, self.stage.size[1] - 78
+        head = min(HEAD, self.length)
+        image[row - 9 : row + 10, right - self.length - 3 : right + 3] = np.multiply(PAPER, 255.0).astype(np.uint8)
+        image[row - 1 : row + 2, right - self.length : right - head + 1] = ARROW
+        for k in range(head):
+            half = (head - k) * 7 // head
+            image[row - half : row + half + 1, right - head + k] = ARROW
 
 
 def round_below(value: float) -> float:
@@ -66,6 +100,7 @@ class HeightBar:
         self.size = stage.size
         self.top, self.height = round(BAR_TOP * stage.size[1]), round(BAR_HEIGHT * stage.size[1])  # [pixels]
         self.words = [words(stage, " ", (stage.size[0] - BAR_LEFT + 34, self.tick(k) - 10)) for k in range(3)]
+        words(stage, HEIGHTS, (stage.size[0] - BAR_LEFT + 34, self.tick(2) + 18))
 
     def tick(self, k: int) -> int:
         """Pixels from the lower edge of the picture to the tick k of three, the lowest first."""

@@ -16,7 +16,7 @@ from ocean_sim.pictures.sea import Sea
 from ocean_sim.pictures.ship import DrawnShip, ShadedShip, kept_model
 from ocean_sim.pictures.stage import Stage
 from ocean_sim.pictures.water import NODES, Shell, Water
-from ocean_sim.pictures.wind_marks import WindMarks
+from ocean_sim.pictures.wind_marks import WindMarks, legend
 
 SAMPLES = {"draft": 1, "final": 2}  # along each side of a pixel; where there is one, edges are smoothed afterwards
 MAPS = "top", "side"  # cameras that see the whole way of a ship that leaves the basin
@@ -27,6 +27,12 @@ def foreseen(grid: Any, order: Order) -> bool:
     of particles, whose colours span the speeds of all frames, nor of cameras that know where it ends."""
     whole_way = order.camera in MAPS and "sea_answers" in grid
     return not (order.particles or not bool(grid["has_surface"]) or order.camera == "orbit" or whole_way)
+
+
+def swept(lower: np.ndarray, upper: np.ndarray, ways: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Corners [m] of all that a piece of sea covers that goes with the middle of ships, which go these ways (n, 3)."""
+    middle = np.mean(ways, axis=0) * [1.0, 0.0, 1.0]
+    return lower + middle.min(axis=0), upper + middle.max(axis=0)
 
 
 class Picture:
@@ -40,10 +46,8 @@ class Picture:
         self.upper[1] = max(0.12 * float(grid["depth"]), float(first.elevation.max()))
         flat = bool(self.lower[2] == self.upper[2])
         away = "sea_answers" in grid  # ships are free to leave the basin
-        if away and order.camera in MAPS:
-            for track in log.tracks.values():
-                self.lower[[0, 2]] = np.minimum(self.lower, track.position.min(axis=0))[[0, 2]]
-                self.upper[[0, 2]] = np.maximum(self.upper, track.position.max(axis=0))[[0, 2]]
+        if away and order.camera in MAPS and log.tracks:
+            self.lower, self.upper = swept(self.lower, self.upper, [track.position for track in log.tracks.values()])
         models = {key: kept_model(grid, key) for key in ships_in(grid, "_vertices")}
         vessels = {
             key: Vessel(model.length, model.helm, log.tracks[key], float(model.mesh.corners[..., 1].max()))
@@ -100,6 +104,7 @@ class Picture:
         self.height_bar = marks.HeightBar(stage) if order.scale_bar and on_map else None
         self.outline = marks.Outline(stage, grid["lower"], grid["upper"]) if order.outline else None
         self.wind = WindMarks(stage, grid["lower"], grid["upper"]) if order.wind else None
+        self.arrow_bar = marks.ArrowBar(stage) if order.wind and order.scale_bar else None
         self.aim()
 
     def aim(self) -> None:
@@ -161,15 +166,18 @@ class Picture:
             self.outline.show(frame.origin, self.heights_at(frame, self.outline.around + frame.origin))
         if self.wind is not None:
             self.wind.show(frame, self.heights_at(frame, frame.wind_tails[:, [0, 2]].astype(float)))
+        ships = [position for position, _ in frame.ships.values()]
+        target = ships[0] if ships else 0.5 * (self.lower + self.upper) * [1.0, 0.0, 1.0]
         if self.scale_bar is not None:
-            ships = [position for position, _ in frame.ships.values()]
-            self.scale_bar.show(ships[0] if ships else 0.5 * (self.lower + self.upper) * [1.0, 0.0, 1.0])
+            self.scale_bar.show(target)
+        if self.arrow_bar is not None and self.wind is not None:
+            self.arrow_bar.show(target, *legend(frame, self.wind.length))
         if self.height_bar is not None and isinstance(self.content, Water):
             self.height_bar.show(self.content.most)
         self.plotter.render()
         image = self.plotter.screenshot(None, return_img=True)
         image = antialiasing.smooth(image) if self.stage.samples == 1 else antialiasing.mean(image, self.stage.samples)
-        for bar in (self.scale_bar, self.height_bar):
+        for bar in (self.scale_bar, self.arrow_bar, self.height_bar):
             if bar is not None:
                 bar.draw(image)
         return image

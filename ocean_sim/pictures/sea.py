@@ -9,7 +9,6 @@ from ocean_sim import waves
 from ocean_sim.pictures import far_sea, foam, ship_glsl, water_glsl
 from ocean_sim.pictures import sky as sky_module
 from ocean_sim.pictures.camera import Vessel
-from ocean_sim.pictures.far_sea import Fan
 from ocean_sim.pictures.frame_files import Frame, ships_in
 from ocean_sim.pictures.mirror import SHARE, Mirror
 from ocean_sim.pictures.order import Order
@@ -74,7 +73,9 @@ class Sea:
         textures = {"sky": image, "hull": self.gaps, "mirror": self.mirrored, "shade": self.shadows}
         dark = "".join(ship_glsl.shadow(k, len(self.hulls)) for k in range(len(self.hulls)))
         body, functions = water_glsl.water(len(self.hulls), "carW.xz", dark), water_glsl.WATER_FUNCTIONS
-        self.near = water_glsl.Shaded(self.mesh_of(self.surface), body, functions, textures, TRAITS)
+        self.near = water_glsl.Shaded(
+            self.mesh_of(self.surface.nodes, self.surface.triangles), body, functions, textures, TRAITS
+        )
         empty = stage.pyvista.PolyData()
         self.far = water_glsl.Shaded(empty, water_glsl.BEYOND + body, functions, textures, TRAITS)
         self.dome = Dome(stage, sky, image)
@@ -95,10 +96,10 @@ class Sea:
         alone = state.exact is not None and "sea_answers" not in grid  # the water of the run knows of no ship
         self.kelvins = [Kelvin(of, self.hulls[key].beam) for key, of in vessels.items()] if alone else []
 
-    def mesh_of(self, part: "SeaSurface | Fan") -> Any:
-        """The nodes and triangles of a part of the sea, with room for what is told of them."""
-        points = np.insert(part.nodes, 1, 0.0, axis=1).astype(np.float32)
-        mesh = self.stage.pyvista.PolyData.from_regular_faces(points, part.triangles)
+    def mesh_of(self, nodes: np.ndarray, corners: np.ndarray) -> Any:
+        """Nodes x, z (n, 2) [m] and triangles of a part of the sea, with room for what is told of them."""
+        points = np.insert(nodes, 1, 0.0, axis=1).astype(np.float32)
+        mesh = self.stage.pyvista.PolyData.from_regular_faces(points, corners)
         for name in TRAITS:
             mesh.point_data[name] = np.zeros((len(points), 3), np.float32)
         return mesh
@@ -154,7 +155,9 @@ class Sea:
         """The shadows of its ships, where they are shown."""
         for k, ship in enumerate(self.ships):
             self.shadow[k] = ship.depth
-            self.set(**{f"shadeAt{k}": ship.position, f"shadeSize{k}": ship.shade.length, **ship.across})
+            low, high = ship_glsl.cast(ship.depth[..., 0], ship.shade.length)
+            known = {"At": ship.position, "Size": ship.shade.length, "Low": low, "High": high}
+            self.set(**{f"shade{name}{k}": value for name, value in known.items()} | ship.across)
         if self.ships:
             water_glsl.fill(self.shadows.GetInput(), self.shadow.reshape(-1, ship_glsl.PIXELS, 3))
 
@@ -182,7 +185,9 @@ class Sea:
         if not np.array_equal(frame.origin, self.origin):
             self.origin = frame.origin
             surface.grain = surface.grain_at(frame.origin)
-        fresh = surface.foam(now.convergence, self.order.foam_cover)
+        cover = self.order.foam_cover
+        called = foam.called_for(now.convergence, self.now.raising) if cover is None else cover
+        fresh = surface.foam(now.convergence, called)
         nodes = surface.nodes + self.origin
         white, grain = fresh, nodes
         if frame.carried is not None:
@@ -195,7 +200,8 @@ class Sea:
             white = np.maximum(kept, (1.0 - surface.share) * fresh)
         for wake in self.wakes:
             white = np.maximum(white, wake.share(frame.time, frame.origin))
-        traits = np.stack([np.clip(white, 0.0, 1.0), self.crest(now.height), now.variance], axis=-1)
+        white = np.where(white < foam.FAINT, 0.0, np.minimum(white, 1.0))
+        traits = np.stack([white, self.crest(now.height), now.variance], axis=-1)
         points = np.insert(nodes, 1, now.height.ravel(), axis=1)
         self.lay(self.near, points, surface.normals(now.height).reshape(-1, 3), traits.reshape(-1, 3), grain)
 
@@ -206,18 +212,20 @@ class Sea:
         aspect = self.order.size[0] / self.order.size[1]
         half, lowest = camera.spread(aspect)
         heading = float(np.arctan2(camera.forward[2], camera.forward[0]))
-        amplitude = self.now.waves.amplitude
-        if fan.look(float(camera.eye[1]) - self.now.level, heading, half, lowest, self.pixel, amplitude):
-            self.far.mesh.DeepCopy(self.mesh_of(fan))
+        amplitude, eye = self.now.waves.amplitude, camera.eye
+        new = fan.look(float(eye[1]) - self.now.level, heading, half, lowest, self.pixel, amplitude)
+        found = surface.around(frame, eye, self.now)
+        rings = fan.seen(found[..., 0], float(eye[1]))
+        height, slope_x, slope_z, drawn_together = np.moveaxis(np.take_along_axis(found, rings[..., None], 0), -1, 0)
+        nodes = np.take_along_axis(fan.nodes.reshape(*fan.shape, 2), rings[..., None], 0).reshape(-1, 2) + eye[[0, 2]]
+        if new:
+            self.far.mesh.DeepCopy(self.mesh_of(nodes, fan.triangles))
             self.beyond = np.ones(len(fan.triangles), bool)
-        height, slope_x, slope_z, drawn_together = np.moveaxis(surface.around(frame, camera.eye, self.now), -1, 0)
-        nodes = fan.nodes + camera.eye[[0, 2]]
-        white = np.zeros(fan.shape)
+        white = np.zeros(rings.shape)
         if self.order.foam:
-            gathered = drawn_together * grain_of(*nodes.T).reshape(fan.shape)
+            gathered = drawn_together * grain_of(*nodes.T).reshape(rings.shape)
             white = foam.shares(gathered, surface.wanted, surface.known)
-        variance = np.broadcast_to(fan.lost(amplitude)[:, None], fan.shape)
-        traits = np.stack([white, self.crest(height), variance], axis=-1).reshape(-1, 3)
+        traits = np.stack([white, self.crest(height), fan.lost(amplitude)[rings]], axis=-1).reshape(-1, 3)
         normals = np.stack([-slope_x, np.ones_like(height), -slope_z], axis=-1).reshape(-1, 3)
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
         self.lay(self.far, np.insert(nodes, 1, height.ravel(), axis=1), normals, traits, nodes)

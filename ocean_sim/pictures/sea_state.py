@@ -31,6 +31,7 @@ class Now(NamedTuple):
     height: float  # [m] four times the standard deviation of the elevation, lately
     waves: Components  # that are drawn far away, as high as they are now
     wind: Wind
+    raising: float = 0.0  # [m/s] wind that calls for white water: the scene's, else that which raises its random waves
 
 
 class SeaState:
@@ -41,6 +42,7 @@ class SeaState:
         self.scene, self.log = scene, log
         self.exact = exact_of(grid)  # the waves themselves, where water is a closed form
         self.resolved = float(grid["spacing"])  # [m] between particles, or half the shortest wave
+        self.stated = stated_of(scene)  # [m/s] wind, 0 where the scene has none with a speed
         self.angle = heading_of(scene, self.exact)  # [rad] where the wind goes to, from +x to +z
         towards = np.array([np.cos(self.angle), np.sin(self.angle)])
         first = Frame(log.files[0])
@@ -58,15 +60,15 @@ class SeaState:
         """At the time [s] of a frame."""
         sea = self.exact
         if sea is not None:
-            height = sea.significant_height
-            return Now(0.0, height, far_sea.grown(self.beyond, time), self.wind(height))
+            height, raising = sea.significant_height, self.stated or far_sea.raised_by(sea, time)
+            return Now(0.0, height, far_sea.grown(self.beyond, time), self.wind(height), raising)
         numbers, weights = recent(self.log.times, time)
         self.seen = {n: self.seen[n] if n in self.seen else self.look(n) for n in numbers}
         level = float(sum(w * self.seen[n][0] for n, w in zip(numbers, weights, strict=True)))
         variances = np.sum([w * self.seen[n][1] for n, w in zip(numbers, weights, strict=True)], axis=0)
         height = 4.0 * float(np.sqrt(variances.sum()))
         waves = replace(self.beyond, amplitude=np.sqrt(2.0 * variances))
-        return Now(level, max(height, LOWEST * self.resolved), waves, self.wind(height))
+        return Now(level, max(height, LOWEST * self.resolved), waves, self.wind(height), self.stated)
 
     def look(self, number: int) -> tuple[float, np.ndarray]:
         elevation = elevation_of(self.log.files[number])
@@ -119,9 +121,13 @@ def wind_of(scene: dict[str, Any], sea: Components | None, height: float) -> Win
 
 def speed_of(scene: dict[str, Any], height: float) -> float:
     """Speed [m/s] of the wind that ripples follow: the scene's, else that which raises a sea of this height [m]."""
+    return float(np.clip(stated_of(scene) or far_sea.wind_speed_of(height), GENTLEST, STRONGEST))
+
+
+def stated_of(scene: dict[str, Any]) -> float:
+    """Speed [m/s] of the scene's wind, 0 where it has none with one."""
     wind = scene.get("wind") or {}
-    stated = stated_speed(wind["u10"], wind.get("tau")) if "u10" in wind else 0.0
-    return float(np.clip(stated or far_sea.wind_speed_of(height), GENTLEST, STRONGEST))
+    return stated_speed(wind["u10"], wind.get("tau")) if "u10" in wind else 0.0
 
 
 def heading_of(scene: dict[str, Any], sea: Components | None) -> float:

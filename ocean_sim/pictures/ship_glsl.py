@@ -11,6 +11,7 @@ TRAITS = "nrm", "col", "att"  # normal, paint, (gloss, share of the sky that is 
 PIXELS = 256  # of the shadow's map along a side
 SAMPLES = 150_000  # points of her surface that cast it
 SOFT = 1.5  # pixels of the map between the samples of a shadow on the water
+NOTHING = -1e3  # depth where the sun sees none of her [m]
 BIAS = 0.02  # of her length: less than that lies in no shadow of its own
 DIRECTIONS, REACHES = 16, (0.6, 1.2, 2.0, 3.2)  # of rays to the sky, and how far they are followed [m]
 CELL = 0.3  # [m] of the blocks that hide the sky
@@ -18,14 +19,21 @@ BRIGHTER = 1.15 / EXPOSURE  # of paint's light for the exposure of the sea
 ROUGH = 0.012  # variance of the slopes of paint
 COAT = 0.05  # reflectance of paint and panes at normal incidence
 
+# The share of three by three pixels of the map that the sun sees, moved with the point, so that no pixel shows.
 FUNCTIONS = f"""
 float sunlit(vec3 p, vec3 n) {{
-  vec3 q = p + 0.6 * {number(BIAS)} * shipLength * n - shipAt;
-  vec2 uv = 0.5 + 0.5 * vec2(dot(q, sunRight), dot(q, sunUp)) / shipLength;
-  float depth = dot(q, sunDir), open = 0.0, texel = 1.0 / {PIXELS}.0;
-  for (int i = -1; i <= 1; i++)
-    for (int j = -1; j <= 1; j++)
-      open += step(textureLod(shade, uv + texel * vec2(i, j), 0.0).r, depth + {number(BIAS)} * shipLength) / 9.0;
+  vec3 q = p + {number(BIAS)} * shipLength * n - shipAt;
+  vec2 at = {PIXELS}.0 * (0.5 + 0.5 * vec2(dot(q, sunRight), dot(q, sunUp)) / shipLength) - 0.5;
+  vec2 first = floor(at), rest = at - first;
+  float depth = dot(q, sunDir) + (2.5 - 1.5 * dot(n, sunDir)) * {number(BIAS)} * shipLength, open = 0.0;
+  for (int i = -1; i <= 2; i++) {{
+    float column = i < 0 ? 1.0 - rest.x : (i > 1 ? rest.x : 1.0);
+    for (int j = -1; j <= 2; j++) {{
+      float row = j < 0 ? 1.0 - rest.y : (j > 1 ? rest.y : 1.0);
+      vec2 uv = (first + vec2(i, j) + 0.5) / {PIXELS}.0;
+      open += column * row / 9.0 * step(textureLod(shade, uv, 0.0).r, depth);
+    }}
+  }}
   return open;
 }}
 """
@@ -59,7 +67,8 @@ def shadow(k: int, ships: int) -> str:
     return f"""
   vec3 off{k} = posW - shadeAt{k};
   vec2 cast{k} = 0.5 + 0.5 * vec2(dot(off{k}, sunRight), dot(off{k}, sunUp)) / shadeSize{k};
-  int dark{k} = all(greaterThan(cast{k}, vec2(0.02))) && all(lessThan(cast{k}, vec2(0.98))) ? 1 : 0;
+  bool inside{k} = all(greaterThan(cast{k}, shadeLow{k}.xy)) && all(lessThan(cast{k}, shadeHigh{k}.xy));
+  int dark{k} = inside{k} && dot(off{k}, sunDir) < shadeHigh{k}.z ? 1 : 0;
   for (int turn = 0; turn < dark{k}; turn++) {{
     float depth = dot(off{k}, sunDir) + {number(BIAS)} * shadeSize{k};
     for (int i = -1; i <= 1; i++)
@@ -95,10 +104,20 @@ class Shade:
         up = np.cross(sun, right)
         seen = (np.stack([right, up, sun]) @ turn).astype(np.float32) @ self.points
         column, row = np.clip((seen[:2] * (0.5 * PIXELS / self.length) + 0.5 * PIXELS).astype(np.int32), 0, PIXELS - 1)
-        depth = np.full(PIXELS * PIXELS, -1e3, np.float32)
+        depth = np.full(PIXELS * PIXELS, NOTHING, np.float32)
         np.maximum.at(depth, row * PIXELS + column, seen[2])
         depth = maximum_filter(depth.reshape(PIXELS, PIXELS), 3)
         return np.repeat(depth[..., None], 3, axis=2), right, up
+
+
+def cast(depth: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
+    """Where the shadow of a map of depths (PIXELS, PIXELS) [m] of a ship of a length [m] lies: its lowest and highest
+    column and row, over the map's, and the farthest towards the sun [m] that anything lies in it."""
+    row, column = np.nonzero(depth > NOTHING)
+    reach = SOFT + 1.0  # pixels by which its edge is soft
+    low, high = np.array([column.min(), row.min()]) - reach, np.array([column.max(), row.max()]) + 1.0 + reach
+    farthest = float(depth.max()) - BIAS * length
+    return np.append(low / PIXELS, 0.0), np.append(high / PIXELS, farthest)
 
 
 def openness(corners: np.ndarray, normals: np.ndarray) -> np.ndarray:

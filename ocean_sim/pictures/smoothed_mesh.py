@@ -2,51 +2,99 @@
 terraces that layers of particles leave on slopes, are taken out, longer ones are left as they are (Taubin, Zhang &
 Golub 1996, ECCV '96: low-pass filters of Chebyshev polynomials of the graph's Laplacian)."""
 
+from typing import Any
+
 import numpy as np
 
 from ocean_sim.surface import Mesh
 
 PASS_BAND, DEGREE = 0.30, 32  # acos(1 - k) of the eigenvalue k where a wave is halved; and how sharply the filter falls
 NEAR = 1.0e-4  # of the box: what is nearer to one of its sides lies on it
+SPREAD = 16  # edges from its rim to which what lies flat on a side goes with the rim
 
 
 def smoothed(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...], most: float) -> Mesh:
-    """The same triangles with vertices that lie smoothly, none more than `most` [m] from where it was, so that drops
-    and thin sheets are left; then all of it by the thin layer that keeps its volume.
+    """The mesh with vertices that lie smoothly, none more than `most` [m] from where it was, so that drops and thin
+    sheets are left; then all of it by the thin layer that keeps its volume.
 
-    Vertices on the sides of the box from `lower` to `upper` [m] stay on them, and what is flat there does not pull at
-    its rim. Measure the mesh as it was.
+    What meets a side of the box from `lower` to `upper` [m] goes on behind it as its mirror image, so that its rim
+    slides along the side and is as smooth as the rest; what lies flat on a side has vertices and normals of its own,
+    so that there is an edge between both. Measure the mesh as it was.
     """
-    from scipy.sparse import coo_matrix
-
     n, corners = len(mesh.vertices), mesh.triangles
     if n == 0:
         return mesh
     low, up, x = np.array(lower), np.array(upper), mesh.vertices.astype(float)
     sides = np.stack([x <= low + NEAR * (up - low), x >= up - NEAR * (up - low)])
-    flat = np.any(np.all(sides[:, corners], axis=2), axis=(0, 2))  # triangles that lie on a side
+    on = np.any(sides, axis=0)
+    lies = np.all(sides[:, corners], axis=2)  # (2, m, 3) whether a triangle lies on the lower, on the upper side
+    flat = lies.any(axis=(0, 2))
     curved = corners[~flat]
-    i, j = np.concatenate([curved[:, [a, b]].T for a, b in ((0, 1), (1, 0), (1, 2), (2, 1), (0, 2), (2, 0))], axis=1)
-    adjacent = coo_matrix((np.ones(len(i)), (i, j)), shape=(n, n)).tocsr()
-    adjacent.data[:] = 1.0
-    degree = adjacent.getnnz(axis=1)[:, None]
-    free, degree = ~sides.any(axis=0) & (degree > 0), np.maximum(degree, 1)
+    adjacent = neighbours(curved, on)
+    degree = np.asarray(adjacent.sum(axis=1))[:, None]
+    inner = degree == 0.0  # of a side
+    held, degree = on | inner, np.maximum(degree, 1.0)
+    x = levelled(x, adjacent, held)
     weights = low_pass(PASS_BAND, DEGREE)
-    before, now = x, np.where(free, adjacent @ x / degree, x)
+    before, now = x, np.where(held, x, adjacent @ x / degree)
     found = weights[0] * before + weights[1] * now
     for weight in weights[2:]:
-        before, now = now, 2.0 * np.where(free, adjacent @ now / degree, now) - before
+        before, now = now, 2.0 * np.where(held, now, adjacent @ now / degree) - before
         found += weight * now
     way = found - x
     way *= np.minimum(1.0, most / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1.0e-30))
     before, after = (gathered(Mesh(each, corners, mesh.normals)) for each in (x, x + way))
     swept = (way * (before + after)).sum() / 6.0  # [m3]; a layer of this volume is taken off again
-    areas = np.linalg.norm(after * free, axis=1, keepdims=True)
-    x = x + way - free * after / np.maximum(areas, 1.0e-30) * swept * 3.0 / max(float(areas.sum()), 1.0e-30)
-    normals = gathered(Mesh(x, corners, mesh.normals))
+    out = np.where(held, 0.0, gathered(Mesh(x + way, curved, mesh.normals)))
+    areas = np.linalg.norm(out, axis=1, keepdims=True)
+    x += way - out / np.maximum(areas, 1.0e-30) * swept * 3.0 / max(float(areas.sum()), 1.0e-30)
+    if flat.any():
+        x = mesh.vertices + spread(x - mesh.vertices, neighbours(corners[flat], np.zeros_like(on)), on | ~inner)
+    normals = np.where(on, 0.0, gathered(Mesh(x, curved, mesh.normals)))
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.where(lengths > 0.0, normals / np.maximum(lengths, 1.0e-30), mesh.normals)
-    return Mesh(x.astype(mesh.vertices.dtype), corners, normals.astype(mesh.normals.dtype))
+    smooth = Mesh(x.astype(mesh.vertices.dtype), corners, normals.astype(mesh.normals.dtype))
+    return edged(smooth, flat, lies[1].astype(int) - lies[0]) if flat.any() else smooth
+
+
+def neighbours(corners: np.ndarray, on: np.ndarray) -> Any:
+    """(n, n) sparse weights of the vertices next to each in triangles (m, 3): 1, but twice that across each side that
+    the vertex lies on `on` (n, 3) and the other does not, which stands for its mirror image, too."""
+    from scipy.sparse import coo_array
+
+    n = len(on)
+    i, j = np.concatenate([corners[:, [a, b]].T for a, b in ((0, 1), (1, 0), (1, 2), (2, 1), (0, 2), (2, 0))], axis=1)
+    found = coo_array((np.ones(len(i)), (i, j)), shape=(n, n)).tocsr().tocoo()
+    weights = np.prod(np.where(on[found.row] & ~on[found.col], 2.0, 1.0), axis=1)
+    return coo_array((weights, (found.row, found.col)), shape=(n, n)).tocsr()
+
+
+def levelled(x: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
+    """Vertices (n, 3) [m] of which those on a side lie where their neighbours do that are not on it: the grid of a
+    marching cube ends half a cell inside, and leaves them in the steps of its nodes."""
+    beyond = adjacent > 1.0
+    many = np.asarray(beyond.sum(axis=1))[:, None]
+    return np.where(held | (many == 0), x, beyond @ x / np.maximum(many, 1))
+
+
+def spread(way: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
+    """Ways (n, 3) [m] of which those that are not held (n, 3) become the means of their neighbours', some edges deep:
+    what lies within a side goes with its rim, so that no triangle folds over."""
+    degree = np.maximum(np.asarray(adjacent.sum(axis=1)), 1.0)[:, None]
+    for _ in range(SPREAD):
+        way = np.where(held, way, adjacent @ way / degree)
+    return way
+
+
+def edged(mesh: Mesh, flat: np.ndarray, facing: np.ndarray) -> Mesh:
+    """A mesh whose flat triangles (m,) have vertices of their own, facing along axes (m, 3)."""
+    kinds, number = np.unique(facing[flat], axis=0, return_inverse=True)
+    n, corners = len(mesh.vertices), mesh.triangles.copy()
+    own, found = np.unique(number.reshape(-1, 1) * n + corners[flat], return_inverse=True)
+    corners[flat] = n + found.reshape(-1, 3)
+    normals = (kinds / np.linalg.norm(kinds, axis=1, keepdims=True))[own // n].astype(mesh.normals.dtype)
+    vertices = np.concatenate([mesh.vertices, mesh.vertices[own % n]])
+    return Mesh(vertices, corners, np.concatenate([mesh.normals, normals]))
 
 
 def gathered(mesh: Mesh) -> np.ndarray:

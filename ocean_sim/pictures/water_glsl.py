@@ -245,6 +245,14 @@ SKY = "  fragOutput0 = vec4(filmic(skyAt(normalize(posW - eyeW), 0.0)), 1.0);\n"
 def texture(image: np.ndarray, *, smaller: bool = False, repeat: bool = False) -> Any:
     """A texture of floats, or of 8-bit numbers from 0 to 1; row 0 is at the coordinate 0."""
     from vtkmodules.vtkCommonDataModel import vtkImageData
+
+    data = vtkImageData()
+    fill(data, image)
+    return texture_of(data, smaller, repeat)
+
+
+def texture_of(data: Any, smaller: bool, repeat: bool) -> Any:
+    """A texture of VTK's image; one that two windows share would be sent anew to each in every picture."""
     from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLTexture
 
     made = vtkOpenGLTexture()
@@ -255,8 +263,6 @@ def texture(image: np.ndarray, *, smaller: bool = False, repeat: bool = False) -
     if not repeat:
         made.EdgeClampOn()
     made.SetColorModeToDirectScalars()
-    data = vtkImageData()
-    fill(data, image)
     made.SetInputDataObject(data)
     return made
 
@@ -279,7 +285,7 @@ class Shaded:
     ) -> None:
         """`attributes`: names of three letters of the mesh's vectors that the program reads, as nrmW of nrm."""
         self.mesh, self.attributes, self.textures = mesh, attributes, textures
-        self.actor = self.drawn()
+        self.actor = self.drawn(textures)
         program = self.actor.GetShaderProperty()
         taken = "".join(f"in vec3 {name}In; out vec3 {name}W;\n" for name in attributes)
         given = "".join(f"in vec3 {name}W;\n" for name in attributes)
@@ -294,8 +300,8 @@ class Shaded:
         program.AddFragmentShaderReplacement("//VTK::Light::Impl", True, body, False)
         self.uniforms = program.GetFragmentCustomUniforms()
 
-    def drawn(self) -> Any:
-        """An actor of the mesh with its attributes and textures."""
+    def drawn(self, textures: dict[str, Any]) -> Any:
+        """An actor of the mesh with its attributes."""
         from vtkmodules.vtkCommonDataModel import vtkDataObject
         from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
@@ -306,13 +312,17 @@ class Shaded:
         for name in self.attributes:
             mapper.MapDataArrayToVertexAttribute(f"{name}In", name, vtkDataObject.FIELD_ASSOCIATION_POINTS, -1)
         actor.SetMapper(mapper)
-        for name, image in self.textures.items():
+        for name, image in textures.items():
             actor.GetProperty().SetTexture(name, image)
         return actor
 
     def twin(self) -> Any:
         """An actor of the same mesh and program, for another plotter, whose textures are its own."""
-        twin = self.drawn()
+        own = {
+            name: texture_of(image.GetInput(), image.GetMipmap(), image.GetRepeat())
+            for name, image in self.textures.items()
+        }
+        twin = self.drawn(own)
         twin.SetShaderProperty(self.actor.GetShaderProperty())
         return twin
 

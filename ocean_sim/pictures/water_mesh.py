@@ -17,10 +17,11 @@ def spline(cells: int, factor: int) -> np.ndarray:
 
 
 def triangles(rows: int, columns: int) -> np.ndarray:
-    """(m, 3) corners of the triangles between nodes numbered row by row."""
+    """(m, 3) corners of the triangles between nodes numbered row by row, both of a cell together: what is drawn of them
+    in this order finds its pixels in the processor's cache."""
     k = np.arange(rows * columns).reshape(rows, columns)
     a, b, c, d = k[:-1, :-1], k[1:, :-1], k[1:, 1:], k[:-1, 1:]
-    return np.concatenate([np.stack([a, d, b], -1).reshape(-1, 3), np.stack([b, d, c], -1).reshape(-1, 3)])
+    return np.stack([a, d, b, b, d, c], axis=-1).reshape(-1, 3)
 
 
 class WaterMesh:

@@ -21,6 +21,7 @@ GLASS = np.array([0.020, 0.210, 0.260])  # the cut side of the water, at the top
 
 TROUGH, REST, PEAK = np.array([[0.004, 0.030, 0.075], [0.030, 0.150, 0.230], [0.420, 0.620, 0.620]])  # of the map
 MAP_LIGHT, MAP_SLOPE = unit(np.array([-0.55, 0.62, -0.55])), 0.35  # where its light is; deviation of its slopes
+MAP_STEEPEST = 0.45  # slope that none of them reaches
 
 BODY = np.array([0.0036, 0.0200, 0.0350])  # light from the depth of the sea under a sky of radiance 1
 THIN = np.array([0.010, 0.085, 0.088])  # light that comes through crests
@@ -296,10 +297,12 @@ def side(position: np.ndarray, normal: np.ndarray, depth: np.ndarray, eye: np.nd
 
 def relief(normal: np.ndarray, height: np.ndarray) -> np.ndarray:
     """Linear RGB (n, 3) of the surface as a map, seen from straight above: dark troughs, pale crests, lit from the
-    upper left, its slopes made steeper until they are seen; `height` as in `surface`."""
+    upper left, its slopes made steeper until they are seen, and none so steep that it is black; `height` as in
+    `surface`."""
     slope = -normal[:, [0, 2]] / normal[:, 1:2]
-    steeper = MAP_SLOPE / max(float(slope.std()), 1e-3 * MAP_SLOPE)
-    tilted = unit(np.stack([-steeper * slope[:, 0], np.ones(len(slope)), -steeper * slope[:, 1]], axis=1))
+    slope *= MAP_SLOPE / max(float(slope.std()), 1e-3 * MAP_SLOPE)
+    slope /= np.hypot(1.0, np.linalg.norm(slope, axis=1, keepdims=True) / MAP_STEEPEST)
+    tilted = unit(np.stack([-slope[:, 0], np.ones(len(slope)), -slope[:, 1]], axis=1))
     lit = np.clip(tilted @ MAP_LIGHT, 0.0, 1.0)[:, None]
     share = np.clip(0.5 + 0.5 * height, 0.0, 1.0)[:, None]
     paint = np.where(share < 0.5, TROUGH + 2.0 * share * (REST - TROUGH), REST + (2.0 * share - 1.0) * (PEAK - REST))

@@ -5,6 +5,7 @@ import numpy as np
 from ocean_sim.pictures import water_shading
 from ocean_sim.pictures.frame_files import Frame
 from ocean_sim.pictures.light import lit
+from ocean_sim.pictures.marks import round_below
 from ocean_sim.pictures.stage import Stage
 
 TINT, PAINT = "#ffb347", np.array([0.95, 0.42, 0.04])  # of volumes; of arrows, linear RGB
@@ -90,6 +91,17 @@ class WindMarks:
             name="edges of volumes",
             **shown,
         )
+
+
+def legend(frame: Frame, length: float) -> tuple[float, str]:
+    """The length [m] of an arrow that stands for a round number, 0 where none does, and what to write at it; in a basin
+    of a length [m]."""
+    if not (np.linalg.norm(frame.wind_arrows, axis=1) > SHORTEST / LONGEST).any():
+        return 0.0, "wind: noise alone" if len(frame.wind_tails) else "no wind"
+    if frame.wind_strongest <= 0.0:
+        return 0.0, "wind"
+    value = round_below(frame.wind_strongest)
+    return LONGEST * length * value / frame.wind_strongest, f"wind, {value:g} {frame.wind_unit}"
 
 
 def basis(vector: np.ndarray) -> np.ndarray:

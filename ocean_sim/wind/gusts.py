@@ -157,15 +157,17 @@ class Gusts:
     def drawing(self) -> Drawing:
         """The volumes where they are now, an arrow along each acceleration, or along the wind where there is none."""
         drawings = []
-        strongest = max(v.strongest for v in self.volumes) or 1.0
+        strongest = max(v.strongest for v in self.volumes)
         for p, volume, (part, turn) in zip(self.passages, self.volumes, self.blown):
             first = volume.include[0].core
             centre = p.centre + self.patch.origin
             lines = [turned(s.core.edges() - first.centre, p.turn) + centre for s in volume.include]
-            push = volume.acceleration if any(volume.acceleration) else np.multiply(volume.wind_speed, volume.ahead)
-            arrow = self.gain * part * p.strength / strongest * turned(push, p.turn + turn)
+            pushes = any(volume.acceleration)
+            push = volume.acceleration if pushes else np.multiply(volume.wind_speed, volume.ahead)
+            arrow = self.gain * part * p.strength / (strongest or 1.0) * turned(push, p.turn + turn)
             tails = turned(first.spread() - first.centre, p.turn) + centre
-            drawings.append(Drawing(np.concatenate(lines), tails, np.tile(arrow, (len(tails), 1))))
+            arrows, unit = np.tile(arrow, (len(tails), 1)), "m/s²" if pushes else "m/s"
+            drawings.append(Drawing(np.concatenate(lines), tails, arrows, strongest, unit))
         return joined(drawings)
 
     def follow(self, middle: np.ndarray) -> None:

@@ -204,8 +204,10 @@ class Stress:
         x, z = (a.ravel() for a in np.meshgrid(x, z))
         u10, heading = self.config.blows(self.time, self.dimension)
         push = np.array([sin(radians(heading)), 0.0, cos(radians(heading))])
-        push *= self.gain * self.config.blowing(self.time) * u10 / (self.config.strongest or 1.0)
-        return Drawing(np.zeros((0, 2, 3)), np.stack([x, 0.0 * x, z], axis=1), np.tile(push, (len(x), 1)))
+        strongest = self.config.strongest
+        push *= self.gain * self.config.blowing(self.time) * u10 / (strongest or 1.0)
+        tails, arrows = np.stack([x, 0.0 * x, z], axis=1), np.tile(push, (len(x), 1))
+        return Drawing(np.zeros((0, 2, 3)), tails, arrows, strongest, "m/s")
 
     @property
     def stress(self) -> float:

@@ -144,8 +144,9 @@ class Vortex:
         upright = np.stack([top[:-1:4], top[:-1:4] - [0.0, config.layer, 0.0]], axis=1)
         out = around[:-1:4]
         pushes = config.acceleration * np.cross([0.0, 1.0, 0.0], out) - config.inward * out + [0.0, config.upward, 0.0]
-        greatest = hypot(config.acceleration, config.inward, config.upward) or 1.0
-        return Drawing(np.concatenate([*rings, upright]), top[:-1:4], self.gain * self.part / greatest * pushes)
+        greatest = hypot(config.acceleration, config.inward, config.upward)
+        arrows = self.gain * self.part / (greatest or 1.0) * pushes
+        return Drawing(np.concatenate([*rings, upright]), top[:-1:4], arrows, greatest, "m/s²")
 
     def _restart(self) -> None:
         """Restart the clock, with the axis where it is now."""

@@ -5,6 +5,7 @@ import pytest
 
 from ocean_sim.pictures import camera as camera_module
 from ocean_sim.pictures.camera import Operator, Track, Vessel
+from ocean_sim.pictures.picture import swept
 
 LOWER, UPPER = np.array([-100.0, -20.0, -100.0]), np.array([100.0, 2.0, 100.0])
 LENGTH, SPEED, STEP = 15.0, 4.0, 0.05
@@ -113,3 +114,12 @@ def test_cameras_without_a_ship_stand_still_or_go_around_the_basin():
     orbit = Operator("orbit", LOWER, UPPER, 16 / 9, (0.0, 10.0), vessel=None)
     np.testing.assert_allclose(orbit.at(0.0).eye, orbit.at(10.0).eye)
     assert np.linalg.norm(orbit.at(0.0).eye - orbit.at(5.0).eye) > 100.0
+
+
+def test_a_map_holds_all_that_a_piece_of_sea_covers_that_goes_with_its_ships():
+    """Two ships, one moored at x = 18 m, one that goes by 60 m along z: their middle goes by 30 m."""
+    going = np.stack([np.full(5, -4.0), np.full(5, 0.3), np.linspace(-45.0, 15.0, 5)], axis=1)
+    moored = np.tile([18.0, -0.2, 0.0], (5, 1))
+    lower, upper = swept(np.array([-80.0, -30.0, -120.0]), np.array([80.0, 1.0, 120.0]), [going, moored])
+    np.testing.assert_allclose(lower, [-73.0, -30.0, -142.5])
+    np.testing.assert_allclose(upper, [87.0, 1.0, 127.5])

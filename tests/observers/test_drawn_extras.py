@@ -1,13 +1,15 @@
 """What pictures add to the water of a run: wakes, a wanted cover of foam, boxes of concrete; and sets of pictures."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from ocean_sim.observers import frames, render
-from ocean_sim.pictures import obstacles, opengl, wake, wind_marks
+from ocean_sim.pictures import obstacles, opengl, wake, water_shading, wind_marks
 from ocean_sim.pictures.camera import Track, Vessel
 from ocean_sim.wind.shared import shapes
-from ocean_sim.wind.shared.drawing import Drawing
+from ocean_sim.wind.shared.drawing import Drawing, joined
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 NODES = np.arange(-60.0, 60.1, 0.5)
@@ -58,6 +60,31 @@ def test_the_volumes_of_a_wind_are_told_apart_by_their_lines():
     outline = wind_marks.hull(found[0].reshape(-1, 3)[:, [0, 2]])
     sides = np.linalg.norm(outline - np.roll(outline, 1, axis=0), axis=1)
     np.testing.assert_allclose(np.sort(sides), [2.0, 2.0, 6.0, 6.0], atol=1e-9)
+
+
+def blown(arrows: list[float], strongest: float, unit: str):
+    along = np.outer(arrows, [1.0, 0.0, 0.0])
+    return SimpleNamespace(wind_arrows=along, wind_tails=0.0 * along, wind_strongest=strongest, wind_unit=unit)
+
+
+def test_what_an_arrow_of_the_wind_stands_for_is_written_at_one_as_long_as_it_is_drawn():
+    """Length 1 is the strongest, drawn 0.13 of the basin long: 2 m/s2 of 2.5 are 0.104 of it."""
+    assert wind_marks.legend(blown([0.7, 1.0], 2.5, "m/s²"), 40.0) == (pytest.approx(0.104 * 40.0), "wind, 2 m/s²")
+    assert wind_marks.legend(blown([0.5], 10.0, "m/s"), 40.0) == (pytest.approx(0.13 * 40.0), "wind, 10 m/s")
+    assert wind_marks.legend(blown([0.0], 0.0, "m/s²"), 40.0) == (0.0, "wind: noise alone")
+    assert wind_marks.legend(blown([], 0.0, ""), 40.0) == (0.0, "no wind")
+    push, speed = (Drawing(np.zeros((0, 2, 3)), np.zeros((1, 3)), np.ones((1, 3)), 3.0, u) for u in ("m/s²", "m/s"))
+    assert (joined([push, push]).strongest, joined([push, push]).unit) == (3.0, "m/s²")
+    assert (joined([push, speed]).strongest, joined([push, speed]).unit) == (0.0, "")
+
+
+def test_no_slope_of_a_map_is_so_steep_that_it_is_black():
+    """A steep pit among gentle waves, at the height of the pale crests around it."""
+    slope = np.append(np.random.default_rng(1).normal(0.0, 0.05, 400), [0.9, -0.9])
+    normals = np.stack([-slope, np.ones_like(slope), -slope], axis=1) / np.hypot(1.0, np.sqrt(2.0) * slope)[:, None]
+    bright = water_shading.relief(normals, np.full(len(slope), 0.8)).mean(axis=1)
+    flat = water_shading.relief(np.array([[0.0, 1.0, 0.0]]), np.array([0.8])).mean()
+    assert bright.min() > 0.5 * flat and bright.max() < 1.5 * flat
 
 
 @pytest.mark.parametrize("vector", [(1.0, 0.0, 0.0), (0.0, -2.0, 0.0), (0.3, 0.9, -0.4)])

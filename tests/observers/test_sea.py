@@ -245,6 +245,19 @@ def test_the_wind_of_a_scene_leads_the_ripples():
     assert far_sea.wind_speed_of(0.21 * 10.0**2 / 9.80665) == pytest.approx(10.0, rel=2e-3)
 
 
+def test_a_young_sea_tells_of_the_wind_that_raised_it_and_a_swell_of_none():
+    """JONSWAP's growth at g F / U^2 = 4000 in a wind of 12 m/s: H = 1.49 m, T_p = 5.55 s."""
+    wind, fetch = 12.0, 4000.0
+    height, peak = 0.0016 * fetch**0.5 * wind**2 / 9.80665, 22.0 * fetch ** (-1.0 / 3.0) * 9.80665 / wind
+
+    def sea(height: float, period: float) -> waves.Components:
+        made = waves.Spectrum(kind="jonswap", significant_wave_height=height, peak_period=period)
+        return made.components(waves.direction(30.0, 3), 4000.0)
+
+    assert far_sea.raised_by(sea(height, 2.0 * np.pi / peak), 0.0) == pytest.approx(wind, rel=0.05)
+    assert foam.monahan(far_sea.raised_by(sea(3.0, 14.0), 0.0)) < 3e-4
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """Three frames of the standing sea with a ship in it, as a run leaves them."""

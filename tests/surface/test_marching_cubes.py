@@ -124,6 +124,27 @@ def test_a_jittered_ball_keeps_both_and_smoothing_leaves_the_volume_alone(round_
     assert (outward * picture.normals).sum(axis=1).min() > 0.8
 
 
+def test_a_slope_meets_a_wall_in_a_clean_line_when_smoothed(tank):
+    """A slope of 1 : 4: along the wall the grid leaves steps of its nodes, half a spacing high; smoothed, what lies
+    flat on the wall ends where the water inside does, in a line."""
+    places = STILL[STILL[:, 1] < -0.3 - 0.25 * STILL[:, 0]]
+    raw = put(tank, places).mesh()
+    picture = smoothed(raw, tank.nodes.lower, tank.nodes.upper, 0.4 * SPACING)
+    rims = {}
+    for name, mesh in (("raw", raw), ("smoothed", picture)):
+        on_wall = np.flatnonzero(np.isclose(mesh.vertices[:, 2], 0.6) & (np.abs(mesh.vertices[:, 0]) < 0.6))
+        across = mesh.triangles[~np.isclose(mesh.vertices[mesh.triangles, 2], 0.6).all(axis=1)]
+        x, y, _ = mesh.vertices[np.intersect1d(on_wall, across)].T
+        rims[name] = (y + 0.25 * x)[y > -0.55]
+    inside = picture.vertices[(picture.normals[:, 1] > 0.9) & (np.abs(picture.vertices) < [0.6, 9.0, 0.4]).all(axis=1)]
+    assert rims["raw"].std() > 0.15 * SPACING
+    assert rims["smoothed"].std() < 0.05 * SPACING
+    assert rims["smoothed"].mean() == pytest.approx((inside[:, 1] + 0.25 * inside[:, 0]).mean(), abs=0.1 * SPACING)
+    flat = np.isclose(picture.vertices[picture.triangles, 2], 0.6).all(axis=1)
+    np.testing.assert_array_equal(picture.normals[picture.triangles[flat]].reshape(-1, 3)[:, 2], 1.0)
+    assert abs(picture.volume(bed=-0.6) - raw.volume(bed=-0.6)) < 0.02 * SPACING * raw.area
+
+
 def test_flat_water_lies_at_zero_up_to_the_walls_and_fills_the_basin(sea):
     x, z = np.meshgrid(np.linspace(-1.0, 1.0, 61), np.linspace(-0.6, 0.6, 41))
     heights = sea.elevations(np.stack([x.ravel(), z.ravel()], axis=1))

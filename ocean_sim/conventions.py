@@ -85,6 +85,15 @@ def from_frame(frame: Frame, vectors: np.ndarray) -> np.ndarray:
     return np.asarray(vectors) @ FRAMES[frame]
 
 
+def figures(value: float, count: int = 4) -> str:
+    """A number of so many significant figures without an exponent, as 30000 or 0.01234, and without a negative zero."""
+    short = f"{value:.{count}g}"
+    if abs(value) >= 1e15 or 0.0 < abs(value) < 1e-2:
+        return short
+    shown = f"{float(short) + 0.0:f}"
+    return shown.rstrip("0").rstrip(".")
+
+
 class Failed(Exception):
     """What was tried did not work. Every exception that is meant for people derives from this one or the two below; its
     message is one sentence."""

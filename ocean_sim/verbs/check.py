@@ -4,6 +4,7 @@ from math import isinf
 from typing import Any
 
 from ocean_sim import machine
+from ocean_sim.conventions import figures
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.parts import LedgerRow, called
 from ocean_sim.reading.scene import SceneConfig, load
@@ -220,7 +221,7 @@ def long(found: dict[str, Any], config: SceneConfig) -> None:
         if ship["draught_m"] is not None:
             periods = ", ".join(f"{motion} {t:.3g} s" for motion, t in ship["periods_s"].items() if t is not None)
             console.say(
-                f"{called(name)}: {console.figures(ship['displacement_kg'])} kg, draught {ship['draught_m']:.3g} m, GM "
+                f"{called(name)}: {figures(ship['displacement_kg'])} kg, draught {ship['draught_m']:.3g} m, GM "
                 f"{ship['gm_m']:.3g} m, longitudinal GM {ship['gm_longitudinal_m']:.3g} m; natural periods: {periods}"
             )
     for sentence in found["statements"]:

@@ -6,6 +6,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
+from ocean_sim.conventions import figures
 from ocean_sim.files.claim import Claim, Claimed
 from ocean_sim.files.yaml_file import Location, Node, node_of
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
@@ -158,7 +159,7 @@ def written(result: Any, config: SceneConfig) -> dict[str, Any]:
 
 def summary(facts: dict[str, Any]) -> str:
     """The last lines of a run, for people."""
-    factor, limits = f"{facts['real_time_factor']:.2g} x real time after the start", facts["limited_by"]
+    factor, limits = f"{figures(facts['real_time_factor'], 2)} x real time after the start", facts["limited_by"]
     lines = [
         f"{facts['particles'] or 'no'} particles, {facts['steps']} steps, {facts['simulated_s']:.3g} s simulated in "
         f"{console.duration(facts['wall_s']['start'] + facts['wall_s']['steps'])}, start included; {factor}",

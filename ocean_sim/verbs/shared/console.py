@@ -115,14 +115,6 @@ def drawn(draw: Callable[..., object], *about: Any) -> bool:
     return missing is None
 
 
-def figures(value: float) -> str:
-    """A number of four significant figures without an exponent, as 30000 or 0.01234, and without a negative zero."""
-    shown = f"{float(f'{value:.4g}') + 0.0:f}" if abs(value) < 1e15 else f"{value:.4g}"
-    if 0.0 < abs(value) < 1e-2:
-        shown = f"{value:.4g}"
-    return shown.rstrip("0").rstrip(".") if "." in shown and "e" not in shown else shown
-
-
 def duration(seconds: float) -> str:
     """A time span for people."""
     if seconds < 60.0:

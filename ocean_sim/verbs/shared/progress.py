@@ -4,6 +4,7 @@ from collections import Counter
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+from ocean_sim.conventions import figures
 from ocean_sim.simulation import Concluding
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import FILM, Bar, Drawing
@@ -45,7 +46,7 @@ class Progress(Concluding):
             return ""
         left = max(0.0, self.duration - self.time) / self.factor
         drawn = f", {self.pictures} pictures drawn" if self.pictures else ""
-        return f", {self.factor:.2g} x real time, {console.duration(left)} left{drawn}"
+        return f", {figures(self.factor, 2)} x real time, {console.duration(left)} left{drawn}"
 
     def attend(self, simulation: "Simulation") -> None:
         """`render` draws while the run goes on and until all is drawn, and shows its progress here."""

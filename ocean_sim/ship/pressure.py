@@ -36,7 +36,7 @@ class Config(FloatingConfig):
     fineness: ClassVar[int] = 3
     kind: Literal["pressure"] = "pressure"
     contact: None = None
-    """The water's own laws meet this hull."""
+    """The laws of the water itself act between particles and this hull."""
 
     def solid(self, preflight: Preflight) -> Solid:
         still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)

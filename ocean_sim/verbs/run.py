@@ -11,7 +11,7 @@ from ocean_sim.files.claim import Claim, Claimed
 from ocean_sim.files.yaml_file import Location, Node, node_of
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.result import Result, simulated
-from ocean_sim.verbs.check import preflight, short
+from ocean_sim.verbs.check import drawn_in, pictures_of, preflight, short
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.progress import Progress
 
@@ -50,9 +50,9 @@ def run(
 
 def film(config: SceneConfig) -> None:
     """Print the estimated time of the film, and how to leave it out; its first pictures give a better estimate."""
-    seconds = sum(part.picture_time(config.preflight) for part in config.observers.values())
+    seconds = pictures_of(config)
     if seconds:
-        time = f"about {console.duration(seconds)} on two idle cores"
+        time = f"about {console.duration(drawn_in(seconds))} on an idle machine"
         console.say(f"its pictures, drawn during the run or after it, take {time}; --set render=null leaves them out")
 
 

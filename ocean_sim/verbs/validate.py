@@ -13,7 +13,7 @@ from ocean_sim.validation.shared.case import KEYS, Problem
 from ocean_sim.validation.shared.plot import draw
 from ocean_sim.verbs.shared import console
 
-TOO_LONG, NOT_COARSE = "takes longer than a gate has time for", "has no coarse set-up"
+TOO_LONG, NOT_COARSE = "takes too long for a gate", "has no coarse set-up"
 
 
 def validate(
@@ -94,7 +94,7 @@ def left_out(plan: dict[str, list[tuple[Problem, str]]], schemes: list[str], coa
         elif not pairs:
             yield f"{case}: nothing to run under these schemes"
     if slow:
-        why = "they take longer than a gate has time for, or promise nothing" if coarse else "they take minutes"
+        why = "they take too long for a gate, or have no tolerance" if coarse else "they take minutes"
         names = [f"{case} ({'; '.join(more)})" if more else case for case, more in slow.items()]
         yield f"left out, as {why} (--slow adds them): {', '.join(names)}"
 

@@ -57,7 +57,7 @@ class Config(Timed, Placed, WindConfig):
     layer: float = quantity("m", 2.5, gt=0.0)
     """Depth at which the water no longer feels it."""
     drift: Vector2 = quantity("m/s", (0.0, 0.0))
-    """Velocity of the axis along x and z; at the border it comes in again upwind."""
+    """Velocity of the axis along x and z; where it leaves the basin it comes in again upwind."""
     targets: list[Literal["fluid", "ship"]] = ["fluid", "ship"]
     """What the wind acts on."""
 

@@ -46,7 +46,7 @@ class StandingWave(Start):
     height: float | None = quantity("m", None, gt=0.0)
     """From trough to crest."""
     amplitude: float | None = quantity("m", None, gt=0.0)
-    """Half the height, in place of it."""
+    """Half of `height`, given in its place."""
     mode: int = quantity("1", 1, ge=1)
     """Half wavelengths in the length of the basin."""
     phase: Literal["crest", "flat"] = "crest"
@@ -176,7 +176,7 @@ class TaylorGreen(Start):
 
 
 class FromFile(Start):
-    """Particles as a file has them, as many as there are; they replace the lattice."""
+    """The particles of a file, in place of the lattice."""
 
     kind: Literal["file"] = "file"
     path: FileName

@@ -22,7 +22,8 @@ from ocean_sim.platform.shared.washing import (
 
 
 class Config(WashingConfig):
-    """Filters take away what a platform cannot travel; tilting makes what lasts of gravity."""
+    """Classical washout: filters remove what a platform cannot travel, and tilt lets gravity stand in for lasting
+    accelerations."""
 
     kind: Literal["classical"] = "classical"
     translation_frequency: Positive3 = quantity("rad/s")

@@ -269,13 +269,14 @@ def validate(
     junit: Annotated[
         Path | None, typer.Option(help="Also write a report in JUnit's XML, which CI services read.")
     ] = None,
+    workers: Annotated[int | None, typer.Option(min=1, help="Cases at a time; by default one per core.")] = None,
     json: Json = False,
 ) -> int:
     """Problems with known answers: value, reference, error, tolerance, and where the tolerance comes from."""
     from ocean_sim.verbs.validate import validate
 
     with console.claim(out):
-        return validate(cases or [], scheme or [], slow, coarse, sets or [], out, junit, json)
+        return validate(cases or [], scheme or [], slow, coarse, sets or [], workers, out, junit, json)
 
 
 @app.command()

@@ -74,9 +74,9 @@ def test_what_was_left_out_is_said_in_one_sentence(tmp_path, capsys):
     assert answered([*words, "--coarse"]) == 0
     said = capsys.readouterr().out
     assert said.count("left out") == 1
-    assert "or promise nothing (--slow adds them): ship_otter (turn)" in said
+    assert "or have no tolerance (--slow adds them): ship_otter (turn)" in said
     assert answered(["validate", "obstacle", "--coarse", "--out", str(tmp_path)]) == 2
-    assert "longer than a gate has time for: add --slow" in capsys.readouterr().err
+    assert "too long for a gate: add --slow" in capsys.readouterr().err
     assert answered(["validate", "open_sea_box", "--coarse", "--slow", "--out", str(tmp_path)]) == 2
     assert "open_sea_box has no coarse set-up: leave --coarse out" in capsys.readouterr().err
 

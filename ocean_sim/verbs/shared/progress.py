@@ -45,7 +45,7 @@ class Progress(Concluding):
         if self.factor <= 0.0:
             return ""
         left = max(0.0, self.duration - self.time) / self.factor
-        drawn = f", {self.pictures} pictures drawn" if self.pictures else ""
+        drawn = f", {self.pictures} picture{'s' if self.pictures > 1 else ''} drawn" if self.pictures else ""
         return f", {figures(self.factor, 2)} x real time, {console.duration(left)} left{drawn}"
 
     def attend(self, simulation: "Simulation") -> None:

@@ -158,6 +158,25 @@ def test_a_missed_tolerance_is_exit_code_1(tmp_path, capsys, monkeypatch):
     assert "MISSED" in capsys.readouterr().out
 
 
+def test_cases_at_a_time_give_the_rows_of_one_after_the_other(tmp_path, capsys):
+    words = ["validate", "poiseuille", "couette", "ship_draught", "--coarse"]
+    tables = []
+    for workers in (1, 2):
+        out = tmp_path / str(workers)
+        assert (
+            answered([*words, "--workers", str(workers), "--out", str(out), "--junit", str(out / "new" / "j.xml")]) == 0
+        )
+        tables.append((out / "validate.csv").read_bytes())
+        assert (out / "couette.png").is_file() and (out / "new" / "j.xml").is_file()
+        assert str(out / "new" / "j.xml") in capsys.readouterr().out
+    assert tables[0] == tables[1]
+
+
+def test_a_folder_in_place_of_the_report_is_refused_before_anything_runs(tmp_path, capsys):
+    assert answered(["validate", "couette", "--junit", str(tmp_path), "--out", str(tmp_path / "out")]) == 2
+    assert "this is a folder, not a file" in capsys.readouterr().err
+
+
 def test_what_is_not_a_case_is_exit_code_2(capsys, tmp_path):
     assert answered(["validate", "hydrostatics", "--out", str(tmp_path / "none")]) == 2
     assert "did you mean 'hydrostatic'" in capsys.readouterr().err

@@ -44,12 +44,12 @@ def run(
             console.say(short(preflight(config), config))
             console.say(f"writing {folder}")
             console.say(kernels())
-            film(config)
+            pictures(config)
         report(lambda: simulated(config, folder, (progress,)), progress, config, folder, as_json, quiet)
 
 
-def film(config: SceneConfig) -> None:
-    """Print the estimated time of the film, and how to leave it out; its first pictures give a better estimate."""
+def pictures(config: SceneConfig) -> None:
+    """Print the estimated time of the pictures, and how to leave them out; the first of a film give a better one."""
     seconds = pictures_of(config)
     if seconds:
         time = f"about {console.duration(drawn_in(seconds))} on an idle machine"

@@ -1,4 +1,4 @@
-"""An open sea that answers: waves that come from afar, and those that ships and winds make, without particles.
+"""An open sea without particles: waves that come from afar, and those that ships and winds make.
 
 The sea from afar is a sum of plane waves, in closed form (`order: 1`), or a nonlinear sea on a tile that repeats itself
 (`order: 3`, `shared/high_order.py`). Each ship pushes a tile of her own, which travels with her and fades at its rim

@@ -1,4 +1,4 @@
-"""Adaptive washout: the share of an acceleration that is travelled falls where the travel runs short, and recovers.
+"""Adaptive washout: the share of an acceleration that is travelled falls where travel runs short, and recovers.
 
 After Parrish, Dieudonne, Bowles & Martin (1975, J. Aircraft 12, 44), as in Reid and Nahon, UTIAS Report 296 (1985):
 along each axis the platform follows p a - 2 zeta omega v - omega^2 s of a scaled acceleration a, and the share p keeps

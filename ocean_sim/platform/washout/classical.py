@@ -1,4 +1,4 @@
-"""Classical washout: what a platform cannot travel is filtered away, what lasts is made of gravity by tilting.
+"""Classical washout: filters remove what a platform cannot travel; tilt lets gravity stand in for what lasts.
 
 Reid and Nahon, UTIAS Report 296 (1985). Each high-pass of an acceleration and its integrations are one stable filter,
 so no integrator can wind up.

@@ -109,15 +109,17 @@ def answers(orders: list[Order], workers: int) -> Iterator[list[dict[str, Any]]]
     threads = f"runtime.threads={max(1, cores() // workers)}"
     shared = [(*order[:4], [threads, *order[4]], order[5]) for order in orders]
     with ProcessPoolExecutor(workers, get_context("spawn"), begin) as pool:
+        futures = [pool.submit(answer, order) for order in shared]
         try:
-            yield from pool.map(answer, shared)
+            for future in futures:
+                yield future.result()
         except BrokenProcessPool:
-            raise console.Failed(
-                "a process that ran a case died, as happens where memory runs out; try --workers 1"
-            ) from None
-        finally:  # what still runs after Ctrl-C or an error is of no use
+            why = "a process that ran a case died, as happens where memory runs out; try --workers 1"
+            raise console.Failed(why) from None
+        except BaseException:  # what still runs after Ctrl-C or an error is of no use
             for child in active_children():
                 child.terminate()
+            raise
 
 
 def begin() -> None:

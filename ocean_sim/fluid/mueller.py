@@ -42,7 +42,7 @@ class Config(SphConfig):
     stiffness: float | None = quantity("m2/s2", None, gt=0.0)
     """k of (2.15), the square of the sound speed, given in place of `compression`."""
     minimum_pressure: float | None = quantity("Pa", 0.0)
-    """Pressures below it are raised to it; null: none."""
+    """Lowest pressure, to which lower ones are raised; null: none."""
 
     @model_validator(mode="after")
     def _one_stiffness(self) -> "Config":

@@ -399,7 +399,7 @@ class WaveTrain(Model):
     """Regular waves by `height` and `period`, or random ones by `spectrum`."""
 
     height: float | None = quantity("m", None, gt=0.0)
-    """From trough to crest."""
+    """Height from trough to crest."""
     period: float | None = quantity("s", None, gt=0.0)
     """Period of a regular wave."""
     spectrum: Spectrum | None = None

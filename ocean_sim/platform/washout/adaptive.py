@@ -20,7 +20,7 @@ class Config(WashingConfig):
 
     kind: Literal["adaptive"] = "adaptive"
     return_frequency: Positive3 = quantity("rad/s")
-    """Corner of the return to neutral along x, y and z."""
+    """Corner frequency of the return to neutral along x, y and z."""
     return_damping: float = quantity("1", 0.7, gt=0.0)
     """Its damping ratio."""
     position_weight: NotNegative3 = quantity("1/s4")

@@ -27,11 +27,11 @@ class Config(WashingConfig):
 
     kind: Literal["classical"] = "classical"
     translation_frequency: Positive3 = quantity("rad/s")
-    """Corner of the second-order high-pass along x, y and z."""
+    """Corner frequency of the second-order high-pass along x, y and z."""
     translation_damping: float = quantity("1", 1.0, gt=0.0)
     """Its damping ratio."""
     translation_return: NotNegative3 = quantity("rad/s")
-    """Corner of one more high-pass, which brings the platform back to neutral; 0 is none."""
+    """Corner frequency of one more high-pass, which brings the platform back to neutral; 0 is none."""
 
     def build(self, every: float, travel: np.ndarray) -> Washing:
         """`every`: time between rows [s]; `travel` (3, 2): lowest and highest x, y, z that can be reached [m]."""

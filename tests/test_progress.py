@@ -101,6 +101,16 @@ def test_a_run_without_pictures_says_nothing_of_them(absent, capsys):
     assert capsys.readouterr().out == ""
 
 
+@pytest.mark.parametrize(
+    "since, span", [(0.0, "200 steps, 4 s simulated in "), (1.0, "200 steps, t = 1 s to 4 s simulated in ")]
+)
+def test_a_run_that_went_on_says_from_when(since, span):
+    progress = Progress(4.0, quiet=True, since=since)
+    progress.time, progress.steps = 4.0, 200
+    more = {"worst_compression": {}, "events": [], "folder": "run", "files": []}
+    assert span in run_verb.summary(progress.summary() | more)
+
+
 def test_an_interrupt_names_what_can_still_be_done(tmp_path):
     progress = Progress(10.0, quiet=True)
     progress.time = 4.0

@@ -160,8 +160,10 @@ def written(result: Any, config: SceneConfig) -> dict[str, Any]:
 def summary(facts: dict[str, Any]) -> str:
     """The last lines of a run, for people."""
     factor, limits = f"{figures(facts['real_time_factor'], 2)} x real time after the start", facts["limited_by"]
+    end, since = f"{facts['simulated_s']:.3g} s simulated", facts["since_s"]
+    span = f"t = {since:.3g} s to {end}" if since else end
     lines = [
-        f"{facts['particles'] or 'no'} particles, {facts['steps']} steps, {facts['simulated_s']:.3g} s simulated in "
+        f"{facts['particles'] or 'no'} particles, {facts['steps']} steps, {span} in "
         f"{console.duration(facts['wall_s']['start'] + facts['wall_s']['steps'])}, start included; {factor}",
         f"time step limited by {', '.join(f'{name} {share:.0%}' for name, share in limits.items())}",
     ]

@@ -16,9 +16,10 @@ if TYPE_CHECKING:
 class Progress(Concluding):
     """Shows simulated time, real-time factor and time left, and counts what limited the steps."""
 
-    def __init__(self, duration: float, quiet: bool) -> None:
+    def __init__(self, duration: float, quiet: bool, since: float = 0.0) -> None:
+        """`since`: simulated time at which a run goes on [s]."""
         self.bar, self.drawing = Bar(duration, quiet), Drawing(quiet, FILM)
-        self.duration, self.attending = duration, False
+        self.duration, self.since, self.attending = duration, since, False
         self.began = perf_counter()
         self.first: tuple[float, float] | None = None  # wall and simulated time after the first step [s]
         self.time, self.steps, self.particles, self.wall, self.pictures = 0.0, 0, 0, 0.0, 0
@@ -78,6 +79,7 @@ class Progress(Concluding):
             "particles": self.particles,
             "steps": self.steps,
             "simulated_s": self.time,
+            "since_s": self.since,
             "wall_s": wall,
             "real_time_factor": self.factor,
             "limited_by": shares,

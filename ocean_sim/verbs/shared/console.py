@@ -62,7 +62,8 @@ def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    shown = Table(title=title or None, title_justify="left", box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    look: dict[str, Any] = {"box": None, "pad_edge": False, "padding": (0, 2, 0, 0), "show_header": any(columns)}
+    shown = Table(title=title or None, title_justify="left", **look)
     for k, column in enumerate(columns):
         numbers = bool(rows) and all(row[k][:1].isdigit() or row[k] == "" for row in rows)
         shown.add_column(column, justify="right" if numbers else "left", overflow="fold")

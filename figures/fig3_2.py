@@ -1,4 +1,4 @@
-"""Figure 3-2: the cases of marching cubes that are left when cubes may be turned and water exchanged for air: CSV, PNG.
+"""Figure 3-2: the cases of marching cubes that remain when cubes may be turned and water exchanged for air: CSV, PNG.
 
 python figures/fig3_2.py [--fast] [--out DIR]
 """

@@ -1,5 +1,5 @@
-"""Figure 3-7: where light goes that meets the sea, and how much of it is mirrored: exact, as printed, by the listing
-and by Schlick: CSV and PNG.
+"""Figure 3-7: what happens to light that meets the sea, and how much of it is reflected: exact, as printed, by the
+listing and by Schlick: CSV and PNG.
 
 python figures/fig3_7.py [--fast] [--out DIR]
 """

@@ -73,13 +73,16 @@ Scene = Annotated[
 ]
 Profile = Annotated[
     str | None,
-    typer.Option(help="What the machine can afford: a name in configs/run/.", autocompletion=profiles),
+    typer.Option(
+        help="A profile, which says what the machine can afford: a name in configs/run/.", autocompletion=profiles
+    ),
 ]
 Sets = Annotated[
-    list[str] | None, typer.Option("--set", help="key=value laid over the scene, as in fluid.spacing=0.8.")
+    list[str] | None,
+    typer.Option("--set", help="key=value, laid over the scene, as fluid.spacing=0.8; may be given several times."),
 ]
 Out = Annotated[Path | None, typer.Option(help="The run folder; by default runs/<scene>.")]
-Json = Annotated[bool, typer.Option("--json", help="Answer in JSON.")]
+Json = Annotated[bool, typer.Option("--json", help="Print the answer as JSON.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print only the run folder, and errors.")]
 
 
@@ -94,7 +97,7 @@ def show_version(asked: bool) -> None:
 @app.callback()
 def program(
     version: Annotated[
-        bool, typer.Option("--version", help="The version, and nothing else.", callback=show_version, is_eager=True)
+        bool, typer.Option("--version", help="Print the version and exit.", callback=show_version, is_eager=True)
     ] = False,
 ) -> None:
     """A particle ocean with wind, ships and a motion platform, from a YAML scene to pictures and data."""
@@ -107,7 +110,7 @@ def run(
     sets: Sets = None,
     out: Out = None,
     until: Annotated[float | None, typer.Option(help="Simulated time [s], instead of the scene's duration.")] = None,
-    overwrite: Annotated[bool, typer.Option(help="Replace a run that is in --out already.")] = False,
+    overwrite: Annotated[bool, typer.Option(help="Replace a run that is already in --out.")] = False,
     frame: Annotated[str | None, typer.Option(help="Axes of motion.csv: ship, ned or flu.")] = None,
     quiet: Quiet = False,
     json: Json = False,
@@ -123,7 +126,7 @@ def run(
 def resume(
     run: Annotated[Path, typer.Argument(help="A run folder with checkpoints.")],
     until: Annotated[float | None, typer.Option(help="Simulated time [s], instead of the scene's duration.")] = None,
-    anyway: Annotated[bool, typer.Option("--anyway", help="Even where the program has changed since.")] = False,
+    anyway: Annotated[bool, typer.Option("--anyway", help="Go on even if the program has changed since.")] = False,
     quiet: Quiet = False,
     json: Json = False,
 ) -> None:
@@ -135,7 +138,7 @@ def resume(
 
 @app.command()
 def check(scene: Scene, profile: Profile = None, sets: Sets = None, json: Json = False) -> None:
-    """What a scene would take, and what is wrong with it, without running it."""
+    """What a scene needs, and what is wrong with it, without running it."""
     from ocean_sim.verbs.check import check
 
     check(scene, profile, sets or [], json)
@@ -144,7 +147,10 @@ def check(scene: Scene, profile: Profile = None, sets: Sets = None, json: Json =
 @app.command()
 def explain(
     key: Annotated[
-        str, typer.Argument(help="As in wind.stress.u10, or without the kind: wind.u10.", autocompletion=paths_of_keys)
+        str,
+        typer.Argument(
+            help="A key such as wind.stress.u10, or without the kind: wind.u10.", autocompletion=paths_of_keys
+        ),
     ],
     json: Json = False,
 ) -> None:
@@ -158,7 +164,7 @@ def explain(
 def new(
     file: Annotated[Path, typer.Argument(help="The scene file to write.")],
     source: Annotated[
-        str, typer.Option("--from", help="The scene that it begins as: a name or a file.", autocompletion=scenes)
+        str, typer.Option("--from", help="The scene to start from: a name or a file.", autocompletion=scenes)
     ] = "showcase",
     json: Json = False,
 ) -> None:
@@ -185,7 +191,7 @@ def list_(
 @app.command()
 def schema(
     out: Annotated[Path | None, typer.Option(help="A file to write instead of standard output.")] = None,
-    json: Annotated[bool, typer.Option("--json", help="The answer is JSON in any case.")] = True,
+    json: Annotated[bool, typer.Option("--json", help="The output is always JSON.")] = True,
 ) -> None:
     """The JSON Schema of a scene, for editors."""
     from ocean_sim.reading.schema import text
@@ -212,14 +218,16 @@ def bench(
     profile: Profile = None,
     sets: Sets = None,
     threads: Annotated[int | None, typer.Option(min=1, help="Worker threads; by default all cores.")] = None,
-    repeats: Annotated[int, typer.Option(min=1, help="Blocks of at least half a second; the median counts.")] = 5,
-    cold: Annotated[bool, typer.Option(help="Begin with an empty kernel cache, as on a first run.")] = False,
+    repeats: Annotated[
+        int, typer.Option(min=1, help="Number of blocks, each of at least half a second; the median counts.")
+    ] = 5,
+    cold: Annotated[bool, typer.Option(help="Start with an empty kernel cache, as on a first run.")] = False,
     peers: Annotated[
-        bool, typer.Option("--peers", help="What pysplashsurf and Capytaine take for the same tasks, where installed.")
+        bool, typer.Option("--peers", help="Also time pysplashsurf and Capytaine on the same tasks, where installed.")
     ] = False,
     peer_python: Annotated[
         Path | None,
-        typer.Option(help="With --peers: the Python of an environment that has pysplishsplash, for dam breaks, too."),
+        typer.Option(help="With --peers: the Python of an environment that has pysplishsplash, for dam breaks."),
     ] = None,
     json: Json = False,
 ) -> None:
@@ -236,7 +244,7 @@ def validate(
     cases: Annotated[
         list[str] | None,
         typer.Argument(
-            help="By default all (ocean-sim list cases); patterns too, as 'open_*'.",
+            help="Cases, or patterns such as 'open_*'; by default all (ocean-sim list cases).",
             autocompletion=cases_of_validation,
         ),
     ] = None,
@@ -246,41 +254,44 @@ def validate(
     ] = None,
     slow: Annotated[
         bool,
-        typer.Option("--slow", help="Also the set-ups that take minutes; with --coarse seconds, too many for a gate."),
+        typer.Option(
+            "--slow", help="Also run the set-ups that take minutes; with --coarse, those too long for a gate."
+        ),
     ] = False,
     coarse: Annotated[
         bool,
         typer.Option(
             "--coarse",
-            help="A gate for CI: at twice the spacing or more, with its own tolerances, without what takes long.",
+            help="A gate for CI: twice the spacing or more, tolerances of its own, no long cases.",
         ),
     ] = False,
     sets: Sets = None,
     out: Annotated[Path, typer.Option(help="Where validate.csv and the pictures go.")] = Path("runs/validate"),
     junit: Annotated[
-        Path | None, typer.Option(help="Also a report in the XML that services for continuous integration read.")
+        Path | None, typer.Option(help="Also write a report in JUnit's XML, which CI services read.")
     ] = None,
+    workers: Annotated[int | None, typer.Option(min=1, help="Cases at a time; by default one per core.")] = None,
     json: Json = False,
 ) -> int:
     """Problems with known answers: value, reference, error, tolerance, and where the tolerance comes from."""
     from ocean_sim.verbs.validate import validate
 
     with console.claim(out):
-        return validate(cases or [], scheme or [], slow, coarse, sets or [], out, junit, json)
+        return validate(cases or [], scheme or [], slow, coarse, sets or [], workers, out, junit, json)
 
 
 @app.command()
 def hull(
     name: Annotated[
-        str, typer.Argument(help="A hull, a ship or a scene by its name, a scene file, or an STL, OBJ or PLY file.")
+        str, typer.Argument(help="The name of a hull, a ship or a scene; a scene file; or an STL, OBJ or PLY file.")
     ],
     mass: Annotated[
-        float | None, typer.Option(min=0.001, help="Mass of the whole ship [kg], where it is not that of the hull.")
+        float | None, typer.Option(min=0.001, help="Mass of the whole ship [kg]; by default that of the hull.")
     ] = None,
-    draught: Annotated[float | None, typer.Option(min=0.0001, help="[m], upright, instead of a mass.")] = None,
+    draught: Annotated[float | None, typer.Option(min=0.0001, help="Draught [m], upright, instead of a mass.")] = None,
     kg: Annotated[float | None, typer.Option(help="Height of the centre of mass above the keel [m].")] = None,
     cg: Annotated[
-        str | None, typer.Option(help="X,Y,Z of the centre of mass [m], from the keel amidships, to port, up, forward.")
+        str | None, typer.Option(help="Centre of mass X,Y,Z [m] from the keel amidships: to port, up, forward.")
     ] = None,
     loading: Annotated[
         Path | None,
@@ -288,14 +299,18 @@ def hull(
             help="A loading condition (YAML): light: {mass: 250000, at: [0, 2.5, 0]}; weights, tanks, openings by name."
         ),
     ] = None,
-    density: Annotated[float | None, typer.Option(min=1.0, help="Of the water [kg/m3]; by default 1000.")] = None,
-    ship: Annotated[str | None, typer.Option(help="Of several ships in a scene, this one.")] = None,
-    cross: Annotated[bool, typer.Option("--cross", help="Also cross curves of stability.")] = False,
-    bilge_keels: Annotated[
-        str | None, typer.Option(help="LENGTH,BREADTH of each bilge keel [m], for the damping of roll.")
+    density: Annotated[
+        float | None, typer.Option(min=1.0, help="Density of the water [kg/m3]; by default 1000.")
     ] = None,
-    depth: Annotated[float | None, typer.Option(min=0.001, help="Of the water [m]: also squat, over speed.")] = None,
-    cells: Annotated[float, typer.Option(min=1.0, max=64.0, help="Cubes over the draught.")] = 16.0,
+    ship: Annotated[str | None, typer.Option(help="Which ship, where a scene has several.")] = None,
+    cross: Annotated[bool, typer.Option("--cross", help="Also print cross curves of stability.")] = False,
+    bilge_keels: Annotated[
+        str | None, typer.Option(help="LENGTH,BREADTH of each bilge keel [m]: also print the damping of roll.")
+    ] = None,
+    depth: Annotated[
+        float | None, typer.Option(min=0.001, help="Depth of the water [m]: also print squat over speed.")
+    ] = None,
+    cells: Annotated[float, typer.Option(min=1.0, max=64.0, help="Number of cubes over the draught.")] = 16.0,
     out: Annotated[
         Path | None, typer.Option(help="The picture; by default runs/hull/<name>.png, with --json none.")
     ] = None,
@@ -334,7 +349,7 @@ def render(
         str, typer.Option(help="third_person, follow, orbit, fixed, first_person, top or side.")
     ] = "third_person",
     quality: Annotated[str, typer.Option(help="draft or final.")] = "final",
-    size: Annotated[str | None, typer.Option(help="Width and height in pixels, even: 1280x720.")] = None,
+    size: Annotated[str | None, typer.Option(help="Width and height in pixels, both even, as 1280x720.")] = None,
     stills: Annotated[str | None, typer.Option(help="Times [s] of further pictures: 2,4.5,6.")] = None,
     strip: Annotated[int, typer.Option(help="Number of pictures side by side in strip.png.")] = 0,
     film: Annotated[bool, typer.Option("--film/--no-film", help="Make film.mp4.")] = True,
@@ -347,10 +362,10 @@ def render(
     outline: Annotated[bool, typer.Option("--outline", help="Draw where the basin ends.")] = False,
     scale_bar: Annotated[
         bool,
-        typer.Option("--scale-bar", help="Draw a bar of metres; on maps of heights, too; with --wind, of an arrow."),
+        typer.Option("--scale-bar", help="Draw a scale bar; on maps the colours of heights, with --wind an arrow's."),
     ] = False,
-    wind: Annotated[bool, typer.Option("--wind", help="Draw where the wind blows, and where to.")] = False,
-    out: Annotated[Path | None, typer.Option(help="By default the run folder.")] = None,
+    wind: Annotated[bool, typer.Option("--wind", help="Draw where the wind blows, and in which direction.")] = False,
+    out: Annotated[Path | None, typer.Option(help="Where to write; by default the run folder.")] = None,
     json: Json = False,
 ) -> None:
     """Pictures and a film from a finished run, without simulating again."""
@@ -383,9 +398,9 @@ def export(
     ] = None,
     surface: Annotated[str | None, typer.Option(help="ply or vtp: one mesh a frame; vtkhdf: all in one file.")] = None,
     scene: Annotated[str | None, typer.Option(help="usd or glb: water, ships and particles in one file.")] = None,
-    z_up: Annotated[bool, typer.Option("--z-up", help="Z is up, in place of y.")] = False,
-    every: Annotated[int, typer.Option(min=1, help="Every how many frames.")] = 1,
-    out: Annotated[Path | None, typer.Option(help="By default the folder export/ of the run.")] = None,
+    z_up: Annotated[bool, typer.Option("--z-up", help="Write files in which z, not y, points up.")] = False,
+    every: Annotated[int, typer.Option(min=1, help="Export every Nth frame.")] = 1,
+    out: Annotated[Path | None, typer.Option(help="Where to write; by default the folder export/ of the run.")] = None,
     json: Json = False,
 ) -> None:
     """Files for ParaView and Blender."""
@@ -408,7 +423,7 @@ def preview(
     ] = None,
     camera: Annotated[str | None, typer.Option(help="third_person, helm, top or side.")] = None,
     content: Annotated[str | None, typer.Option(help="surface, particles or both.")] = None,
-    browser: Annotated[bool, typer.Option("--browser", help="In the browser instead, as `serve` does.")] = False,
+    browser: Annotated[bool, typer.Option("--browser", help="Use the browser instead, as `serve` does.")] = False,
     json: Json = False,
 ) -> None:
     """A window to play with: look, steer, move sliders; or the same pictures without a window."""
@@ -432,10 +447,14 @@ def serve(
     profile: Profile = None,
     sets: Sets = None,
     host: Annotated[
-        str, typer.Option(help="Who may reach it: 0.0.0.0 is every machine, by an address with a random token.")
+        str, typer.Option(help="Where to listen; 0.0.0.0 lets other machines in, by an address with a random token.")
     ] = "127.0.0.1",
-    port: Annotated[int | None, typer.Option(min=1, max=65535, help="By default 8765, or any that is free.")] = None,
-    show: Annotated[bool, typer.Option("--open/--no-open", help="Open the browser where there is one.")] = True,
+    port: Annotated[
+        int | None, typer.Option(min=1, max=65535, help="The port; by default 8765, or any free one.")
+    ] = None,
+    show: Annotated[
+        bool, typer.Option("--open/--no-open", help="Open the page in the browser, where there is one.")
+    ] = True,
     out: Annotated[
         Path | None, typer.Option(help="Where records and saved scenes go; by default runs/<scene>-browser.")
     ] = None,
@@ -449,7 +468,7 @@ def serve(
 
 @app.command()
 def report(
-    runs: Annotated[list[Path], typer.Argument(metavar="RUN [RUN]", help="A run folder, or two to be compared.")],
+    runs: Annotated[list[Path], typer.Argument(metavar="RUN [RUN]", help="A run folder, or two to compare.")],
     out: Annotated[Path | None, typer.Option(help="The page; by default replay.html in the run folder.")] = None,
     json: Json = False,
 ) -> None:
@@ -462,8 +481,10 @@ def report(
 @app.command()
 def waves(
     run: Annotated[Path, typer.Argument(help="A run folder, or its gauges.csv.")],
-    begin: Annotated[float, typer.Option(help="Leave out the record before this time [s].")] = 0.0,
-    detrend: Annotated[bool, typer.Option("--detrend", help="Take off the straight line through each record.")] = False,
+    begin: Annotated[float, typer.Option(help="Ignore the record before this time [s].")] = 0.0,
+    detrend: Annotated[
+        bool, typer.Option("--detrend", help="Subtract the straight line fitted to each record.")
+    ] = False,
     hysteresis: Annotated[
         float, typer.Option(min=0.0, help="Count a wave only if it goes this far below and above zero [m].")
     ] = 0.0,
@@ -487,7 +508,7 @@ def sea(
     openfast: Annotated[
         Path | None, typer.Option(help="An elevation file of OpenFAST (.Elev, WaveMod 5) to write.")
     ] = None,
-    at: Annotated[str, typer.Option(help="X,Z [m] of the place of that elevation.")] = "0,0",
+    at: Annotated[str, typer.Option(help="X,Z [m], the point of that elevation.")] = "0,0",
     every: Annotated[float, typer.Option(min=0.001, help="Time between its rows [s].")] = 0.1,
     until: Annotated[float | None, typer.Option(min=0.001, help="Its end [s]; by default that of the scene.")] = None,
     json: Json = False,
@@ -503,7 +524,9 @@ def sea(
 def figure(
     names: Annotated[
         list[str],
-        typer.Argument(help="As in 6-3, or all of the thesis (ocean-sim list figures).", autocompletion=figures),
+        typer.Argument(
+            help="Figures such as 6-3, or `all` of the thesis (ocean-sim list figures).", autocompletion=figures
+        ),
     ],
     fast: Annotated[bool, typer.Option("--fast", help="Coarse and short, for a quick look.")] = False,
     out: Annotated[Path, typer.Option(help="Where data (CSV) and pictures (PNG) go.")] = Path("runs/figures"),
@@ -518,12 +541,14 @@ def figure(
 
 @app.command()
 def gallery(
-    names: Annotated[list[str] | None, typer.Argument(help="Of pictures; by default those that are old.")] = None,
+    names: Annotated[list[str] | None, typer.Argument(help="Pictures; by default those that are out of date.")] = None,
     check: Annotated[
         bool, typer.Option("--check", help="Only list those that are out of date, with their commands.")
     ] = False,
     every: Annotated[bool, typer.Option("--all", help="Make all of them.")] = False,
-    out: Annotated[Path | None, typer.Option(help="By default figures/gallery of this checkout.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Where to write; by default figures/gallery of this checkout.")
+    ] = None,
     json: Json = False,
 ) -> int:
     """The pictures of the README, made again by the commands that it prints."""
@@ -548,7 +573,7 @@ def platform(
         str | None, typer.Option(help="ship, ned or flu: the axes written; the motion log is written in them, too.")
     ] = None,
     stream: Annotated[
-        str | None, typer.Option(help="udp://127.0.0.1:5005: replay in real time, to this machine unless named.")
+        str | None, typer.Option(help="Replay in real time to an address such as udp://127.0.0.1:5005.")
     ] = None,
     packets: Annotated[str, typer.Option(help="ocean_sim, openmotionsim, floats or text.")] = "ocean_sim",
     key: Annotated[Path | None, typer.Option(help="A file whose content signs every packet of ocean_sim.")] = None,
@@ -574,8 +599,12 @@ def sweep(
     scheduler: Annotated[
         str | None, typer.Option(help="A Dask cluster, as in tcp://127.0.0.1:8786, that sees the same files.")
     ] = None,
-    workers: Annotated[int | None, typer.Option(min=1, help="Runs at once here; by default one a core.")] = None,
-    out: Annotated[Path | None, typer.Option(help="Run folders and results.csv; by default runs/<plan>.")] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Runs at a time on this machine; by default one per core.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Where run folders and results.csv go; by default runs/<plan>.")
+    ] = None,
     json: Json = False,
 ) -> None:
     """Many runs from a plan, each in a process of its own; what is finished is not run again, failures are rows."""
@@ -589,16 +618,17 @@ def tradeoff(
     scene: Annotated[str | None, typer.Argument(help="A scene; without one, the validation cases.")] = None,
     vary: Annotated[
         list[str] | None,
-        typer.Option(help="KEY=A,B,C; several: every combination. By default all profiles (profile=ci,...)."),
+        typer.Option(help="KEY=A,B,C; given several times: every combination. By default profile=ci,..."),
     ] = None,
     budget: Annotated[
-        str | None, typer.Option(help="16ms: wall time of 1/60 s simulated; realtime; 30s: of the whole run.")
+        str | None,
+        typer.Option(help="16ms: wall time per 1/60 s simulated; realtime; 30s: wall time of the whole run."),
     ] = None,
-    by: Annotated[str | None, typer.Option(help="The error that decides, as it stands in the table.")] = None,
+    by: Annotated[str | None, typer.Option(help="The error that decides: a column of the table.")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Fewer runs and seeds: minutes instead of hours.")] = False,
     profile: Profile = None,
     sets: Sets = None,
-    workers: Annotated[int | None, typer.Option(min=1, help="Cases at once; by default one a core.")] = None,
+    workers: Annotated[int | None, typer.Option(min=1, help="Cases at a time; by default one per core.")] = None,
     out: Annotated[Path | None, typer.Option(help="Where tables, pictures and runs go.")] = None,
     json: Json = False,
 ) -> None:
@@ -612,7 +642,7 @@ def tradeoff(
 def stability(
     scene: Annotated[str | None, typer.Argument(help="A scene; without one, a collapsing column.")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Fewer points: minutes instead of hours.")] = False,
-    workers: Annotated[int | None, typer.Option(min=1, help="Runs at once; by default one a core.")] = None,
+    workers: Annotated[int | None, typer.Option(min=1, help="Runs at a time; by default one per core.")] = None,
     out: Annotated[Path, typer.Option(help="Where tables, pictures and runs go.")] = Path("runs/stability"),
     json: Json = False,
 ) -> int:

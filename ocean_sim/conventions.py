@@ -11,14 +11,14 @@ accounts      sums of impulse and work, term by term, which `accuracy.csv` shows
 cell          of the grid that finds neighbours, or of a CSV file
 compression   the density error: rise of the density over the rest density
 free surface  the upper boundary of the water
-gate          an obstacle that moves, or leaves
+gate          an obstacle that moves, or is taken away
 hydrostatic offset  how far the water's own weight, or a step through a mirror, changes level or pressure
-image         a ghost particle: what a side shows of one, reflected as in a mirror
+image         a ghost particle: the mirror image of a particle in a flat side
 kind          a module of a slot's folder, which a scene names as `kind:`
 lattice       the regular positions that particles start from
-ledger        the table of what a scene allocates, compiles and takes of a step
+ledger        the table of what a scene allocates and compiles, and of its share of a step
 location      file, line and column of a text
-message       what is shown to a person; one sentence of it is a sentence
+message       a text that is shown to a person
 next to       at the side of; also of one part of a scene and another
 observer      who watches a simulation and writes files
 part          what fills a slot: its keys (a Config) and what they build
@@ -28,13 +28,13 @@ relaxed       brought towards rest, or another target, near an absorbing side
 report        to hand a fact to a person or a program; `report.html` is one
 row, column   of a table, in a file or on the device
 run folder    the files that a run leaves
-sample        a point of a solid body that the water's laws meet
+sample        a point of a solid body on which the laws of the water act
 scheme        a kind of water whose particles act on each other
 slot          wind, fluid, surface, ship, platform or time_step of a scene
 spacing       distance between particles at rest; the unit "spacings" is multiples of it
 support       the kernel support radius: within it a smoothing kernel is not zero
 surface       what is laid on the free surface for pictures and ships
-tank          the basin with nothing afloat in it
+tank          the basin without ships
 """
 
 from collections.abc import Sequence
@@ -83,6 +83,15 @@ def to_frame(frame: Frame, vectors: np.ndarray) -> np.ndarray:
 def from_frame(frame: Frame, vectors: np.ndarray) -> np.ndarray:
     """(..., 3) vectors, rates or vector parts of quaternions from the axes of a frame to ours."""
     return np.asarray(vectors) @ FRAMES[frame]
+
+
+def figures(value: float, count: int = 4) -> str:
+    """A number of so many significant figures without an exponent, as 30000 or 0.01234, and without a negative zero."""
+    short = f"{value:.{count}g}"
+    if abs(value) >= 1e15 or 0.0 < abs(value) < 1e-2:
+        return short
+    shown = f"{float(short) + 0.0:f}"
+    return shown.rstrip("0").rstrip(".")
 
 
 class Failed(Exception):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ocean_sim.conventions import Refused
+from ocean_sim.conventions import Refused, figures
 from ocean_sim.files import csv_file
 from ocean_sim.files.claim import Claim
 from ocean_sim.files.whole_file import set_aside
@@ -94,7 +94,7 @@ class Lines(Observer):
             self.first = (time, now)
         else:
             factor = (time - self.first[0]) / (now - self.first[1])
-            speed = f", {factor:.2g} x real time, {max(0.0, self.duration - time) / factor:.0f} s left"
+            speed = f", {figures(factor, 2)} x real time, {max(0.0, self.duration - time) / factor:.0f} s left"
         self.say(f"t = {time:.2f} of {self.duration:g} s{speed}")
 
     def draw(self, done: int, total: int) -> None:

@@ -78,8 +78,7 @@ class ObserverConfig(PartConfig):
         return [LedgerRow(self.name(), self.leaves, 0, f"every {every:g} s" if every else "", seconds, every)]
 
     def picture_time(self, preflight: Preflight) -> float:
-        """Wall time [s] of the pictures of a film that it draws of a run, as measured on two cores without a graphics
-        card."""
+        """Processor time [s] of the pictures that it draws of a run, as measured without a graphics card."""
         return 0.0
 
     @abstractmethod

@@ -1,5 +1,8 @@
 """What `check` and `run` estimate of a scene's time, against what it takes."""
 
+import sys
+from resource import RUSAGE_CHILDREN, getrusage
+from subprocess import run
 from time import process_time
 
 import pytest
@@ -54,3 +57,21 @@ def test_a_picture_in_2d_takes_less_than_one_in_3d():
         ]
 
     assert 0.0 < pictures() < 0.25 * pictures(width=4.0)
+
+
+def children() -> float:
+    """Processor time [s] of all processes that this one has started and waited for."""
+    used = getrusage(RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene, until", [("showcase", 4.0), ("gallery/yacht_in_waves", 2.0)])
+def test_a_run_takes_the_processor_time_that_it_was_said_to_take(scene, until, tmp_path):
+    """Pictures included; kernels in the cache, so the first of two runs does not count."""
+    command = [sys.executable, "-m", "ocean_sim", "run", scene, "--quiet", "--out"]
+    run([*command, str(tmp_path / "first"), "--until", "0.1", "--set", "render=null"], check=True)
+    before = children()
+    run([*command, str(tmp_path / "run"), "--until", f"{until:g}", "--set", "render.every=0.1"], check=True)
+    expected = preflight(load(scene, {"duration": until, "render.every": 0.1}))["estimated_processor_s"]
+    assert 1.0 / 1.5 < (children() - before) / expected < 1.5

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 from pathlib import Path
 
 import pytest
@@ -181,3 +182,11 @@ def test_the_example_of_a_number_lies_within_its_range():
         if re.fullmatch(r"-?\d+(\.\d+)?", value):
             for sign, bound in re.findall(r"(>=|<=|>|<) (-?[\d.]+(?:e[-+]\d+)?)", key.range):
                 assert holds[sign](float(value), float(bound)), f"{key.path}: {key.example}, {key.range}"
+
+
+def test_an_example_can_be_pasted_into_a_shell(capsys):
+    assert answered(["explain", "basin.walls.x_min.target"]) == 0
+    line = next(line for line in capsys.readouterr().out.splitlines() if "--set" in line)
+    assert shlex.split(line)[1:] == ["--set", "basin.walls.x_min.target={current: [0.0, 0.0, 0.0]}"]
+    assert answered(["explain", "wind.stress.u10"]) == 0
+    assert "--set wind.u10=1.0\n" in capsys.readouterr().out

@@ -5,8 +5,10 @@ from types import SimpleNamespace
 import pytest
 
 from ocean_sim import result as result_module
+from ocean_sim.observers.render import FIRST, PICTURE
 from ocean_sim.reading.scene import load
 from ocean_sim.verbs import run as run_verb
+from ocean_sim.verbs.check import drawn_in
 from ocean_sim.verbs.shared import bar as bar_module
 from ocean_sim.verbs.shared import progress as progress_module
 from ocean_sim.verbs.shared.bar import FILM, MEASURED, Drawing
@@ -85,14 +87,28 @@ def test_a_film_is_estimated_once_from_its_first_pictures(clock, capsys):
     assert 2.0 * (101 - 1 - MEASURED) == 194.0 and "render=null" in FILM
 
 
-def test_a_run_with_a_film_says_so_and_how_to_leave_it_out(capsys):
-    run_verb.film(load(SEA))  # 10 pictures of 1280 x 720, a draft taking 0.5 s
-    time = f"about {5.0:.1f} s on two idle cores"
+@pytest.mark.parametrize("film, drafts", [(True, 10), (False, 0)])
+def test_a_run_with_pictures_says_so_and_how_to_leave_them_out(film, drafts, capsys):
+    run_verb.pictures(load(SEA, {"render.film": film}))
+    time = f"about {drawn_in(FIRST[3] + drafts * PICTURE[3]['draft']):.1f} s on an idle machine"
     cure = "--set render=null leaves them out"
     assert capsys.readouterr().out == f"its pictures, drawn during the run or after it, take {time}; {cure}\n"
-    run_verb.film(load(SEA, {"render.film": False}))
-    run_verb.film(load(SEA, {"render": None}))
+
+
+@pytest.mark.parametrize("absent", ["render", "frames"])
+def test_a_run_without_pictures_says_nothing_of_them(absent, capsys):
+    run_verb.pictures(load(SEA, {absent: None}))
     assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize(
+    "since, span", [(0.0, "200 steps, 4 s simulated in "), (1.0, "200 steps, t = 1 s to 4 s simulated in ")]
+)
+def test_a_run_that_went_on_says_from_when(since, span):
+    progress = Progress(4.0, quiet=True, since=since)
+    progress.time, progress.steps = 4.0, 200
+    more = {"worst_compression": {}, "events": [], "folder": "run", "files": []}
+    assert span in run_verb.summary(progress.summary() | more)
 
 
 def test_an_interrupt_names_what_can_still_be_done(tmp_path):

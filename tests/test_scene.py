@@ -154,7 +154,7 @@ def test_a_part_without_its_kind_is_read_as_the_one_that_its_keys_are_of(folder)
         ),
         (
             HEAD + "fluid: {kind: mueller, spacing: 1.25}\nmanifest: null",
-            "s.yaml:3:11: manifest: every run records what was run; this one cannot be null",
+            "s.yaml:3:11: manifest: every run writes its manifest; this key cannot be null",
         ),
         (
             HEAD + "fluid: {kind: mueller, spacing: 1.25}\ngauges: {elevation: {far: [30, 0]}}",
@@ -293,7 +293,7 @@ def test_settings_reach_into_lists():
             "fluid.spacing.x=1",
             "fluid.spacing.x: fluid.spacing is 1.25, which has no keys; set fluid.spacing as a whole",
         ),
-        ("fluid..spacing=1", "fluid..spacing: a dot stands where a key should; did you mean 'fluid.spacing'?"),
+        ("fluid..spacing=1", "fluid..spacing: there is a dot where a key should be; did you mean 'fluid.spacing'?"),
         ("ship.hull=yacht", f"ship.kind: missing key; there are {', '.join(composition.known('ship'))}"),
         ("basin.walls.x_min=non", "basin.walls.x_min: 'non' is not a choice; did you mean 'none'?"),
     ],

@@ -62,7 +62,7 @@ def test_scalars_are_those_of_yaml_1_2(text, value):
         ),
         ("a: 1\n b: 2", "f.yaml:2:3: not valid YAML: mapping values are not allowed here"),
         ("a: *x", "f.yaml:1:4: not valid YAML: found undefined alias 'x'"),
-        ("a: &x [*x]", "f.yaml:1:4: a.0: this alias stands inside what it names"),
+        ("a: &x [*x]", "f.yaml:1:4: a.0: this alias is inside what it names"),
         ("a: !!python/object x", "f.yaml:1:4: a: tags such as tag:yaml.org,2002:python/object are not read here"),
         ("? [1, 2]\n: 3", "f.yaml:1:3: a key must be a word"),
         ("[" * 5000, "f.yaml:1:1: nested too deeply"),

@@ -5,7 +5,7 @@ height of the water and the pressure on the box.
 """
 
 # %%
-# Start from the scene that comes with the program. Overrides change single keys, as `--set` does; here a coarser
+# Start from the scene that comes with the program. Overrides change single keys, as `--set` does; here coarser
 # water, so that it takes seconds, and gauges: one height behind the box, one pressure on its front.
 
 import numpy as np
@@ -34,7 +34,7 @@ time = result.gauges["time_s"]
 column, front = result.gauges["column_m"], result.gauges["front_Pa"]
 arrival = float(time[np.argmax(front > 200.0)])
 print(f"the column has sunk by {column[0] - column[-1]:.2f} m; the front arrives at {arrival:.2f} s")
-print(f"greatest pressure on the box {1e-3 * front.max():.1f} kPa")
+print(f"highest pressure on the box {1e-3 * front.max():.1f} kPa")
 assert column[-1] < column[0] - 0.05
 assert 0.3 < arrival < 0.7
 
@@ -46,5 +46,5 @@ print(f"compressed by at most {worst:.1%}")
 
 # %%
 # The measured experiment is the case `obstacle`: `ocean-sim validate obstacle` compares heights at four places and
-# pressures at eight with it, at the resolution that its tolerances are for. To see the water, leave `surface` and
+# pressures at eight with it, at the resolution for which its tolerances are meant. To see the water, leave `surface` and
 # `render` on, or draw the run later with `ocean-sim render runs/dam_break`.

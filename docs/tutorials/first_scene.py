@@ -1,8 +1,7 @@
 """Your first scene.
 
-A scene is a text file. Ten lines of it make a tank with a wave in it, and a gauge that records how high the water
-stands. At the end you know how far the simulated period is from the one of theory, which is how every claim of this
-program is made.
+A scene is a text file. Ten lines make a tank with a wave in it, and a gauge that records the height of the water. At
+the end you know how far the simulated period is from theory; every claim of this program is made in this way.
 """
 
 # %%
@@ -27,8 +26,8 @@ frames: null                                       # keep nothing to draw
 
 # %%
 # On the command line you would now type `ocean-sim check first.yaml` and `ocean-sim run first.yaml`. From Python the
-# same is two calls. What a scene may say is checked when it is loaded: a misspelled key is refused with the likeliest
-# one.
+# same takes two calls. A scene is checked when it is loaded: a misspelled key is refused, and the likeliest one is
+# suggested.
 
 import ocean_sim
 
@@ -37,8 +36,8 @@ print(scene.preflight.particles, "particles")
 result = ocean_sim.run(scene, out="runs/first")
 
 # %%
-# The run folder holds tables, and `result` reads them by column. The elevation at the gauge swings about zero; the
-# times at which it crosses zero are half a period apart.
+# The run folder holds tables, and `result` reads them by column. The elevation at the gauge oscillates about zero; it
+# crosses zero every half period.
 
 import numpy as np
 
@@ -57,6 +56,6 @@ print(f"period {period:.3f} s, linear theory {theory:.3f} s, {100.0 * (period / 
 assert abs(period / theory - 1.0) < 0.05
 
 # %%
-# Ten rows of particles over the depth are few. Halve the spacing with `--set fluid.spacing=0.05`, and compare: that
-# experiment, over all settings, is what `ocean-sim tradeoff` does. Then look at the same wave in the table of
+# Ten rows of particles over the depth are few. Halve the spacing with `--set fluid.spacing=0.05`, and compare.
+# `ocean-sim tradeoff` does that experiment over all settings. Then look at the same wave in the table of
 # [validation](validation.md), and go on with [a gust and a real wind](tutorial_gust_and_real_wind.md).

@@ -1,7 +1,7 @@
 """A gust of the thesis against a real wind.
 
-The winds of the thesis are force fields: they push every particle within a box, deep or shallow. A real wind only rubs
-the surface. Here both blow over the same water, and you see how many times stronger the one is.
+The winds of the thesis are force fields: they push every particle within a box, deep or shallow. A real wind acts on
+the surface alone. Here both blow over the same water, and you see how many times stronger the gust is.
 """
 
 # %%
@@ -43,5 +43,5 @@ for name, scene in (("gust", gust), ("real", real)):
 assert given["gust"] > 100.0 * given["real"] > 0.0
 
 # %%
-# Both are useful. The gust shows in seconds what a wind does in hours, and it is not a wind: no claim about real waves
-# follows from it. For one, take `stress`, state its `gain` if you use one, and give it time.
+# Both are useful. The gust shows in seconds what a wind does in hours, but it is not a wind: no claim about real waves
+# follows from it. For such a claim take `stress`, state its `gain` if you use one, and give it time.

@@ -1,7 +1,7 @@
 """From a ship's motion to a platform, and over the wire to a rig.
 
-A motion log goes through a washout to the six legs of a hexapod. The commands are streamed in real time; a receiver on
-this machine stands for the rig, and takes only what is plausible.
+A motion log goes through a washout to the six legs of a hexapod. The commands are streamed in real time. A receiver on
+this machine stands in for the rig, and accepts only plausible packets.
 """
 
 # %%
@@ -42,8 +42,8 @@ print(sorted(path.name for path in Path("runs/srs").glob("[!.]*")))
 assert Path("runs/srs/platform.csv").is_file()
 
 # %%
-# Over the wire: start the receiver, then stream to it. A key that both sides have signs each packet; whoever does not
-# have it moves nothing. The receiver prints each pose that it accepts, and how many packets it turned away.
+# Over the wire: start the receiver, then stream to it. A key that both sides have signs each packet; without it
+# nothing moves. The receiver prints each pose that it accepts, and how many packets it turned away.
 
 Path("rig.key").write_text("a secret of both sides")
 address = "udp://127.0.0.1:5005"
@@ -60,5 +60,5 @@ print(said[-1])
 assert " packets, 0 lost" in said[-1]
 
 # %%
-# On a rig, run the receiver on the machine that drives the legs. In silence it brakes within the limits of its legs,
-# holds, and returns to neutral after 2 s; poses begin from neutral within a ramp.
+# On a rig, run the receiver on the machine that drives the legs. When packets stop coming it brakes within the limits
+# of its legs, holds, and returns to neutral after 2 s. Poses begin from neutral, over a ramp.

@@ -62,15 +62,15 @@ class Walls(Model):
     z: OneSide = "reflecting"
     """Both sides across z."""
     x_min: OneSide | None = None
-    """At the lowest x; null: as `x`."""
+    """The side at the lowest x; null: as `x`."""
     x_max: OneSide | None = None
-    """At the highest x; null: as `x`."""
+    """The side at the highest x; null: as `x`."""
     z_min: OneSide | None = None
-    """At the lowest z; null: as `z`."""
+    """The side at the lowest z; null: as `z`."""
     z_max: OneSide | None = None
-    """At the highest z; null: as `z`."""
+    """The side at the highest z; null: as `z`."""
     y: Literal["periodic"] | None = None
-    """`periodic`: what leaves through the bed comes in at the still surface; there is neither then."""
+    """`periodic`: what leaves through the bed comes in at the still surface, and there is neither bed nor surface."""
 
     def key(self, side: str) -> str:
         """Where the wall at `x_min`, `x_max`, `z_min` or `z_max` is written."""
@@ -93,12 +93,12 @@ class Lid(Model):
     slip: Slip = "no_slip"
     """`no_slip`: water sticks to it; `free_slip`: it slides along."""
     velocity: Vector3 = quantity("m/s", (0.0, 0.0, 0.0))
-    """It slides in its own plane."""
+    """Velocity of the lid, in its own plane."""
 
 
 class RoughBed(Model):
-    """A bed that rubs: a mirror of free slip and a shear stress tau on the water next to it, opposite to its velocity u
-    along the bed. What moves with a tank is measured in its axes, and there the bed rests."""
+    """A bed with friction: free slip, and a shear stress tau on the water next to it, opposite to the water's
+    velocity u along the bed. In a tank that moves, u is relative to the tank."""
 
     roughness: float | None = quantity("m", None, gt=0.0)
     """Nikuradse's sand roughness k_s: tau = rho (kappa u / ln(z / z0))^2 with u at the height z, z0 = k_s / 30 (Fredsoe
@@ -140,9 +140,9 @@ class RoughBed(Model):
         height = 0.5 * row
         factor = f"friction factor of {2.0 * self.drag(height):.4g} (tau = rho f |u| u / 2)"
         if self.roughness is None:
-            return [f"the bed rubs with a {factor}, u that of the lowest row of particles"]
+            return [f"the bed has a {factor}, u that of the lowest row of particles"]
         return [
-            f"the bed rubs: roughness {self.roughness:g} m, z0 {self.z0:.3g} m; u is that of the lowest row of "
+            f"the bed is rough: roughness {self.roughness:g} m, z0 {self.z0:.3g} m; u is that of the lowest row of "
             f"particles, {height:g} m or {height / self.z0:.3g} z0 above it, where the logarithmic law is a {factor}"
         ]
 
@@ -220,7 +220,8 @@ class Config(Model):
     obstacles: Annotated[tuple[Obstacle, ...], Field(strict=False)] = ()
     """Boxes that the water flows around, fixed or moving as gates do."""
     motion: Motion | None = None
-    """How the whole tank moves: `harmonic`, or as recorded in a `file`; what is measured is measured in its axes."""
+    """How the whole tank moves: `harmonic`, or as recorded in a `file`; measurements are made in the axes of the
+    tank."""
     wavemaker: Wavemaker | None = None
     """A wall that makes waves."""
 

@@ -12,10 +12,10 @@ Problems = Iterator[tuple[tuple[str, ...], str]]  # path below the side, sentenc
 
 
 class Sea(waves.HeadedTrain):
-    """Waves by linear theory that go on for ever."""
+    """Waves by linear theory, without beginning or end."""
 
     phase_deg: float = quantity("deg", 0.0)
-    """What is added to the phase of each wave; regular ones without it have a crest at the origin at time 0."""
+    """Phase added to that of each wave; without it regular waves have a crest at the origin at time 0."""
 
     def sea(self, basin: waves.Tank) -> waves.Components:
         sea = super().sea(basin)
@@ -26,10 +26,10 @@ class Target(Model):
     """A motion of the water: a current and waves, either or both."""
 
     current: Vector3 = quantity("m/s", (0.0, 0.0, 0.0))
-    """The same everywhere; it is level."""
+    """A current, the same everywhere and horizontal."""
     waves: Sea | None = None
-    """Regular by `height` and `period`, or random by a `spectrum`; periodic sides have to fit them as they do waves
-    that the water starts from."""
+    """Regular waves by `height` and `period`, or random ones by a `spectrum`; they must fit periodic sides, as waves
+    that the water starts from must."""
 
 
 class Absorbing(Model):
@@ -37,10 +37,11 @@ class Absorbing(Model):
 
     kind: Literal["absorbing"] = "absorbing"
     length: float | None = quantity("m", None, gt=0.0)
-    """Of the zone; null: from the waves of the scene, one wavelength where they are regular and two where they are
-    random, at most half the basin; a quarter of the basin where the scene names no waves."""
+    """Length of the zone; null: from the waves of the scene, one wavelength where they are regular and two where
+    they are random, at most half the basin; a quarter of the basin where the scene names no waves."""
     rate: float | None = quantity("1/s", None, gt=0.0)
-    """Of the damping at the wall; null: that which sends least of these waves back; 2.5 sqrt(g / depth) without."""
+    """Rate of the damping at the wall; null: the one that returns least of these waves; without waves 2.5 sqrt(g /
+    depth)."""
     target: Target | None = None
     """The motion that the zone leaves alone; null: rest."""
 

@@ -35,8 +35,8 @@ class Gate(Model):
     acceleration: Vector3 = quantity("m/s2", (0.0, 0.0, 0.0))
     """Its acceleration from `start` on; that of a gate that a heavy weight pulls up is at most [0, 9.81, 0]."""
     file: FileName | None = None
-    """CSV of its way, in place of both: `time_s` after `start`, and `x_m`, `y_m` or `z_m` or several of them, smooth
-    between the rows (a cubic spline). It stands still before and after them."""
+    """CSV file of its path, in place of both: `time_s` after `start`, and `x_m`, `y_m` or `z_m` or several of them,
+    smooth between the rows (a cubic spline). It stands still before and after them."""
     start: float = quantity("s", 0.0, ge=0.0)
     """When it starts to move."""
     end: float | None = quantity("s", None, gt=0.0)

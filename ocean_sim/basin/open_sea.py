@@ -14,13 +14,15 @@ class Rim(Model):
     free."""
 
     width: float | None = quantity("m", None, gt=0.0)
-    """Of the band on either side of the seam; null: three quarters of the highest waves' length, at most a quarter of
-    the patch; in calm water a quarter of the patch."""
+    """Width of the band on either side of the seam; null: three quarters of the highest waves' length, at most a
+    quarter of the patch; in calm water a quarter of the patch."""
     rate: float | None = quantity("1/s", None, ge=0.0)
-    """Of the relaxation at the seam, falling to 0 at the edge of the band; null: 1.5 times the frequency [rad/s] of the
-    highest waves, in calm water of waves as long as 4/3 of the width; 0: the sea does not reach the patch."""
+    """Rate of the relaxation at the seam, falling to 0 at the edge of the band; null: 1.5 times the frequency
+    [rad/s] of the highest waves, in calm water of waves as long as 4/3 of the width; 0: the sea does not reach the
+    patch."""
     velocity: Vector2 = quantity("m/s", (0.0, 0.0))
-    """Of the point that the band lies opposite to, along x and z, where there is no ship; it starts at the origin."""
+    """Velocity along x and z of the point opposite which the band lies, where there is no ship; it starts at the
+    origin."""
 
 
 class Nonlinear(NamedTuple):

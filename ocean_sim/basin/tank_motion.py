@@ -144,7 +144,7 @@ class Harmonic(Tank):
     """Phase at time 0; with 90 a cosine."""
     ramp: float | None = quantity("s", None, ge=0.0)
     """Time over which the motion grows to its amplitude, from rest at the middle whatever its phase; by default one
-    period. With 0 the tank is where its phase has it and has its full speed at once, and the water with it."""
+    period. With 0 the tank, and the water with it, starts with the position and speed of its phase."""
 
     @property
     def mean_frequency(self) -> float:

@@ -283,7 +283,7 @@ class _Reader:
         if self.count > MOST_VALUES:
             raise SceneError([*self.problems, problem(location, path, f"more than {MOST_VALUES} values")])
         if id(tree) in self.open:
-            return self.refuse(tree, path, "this alias stands inside what it names")
+            return self.refuse(tree, path, "this alias is inside what it names")
         self.open.add(id(tree))
         data: Any
         if tree.id == "mapping":

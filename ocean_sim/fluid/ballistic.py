@@ -31,7 +31,10 @@ class Config(WaterConfig):
         found = super().problems(preflight)
         if preflight.tank.rough_bed is not None:
             found.append(
-                (("kind",), "particles that ignore each other form no layer for a bed to rub on; leave basin.floor out")
+                (
+                    ("kind",),
+                    "particles that ignore each other have no layer on which a bed could act; leave basin.floor out",
+                )
             )
         return found
 

@@ -67,8 +67,8 @@ class Config(SphConfig):
     kernel: ClassVar[Kernel] = NEUTRAL
     kind: Literal["delta_sph"] = "delta_sph"
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
-    """Kernel support radius over the spacing; by default 4.0. There the lattice that water starts
-    from bears no shear, so that waves run at their speed, and hardly gives way; much less of it damps waves."""
+    """Kernel support radius over the spacing; by default 4.0. At 4.0 the lattice from which water starts bears no
+    shear, so that waves run at their speed, and hardly gives way; a much smaller support damps waves."""
     exponent: int = quantity("1", 1, ge=1, le=9)
     """gamma of p = c^2 rho0 / gamma ((rho / rho0)^gamma - 1): 1 is linear, 7 is Tait's."""
     density_diffusion: float = quantity("1", 0.1, ge=0.0, le=0.5)

@@ -77,8 +77,8 @@ class Config(SphConfig):
     minimum_pressure: float | None = quantity("Pa", 0.0, ge=0.0, le=0.0)
     """Zero: water with a free surface has no negative pressures."""
     artificial_viscosity: float = quantity("1", 0.01, ge=0.0)
-    """alpha: under a free surface alpha times reference_speed and 0.4 of the kernel support radius is added to
-    the viscosity."""
+    """alpha: in water with a free surface, alpha times reference_speed times 0.4 of the kernel support radius is
+    added to the viscosity."""
     density_tolerance: float = quantity("1", 5.0e-4, gt=0.0)
     """Mean error of the density that a step may end with, over the rest density; calm water ends with less."""
     divergence_tolerance: float = quantity("1", 1.0e-3, gt=0.0)

@@ -27,13 +27,13 @@ from ocean_sim.wind import Wind
 
 
 class Config(waves.GrowingTrain, FluidConfig):
-    """Regular waves (`height`, `period`, `heading_deg`) or a `spectrum`; sides of the basin do not reflect them. They
-    grow over the `ramp`, so that what floats does not begin with the speed of a phase."""
+    """Regular waves (`height`, `period`, `heading_deg`) or a `spectrum`; sides of the basin do not reflect them.
+    They grow over the `ramp`, so that floating hulls do not begin with the velocity of one phase."""
 
     example: ClassVar[dict[str, Any]] = {"height": 0.5, "period": 4.0}
     kind: Literal["linear_waves"] = "linear_waves"
     height: float | None = quantity("m", None, ge=0.0)
-    """From trough to crest; 0 is calm water."""
+    """Height from trough to crest; 0 is calm water."""
     rest_density: float = quantity("kg/m3", WATER_DENSITY, gt=0.0)
     """Density of the water."""
 

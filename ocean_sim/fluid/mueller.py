@@ -40,9 +40,9 @@ class Config(SphConfig):
     support_ratio: float = quantity("spacings", 2.0, ge=1.2, le=6.0)
     """Kernel support radius over the spacing: 2h in papers that call half the support h."""
     stiffness: float | None = quantity("m2/s2", None, gt=0.0)
-    """k of (2.15) outright, the square of the sound speed, in place of `compression`."""
+    """k of (2.15), the square of the sound speed, given in place of `compression`."""
     minimum_pressure: float | None = quantity("Pa", 0.0)
-    """Pressures below it are raised to it; null: none."""
+    """Lowest pressure, to which lower ones are raised; null: none."""
 
     @model_validator(mode="after")
     def _one_stiffness(self) -> "Config":

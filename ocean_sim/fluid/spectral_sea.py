@@ -1,4 +1,4 @@
-"""An open sea that answers: waves that come from afar, and those that ships and winds make, without particles.
+"""An open sea without particles: waves that come from afar, and those that ships and winds make.
 
 The sea from afar is a sum of plane waves, in closed form (`order: 1`), or a nonlinear sea on a tile that repeats itself
 (`order: 3`, `shared/high_order.py`). Each ship pushes a tile of her own, which travels with her and fades at its rim
@@ -62,12 +62,13 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
     """`1`: linear waves; `3`: the sea that comes from afar is nonlinear up to the third order in its slope, and repeats
     itself on the tile. What ships and winds make stays linear."""
     tile: float | None = quantity("m", None, gt=0.0)
-    """Side of the tiles; null: six of the highest waves, in calm water the longer side of the basin."""
+    """Side length of the tiles; null: six wavelengths of the highest waves, in calm water the longer side of the
+    basin."""
     cells: int = quantity("1", CELLS, ge=16, le=1024, multiple_of=2)
     """Cells along a tile."""
     step: float | None = quantity("s", None, gt=0.0)
-    """Time between two steps of the tiles; null: waves of four cells turn by 0.8 rad in it, and of a nonlinear sea the
-    highest by a fortieth of its period at most."""
+    """Time step of the tiles; null: in one step waves of four cells turn by 0.8 rad, and in a nonlinear sea the
+    highest waves by at most a fortieth of their period."""
     rest_density: float = quantity("kg/m3", WATER_DENSITY, gt=0.0)
     """Density of the water."""
 

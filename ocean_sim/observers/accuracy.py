@@ -1,4 +1,4 @@
-"""How well the water conserves density, energy and momentum, and which force gave and took how much."""
+"""How well the water conserves density, energy and momentum, and how much each force gave or took."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar

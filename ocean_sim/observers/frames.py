@@ -1,5 +1,5 @@
-"""Keeps what a picture or an export needs: particles, the height of the water, its surface, and
-where the ships are; one file a frame. What is of a ship begins with the key she is written under."""
+"""Keeps what a picture or an export needs: particles, the height of the water, its surface, and where the ships are;
+one file a frame. The names of a ship's arrays begin with the key of the ship."""
 
 from collections.abc import Sequence
 from dataclasses import replace

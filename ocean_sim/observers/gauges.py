@@ -52,10 +52,10 @@ class Sensor(Model):
     at: Point = quantity("m")
     """The middle of its face [x, y, z]; in 2-D [x, y]."""
     diameter: float | None = quantity("m", None, ge=0.0)
-    """Of its face, over which it takes the mean; null or 0: a point."""
+    """Diameter of its face, over which the pressure is averaged; null or 0: a point."""
     normal: Point | None = quantity("1", None)
-    """Where its face looks to, of any length; by default straight away from the nearest side, bed, lid or face of a
-    fixed obstacle, so that the sensor is flush with it."""
+    """The direction in which its face looks, a vector of any length; by default straight away from the nearest side,
+    bed, lid or face of a fixed obstacle, so that the sensor is flush with it."""
     rides: bool = False
     """Whether `at` is seen from the middle of the ships, or of a patch of open sea that has none, and goes with it; it
     does not turn with them."""

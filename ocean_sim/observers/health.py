@@ -56,7 +56,7 @@ class Config(PeriodicConfig):
     """How far from the basin a particle may get where no wall stops it; by default one diagonal of the basin."""
 
     max_energy_gain: float = quantity("1", 0.1, gt=0.0)
-    """Energy that water may gain which nothing but gravity drives, over its mass times the square of the fluid's
+    """Energy that water driven by nothing but gravity may gain, over its mass times the square of the fluid's
     reference speed: of motion, height and compression together, and of motion and height alone."""
 
     def build(self, folder: Path, simulation: "Simulation") -> "Health":

@@ -19,7 +19,7 @@ ROWS = 100  # answered together, where nobody waits for each
 
 
 class Config(ObserverConfig):
-    """It has no keys: its rate is that of `motion`."""
+    """No keys: its rate is that of `motion`."""
 
     leaves: ClassVar[str] = "platform.csv; washout and hexapod"
     takes: ClassVar[tuple[float, float]] = (8.4e-5, 0.0)

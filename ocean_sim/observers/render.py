@@ -37,10 +37,11 @@ from ocean_sim.simulation import Concluding, PeriodicConfig, Progress
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
-PICTURE = {  # [s] of a picture of 1280 x 720 on two cores without a graphics card, by dimensions and quality
-    2: {"draft": 0.07, "final": 0.18},
-    3: {"draft": 0.5, "final": 1.1},
+PICTURE = {  # processor time [s] of a picture of 1280 x 720 without a graphics card, by dimensions and quality
+    2: {"draft": 0.1, "final": 0.26},
+    3: {"draft": 0.7, "final": 1.9},
 }
+FIRST = {2: 3.3, 3: 7.0}  # of starting to draw, and of the pictures next to the film [s]
 GAP = 6  # pixels between the pictures of a strip
 YIELDING = 10  # by which the child that draws is nicer than a run that goes on
 MOMENTS = "moments.png"  # next to the film
@@ -87,8 +88,8 @@ class Config(PeriodicConfig):
     outline: bool = False
     """Draw where the basin ends, on the water."""
     scale_bar: bool = False
-    """Draw a bar of so many metres, as long as they are at the ship, or else in the middle of the basin; from `top`
-    also one of the colours of heights, and with `wind` what an arrow stands for."""
+    """Draw a scale bar in metres, right at the ship or else in the middle of the basin; from `top` also a bar with
+    the colours of heights, and with `wind` what an arrow stands for."""
     wind: bool = False
     """Draw where the wind blows, as tinted volumes with an arrow along what it does there, and a cross where it is
     nothing but noise."""
@@ -134,8 +135,14 @@ class Config(PeriodicConfig):
         return int(duration / self.every * (1.0 + 1e-9)) + 1 if self.film else 0
 
     def picture_time(self, preflight: Preflight) -> float:
-        each = PICTURE[preflight.tank.dimension][self.quality] * self.size[0] * self.size[1] / (1280.0 * 720.0)
-        return self.film_pictures(preflight.duration) * each
+        if "frames" not in preflight.parts:  # there is nothing to draw
+            return 0.0
+        dimension, pixels = preflight.tank.dimension, self.size[0] * self.size[1] / (1280.0 * 720.0)
+        further = len(self.stills) + self.strip
+        return (
+            FIRST[dimension]
+            + (self.film_pictures(preflight.duration) + further) * PICTURE[dimension][self.quality] * pixels
+        )
 
     def build(self, folder: Path, simulation: "Simulation") -> "Render":
         return Render(self, folder, simulation)
@@ -185,7 +192,7 @@ class Render(Concluding):
         except (OpenGLMissing, RenderFailed) as problem:
             print(f"no pictures: {problem}", file=sys.stderr)
         except KeyboardInterrupt:
-            print(f"the run is over, but its pictures are not all drawn; {later}", file=sys.stderr)
+            print(f"the run is complete, but not all of its pictures are drawn; {later}", file=sys.stderr)
             raise
         else:
             if (self.folder / "report.html").exists():

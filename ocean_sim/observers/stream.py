@@ -29,9 +29,9 @@ class Config(ObserverConfig):
     """Their format; `ocean_sim`: poses and legs, and signed with a `key`; `openmotionsim`: angles and height; `floats`:
     six motions for FlyPt Mover and SimHub; `text`: the same, a line of numbers, for SimTools."""
     frame: Literal["flu", "ned", "ship"] = "flu"
-    """The axes of their poses; `flu` (ISO 8855), `ned` (SNAME) or `ship`: ours."""
+    """Axes of the poses; `flu` (ISO 8855), `ned` (SNAME) or `ship`: ours."""
     key: FileName | None = None
-    """A file whose content signs every packet, of `ocean_sim` alone; null: they are not signed."""
+    """A file whose content signs every packet (of `ocean_sim` only); null: they are not signed."""
 
     @field_validator("to")
     @classmethod

@@ -40,7 +40,7 @@ class Config(PeriodicConfig):
     leaves: ClassVar[str] = "tracers.csv"
     takes: ClassVar[tuple[float, float]] = (7.3e-4, 3.2e-8)
     ids: list[Number] = []
-    """Numbers of particles."""
+    """Particles to follow, by their numbers."""
     boxes: list[Box] = []
     """Boxes [m] whose particles, as they are at the start, are followed; in 2-D z is 0."""
     every: float = quantity("s", 0.05, gt=0.0)

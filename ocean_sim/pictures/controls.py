@@ -24,7 +24,7 @@ def controls(box: Any, panel: Panel, simulation: Subject, pace: float | None) ->
         for action, label in (("wind before", "previous wind (b)"), ("next wind", "next wind (m)")):
             if box.button(label):
                 panel.do(action)
-        box.text("another wind builds anew, some s")
+        box.text("another wind restarts the run")
     for slider in panel.sliders:
         box.text(slider.label)  # words next to a slider would be cut off
         slider.move(box.slider_float(f"##{slider.label}", slider.value, slider.low, slider.high))

@@ -34,11 +34,11 @@ class Config(PlatformConfig):
     washout: str | AnyWashout = Field("ship", validate_default=True)
     """A name in configs/washout/, or a washout itself."""
     ramp: float = quantity("s", 3.0, ge=0.0)
-    """Time over which the platform goes over from neutral to the motion, and of a stream back to neutral at its end."""
+    """Time over which the platform goes from neutral into the motion, and at the end of a stream back to neutral."""
 
     catch_up: float = quantity("m/s2", 2.0, gt=0.0)
-    """Largest acceleration of a platform that fell behind. Near the end of a stroke it is braked with at most half as
-    much again; beyond that its reference point and its joints accelerate only as the washout asks."""
+    """Largest acceleration, beyond what the washout asks for, with which a platform that fell behind catches up. Near
+    the end of a stroke it is braked with at most half as much again."""
 
     @field_validator("geometry", "washout", mode="before")
     @classmethod

@@ -102,7 +102,7 @@ class Composition:
         if "" in path:
             meant = ".".join(filter(None, path)) or None
             end = f"; did you mean {meant!r}?" if meant else ""
-            self.problems.append(problem(value.location, key, f"a dot stands where a key should{end}", meant))
+            self.problems.append(problem(value.location, key, f"there is a dot where a key should be{end}", meant))
             return
         if path == (SEVERAL,):
             self.set_ships(value)

@@ -406,7 +406,7 @@ def _observers(
         node = data.get(name, root.with_data({} if on else None))
         if node.data is None:
             if name == "manifest":
-                problems.append(problem(node.location, name, "every run records what was run; this one cannot be null"))
+                problems.append(problem(node.location, name, "every run writes its manifest; this key cannot be null"))
             continue
         config = validated(import_module(f"ocean_sim.observers.{name}").Config, node, (name,), problems, folder)
         if config is not None:

@@ -1,4 +1,4 @@
-"""A ship that floats by its volume: cubes in the water's pressure; no added mass.
+"""A ship that floats by its volume: the pressure of the water on cubes; no added mass.
 
 In a sea in closed form that is the pressure at each cube's own depth, and what damps the hull acts on its motion
 through the water, which moves too. Over particles the push is along the normal of the surface, not straight up, which

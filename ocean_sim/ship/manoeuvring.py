@@ -39,7 +39,7 @@ HOERNER = (
 
 
 class Config(VesselConfig):
-    """Where it begins and who steers; its numbers are those of the model."""
+    """Where the ship begins and who steers; all other numbers are those of the model."""
 
     needs_surface: ClassVar[bool] = False
     kind: Literal["manoeuvring"] = "manoeuvring"

@@ -1,4 +1,4 @@
-"""A ship that floats by what the particles press on it, and nothing else: no law gives the height of the water.
+"""A ship that floats by the pressure of the particles and nothing else: no law gives the height of the water.
 
 The hull is sampled as any solid body in the water; the water's laws push it as strongly as it pushes them. To a body
 that speeds up, water near it answers at once, with a mass that can exceed the body's own; given its acceleration of the
@@ -36,7 +36,7 @@ class Config(FloatingConfig):
     fineness: ClassVar[int] = 3
     kind: Literal["pressure"] = "pressure"
     contact: None = None
-    """The water's own laws meet this hull."""
+    """The laws of the water itself act between particles and this hull."""
 
     def solid(self, preflight: Preflight) -> Solid:
         still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)

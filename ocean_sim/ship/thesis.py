@@ -31,9 +31,9 @@ class Config(FloatingConfig):
 
     kind: Literal["thesis"] = "thesis"
     linear_damping: float = quantity("1/s", 0.2, ge=0.0)
-    """Share of the velocity that is lost a second."""
+    """Share of the velocity that is lost per second."""
     angular_damping: float = quantity("1/s", 0.4, ge=0.0)
-    """Share of the angular velocity that is lost a second."""
+    """Share of the angular velocity that is lost per second."""
 
     def build(self, name: str, basin: Basin, fluid: Fluid) -> Ship:
         return Thesis(name, self, basin, fluid)

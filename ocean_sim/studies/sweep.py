@@ -36,7 +36,7 @@ class PlanConfig(Model):
     scene: str
     """A scene file, or the name of a packaged scene."""
     profile: str | None = None
-    """What the machine can afford: a name in configs/run/."""
+    """A profile, which says what the machine can afford: a name in configs/run/."""
     set: dict[str, Any] = {}
     """Settings of every run."""
     list: Groups = []

@@ -40,7 +40,7 @@ class Config(SurfaceConfig):
     """How far from a node its water counts; at least a spacing and at most a support of the particles. null: two
     spacings, or the support where that is less."""
     stretching_stiffness: float = quantity("1/s2", 18.0, ge=0.0)
-    """Of stretch and shear springs: spring constant over mass of a node."""
+    """Stiffness of stretch and shear springs: spring constant over mass of a node."""
     bending_stiffness: float = quantity("1/s2", 18.0, ge=0.0)
     """The same for bend springs."""
     damping: float = quantity("1/s", 0.06, ge=0.0)

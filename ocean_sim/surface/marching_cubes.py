@@ -32,7 +32,7 @@ WIDEST = 6.0  # [spacings] radius at most: a node then counts 900 particles
 
 
 class Config(SurfaceConfig):
-    """Triangles around the water, from the rows near it of a grid over the whole basin."""
+    """Triangles around the water, from the rows near water of a grid over the whole basin."""
 
     when_read: ClassVar[bool] = True  # it is made where something reads it, not in each step
     compared: ClassVar[bool] = True
@@ -48,9 +48,9 @@ class Config(SurfaceConfig):
     height: float | None = quantity("m", None, gt=0.0)
     """How far above the still water the grid ends (the listing's range); null: as far as the bed lies below."""
     most_nodes: int = quantity("nodes", 2**23, ge=1, le=MOST_NODES)
-    """Nodes near water that are kept at a time; more stop the run."""
+    """Largest number of nodes near water that are kept at a time; more stop the run."""
     most_triangles: int = quantity("triangles", 4_000_000, ge=1)
-    """A mesh of more stops the run."""
+    """Largest number of triangles of a mesh; more stop the run."""
 
     def completed(self, preflight: Preflight) -> Self:
         assert preflight.spacing is not None

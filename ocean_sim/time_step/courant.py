@@ -14,14 +14,14 @@ class Config(TimeStepConfig):
 
     kind: Literal["courant"] = "courant"
     courant_number: float = quantity("1", 0.6, gt=0.0)
-    """The CFL number, of h / (c + |v|): how far sound and water may run in a step; h is 0.4 or 0.5 of the kernel
-    support radius, by the kernel."""
+    """The CFL number, a fraction of h / (c + |v|): how far sound and water may travel in a step; h is 0.4 or 0.5 of
+    the kernel support radius, depending on the kernel."""
     viscous_number: float = quantity("1", 0.125, gt=0.0)
-    """Of h^2 / nu: how far shear may spread in a step."""
+    """Fraction of h^2 / nu: how far shear may spread in a step."""
     force_number: float = quantity("1", 0.25, gt=0.0)
-    """Of sqrt(h / |a|): how far a force may throw a particle in a step."""
+    """Fraction of sqrt(h / |a|): how far a force may move a particle in a step."""
     longest: float = quantity("s", 0.05, gt=0.0)
-    """The longest step of all."""
+    """The longest time step allowed."""
 
     def advice(self, limit: str, shortest: float) -> str:
         return "try a smaller time_step.courant_number, a smaller fluid.compression (stiffer water), or a weaker wind"

@@ -1,4 +1,4 @@
-"""The same time step always, whatever the water does."""
+"""The same time step throughout, whatever the water does."""
 
 from typing import Any, ClassVar, Literal
 

@@ -1,4 +1,4 @@
-"""What an absorbing side sends back of regular waves of a piston, against linear theory for its zone.
+"""How much of a piston's regular waves an absorbing side returns, against linear theory for its zone.
 
 The zone is that which a side gets of which no more is said: one wavelength long. Incident and reflected waves are
 separated by three gauges, when the waves have gone there and back. Measured under delta_sph: 1.0 % at a spacing of 1/80

@@ -1,4 +1,4 @@
-"""A round drop that becomes an ellipse: no walls, no gravity, u = (-A0 x, A0 y), and an exact solution.
+"""A round drop that becomes an ellipse, without walls or gravity: u = (-A0 x, A0 y), and an exact solution.
 
 Monaghan (1994, J. Comput. Phys. 110, 399-406): radius 1 m, A0 = 100 /s, sound at 1400 m/s, to A0 t = 0.76. The
 semi-axes obey A' = A^2 (a^4 - 1) / (a^4 + 1), a' = -a A with a b = 1; kinetic energy is kept. Axes are measured by

@@ -1,4 +1,4 @@
-"""Still water: hydrostatic pressure, and nothing moves.
+"""Still water: its pressure is hydrostatic, and nothing moves.
 
 Set-up of Adami, Hu & Adams (2012, J. Comput. Phys. 231): 2 x 0.9 m, |g| = 1 m/s2, Re 100, sound ten times as fast as
 sqrt(g H). The slow set-up is a tank of water at rest for a minute.

@@ -1,4 +1,4 @@
-"""A box that floats in a patch of open sea, carried by what the particles press on it: does it move as in the sea.
+"""A box that floats in a patch of open sea, carried by the pressure of the particles: does it move as in the sea?
 
 A section 1.0 m wide and 0.2 m deep, on eight spacings in its draught, across waves of 1.8 s and 60 mm, free in heave
 and pitch (its roll: waves go across it); at rest, and towed against the waves. The sea grows over two periods, since

@@ -1,4 +1,4 @@
-"""A free yacht in regular waves: its drift does not depend on the phase that it begins in, nor do waves turn it about.
+"""A free yacht in regular waves: its drift does not depend on the phase at the start, and waves do not turn it.
 
 From eight phases of a head sea of 1 m and 5 s, over the twelve periods after eighteen (weighed by Hann's window, as the
 ship meets the waves a little later each time): how far the slowest and the fastest drift are apart. The drift itself is

@@ -1,4 +1,4 @@
-"""A barge in regular waves of a sea that answers to her, against the same barge in the same waves in closed form.
+"""A barge in regular waves of a `spectral_sea`, against the same barge in the same closed-form waves.
 
 What she makes is kept on a tile of her own and never acts on her: her law of motion has it already, as added mass and
 damping. So her answers are those of `linear_waves`.

@@ -1,4 +1,4 @@
-"""Linear waves on a tile of open sea: what they keep, what the rim of a ship's tile sends back, and a random sea.
+"""Linear waves on a tile of open sea: what they keep, what the rim of a ship's tile returns, and a random sea.
 
 Without rim the step is exact: energy and phase stay for a hundred periods. Waves that an oscillating pressure sends out
 are compared with those on a tile eight times as large: the difference is what the rim has sent back. A sea from

@@ -1,4 +1,4 @@
-"""The waves of a pressure that passes, where another ship feels them: their height abeam, at one and three lengths.
+"""The waves of a moving pressure where another ship feels them: their height abeam, at one and three lengths.
 
 In axes that move with a pressure p at a speed U along x, steady linear waves in deep water are
 eta = 1 / (2 pi^2 rho U^2) Re of the integral over t in -pi/2..pi/2 of sec^2 t times that over k in 0..inf of

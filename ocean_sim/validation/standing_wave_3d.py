@@ -1,4 +1,4 @@
-"""Standing waves in a tank with a width: their period and decay, in water of some depth and in deep water.
+"""Standing waves in a tank with a width: their period and decay, at intermediate depth and in deep water.
 
 What a slice does not show: at some supports the lattice that water starts from bears shear under pressure, as a crystal
 does, and waves are borne by it as well; they run fast, by the same share in finer water. With the shear modulus of a

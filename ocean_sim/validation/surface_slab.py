@@ -1,4 +1,4 @@
-"""A slab of particles with a wave on it that does not move: how well a surface shows the water that it is fitted to.
+"""A slab of particles with a frozen wave on it: how well a surface fits the water.
 
 Columns of the lattice are moved up and down by a cos k x, as in a shear, so that the water near its surface keeps its
 density and has that surface exactly; further down the shift fades away towards the bed. A surface smooths: poly6 of

@@ -4,6 +4,7 @@ from math import isinf
 from typing import Any
 
 from ocean_sim import machine
+from ocean_sim.conventions import figures
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.parts import LedgerRow, called
 from ocean_sim.reading.scene import SceneConfig, load
@@ -12,11 +13,15 @@ from ocean_sim.time_step.courant import Config as Courant
 from ocean_sim.verbs.shared import console
 
 NOTHING = dict.fromkeys(
-    ("particles", "memory_mb", "bytes_a_particle", "most_particles", "time_step", "limited_by", "estimated_wall_s")
+    (
+        *("particles", "memory_mb", "bytes_a_particle", "most_particles", "time_step", "limited_by"),
+        *("estimated_wall_s", "estimated_processor_s"),
+    )
 )
 CARD = 16e9  # [bytes] of a graphics card, which cannot be asked for its own before it is started
 FEW = 20_000  # particles, below which most memory of the water does not go with their number
 LONGEST = 0.8  # the courant number of the profiles `ci` and `interactive`, up to which steps were found stable
+DRAWN_ALONE = 0.36  # share of the processor time of pictures that one core takes by itself; measured
 ON_ALL_THREADS = ("wind", "fluid", "surface")  # whose work among particles all threads share; one does the rest
 START, START_OF_PARTICLES = 3.1, 3.4  # [s] imports and kernels out of their cache, and what particles add; measured
 
@@ -70,10 +75,11 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
     steps = config.duration / dt
     shared = sum(row.a_step(dt) for row in rows if particles and row.part in ON_ALL_THREADS)
     alone = sum(row.a_step(dt) for row in rows) - shared
+    start, pictures = START + (START_OF_PARTICLES if particles else 0.0), pictures_of(config)
     parts = {
-        "start_s": START + (START_OF_PARTICLES if particles else 0.0),
+        "start_s": start,
         "steps_s": None if card else steps * (shared / threads + alone),  # that of cards was not measured
-        "pictures_s": sum(part.picture_time(config.preflight) for part in config.observers.values()),
+        "pictures_s": drawn_in(pictures),
     }
     return {
         "ok": True,
@@ -90,9 +96,20 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         "stable_limited_by": limit,
         "estimated_wall_s": None if parts["steps_s"] is None else sum(filter(None, parts.values())),
         "estimated_by_part": parts,
+        "estimated_processor_s": None if card else start + steps * (shared + alone) + pictures,
         "ships": ships(config),
         "ledger": rows,
     }
+
+
+def pictures_of(config: SceneConfig) -> float:
+    """Processor time [s] of all pictures of a run."""
+    return sum(part.picture_time(config.preflight) for part in config.observers.values())
+
+
+def drawn_in(pictures: float) -> float:
+    """Wall time [s] of so much processor time of pictures, where all cores are idle."""
+    return pictures * (DRAWN_ALONE + (1.0 - DRAWN_ALONE) / machine.cores())
 
 
 def room(config: SceneConfig, rows: list[LedgerRow], particles: int) -> dict[str, int | None]:
@@ -153,8 +170,11 @@ def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
     terms = ", ".join(f"{name} {console.duration(seconds)}" for name, seconds in shown.items() if seconds)
     if whole is None:
         return f"no estimate of the wall time of the steps ({terms}) for {config.duration:g} s"
-    meanwhile = "; most films are drawn meanwhile, in less where cores are idle" if parts["pictures_s"] else ""
-    return f"about {console.duration(whole)} for {config.duration:g} s on an idle machine ({terms}){meanwhile}"
+    busy = console.duration(found["estimated_processor_s"])
+    return (
+        f"about {console.duration(whole)} for {config.duration:g} s on an idle machine ({terms}); "
+        f"{busy} of processor time"
+    )
 
 
 def fitting(found: dict[str, Any], config: SceneConfig) -> str:
@@ -220,7 +240,7 @@ def long(found: dict[str, Any], config: SceneConfig) -> None:
         if ship["draught_m"] is not None:
             periods = ", ".join(f"{motion} {t:.3g} s" for motion, t in ship["periods_s"].items() if t is not None)
             console.say(
-                f"{called(name)}: {console.figures(ship['displacement_kg'])} kg, draught {ship['draught_m']:.3g} m, GM "
+                f"{called(name)}: {figures(ship['displacement_kg'])} kg, draught {ship['draught_m']:.3g} m, GM "
                 f"{ship['gm_m']:.3g} m, longitudinal GM {ship['gm_longitudinal_m']:.3g} m; natural periods: {periods}"
             )
     for sentence in found["statements"]:

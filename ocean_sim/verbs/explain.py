@@ -1,5 +1,6 @@
 """`ocean-sim explain`: one key of a scene: what it means, its unit, default and range, and how to set it."""
 
+import shlex
 from typing import Any
 
 from ocean_sim.files.yaml_file import Location, node_of
@@ -112,7 +113,7 @@ def lines(key: Key, paths: list[str]) -> list[str]:
         f"  {key.meaning}",
         f"  takes    {key.takes}{unit_of(key)}{bounds}",
         f"  default  {key.default or 'none'}",
-        f"  example  --set {key.example}",
+        f"  example  --set {shlex.quote(key.example)}",
         *([f"  where    {slot}.kind is {' or '.join(owners)}"] if owners else []),
     ]
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ocean_sim.conventions import GRAVITY, WATER_DENSITY
+from ocean_sim.conventions import GRAVITY, WATER_DENSITY, figures
 from ocean_sim.verbs.shared import console
 
 if TYPE_CHECKING:
@@ -205,9 +205,7 @@ def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> t
             problems.append(f"cubes of {cubes.size[1]:.3g} m miss the mesh's volume by {off:+.1%}; take more --cells")
     facts: dict[str, Any] = {"volume_m3": cubes.volume, "displacement_kg": weight}
     if isinf(afloat.draught):
-        problems.append(
-            f"{console.figures(weight)} kg is more than {console.figures(cubes.volume)} m3 can carry: it sinks"
-        )
+        problems.append(f"{figures(weight)} kg is more than {figures(cubes.volume)} m3 can carry: it sinks")
         return facts | {**EMPTY, **facts, "gz": [], "periods_s": {}, "problems": problems}, notes
     resolved = afloat.draught / float(cubes.size[1])
     if resolved < 0.9 * asked.cells:
@@ -381,7 +379,7 @@ def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | Non
             where += " or more" if key == "vanishing_deg" and value == LAST else ""
             if key in sides and value != 0.0:
                 where, value = f" {sides[key][value > 0.0]}", abs(value)
-            rows.append([stem.replace("_", " "), f"{console.figures(value)} {units[unit]}{where}"])
+            rows.append([stem.replace("_", " "), f"{figures(value)} {units[unit]}{where}"])
     for motion, period in found["periods_s"].items():
         shown = "none" if period is None else f"{period:.3g} s ({found['dry_periods_s'][motion]:.3g} s without water)"
         rows.append([f"{motion} period", shown])

@@ -44,7 +44,7 @@ def resumed(folder: Path, until: float | None, anyway: bool, as_json: bool, quie
     else:
         kept = newest(folder, config)
         changed = check(folder, kept, manifest["scene"], until, anyway)
-    progress = Progress(config.duration, as_json or quiet)
+    progress = Progress(config.duration, as_json or quiet, 0.0 if kept is None else kept.time)
     if not (as_json or quiet):
         nothing = "it ended before its first checkpoint: it starts at t = 0"
         start = nothing if kept is None else f"going on from t = {kept.time:.3f} s"

@@ -6,11 +6,12 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
+from ocean_sim.conventions import figures
 from ocean_sim.files.claim import Claim, Claimed
 from ocean_sim.files.yaml_file import Location, Node, node_of
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.result import Result, simulated
-from ocean_sim.verbs.check import preflight, short
+from ocean_sim.verbs.check import drawn_in, pictures_of, preflight, short
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.progress import Progress
 
@@ -43,15 +44,15 @@ def run(
             console.say(short(preflight(config), config))
             console.say(f"writing {folder}")
             console.say(kernels())
-            film(config)
+            pictures(config)
         report(lambda: simulated(config, folder, (progress,)), progress, config, folder, as_json, quiet)
 
 
-def film(config: SceneConfig) -> None:
-    """Print the estimated time of the film, and how to leave it out; its first pictures give a better estimate."""
-    seconds = sum(part.picture_time(config.preflight) for part in config.observers.values())
+def pictures(config: SceneConfig) -> None:
+    """Print the estimated time of the pictures, and how to leave them out; the first of a film give a better one."""
+    seconds = pictures_of(config)
     if seconds:
-        time = f"about {console.duration(seconds)} on two idle cores"
+        time = f"about {console.duration(drawn_in(seconds))} on an idle machine"
         console.say(f"its pictures, drawn during the run or after it, take {time}; --set render=null leaves them out")
 
 
@@ -158,9 +159,11 @@ def written(result: Any, config: SceneConfig) -> dict[str, Any]:
 
 def summary(facts: dict[str, Any]) -> str:
     """The last lines of a run, for people."""
-    factor, limits = f"{facts['real_time_factor']:.2g} x real time after the start", facts["limited_by"]
+    factor, limits = f"{figures(facts['real_time_factor'], 2)} x real time after the start", facts["limited_by"]
+    end, since = f"{facts['simulated_s']:.3g} s simulated", facts["since_s"]
+    span = f"t = {since:.3g} s to {end}" if since else end
     lines = [
-        f"{facts['particles'] or 'no'} particles, {facts['steps']} steps, {facts['simulated_s']:.3g} s simulated in "
+        f"{facts['particles'] or 'no'} particles, {facts['steps']} steps, {span} in "
         f"{console.duration(facts['wall_s']['start'] + facts['wall_s']['steps'])}, start included; {factor}",
         f"time step limited by {', '.join(f'{name} {share:.0%}' for name, share in limits.items())}",
     ]

@@ -34,7 +34,7 @@ def tradeoff(
         return
     for name, given in (("vary", vary), ("budget", budget), ("by", by), ("profile", profile), ("set", sets)):
         if given:
-            raise console.Refused(f"--{name} is about a scene, as in ocean-sim tradeoff SCENE --{name} ...")
+            raise console.Refused(f"--{name} needs a scene, as in ocean-sim tradeoff SCENE --{name} ...")
     with console.claim(out or Path("runs/tradeoff")) as folder:
         of_cases(quick, workers, folder, as_json)
 

@@ -1,11 +1,18 @@
 """`ocean-sim validate`: problems with known answers, in a table, a CSV file and a picture a case."""
 
 import csv
+import os
+import signal
 from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from fnmatch import filter as matching
+from multiprocessing import active_children, get_context, parent_process
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
+from ocean_sim.machine import cores
 from ocean_sim.parts import kinds
 from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.validation import names, problems
@@ -13,7 +20,7 @@ from ocean_sim.validation.shared.case import KEYS, Problem
 from ocean_sim.validation.shared.plot import draw
 from ocean_sim.verbs.shared import console
 
-TOO_LONG, NOT_COARSE = "takes longer than a gate has time for", "has no coarse set-up"
+TOO_LONG, NOT_COARSE = "takes too long for a gate", "has no coarse set-up"
 
 
 def validate(
@@ -22,11 +29,14 @@ def validate(
     slow: bool,
     coarse: bool,
     sets: list[str],
+    workers: int | None,
     out: Path,
     junit: Path | None,
     as_json: bool,
 ) -> int:
     """Run cases under schemes and report; the exit code is 1 where a promise was missed."""
+    if junit is not None and junit.is_dir():
+        raise console.Refused(f"--junit {junit}: this is a folder, not a file")
     wanted = [name for case in cases for name in matching(names(), case) or [case]] or names()
     known_schemes = [*kinds("fluid"), *kinds("ship")]
     for what, given, known in (("case", wanted, names()), ("scheme", schemes, known_schemes)):
@@ -34,17 +44,7 @@ def validate(
             if name not in known:
                 raise console.Refused(f"there is no {what} {name!r}{choice_sentence(name, known)[0]}")
     overrides = console.settings(sets)
-    plan = {
-        case: sorted(
-            (
-                (problem, scheme)
-                for problem in problems(case, slow=slow, coarse=coarse)
-                for scheme in problem.under(schemes)
-            ),
-            key=lambda pair: schemes.index(pair[1]) if schemes else pair[0].schemes.index(pair[1]),
-        )
-        for case in wanted
-    }
+    plan = {case: pairs_of(case, schemes, slow, coarse) for case in wanted}
     for case in (name for name in cases if name in wanted):  # a pattern takes what there is
         if not problems(case, slow=slow, coarse=coarse):
             if not problems(case, slow=True, coarse=coarse):
@@ -54,17 +54,11 @@ def validate(
     for problem, scheme in [pair for pairs in plan.values() for pair in pairs]:
         problem.load(scheme, overrides)  # what is wrong is reported before anything runs
     rows: list[dict[str, Any]] = []
-    for case, pairs in plan.items():
-        if not pairs:
-            continue
-        runs, first = [], len(rows)
-        for problem, scheme in pairs:
-            found, finding = problem.run(case, scheme, overrides)
-            rows += found
-            runs.append((problem, scheme, finding))
-        console.drawn(draw, out / f"{case}.png", case, runs)
+    orders = [(case, schemes, slow, coarse, sets, out) for case, pairs in plan.items() if pairs]
+    for found in answers(orders, workers or cores()):
+        rows += found
         if not as_json:
-            show(case, rows[first:])
+            show(found[0]["case"], found)
     write(out / "validate.csv", rows)
     if junit is not None:
         write_junit(junit, rows)
@@ -76,7 +70,69 @@ def validate(
             console.say(f"\n{sentence}")
         promised = sum(row["tolerance"] is not None for row in rows)
         console.say(f"\n{promised - len(missed)} of {promised} tolerances kept; {out / 'validate.csv'} and pictures")
+        if junit is not None:
+            console.say(str(junit))
     return 1 if missed else 0
+
+
+def pairs_of(case: str, schemes: list[str], slow: bool, coarse: bool) -> list[tuple[Problem, str]]:
+    """The set-ups of a case, each with a scheme that it is to run under."""
+    pairs = [
+        (problem, scheme) for problem in problems(case, slow=slow, coarse=coarse) for scheme in problem.under(schemes)
+    ]
+    return sorted(pairs, key=lambda pair: (schemes or pair[0].schemes).index(pair[1]))
+
+
+Order = tuple[str, list[str], bool, bool, list[str], Path]
+"""A case, its schemes, --slow, --coarse, --set and where its picture goes: plain data, for another process."""
+
+
+def answer(order: Order) -> list[dict[str, Any]]:
+    """Run a case, draw its picture, and return its rows."""
+    case, schemes, slow, coarse, sets, out = order
+    overrides, rows, runs = console.settings(sets), [], []
+    for problem, scheme in pairs_of(case, schemes, slow, coarse):
+        found, finding = problem.run(case, scheme, overrides)
+        rows += found
+        runs.append((problem, scheme, finding))
+    console.drawn(draw, out / f"{case}.png", case, runs)
+    return rows
+
+
+def answers(orders: list[Order], workers: int) -> Iterator[list[dict[str, Any]]]:
+    """The rows of each case, in order; several cases at a time share the cores, each in a process that does one after
+    the other. With one at a time this process does them."""
+    workers = min(workers, len(orders))
+    if workers < 2:
+        yield from map(answer, orders)
+        return
+    threads = f"runtime.threads={max(1, cores() // workers)}"
+    shared = [(*order[:4], [threads, *order[4]], order[5]) for order in orders]
+    with ProcessPoolExecutor(workers, get_context("spawn"), begin) as pool:
+        futures = [pool.submit(answer, order) for order in shared]
+        try:
+            for future in futures:
+                yield future.result()
+        except BrokenProcessPool:
+            why = "a process that ran a case died, as happens where memory runs out; try --workers 1"
+            raise console.Failed(why) from None
+        except BaseException:  # what still runs after Ctrl-C or an error is of no use
+            for child in active_children():
+                child.terminate()
+            raise
+
+
+def begin() -> None:
+    """End a process that runs cases as soon as its parent ends, and without a word on Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+    def wait() -> None:
+        parent = parent_process()
+        assert parent is not None
+        parent.join()
+        os._exit(1)
+
+    Thread(target=wait, daemon=True).start()
 
 
 def left_out(plan: dict[str, list[tuple[Problem, str]]], schemes: list[str], coarse: bool) -> Iterator[str]:
@@ -94,7 +150,7 @@ def left_out(plan: dict[str, list[tuple[Problem, str]]], schemes: list[str], coa
         elif not pairs:
             yield f"{case}: nothing to run under these schemes"
     if slow:
-        why = "they take longer than a gate has time for, or promise nothing" if coarse else "they take minutes"
+        why = "they take too long for a gate, or have no tolerance" if coarse else "they take minutes"
         names = [f"{case} ({'; '.join(more)})" if more else case for case, more in slow.items()]
         yield f"left out, as {why} (--slow adds them): {', '.join(names)}"
 

@@ -274,7 +274,8 @@ class Server:
             self.post(watcher.number, {"type": "said", "text": "Another page has the helm.", "bad": True})
         elif len(self.inbox) >= WAITING:
             self.post(
-                watcher.number, {"type": "said", "text": "The simulation is busy; this was not taken.", "bad": True}
+                watcher.number,
+                {"type": "said", "text": "The simulation is busy; your command was not taken.", "bad": True},
             )
         else:
             self.inbox.append(Order(watcher.number, order))

@@ -340,8 +340,8 @@ class Spectrum(Model):
     seed: int = quantity("1", 0, ge=0, lt=2**31)
     """Seed of the phases."""
     cut_off: float = quantity("1", 4.0, ge=1.2, le=10.0)
-    """Highest frequency over that of the peak; the waves below it carry all the variance. Deep-water waves of twice the
-    frequency are four times shorter, and particles 1/40 of the peak's wavelength apart show none much shorter."""
+    """Highest frequency over that of the peak; the waves below it carry all the variance. Deep-water waves of twice
+    the frequency are a quarter as long, and particles 1/40 of the peak's wavelength apart resolve none much shorter."""
 
     @model_validator(mode="after")
     def _gamma_belongs_to_jonswap(self) -> "Spectrum":
@@ -409,9 +409,9 @@ class WaveTrain(Model):
     """Regular waves by `height` and `period`, or random ones by `spectrum`."""
 
     height: float | None = quantity("m", None, gt=0.0)
-    """From trough to crest."""
+    """Height from trough to crest."""
     period: float | None = quantity("s", None, gt=0.0)
-    """Of a regular wave."""
+    """Period of a regular wave."""
     spectrum: Spectrum | None = None
     """Random waves, instead of `height` and `period`."""
 
@@ -486,7 +486,7 @@ class GrowingTrain(OpenTrain):
     """The same, from calm water on."""
 
     ramp: float | None = quantity("s", None, ge=0.0)
-    """How long the waves grow from calm water; null: two periods of the highest; 0: they are there at once."""
+    """Time over which the waves grow from calm water; null: two periods of the highest; 0: they are there at once."""
 
     def growing(self, sea: Components) -> Components:
         """The waves as they grow from time 0 on."""

@@ -21,7 +21,7 @@ class Steepening(Model):
     """How a linear sea becomes a nonlinear one."""
 
     onset: float | None = quantity("s", None, ge=0.0)
-    """Time in which what is not linear sets in, at order 3 (Dommermuth 2000); null: five periods."""
+    """Time over which the nonlinear terms set in, at order 3 (Dommermuth 2000); null: five periods."""
     breaking: bool = True
     """Whether crests of a nonlinear sea break where the water on them moves faster than 0.85 of their speed (Barthelemy
     et al. 2018, J. Fluid Mech. 841)."""
@@ -35,9 +35,9 @@ class Seas(waves.OpenTrain):
     """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `spectra` on top."""
 
     height: float | None = quantity("m", None, ge=0.0)
-    """From trough to crest; 0 is calm water."""
+    """Height from trough to crest; 0 is calm water."""
     spectra: list[waves.OpenTrain] = []
-    """More of them, as swell on top of a wind sea."""
+    """Further spectra, such as swell on top of a wind sea."""
     components: FileName | None = None
     """A CSV file of plane waves on top of all others: `amplitude_m`, `period_s`, `heading_deg`, `phase_deg`; each is
     amplitude cos(k . x - omega t + phase). Or a spectral-wave-data file (.swd) of linear waves."""

@@ -68,9 +68,9 @@ class Config(Placed, WindConfig):
     targets: list[Target] = ["fluid", "ship"]
     """What the wind acts on, where a volume has no targets of its own."""
     noise_every: float = quantity("s", EVERY, ge=0.0)
-    """How long a draw of the noise lasts. A step takes every draw for as long as it lasts in it, so the noise is white
-    in time and stirs the water alike whatever the step; 0: a new draw each step, as printed, which stirs it less the
-    shorter the step. The default, ours, is PhysX's usual step."""
+    """How long a draw of the noise lasts. A time step uses each draw for as long as the two overlap, so the noise is
+    white in time and stirs the water equally at any time step; 0: a new draw each step, as printed, which stirs it
+    less the shorter the step. The default is ours: PhysX's usual step."""
 
     @property
     def needs_area(self) -> bool:

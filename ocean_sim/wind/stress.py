@@ -44,10 +44,10 @@ class Config(Scheduled, WindConfig):
 
     kind: Literal["stress"] = "stress"
     u10: float | None = quantity("m/s", None, ge=0.0, le=200.0)
-    """Wind speed 10 m above the water; by default 10, or that to which Wu's law gives the stress `tau`."""
+    """Wind speed 10 m above the water; by default 10, or the speed at which Wu's law gives the stress `tau`."""
     tau: float | None = quantity("Pa", None, ge=0.0)
-    """The stress itself, as it was measured, in place of `u10`, `drag_law` and `schedule`; what needs a speed of the
-    wind, which is drag on a ship and sheltering, then takes the U10 to which Wu's law gives it."""
+    """The stress itself, as measured, in place of `u10`, `drag_law` and `schedule`. Drag on a ship and sheltering,
+    which need a wind speed, then take the U10 at which Wu's law gives this stress."""
     heading_deg: float | None = quantity("deg", None)
     """Where the wind goes to: 0 along +z, 90 along +x; by default 0, in 2-D 90."""
     drag_law: DragLaw | None = None
@@ -55,7 +55,8 @@ class Config(Scheduled, WindConfig):
     gain: float = quantity("1", 1.0, ge=0.0)
     """Factor on stress and pressure: 1 is a real wind."""
     pressure_gain: float | None = quantity("1", None, ge=0.0)
-    """Factor on the pressure on waves alone; by default as `gain`, which then is that of the stress alone."""
+    """Factor on the pressure on waves alone; by default that of `gain`. Where it is given, `gain` acts on the stress
+    alone."""
     sheltering: float = quantity("1", 0.0, ge=0.0, le=1.0)
     """s of Jeffreys, who found 0.27: pressure on waves is s rho_air (U10 - c)^2 times their slope; 0: none."""
     wave_speed: float = quantity("m/s", 0.0)

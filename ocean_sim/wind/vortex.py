@@ -42,22 +42,22 @@ class Config(Timed, Placed, WindConfig):
     centre: Vector2 = quantity("m", (0.0, 0.0))
     """x and z of the axis at the beginning."""
     core_radius: float = quantity("m", 6.0, gt=0.0)
-    """Where the acceleration is greatest."""
+    """Radius at which the acceleration is highest."""
     acceleration: float = quantity("m/s2", 1.0)
-    """Greatest acceleration around the axis; positive turns from +z to +x, by the right hand about +y."""
+    """Highest acceleration around the axis; positive turns from +z to +x, by the right hand about +y."""
     inward: float = quantity("m/s2", 0.0)
-    """Greatest acceleration towards the axis, with the same profile."""
+    """Highest acceleration towards the axis, with the same profile."""
     upward: float = quantity("m/s2", 0.0)
-    """Greatest acceleration upwards, with the same profile."""
+    """Highest acceleration upwards, with the same profile."""
     noise: NoiseSize = quantity("m/s2", (0.0, 0.0, 0.0))
-    """Greatest random acceleration along each axis, uniform between minus and plus this (2.24), with the same profile:
-    the air is as rough as it is strong."""
+    """Highest random acceleration along each axis, uniform between minus and plus this (2.24), with the same
+    profile: the air is as rough as it is strong."""
     noise_every: float = quantity("s", EVERY, ge=0.0)
     """How long a draw of the noise lasts, as in gusts."""
     layer: float = quantity("m", 2.5, gt=0.0)
     """Depth at which the water no longer feels it."""
     drift: Vector2 = quantity("m/s", (0.0, 0.0))
-    """Velocity of the axis along x and z; at the border it comes in again upwind."""
+    """Velocity of the axis along x and z; where it leaves the basin it comes in again upwind."""
     targets: list[Literal["fluid", "ship"]] = ["fluid", "ship"]
     """What the wind acts on."""
 

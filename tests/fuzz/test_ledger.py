@@ -8,13 +8,13 @@ from statistics import median
 
 import pytest
 
-from ocean_sim.observers.render import PICTURE
+from ocean_sim.observers.render import FIRST, PICTURE
 from ocean_sim.parts import config_of
 from ocean_sim.reading.scene import load
 from ocean_sim.result import Result
 from ocean_sim.runtime import allocated_bytes, start
 from ocean_sim.simulation import Simulation
-from ocean_sim.verbs.check import ledger, preflight
+from ocean_sim.verbs.check import drawn_in, ledger, preflight
 
 SHIP = {"kind": "hydrostatic", "hull": {"shape": {"kind": "sphere", "radius": 0.3}, "mass": 40.0}}
 APART = {"contact": None} if "contact" in config_of("ship", "hydrostatic").model_fields else {}  # pushes no water
@@ -57,7 +57,7 @@ def test_the_shares_of_a_step_are_whole_and_each_part_says_its_own():
     assert parts["steps_s"] == pytest.approx(10 * sum(row.a_step(0.004) for row in found["ledger"]))
     assert found["estimated_wall_s"] == parts["start_s"] + parts["steps_s"] and parts["pictures_s"] == 0.0
     drawn = preflight(load(WHOLE, {"render": {"every": 0.01, "size": [1280, 720]}, "runtime.threads": 2}))
-    assert drawn["estimated_by_part"]["pictures_s"] == pytest.approx(5 * PICTURE[3]["draft"])
+    assert drawn["estimated_by_part"]["pictures_s"] == pytest.approx(drawn_in(FIRST[3] + 5 * PICTURE[3]["draft"]))
     slots = {row.part: row.a_step(0.004) for row in drawn["ledger"] if row.part in ("fluid", "wind", "surface")}
     saved = parts["steps_s"] - drawn["estimated_by_part"]["steps_s"]
     assert 0.0 < saved and saved == pytest.approx(

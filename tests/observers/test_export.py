@@ -1,4 +1,5 @@
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from ocean_sim.observers import frames
 from ocean_sim.pictures import export_scene
 from ocean_sim.pictures.export import NothingToExport, export_run
 from ocean_sim.pictures.foam import coarser
+from ocean_sim.verbs.shared.after import made
 
 
 @pytest.fixture
@@ -207,3 +209,11 @@ def test_a_surface_comes_with_foam_velocity_and_ships_and_particles_as_points(ma
     cloud = trimesh.load(manned / "export" / "particles_00004.ply")
     np.testing.assert_allclose(cloud.vertices, frame["position"] @ export_scene.Z_UP.T, atol=1e-6)
     assert {file.name for file in files} >= {"surface.vtp.series", "ship.vtp.series", "particles_00000.ply"}
+
+
+def test_many_files_are_not_named_one_by_one(capsys):
+    made([Path(f"surface_{k:05d}.vtp") for k in range(31)], as_json=False)
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 8 and lines[5:] == ["surface_00005.vtp", "... 24 more ...", "surface_00030.vtp"]
+    made([Path("a.ply"), Path("b.ply")], as_json=False)
+    assert capsys.readouterr().out.splitlines() == ["a.ply", "b.ply"]

@@ -107,7 +107,7 @@ def test_a_run_that_was_killed_has_a_page_of_what_it_left(tmp_path, ran):
     report.write(tmp_path)
     page, parsed = checked(tmp_path)
     assert (
-        "This run has no end yet: it is still running, or was killed." in page
+        "This run has not ended: it is still running, or was killed." in page
         and "12.5 m/s" in page
         and "img" not in parsed.seen
     )

@@ -432,7 +432,7 @@ def test_wind_pushes_a_ship_downwind_and_only_where_it_is_a_target():
         ({"kind": "dynamic", "hull": "barge20", "free": ["hove"]}, {}, "free"),
         ({"kind": "dynamic", "hull": "barge20", "inertia": [1e6, 0.0, 1e6]}, {}, "inertia must be above 0"),
         ({"kind": "dynamic", "hull": "barge20", "inertia": [1e6, 3e6, 1e6]}, {}, "at most the sum of the other two"),
-        ({"kind": "otter", "controls": [{"time": 1.0}, {"time": 0.5}]}, {}, "times of the rows must grow"),
+        ({"kind": "otter", "controls": [{"time": 1.0}, {"time": 0.5}]}, {}, "times of the rows must increase"),
         ({"kind": "dynamic", **BARGE}, {"motion": {"point": "mast"}}, "the ship has no point 'mast'"),
         ({"kind": "dynamic", **BARGE}, {"fluid": {"kind": "mueller", "spacing": 10.0}}, "add a `surface`"),
         ({"kind": "dynamic", **BARGE}, {"basin": {"length": 99.0, "depth": 9.0}}, "a ship needs a basin with a width"),

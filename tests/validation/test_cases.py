@@ -74,9 +74,9 @@ def test_what_was_left_out_is_said_in_one_sentence(tmp_path, capsys):
     assert answered([*words, "--coarse"]) == 0
     said = capsys.readouterr().out
     assert said.count("left out") == 1
-    assert "or promise nothing (--slow adds them): ship_otter (turn)" in said
+    assert "or have no tolerance (--slow adds them): ship_otter (turn)" in said
     assert answered(["validate", "obstacle", "--coarse", "--out", str(tmp_path)]) == 2
-    assert "longer than a gate has time for: add --slow" in capsys.readouterr().err
+    assert "too long for a gate: add --slow" in capsys.readouterr().err
     assert answered(["validate", "open_sea_box", "--coarse", "--slow", "--out", str(tmp_path)]) == 2
     assert "open_sea_box has no coarse set-up: leave --coarse out" in capsys.readouterr().err
 
@@ -156,6 +156,25 @@ def test_a_missed_tolerance_is_exit_code_1(tmp_path, capsys, monkeypatch):
     words = ["validate", "conservation", "--scheme", "mueller", "--coarse", "--set", "runtime.threads=1"]
     assert answered([*words, "--out", str(tmp_path)]) == 1
     assert "MISSED" in capsys.readouterr().out
+
+
+def test_cases_at_a_time_give_the_rows_of_one_after_the_other(tmp_path, capsys):
+    words = ["validate", "poiseuille", "couette", "ship_draught", "--coarse"]
+    tables = []
+    for workers in (1, 2):
+        out = tmp_path / str(workers)
+        assert (
+            answered([*words, "--workers", str(workers), "--out", str(out), "--junit", str(out / "new" / "j.xml")]) == 0
+        )
+        tables.append((out / "validate.csv").read_bytes())
+        assert (out / "couette.png").is_file() and (out / "new" / "j.xml").is_file()
+        assert str(out / "new" / "j.xml") in capsys.readouterr().out
+    assert tables[0] == tables[1]
+
+
+def test_a_folder_in_place_of_the_report_is_refused_before_anything_runs(tmp_path, capsys):
+    assert answered(["validate", "couette", "--junit", str(tmp_path), "--out", str(tmp_path / "out")]) == 2
+    assert "this is a folder, not a file" in capsys.readouterr().err
 
 
 def test_what_is_not_a_case_is_exit_code_2(capsys, tmp_path):

@@ -87,5 +87,5 @@ def test_without_an_open_sea_a_frame_is_refused(kind):
         "fluid": {"kind": "delta_sph", "spacing": 1.0},
         "wind": {"kind": kind, "frame": "world", **keys},
     }
-    with pytest.raises(SceneError, match="only over a patch of open sea has a wind a frame"):
+    with pytest.raises(SceneError, match="a wind has a frame only over a patch of open sea"):
         load(scene)

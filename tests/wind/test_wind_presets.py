@@ -123,7 +123,7 @@ def test_every_preset_says_that_it_is_stylised(preset_data, scene, name):
 
 
 def test_warnings_give_the_velocity_change_of_a_passage(preset_data, scene):
-    assert "1.7e+05 times" in warned(preset_data, scene, "narrow")
+    assert "170000 times" in warned(preset_data, scene, "narrow")
     assert "one passage changes the velocity by 1.7 m/s (1 along, 1.4 up)" in warned(preset_data, scene, "narrow")
     assert "one passage changes the velocity by 2.1 m/s (1.2 along, 1.7 up)" in warned(preset_data, scene, "wide")
     assert "throws the water" not in warned(preset_data, scene, "narrow") + warned(preset_data, scene, "wide")

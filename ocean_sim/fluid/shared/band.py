@@ -120,7 +120,7 @@ class Band:
         if self.sea is not None and self.width < NARROW * self.sea.wavelength and self.rate > 0.0:
             found.append(
                 f"the rim of the patch is {self.width:.3g} m wide, less than {NARROW:g} of the wavelength of "
-                f"{self.sea.wavelength:.3g} m: it gives back more than a twentieth of what the ship makes; take a "
+                f"{self.sea.wavelength:.3g} m: it returns more than a twentieth of the ship's waves; take a "
                 "larger patch"
             )
         for speed, who in ((0.0, "at rest"), (1.0, "that keeps up with it")):

@@ -28,11 +28,11 @@ class Emitter(Model):
     position: Vector = quantity("m")
     """Middle of the mouth; in 2-D [x, y]."""
     velocity: Vector = quantity("m/s")
-    """With which the water leaves, across the mouth; in 2-D [u, v]."""
+    """Velocity of the water that leaves, at right angles to the mouth; in 2-D [u, v]."""
     rate: float = quantity("m3/s", gt=0.0)
     """Volume of water that leaves per second; in 2-D area, m2/s."""
     cap: int = quantity("particles", ge=1, le=MOST_PARTICLES)
-    """The most particles that there will be in all, those of `fill` counted; then it stops."""
+    """Largest number of particles in all, those of `fill` included; then the inflow stops."""
 
     def problems(self, basin: Basin) -> Iterator[tuple[tuple[str, ...], str]]:
         """What is wrong with these numbers in this basin, before a lattice can be made of them."""

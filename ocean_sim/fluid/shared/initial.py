@@ -44,9 +44,9 @@ class StandingWave(Start):
 
     kind: Literal["standing_wave"] = "standing_wave"
     height: float | None = quantity("m", None, gt=0.0)
-    """From trough to crest."""
+    """Height from trough to crest."""
     amplitude: float | None = quantity("m", None, gt=0.0)
-    """Half the height, in place of it."""
+    """Half of `height`, given in its place."""
     mode: int = quantity("1", 1, ge=1)
     """Half wavelengths in the length of the basin."""
     phase: Literal["crest", "flat"] = "crest"
@@ -89,9 +89,9 @@ class RegularWave(Start):
 
     kind: Literal["regular_wave"] = "regular_wave"
     height: float = quantity("m", gt=0.0)
-    """From trough to crest."""
+    """Height from trough to crest."""
     period: float = quantity("s", gt=0.0)
-    """Its wavelength must fit the basin."""
+    """Period of the wave; its wavelength must fit the basin."""
     heading_deg: float | None = quantity("deg", None)
     """Where it goes to: 0 along +z, 90 along +x; by default 0, in 2-D 90."""
 
@@ -127,7 +127,7 @@ class RandomWaves(Start):
 
     kind: Literal["spectrum"] = "spectrum"
     spectrum: waves.Spectrum
-    """Their spectrum."""
+    """Spectrum of the waves."""
 
     def sea(self, basin: Basin) -> waves.Components:
         """The waves before they are fitted to the basin."""
@@ -153,9 +153,9 @@ class TaylorGreen(Start):
 
     kind: Literal["taylor_green"] = "taylor_green"
     speed: float = quantity("m/s", gt=0.0)
-    """Greatest speed along x."""
+    """Highest speed along x."""
     disorder: float = quantity("spacings", 0.0, ge=0.0, lt=0.5)
-    """How far, at most, each particle is put off the lattice along x and y."""
+    """Largest displacement of a particle from the lattice, along x and along y."""
     seed: int = quantity("1", 0, ge=0, lt=2**31)
     """Seed of the disorder."""
 
@@ -176,12 +176,12 @@ class TaylorGreen(Start):
 
 
 class FromFile(Start):
-    """Particles as a file has them, as many as there are; they replace the lattice."""
+    """The particles of a file, in place of the lattice."""
 
     kind: Literal["file"] = "file"
     path: FileName
-    """A CSV with a heading, or an npz: x, y, z [m], u, v, w [m/s], and p [Pa] where it is known. In 2-D without z
-    and w."""
+    """A CSV file with column names, or an npz file: x, y, z [m], u, v, w [m/s], and p [Pa] where it is known. In 2-D
+    without z and w."""
 
     def columns(self) -> dict[str, np.ndarray]:
         """The columns of the file, each (n,), by their names without unit; raises Unreadable."""

@@ -58,11 +58,11 @@ class SphConfig(WaterConfig):
     compression: float | None = quantity("1", None, gt=0.0, le=1.0)
     """Wanted density error: the rise of the density at the bed, (reference_speed / sound speed)^2; 0.01 by default."""
     reference_speed: float | None = quantity("m/s", None, gt=0.0)
-    """The speed that compression refers to; default sqrt(|g| depth)."""
+    """The speed to which compression refers; by default sqrt(|g| depth)."""
     kinematic_viscosity: float = quantity("m2/s", 0.0, ge=0.0)
-    """nu; mu of (2.18) is rest density times nu."""
+    """Kinematic viscosity nu; mu of (2.18) is rest density times nu."""
     minimum_pressure: float | None = quantity("Pa", None)
-    """Pressures below it are raised to it; null: none."""
+    """Lowest pressure, to which lower ones are raised; null: none."""
 
     def speed(self, basin: Basin) -> float:
         """Reference speed [m/s]."""

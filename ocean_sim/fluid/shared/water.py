@@ -45,9 +45,9 @@ class WaterConfig(FluidConfig):
     initial: Initial | None = None
     """What the water starts from; null: at rest."""
     emitter: Emitter | None = None
-    """A mouth from which water flows into a basin that is empty but for `fill`."""
+    """An inflow: water flows from a mouth into a basin that is empty but for `fill`."""
     motion_limit: float | None = quantity("spacings", None, gt=0.0)
-    """The furthest a particle may move in one step; what it holds back is counted. null: no limit."""
+    """Longest way of a particle in one step; particles that it holds back are counted. null: no limit."""
     collision_distance: float = quantity("spacings", 0.5, gt=0.0, le=1.0)
     """How near to a wall or the floor a particle's centre may come."""
 

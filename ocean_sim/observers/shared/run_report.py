@@ -62,7 +62,7 @@ class Run:
         """How it ended, in a sentence."""
         manifest, outcome = self.manifest, self.manifest.get("outcome", "unknown")
         if outcome == "running":
-            sentence = "This run has no end yet: it is still running, or was killed."
+            sentence = "This run has not ended: it is still running, or was killed."
         elif not manifest:
             sentence = "This run left no manifest that can be read."
         else:

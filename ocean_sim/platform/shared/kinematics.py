@@ -28,9 +28,9 @@ class Geometry(Model):
     longest: float = quantity("m", gt=0.0)
     """Length of a leg that is all the way out."""
     buffer: float = quantity("m", 0.0, ge=0.0)
-    """Kept free at both ends of the stroke."""
+    """Length kept free at both ends of the stroke."""
     leg_speed: float = quantity("m/s", 1.0, gt=0.0)
-    """Fastest that a leg may move."""
+    """Highest speed of a leg."""
     leg_acceleration: float = quantity("m/s2", 10.0, gt=0.0)
     """Largest acceleration of a leg."""
     condition_limit: float = quantity("1", 10.0, gt=1.0)

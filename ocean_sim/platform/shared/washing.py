@@ -32,11 +32,11 @@ class WashingConfig(Model):
     rotation_scale: Vector3 = quantity("1")
     """Scale of roll, pitch and yaw."""
     tilt_frequency: float = quantity("rad/s", gt=0.0)
-    """Corner of the low-pass before the tilt, critically damped."""
+    """Corner frequency of the low-pass before the tilt, critically damped."""
     tilt_rate_deg: float = quantity("deg/s", 3.0, gt=0.0)
     """Fastest tilt: the threshold at which people notice a turn."""
     rotation_frequency: Frequencies = quantity("rad/s")
-    """Corner of the critically damped high-pass of roll, pitch and yaw; null follows the angle itself."""
+    """Corner frequency of the critically damped high-pass of roll, pitch and yaw; null follows the angle itself."""
     acceleration_limit: float = quantity("m/s2", 10.0, gt=0.0)
     """Scaled accelerations are clipped here."""
     rate_limit_deg: float = quantity("deg/s", 60.0, gt=0.0)

@@ -1,4 +1,4 @@
-"""Adaptive washout: the share of an acceleration that is travelled falls where the travel runs short, and recovers.
+"""Adaptive washout: the share of an acceleration that is travelled falls where travel runs short, and recovers.
 
 After Parrish, Dieudonne, Bowles & Martin (1975, J. Aircraft 12, 44), as in Reid and Nahon, UTIAS Report 296 (1985):
 along each axis the platform follows p a - 2 zeta omega v - omega^2 s of a scaled acceleration a, and the share p keeps
@@ -16,11 +16,11 @@ from ocean_sim.platform.shared.washing import NotNegative3, Positive3, Washing, 
 
 
 class Config(WashingConfig):
-    """The share of an acceleration that is travelled falls where the travel runs short."""
+    """Adaptive washout: the share of an acceleration that the platform travels falls where its travel runs short."""
 
     kind: Literal["adaptive"] = "adaptive"
     return_frequency: Positive3 = quantity("rad/s")
-    """Corner of the return to neutral along x, y and z."""
+    """Corner frequency of the return to neutral along x, y and z."""
     return_damping: float = quantity("1", 0.7, gt=0.0)
     """Its damping ratio."""
     position_weight: NotNegative3 = quantity("1/s4")
@@ -28,9 +28,9 @@ class Config(WashingConfig):
     velocity_weight: NotNegative3 = quantity("1/s2")
     """Cost of a velocity along x, y and z."""
     share_weight: float = quantity("m2/s4", 0.1, gt=0.0)
-    """Cost of a share that is not 1: accelerations whose square is well below it pass whole."""
+    """Cost of a share that is not 1: accelerations whose square is well below it pass in full."""
     memory: float = quantity("s", 10.0, gt=0.0)
-    """Over which the cost is averaged: longer than the waves, which it would distort."""
+    """Time over which the cost is averaged; it must be longer than the waves, or it distorts them."""
 
     def build(self, every: float, travel: np.ndarray) -> Washing:
         """`every`: time between rows [s]; `travel` (3, 2): lowest and highest x, y, z that can be reached [m]."""

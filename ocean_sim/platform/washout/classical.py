@@ -1,4 +1,4 @@
-"""Classical washout: what a platform cannot travel is filtered away, what lasts is made of gravity by tilting.
+"""Classical washout: filters remove what a platform cannot travel; tilt lets gravity stand in for what lasts.
 
 Reid and Nahon, UTIAS Report 296 (1985). Each high-pass of an acceleration and its integrations are one stable filter,
 so no integrator can wind up.
@@ -22,15 +22,16 @@ from ocean_sim.platform.shared.washing import (
 
 
 class Config(WashingConfig):
-    """Filters take away what a platform cannot travel; tilting makes what lasts of gravity."""
+    """Classical washout: filters remove what a platform cannot travel, and tilt lets gravity stand in for lasting
+    accelerations."""
 
     kind: Literal["classical"] = "classical"
     translation_frequency: Positive3 = quantity("rad/s")
-    """Corner of the second-order high-pass along x, y and z."""
+    """Corner frequency of the second-order high-pass along x, y and z."""
     translation_damping: float = quantity("1", 1.0, gt=0.0)
     """Its damping ratio."""
     translation_return: NotNegative3 = quantity("rad/s")
-    """Corner of one more high-pass, which brings the platform back to neutral; 0 is none."""
+    """Corner frequency of one more high-pass, which brings the platform back to neutral; 0 is none."""
 
     def build(self, every: float, travel: np.ndarray) -> Washing:
         """`every`: time between rows [s]; `travel` (3, 2): lowest and highest x, y, z that can be reached [m]."""

@@ -21,8 +21,8 @@ class Written(Seas, SeaConfig):
         return 0.0 if self.highest is None else self.highest[0]
 
     ramp: float | None = quantity("s", None, ge=0.0)
-    """How long the sea grows on the whole patch, from calm water; null: two periods of the highest waves where
-    a ship is in the water, since waves that are there at once would run through her; else 0, at once."""
+    """Time over which the sea grows on the whole patch, from calm water; null: two periods of the highest waves
+    where a ship is in the water, since waves that are there at once would run through her; else 0, at once."""
 
     def plane_waves(self, basin: waves.Tank) -> waves.Components | None:
         sea = self.sea_of(basin)

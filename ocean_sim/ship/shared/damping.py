@@ -27,12 +27,13 @@ class Damping(Model):
     """Shares of critical damping, and coefficients of drag; what is null comes by rule."""
 
     heave: float | None = quantity("1", None, ge=0.0)
-    """Of critical: mostly the waves that it makes; null: 0.12, and 0 where `radiation` has heave."""
+    """Share of critical damping, mostly by the waves that the hull makes; null: 0.12, and 0 where `radiation` has
+    heave."""
     pitch: float | None = quantity("1", None, ge=0.0)
-    """Of critical; null: 0.06, and 0 where `radiation` has pitch."""
+    """Share of critical damping; null: 0.06, and 0 where `radiation` has pitch."""
     roll: float | None = quantity("1", None, ge=0.0)
-    """Of critical: mostly eddies; null: 0.05, a bare guess for any hull, and 0 where `radiation` has roll or `ikeda` is
-    given."""
+    """Share of critical damping, mostly by eddies; null: 0.05, a mere guess for any hull, and 0 where `radiation`
+    has roll or `ikeda` is given."""
     surge: float | None = quantity("N s2/m2", None, ge=0.0)
     """Resistance over the square of the speed; null: a coefficient of 0.1 on the largest section, and 0 where
     `radiation` has surge."""

@@ -52,11 +52,11 @@ class FloatingConfig(VesselConfig):
     hull: str | Hull
     """A name in configs/hull/, a mesh file (STL, OBJ, PLY), or a mapping with `shape`."""
     mass: float | None = quantity("kg", None, gt=0.0)
-    """Of the whole ship; null: that of the hull."""
+    """Mass of the whole ship; null: that of the hull."""
     centre_of_mass: Vector3 | None = quantity("m", None)
-    """From the hull's origin amidships at the keel; null: that of the hull."""
+    """Centre of mass, from the hull's origin amidships at the keel; null: that of the hull."""
     inertia: Inertia | None = quantity("kg m2", None)
-    """About the centre of mass: of pitch, yaw and roll; null: that of the hull."""
+    """Moments of inertia of pitch, yaw and roll about the centre of mass; null: those of the hull."""
     cells_per_draught: float = quantity("1", 8.0, ge=1.0, le=64.0)
     """Cubes over the draught: 8 for motions, 16 for stability curves."""
     contact: Contact | None = Contact()
@@ -229,7 +229,9 @@ class FloatingConfig(VesselConfig):
         found = self.unborne(preflight) + self.high(hull, preflight)
         cells = hull.draught / float(hull.voxels.size[1])
         if cells < 0.9 * self.cells_per_draught:
-            found.append(f"the hull has {cells:.2g} cubes over its draught, as it draws little of its height")
+            found.append(
+                f"the hull has {cells:.2g} cubes over its draught, because only a little of its height is under water"
+            )
         if hull.metacentric_height() <= 0.0:
             found.append(f"the ship is unstable upright: GM = {hull.metacentric_height():.3g} m; it will heel")
         elif at_rest(hull) is None:

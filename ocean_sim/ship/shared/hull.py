@@ -37,11 +37,12 @@ class Hull(Model):
 
     shape: Shape
     mass: float | None = quantity("kg", None, gt=0.0)
-    """Of the whole ship."""
+    """Mass of the whole ship."""
     centre_of_mass: Vector3 | None = quantity("m", None)
     """Null: the centroid of the hull, as if its density were uniform."""
     inertia: Inertia | None = quantity("kg m2", None)
-    """About the centre of mass: of pitch, yaw and roll (about x, y, z); null: of uniform density."""
+    """Moments of inertia of pitch, yaw and roll (about x, y, z) about the centre of mass; null: those of uniform
+    density."""
 
     def matter(self, cubes: Voxels) -> Matter:
         """Mass, centre and inertia, given or of uniform density; raises ValueError where there is no mass."""

@@ -23,7 +23,7 @@ class Mooring(Model):
     fairlead: str | Vector3 = Field(alias="from", json_schema_extra={"unit": "m"})
     """The name of one of the ship's `points`, or a point from the hull's origin [m]."""
     to: Vector3 = quantity("m")
-    """Where it is fast in the world."""
+    """Where it is made fast in the world."""
     kind: Literal["line", "fender"] = "line"
     """`line`: it only pulls; `fender`: it only pushes."""
     stiffness: float = quantity("N/m", gt=0.0)
@@ -31,7 +31,7 @@ class Mooring(Model):
     damping: float = quantity("N s/m", 0.0, ge=0.0)
     """Force over the speed at which it lengthens, while it holds."""
     slack_length: float | None = quantity("m", None, ge=0.0)
-    """Without force; null: that which it has at the beginning."""
+    """Length without force; null: the length at the beginning."""
 
 
 class Moorings:

@@ -21,7 +21,7 @@ BENT = 0.35  # [rad] the most that the integral of the heading's error may steer
 
 
 class Pilot(Model):
-    """Keys of someone who steers by himself."""
+    """A pilot who steers the ship."""
 
     route: Annotated[list[Vector2], Field(min_length=1)] | None = quantity("m", None)
     """Waypoints [x, z] one after the other, from where the ship begins; after the last the ship goes on as on the last
@@ -29,7 +29,7 @@ class Pilot(Model):
     heading_deg: float | None = quantity("deg", None)
     """A heading to hold, in place of a route: 0 heads along +z, 90 along +x."""
     speed: float = quantity("m/s", gt=0.0)
-    """Ahead, over the ground."""
+    """Speed ahead, over the ground."""
     look_ahead: float | None = quantity("m", None, gt=0.0)
     """How far ahead on a leg the pilot steers; null: six seconds of way."""
     arrival: float | None = quantity("m", None, gt=0.0)
@@ -37,7 +37,7 @@ class Pilot(Model):
     gain: float = quantity("1", 1.5, gt=0.0)
     """Rudder angle over the error of the heading."""
     integral_time: float | None = quantity("s", 20.0, gt=0.0)
-    """In which a steady error of the heading doubles the rudder; null: never."""
+    """Time in which a steady error of the heading doubles the rudder angle; null: never."""
     rate_time: float = quantity("s", 2.0, ge=0.0)
     """Rudder angle over gain and the yaw rate."""
 

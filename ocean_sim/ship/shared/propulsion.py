@@ -22,19 +22,20 @@ class Propeller(Model):
     bollard pull and of the speed at which full throttle gives no thrust."""
 
     thrust: float = quantity("N", gt=0.0)
-    """At rest, full throttle ahead, thrust deduction taken off."""
+    """Thrust at rest and full throttle ahead, less the thrust deduction."""
     astern: float = quantity("1", 0.5, gt=0.0, le=1.0)
-    """Share of it that it gives astern."""
+    """Share of `thrust` that it gives astern."""
     zero_thrust_speed: float | None = quantity("m/s", None, gt=0.0)
     """Speed of the water through it at which full throttle gives no thrust; null: thrust does not fall with speed."""
     wake: float = quantity("1", 0.0, ge=0.0, lt=1.0)
     """Share of the ship's speed by which the water behind the hull follows it."""
     position: Vector3 | None = quantity("m", None)
-    """From the hull's origin; null: under the centre of mass at the height that does not trim the ship."""
+    """Position, from the hull's origin; null: under the centre of mass at the height that does not trim the ship."""
     rate: float | None = quantity("1/s", None, gt=0.0)
     """How fast the throttle can change; null: at once."""
     diameter: float | None = quantity("m", None, gt=0.0)
-    """Of a propeller ahead of the rudder, which then lies in its slipstream; null: the rudder feels none."""
+    """Diameter of a propeller ahead of the rudder, which then lies in its slipstream; null: the rudder feels no
+    slipstream."""
 
     def force(self, throttle: float, speed: float) -> float:
         """Thrust [N] at a speed of the ship ahead [m/s]."""
@@ -56,11 +57,11 @@ class Rudder(Model):
     across and -N sin(rudder) along."""
 
     area: float = quantity("m2", gt=0.0)
-    """A: of the blade, one side."""
+    """A: area of one side of the blade."""
     aspect_ratio: float = quantity("1", 1.5, gt=0.0)
     """Height over mean chord."""
     position: Vector3 = quantity("m")
-    """From the hull's origin."""
+    """Position, from the hull's origin."""
     limit: float = quantity("rad", radians(35.0), gt=0.0, le=pi / 2)
     """Largest angle."""
     rate: float | None = quantity("rad/s", radians(5.0), gt=0.0)
@@ -89,9 +90,9 @@ class Row(Model):
     """Orders at a time; straight lines between rows."""
 
     time: float = quantity("s", ge=0.0)
-    """When these orders hold; before the first row and after the last, those two do."""
+    """Time at which these orders hold; before the first row and after the last, that row holds."""
     throttle: float = quantity("1", 0.0, ge=-1.0, le=1.0)
-    """1 is full ahead."""
+    """Throttle; 1 is full ahead."""
     rudder: float = quantity("rad", 0.0, ge=-pi / 2, le=pi / 2)
     """Positive turns to port."""
 
@@ -123,9 +124,9 @@ class Course(Model):
     """A heading to hold, by proportional and differential steering."""
 
     heading_deg: float = quantity("deg")
-    """0 heads along +z, 90 along +x."""
+    """Heading: 0 is along +z, 90 along +x."""
     throttle: float = quantity("1", 0.6, ge=-1.0, le=1.0)
-    """1 is full ahead."""
+    """Throttle; 1 is full ahead."""
     gain: float = quantity("1", 1.0, gt=0.0)
     """Rudder angle over the error of the heading."""
     rate_time: float = quantity("s", 2.0, ge=0.0)
@@ -133,7 +134,7 @@ class Course(Model):
 
 
 class Autopilot(Model):
-    """Someone who holds a course."""
+    """An autopilot that holds a heading."""
 
     autopilot: Course
 
@@ -147,7 +148,7 @@ class Helm(Model):
     controls: Controls = []
     """Rows of time, throttle and rudder, `{file: ...}` or `{autopilot: {heading_deg: ...}}`."""
     helm: Pilot | None = None
-    """Someone who steers by himself, in place of `controls`: `{route: [[x, z], ...], speed: ...}`."""
+    """A pilot, in place of `controls`: `{route: [[x, z], ...], speed: ...}`."""
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
@@ -156,7 +157,7 @@ class Helm(Model):
         if isinstance(self.controls, list):
             times = [row.time for row in self.controls]
             if any(later <= earlier for earlier, later in pairwise(times)):
-                raise ValueError("controls: the times of the rows must grow")
+                raise ValueError("controls: the times of the rows must increase")
         return self
 
     def crew(self) -> "Crew | Helmsman":

@@ -98,16 +98,16 @@ class BilgeKeels(Model):
     """A pair of plates along the bilges."""
 
     length: float = quantity("m", ..., gt=0.0)
-    """Of each."""
+    """Length of each keel."""
     breadth: float = quantity("m", ..., gt=0.0)
-    """How far they stand out."""
+    """How far they stand out from the hull."""
 
 
 class Ikeda(Model):
     """Roll damping by components, from the form of the hull (Kawahara, Maekawa & Ikeda 2012)."""
 
     bilge_keels: BilgeKeels | None = None
-    """Null: the hull is bare."""
+    """The bilge keels; null: the hull is bare."""
     kinematic_viscosity: float = quantity("m2/s", VISCOSITY, gt=0.0)
     """Of the water."""
 

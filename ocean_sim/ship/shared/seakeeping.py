@@ -89,7 +89,7 @@ class SeakeepingConfig(FloatingConfig):
         return found
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        deep = "a hull that feels only the surface of the water is carried too much by short waves"
+        deep = "a hull that feels only the surface of the water is lifted too much by short waves"
         found = super().warnings(preflight) + ([deep] if preflight.surface is not None else [])
         return found if self.table is None else found + self.of_table(self.table, preflight)
 

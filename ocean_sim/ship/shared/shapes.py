@@ -72,7 +72,7 @@ class Wigley(HullShape):
     breadth: float = quantity("m", gt=0.0)
     """Along x, amidships B."""
     draught: float = quantity("m", gt=0.0)
-    """Of the parabolic part."""
+    """Draught of the parabolic part."""
     height: float = quantity("m", gt=0.0)
     """From keel to deck."""
 
@@ -92,7 +92,7 @@ class Cylinder(HullShape):
     length: float = quantity("m", gt=0.0)
     """Along z."""
     radius: float = quantity("m", gt=0.0)
-    """Of the circle."""
+    """Radius of the circle."""
 
     def bounds(self) -> Box3:
         half = np.array([self.radius, 0.0, self.length / 2])
@@ -107,7 +107,7 @@ class Sphere(HullShape):
 
     kind: Literal["sphere"]
     radius: float = quantity("m", gt=0.0)
-    """Of the ball."""
+    """Radius of the ball."""
 
     def bounds(self) -> Box3:
         half = np.array([self.radius, 0.0, self.radius])

@@ -39,13 +39,14 @@ class VesselConfig(Helm, ShipConfig):
     slices: ClassVar[bool] = False  # whether it also floats in 2-D
 
     position: Position = quantity("m", (0.0, 0.0))
-    """Of the centre of mass: [x, z] afloat, or [x, y, z]."""
+    """Position of the centre of mass: [x, z] afloat, or [x, y, z]."""
     heading_deg: float = quantity("deg", 0.0)
-    """0 heads along +z, 90 along +x."""
+    """Heading: 0 is along +z, 90 along +x."""
     attitude_deg: Vector3 = quantity("deg", (0.0, 0.0, 0.0))
     """Pitch (bow down), a further yaw (to port) and roll (starboard down) at the beginning."""
     velocity: Vector3 = quantity("m/s", (0.0, 0.0, 0.0))
-    """At the beginning, world axes; in waves in closed form a floating hull has that of the water in its place, too."""
+    """Velocity at the beginning, in world axes; in closed-form waves a floating hull has that of the water around
+    it, too."""
     rates: Vector3 = quantity("rad/s", (0.0, 0.0, 0.0))
     """Pitch, yaw and roll rate at the beginning."""
     free: list[Motion] = list(Motions._fields)

@@ -47,7 +47,7 @@ HANDED = Columns(**POSE, velocity_before=3, spin_before=3, slip=1)  # the last: 
 
 
 class Contact(Model):
-    """How particles bounce from the hull."""
+    """How particles bounce off the hull."""
 
     restitution: float = quantity("1", 0.0, ge=0.0, le=1.0)
     """Share of the normal speed that is returned."""

@@ -8,7 +8,7 @@ from ocean_sim.files import csv_file
 from ocean_sim.validation.shared.case import Problem, Promise
 from ocean_sim.validation.shared.tables import table_path
 
-BASIS = "coarse: what was measured and a quarter more"
+BASIS = "coarse: the measured error plus a quarter"
 
 
 @cache

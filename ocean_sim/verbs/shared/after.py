@@ -7,6 +7,7 @@ from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import Drawing
 
+SHOWN = 8  # lines, at most, that name what was written
 PARTICLES, SURFACES, SCENES = ("vtkhdf", "ply"), ("ply", "vtp", "vtkhdf"), ("usd", "glb")
 
 
@@ -105,9 +106,12 @@ def finished(folder: Path) -> None:
 
 
 def made(files: list[Path], as_json: bool) -> None:
-    """Names what was written."""
+    """Names what was written; of many files the first and the last."""
     if as_json:
         console.answer({"files": files})
-    else:
-        for file in files:
-            console.say(str(file))
+        return
+    shown = [str(file) for file in files]
+    if len(shown) > SHOWN:
+        shown = [*shown[: SHOWN - 2], f"... {len(shown) - SHOWN + 1} more ...", shown[-1]]
+    for line in shown:
+        console.say(line)

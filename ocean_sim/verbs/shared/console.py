@@ -62,7 +62,8 @@ def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    shown = Table(title=title or None, title_justify="left", box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    look: dict[str, Any] = {"box": None, "pad_edge": False, "padding": (0, 2, 0, 0), "show_header": any(columns)}
+    shown = Table(title=title or None, title_justify="left", **look)
     for k, column in enumerate(columns):
         numbers = bool(rows) and all(row[k][:1].isdigit() or row[k] == "" for row in rows)
         shown.add_column(column, justify="right" if numbers else "left", overflow="fold")
@@ -113,14 +114,6 @@ def drawn(draw: Callable[..., object], *about: Any) -> bool:
         complained.add(missing)
         complain(f"no pictures: {missing}")
     return missing is None
-
-
-def figures(value: float) -> str:
-    """A number of four significant figures without an exponent, as 30000 or 0.01234, and without a negative zero."""
-    shown = f"{float(f'{value:.4g}') + 0.0:f}" if abs(value) < 1e15 else f"{value:.4g}"
-    if 0.0 < abs(value) < 1e-2:
-        shown = f"{value:.4g}"
-    return shown.rstrip("0").rstrip(".") if "." in shown and "e" not in shown else shown
 
 
 def duration(seconds: float) -> str:

@@ -4,6 +4,7 @@ from collections import Counter
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+from ocean_sim.conventions import figures
 from ocean_sim.simulation import Concluding
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import FILM, Bar, Drawing
@@ -15,9 +16,10 @@ if TYPE_CHECKING:
 class Progress(Concluding):
     """Shows simulated time, real-time factor and time left, and counts what limited the steps."""
 
-    def __init__(self, duration: float, quiet: bool) -> None:
+    def __init__(self, duration: float, quiet: bool, since: float = 0.0) -> None:
+        """`since`: simulated time at which a run goes on [s]."""
         self.bar, self.drawing = Bar(duration, quiet), Drawing(quiet, FILM)
-        self.duration, self.attending = duration, False
+        self.duration, self.since, self.attending = duration, since, False
         self.began = perf_counter()
         self.first: tuple[float, float] | None = None  # wall and simulated time after the first step [s]
         self.time, self.steps, self.particles, self.wall, self.pictures = 0.0, 0, 0, 0.0, 0
@@ -44,8 +46,8 @@ class Progress(Concluding):
         if self.factor <= 0.0:
             return ""
         left = max(0.0, self.duration - self.time) / self.factor
-        drawn = f", {self.pictures} pictures drawn" if self.pictures else ""
-        return f", {self.factor:.2g} x real time, {console.duration(left)} left{drawn}"
+        drawn = f", {self.pictures} picture{'s' if self.pictures > 1 else ''} drawn" if self.pictures else ""
+        return f", {figures(self.factor, 2)} x real time, {console.duration(left)} left{drawn}"
 
     def attend(self, simulation: "Simulation") -> None:
         """`render` draws while the run goes on and until all is drawn, and shows its progress here."""
@@ -77,6 +79,7 @@ class Progress(Concluding):
             "particles": self.particles,
             "steps": self.steps,
             "simulated_s": self.time,
+            "since_s": self.since,
             "wall_s": wall,
             "real_time_factor": self.factor,
             "limited_by": shares,

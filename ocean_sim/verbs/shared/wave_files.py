@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ocean_sim.waves.orbits import Motion
-from ocean_sim.waves.record import Sea
+from ocean_sim.waves.record import CUT_OFF, Sea
 
 COLUMNS = {
     "H1/3": "hs_m",
@@ -67,6 +67,9 @@ def draw(
     above.set_ylabel("elevation [m]")
     below.set_xlabel("frequency [Hz]")
     below.set_ylabel("spectral density [m2 s]")
+    highest = max((float(frequency[np.argmax(density)]) for density in densities.values()), default=0.0)
+    if highest > 0.0:  # beyond it the moments of a spectrum end, too
+        below.set_xlim(0.0, min(CUT_OFF * highest, float(frequency[-1])))
     for axes in (above, below):
         axes.grid(alpha=0.3)
         axes.legend(fontsize="x-small")

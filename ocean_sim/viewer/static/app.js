@@ -225,7 +225,7 @@ function panel(now) {
     box.dataset.key = key;
     box.innerHTML = now.sliders.map((s, k) => `<label class="slider">${escaped(s.label)} <output></output>` +
       `<input type="range" min="0" max="1000" data-k="${k}"><small><span>${short(s.low)}</span><span>${short(s.high)}</span></small></label>`).join("") ||
-      '<p class="hint">Nothing of this scene can be moved while it runs; see All keys.</p>';
+      '<p class="hint">Nothing in this scene can be changed while it runs; see All keys.</p>';
     for (const input of box.querySelectorAll("input")) {
       const s = now.sliders[input.dataset.k];
       input.setAttribute("aria-label", s.label);
@@ -369,7 +369,7 @@ function picking(on) {
   const [x, y] = middle();
   $("cross").style.left = `${x}px`;
   $("cross").style.top = `${y}px`;
-  say("Click on the water, waypoint by waypoint; or move the cross by Shift with W A S D, and press Enter.");
+  say("Click on the water, waypoint by waypoint; or move the cross with Shift and W A S D, and press Enter.");
   canvas.focus();
 }
 

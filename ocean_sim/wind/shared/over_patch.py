@@ -28,7 +28,7 @@ class Placed(Model):
         """What is wrong with the frame."""
         if self.frame is None or preflight.tank.sea is not None:
             return []
-        return [(("frame",), "only over a patch of open sea has a wind a frame; leave it out, or name a sea")]
+        return [(("frame",), "a wind has a frame only over a patch of open sea; leave it out, or name a sea")]
 
 
 @in_kernels

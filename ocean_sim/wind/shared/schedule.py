@@ -20,7 +20,7 @@ class Timed(Model):
     start: float = quantity("s", 0.0, ge=0.0)
     """When it begins to blow."""
     stop: float | None = quantity("s", None, ge=0.0)
-    """When it has ceased; null: never."""
+    """When it has stopped blowing; null: never."""
     duration: float | None = quantity("s", None, gt=0.0)
     """How long it blows, in place of `stop`."""
     ramp: float = quantity("s", 0.0, ge=0.0)
@@ -61,7 +61,7 @@ class Row(Model):
     """Speed and direction at one time."""
 
     time: float = quantity("s", ge=0.0)
-    """When."""
+    """Time of this row."""
     speed: float = quantity("m/s", ge=0.0)
     """Speed of the wind."""
     heading_deg: float = quantity("deg")

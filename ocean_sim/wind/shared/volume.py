@@ -23,9 +23,8 @@ Target = Literal["fluid", "ship"]
 class Volume(Scheduled):
     """One volume of moving air: all included shapes less all excluded ones.
 
-    What it blows may begin, end and follow a `schedule`: its speed, over the greatest in the schedule, is a factor on
-    acceleration, noise and wind_speed, which turn to its heading; the volume drifts on as it does.
-    """
+    Its wind may begin, end and follow a `schedule`: the speed, over the highest in the schedule, is a factor on
+    acceleration, noise and wind_speed, which turn to the schedule's heading; the drift of the volume stays as it is."""
 
     include: list[Shape] = Field(min_length=1)
     """Shapes it is made of; the centre of the first is the centre of the volume."""
@@ -38,15 +37,15 @@ class Volume(Scheduled):
     wind_speed: float = quantity("m/s", 0.0, ge=0.0)
     """Wind 10 m above the water, for drag and lift on exposed surface; apart from `acceleration`."""
     lift_coefficient: float = quantity("1", 1.0e-3)
-    """C_L of (2.23); the thesis prints none, this is ours: of the size of C_d."""
+    """C_L of (2.23). The thesis prints none; this one is ours, of the size of C_d."""
     heading_deg: float | None = quantity("deg", None)
     """Where the wind goes to, 0 along +z, 90 along +x; none: where `acceleration` points."""
     drift: float | Vector3 = quantity("m/s", 0.0)
     """Velocity of the volume; a number is a speed along its heading."""
     redraw_yaw_deg: Vector2 | None = quantity("deg", None)
-    """Least and greatest yaw of its first shape in later passages; everything turns along. None: it never turns."""
+    """Smallest and largest yaw of its first shape in later passages; all else turns with it. None: it never turns."""
     redraw_strength: Vector2 = quantity("1", (1.0, 1.0))
-    """Least and greatest factor on `acceleration` and `wind_speed` in later passages."""
+    """Smallest and largest factor on `acceleration` and `wind_speed` in later passages."""
     targets: list[Target] | None = None
     """What this volume acts on; null: the targets of the wind."""
 

@@ -4,7 +4,7 @@ from math import hypot, isinf, pi
 from typing import Protocol
 
 from ocean_sim import waves
-from ocean_sim.conventions import AIR_DENSITY, GRAVITY, WATER_DENSITY
+from ocean_sim.conventions import AIR_DENSITY, GRAVITY, WATER_DENSITY, figures
 from ocean_sim.model import Vector3
 from ocean_sim.parts import Preflight
 from ocean_sim.wind.shared.air_load import DRAG_LAWS, RANGES, U10, DragLaw, stress
@@ -44,8 +44,8 @@ def stylised(name: str, acceleration: float, preflight: Preflight) -> str:
     thick = layer(preflight)
     real = stress(U10) / (preflight.fluid.rest_density * thick)
     return (
-        f"{name}: a stylised force field, not a physical stress: {acceleration:.3g} m/s2 is {acceleration / real:.1e} "
-        f"times what a wind of {U10:g} m/s does to a layer of {thick:g} m"
+        f"{name}: a stylised force field, not a physical stress: {acceleration:.3g} m/s2 is "
+        f"{figures(acceleration / real, 2)} times what a wind of {U10:g} m/s does to a layer of {thick:g} m"
     )
 
 

@@ -46,5 +46,5 @@ print(f"compressed by at most {worst:.1%}")
 
 # %%
 # The measured experiment is the case `obstacle`: `ocean-sim validate obstacle` compares heights at four places and
-# pressures at eight with it, at the resolution for which its tolerances are meant. To see the water, leave `surface` and
-# `render` on, or draw the run later with `ocean-sim render runs/dam_break`.
+# pressures at eight with it, at the resolution for which its tolerances are meant. To see the water, leave `surface`
+# and `render` on, or draw the run later with `ocean-sim render runs/dam_break`.

@@ -1,12 +1,12 @@
 """A yacht in a random sea, and her response amplitude operator.
 
-A sea in closed form needs no particles, so minutes of ship motion take seconds. First a yacht of 15 m sails in a JONSWAP
-sea; then her heave in regular waves of several lengths gives the response amplitude operator (RAO).
+A sea in closed form needs no particles, so minutes of ship motion take seconds. First a yacht of 15 m sails in a
+JONSWAP sea; then her heave in regular waves of several lengths gives the response amplitude operator (RAO).
 """
 
 # %%
-# The sea goes towards 180 degrees and the yacht heads along +z: a head sea. `free` leaves heave and pitch free, and holds
-# all other motions.
+# The sea goes towards 180 degrees and the yacht heads along +z: a head sea. `free` leaves heave and pitch free, and
+# holds all other motions.
 
 import numpy as np
 

@@ -222,7 +222,7 @@ class Sea:
             self.far.mesh.DeepCopy(self.mesh_of(nodes, fan.triangles))
             self.beyond = np.ones(len(fan.triangles), bool)
         white = np.zeros(rings.shape)
-        if self.order.foam:
+        if self.order.foam and surface.wanted > 0.0:
             gathered = drawn_together * grain_of(*nodes.T).reshape(rings.shape)
             white = foam.shares(gathered, surface.wanted, surface.known)
         traits = np.stack([white, self.crest(height), fan.lost(amplitude)[rings]], axis=-1).reshape(-1, 3)

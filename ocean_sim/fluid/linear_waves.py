@@ -51,7 +51,9 @@ class Config(waves.GrowingTrain, FluidConfig):
         return [NO_DRIFT] if preflight.ships and self.scale[0] > 0.0 else []
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        found = list(waves.cut_short(preflight.duration, self.growing(self.sea(preflight.tank)).ramp))
+        found: list[str] = []
+        if self.scale[0] > 0.0:
+            found += waves.cut_short(preflight.duration, self.growing(self.sea(preflight.tank)).ramp)
         if not preflight.wind.still:
             found.append("closed-form waves do not feel the wind; it reaches only the ship")
         return found

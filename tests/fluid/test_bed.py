@@ -160,7 +160,7 @@ def scene(floor: object, **fluid: object) -> dict:
         (scene({"roughness": 0.0}), "basin.floor.roughness: 0.0 is not greater than 0 [m]"),
         (scene({"rouhgness": 0.01}), "basin.floor.rouhgness: unknown key; did you mean 'roughness'?"),
         (scene({"roughness": 0.8}), "fluid.spacing: the bed's z0 of 0.0267 m, a thirtieth of its roughness"),
-        (scene({"roughness": 0.01}, kind="ballistic"), "fluid.kind: particles that ignore each other form no layer"),
+        (scene({"roughness": 0.01}, kind="ballistic"), "fluid.kind: particles that ignore each other have no layer"),
         (
             {"fluid": {"kind": "linear_waves", "height": 0.02, "period": 1.0}}
             | {"basin": {"length": 4.0, "depth": 0.5, "floor": {"friction_factor": 0.1}}},

@@ -147,7 +147,7 @@ def test_a_feed_of_twice_the_loss_holds_the_sea_up_at_any_speed():
     for speed in (-1.5, 0.0, 0.7, 1.0, 1.3):
         assert found.at_ship(speed) == pytest.approx(1.0, abs=1e-9)
     unfed = band_of(patch(REGULAR | {"feed": 0.0}))
-    assert abs(unfed.at_ship(1.0)) == 0.0 and any("keeps up" in sentence for sentence in unfed.warnings())
+    assert abs(unfed.at_ship(1.0)) == 0.0 and any("keeps up" in sentence for sentence in unfed.warnings(1.0))
 
 
 def test_waves_are_fitted_to_the_patch_and_statements_say_so():

@@ -180,7 +180,7 @@ def test_a_table_of_the_same_depth_has_the_beds_part():
 
 def test_check_says_where_a_table_is_of_another_case():
     ship = {"kind": "dynamic", "hull": "barge20", "radiation": str(BARGE), "velocity": [0.0, 0.0, 2.0]}
-    scene = at_sea(ship, 20.0, 0.05, height=0.2, period=6.0)
+    scene = at_sea(ship, 20.0, 0.05, height=0.2, period=6.0, ramp=0.0)
     assert ["without forward speed" in said for said in load(scene).warnings()] == [True]
     scene["basin"]["depth"] = 5.0
     still = dict(ship, velocity=[0.0, 0.0, 0.0], centre_of_mass=[0.0, 3.0, 0.0])

@@ -268,4 +268,4 @@ def test_the_study_of_a_scene_answers_with_a_line_to_paste_and_proves_it(capsys,
 
 def test_options_of_a_scene_need_a_scene(capsys):
     assert answered(["tradeoff", "--budget", "16ms"]) == 2
-    assert "--budget is about a scene" in capsys.readouterr().err
+    assert "--budget needs a scene" in capsys.readouterr().err

@@ -28,7 +28,7 @@ class Choice:
         return self.base.data["kind"].data
 
     def whole(self) -> Node:
-        """Where the part was written, whatever the file of its preset."""
+        """The preset or kind with what was written over it, at the line that names it and not in the preset's file."""
         return merged(self.base, self.own)
 
 

@@ -8,7 +8,6 @@ has to agree with it.
 
 import linecache
 import os
-import re
 import sys
 import textwrap
 from collections.abc import Callable
@@ -79,7 +78,7 @@ def _in_oriented_class(level_of_class_stackframe: int) -> bool:
     except ValueError:  # a script's own function
         return False
     line = linecache.getline(frame.f_code.co_filename, frame.f_lineno, frame.f_globals).strip()
-    return any(re.match(pattern, line) for pattern in kernel_impl._KERNEL_CLASS_STACKFRAME_STMT_RES)
+    return any(pattern.match(line) for pattern in kernel_impl._KERNEL_CLASS_STACKFRAME_STMT_RES)
 
 
 def _once(look: Callable[[Any], Any]) -> Callable[[Any], Any]:

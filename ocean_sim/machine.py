@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -113,12 +113,21 @@ def outlive_no_parent() -> threading.Event:
     and with it the processes that it leads. The event is set when the parent writes something."""
     spoken = threading.Event()
 
-    def wait() -> None:
+    def listen() -> None:
         while os.read(sys.stdin.fileno(), 1):
             spoken.set()
+
+    end_after(listen)
+    return spoken
+
+
+def end_after(wait: Callable[[], object]) -> None:
+    """From now on, end this process, and the processes that it leads, as soon as `wait` returns."""
+
+    def end() -> None:
+        wait()
         if hasattr(os, "killpg") and os.getpgrp() == os.getpid():
             os.killpg(0, signal.SIGKILL)
         os._exit(1)
 
-    threading.Thread(target=wait, daemon=True).start()
-    return spoken
+    threading.Thread(target=end, daemon=True).start()

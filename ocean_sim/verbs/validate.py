@@ -1,7 +1,6 @@
 """`ocean-sim validate`: problems with known answers, in a table, a CSV file and a picture a case."""
 
 import csv
-import os
 import signal
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
@@ -9,10 +8,9 @@ from concurrent.futures.process import BrokenProcessPool
 from fnmatch import filter as matching
 from multiprocessing import active_children, get_context, parent_process
 from pathlib import Path
-from threading import Thread
 from typing import Any
 
-from ocean_sim.machine import cores
+from ocean_sim.machine import cores, end_after
 from ocean_sim.parts import kinds
 from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.validation import names, problems
@@ -125,14 +123,9 @@ def answers(orders: list[Order], workers: int) -> Iterator[list[dict[str, Any]]]
 def begin() -> None:
     """End a process that runs cases as soon as its parent ends, and without a word on Ctrl-C."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-    def wait() -> None:
-        parent = parent_process()
-        assert parent is not None
-        parent.join()
-        os._exit(1)
-
-    Thread(target=wait, daemon=True).start()
+    parent = parent_process()
+    assert parent is not None
+    end_after(parent.join)
 
 
 def left_out(plan: dict[str, list[tuple[Problem, str]]], schemes: list[str], coarse: bool) -> Iterator[str]:

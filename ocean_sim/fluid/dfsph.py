@@ -15,7 +15,7 @@ Where there is a free surface both pressures are forces, and never negative: wit
 SHAKE; Leimkuhler & Skeel 1994, J. Comput. Phys. 112), and still water stays still. A gap inside the water may close
 again, at GAP of its size a step. Where there is none pressures have either sign, particles are shifted along the
 gradient of their number (Lind et al. 2012, J. Comput. Phys. 231), and the density's pressures only displace them
-(Cornelis et al. 2019, Visual Computer 35).
+(Cornelis et al. 2019, Visual Computer 35). So they do before a run, where bodies lie off the lattice (make_room).
 
 A known weakness: once its lattice has given way, the pressures of single particles scatter in water that hardly moves.
 A lattice gives way where it is not elastically stable under the kernel (Stencil.softest).
@@ -55,6 +55,7 @@ BRIEF = 0.1  # of the smoothing length over the reference speed: in shorter step
 SLOW = 2.0  # of the reference speed: water counts as no slower when the next step is chosen, see `limits`
 STIRRED = 0.3  # of the reference speed: the root mean square speed up to which water is calm
 LEAST = 0.05  # of its value on the lattice: A_ii is taken to be no less, which keeps coincident particles finite
+ROOM, SNUG = 20, 1.0e-6  # times that particles make room before a run, and the mean error that each may end with
 GAP = 0.1  # of what is missing in a gap that may close in a step; wider gaps close as fast as they are wide
 
 
@@ -334,10 +335,25 @@ class Dfsph(Sph):
         self.density, self.forces = Density(self), Forces(self, config.viscosity(basin))
         self.report: np.ndarray = np.zeros(REPORT, dtype=particles.position.precision)
         self.begin()
+        if (basin.obstacles or basin.afloat) and not self.closed:
+            self.make_room()
 
     def begin(self) -> None:
         self.held_pressure.fill(0.0)
         super().begin()
+
+    def make_room(self) -> None:
+        """Move particles apart that are pressed together next to a body, without a velocity: the first step would do it
+        within its own time, and so the faster the shorter it is."""
+        self.dt[None] = 1.0  # of no consequence: only the way counts
+        for _ in range(ROOM):
+            if self.status.max_density <= (1.0 + self.config.density_tolerance) * self.particles.rest_density:
+                break
+            self.compress(0.0, self.report)
+            self.sought(self.incompressible, SNUG)
+            self.put()
+            self.arrive()
+            self.status = self.accounts.status(self.summary, self.grid)
 
     def arrive(self) -> None:
         self.settle(self.summary, self.report)
@@ -356,18 +372,26 @@ class Dfsph(Sph):
     def solve(self, solver: Solver, dt: float, calm: bool) -> None:
         """Iterate until a step of dt [s] presses the water neither together nor apart by more than is allowed in the
         mean, at most so often."""
-        scale = 1.0 / (self.particles.count.now * self.particles.rest_density)
-        done, along, error = 0, 1.0, scale * float(self.report[:UPHILL].max())
-        enough = solver.enough(error, dt, calm)
-        while not error <= enough and done < solver.most:
+        solver.ended(*self.sought(solver, solver.enough(self.error, dt, calm)))
+        if self.accounts.impulses and solver.forces:
+            self.account(solver)
+
+    def sought(self, solver: Solver, enough: float) -> tuple[int, float]:
+        """Iterate until the error is no more than `enough`, at most so often; how often, and the error that is left."""
+        done, along = 0, 1.0
+        while not self.error <= enough and done < solver.most:
             if self.report[UPHILL] > 0.0:
                 along = 1.0
             ahead = 0.5 + sqrt(0.25 + along * along)
             self.iterate(solver, (along - 1.0) / ahead, self.report)
-            done, along, error = done + 1, ahead, scale * float(self.report[:UPHILL].max())
-        solver.ended(done, error)
-        if self.accounts.impulses and solver.forces:
-            self.account(solver)
+            done, along = done + 1, ahead
+        return done, self.error
+
+    @property
+    def error(self) -> float:
+        """How far the pressures press the water together, or apart, more than they may: a mean, over its density."""
+        scale = 1.0 / (self.particles.count.now * self.particles.rest_density)
+        return scale * float(self.report[:UPHILL].max())
 
     @ti.kernel
     def predict(self, dt: float, since: float, report: Array):
@@ -420,6 +444,16 @@ class Dfsph(Sph):
                 group = t // self.tasks.stride
                 for i in range(self.tasks.first(group), self.tasks.first(group + 1)):
                     self.displace(i, self.dt[None], group)
+
+    @ti.kernel
+    def put(self):
+        """Displace the particles, as far as the walls let them."""
+        for i in range(self.particles.count.there()):
+            p, u = self.particles.position, self.particles.velocity
+            way = tm.vec3([component[i] for component in ti.static(tuple(self.way))])
+            v = tm.vec3(u.x[i], u.y[i], u.z[i])
+            x, _ = self.walls.bounced(tm.vec3(p.x[i], p.y[i], p.z[i]) + self.grid.gone(i, self.dt[None] * way), v)
+            self.leave(i, x, v)
 
     @ti.func
     def displace(self, i, dt, group):

@@ -229,7 +229,7 @@ def surface_velocity(
     fluid: Fluid, points: np.ndarray, elevation: np.ndarray, period: Sequence[float] = (0.0, 0.0, 0.0)
 ) -> np.ndarray:
     """(nx, nz, 3) of the water at the surface over the points [m/s]: of particles the mean of those in the topmost
-    layer of each cell."""
+    layer of each cell, or where there is none of the cells around it."""
     particles = fluid.particles
     if particles is None:
         return sampled_velocity(fluid, points, elevation)
@@ -241,9 +241,20 @@ def surface_velocity(
     i, k = np.clip(i, 0, nx - 1), np.clip(k, 0, nz - 1)
     top = x[:, 1] > elevation[i, k] - TOPMOST * fluid.spacing
     at = (i * nz + k)[top]
-    count = np.maximum(np.bincount(at, minlength=nx * nz), 1)
-    parts = [np.bincount(at, weights=v[top, axis], minlength=nx * nz) / count for axis in range(3)]
-    return np.stack(parts, axis=-1).reshape(nx, nz, 3)
+    count = np.bincount(at, minlength=nx * nz).reshape(nx, nz)
+    parts = [np.bincount(at, weights=v[top, axis], minlength=nx * nz).reshape(nx, nz) for axis in range(3)]
+    velocity = np.stack(parts, axis=-1) / np.maximum(count, 1)[..., None]
+    return filled(velocity, count > 0)
+
+
+def filled(values: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """(nx, nz, m) values, those that are not known (nx, nz) as the mean of the known ones of the eight cells around
+    them; 0 where all these are unknown."""
+    from scipy.ndimage import uniform_filter
+
+    share = uniform_filter(known.astype(float), 3, mode="nearest")
+    around = uniform_filter(values * known[..., None], (3, 3, 1), mode="nearest") / np.maximum(share, 1e-9)[..., None]
+    return np.where(known[..., None], values, around)
 
 
 def sampled_velocity(fluid: Fluid, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:

@@ -132,7 +132,8 @@ class Field:
         return reached
 
     def carry(self, way: np.ndarray) -> None:
-        """All of it, and the patches that turn white, by a way (nx, nz, 2) [m]; what comes in from beyond is as it is at the edge."""
+        """All of it, and the patches that turn white, by a way (nx, nz, 2) [m]; what comes in from beyond is as it is
+        at the edge."""
         cells = halfway(np.moveaxis(way / self.cell, -1, 0))
         fine = FINER * np.stack([finer(along) for along in cells])
         self.white = np.clip(moved(self.white, fine), 0.0, 1.0)

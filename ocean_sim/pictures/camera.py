@@ -95,8 +95,8 @@ class Operator:
     def __init__(
         self, name: Name, lower: np.ndarray, upper: np.ndarray, aspect: float, span: tuple[float, float], **given: Any
     ) -> None:
-        """`span`: first and last time of the film [s]; `given`: `vessel`, whether she may leave the basin, `away`, whether
-        it is a piece of an open sea, `at_sea`, and of a fixed camera `eye` and `target`."""
+        """`span`: first and last time of the film [s]; `given`: `vessel`, whether she may leave the basin, `away`,
+        whether it is a piece of an open sea, `at_sea`, and of a fixed camera `eye` and `target`."""
         self.name, self.lower, self.upper, self.aspect, self.span = name, lower, upper, aspect, span
         self.vessel: Vessel | None = given.get("vessel")
         self.away = bool(given.get("away"))
@@ -194,8 +194,8 @@ def damped(track: Track) -> tuple[np.ndarray, np.ndarray]:
 
 
 def abeam(lower: np.ndarray, upper: np.ndarray, aspect: float) -> Camera:
-    """The camera beside a piece of sea from `lower` to `upper` [m], low over the water, that sees all of its middle in a
-    picture `aspect` times as wide as high: an open sea has no cut side that a parallel projection could show."""
+    """The camera beside a piece of sea from `lower` to `upper` [m], low over the water, that sees all of its middle in
+    a picture `aspect` times as wide as high: an open sea has no cut side for a parallel projection to show."""
     middle = 0.5 * (lower + upper) * [1.0, 0.0, 1.0]
     away = 0.5 * MARGIN * (upper[0] - lower[0]) / (np.tan(np.radians(VIEW_ANGLE / 2.0)) * aspect)
     return looking(middle + away * (np.array([0.0, LOW, 0.0]) - TOWARDS["side"][0]), middle)

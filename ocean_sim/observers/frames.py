@@ -3,6 +3,7 @@ one file a frame. The names of a ship's arrays begin with the key of the ship.""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -187,7 +188,7 @@ class Frames(Observer):
         wind = self.wind_speed or raised_by(sea, begins)
         for time in begins + np.arange(-BEFORE, 0.0, BEFORE_EVERY):
             elevation = waves.elevation(sea, points, time).reshape(self.shape)
-            velocity = sampled_velocity(lambda places, now=time: waves.velocity(sea, places, now), points, elevation)
+            velocity = sampled_velocity(partial(waves.velocity, sea, time=float(time)), points, elevation)
             source = foam.convergence(elevation, *self.cell)
             self.white.advance(time, velocity[..., [0, 2]], source, foam.called_for(source, wind))
 

@@ -349,3 +349,16 @@ def test_what_a_run_wrote_is_read_without_its_comments(folder):
     assert [event["event"] for event in result.events] == ["start", "clipped"]
     config = load("small.yaml", {"accuracy": None})
     assert written(result, config)["events"] == [{"event": "clipped", "particles": 3}]
+
+
+def test_null_takes_away_what_was_set_below_its_key_before():
+    """As the demo's own `--set render.every=0.1` before a user's `--set render=null`."""
+    kept = console.settings(["render.every=0.1", "frames.every=0.1", "render=null"])
+    assert {key: node.data for key, node in kept.items()} == {"frames.every": 0.1, "render": None}
+    assert list(console.settings(["frames=null", "frames.every=0.1"])) == ["frames", "frames.every"]
+
+
+@pytest.mark.parametrize("slot", ["render", "frames"])
+def test_the_demo_s_own_settings_give_way_to_null(slot):
+    script = [word for key in ("render.every=0.1", "frames.every=0.1") for word in ("--set", key)]
+    assert answered(["check", "showcase", *script, "--set", f"{slot}=null"]) == 0

@@ -1,8 +1,9 @@
 """Keeps what a picture or an export needs: particles, the height of the water, its surface, and where the ships are;
 one file a frame. The names of a ship's arrays begin with the key of the ship."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 SURFACE_FIELDS = 6 + foam.FINER**2  # elevation, how far foam was carried, velocity; foam
 BYTES_PER_PARTICLE = 32  # position, velocity, id and pressure
 SAMPLED = 800  # points at most at which water in closed form is asked for its velocity
+BEFORE, BEFORE_EVERY = 2.0 * foam.LASTS, 0.25  # [s] for which foam is made before a run begins, and in steps of
 TOPMOST = 1.2  # [spacings] under the surface: the particles that carry foam
 MANY = 20_000_000  # points of a frame: more are a slip
 LARGE = 2.0e9  # bytes that are worth a warning
@@ -163,6 +165,8 @@ class Frames(Observer):
         assert self.white is not None
         self.white.shift(np.round((origin - self.before) / self.cell))
         self.before = origin
+        if not self.white.started:
+            self.whiten_before(simulation, points)
         velocity = surface_velocity(simulation.fluid, points, elevation, simulation.basin.periods)
         made = simulation.fluid.foam(points)
         if made is None:
@@ -174,6 +178,19 @@ class Frames(Observer):
         else:
             self.white.advance(simulation.time, velocity[..., [0, 2]], made.reshape(self.shape), None)
         return {"foam": self.white.white, "carried": self.white.carried, "surface_velocity": velocity}
+
+    def whiten_before(self, simulation: "Simulation", points: np.ndarray) -> None:
+        """What a sea in closed form, which is there from the beginning, has made white in the seconds before: else all
+        that is called for would be born at once, in a stripe along the highest crest."""
+        sea, begins = simulation.fluid.plane_waves, simulation.time
+        if sea is None or self.white is None or sea.grown(begins) < 1.0 or simulation.fluid.foam(points) is not None:
+            return
+        wind = self.wind_speed or raised_by(sea, begins)
+        for time in begins + np.arange(-BEFORE, 0.0, BEFORE_EVERY):
+            elevation = waves.elevation(sea, points, time).reshape(self.shape)
+            velocity = sampled_velocity(partial(waves.velocity, sea, time=float(time)), points, elevation)
+            source = foam.convergence(elevation, *self.cell)
+            self.white.advance(time, velocity[..., [0, 2]], source, foam.called_for(source, wind))
 
     def origin(self) -> np.ndarray:
         """(2,) x and z of the middle of the points [m] on a sea that answers to ships: by whole cells near that of the
@@ -229,10 +246,10 @@ def surface_velocity(
     fluid: Fluid, points: np.ndarray, elevation: np.ndarray, period: Sequence[float] = (0.0, 0.0, 0.0)
 ) -> np.ndarray:
     """(nx, nz, 3) of the water at the surface over the points [m/s]: of particles the mean of those in the topmost
-    layer of each cell."""
+    layer of each cell, or where there is none of the cells around it."""
     particles = fluid.particles
     if particles is None:
-        return sampled_velocity(fluid, points, elevation)
+        return sampled_velocity(fluid.velocities, points, elevation)
     x, v = particles.position.to_numpy().astype(float), particles.velocity.to_numpy().astype(float)
     x = x + shifts(x, 0.5 * (points[0] + points[-1]), period)
     low, (nx, nz) = points[0], elevation.shape
@@ -241,19 +258,33 @@ def surface_velocity(
     i, k = np.clip(i, 0, nx - 1), np.clip(k, 0, nz - 1)
     top = x[:, 1] > elevation[i, k] - TOPMOST * fluid.spacing
     at = (i * nz + k)[top]
-    count = np.maximum(np.bincount(at, minlength=nx * nz), 1)
-    parts = [np.bincount(at, weights=v[top, axis], minlength=nx * nz) / count for axis in range(3)]
-    return np.stack(parts, axis=-1).reshape(nx, nz, 3)
+    count = np.bincount(at, minlength=nx * nz).reshape(nx, nz)
+    parts = [np.bincount(at, weights=v[top, axis], minlength=nx * nz).reshape(nx, nz) for axis in range(3)]
+    velocity = np.stack(parts, axis=-1) / np.maximum(count, 1)[..., None]
+    return filled(velocity, count > 0)
 
 
-def sampled_velocity(fluid: Fluid, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
-    """The same of water in closed form, asked for at SAMPLED points at most and interpolated between them."""
+def filled(values: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """(nx, nz, m) values, those that are not known (nx, nz) as the mean of the known ones of the eight cells around
+    them; 0 where all these are unknown."""
+    from scipy.ndimage import uniform_filter
+
+    share = uniform_filter(known.astype(float), 3, mode="nearest")
+    around = uniform_filter(values * known[..., None], (3, 3, 1), mode="nearest") / np.maximum(share, 1e-9)[..., None]
+    return np.where(known[..., None], values, around)
+
+
+def sampled_velocity(
+    velocities: Callable[[np.ndarray], np.ndarray], points: np.ndarray, elevation: np.ndarray
+) -> np.ndarray:
+    """The same of water in closed form, `velocities` (n, 3) [m/s] at places (n, 3) [m], asked for at SAMPLED points at
+    most and interpolated between them."""
     from scipy.ndimage import map_coordinates
 
     step = int(np.ceil(np.sqrt(elevation.size / SAMPLED)))
     number = np.arange(elevation.size).reshape(elevation.shape)[::step, ::step]
     places = np.insert(points, 1, elevation.ravel(), axis=1)[number.ravel()]
-    coarse = fluid.velocities(places).reshape(*number.shape, 3)
+    coarse = velocities(places).reshape(*number.shape, 3)
     if step == 1:
         return coarse
     at = np.indices(elevation.shape) / step

@@ -191,9 +191,6 @@ class Render(Concluding):
                 self.drawer.finish()
         except (OpenGLMissing, RenderFailed) as problem:
             print(f"no pictures: {problem}", file=sys.stderr)
-        except KeyboardInterrupt:
-            print(f"the run is complete, but not all of its pictures are drawn; {later}", file=sys.stderr)
-            raise
         else:
             if (self.folder / "report.html").exists():
                 run_report.write(self.folder)

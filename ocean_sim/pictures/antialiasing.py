@@ -5,6 +5,7 @@ import numpy as np
 
 LEAST, RELATIVE = 26, 0.2  # contrast of brightness of 255, and over the brightest around, from which there is an edge
 STEPS = (1.0, 1.0, 1.0, 1.5, 2.0, 4.0, 8.0)  # pixels by which an edge is followed
+ROWS = 60  # that are looked at together: what is worked with stays in the processor's cache
 SINGLE = 0.6  # of the blur of what is a single pixel wide
 
 
@@ -20,19 +21,32 @@ def smooth(image: np.ndarray) -> np.ndarray:
     from PIL import Image
 
     bright = np.pad(np.asarray(Image.fromarray(np.ascontiguousarray(image)).convert("L")), 1, mode="edge")
-    rows = bright.shape[1]
-    flat = bright.ravel().astype(np.float32)
-    north, south, west, east = bright[:-2, 1:-1], bright[2:, 1:-1], bright[1:-1, :-2], bright[1:-1, 2:]
-    middle = bright[1:-1, 1:-1]
+    padded = np.pad(image, ((1, 1), (1, 1), (0, 0)), mode="edge").reshape(-1, 3)
+    flat, result = bright.ravel().astype(np.float32), image.copy()
+    for first in range(0, len(image), ROWS):
+        at, across, share = edges(bright, flat, first)
+        blended = (1.0 - share) * padded[at] + share * padded[at + across]
+        row, column = np.divmod(at, bright.shape[1])
+        result[row - 1, column - 1] = (blended + 0.5).astype(np.uint8)
+    return result
+
+
+def edges(bright: np.ndarray, flat: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of ROWS rows of a picture from a first one on, the numbers (n,) of the pixels at edges in its brightness, padded
+    by a pixel; by how much the number across the edge differs, and the share (n, 1) that a pixel takes from there.
+
+    `flat`: the same brightness, pixel after pixel.
+    """
+    rows, last = bright.shape[1], min(first + ROWS, len(bright) - 2)
+    north, south = bright[first:last, 1:-1], bright[first + 2 : last + 2, 1:-1]
+    middle, west, east = (bright[first + 1 : last + 1, k : rows - 2 + k] for k in (1, 0, 2))
     high = np.maximum(np.maximum(np.maximum(north, south), np.maximum(west, east)), middle)
     low = np.minimum(np.minimum(np.minimum(north, south), np.minimum(west, east)), middle)
     contrast = (high - low).ravel()
-    edges = np.flatnonzero(contrast > LEAST).astype(np.int32)
-    edges = edges[contrast[edges] > np.float32(RELATIVE) * high.ravel()[edges]]
-    if not len(edges):
-        return image
-    contrast = contrast[edges].astype(np.float32)
-    at = edges + 2 * (edges // (rows - 2)) + (rows + 1)
+    found = np.flatnonzero(contrast > LEAST).astype(np.int32)
+    found = found[contrast[found] > np.float32(RELATIVE) * high.ravel()[found]]
+    contrast = contrast[found].astype(np.float32)
+    at = found + 2 * (found // (rows - 2)) + (rows * (first + 1) + 1)
     m, n, s, w, e = (flat.take(at + step) for step in (0, -rows, rows, -1, 1))
     nw, ne, sw, se = (flat.take(at + step) for step in (-rows - 1, -rows + 1, rows - 1, rows + 1))
     around = (2.0 * (n + s + w + e) + nw + ne + sw + se) / 12.0
@@ -42,22 +56,17 @@ def smooth(image: np.ndarray) -> np.ndarray:
     across_columns = np.abs(nw + ne - 2.0 * n) + 2.0 * np.abs(w + e - 2.0 * m) + np.abs(sw + se - 2.0 * s)
     level = across_rows >= across_columns  # whether the edge runs along a row
     before, after = np.where(level, n, w), np.where(level, s, e)
-    first = np.abs(before - m) >= np.abs(after - m)
-    across = np.where(level, np.int32(rows), np.int32(1)) * np.where(first, np.int32(-1), np.int32(1))
+    nearer_before = np.abs(before - m) >= np.abs(after - m)
+    across = np.where(level, np.int32(rows), np.int32(1)) * np.where(nearer_before, np.int32(-1), np.int32(1))
     along = np.where(level, np.int32(1), np.int32(rows))
-    steepness = np.where(first, np.abs(before - m), np.abs(after - m))
-    edge = 0.5 * (m + np.where(first, before, after))
+    steepness = np.where(nearer_before, np.abs(before - m), np.abs(after - m))
+    edge = 0.5 * (m + np.where(nearer_before, before, after))
     ends = [followed(flat, at, across, way * along, edge, 0.25 * steepness) for way in (-1, 1)]
     nearer = ends[0][0] <= ends[1][0]
     distance = np.where(nearer, ends[0][0], ends[1][0])
     beyond = np.where(nearer, ends[0][1], ends[1][1])
     covered = 0.5 - distance / (ends[0][0] + ends[1][0])
-    share = np.maximum(np.where((m < edge) != (beyond < 0.0), covered, 0.0), single)[:, None]
-    padded = np.pad(image, ((1, 1), (1, 1), (0, 0)), mode="edge").reshape(-1, 3)
-    result = image.reshape(-1, 3).copy()
-    blended = (1.0 - share) * padded[at] + share * padded[at + across]
-    result[edges] = (blended + 0.5).astype(np.uint8)
-    return result.reshape(image.shape)
+    return at, across, np.maximum(np.where((m < edge) != (beyond < 0.0), covered, 0.0), single)[:, None]
 
 
 def followed(

@@ -12,6 +12,7 @@ WIDE_ANGLE = 50.0  # [deg], vertical, from the helm
 MARGIN = 1.05
 BAND = 1.3  # room above and below the water for words, in the picture from the side
 HEADROOM = 0.24  # of the basin's length: sky above the water in perspective pictures
+LOW = 0.05  # height of the camera beside an open sea, over its distance
 TOWARDS = {  # direction of view, and what is up in the picture
     "third_person": ((0.30, -0.27, -0.92), (0.0, 1.0, 0.0)),  # the sun shines from the left
     "top": ((0.0, -1.0, 0.0), (0.0, 0.0, -1.0)),
@@ -94,13 +95,15 @@ class Operator:
     def __init__(
         self, name: Name, lower: np.ndarray, upper: np.ndarray, aspect: float, span: tuple[float, float], **given: Any
     ) -> None:
-        """`span`: first and last time of the film [s]; `given`: `vessel`, whether she may leave the basin, `away`, and
-        of a fixed camera `eye` and `target`."""
+        """`span`: first and last time of the film [s]; `given`: `vessel`, whether she may leave the basin, `away`,
+        whether it is a piece of an open sea, `at_sea`, and of a fixed camera `eye` and `target`."""
         self.name, self.lower, self.upper, self.aspect, self.span = name, lower, upper, aspect, span
         self.vessel: Vessel | None = given.get("vessel")
         self.away = bool(given.get("away"))
         if name == "fixed":
             self.standing = looking(np.array(given["eye"], dtype=float), np.array(given["target"], dtype=float))
+        elif name == "side" and given.get("at_sea"):
+            self.standing = abeam(lower, upper, aspect)
         else:
             self.standing = placed(name if name in TOWARDS else "third_person", lower, upper, aspect)
         self.trail = np.zeros((0, 3)), np.zeros(0)
@@ -188,6 +191,14 @@ def damped(track: Track) -> tuple[np.ndarray, np.ndarray]:
         centre[k] = centre[k - 1] + near * (centre[k] - centre[k - 1])
         heading[k] = heading[k - 1] + slow * (heading[k] - heading[k - 1])
     return centre, heading
+
+
+def abeam(lower: np.ndarray, upper: np.ndarray, aspect: float) -> Camera:
+    """The camera beside a piece of sea from `lower` to `upper` [m], low over the water, that sees all of its middle in
+    a picture `aspect` times as wide as high: an open sea has no cut side for a parallel projection to show."""
+    middle = 0.5 * (lower + upper) * [1.0, 0.0, 1.0]
+    away = 0.5 * MARGIN * (upper[0] - lower[0]) / (np.tan(np.radians(VIEW_ANGLE / 2.0)) * aspect)
+    return looking(middle + away * (np.array([0.0, LOW, 0.0]) - TOWARDS["side"][0]), middle)
 
 
 def placed(name: Name, lower: np.ndarray, upper: np.ndarray, aspect: float) -> Camera:

@@ -22,6 +22,7 @@ NEAREST = 0.35  # [heights of the eye] away, or nearer, where the first ring lie
 WIDENING, BEYOND = 0.03, 1.09  # spacing of rings over their distance, and in the farthest over the one before
 REACHES = ((400.0, 0.06), (1000.0, 0.20))  # [m] to which waves but this share of the variance, the shortest, are drawn
 PEAK_PERIOD = 0.90  # energy period over that of the peak, of JONSWAP's spectrum
+BELT = 8  # rings of which the same waves are drawn
 BAND = 0.5  # pixels of the height of a picture of which no more than one ring is drawn
 TURN = np.radians(8.0)  # by which the eye turns before the fan does
 ASTREAM, PHASES, PLACES = 0x5_0000, 0x5_0001, 0x5_0002  # streams of random numbers
@@ -117,6 +118,7 @@ class Fan:
         self.looked: tuple[float, ...] = ()
         self.nodes = np.zeros((0, 2))  # around the eye [m]
         self.triangles = np.zeros((0, 3), dtype=int)  # of those that are seen
+        self.belts: list[tuple[slice, np.ndarray, np.ndarray]] = []  # rings, their waves, and cosine and sine of these
 
     def look(
         self, height: float, heading: float, half: float, lowest: float, pixel: float, amplitude: np.ndarray
@@ -151,8 +153,6 @@ class Fan:
         self.bands = np.minimum(starts[:, None] + np.arange((ends - starts).max()), ends[:, None] - 1)
         self.triangles = triangles(len(starts), len(angle))
         sea, (least, enough) = self.sea, NODES_PER_WAVE
-        phase = (self.nodes @ sea.wavevector.T).astype(np.float32).reshape(*self.shape, -1)
-        self.waves = np.concatenate([np.cos(phase), np.sin(phase)], axis=-1)
         length = 2.0 * pi / np.maximum(sea.wavenumber, 1e-9)
         spacing = np.maximum(np.gradient(distance), distance * (angle[1] - angle[0]))
         self.drawn = np.clip((length / spacing[:, None] - least) / (enough - least), 0.0, 1.0)
@@ -161,6 +161,13 @@ class Fan:
         least, enough = PIXELS_PER_WAVE
         seen_slopes = self.drawn * np.clip((length / footprint[:, None] - least) / (enough - least), 0.0, 1.0)
         self.sloping = seen_slopes
+        towards = (away @ sea.wavevector.T).astype(np.float32)
+        self.belts = []
+        for first_ring in range(0, len(distance), BELT):
+            belt = slice(first_ring, first_ring + BELT)
+            drawn = np.flatnonzero(self.drawn[belt].any(axis=0))
+            phase = distance[belt, None, None].astype(np.float32) * towards[:, drawn]
+            self.belts.append((belt, drawn, np.concatenate([np.cos(phase), np.sin(phase)], axis=-1)))
         return True
 
     def seen(self, height: np.ndarray, eye: float) -> np.ndarray:
@@ -180,7 +187,12 @@ class Fan:
         kx, kz = self.sea.wavevector.T
         level, slope = turning * self.drawn, turning * self.sloping
         columns = np.stack([level, 1j * kx * slope, 1j * kz * slope, self.sea.wavenumber * level], axis=-1)
-        return self.waves @ np.concatenate([columns.real, -columns.imag], axis=1).astype(np.float32)
+        columns = columns.astype(np.complex64)
+        found = np.zeros((*self.shape, 4), np.float32)
+        for belt, drawn, waves in self.belts:
+            here = columns[belt, drawn]
+            np.matmul(waves, np.concatenate([here.real, -here.imag], axis=1), out=found[belt])
+        return found
 
 
 class Modes:

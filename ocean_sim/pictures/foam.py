@@ -12,6 +12,7 @@ MOST = 0.10  # share of the sea that may be white where none is asked for
 LASTS = 3.5  # [s] in which foam falls to a third (Monahan & Zietlow 1969, J. Geophys. Res. 74: 3.85 s in salt water)
 RAMP = 0.3  # of the area that turns white: its edge, less than wholly white
 PATCH = 4.0  # cells of white water along a side of the least patch that a crest makes: less would blur as it is carried
+SPENT = 0.3  # of its convergence that water lacks where it is white: crests break sooner where none has before
 RISES = 0.4  # [s] in which a patch turns white while the crest that breaks runs over it
 FINER = 2  # cells of white water along a cell of the waves: the water carries foam of one cell's width, and keeps it
 SETTLES = 9.0  # [s] in which the grain of foam forgets how far the water has carried it
@@ -112,7 +113,9 @@ class Field:
     def broken(self, drawn_together: np.ndarray, step: float) -> np.ndarray:
         """The share that crests have made white after a step [s], so that the mean comes to the cover called for.
 
-        Crests are told from what is shorter than a patch by a mean over its width.
+        Crests are told from what is shorter than a patch by a mean over its width. Water that is white counts as less
+        steep than it is: where the same waves stand in the same water, as behind a ship, foam would else be made anew
+        where it is, and never age.
         """
         from scipy.ndimage import gaussian_filter
 
@@ -120,7 +123,8 @@ class Field:
         lacks = self.cover - white.mean()
         self.owed = float(np.clip(self.owed + lacks * step / LASTS, -least, least))
         if max(lacks, self.owed) >= 0.5 * least:
-            more = born_to(white, gaussian_filter(drawn_together, PATCH), max(self.cover, white.mean() + least))
+            fresh = gaussian_filter(drawn_together, PATCH) * (1.0 - SPENT * white)
+            more = born_to(white, fresh, max(self.cover, white.mean() + least))
             self.breaking = np.maximum(self.breaking, more)
         rising = self.white + step / RISES if step > 0.0 else np.inf
         reached = np.minimum(self.breaking, rising)
@@ -128,9 +132,12 @@ class Field:
         return reached
 
     def carry(self, way: np.ndarray) -> None:
-        """All of it by a way (nx, nz, 2) [m]; what comes in from beyond is as it is at the edge."""
-        cells = np.moveaxis(way / self.cell, -1, 0)
-        self.white = np.clip(moved(self.white, FINER * np.stack([finer(along) for along in cells])), 0.0, 1.0)
+        """All of it, and the patches that turn white, by a way (nx, nz, 2) [m]; what comes in from beyond is as it is
+        at the edge."""
+        cells = halfway(np.moveaxis(way / self.cell, -1, 0))
+        fine = FINER * np.stack([finer(along) for along in cells])
+        self.white = np.clip(moved(self.white, fine), 0.0, 1.0)
+        self.breaking = moved(self.breaking, fine, order=0)  # else it blurs before it is white
         self.carried = np.stack([moved(self.carried[..., k], cells) for k in range(2)], axis=-1) + way
 
     def shift(self, cells: np.ndarray) -> None:
@@ -164,11 +171,21 @@ def coarser(white: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     return white.reshape(nx, white.shape[0] // nx, nz, white.shape[1] // nz).mean(axis=(1, 3))
 
 
-def moved(values: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Values (nx, nz) that have gone by (2, nx, nz) cells; what comes in from beyond is as it is at the edge."""
+def moved(values: np.ndarray, cells: np.ndarray, order: int = 3) -> np.ndarray:
+    """Values (nx, nz) that have gone by (2, nx, nz) cells, by a spline of an order; what comes in from beyond is as it
+    is at the edge."""
     from scipy.ndimage import map_coordinates
 
-    return np.asarray(map_coordinates(values, np.indices(values.shape) - cells, order=3, mode="nearest"))
+    return np.asarray(map_coordinates(values, np.indices(values.shape) - cells, order=order, mode="nearest"))
+
+
+def halfway(cells: np.ndarray) -> np.ndarray:
+    """(2, nx, nz) ways in cells to each place, as they are in the middle of the way there, not at its end: water that
+    goes around in a circle stays on it."""
+    from scipy.ndimage import map_coordinates
+
+    before = np.indices(cells.shape[1:]) - 0.5 * cells
+    return np.stack([map_coordinates(way, before, order=1, mode="nearest") for way in cells])
 
 
 def born_to(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np.ndarray:

@@ -55,6 +55,10 @@ class Picture:
             if key in log.tracks
         }
         vessel = next(iter(vessels.values()), None) if order.ship is None else vessels.get(key_of(order.ship))
+        bare = flat or order.particles or not bool(grid["has_surface"]) or first.folds
+        scene = sea_state.scene_of(Path(order.folder))
+        state = None if bare or not order.far_sea else sea_state.SeaState(scene, grid, log)
+        open_sea = state is not None and state.open
         self.operator = Operator(
             "side" if flat else order.camera,
             self.lower,
@@ -65,16 +69,14 @@ class Picture:
             eye=order.eye,
             target=order.target,
             away=away,
+            at_sea=open_sea,
         )
         stage = self.stage = Stage(order.size, self.operator.at(first.time), SAMPLES[order.quality])
         self.plotter = stage.plotter
         middle, size = 0.5 * (self.lower + self.upper), self.upper - self.lower
         self.reach = float(max(np.linalg.norm(stage.camera.eye - middle), np.linalg.norm(size)))  # [m]
-        bare = flat or order.particles or not bool(grid["has_surface"]) or first.folds
-        scene = sea_state.scene_of(Path(order.folder))
-        state = None if bare or not order.far_sea else sea_state.SeaState(scene, grid, log)
         from_above = order.camera == "top"  # a map
-        self.at_sea = state is not None and state.open and not from_above and stage.camera.parallel_height is None
+        self.at_sea = open_sea and not from_above and stage.camera.parallel_height is None
         if not self.at_sea:
             self.backdrop()
         if order.particles or not bool(grid["has_surface"]):

@@ -71,8 +71,9 @@ class Sea:
         self.shadow = np.zeros((max(len(self.hulls), 1), ship_glsl.PIXELS, ship_glsl.PIXELS, 3), np.float32)  # [m]
         self.shadows = water_glsl.texture(self.shadow.reshape(-1, ship_glsl.PIXELS, 3))
         textures = {"sky": image, "hull": self.gaps, "mirror": self.mirrored, "shade": self.shadows}
-        dark = "".join(ship_glsl.shadow(k, len(self.hulls)) for k in range(len(self.hulls)))
-        body, functions = water_glsl.water(len(self.hulls), "carW.xz", dark), water_glsl.WATER_FUNCTIONS
+        dark = "".join(ship_glsl.shadow(k) for k in range(len(self.hulls)))
+        body = water_glsl.water(len(self.hulls), "carW.xz", dark)
+        functions = water_glsl.WATER_FUNCTIONS + ship_glsl.OPEN
         self.near = water_glsl.Shaded(
             self.mesh_of(self.surface.nodes, self.surface.triangles), body, functions, textures, TRAITS
         )

@@ -226,7 +226,7 @@ def mirror(k: int) -> str:
     vec4 seen = mirrorView * vec4(met{k}, 1.0);
     vec2 uv = 0.5 + 0.5 * seen.xy / seen.w;
     if (seen.w > 0.0 && all(greaterThan(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)))) {{
-      vec4 ship = textureLod(mirror, uv, clamp(log2(2.0 * blur * max(reach, 1.0) / (dist * mirrorPixel)), 0.0, 4.0));
+      vec4 ship = textureLod(mirror, uv, clamp(log2(7.0 * blur * max(reach, 1.0) / (dist * mirrorPixel)), 0.0, 6.0));
       float covered = ship.a * smoothstep(-mirrorSize{k}, 0.0, reach);
       if (covered > 0.0) mirrored = mix(mirrored, radiance(min(ship.rgb / max(ship.a, 0.01), vec3(1.0))), covered);
       hidden = max(hidden, covered);

@@ -123,3 +123,15 @@ def test_a_map_holds_all_that_a_piece_of_sea_covers_that_goes_with_its_ships():
     lower, upper = swept(np.array([-80.0, -30.0, -120.0]), np.array([80.0, 1.0, 120.0]), [going, moored])
     np.testing.assert_allclose(lower, [-73.0, -30.0, -142.5])
     np.testing.assert_allclose(upper, [87.0, 1.0, 127.5])
+
+
+def test_an_open_sea_is_seen_from_beside_it_low_over_the_water():
+    lower, upper = np.array([-60.0, -20.0, -40.0]), np.array([60.0, 1.0, 40.0])
+    seen = camera_module.Operator("side", lower, upper, 16 / 9, (0.0, 1.0), at_sea=True).at(0.0)
+    assert seen.parallel_height is None and 2.0 < seen.eye[1] < 10.0
+    for x in (lower[0], upper[0]):
+        off = np.array([x, 0.0, 0.0]) - seen.eye
+        aside = abs(off @ np.cross(seen.forward, seen.up)) / (off @ seen.forward)
+        assert aside < np.tan(np.radians(seen.angle / 2.0)) * 16 / 9
+    block = camera_module.Operator("side", lower, upper, 16 / 9, (0.0, 1.0)).at(0.0)
+    assert block.parallel_height is not None

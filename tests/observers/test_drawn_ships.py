@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from ocean_sim.pictures import light, ship_hull, ship_parts
+from ocean_sim.pictures import light, ship_glsl, ship_hull, ship_parts
 from ocean_sim.pictures.ship_model import BLACK, OXIDE, WHITE, modelled
 from ocean_sim.ship.shared.drawn import drawn
 from ocean_sim.ship.shared.hull import hull_of
@@ -156,3 +156,16 @@ def test_light_is_finite_and_brighter_towards_the_sun():
     normals = np.stack([sky.SUN, -sky.SUN])
     colours = light.lit(normals, np.full((2, 3), 0.5), np.zeros((2, 1)))
     assert (colours[0] > 2.0 * colours[1]).all() and (colours > 0.0).all()
+
+
+def test_points_that_cast_a_shadow_leave_no_gap_and_reach_the_edges():
+    corners = np.array(
+        [[[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [2.0, 1.0, 0.0]], [[0.0, 0.0, 1.0], [0.0, 0.02, 1.0], [0.0, 0.0, 3.0]]]
+    )
+    points = ship_glsl.spread(corners, 0.1)
+    for corner in corners.reshape(-1, 3):
+        assert np.linalg.norm(points - corner, axis=1).min() < 1e-12
+    share = np.random.default_rng(3).dirichlet(np.ones(3), 200)
+    inside = np.einsum("nk,mkx->mnx", share, corners).reshape(-1, 3)
+    assert np.linalg.norm(inside[:, None] - points, axis=2).min(axis=1).max() < 0.1
+    assert len(points) < 500

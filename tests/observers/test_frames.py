@@ -1,5 +1,6 @@
 import hashlib
 import json
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -128,3 +129,37 @@ def test_particles_of_a_patch_are_kept_around_the_ship_and_triangles_stay_whole(
     sides = there.vertices[there.triangles[0]] - there.vertices[there.triangles[0, 0]]
     np.testing.assert_allclose(sides, corners[faces[0]] - corners[faces[0, 0]], atol=1e-12)
     assert np.abs(there.vertices[:, 2] - 37.0).max() <= 11.0
+
+
+def test_cells_without_particles_move_as_those_around_them():
+    values, known = np.zeros((5, 4, 3)), np.ones((5, 4), bool)
+    values[...] = [1.0, 2.0, 3.0]
+    values[2, 1], known[2, 1] = 0.0, False
+    values[0, 0], known[0, 0] = 9.0, True
+    filled = frames.filled(values, known)
+    np.testing.assert_allclose(filled[2, 1], [1.0, 2.0, 3.0], rtol=1e-12)
+    np.testing.assert_array_equal(filled[known], values[known])
+    assert not frames.filled(values, np.zeros((5, 4), bool)).any()
+
+
+def test_a_sea_that_is_there_from_the_beginning_bears_foam_of_every_age(tmp_path, watched, monkeypatch):
+    """One that grows from calm water bears none."""
+    simulation = watched()
+    spectrum = waves.Spectrum(kind="jonswap", significant_wave_height=1.5, peak_period=5.5, seed=7)
+    sea = spectrum.components(waves.direction(30.0, 3), 30.0)
+    simulation.fluid.particles = None
+    monkeypatch.setattr(type(simulation.fluid), "plane_waves", sea, raising=False)
+    monkeypatch.setattr(
+        type(simulation.fluid), "velocities", lambda self, places: waves.velocity(sea, places, 0.0), raising=False
+    )
+    seen = frames.Config().build(tmp_path, simulation)
+    points = 12.0 * seen.points
+    seen.cell = seen.white.cell = 12.0 * seen.cell
+    seen.whiten_before(simulation, points)
+    white = seen.white.white
+    assert white.mean() > 0.003
+    assert np.median(white[white > 0.05]) < 0.7  # of what is born at once nearly all is 1
+    monkeypatch.setattr(type(simulation.fluid), "plane_waves", replace(sea, ramp=5.0), raising=False)
+    later = frames.Config().build(tmp_path, simulation)
+    later.whiten_before(simulation, points)
+    assert not later.white.white.any()

@@ -473,3 +473,37 @@ def test_foam_goes_with_the_water_and_its_grain_with_it():
 def test_what_the_wind_whitens_is_what_was_counted():
     """Monahan & O'Muircheartaigh (1980): about 1 % at 10 m/s, 4 % at 15 m/s."""
     np.testing.assert_allclose([foam.monahan(10.0), foam.monahan(15.0)], [0.0099, 0.0393], rtol=0.02)
+
+
+def test_foam_that_goes_around_in_a_circle_comes_back():
+    """Half a turn in 31 steps: with the velocity at the end of each it would spiral inwards by 14 %."""
+    field, side = foam.Field((40, 40), np.array([0.5, 0.5])), 0.5 * (np.arange(40) - 19.5)
+    x, z = np.meshgrid(side, side, indexing="ij")
+    spot = np.exp(-((x - 6.0) ** 2 + z**2) / 2.0)
+    velocity = np.stack([-z, x], axis=-1)
+    field.advance(0.0, velocity, spot, None)
+    for n in range(1, 32):
+        field.advance(0.1 * n, velocity, np.zeros_like(spot), None)
+    fine = 0.25 * (np.arange(80) - 39.5)
+    middle = (field.white.sum(axis=1) @ fine, field.white.sum(axis=0) @ fine) / field.white.sum()
+    assert np.hypot(*middle) == pytest.approx(6.0, rel=0.02)
+
+
+def test_patches_that_turn_white_go_with_the_water():
+    field = foam.Field((40, 40), np.array([0.5, 0.5]))
+    field.breaking[20:28, 20:28] = 1.0
+    field.advance(0.0, np.zeros((40, 40, 2)), np.zeros((40, 40)), None)
+    field.advance(0.1, np.broadcast_to([5.0, 0.0], (40, 40, 2)), np.zeros((40, 40)), None)
+    np.testing.assert_array_equal(np.argwhere(field.breaking).min(axis=0), [22, 20])
+
+
+def test_crests_break_sooner_where_the_water_is_not_white_yet():
+    """Of two crests that are alike the one over clear water."""
+    field = foam.Field((40, 40), np.array([1.0, 1.0]))
+    field.white[:, :40] = 0.5
+    field.advance(0.0, np.zeros((40, 40, 2)), np.zeros((40, 40)), 0.0)
+    x = np.arange(40)[:, None] - 19.5
+    drawn = np.exp(-(x**2) / 8.0) * (np.abs(np.abs(np.arange(40) - 19.5) - 10.0) < 5.0)
+    field.cover = 0.3
+    made = field.broken(foam.finer(drawn), 0.0)
+    assert made[:, 40:].sum() > 1.05 * made[:, :40].sum() > 0.0

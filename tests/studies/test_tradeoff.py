@@ -269,3 +269,21 @@ def test_the_study_of_a_scene_answers_with_a_line_to_paste_and_proves_it(capsys,
 def test_options_of_a_scene_need_a_scene(capsys):
     assert answered(["tradeoff", "--budget", "16ms"]) == 2
     assert "--budget needs a scene" in capsys.readouterr().err
+
+
+def test_names_of_points_that_lie_together_stay_apart():
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.text import Annotation, Text
+
+    figure = Figure(figsize=(7.0, 5.0), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    axes.set_xlim(0.0, 1.0)
+    axes.set_ylim(0.0, 1.0)
+    for k in range(8):
+        pareto.named(axes, f"a long setting {k}", (0.5 + 0.01 * k, 0.5 + 0.003 * k), fontsize=6)
+    pareto.apart(figure)
+    boxes = [Text.get_window_extent(name) for name in axes.get_children() if isinstance(name, Annotation)]
+    assert len(boxes) == 8
+    assert not any(a.overlaps(b) for k, a in enumerate(boxes) for b in boxes[:k])

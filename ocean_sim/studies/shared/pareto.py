@@ -10,6 +10,11 @@ from ocean_sim.studies.tradeoff import Trial, front
 MARKS = ("o", "s", "^", "D", "v", "P")
 SPEEDS = {"wall_per_s": "wall seconds", "cpu_per_s": "processor seconds (the machine was busy)"}
 CROWDED = 100.0  # ends of an axis so far apart need no number within a decade
+DPI = 110  # of the pictures
+SHIFTS = [
+    (x, y) for y in (4, -9, 12, -17, 20, -25, 28, -33, 36, -41) for x in (5, -5)
+]  # of a name from its point [points]
+ROOM = 4.0  # pixels that a mark takes to each side
 LEAST = 1e-6  # an error of nothing still has a position on a logarithmic axis
 
 
@@ -31,7 +36,8 @@ def draw(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> No
         if k == 0:
             axes.legend(fontsize="x-small", loc="best")
     figure.suptitle(f"{trial.case}: {trial.quantity}", fontsize="medium")
-    figure.savefig(path, dpi=110)
+    apart(figure)
+    figure.savefig(path, dpi=DPI)
 
 
 def panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
@@ -90,19 +96,40 @@ def scattered(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> 
         other = [row for row in own if row["changed"]]
         look["markerfacecolor"] = "white"
         axes.plot([row[key] for row in other], [height(row) for row in other], ls="none", ms=6, **look)
-        for k, row in enumerate(sorted(other, key=lambda row: row[key]) if key in SPEEDS else ()):
+        for row in sorted(other, key=lambda row: row[key]) if key in SPEEDS else ():
             name, value = row["changed"].split("=")
-            label = f"{name.split('.')[-1]}={value}"
-            axes.annotate(
-                label,
-                (row[key], height(row)),
-                (4, -7 if k % 2 else 4),
-                textcoords="offset points",
-                fontsize=5,
-                alpha=0.8,
-            )
+            named(axes, f"{name.split('.')[-1]}={value}", (row[key], height(row)), fontsize=5, alpha=0.8)
     if any(row["changed"] for row in rows):
         axes.plot([], [], "o", color="0.4", markerfacecolor="white", ms=6, label="hollow: one setting changed")
+
+
+def named(axes: Any, name: str, at: tuple[float, float], **look: Any) -> None:
+    """A name at a point; `apart` finds its place."""
+    line = {"arrowstyle": "-", "lw": 0.3, "color": "0.6", "shrinkA": 0.0, "shrinkB": 2.0}
+    axes.annotate(name, at, SHIFTS[0], textcoords="offset points", arrowprops=line, in_layout=False, **look)
+
+
+def apart(figure: Any) -> None:
+    """Moves the names of points to where they cover neither each other nor a point, and stay within their panel."""
+    from matplotlib.text import Annotation, Text
+    from matplotlib.transforms import Bbox
+
+    figure.set_dpi(DPI)
+    figure.canvas.draw()
+    figure.set_layout_engine("none")
+    for axes in figure.axes:
+        names = [child for child in axes.get_children() if isinstance(child, Annotation) and child.arrow_patch]
+        points = [axes.transData.transform(name.xy) for name in names]
+        taken = [Bbox([at - ROOM, at + ROOM]) for at in points]
+        if axes.get_legend() is not None:
+            taken.append(axes.get_legend().get_window_extent())
+        for name in names:
+            for shift in SHIFTS:
+                name.set(ha="left" if shift[0] > 0 else "right", x=shift[0], y=shift[1])
+                text = Text.get_window_extent(name)  # without its line
+                if not text.count_overlaps(taken) and axes.bbox.contains(*text.min) and axes.bbox.contains(*text.max):
+                    break
+            taken.append(text)
 
 
 def failed(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict[str, Any]]) -> None:
@@ -148,14 +175,11 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
         axes = figure.add_subplot(high, wide, k + 1)
         axes.set_xscale("log")
         done = [row for row in rows if row.get(name) is not None and row[key]]
-        for n, row in enumerate(sorted(done, key=lambda row: row[key])):
+        for row in sorted(done, key=lambda row: row[key]):
             colour, mark = (SERIES[1], "s") if row["reference"] else (SERIES[0], "o")
             at, spread = (row[key], row[name]), row[f"{name}_spread"] or 0.0
             axes.errorbar(*at, yerr=spread, fmt=mark, color=colour, capsize=3)
-            label = row["setting"].replace("--set ", "")
-            side: dict[str, Any] = {"ha": "right"} if row["reference"] else {"ha": "left"}
-            shift = (-5 if row["reference"] else 5, -10 if n % 2 else 5)
-            axes.annotate(label, at, shift, textcoords="offset points", fontsize=6, **side)
+            named(axes, row["setting"].replace("--set ", ""), at, fontsize=6)
         edge = [done[i] for i in front([(row[key], row[name]) for row in done])]
         axes.step([r[key] for r in edge], [r[name] for r in edge], where="post", color="black", lw=0.8, zorder=1)
         failed(axes, key, ("settings",), [row | {"scheme": "settings"} for row in rows if row["outcome"] != "done"])
@@ -167,4 +191,5 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
         axes.set_ylabel(f"{name}, compared with the reference (square)")
         axes.grid(alpha=0.3)
         spaced(axes.xaxis)
-    figure.savefig(path, dpi=110)
+    apart(figure)
+    figure.savefig(path, dpi=DPI)

@@ -79,12 +79,15 @@ def counted(problems: list[Any]) -> str:
 
 
 def settings(sets: list[str]) -> dict[str, Node]:
-    """The values of `--set`, by dotted key; raises SceneError with every mistake."""
+    """The values of `--set`, by dotted key; raises SceneError with every mistake. Null takes what was set below its key
+    before away with it."""
     values: dict[str, Node] = {}
     problems: list[Problem] = []
     for text in sets:
         try:
             key, node = setting(text)
+            if node.data is None:
+                values = {known: value for known, value in values.items() if not known.startswith(f"{key}.")}
             values[key] = node
         except SceneError as error:
             problems += error.problems

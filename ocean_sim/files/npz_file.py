@@ -21,13 +21,13 @@ def write(path: Path, arrays: dict[str, np.ndarray]) -> None:
     for name, array in arrays.items():
         head, file = header(array.dtype, array.shape, array.flags.fnc), f"{name}.npy".encode()
         data = np.asarray(array.T if array.flags.fnc else array, order="C").reshape(-1).view(np.uint8).data
-        words = 0 if name.isascii() else UTF_8
+        how = VERSION, 0 if name.isascii() else UTF_8, 0, 0, JANUARY_1980  # not packed, at the first day there is
         crc, size = zlib.crc32(data, zlib.crc32(head)), len(head) + array.nbytes
         wide = struct.pack("<2H2Q", 1, 16, size, size)
-        local = struct.pack(LOCAL, b"PK\3\4", VERSION, words, 0, 0, JANUARY_1980, crc, LATER, LATER, len(file), len(wide))
+        local = struct.pack(LOCAL, b"PK\3\4", *how, crc, LATER, LATER, len(file), len(wide))
         pieces += local, file, wide, head, data
-        about = (VERSION, UNIX, VERSION, words, 0, 0, JANUARY_1980, crc, size, size, len(file), 0, 0, 0, 0, READABLE, at)
-        entries += struct.pack(ENTRY, b"PK\1\2", *about), file
+        where = len(file), 0, 0, 0, 0, READABLE, at
+        entries += struct.pack(ENTRY, b"PK\1\2", VERSION, UNIX, *how, crc, size, size, *where), file
         at += len(local) + len(file) + len(wide) + size
     if at > MOST:
         with path.open("wb") as stream:

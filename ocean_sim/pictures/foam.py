@@ -130,7 +130,8 @@ class Field:
     def carry(self, way: np.ndarray) -> None:
         """All of it by a way (nx, nz, 2) [m]; what comes in from beyond is as it is at the edge."""
         cells = np.moveaxis(way / self.cell, -1, 0)
-        self.white = np.clip(moved(self.white, FINER * np.stack([finer(along) for along in cells])), 0.0, 1.0)
+        if self.white.any():
+            self.white = np.clip(moved(self.white, FINER * np.stack([finer(along) for along in cells])), 0.0, 1.0)
         self.carried = np.stack([moved(self.carried[..., k], cells) for k in range(2)], axis=-1) + way
 
     def shift(self, cells: np.ndarray) -> None:

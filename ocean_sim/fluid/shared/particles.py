@@ -125,8 +125,10 @@ class Particles:
     def copied(self) -> Copied:
         """All of them now, by one launch."""
         n, real = self.count.now, self.position.precision
-        position, velocity = (np.empty((n, 3), dtype=real) for _ in range(2))
-        number, pressure = np.empty(n, dtype=np.int32), np.empty(n, dtype=real)
+        position: np.ndarray = np.empty((n, 3), dtype=real)
+        velocity: np.ndarray = np.empty((n, 3), dtype=real)
+        number: np.ndarray = np.empty(n, dtype=np.int32)
+        pressure: np.ndarray = np.empty(n, dtype=real)
         self.copy_to(position, velocity, number, pressure)
         return Copied(position, velocity, number, pressure)
 

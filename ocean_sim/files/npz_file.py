@@ -17,7 +17,8 @@ LATER, MOST = 0xFFFFFFFF, 0x7FFFFFFF  # sizes that follow as 64 bits; the larges
 def write(path: Path, arrays: dict[str, np.ndarray]) -> None:
     """Write arrays that hold no Python objects; `numpy.load` reads them back by name."""
     pieces: list[bytes | memoryview] = []
-    entries, at = [], 0
+    entries: list[bytes] = []
+    at = 0
     for name, array in arrays.items():
         head, file = header(array.dtype, array.shape, array.flags.fnc), f"{name}.npy".encode()
         data = np.asarray(array.T if array.flags.fnc else array, order="C").reshape(-1).view(np.uint8).data

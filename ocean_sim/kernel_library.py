@@ -101,6 +101,6 @@ if not TYPE_CHECKING and NAME == TAICHI:
     ASTTransformerContext.get_pos_info = _place
     kernel_impl.getsourcelines = _once(kernel_impl.getsourcelines)
     kernel_impl.getsourcefile = _once(kernel_impl.getsourcefile)
-    kernel_impl.textwrap = SimpleNamespace(fill=lru_cache(None)(textwrap.fill), dedent=textwrap.dedent)
+    kernel_impl.textwrap = SimpleNamespace(fill=lru_cache(None)(textwrap.fill), dedent=lru_cache(None)(textwrap.dedent))
     kernel_impl._inside_class = _in_oriented_class
     impl.get_traceback = snode.get_traceback = _untraced

@@ -21,6 +21,11 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+def cache_directory() -> Path:
+    """The user's cache for compiled kernels and probes: $XDG_CACHE_HOME/ocean-sim, by default ~/.cache/ocean-sim."""
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "ocean-sim"
+
+
 def memory() -> int:
     """Memory [bytes]."""
     return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")

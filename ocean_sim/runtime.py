@@ -16,7 +16,7 @@ import numpy as np
 from ocean_sim import kernel_library
 from ocean_sim.conventions import Lacking
 from ocean_sim.kernel_library import FieldsBuilder, SNodeTree, impl, ti, to_numpy_type
-from ocean_sim.machine import cores
+from ocean_sim.machine import cache_directory, cores
 from ocean_sim.model import Model, quantity
 
 BACKENDS = {"cpu": ti.cpu, "cuda": ti.cuda, "vulkan": ti.vulkan, "metal": ti.metal, "gpu": ti.gpu, "auto": ti.gpu}
@@ -305,11 +305,6 @@ class Fields:
         for one in self.allocations:
             one.forget(CLOSED)
         self.allocations = []
-
-
-def cache_directory() -> Path:
-    """The user's cache for compiled kernels and probes: $XDG_CACHE_HOME/ocean-sim, by default ~/.cache/ocean-sim."""
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "ocean-sim"
 
 
 def start(config: RuntimeConfig) -> Backend:

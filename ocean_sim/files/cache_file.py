@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ocean_sim.files import input_file
-from ocean_sim.runtime import cache_directory
+from ocean_sim.machine import cache_directory
 
 
 def kept(folder: str, content: bytes, made: Callable[[], dict[str, np.ndarray]]) -> dict[str, np.ndarray]:

@@ -126,6 +126,15 @@ class Count(Protocol):
         ...
 
 
+class Copied(NamedTuple):
+    """What n particles hold at a time, in storage order."""
+
+    position: np.ndarray  # (n, 3) [m]
+    velocity: np.ndarray  # (n, 3) [m/s]
+    id: np.ndarray  # (n,)
+    pressure: np.ndarray  # (n,) [Pa]
+
+
 class Particles(Protocol):
     """The particles of a fluid, in the order of their cells, which changes from step to step; `id` stays."""
 
@@ -177,6 +186,10 @@ class Particles(Protocol):
     @property
     def pressure(self) -> ti.Field:
         """[Pa]"""
+        ...
+
+    def copied(self) -> Copied:
+        """All of them now, by one launch."""
         ...
 
     def in_box(self, middle: np.ndarray, scale: np.ndarray, most: float, every: int) -> np.ndarray:

@@ -11,8 +11,9 @@ import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.basin.points import grid, grid_size, pairs
+from ocean_sim.files import npz_file
 from ocean_sim.files.whole_file import whole
-from ocean_sim.fluid import Fluid
+from ocean_sim.fluid import Copied, Fluid
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.sampled import Multiples
 from ocean_sim.parts import LedgerRow, Preflight, Problems, key_of
@@ -121,6 +122,8 @@ class Frames(Observer):
         if not self.multiples.reached(simulation.time):
             return
         particles = simulation.fluid.particles
+        seen = self.config.particles or self.white is not None
+        copied = particles.copied() if particles is not None and seen else None
         shown = simulation.surface or simulation.fluid
         sea = simulation.fluid.plane_waves if simulation.fluid.answers else None
         origin = np.zeros(2) if sea is None else self.origin()
@@ -130,7 +133,7 @@ class Frames(Observer):
             known = waves.elevation(sea, points, simulation.time).reshape(self.shape)
             frame |= {"answer": frame["elevation"] - known, "origin": origin}
         if self.white is not None:
-            frame |= self.whitened(simulation, points, frame["elevation"], origin)
+            frame |= self.whitened(simulation, points, frame["elevation"], origin, copied)
         elif (made := simulation.fluid.foam(points)) is not None:
             frame["foam"] = made.reshape(self.shape)
         if simulation.surface is not None:
@@ -147,19 +150,22 @@ class Frames(Observer):
         for ship in self.ships:
             key = key_of(ship.name)
             frame |= {f"{key}_position": ship.body.position, f"{key}_turn": ship.body.matrix}  # body to world
-        if self.config.particles and particles is not None:
-            x = particles.position.to_numpy()
+        if self.config.particles and copied is not None:
+            x = copied.position
+            frame |= copied._asdict()
             frame["position"] = x + shifts(x, origin, simulation.basin.periods) if origin.any() else x
-            frame["velocity"] = particles.velocity.to_numpy()
-            frame["id"] = particles.id.to_numpy()
-            frame["pressure"] = particles.pressure.to_numpy()[: particles.n]
         self.write(
             f"frame_{self.count:05d}", time=simulation.time, **{key: single(array) for key, array in frame.items()}
         )
         self.count += 1
 
     def whitened(
-        self, simulation: "Simulation", points: np.ndarray, elevation: np.ndarray, origin: np.ndarray
+        self,
+        simulation: "Simulation",
+        points: np.ndarray,
+        elevation: np.ndarray,
+        origin: np.ndarray,
+        copied: Copied | None,
     ) -> dict[str, np.ndarray]:
         """The white water at the points, how far its grain has been carried, and the velocity of the surface."""
         assert self.white is not None
@@ -167,7 +173,11 @@ class Frames(Observer):
         self.before = origin
         if not self.white.started:
             self.whiten_before(simulation, points)
-        velocity = surface_velocity(simulation.fluid, points, elevation, simulation.basin.periods)
+        if copied is None:
+            velocity = sampled_velocity(simulation.fluid.velocities, points, elevation)
+        else:
+            top = elevation - TOPMOST * simulation.fluid.spacing
+            velocity = topmost_velocity(copied, points, top, simulation.basin.periods)
         made = simulation.fluid.foam(points)
         if made is None:
             source = foam.convergence(elevation, *self.cell)
@@ -207,8 +217,8 @@ class Frames(Observer):
                 path.unlink()
 
     def write(self, name: str, **arrays: object) -> None:
-        with whole(self.folder / f"{name}.npz") as draft, draft.open("wb") as file:
-            np.savez(file, **arrays)  # type: ignore[arg-type]
+        with whole(self.folder / f"{name}.npz") as draft:
+            npz_file.write(draft, {key: np.asarray(array) for key, array in arrays.items()})
 
 
 def appearance(simulation: "Simulation", ship: Ship) -> dict[str, object]:
@@ -242,26 +252,21 @@ def unrolled(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) -> "Mesh
     return replace(mesh, vertices=vertices, triangles=triangles, normals=mesh.normals[number])
 
 
-def surface_velocity(
-    fluid: Fluid, points: np.ndarray, elevation: np.ndarray, period: Sequence[float] = (0.0, 0.0, 0.0)
-) -> np.ndarray:
-    """(nx, nz, 3) of the water at the surface over the points [m/s]: of particles the mean of those in the topmost
-    layer of each cell, or where there is none of the cells around it."""
-    particles = fluid.particles
-    if particles is None:
-        return sampled_velocity(fluid.velocities, points, elevation)
-    x, v = particles.position.to_numpy().astype(float), particles.velocity.to_numpy().astype(float)
-    x = x + shifts(x, 0.5 * (points[0] + points[-1]), period)
-    low, (nx, nz) = points[0], elevation.shape
+def topmost_velocity(copied: Copied, points: np.ndarray, top: np.ndarray, period: Sequence[float]) -> np.ndarray:
+    """(nx, nz, 3) the mean velocity [m/s] of the particles over a height (nx, nz) [m] in the cell of each point, or
+    where there is none in the cells around it."""
+    x, v = copied.position.astype(float), copied.velocity
+    if any(period):
+        x = x + shifts(x, 0.5 * (points[0] + points[-1]), period)
+    low, (nx, nz) = points[0], top.shape
     cell = (points[-1] - low) / np.maximum(np.array([nx, nz]) - 1, 1)
     i, k = (np.round((x[:, axis] - low[n]) / cell[n]).astype(int) for n, axis in enumerate((0, 2)))
     i, k = np.clip(i, 0, nx - 1), np.clip(k, 0, nz - 1)
-    top = x[:, 1] > elevation[i, k] - TOPMOST * fluid.spacing
-    at = (i * nz + k)[top]
+    above = x[:, 1] > top[i, k]
+    at = (i * nz + k)[above]
     count = np.bincount(at, minlength=nx * nz).reshape(nx, nz)
-    parts = [np.bincount(at, weights=v[top, axis], minlength=nx * nz).reshape(nx, nz) for axis in range(3)]
-    velocity = np.stack(parts, axis=-1) / np.maximum(count, 1)[..., None]
-    return filled(velocity, count > 0)
+    parts = [np.bincount(at, weights=v[above, axis], minlength=nx * nz).reshape(nx, nz) for axis in range(3)]
+    return filled(np.stack(parts, axis=-1) / np.maximum(count, 1)[..., None], count > 0)
 
 
 def filled(values: np.ndarray, known: np.ndarray) -> np.ndarray:

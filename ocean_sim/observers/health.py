@@ -175,12 +175,13 @@ class Health(Concluding):
             yield from self.violations_of_particles()
         if not totals.finite:
             return
-        self.note_particles()
+        copied = particles.copied()
+        self.note_particles(copied.id)
         self.note_symmetry()
         self.note_momentum(totals)
         self.note_work(totals)
         if self.levelled:
-            level = level_ratio(particles.position.to_numpy(), particles.spacing, basin)
+            level = level_ratio(copied.position, particles.spacing, basin)
             bound = self.config.max_level_ratio * max(self.first_level, 1.0)
             if not level <= bound:
                 high = f"its centre of mass lies {level:.3g} x as high over the bed as that of as much water at rest"
@@ -230,11 +231,9 @@ class Health(Concluding):
             self.event(name, **facts)
             self.reported.append(name)
 
-    def note_particles(self) -> None:
-        """Where the water's mass is not that of all particles that there are, each once."""
-        particles = with_particles(self.simulation.fluid).particles
-        count = particles.count.now
-        ids = particles.id.to_numpy()[:count]
+    def note_particles(self, ids: np.ndarray) -> None:
+        """Where the water's mass is not that of all particles that there are, each once; `ids`: theirs."""
+        count = len(ids)
         there = np.bincount(ids[(ids >= 0) & (ids < count)], minlength=count)
         if (there != 1).any():
             self.once("particles from nowhere", lost=int((there == 0).sum()), twice=int((there > 1).sum()))
@@ -259,7 +258,8 @@ class Health(Concluding):
         if self.balance is not None and not self.simulation.fluid.status.clipped:
             fluid = with_particles(self.simulation.fluid)
             scale = fluid.particles.mass * fluid.particles.count.now * fluid.reference_speed**2
-            scale += sum(abs(fluid.work[term]) for term in self.working)
+            work = fluid.work
+            scale += sum(abs(work[term]) for term in self.working)
             share = self.unaccounted(self.balance, totals) / scale
             if not share <= WORK_REPORTED:
                 self.once("energy that no work has given", over_all_work=float(f"{share:.3g}"), bound=WORK_REPORTED)

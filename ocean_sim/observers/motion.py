@@ -151,8 +151,11 @@ class Log:
     """motion.csv, of one ship. A step begins with what acts on the hull, so that this is known of a time when the step
     is over; of the last time it is that of the step before."""
 
+    left_out = ("known",)  # of `before`, and made again from it
+
     last: "tuple[float, RigidBody, tuple[float, float]] | None"  # the newest time, body and orders
     before: Moment | None
+    known: tuple[Moment, Sample] | None  # the newest moment, and what the log shows then, if that was asked for
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation", ship: Ship) -> None:
         self.ship, self.frame = ship, config.frame
@@ -160,7 +163,7 @@ class Log:
         self.arm = ship.points[config.point] if config.point else np.zeros(3)
         self.multiples, self.gravity = Multiples(config.every), np.array(simulation.basin.gravity)
         self.number = 0
-        self.last, self.before = None, None
+        self.last, self.before, self.known = None, None, None
         head = heading(
             simulation,
             f"every {config.every:g} s, between steps poses on cubics, velocities and rates theirs, all else linear",
@@ -193,16 +196,13 @@ class Log:
             end = start
         passed = self.multiples.reached(now.time)
         if passed:
-            first, last = (
-                Sample(at.time, self.row(at._replace(body=at.body.passing(there.place, there.velocity))), ())
-                for at, there in ((before, start), (now, end))
-            )
-            lines = []
+            first, last = self.sample(before, start), self.sample(now, end)
+            self.known, lines = (now, last), []
             for k in passed:
                 time, values, _ = between(first, last, k * self.multiples.every)
                 there = path(start, end, time)
                 motions = self.motions(now.body.passing(there.place, there.velocity))
-                lines.append(self.csv.row([time, self.number, *motions, *values]))
+                lines.append(self.csv.row([time, self.number, *motions.tolist(), *values.tolist()]))
                 self.number += 1
             self.hand_on(lines, simulation)
         self.before = now
@@ -214,6 +214,12 @@ class Log:
             cells = [row.split(",", self.handed_on)[: self.handed_on] for row in rows]
             table = np.array([[float(number) for number in row] for row in cells]).T
             observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)
+
+    def sample(self, at: Moment, there: Passing) -> Sample:
+        """What the log shows at a moment, whose body passes there."""
+        if self.known is not None and self.known[0] is at:
+            return self.known[1]
+        return Sample(at.time, self.row(at._replace(body=at.body.passing(there.place, there.velocity))), ())
 
     def row(self, now: Moment) -> np.ndarray:
         """All columns after velocities and rates."""

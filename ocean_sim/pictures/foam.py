@@ -135,9 +135,10 @@ class Field:
         """All of it, and the patches that turn white, by a way (nx, nz, 2) [m]; what comes in from beyond is as it is
         at the edge."""
         cells = halfway(np.moveaxis(way / self.cell, -1, 0))
-        fine = FINER * np.stack([finer(along) for along in cells])
-        self.white = np.clip(moved(self.white, fine), 0.0, 1.0)
-        self.breaking = moved(self.breaking, fine, order=0)  # else it blurs before it is white
+        if self.white.any() or self.breaking.any():
+            fine = FINER * np.stack([finer(along) for along in cells])
+            self.white = np.clip(moved(self.white, fine), 0.0, 1.0)
+            self.breaking = moved(self.breaking, fine, order=0)  # else it blurs before it is white
         self.carried = np.stack([moved(self.carried[..., k], cells) for k in range(2)], axis=-1) + way
 
     def shift(self, cells: np.ndarray) -> None:

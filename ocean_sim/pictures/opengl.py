@@ -41,7 +41,7 @@ def environment(window: str) -> dict[str, str]:
 @cache
 def window() -> str | None:
     """The class of VTK window that draws off screen here, or None. A success is remembered in the user's cache."""
-    from ocean_sim.runtime import cache_directory
+    from ocean_sim.machine import cache_directory
 
     if extra_missing("pictures"):
         return None
@@ -63,7 +63,7 @@ def probe() -> str | None:
 
 def forget() -> None:
     """After a crash: the next run probes again."""
-    from ocean_sim.runtime import cache_directory
+    from ocean_sim.machine import cache_directory
 
     (cache_directory() / "opengl.json").unlink(missing_ok=True)
     window.cache_clear()

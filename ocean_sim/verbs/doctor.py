@@ -14,7 +14,8 @@ from ocean_sim.verbs.shared import console
 PACKAGES = ("ocean-sim", "taichi", "numpy", "pydantic", "pyvista", "vtk", "h5py", "imageio-ffmpeg")
 BACKENDS = ("cpu", "cuda", "vulkan", "metal")
 BACKEND = """
-from ocean_sim.runtime import RuntimeConfig, cache_directory, start
+from ocean_sim.machine import cache_directory
+from ocean_sim.runtime import RuntimeConfig, start
 start(RuntimeConfig(arch={arch!r}))
 print(cache_directory())
 """

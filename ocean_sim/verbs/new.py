@@ -9,13 +9,13 @@ from typing import Any
 
 from ocean_sim.files.whole_file import whole
 from ocean_sim.files.yaml_file import Node, read
+from ocean_sim.machine import cache_directory
 from ocean_sim.parts import PACKAGE, SLOTS
 from ocean_sim.reading.composition import kind_named, known
 from ocean_sim.reading.keys import in_yaml, keys
 from ocean_sim.reading.scene import load, scene_path
 from ocean_sim.reading.schema import text
 from ocean_sim.reading.sentences import sentence
-from ocean_sim.runtime import cache_directory
 from ocean_sim.verbs.shared import console
 
 WORD = re.compile(r"[A-Za-z][A-Za-z0-9_]*( [A-Za-z0-9_'.-]+)*")

@@ -133,7 +133,7 @@ def clear(folder: Path) -> None:
 
 def kernels() -> str:
     """What is done before the first step."""
-    from ocean_sim.runtime import cache_directory
+    from ocean_sim.machine import cache_directory
 
     cache = cache_directory() / "kernels"
     if cache.is_dir() and any(cache.rglob("*.tic")):

@@ -396,3 +396,20 @@ def test_another_washout_needs_no_more_than_force_rates_and_time():
 def test_forces_are_scaled_only_where_the_ship_accelerates():
     cue = Config(ramp=0.0).build(DT).follow(ride(3, DT, [0.0, 0.0, 1.0])).cue
     np.testing.assert_allclose(cue.force, [[0.0, 0.0, G + 0.5]] * 3)
+
+
+@pytest.mark.parametrize("back", [0.0, 0.7])
+def test_a_filter_has_the_bytes_of_scipys_however_it_is_fed(back, tmp_path, monkeypatch):
+    from scipy.signal import bilinear_zpk, sosfilt, zpk2sos
+
+    from ocean_sim.platform.shared.washing import Filter, second_order
+
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    zeros, poles = ([0.0], [*second_order(4.0, 0.8), complex(-back)]) if back else ([], second_order(4.0, 1.0))
+    made, found = Filter(zeros, poles, 3.0, DT), Filter(zeros, poles, 3.0, DT)  # designed, and from the cache
+    sections = zpk2sos(*bilinear_zpk(zeros, poles, 3.0, 1.0 / DT))
+    assert made.sections.tobytes() == found.sections.tobytes() == sections.tobytes()
+    state, signal = np.zeros((len(sections), 2)), np.random.default_rng(5).normal(size=500)
+    for piece in np.split(signal, [1, 2, 120, 127]):
+        wanted, state = sosfilt(sections, piece, zi=state)
+        assert found.of(piece).tobytes() == wanted.tobytes() and found.state.tobytes() == state.tobytes()

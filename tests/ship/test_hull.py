@@ -10,6 +10,7 @@ from ocean_sim.parts import named
 from ocean_sim.ship.shared.added_mass import by_rule, slenderness
 from ocean_sim.ship.shared.hull import Hull, hull_of
 from ocean_sim.ship.shared.mesh import BadMesh
+from ocean_sim.ship.shared.rigid_body import RigidBody
 from ocean_sim.ship.shared.voxels import voxels
 
 WATER = (1000.0, 9.81)
@@ -151,3 +152,33 @@ def test_the_command_answers_with_the_agreed_keys_and_a_picture(capsys, tmp_path
     assert {row["heel_deg"]: row["gz_m"] for row in answer["gz"]}[30.0] == pytest.approx(0.76036, rel=0.01)
     assert answer["periods_s"]["heave"] == pytest.approx(4.348, rel=0.1)
     assert (tmp_path / "barge.png").stat().st_size > 10_000
+
+
+def test_what_is_known_of_a_hull_beforehand_comes_from_the_cache_unchanged(tmp_path, monkeypatch):
+    """The second time nothing is worked out anew; another place, lattice or shape is another entry."""
+    from ocean_sim.ship.shared import drawn, solid, wall_contact
+
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    shape = hull_of("wigley").shape
+    spacing = 0.4
+    box = (np.array([-3.0, -1.0, -3.0]), np.array([3.0, 0.0, 3.0]))
+    axes = [low + spacing * (np.arange(round((up - low) / spacing)) + 0.5) for low, up in zip(*box)]
+    lattice = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+
+    def found(x: float) -> list[bytes]:
+        unit = np.array([1.0, 0.0, 0.0, 0.0])
+        body = RigidBody(500.0, np.eye(3), np.array([x, -0.1, 0.0]), unit, np.zeros(3), np.zeros(3))
+        hull = solid.Solid(shape, np.array([0.0, 0.3, 0.0]), body, flat=False, felt=False)
+        parts = [*drawn.drawn(shape), wall_contact.outermost(shape), *hull.carved(lattice, spacing, [box])]
+        return [array.tobytes() for array in parts]
+
+    first, other = found(0.0), found(0.25)
+    assert first[:3] == other[:3] and first[3:] != other[3:]
+
+    def never(*given):
+        raise AssertionError("worked out anew")
+
+    monkeypatch.setattr(drawn, "spanned", never)
+    monkeypatch.setattr(solid.Solid, "making_room", never)
+    monkeypatch.setattr(wall_contact, "drawn", never)
+    assert found(0.0) == first and found(0.25) == other

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ocean_sim.fluid import Copied
 from ocean_sim.fluid.shared.initial import started
 from ocean_sim.fluid.shared.lattice import Lattice
 from ocean_sim.kernel_library import ScalarField, ti, tm, to_numpy_type
-from ocean_sim.runtime import Array, Array2, in_kernels
+from ocean_sim.runtime import Array, Array2, Integers, in_kernels
 
 
 @in_kernels
@@ -120,6 +121,24 @@ class Particles:
             self.pressure[i], self.id[i] = pressure[i], i
         for i in self.density:
             self.density[i] = density
+
+    def copied(self) -> Copied:
+        """All of them now, by one launch."""
+        n, real = self.count.now, self.position.precision
+        position: np.ndarray = np.empty((n, 3), dtype=real)
+        velocity: np.ndarray = np.empty((n, 3), dtype=real)
+        number: np.ndarray = np.empty(n, dtype=np.int32)
+        pressure: np.ndarray = np.empty(n, dtype=real)
+        self.copy_to(position, velocity, number, pressure)
+        return Copied(position, velocity, number, pressure)
+
+    @ti.kernel
+    def copy_to(self, position: Array2, velocity: Array2, number: Integers, pressure: Array):
+        for i in range(number.shape[0]):
+            x, v = self.position, self.velocity
+            position[i, 0], position[i, 1], position[i, 2] = x.x[i], x.y[i], x.z[i]
+            velocity[i, 0], velocity[i, 1], velocity[i, 2] = v.x[i], v.y[i], v.z[i]
+            number[i], pressure[i] = self.id[i], self.pressure[i]
 
     def in_box(self, middle: np.ndarray, scale: np.ndarray, most: float, every: int) -> np.ndarray:
         """(m, 4) of every so many, by identity: where it is from the middle [m] times `scale` [1/m], a whole number

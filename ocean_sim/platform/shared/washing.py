@@ -13,6 +13,7 @@ import numpy as np
 from pydantic import Field
 
 from ocean_sim.conventions import GRAVITY
+from ocean_sim.files.cache_file import kept
 from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.platform import INPUT, TILT_RATE, Cue
 from ocean_sim.platform.shared.motion_log import Ride, euler_rates, turned
@@ -55,16 +56,35 @@ class Filter:
     """A transfer function at a fixed rate (Tustin), that goes on where it stopped."""
 
     def __init__(self, zeros: Sequence[float], poles: Sequence[complex], gain: float, every: float) -> None:
-        from scipy.signal import bilinear_zpk, sosfilt, zpk2sos
-
-        self.filtered = sosfilt
-        self.sections = zpk2sos(*bilinear_zpk(zeros, poles, gain, 1.0 / every))
+        self.sections = designed(zeros, poles, gain, every)
         self.state = np.zeros((len(self.sections), 2))
 
     def of(self, signal: np.ndarray) -> np.ndarray:
-        """(n,) the filtered signal."""
-        out, self.state = self.filtered(self.sections, signal, zi=self.state)
-        return out
+        """(n,) the filtered signal: direct form II transposed, one section after the other."""
+        values, ends = signal.tolist(), []
+        for section, (one, two) in zip(self.sections.tolist(), self.state.tolist()):
+            b_0, b_1, b_2, _, a_1, a_2 = section
+            for k, x in enumerate(values):
+                y = b_0 * x + one
+                one, two = b_1 * x - a_1 * y + two, b_2 * x - a_2 * y
+                values[k] = y
+            ends.append((one, two))
+        self.state = np.array(ends)
+        return np.array(values)
+
+
+def designed(zeros: Sequence[float], poles: Sequence[complex], gain: float, every: float) -> np.ndarray:
+    """(m, 6) second-order sections of a transfer function at a rate: designed by SciPy once, and then in the cache, as
+    `scipy.signal` takes longer to import than a platform takes for a minute of motion."""
+    import scipy
+
+    def made() -> dict[str, np.ndarray]:
+        from scipy.signal import bilinear_zpk, zpk2sos
+
+        return {"sections": zpk2sos(*bilinear_zpk(zeros, poles, gain, 1.0 / every))}
+
+    asked = [np.asarray(part, dtype=complex).tolist() for part in (zeros, poles, [gain, every])]
+    return kept("filters", repr([np.__version__, scipy.__version__, asked]).encode(), made)["sections"]
 
 
 def second_order(frequency: float, damping: float) -> list[complex]:

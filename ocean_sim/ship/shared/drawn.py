@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ocean_sim.files.cache_file import kept
 from ocean_sim.ship.shared.shapes import HullShape
 
 STATIONS, WATERLINES, HALVINGS = 41, 25, 24
@@ -10,18 +11,24 @@ STATIONS, WATERLINES, HALVINGS = 41, 25, 24
 def drawn(shape: HullShape) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) vertices [m] in the hull's axes and (m, 3) triangles that face outwards: of a mesh its own, of another
     shape the convex hull of its sections."""
-    from scipy.spatial import ConvexHull
-
     mesh = shape.closed()
     if mesh is not None:
         return np.array(mesh.vertices), np.array(mesh.faces)
+    content = shape.content() + f" {STATIONS} {WATERLINES} {HALVINGS}".encode()
+    found = kept("drawn", content, lambda: spanned(shape))
+    return found["vertices"], found["triangles"]
+
+
+def spanned(shape: HullShape) -> dict[str, np.ndarray]:
+    """The convex hull of the sections of a shape: all their points, and the triangles."""
+    from scipy.spatial import ConvexHull
+
     vertices = shape.vertices()
     points = sections(shape) if vertices is None else vertices
     hull = ConvexHull(points)
     a, b, c = (points[hull.simplices[:, k]] for k in range(3))
     inwards = (np.cross(b - a, c - a) * hull.equations[:, :3]).sum(axis=1) < 0.0
-    triangles = np.where(inwards[:, None], hull.simplices[:, ::-1], hull.simplices)
-    return points, triangles
+    return {"vertices": points, "triangles": np.where(inwards[:, None], hull.simplices[:, ::-1], hull.simplices)}
 
 
 def sections(shape: HullShape) -> np.ndarray:

@@ -73,8 +73,9 @@ class RigidBody:
     def passing(self, place: np.ndarray, change: np.ndarray) -> "RigidBody":
         """This body where it passes a place, (7,) position [m] and quaternion of any length, with these derivatives."""
         q = place[3:]
-        omega = 2.0 / float(q @ q) * product(change[3:], inverse(q))[1:]
-        return spinning(replace(self, position=place[:3], orientation=normalised(q), velocity=change[:3]), omega)
+        omega, unit = 2.0 / float(q @ q) * product(change[3:], inverse(q))[1:], normalised(q)
+        momentum = momentum_of(matrix(unit), self.inertia_body, omega)
+        return RigidBody(self.mass, self.inertia_body, place[:3], unit, change[:3], momentum)
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -180,8 +181,12 @@ def solved(m: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 def spinning(body: RigidBody, omega: np.ndarray) -> RigidBody:
     """The body with another angular velocity, world axes [rad/s]."""
-    r = body.matrix
-    return replace(body, angular_momentum=r @ body.inertia_body @ r.T @ omega)
+    return replace(body, angular_momentum=momentum_of(body.matrix, body.inertia_body, omega))
+
+
+def momentum_of(turn: np.ndarray, inertia_body: np.ndarray, omega: np.ndarray) -> np.ndarray:
+    """(3,) angular momentum in world axes [kg m2/s] of an angular velocity [rad/s], by the inertia of (4.19)."""
+    return turn @ inertia_body @ turn.T @ omega
 
 
 def advanced(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: float) -> RigidBody:

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ocean_sim.files.cache_file import kept
 from ocean_sim.ship.shared.distance import around
 from ocean_sim.ship.shared.rigid_body import RigidBody
 from ocean_sim.ship.shared.shapes import HullShape
@@ -58,7 +59,21 @@ class Solid:
         self, positions: np.ndarray, spacing: float, boxes: list[tuple[np.ndarray, np.ndarray]]
     ) -> tuple[np.ndarray, np.ndarray]:
         """(n,) which of (n, 3) positions of a lattice that fills boxes [m] make room, as many as the hull displaces,
-        the deepest first; and (n, 3) where the others go: half a spacing off the hull and away from each other [m]."""
+        the deepest first; and (n, 3) where the others go: half a spacing off the hull and away from each other [m].
+        Kept in the user's cache: of all that is known before a run this takes longest."""
+        numbers = [self.centre, self.origin, self.turn, *(corner for box in boxes for corner in box)]
+        rules = (FINE, APART, ALIKE, PACKINGS, PUSH, GOLDEN)
+        content = self.shape.content() + repr([spacing, rules, *(array.tolist() for array in numbers)]).encode()
+        found = kept("carved", content + positions.tobytes(), lambda: self.making_room(positions, spacing, boxes))
+        gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()
+        gone[found["gone"]], moved[found["near"]] = True, found["moved"]
+        return gone, moved
+
+    def making_room(
+        self, positions: np.ndarray, spacing: float, boxes: list[tuple[np.ndarray, np.ndarray]]
+    ) -> dict[str, np.ndarray]:
+        """The same of those alone that make room: the numbers of those `gone`, and of those `near`, which are
+        `moved`."""
         from scipy.ndimage import map_coordinates
 
         values, first, step = around(self.shape, spacing / FINE, spacing, 2.0 * spacing)
@@ -78,9 +93,9 @@ class Solid:
             away = map_coordinates(values["distance"], at.T, order=1, cval=2.0 * spacing)
             return points + np.maximum(APART * spacing - away, 0.0)[:, None] * normals(slopes, at, self.turn.T)
 
-        moved, free = positions.copy(), np.flatnonzero(~gone & (distance < 2.0 * spacing))
-        moved[free] = packed(positions[free], positions[~gone & (distance >= 2.0 * spacing)], spacing, off)
-        return gone, moved
+        free = np.flatnonzero(~gone & (distance < 2.0 * spacing))
+        moved = packed(positions[free], positions[~gone & (distance >= 2.0 * spacing)], spacing, off)
+        return {"gone": np.flatnonzero(gone), "near": free, "moved": moved}
 
     def displaced(self, spacing: float, boxes: list[tuple[np.ndarray, np.ndarray]]) -> float:
         """Volume of the hull inside boxes [m3]."""

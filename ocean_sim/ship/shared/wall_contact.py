@@ -10,8 +10,9 @@ from math import sqrt
 import numpy as np
 
 from ocean_sim.basin import OPEN, Basin
+from ocean_sim.files.cache_file import kept
 from ocean_sim.ship import Load
-from ocean_sim.ship.shared.drawn import drawn
+from ocean_sim.ship.shared.drawn import HALVINGS, STATIONS, WATERLINES, drawn
 from ocean_sim.ship.shared.rigid_body import RigidBody, cross
 from ocean_sim.ship.shared.shapes import HullShape
 from ocean_sim.ship.shared.wave_contact import with_wave
@@ -111,7 +112,11 @@ def share(mass: float, heavy: np.ndarray, arm: np.ndarray, along: np.ndarray) ->
 
 def outermost(shape: HullShape) -> np.ndarray:
     """(n, 3) corners of a hull's convex outline [m], in its axes."""
-    from scipy.spatial import ConvexHull
 
-    vertices = drawn(shape)[0]
-    return vertices[ConvexHull(vertices).vertices]
+    def made() -> dict[str, np.ndarray]:
+        from scipy.spatial import ConvexHull
+
+        vertices = drawn(shape)[0]
+        return {"corners": vertices[ConvexHull(vertices).vertices]}
+
+    return kept("outlines", shape.content() + f" {STATIONS} {WATERLINES} {HALVINGS}".encode(), made)["corners"]

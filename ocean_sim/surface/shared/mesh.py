@@ -1,6 +1,7 @@
 """A surface as triangles, as pictures, exports and measurements take it."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -38,13 +39,21 @@ class Mesh:
 
 def sheet(x: np.ndarray, z: np.ndarray, height: np.ndarray) -> Mesh:
     """Heights (len(x), len(z)) [m] over a grid, two triangles a cell, with the normals of central differences."""
-    number = np.arange(height.size, dtype=np.int32).reshape(height.shape)
-    a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
     along = [np.gradient(height, at, axis=k) if len(at) > 1 else 0.0 * height for k, at in enumerate((x, z))]
     normals = np.stack([-along[0], np.ones_like(height), -along[1]], axis=-1).reshape(-1, 3)
     positions = np.meshgrid(x, z, indexing="ij")
     return Mesh(
         vertices=np.stack([positions[0], height, positions[1]], axis=-1).reshape(-1, 3),
-        triangles=np.concatenate([np.stack([a, d, b], axis=1), np.stack([b, d, c], axis=1)]),
+        triangles=halves(*height.shape),
         normals=normals / np.linalg.norm(normals, axis=1, keepdims=True),
     )
+
+
+@lru_cache(maxsize=4)  # a sheet that moves keeps them
+def halves(nx: int, nz: int) -> np.ndarray:
+    """(m, 3) corners of two triangles a cell of a grid of nx x nz points; not to be written to."""
+    number = np.arange(nx * nz, dtype=np.int32).reshape(nx, nz)
+    a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
+    corners = np.concatenate([np.stack([a, d, b], axis=1), np.stack([b, d, c], axis=1)])
+    corners.flags.writeable = False
+    return corners

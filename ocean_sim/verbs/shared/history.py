@@ -10,8 +10,7 @@ from typing import Any
 
 from ocean_sim import kernel_library
 from ocean_sim.files.whole_file import whole
-from ocean_sim.machine import cores
-from ocean_sim.runtime import cache_directory
+from ocean_sim.machine import cache_directory, cores
 
 KEPT = 1000  # lines of the file
 LAST = 10  # measurements that a new one is compared with, at most

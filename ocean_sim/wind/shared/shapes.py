@@ -1,6 +1,7 @@
 """Shapes of volumes of air: boxes, spheres and capsules, each a core box and all that lies within a radius of it."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import cos, radians, sin
 from typing import Annotated, Literal
 
@@ -30,20 +31,7 @@ class Core:
 
     def edges(self) -> np.ndarray:
         """(n, 2, 3) ends of lines that show it [m]: the edges of a box, else an outline in each of its planes."""
-        if self.radius == 0.0:
-            corners = np.array(list(np.ndindex(2, 2, 2))) * 2.0 - 1.0
-            near = np.abs(corners[:, None] - corners[None]).sum(axis=2) == 2.0
-            lines = corners[np.argwhere(np.triu(near))] * self.half
-        else:
-            angle = np.linspace(0.0, 2.0 * np.pi, 33)
-            rings = []
-            for k in range(3):
-                ring = np.zeros((len(angle), 3))
-                for axis, wave in zip(({0, 1, 2} - {k}), (np.cos(angle), np.sin(angle))):
-                    ring[:, axis] = np.sign(np.round(wave, 9)) * self.half[axis] + self.radius * wave
-                rings.append(np.stack([ring[:-1], ring[1:]], axis=1))
-            lines = np.concatenate(rings)
-        return turned(lines, self.yaw) + self.centre
+        return turned(outline(self.half, self.radius), self.yaw) + self.centre
 
     def spread(self) -> np.ndarray:
         """(n, 3) points at the height of its centre, spread over it [m]."""
@@ -67,6 +55,24 @@ class Core:
             else:
                 outside = middle
         return 2.0 * inside
+
+
+@lru_cache(maxsize=64)  # frames ask for it again and again
+def outline(half: tuple[float, float, float], radius: float) -> np.ndarray:
+    """(n, 2, 3) ends of the lines of a core in its own axes [m]."""
+    if radius == 0.0:
+        corners = np.array(list(np.ndindex(2, 2, 2))) * 2.0 - 1.0
+        near = np.abs(corners[:, None] - corners[None]).sum(axis=2) == 2.0
+        lines: np.ndarray = corners[np.argwhere(np.triu(near))] * half
+        return lines
+    angle = np.linspace(0.0, 2.0 * np.pi, 33)
+    rings = []
+    for k in range(3):
+        ring = np.zeros((len(angle), 3))
+        for axis, wave in zip(({0, 1, 2} - {k}), (np.cos(angle), np.sin(angle))):
+            ring[:, axis] = np.sign(np.round(wave, 9)) * half[axis] + radius * wave
+        rings.append(np.stack([ring[:-1], ring[1:]], axis=1))
+    return np.concatenate(rings)
 
 
 def counts(x: float, z: float) -> tuple[int, int]:

@@ -81,7 +81,9 @@ def test_bytes_that_are_no_text_are_refused(scene, capsys):
 
 
 def test_closed_streams_and_narrow_encodings_take_what_is_printed(scene):
-    done = ask('$O list cases >&- && $O list cases 2>&- >&- <&- && PYTHONIOENCODING=ascii $O check s.yaml --set "title=Ü"')
+    done = ask(
+        '$O list cases >&- && $O list cases 2>&- >&- <&- && PYTHONIOENCODING=ascii $O check s.yaml --set "title=Ü"'
+    )
     assert (done.returncode, done.stderr) == (0, "") and done.stdout.startswith("\\xdc\n")
 
 
@@ -98,4 +100,6 @@ def test_without_a_home_the_program_finds_it_or_says_so(scene):
     assert subprocess.run(begun, capture_output=True, check=False).returncode == 0
     unknown = f"import os; os.environ.pop('HOME'); os.path.expanduser = str; import {kernel_library.__name__}"
     done = subprocess.run([sys.executable, "-c", unknown], capture_output=True, text=True, check=False)
-    assert done.returncode == 1 and "Lacking: HOME is not set, and the system knows no folder of this user" in done.stderr
+    assert (
+        done.returncode == 1 and "Lacking: HOME is not set, and the system knows no folder of this user" in done.stderr
+    )

@@ -1,13 +1,16 @@
 """The command line `ocean-sim`: one thin function a verb; exit codes 0 done, 1 failed, 2 wrong input, 3 lacking."""
 
 import gc
+import os
 import sys
+from errno import ENAMETOOLONG
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from ocean_sim.conventions import Failed, in_words
+from ocean_sim.conventions import Failed, Refused, in_words
+from ocean_sim.files.input_file import shown
 from ocean_sim.machine import extra_missing, extra_of, stoppable
 from ocean_sim.verbs.shared import console
 
@@ -197,7 +200,9 @@ def schema(
     from ocean_sim.reading.schema import text
 
     if out is None:
-        sys.stdout.write(text())
+        with console.OUTPUT:
+            sys.stdout.write(text())
+            sys.stdout.flush()
     else:
         out.write_text(text(), encoding="utf-8")
 
@@ -656,6 +661,7 @@ def stability(
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and leave with its exit code."""
     gc.set_threshold(20_000)  # reading kernels makes many small objects: a tenth of the time to the first step
+    console.open_streams()
     with stoppable():
         code = answered(sys.argv[1:] if arguments is None else arguments)
     sys.exit(code)
@@ -665,6 +671,7 @@ def answered(arguments: list[str]) -> int:
     """The exit code of a command line; an error has been reported in one sentence."""
     debug, as_json = "--debug" in arguments, "--json" in arguments
     try:
+        must_be_somewhere()
         code: Any = app([word for word in arguments if word != "--debug"], "ocean-sim", standalone_mode=False)
         if code == 130:  # what typer makes of an interrupt
             raise KeyboardInterrupt
@@ -677,12 +684,23 @@ def answered(arguments: list[str]) -> int:
         return reported(error, as_json)
 
 
+def must_be_somewhere() -> None:
+    """Raises Refused where the folder that names of files start from has been removed."""
+    try:
+        os.getcwd()
+    except FileNotFoundError:
+        raise Refused("the folder that you are in has been removed; change to another one") from None
+
+
 def reported(error: BaseException, as_json: bool) -> int:
     """Print an error in the form that was asked for; gives the exit code."""
     code, sentence, problems = meaning(error)
     if as_json:
         sentence = console.counted(problems) if problems else sentence
-        console.answer({"error": sentence, "problems": [problem._asdict() for problem in problems]})
+        try:
+            console.answer({"error": sentence, "problems": [problem._asdict() for problem in problems]})
+        except OSError:  # which may be what there is to report
+            console.complain(sentence)
     elif isinstance(error, WrongUsage):
         error.show()
     else:
@@ -698,6 +716,8 @@ def meaning(error: BaseException) -> tuple[int, str, list[Any]]:
         return 3, "Taichi needs the system library libX11: as root, apt-get install libx11-6", []
     if isinstance(error, ModuleNotFoundError) and (extra := extra_of((error.name or "").partition(".")[0])):
         return 3, extra_missing(extra) or str(error), []
+    if isinstance(error, OSError) and error.errno == ENAMETOOLONG:
+        return Refused.exit_code, f"{shown(error.filename)}: this name is too long", []
     if isinstance(error, WrongUsage):
         return error.exit_code, error.message, []
     if isinstance(error, KeyboardInterrupt | typer.Abort):

@@ -36,6 +36,10 @@ if NAME not in (TAICHI, QUADRANTS):
     raise Lacking(
         f"{VARIABLE}: {NAME!r} is not a library that compiles kernels here; set it to {TAICHI} or {QUADRANTS}"
     )
+if "HOME" not in os.environ:  # without which Taichi ends the process
+    os.environ["HOME"] = os.path.expanduser("~")
+    if os.environ["HOME"] == "~":
+        raise Lacking("HOME is not set, and the system knows no folder of this user; set it: compiled kernels go there")
 try:
     if TYPE_CHECKING or NAME == TAICHI:
         import taichi as ti

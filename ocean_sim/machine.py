@@ -13,6 +13,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 EXTRAS = {"pictures": ("pyvista", "vtk", "imageio", "imageio-ffmpeg", "matplotlib"), "cluster": ("distributed",)}
+ENDING = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGXCPU") if name in signal.Signals.__members__]
 SOURCES = (".py", ".csv")  # suffixes of the program's files that its numbers depend on
 
 
@@ -70,7 +71,9 @@ def program() -> str:
 
 @contextmanager
 def stoppable() -> Iterator[None]:
-    """SIGTERM ends what goes on in here as Ctrl-C does, by a KeyboardInterrupt; only a main thread hears of signals."""
+    """What asks a process to end (SIGTERM; SIGHUP, when its terminal is closed, but under `nohup`; SIGXCPU, when its
+    processor time is spent) ends what goes on in here as Ctrl-C does, by a KeyboardInterrupt; only a main thread hears
+    of signals."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -78,11 +81,13 @@ def stoppable() -> Iterator[None]:
     def stop(*_: object) -> None:
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGTERM, stop)
+    heard = [number for number in ENDING if signal.getsignal(number) is not signal.SIG_IGN]
+    before = {number: signal.signal(number, stop) for number in heard}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before or signal.SIG_DFL)
+        for number, handler in before.items():
+            signal.signal(number, handler or signal.SIG_DFL)
 
 
 @contextmanager

@@ -72,7 +72,7 @@ def test_a_part_that_cannot_be_built_is_the_outcome(tmp_path, monkeypatch):
     assert ends(tmp_path / "run") == ("failed", "Read-only file system: somewhere")
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGXCPU])
 def test_a_signal_is_an_outcome_without_checkpoints_too(number, tmp_path):
     before = signal.getsignal(number)
 
@@ -84,6 +84,20 @@ def test_a_signal_is_an_outcome_without_checkpoints_too(number, tmp_path):
     with pytest.raises(KeyboardInterrupt):
         run_scene(load(SEA), tmp_path / "run", (Killer(KeyboardInterrupt()),))
     assert ends(tmp_path / "run") == ("stopped", "interrupted") and signal.getsignal(number) is before
+
+
+def test_a_run_under_nohup_outlives_its_terminal(tmp_path):
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+
+        class Closes(Fails):
+            def observe(self, simulation) -> None:
+                signal.raise_signal(signal.SIGHUP)
+
+        run_scene(load(SEA), tmp_path / "run", (Closes(None),))
+        assert ends(tmp_path / "run")[0] == "done" and signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGHUP, before)
 
 
 def test_a_file_that_may_grow_no_more_is_named(tmp_path, capsys):

@@ -12,6 +12,7 @@ from ocean_sim.conventions import Lacking, Refused
 from ocean_sim.files.whole_file import RESERVE, UNFINISHED
 
 LOCK = ".lock"
+TRIES = 1000  # times that others may remove a folder just before it is claimed
 
 
 class Claimed(Refused):
@@ -52,7 +53,7 @@ class Claim:
     def locked(self) -> int:
         """The open lock file, locked. A holder removes it at the end: a lock on a file that has lost its name is
         none."""
-        while True:
+        for _ in range(TRIES):
             try:
                 self.folder.mkdir(parents=True, exist_ok=True)
                 file = os.open(self.path, os.O_RDWR | os.O_CREAT, 0o666)
@@ -74,6 +75,7 @@ class Claim:
                     raise Lacking(f"{self.folder}: its file system has no locks ({error.strerror})") from None
                 raise Claimed(f"{self.folder}: {self.holder()} is writing here; name another folder") from None
             os.close(file)
+        raise Refused(f"{self.folder}: no folder can be made here")
 
     def holder(self) -> str:
         """Who holds the lock, in words."""

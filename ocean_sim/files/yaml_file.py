@@ -54,7 +54,7 @@ class SceneError(Refused):
         left = MOST_TOLD
         for k, each in enumerate(self.problems):
             line = cut(str(each), LONGEST_LINE)
-            left -= len(line.encode())
+            left -= len(line.encode(errors="backslashreplace"))
             if left < 0:
                 yield f"... and {len(self.problems) - k} more"
                 return
@@ -63,7 +63,7 @@ class SceneError(Refused):
 
 def cut(text: str, most: int) -> str:
     """A text of at most so many bytes, its middle left out."""
-    data = text.encode()
+    data = text.encode(errors="backslashreplace")  # halves of characters, too
     if len(data) <= most:
         return text
     half = most // 2 - 2
@@ -236,6 +236,8 @@ def unprintable(text: str, error: Any, start: Location) -> Problem:
     character = text[error.position : error.position + 1] or "?"
     before = text[: error.position].splitlines() or [""]
     location = start if start.line is None else Location(start.file, len(before), len(before[-1]) + 1)
+    if "\udc80" <= character <= "\udcff":  # how Python keeps what a command line has that is not UTF-8
+        return problem(location, "", f"this is not UTF-8 text (byte 0x{ord(character) - 0xDC00:02X})")
     return problem(location, "", f"not valid YAML: the character U+{ord(character):04X} is not allowed")
 
 

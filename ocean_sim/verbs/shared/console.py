@@ -2,8 +2,11 @@
 
 import json
 import math
+import os
 import sys
 from collections.abc import Callable
+from contextlib import suppress
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +14,7 @@ import numpy as np
 
 from ocean_sim.conventions import Failed, Lacking, Refused
 from ocean_sim.files.claim import Claim
+from ocean_sim.files.whole_file import naming
 from ocean_sim.files.yaml_file import Node, Problem, SceneError, cut, setting
 from ocean_sim.machine import extra_missing
 
@@ -19,20 +23,36 @@ __all__ = ["Failed", "Lacking", "Refused"]  # which verbs raise
 
 complained: set[str] = set()  # what has been said once
 MOST = 2000  # bytes of a message about what went wrong
+OUTPUT = naming("standard output")
 
 
 class Stopped(Failed):
     """A person stopped a run; the sentence gives the time."""
 
 
+def open_streams() -> None:
+    """Make the three standard streams such as anything can be printed to: one that was closed leads nowhere, before
+    another file gets its number, and what an encoding lacks is escaped."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        stream = getattr(sys, name)
+        if stream is None:
+            stream = Path(os.devnull).open(mode)
+            setattr(sys, name, stream)
+            setattr(sys, f"__{name}__", stream)  # Taichi takes two that differ for a notebook
+        elif mode == "w" and isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
 def say(text: str = "") -> None:
     """A line for people."""
-    print(visible(text), flush=True)
+    with OUTPUT:
+        print(visible(text), flush=True)
 
 
 def complain(text: str) -> None:
     """A line about what went wrong."""
-    print(cut(visible(text), MOST), file=sys.stderr, flush=True)
+    with suppress(OSError):  # there may be nobody to tell
+        print(cut(visible(text), MOST), file=sys.stderr, flush=True)
 
 
 def visible(text: str) -> str:
@@ -42,7 +62,8 @@ def visible(text: str) -> str:
 
 def answer(data: Any) -> None:
     """The answer for programs: JSON, in which NaN and infinity become null."""
-    print(json.dumps(_plain(data), indent=2, ensure_ascii=False, allow_nan=False), flush=True)
+    with OUTPUT:
+        print(json.dumps(_plain(data), indent=2, ensure_ascii=False, allow_nan=False), flush=True)
 
 
 def _plain(value: Any) -> Any:
@@ -70,7 +91,8 @@ def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
     for row in rows:
         shown.add_row(*row)
     width = None if sys.stdout.isatty() else 140
-    Console(width=width, markup=False, highlight=False).print(shown)
+    with OUTPUT:
+        Console(width=width, markup=False, highlight=False).print(shown)
 
 
 def counted(problems: list[Any]) -> str:

@@ -103,14 +103,11 @@ def test_the_velocity_of_a_large_sea_is_asked_for_at_few_points():
     x, z = np.meshgrid(np.arange(60) * 0.5, np.arange(50) * 0.5, indexing="ij")
     points, asked = np.stack([x.ravel(), z.ravel()], axis=1), []
 
-    class Waves:
-        particles = None
+    def velocities(places):
+        asked.append(len(places))
+        return np.stack([np.sin(0.4 * places[:, 0]), places[:, 1], np.cos(0.3 * places[:, 2])], axis=1)
 
-        def velocities(self, places):
-            asked.append(len(places))
-            return np.stack([np.sin(0.4 * places[:, 0]), places[:, 1], np.cos(0.3 * places[:, 2])], axis=1)
-
-    found = frames.sampled_velocity(Waves(), points, np.zeros((60, 50)))
+    found = frames.sampled_velocity(velocities, points, np.zeros((60, 50)))
     assert asked[0] <= frames.SAMPLED < 3000
     assert np.abs(found[6:-6, 6:-6, 0] - np.sin(0.4 * x)[6:-6, 6:-6]).max() < 0.02
 

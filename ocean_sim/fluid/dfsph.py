@@ -449,21 +449,26 @@ class Dfsph(Sph):
     def put(self):
         """Displace the particles, as far as the walls let them."""
         for i in range(self.particles.count.there()):
-            p, u = self.particles.position, self.particles.velocity
-            way = tm.vec3([component[i] for component in ti.static(tuple(self.way))])
+            u, way = self.particles.velocity, tm.vec3([component[i] for component in ti.static(tuple(self.way))])
             v = tm.vec3(u.x[i], u.y[i], u.z[i])
-            x, _ = self.walls.bounced(tm.vec3(p.x[i], p.y[i], p.z[i]) + self.grid.gone(i, self.dt[None] * way), v)
+            x, _ = self.landed(i, self.dt[None] * way, v)
             self.leave(i, x, v)
+
+    @ti.func
+    def landed(self, i, way, u):
+        """Where particle i is [m] after a way [m] that it goes at velocity u, and its velocity there, by the walls."""
+        p = self.particles.position
+        return self.walls.bounced(tm.vec3(p.x[i], p.y[i], p.z[i]) + self.grid.gone(i, way), u)
 
     @ti.func
     def displace(self, i, dt, group):
         """Move particle i as far as walls and the motion limit let it."""
-        p, way = self.particles.position, tm.vec3([component[i] for component in ti.static(tuple(self.way))])
+        way = tm.vec3([component[i] for component in ti.static(tuple(self.way))])
         u = way
         if ti.static(self.closed):
             u = tm.vec3([component[i] for component in ti.static(tuple(self.predicted))])
         held, fast = self.walls.held_back(way, dt)
-        x, v = self.walls.bounced(tm.vec3(p.x[i], p.y[i], p.z[i]) + self.grid.gone(i, dt * held), u)
+        x, v = self.landed(i, dt * held, u)
         v = self.pushed(group, WALLS, u, v - u)
         self.leave(i, x, v)
         self.accounts.count_motion(group, v, tm.vec3(0.0), fast)

@@ -11,7 +11,6 @@ import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.basin.points import grid, grid_size, pairs
-from ocean_sim.files import npz_file
 from ocean_sim.files.whole_file import whole
 from ocean_sim.fluid import Copied, Fluid
 from ocean_sim.model import quantity
@@ -171,20 +170,18 @@ class Frames(Observer):
         assert self.white is not None
         self.white.shift(np.round((origin - self.before) / self.cell))
         self.before = origin
-        if not self.white.started:
+        made = simulation.fluid.foam(points)
+        if made is None and not self.white.started:
             self.whiten_before(simulation, points)
         if copied is None:
             velocity = sampled_velocity(simulation.fluid.velocities, points, elevation)
         else:
             top = elevation - TOPMOST * simulation.fluid.spacing
             velocity = topmost_velocity(copied, points, top, simulation.basin.periods)
-        made = simulation.fluid.foam(points)
         if made is None:
-            source = foam.convergence(elevation, *self.cell)
             sea = simulation.fluid.plane_waves
             wind = self.wind_speed or (0.0 if sea is None else raised_by(sea, simulation.time))
-            wanted = foam.called_for(source, wind)
-            self.white.advance(simulation.time, velocity[..., [0, 2]], source, wanted)
+            self.whiten(simulation.time, elevation, velocity, wind)
         else:
             self.white.advance(simulation.time, velocity[..., [0, 2]], made.reshape(self.shape), None)
         return {"foam": self.white.white, "carried": self.white.carried, "surface_velocity": velocity}
@@ -193,14 +190,20 @@ class Frames(Observer):
         """What a sea in closed form, which is there from the beginning, has made white in the seconds before: else all
         that is called for would be born at once, in a stripe along the highest crest."""
         sea, begins = simulation.fluid.plane_waves, simulation.time
-        if sea is None or self.white is None or sea.grown(begins) < 1.0 or simulation.fluid.foam(points) is not None:
+        if sea is None or sea.grown(begins) < 1.0:
             return
         wind = self.wind_speed or raised_by(sea, begins)
         for time in begins + np.arange(-BEFORE, 0.0, BEFORE_EVERY):
             elevation = waves.elevation(sea, points, time).reshape(self.shape)
             velocity = sampled_velocity(partial(waves.velocity, sea, time=float(time)), points, elevation)
-            source = foam.convergence(elevation, *self.cell)
-            self.white.advance(time, velocity[..., [0, 2]], source, foam.called_for(source, wind))
+            self.whiten(time, elevation, velocity, wind)
+
+    def whiten(self, time: float, elevation: np.ndarray, velocity: np.ndarray, wind: float) -> None:
+        """Bring the white water to a time [s], at which water of these heights (nx, nz) [m] moves at (nx, nz, 3) [m/s];
+        as much of it as a wind [m/s] calls for."""
+        assert self.white is not None
+        source = foam.convergence(elevation, *self.cell)
+        self.white.advance(time, velocity[..., [0, 2]], source, foam.called_for(source, wind))
 
     def origin(self) -> np.ndarray:
         """(2,) x and z of the middle of the points [m] on a sea that answers to ships: by whole cells near that of the
@@ -217,8 +220,8 @@ class Frames(Observer):
                 path.unlink()
 
     def write(self, name: str, **arrays: object) -> None:
-        with whole(self.folder / f"{name}.npz") as draft:
-            npz_file.write(draft, {key: np.asarray(array) for key, array in arrays.items()})
+        with whole(self.folder / f"{name}.npz") as draft, draft.open("wb") as file:
+            np.savez(file, **arrays)  # type: ignore[arg-type]
 
 
 def appearance(simulation: "Simulation", ship: Ship) -> dict[str, object]:
@@ -274,6 +277,8 @@ def filled(values: np.ndarray, known: np.ndarray) -> np.ndarray:
     them; 0 where all these are unknown."""
     from scipy.ndimage import uniform_filter
 
+    if known.all():
+        return values
     share = uniform_filter(known.astype(float), 3, mode="nearest")
     around = uniform_filter(values * known[..., None], (3, 3, 1), mode="nearest") / np.maximum(share, 1e-9)[..., None]
     return np.where(known[..., None], values, around)

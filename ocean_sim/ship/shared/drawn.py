@@ -14,9 +14,13 @@ def drawn(shape: HullShape) -> tuple[np.ndarray, np.ndarray]:
     mesh = shape.closed()
     if mesh is not None:
         return np.array(mesh.vertices), np.array(mesh.faces)
-    content = shape.content() + f" {STATIONS} {WATERLINES} {HALVINGS}".encode()
-    found = kept("drawn", content, lambda: spanned(shape))
+    found = kept("drawn", content(shape), lambda: spanned(shape))
     return found["vertices"], found["triangles"]
+
+
+def content(shape: HullShape) -> bytes:
+    """What the form depends on that a shape is drawn in."""
+    return shape.content() + f" {STATIONS} {WATERLINES} {HALVINGS}".encode()
 
 
 def spanned(shape: HullShape) -> dict[str, np.ndarray]:

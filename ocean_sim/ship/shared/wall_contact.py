@@ -12,7 +12,7 @@ import numpy as np
 from ocean_sim.basin import OPEN, Basin
 from ocean_sim.files.cache_file import kept
 from ocean_sim.ship import Load
-from ocean_sim.ship.shared.drawn import HALVINGS, STATIONS, WATERLINES, drawn
+from ocean_sim.ship.shared.drawn import content, drawn
 from ocean_sim.ship.shared.rigid_body import RigidBody, cross
 from ocean_sim.ship.shared.shapes import HullShape
 from ocean_sim.ship.shared.wave_contact import with_wave
@@ -119,4 +119,4 @@ def outermost(shape: HullShape) -> np.ndarray:
         vertices = drawn(shape)[0]
         return {"corners": vertices[ConvexHull(vertices).vertices]}
 
-    return kept("outlines", shape.content() + f" {STATIONS} {WATERLINES} {HALVINGS}".encode(), made)["corners"]
+    return kept("outlines", content(shape), made)["corners"]

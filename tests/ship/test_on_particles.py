@@ -9,6 +9,9 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.ship import pressure
+from ocean_sim.ship.shared.hull import hull_of
+from ocean_sim.ship.shared.rigid_body import RigidBody
+from ocean_sim.ship.shared.solid import Solid
 from ocean_sim.simulation import Simulation
 
 QUIET = {name: None for name in observer_names() if name != "manifest"} | {"runtime.threads": 1}
@@ -182,3 +185,13 @@ def test_water_that_cannot_carry_it_is_refused():
     scene = slice_of_water() | {"fluid": {"kind": "dfsph", "spacing": 0.1}}
     with pytest.raises(SceneError, match="does not carry a ship of kind pressure"):
         load(scene)
+
+
+def test_a_ship_may_float_before_the_first_water_comes():
+    """An emitter alone, or a hull that takes the place of all the water there is."""
+    unit = np.array([1.0, 0.0, 0.0, 0.0])
+    body = RigidBody(400.0, np.eye(3), np.zeros(3), unit, np.zeros(3), np.zeros(3))
+    hull = Solid(hull_of("wigley").shape, np.zeros(3), body, flat=False, felt=False)
+    for places, taken in ((np.zeros((0, 3)), 0), (np.zeros((1, 3)), 1)):
+        gone, others = hull.carved(places, 0.2, [(np.full(3, -2.0), np.full(3, 2.0))])
+        assert gone.sum() == taken and np.array_equal(others, places)

@@ -147,8 +147,10 @@ def packed(free: np.ndarray, others: np.ndarray, spacing: float, off: Callable[[
     """
     from scipy.spatial import cKDTree
 
+    if len(free) == 0:
+        return free
     lowest, highest = (bound(np.concatenate([free, others]), axis=0) for bound in (np.min, np.max))
-    near = others[cKDTree(free).query(others)[0] < 3.0 * spacing] if len(free) and len(others) else others
+    near = others[cKDTree(free).query(others)[0] < 3.0 * spacing] if len(others) else others
     whole, m = np.concatenate([off(free), near]), len(free)
     for _ in range(PACKINGS):
         pairs = cKDTree(whole).query_pairs(spacing * (1.0 - 1e-9), output_type="ndarray")

@@ -1,28 +1,45 @@
-"""Arrays that are slow to make, kept in the user's cache by the content they were made of."""
+"""Arrays that are slow to make, kept in the user's cache by what they were made of and the sources that made them."""
 
 import hashlib
 import os
 from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
 
 import numpy as np
 
 from ocean_sim.files import input_file
-from ocean_sim.machine import cache_directory
+from ocean_sim.machine import cache_directory, sources
+
+MOST_BYTES = 300_000_000  # of a folder; beyond them what was not used for the longest time goes
 
 
 def kept(folder: str, content: bytes, made: Callable[[], dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
-    """What `made` returns, from the cache where it was made of the same content before; a cache that cannot be
-    written is not a failure."""
-    path = cache_directory() / folder / f"{hashlib.sha256(content).hexdigest()}.npz"
+    """What `made` returns, from the cache where the same sources (of its package: `ship`, `pictures`, ...) made it of
+    the same content before; a cache that cannot be written is not a failure."""
+    package = made.__module__.split(".")[1]
+    laws = [item for item in sources().items() if item[0].startswith(f"{package}/")]
+    path = cache_directory() / folder / f"{hashlib.sha256(repr(laws).encode() + content).hexdigest()}.npz"
     try:
-        return input_file.arrays(path)
+        arrays = input_file.arrays(path)
     except input_file.Unreadable:
         arrays = made()
-    try:
+    else:
+        with suppress(OSError):
+            os.utime(path)
+        return arrays
+    with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         unfinished = path.with_suffix(f".{os.getpid()}.npz")
         np.savez(unfinished, **arrays)  # type: ignore[arg-type]
         os.replace(unfinished, path)
-    except OSError:
-        pass
+        drop_oldest(path.parent)
     return arrays
+
+
+def drop_oldest(folder: Path) -> None:
+    """Keep what was used last, up to MOST_BYTES."""
+    files = sorted(((path.stat(), path) for path in folder.glob("*.npz")), key=lambda file: -file[0].st_mtime_ns)
+    for (_, path), size in zip(files, np.cumsum([stat.st_size for stat, _ in files]), strict=True):
+        if size > MOST_BYTES:
+            path.unlink(missing_ok=True)

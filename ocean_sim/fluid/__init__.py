@@ -411,6 +411,11 @@ class Window(Protocol):
     depth: float  # of the water [m]
     span: float  # for so long it holds [s]
 
+    @property
+    def current(self) -> tuple[float, float]:
+        """Velocity of the water along x and z, which carries the lattice with it [m/s]."""
+        ...
+
     def now(self) -> tuple[float, float, bool]:
         """How much of its time has gone, 0 to 1, how far the waves have grown, as what it gives is of waves that are
         fully grown, and whether it still holds."""

@@ -22,7 +22,7 @@ class Moving(Protocol):
     """Water with plane waves on it."""
 
     waves: PlaneWaves
-    drift: np.ndarray  # x, z by which a current has carried it [m]
+    current: tuple[float, float]  # its velocity along x and z, which carries the waves [m/s]
     before: float  # when the last step began: where bodies are that take theirs after the water has [s]
 
 
@@ -62,6 +62,10 @@ class Window:
         late = (time - self.start) / self.span
         return late, sea.sea.grown(time), 0.0 <= late <= 1.0 and self.begun == sea.begun
 
+    @property
+    def current(self) -> tuple[float, float]:
+        return self.water.current
+
     def take(self, sea: waves.Components) -> None:
         """Other waves."""
         a, k, omega, g = sea.amplitude, sea.wavenumber, sea.omega, sea.gravity
@@ -86,7 +90,7 @@ class Window:
             self.take(sea)
         self.start = time
         kx, kz = sea.wavevector.T
-        (x, z), (dx, dz), angles = np.array(centre) - self.water.drift, self.step, self.angles
+        (x, z), (dx, dz), angles = np.array(centre) - time * np.array(self.current), self.step, self.angles
         s, c = heading
         along, across = (kx * s + kz * c) * dx, (kx * c - kz * s) * dz
         middle = kx * x + kz * z + sea.phase - sea.omega * time

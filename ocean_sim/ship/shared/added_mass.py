@@ -93,8 +93,9 @@ def reaction(
 
     Kirchhoff's equations with the added mass (6,) of each motion in body axes, and what there is `between` them, (6, 6)
     symmetric with a diagonal of 0; the rest of the load [N], [N m] in world axes, and the water's own velocity and
-    acceleration (6,) in body axes. They are solved together with the hull, so a light body is no harder than a heavy
-    one.
+    acceleration (6,) in body axes; the axes turn with the hull, so there the relative velocity of hull and water
+    changes by omega x (the water's own) as well (Fossen 2021, 10.3). They are solved together with the hull, so a
+    light body is no harder than a heavy one.
     """
     r = body.matrix
     line, turn = added[:3], added[3:]
@@ -107,8 +108,10 @@ def reaction(
         more = (between @ np.concatenate([v_r, omega_r])).reshape(2, 3)
         momentum, turning = momentum + more[0], turning + more[1]
         carried = carried + (between @ surge).reshape(2, 3)
-    along = cross(omega, momentum)
-    around = cross(omega, turning) + cross(v_r, momentum)
+    turned = np.concatenate([cross(omega, drift[:3]), cross(omega, drift[3:])])  # of the water, as the axes turn
+    kept = added * turned if between is None else added * turned + between @ turned
+    along = cross(omega, momentum) + kept[:3]
+    around = cross(omega, turning) + cross(v_r, momentum) + kept[3:]
     push = r.T @ force + carried[0] - along - body.mass * cross(omega, v)
     twisting = r.T @ torque + carried[1] - around - cross(omega, spin)
     whole = body.inertia_body + np.diag(turn)

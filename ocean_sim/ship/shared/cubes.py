@@ -90,9 +90,10 @@ class Cubes:
         total[SUMS.buoyancy + 3] -= dz
         total[SUMS.buoyancy + 5] += dx
         velocity = acceleration = np.zeros(6)
-        if around.below:
+        if isinstance(around, SurroundingSea):
             faces = np.maximum(total[SUMS.face : SUMS.cut], 1e-12)
             velocity = total[SUMS.velocity : SUMS.acceleration] / faces
+            velocity[:3] += body.matrix.T @ (around.window.current[0], 0.0, around.window.current[1])
             acceleration = self.gravity * total[SUMS.acceleration : SUMS.face] / faces
         parts = total[: SUMS.volume].reshape(4, 2, 3)
         return Wetted(parts[0], parts[1], parts[2], parts[3], float(total[SUMS.volume]), velocity, acceleration)
@@ -190,7 +191,8 @@ class Cubes:
                 own, face = self.arm[k], wet * abs(self.area[k])
                 under = depth + 0.5 * tall  # where its lower face is
                 moved = water.moving(corner, eta, under)
-                self.put_motion(total, SUMS.velocity, own, face, turn.transpose() @ half(moved, 0))
+                carried = tm.vec3(water.window.current[0], 0.0, water.window.current[1])  # which turns nothing
+                self.put_motion(total, SUMS.velocity, own, face, turn.transpose() @ (half(moved, 0) - carried))
                 self.put_motion(total, SUMS.acceleration, own, face, turn.transpose() @ half(moved, 3))
                 spread = tm.vec3(face.y * own.z * own.z, face.x * own.z * own.z, face.y * own.x * own.x)
                 for c in ti.static(range(3)):

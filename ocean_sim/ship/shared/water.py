@@ -3,9 +3,9 @@
 Asked at a few hundred nodes instead of at every cube; between nodes lines are straight, so still water is exact. Where
 a hull keeps particles out, the surface over them falls into the hole that it leaves: nodes at which it comes near the
 hull are filled straight across from the water on both sides, those at the edge of the lattice that come near another
-hull as the nearest that does not. In a closed form the lattice lies still for a moment, a fraction of the waves'
-period, before it is laid anew around the hull; places count from its middle, so that no digits are lost far from the
-origin.
+hull as the nearest that does not. In a closed form the lattice lies still in the water for a moment, a fraction of the
+waves' period, and is carried by a current, before it is laid anew around the hull; places count from its middle, so
+that no digits are lost far from the origin.
 """
 
 from collections.abc import Sequence
@@ -178,6 +178,7 @@ class SurroundingSea(Around):
         self.depths = tuple(float(d) for d in self.layer * np.arange(LEVELS))  # [m]
         self.window = sea.window((ALONG, ACROSS), self.step, self.depths)
         self.heading = (0.0, 1.0)  # sine and cosine
+        self.laid = (0.0, 0.0)  # x, z of the middle when the lattice was laid [m]
         # Velocity [m/s], and acceleration over gravity.
         self.moved = ti.Vector.field(6, float, shape=(ALONG, ACROSS, LEVELS))
 
@@ -188,10 +189,13 @@ class SurroundingSea(Around):
     def place(self, body: RigidBody, row: np.ndarray) -> None:
         x, _, z = body.position.tolist()
         late, share, holds = self.window.now()
-        middle = self.middle
+        flow = self.window.current
+        carried = late * self.window.span
+        middle = (self.laid[0] + carried * flow[0], self.laid[1] + carried * flow[1])
         if not holds or self.strays(x - middle[0], z - middle[1]):
             self.lay(body, x, z)
-            middle, late = self.middle, 0.0
+            middle, late = self.laid, 0.0
+        self.middle = middle
         row[pose.position], row[pose.position + 2] = x - middle[0], z - middle[1]
         row[HANDED.middle : HANDED.size] = *middle, *self.heading, late, share
 
@@ -205,9 +209,10 @@ class SurroundingSea(Around):
         s, c = float(body.matrix[0, 2]), float(body.matrix[2, 2])
         size, window = hypot(s, c), self.window
         self.heading = (s / size, c / size) if size else (0.0, 1.0)
-        u, _, w = (0.5 * window.span * body.velocity).tolist()
-        self.middle = (x, z) if self.strays(u, w) else (x + u, z + w)
-        window.lay(self.middle, self.heading)
+        flow_x, flow_z = window.current
+        u, w = 0.5 * window.span * (body.velocity[0] - flow_x), 0.5 * window.span * (body.velocity[2] - flow_z)
+        self.laid = (x, z) if self.strays(u, w) else (x + u, z + w)
+        window.lay(self.laid, self.heading)
 
     @ti.func
     def look(self, water: Template, table: Template):

@@ -247,8 +247,9 @@ def test_peers_are_measured_by_turns_with_the_same_water(ask, monkeypatch):
 
     def measured(python: Path, order: dict, threads: int) -> dict:
         orders.append((python, order, threads))
-        return {"version": "2.19.0", "particles": 6000, "steps": 10, "wall": 0.05, "cpu": 0.04, "simulated": 0.005}
+        return {"particles": 6000, "steps": 10, "wall": 0.05, "cpu": 0.04, "simulated": 0.005}
 
+    monkeypatch.setattr(splishsplash, "version_in", lambda python: "2.19.0")
     monkeypatch.setattr(splishsplash, "measured", measured)
     monkeypatch.setattr(peers, "DAMS", [dam._replace(seconds=0.0, end=0.0) for dam in peers.DAMS[:1]])
     monkeypatch.setattr(peers, "row", lambda peer, task, measured: peers.numbers(peer, None, task, []))
@@ -268,11 +269,29 @@ def test_a_peer_that_is_not_there_is_named(ask, tmp_path, monkeypatch):
     monkeypatch.setattr(peers, "row", lambda peer, task, measured: peers.numbers(peer, None, task, []))
     assert "pip install pysplishsplash into an environment of its own" in ask("bench", "--peers")[1]
     assert ask("bench", "--peer-python", "python")[0] == 2
-    monkeypatch.setattr(peers, "DAMS", peers.DAMS[:1])
-    monkeypatch.setattr(peers, "here", lambda dam, threads: {})
-    code, _, err = ask("bench", "--peers", "--peer-python", sys.executable)
-    assert code == 3 and "SPlisHSPlasH does not run there: ModuleNotFoundError" in err
-    assert ask("bench", "--peers", "--peer-python", str(tmp_path / "none"))[0] == 3
+    code, out, err = ask("bench", "--peers", "--peer-python", sys.executable)
+    assert code == 3 and "measuring SPlisHSPlasH: dam_break_6k" in err
+    assert f"not measured: it does not run under {sys.executable}: ModuleNotFoundError" in out
+    assert out.count("not measured") == 1  # nor is it asked for the other dam breaks
+    code, out, _ = ask("bench", "--peers", "--peer-python", str(tmp_path / "none"), "--json")
+    assert code == 3 and "No such file" in json.loads(out)[-1]["failed"]
+
+
+def test_a_peer_that_dies_at_import_or_never_ends_is_named(tmp_path, monkeypatch):
+    """Another Python whose peer crashes, one whose peer hangs, and both in a process of ours."""
+    python = tmp_path / "python"
+    for script, why in (("kill -SEGV $$", "it ended with -11"), ("exec sleep 60", "it was not done after 0.5 s")):
+        python.write_text(f"#!/bin/sh\n{script}\n")
+        python.chmod(0o755)
+        monkeypatch.setattr(splishsplash, "IMPORTING", 0.5)
+        row = peers.dam_break(peers.DAMS[0], python, 1)
+        assert row["failed"] == f"it does not run under {python}: {why}" and row["ratio"] is None
+        assert peers.sentence(row).startswith("SPlisHSPlasH, dam_break_6k") and why in peers.sentence(row)
+    monkeypatch.setattr(peers, "version", lambda peer: "1.0")
+    assert peers.row("p", "task", os.abort)["failed"] == "its process died (-6)"
+    assert "TypeError" in peers.row("p", "task", os.strerror)["failed"]
+    monkeypatch.setattr(peers, "PATIENCE", 0.3)
+    assert peers.row("p", "task", signal.pause)["failed"] == "it was not done after 0.3 s"
 
 
 def test_a_thread_that_ends_before_it_is_pinned_harms_nothing(monkeypatch):

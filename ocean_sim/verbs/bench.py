@@ -12,6 +12,8 @@ from statistics import median
 from time import monotonic, perf_counter, process_time
 from typing import TYPE_CHECKING, Any
 
+import typer
+
 from ocean_sim.files.yaml_file import Problem, SceneError
 from ocean_sim.verbs.shared import console
 
@@ -52,13 +54,14 @@ def bench(
     if with_peers:
         from ocean_sim.verbs.shared import peers
 
-        found = peers.peers(peer_python, threads)
-        rows += found
-        if not as_json:
-            for row in found:
+        for row in peers.peers(peer_python, threads):
+            rows.append(row)
+            if not as_json:
                 console.say(peers.sentence(row))
     if as_json:
         console.answer(rows)
+    if any(row.get("failed") for row in rows):
+        raise typer.Exit(console.Lacking.exit_code)
 
 
 def measured(order: dict[str, Any], cold: bool) -> dict[str, Any]:

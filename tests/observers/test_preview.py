@@ -425,10 +425,18 @@ def test_who_steers_in_a_window_rides_on_the_platform_that_its_scene_streams_to(
         }
         session = verb.Session(load(scene), tmp_path / "out", None, True)
         session.panel.ship = "ship"
+        pad = Pad(tmp_path)
+        os.mkfifo(tmp_path / "js0")  # what a pad would be
+        plugged = os.open(tmp_path / "js0", os.O_RDWR)
+        for kind, axis, value in ((0x82, 5, -32767), (2, 5, 32767), (2, 0, -16384)):  # a trigger at rest, pulled; port
+            os.write(plugged, struct.pack("<IhBB", 0, value, kind, axis))
         for _ in range(4):
-            session.panel.steer(1.0, 0.5, 0.1)  # a pad's pedal and wheel
+            pad.look()
+            session.panel.steer(*pad.held, 0.1)
             session.obey()
             session.go_on(0.05)
+        pad.close()
+        os.close(plugged)
         assert session.panel.person.throttle > 0.0 and session.panel.person.rudder > 0.0
         assert unpacked(listening.recv(4096)).seq == 0
         late, session.screen = session.simulation.time, Mock()

@@ -9,7 +9,7 @@ from ocean_sim.parts import Preflight
 from ocean_sim.platform import LEG_ACCELERATION, LEG_SPEED, SINGULAR, STROKE, Cue
 from ocean_sim.platform.hexapod import Config
 from ocean_sim.platform.shared.limits import Governor, Legs, Workspace, softened
-from ocean_sim.platform.shared.metrics import delay, dose, metrics, sickness_weighting
+from ocean_sim.platform.shared.metrics import delay, dose, gain, metrics, sickness_weighting
 from ocean_sim.platform.shared.motion_log import Ride, read, ride_of, turned
 from ocean_sim.ship import PARTS
 from tests.platform.conftest import G, columns, ride, write
@@ -199,6 +199,17 @@ def test_scaling_back_is_smooth_and_leaves_what_fits():
     clamped = np.minimum(path[:, 2], 0.6)  # the negative control: a clamp bends
     assert np.abs(np.diff(np.diff(clamped) / np.diff(path[:, 2]))).max() == pytest.approx(1.0)
     assert softened(np.array([0.5, 0.75, 100.0])).tolist() == pytest.approx([0.5, 0.75, 1.0])
+
+
+def test_the_gain_of_heave_is_what_follows_it_and_no_shock():
+    """Half a wave, late by 0.3 s, beside shocks that would make 0.6 of the ratio of rms; a rest has none."""
+    time = np.arange(12000) * DT
+    heave, felt = np.sin(2.0 * np.pi * time / 6.0), 0.5 * np.sin(2.0 * np.pi * (time - 0.3) / 6.0)
+    shocks = np.where(np.arange(len(time)) % 50 == 0, 2.0, 0.0)
+    assert gain(felt, heave, DT) == pytest.approx(0.5, rel=0.01)
+    assert gain(felt + shocks, heave, DT) == pytest.approx(0.5, rel=0.01)
+    assert np.std(felt + shocks) / np.std(heave) > 0.6
+    assert np.isnan(gain(felt, np.zeros_like(felt), DT)) and np.isnan(delay(felt, np.zeros_like(felt), DT))
 
 
 def test_a_singular_pose_is_refused_and_told():

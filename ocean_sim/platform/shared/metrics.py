@@ -36,6 +36,7 @@ def metrics(ride: Ride, done: Commands, hexapod: Hexapod, every: float) -> list[
     found.append(Metric("leg_acceleration_max", float(acceleration), "m/s2"))
     ship = turned(ride.attitude, ride.specific_force)[:, 2] - GRAVITY
     platform = np.diff(done.pose[:, 2], n=2, prepend=[0.0, 0.0]) / every**2
+    found.append(Metric("heave_gain", gain(platform, ship, every), "1"))
     found.append(Metric("motion_sickness_dose_ship", dose(ship, every), "m/s1.5"))
     found.append(Metric("motion_sickness_dose_platform", dose(platform, every), "m/s1.5"))
     return found
@@ -72,15 +73,30 @@ def correlation(one: np.ndarray, other: np.ndarray) -> float:
 
 def delay(felt: np.ndarray, scaled: np.ndarray, every: float) -> float:
     """By which `felt` has to be brought forward for the best correlation [s]; negative where it leads."""
+    products = delayed_products(felt, scaled, every)
+    if np.isnan(products[0]):
+        return float("nan")
+    return float((np.argmax(products) - len(products) // 2) * every)
+
+
+def gain(felt: np.ndarray, given: np.ndarray, every: float) -> float:
+    """Of the part of `felt` that follows `given` at the delay that suits it best; shocks and other motions are none of
+    it, which the ratio of their rms would count."""
+    products = delayed_products(felt, given, every)
+    return float(products.max() / np.sum((given - given.mean()) ** 2))
+
+
+def delayed_products(felt: np.ndarray, given: np.ndarray, every: float) -> np.ndarray:
+    """(2 m + 1,) sums of products of the deviations from the means, `felt` brought forward by -m to m steps, at most
+    LONGEST_DELAY; NaN where one does not move."""
     from scipy.signal import correlate
 
-    a, b = felt - felt.mean(), scaled - scaled.mean()
+    a, b = felt - felt.mean(), given - given.mean()
     if not (rms(a) > LITTLE and rms(b) > LITTLE):
-        return float("nan")
+        return np.array([np.nan])
     n = len(a)
     most = min(n - 1, round(LONGEST_DELAY / every))
-    products = correlate(a, b, mode="full", method="fft")[n - 1 - most : n + most]
-    return float((np.argmax(products) - most) * every)
+    return correlate(a, b, mode="full", method="fft")[n - 1 - most : n + most]
 
 
 def dose(vertical: np.ndarray, every: float) -> float:

@@ -1,8 +1,9 @@
 """`bench --peers`: what other programs take for a task that this one has, too, where they are installed."""
 
-import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from importlib.metadata import PackageNotFoundError, version
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
 from pathlib import Path
 from statistics import median
 from time import perf_counter, process_time
@@ -14,6 +15,7 @@ from ocean_sim.machine import cores
 from ocean_sim.verbs.shared import console, splishsplash
 
 REPEATS, TURNS = 5, 3
+PATIENCE = 300.0  # with a peer [s]
 PERIOD, WAVES, STEPS = 6.0, 20, 60  # of the response of a barge: [s], waves that pass, steps in each
 
 
@@ -69,31 +71,74 @@ DAMS = (
 )
 
 
-def peers(python: Path | None, threads: int | None) -> list[dict[str, Any]]:
-    """One row of each: `peer`, `version`, `task`, `peer_s`, `ours_s`, `ratio` (ours over theirs), and the same of the
-    time of all processors, `peer_cpu_s`, `ours_cpu_s`, `cpu_ratio`; no numbers where it is not installed. `python`: of
-    the environment that has SPlisHSPlasH; both then run on so many threads, by default on all cores."""
-    rows = [
-        row("pysplashsurf", "surface of 6144 particles", surface),
-        row("capytaine", "response of a barge", response),
-    ]
+def peers(python: Path | None, threads: int | None) -> Iterator[dict[str, Any]]:
+    """One row of each as soon as it is known: `peer`, `version`, `task`, `peer_s`, `ours_s`, `ratio` (ours over
+    theirs), and the same of the time of all processors, `peer_cpu_s`, `ours_cpu_s`, `cpu_ratio`; no numbers where it is
+    not installed or where it `failed`, whose sentence says why. `python`: of the environment that has SPlisHSPlasH;
+    both then run on so many threads, by default on all cores. What is about to be measured is said on standard
+    error."""
+    yield row("pysplashsurf", "surface of 6144 particles", surface)
+    yield row("capytaine", "response of a barge", response)
     if python is None:
-        return [*rows, numbers(splishsplash.PEER, None, "dam breaks", [])]
-    return rows + [dam_break(dam, python, threads or cores()) for dam in DAMS]
+        yield numbers(splishsplash.PEER, None, "dam breaks", [])
+        return
+    for dam in DAMS:
+        found = dam_break(dam, python, threads or cores())
+        yield found
+        if found["failed"] is not None:  # nor would it do the others
+            return
 
 
 def row(peer: str, task: str, measured: Callable[[], Pairs]) -> dict[str, Any]:
-    """What a peer takes that shares this environment."""
+    """What a peer takes that is installed beside this program."""
     try:
         found = version(peer)
     except PackageNotFoundError:
         return numbers(peer, None, task, [])
-    return numbers(peer, found, task, measured())
+    announce(peer, task)
+    try:
+        return numbers(peer, found, task, apart(measured))
+    except console.Failed as error:
+        return numbers(peer, found, task, [], str(error))
 
 
-def numbers(peer: str, found: str | None, task: str, times: Pairs) -> dict[str, Any]:
-    """Medians of what was measured by turns."""
-    row = {"peer": peer, "version": found, "task": task}
+def announce(peer: str, task: str) -> None:
+    console.complain(f"measuring {peer}: {task} ...")
+
+
+def apart(measured: Callable[[], Pairs]) -> Pairs:
+    """What a process of its own measures, which a peer may take down or keep for ever; raises Failed."""
+    context = get_context("spawn")
+    here, there = context.Pipe(duplex=False)
+    child = context.Process(target=answer, args=(measured, there))
+    child.start()
+    there.close()
+    try:
+        if not here.poll(PATIENCE):
+            raise console.Failed(f"it was not done after {PATIENCE:g} s")
+        found = here.recv()
+    except EOFError:
+        child.join()
+        raise console.Failed(f"its process died ({child.exitcode})") from None
+    finally:
+        child.kill()
+        child.join()
+    if isinstance(found, str):
+        raise console.Failed(found)
+    return found
+
+
+def answer(measured: Callable[[], Pairs], there: Connection) -> None:
+    """Send what was measured, or why it could not be."""
+    try:
+        there.send(measured())
+    except Exception as error:  # whatever a program of others raises
+        there.send(f"{type(error).__name__}: {error}")
+
+
+def numbers(peer: str, found: str | None, task: str, times: Pairs, failed: str | None = None) -> dict[str, Any]:
+    """Medians of what was measured by turns; `failed`: why there is nothing."""
+    row = {"peer": peer, "version": found, "task": task, "failed": failed}
     for head, what in (("", "wall"), ("cpu_", "cpu")):
         pairs = [(getattr(theirs, what), getattr(ours, what)) for theirs, ours in times]
         medians = [median(column) for column in zip(*((a, b, b / a) for a, b in pairs))] or [None] * 3
@@ -106,17 +151,18 @@ def dam_break(dam: Dam, python: Path, threads: int) -> dict[str, Any]:
     order = {"method": dam.method, "lattice": dam.lattice, "spacing": SPACING, "begin": BEGIN}
     order |= {"seconds": dam.seconds, "end": dam.end}
     times: Pairs = []
-    here(dam, threads)  # which compiles
-    for _ in range(TURNS):
-        try:
-            theirs = splishsplash.measured(python, order, threads)
-        except (OSError, ValueError, subprocess.TimeoutExpired) as error:
-            raise console.Lacking(f"{python}: {splishsplash.PEER} does not run there: {error}") from None
-        ours = here(dam, threads)
-        if theirs["particles"] != ours["particles"]:
-            raise console.Failed(f"{dam.task}: {theirs['particles']} particles there, {ours['particles']} here")
-        times.append((dam.each(theirs), dam.each(ours)))
-    return numbers(splishsplash.PEER, theirs["version"], dam.task, times)
+    announce(splishsplash.PEER, dam.task)
+    try:
+        found = splishsplash.version_in(python)
+        here(dam, threads)  # which compiles
+        for _ in range(TURNS):
+            theirs, ours = splishsplash.measured(python, order, threads), here(dam, threads)
+            if theirs["particles"] != ours["particles"]:
+                raise ValueError(f"{theirs['particles']} particles there, {ours['particles']} here")
+            times.append((dam.each(theirs), dam.each(ours)))
+    except (OSError, ValueError) as error:
+        return numbers(splishsplash.PEER, None, dam.task, [], f"it does not run under {python}: {error}")
+    return numbers(splishsplash.PEER, found, dam.task, times)
 
 
 def unobserved() -> dict[str, Any]:
@@ -221,6 +267,8 @@ def response() -> Pairs:
 
 def sentence(row: dict[str, Any]) -> str:
     """A row for people."""
+    if row["failed"] is not None:
+        return f"{row['peer']}, {row['task']}: not measured: {row['failed']}"
     if row["version"] is None and row["peer"] == splishsplash.PEER:
         return f"{row['peer']}: pip install pysplishsplash into an environment of its own, and name its --peer-python"
     if row["version"] is None:

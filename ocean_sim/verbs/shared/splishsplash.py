@@ -9,14 +9,13 @@ import os
 import subprocess
 import sys
 import tempfile
-from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
 PEER = "SPlisHSPlasH"
 DISPATCH = "libGLdispatch.so.0"  # without which the wheel for Linux dies as it is imported
-PATIENCE = 600.0  # [s]
+PATIENCE, IMPORTING = 300.0, 60.0  # with a dam break, and with an import [s]
 WCSPH, DFSPH = 0, 4  # numbers of its methods
 CUBE = [(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]
 FACES = [(1, 2, 4), (1, 4, 3), (5, 7, 8), (5, 8, 6), (1, 5, 6), (1, 6, 2), (3, 4, 8), (3, 8, 7), (1, 3, 7), (1, 7, 5)]
@@ -24,25 +23,37 @@ FACES += [(2, 6, 8), (2, 8, 4)]  # outwards
 
 
 def measured(python: Path, order: dict[str, Any], threads: int) -> dict[str, Any]:
-    """`version`, `particles`, `steps`, `wall`, `cpu` of all threads and `simulated` [s] of a dam break.
+    """`particles`, `steps`, `wall`, `cpu` of all threads and `simulated` [s] of a dam break.
 
     `order`: `method`, "wcsph" or "dfsph"; `lattice`, particles along x, y and z; `spacing` [m]; `begin`, simulated time
     from which it counts [s]; `seconds` of wall time and simulated time `end`, to which it goes at least [s]. Raises
-    OSError, ValueError or TimeoutExpired where that Python cannot.
+    OSError or ValueError where that Python cannot.
     """
+    with tempfile.TemporaryDirectory() as folder:
+        return json.loads(said(python, [__file__, json.dumps(order | {"folder": folder})], threads, PATIENCE))
+
+
+def version_in(python: Path) -> str:
+    """The version that a Python has and can import; raises OSError or ValueError."""
+    look = "import pysplishsplash; from importlib.metadata import version; print(version('pysplishsplash'))"
+    return said(python, ["-c", look], 1, IMPORTING)
+
+
+def said(python: Path, arguments: list[str], threads: int, patience: float) -> str:
+    """The last line of what a program under another Python prints."""
     environment = os.environ | {
         "OMP_NUM_THREADS": str(threads),
         "OMP_WAIT_POLICY": "passive",
         "LD_PRELOAD": DISPATCH,
     }
-    with tempfile.TemporaryDirectory() as folder:
-        command = [str(python), "-I", __file__, json.dumps(order | {"folder": folder})]
-        done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    command = [str(python), "-I", *arguments]
     try:
-        return json.loads(done.stdout.splitlines()[-1])
-    except (IndexError, ValueError):
-        said = done.stderr.strip().splitlines()[-1:] or [f"it ended with {done.returncode}"]
-        raise ValueError(said[0]) from None
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=patience, check=False)
+    except subprocess.TimeoutExpired:
+        raise ValueError(f"it was not done after {patience:g} s") from None
+    if done.returncode or not done.stdout.strip():
+        raise ValueError((done.stderr.strip().splitlines() or [f"it ended with {done.returncode}"])[-1])
+    return done.stdout.splitlines()[-1]
 
 
 def scene(order: dict[str, Any], box: str) -> dict[str, Any]:
@@ -139,7 +150,6 @@ def main(order: dict[str, Any]) -> None:
         since["steps"] += 1
         if now - since["wall"] >= order["seconds"] and time >= order["end"]:
             found = {
-                "version": version("pysplishsplash"),
                 "particles": water.numActiveParticles(),
                 "steps": since["steps"],
                 "wall": now - since["wall"],

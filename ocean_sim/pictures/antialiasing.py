@@ -4,7 +4,7 @@ ends, and a pixel takes of its neighbour across it what the edge would cover. On
 import numpy as np
 
 LEAST, RELATIVE = 26, 0.2  # contrast of brightness of 255, and over the brightest around, from which there is an edge
-STEPS = (1.0, 1.0, 1.0, 1.5, 2.0, 4.0, 8.0)  # pixels by which an edge is followed
+REACHES = (1.0, 2.0, 3.0, 4.5, 6.5, 10.5, 18.5)  # pixels along an edge at which it is looked for its end
 ROWS = 60  # that are looked at together: what is worked with stays in the processor's cache
 SINGLE = 0.6  # of the blur of what is a single pixel wide
 
@@ -21,19 +21,20 @@ def smooth(image: np.ndarray) -> np.ndarray:
     from PIL import Image
 
     bright = np.pad(np.asarray(Image.fromarray(np.ascontiguousarray(image)).convert("L")), 1, mode="edge")
-    padded = np.pad(image, ((1, 1), (1, 1), (0, 0)), mode="edge").reshape(-1, 3)
-    flat, result = bright.ravel().astype(np.float32), image.copy()
+    padded = np.pad(image, ((1, 1), (1, 1), (0, 0)), mode="edge")
+    flat, result = bright.ravel().astype(np.float32), padded.copy()
     for first in range(0, len(image), ROWS):
         at, across, share = edges(bright, flat, first)
-        blended = (1.0 - share) * padded[at] + share * padded[at + across]
-        row, column = np.divmod(at, bright.shape[1])
-        result[row - 1, column - 1] = (blended + 0.5).astype(np.uint8)
-    return result
+        at, beyond, rest = 3 * at, 3 * (at + across), 1.0 - share
+        for channel in range(3):
+            old, new = padded.ravel()[channel:], result.ravel()[channel:]
+            new[at] = (rest * old.take(at) + share * old.take(beyond) + 0.5).astype(np.uint8)
+    return np.ascontiguousarray(result[1:-1, 1:-1])
 
 
 def edges(bright: np.ndarray, flat: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Of ROWS rows of a picture from a first one on, the numbers (n,) of the pixels at edges in its brightness, padded
-    by a pixel; by how much the number across the edge differs, and the share (n, 1) that a pixel takes from there.
+    by a pixel; by how much the number across the edge differs, and the share (n,) that a pixel takes from there.
 
     `flat`: the same brightness, pixel after pixel.
     """
@@ -43,43 +44,42 @@ def edges(bright: np.ndarray, flat: np.ndarray, first: int) -> tuple[np.ndarray,
     high = np.maximum(np.maximum(np.maximum(north, south), np.maximum(west, east)), middle)
     low = np.minimum(np.minimum(np.minimum(north, south), np.minimum(west, east)), middle)
     contrast = (high - low).ravel()
-    found = np.flatnonzero(contrast > LEAST).astype(np.int32)
-    found = found[contrast[found] > np.float32(RELATIVE) * high.ravel()[found]]
-    contrast = contrast[found].astype(np.float32)
+    found = np.flatnonzero(contrast > np.maximum(np.float32(RELATIVE) * high.ravel(), LEAST))
+    contrast = contrast.take(found).astype(np.float32)
     at = found + 2 * (found // (rows - 2)) + (rows * (first + 1) + 1)
     m, n, s, w, e = (flat.take(at + step) for step in (0, -rows, rows, -1, 1))
     nw, ne, sw, se = (flat.take(at + step) for step in (-rows - 1, -rows + 1, rows - 1, rows + 1))
     around = (2.0 * (n + s + w + e) + nw + ne + sw + se) / 12.0
-    single = np.clip(np.abs(around - m) / contrast, 0.0, 1.0)
+    single = np.minimum(np.abs(around - m) / contrast, 1.0)
     single = SINGLE * (single * single * (3.0 - 2.0 * single)) ** 2
     across_rows = np.abs(nw + sw - 2.0 * w) + 2.0 * np.abs(n + s - 2.0 * m) + np.abs(ne + se - 2.0 * e)
     across_columns = np.abs(nw + ne - 2.0 * n) + 2.0 * np.abs(w + e - 2.0 * m) + np.abs(sw + se - 2.0 * s)
-    level = across_rows >= across_columns  # whether the edge runs along a row
-    before, after = np.where(level, n, w), np.where(level, s, e)
-    nearer_before = np.abs(before - m) >= np.abs(after - m)
-    across = np.where(level, np.int32(rows), np.int32(1)) * np.where(nearer_before, np.int32(-1), np.int32(1))
-    along = np.where(level, np.int32(1), np.int32(rows))
-    steepness = np.where(nearer_before, np.abs(before - m), np.abs(after - m))
-    edge = 0.5 * (m + np.where(nearer_before, before, after))
-    ends = [followed(flat, at, across, way * along, edge, 0.25 * steepness) for way in (-1, 1)]
-    nearer = ends[0][0] <= ends[1][0]
-    distance = np.where(nearer, ends[0][0], ends[1][0])
-    beyond = np.where(nearer, ends[0][1], ends[1][1])
-    covered = 0.5 - distance / (ends[0][0] + ends[1][0])
-    return at, across, np.maximum(np.where((m < edge) != (beyond < 0.0), covered, 0.0), single)[:, None]
+    along = np.where(across_rows >= across_columns, 1, rows)  # an edge runs along a row, or along a column
+    across = rows + 1 - along
+    before, after = np.abs(flat.take(at - across) - m), np.abs(flat.take(at + across) - m)
+    steepness = np.maximum(before, after)
+    across *= 1 - 2 * (before >= after)
+    edge = 0.5 * (m + flat.take(at + across))
+    back, off_back = followed(flat, at, across, -along, edge, 0.25 * steepness)
+    on, off_on = followed(flat, at, across, along, edge, 0.25 * steepness)
+    covered = 0.5 - np.minimum(back, on) / (back + on)
+    beyond = np.where(back <= on, off_back, off_on)
+    return at, across, np.maximum(covered * ((m < edge) != (beyond < 0.0)), single)
 
 
 def followed(
     flat: np.ndarray, at: np.ndarray, across: np.ndarray, along: np.ndarray, edge: np.ndarray, most: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """How far along an edge its end lies (n,) [pixels], and by how much the brightness there is off the edge's."""
-    distance, off = np.zeros(len(at), np.float32), np.zeros(len(at), np.float32)
-    going, reach = np.arange(len(at), dtype=np.int32), 0.0
-    for step in STEPS:
-        reach += step
-        here = at + np.int32(reach) * along
-        found = 0.5 * (flat.take(here, mode="clip") + flat.take(here + across, mode="clip")) - edge
-        distance[going], off[going] = reach, found
-        more = np.flatnonzero(np.abs(found) < most)
-        going, at, across, along, edge, most = (each[more] for each in (going, at, across, along, edge, most))
+
+    def found(of: slice | np.ndarray, reach: float) -> np.ndarray:
+        here = at[of] + int(reach) * along[of]
+        there = here + across[of]
+        return 0.5 * (flat.take(here, mode="clip") + flat.take(there, mode="clip")) - edge[of]
+
+    off = found(slice(None), REACHES[0])
+    distance, going = np.full_like(off, REACHES[0]), np.flatnonzero(np.abs(off) < most)
+    for reach in REACHES[1:]:
+        distance[going], off[going] = reach, found(going, reach)
+        going = going[np.abs(off[going]) < most[going]]
     return distance, off

@@ -45,13 +45,17 @@ def cover(drawn_together: np.ndarray) -> float:
 def shares(drawn_together: np.ndarray, wanted: float, among: np.ndarray | None = None) -> np.ndarray:
     """How white each point is, 0 to 1, so that the mean is the wanted cover: 1 on the strongest convergence.
 
-    `among`: values among which the ranks are counted, by default the points themselves.
+    `among` (n,): values in order among which the ranks are counted, by default the points themselves.
     """
-    known = np.sort(np.ravel(drawn_together if among is None else among))
+    known = np.sort(drawn_together, axis=None) if among is None else among
     if wanted <= 0.0 or known[0] == known[-1]:
         return np.zeros(np.shape(drawn_together))
-    upper = 1.0 - np.searchsorted(known, drawn_together, side="right") / len(known)
-    return np.clip(1.0 - upper / (2.0 * min(wanted, 0.5)), 0.0, 1.0)
+    part = 2.0 * min(wanted, 0.5)  # of the points that are not wholly dark
+    white = np.zeros(np.shape(drawn_together))
+    some = drawn_together >= known[max(int((1.0 - part) * len(known)) - 1, 0)]
+    upper = 1.0 - np.searchsorted(known, drawn_together[some], side="right") / len(known)
+    white[some] = np.clip(1.0 - upper / part, 0.0, 1.0)
+    return white
 
 
 def monahan(speed: float) -> float:

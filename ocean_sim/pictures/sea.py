@@ -232,8 +232,9 @@ class Sea:
         self.lay(self.far, np.insert(nodes, 1, height.ravel(), axis=1), normals, traits, nodes)
         lap = 0.5 * np.array([surface.x[1] - surface.x[0], surface.z[1] - surface.z[0]])  # that no gap is seen
         low, high = surface.lower + self.origin + lap, surface.upper + self.origin - lap
-        inside = ((nodes > low) & (nodes < high)).all(axis=1)
-        beyond = ~inside[fan.triangles].all(axis=1)
+        x, z = nodes.T
+        outside = (x <= low[0]) | (x >= high[0]) | (z <= low[1]) | (z >= high[1])
+        beyond = np.logical_or.reduce([outside[corner] for corner in fan.triangles.T])
         if not np.array_equal(beyond, self.beyond):
             self.far.mesh.regular_faces = fan.triangles[beyond]
             self.beyond = beyond

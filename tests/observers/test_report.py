@@ -79,6 +79,17 @@ def test_a_page_tells_what_was_run_and_how_it_ended(tmp_path, ran):
     assert [f for f in ("gauges.csv", "accuracy.csv", "timings.csv") if f not in parsed.sources] == []
 
 
+def test_a_page_names_every_train_of_waves_and_no_force_that_never_acts(tmp_path, ran):
+    swell = {"height": 0.5, "period": 9.0, "heading_deg": 90.0}
+    spectrum = {"kind": "pierson_moskowitz", "significant_wave_height": 1.2, "peak_period": 5.07, "heading_deg": 0.0}
+    sea = {"kind": "spectral_sea", "spectrum": spectrum, "spectra": [swell], "components": "swell.csv"}
+    ran((accuracy.Config(),), fluid=sea).run(until=0.2)
+    page, _ = checked(tmp_path)
+    assert "<td>pierson moskowitz, significant height 1.2 m, peak period 5.07 s, heading 0 deg</td>" in page
+    assert "<td>regular, 0.5 m high, period 9 s, heading 90 deg</td>" in page and "plane waves of swell.csv" in page
+    assert re.findall('aria-label="horizontal impulse by force .kN s., (.*?)"', page) == ["wind"]
+
+
 def test_a_page_tells_the_gain_of_a_wind(tmp_path, ran):
     ran(wind={"kind": "stress", "gain": 300.0}, fluid={"kind": "computed"}).run(until=0.02)
     page, _ = checked(tmp_path)

@@ -90,6 +90,8 @@ class Run:
         if count:
             apart = f"{count['count']} particles, {count['spacing_m']:.4g} m apart" if count.get("count") else ""
             yield "fluid", f"{scene.get('fluid', {}).get('kind', 'unknown')}, {apart or 'in closed form'}"
+        for part in (scene.get("sea"), scene.get("fluid")):
+            yield from (("waves", sentence) for sentence in trains(part or {}))
         sound = next((event["sound_speed_m_s"] for event in self.events if event.get("sound_speed_m_s")), None)
         if sound:
             yield "sound speed", f"{sound:.4g} m/s"
@@ -197,8 +199,9 @@ class Run:
         yield plot(curves(time, {name: 100.0 * values for name, values in density.items()}, "density error [%]"))
         yield plot(curves(time, energy, "energy [kJ]"))
         yield plot(curves(time, momentum, "momentum [kN s]"))
-        if horizontal:
-            yield plot(curves(time, horizontal, "horizontal impulse by force [kN s]"))
+        acting = {term: values for term, values in horizontal.items() if values.max() > 0.0}
+        if acting:
+            yield plot(curves(time, acting, "horizontal impulse by force [kN s]"))
         if "time_step_s" in log:
             yield plot(curves(time, {"time step": 1000.0 * log["time_step_s"]}, "time step [ms]"))
 
@@ -274,6 +277,26 @@ class Run:
             except ValueError:
                 break
         return found
+
+
+def trains(part: dict[str, Any]) -> Iterator[str]:
+    """The waves of a sea or a fluid of a scene, a sentence for each train."""
+    spectrum = part.get("spectrum")
+    if spectrum:
+        kind, height = spectrum["kind"].replace("_", " "), spectrum["significant_wave_height"]
+        yield f"{kind}, significant height {height:g} m, peak period {spectrum['peak_period']:g} s{heading(spectrum)}"
+    if part.get("height") and part.get("period"):
+        yield f"regular, {part['height']:g} m high, period {part['period']:g} s{heading(part)}"
+    for more in part.get("spectra", ()):
+        yield from trains(more)
+    if part.get("components"):
+        yield f"plane waves of {part['components']}"
+
+
+def heading(waves: dict[str, Any]) -> str:
+    """Where waves go to, where a scene says it."""
+    towards = waves.get("heading_deg")
+    return "" if towards is None else f", heading {towards:g} deg"
 
 
 def particulars(event: dict[str, Any]) -> str:

@@ -48,7 +48,7 @@ def shares(drawn_together: np.ndarray, wanted: float, among: np.ndarray | None =
     `among` (n,): values in order among which the ranks are counted, by default the points themselves.
     """
     known = np.sort(drawn_together, axis=None) if among is None else among
-    if wanted <= 0.0 or known[0] == known[-1]:
+    if wanted * len(known) < 1.0 or known[0] == known[-1]:  # not one of them would be white
         return np.zeros(np.shape(drawn_together))
     part = 2.0 * min(wanted, 0.5)  # of the points that are not wholly dark
     white = np.zeros(np.shape(drawn_together))

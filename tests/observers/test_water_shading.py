@@ -227,6 +227,8 @@ def test_thick_foam_is_no_plain_sheet_and_is_as_bright_as_one():
 
 def test_calm_water_has_no_foam_by_either_rule():
     assert not foam_module.shares(np.zeros((9, 9)), 0.05).any() and foam_module.cover(np.zeros((9, 9))) == 0.0
+    ripples, far = np.linspace(0.0, 1.0, 500), np.array([0.5, 2.0])  # beyond the basin one is stronger than any inside
+    assert not foam_module.shares(far, 1e-12, ripples).any() and foam_module.shares(far, 0.05, ripples)[1] == 1.0
     np.testing.assert_allclose(w.foam_by_height(np.array([-1.0, 0.0, 0.2, 0.8, 2.0])), [0.0, 0.0, 0.375, 1.0, 1.0])
 
 

@@ -134,12 +134,12 @@ def simulated(config: SceneConfig, folder: Path, observers: tuple[Observer, ...]
     return Result(folder)
 
 
-def wave_field(scene: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None) -> "WaveField":
-    """The waves of a scene, to be asked at any place and time, where its water is a closed form or a patch of an open
-    sea; raises SceneError or Refused."""
+def wave_field(scene: SceneConfig | str | Path | dict[str, Any]) -> "WaveField":
+    """The waves of a scene, as `run` takes it, to be asked at any place and time, where its water is a closed form or a
+    patch of an open sea; raises SceneError or Refused."""
     from ocean_sim.waves.field import WaveField
 
-    with Simulation(load(scene, overrides)) as simulation:
+    with Simulation(scene if isinstance(scene, SceneConfig) else load(scene)) as simulation:
         sea = simulation.fluid.plane_waves
     if sea is None:
         raise Refused("the water of this scene is not a sum of plane waves, as linear_waves and spectral_sea are")

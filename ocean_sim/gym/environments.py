@@ -73,9 +73,9 @@ class OceanVectorEnv(VectorEnv):
         self.done = np.zeros(num_envs, bool)
 
     def reset(
-        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        super().reset(seed=seed if not isinstance(seed, list) else seed[0])
+        super().reset(seed=seed)
         self.begin(np.ones(self.num_envs, dtype=bool))
         return self.observed(), self.info()
 

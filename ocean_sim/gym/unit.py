@@ -7,6 +7,7 @@ the bow of heading 0, y to port, z up), the speed [m/s] and the elevation under 
 """
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ try:
 except ImportError:
     raise ImportError("ocean_sim.gym.unit needs pythonfmu: pip install 'ocean-sim[fmi]'") from None
 
+USAGE = "usage: python -m ocean_sim.gym.unit [FOLDER]\nWrites OceanBoat.fmu into the folder, by default this one."
 COMPONENTS, DEPTH, STEP = 20, 50.0, 0.1  # waves, [m], and at most [s] at once
 IN = ("helm", "throttle")
 OUT = ("surge", "sway", "heave", "roll", "pitch", "yaw", "speed", "elevation")
@@ -74,13 +76,23 @@ class OceanBoat(Fmi2Slave):
             setattr(self, name, float(value))
 
 
-def main(folder: str = ".") -> None:
-    """Write the unit into a folder."""
+def main(words: Sequence[str]) -> int:
+    """Write the unit into a folder, as the words of a command say; its exit code."""
     from pythonfmu.builder import FmuBuilder
 
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    print(FmuBuilder.build_FMU(__file__, dest=folder))
+    if len(words) > 1 or any(word.startswith("-") for word in words):
+        helped = "--help" in words
+        print(USAGE, file=sys.stdout if helped else sys.stderr)
+        return 0 if helped else 2
+    folder = Path(*words)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        print(FmuBuilder.build_FMU(__file__, dest=folder))
+    except OSError as error:
+        print(f"{folder}: {error.strerror or error}", file=sys.stderr)
+        return 2
+    return 0
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:2])
+    sys.exit(main(sys.argv[1:]))

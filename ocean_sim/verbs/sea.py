@@ -28,7 +28,7 @@ def sea(
     if len(at) != 2:
         raise Refused("--at is not like 0,0: x and z [m]")
     config = load(scene, console.settings(sets))
-    field = wave_field(scene, console.settings(sets))
+    field = wave_field(config)
     waves, files = field.sea, []
     title = config.title or scene
     if swd is not None:

@@ -16,7 +16,8 @@ from ocean_sim import waves
 from ocean_sim.files import input_file
 from ocean_sim.files.input_file import Unreadable
 
-MAGIC, FORMAT, AIRY = np.float32(37.0221), 100, 6
+MAGIC, FORMAT, AIRY = 37.0221, 100, 6
+BEGIN = struct.pack("<fi", MAGIC, FORMAT)
 HEAD, SIZES, TAIL = struct.Struct("<fiii30s20si"), struct.Struct("<ffiifi"), struct.Struct("<if")
 NAME = b"ocean-sim"
 
@@ -33,10 +34,10 @@ def swd(sea: waves.Components, note: str = "", date: str = "") -> bytes:
 def of_swd(path: str | Path, gravity: float = waves.GRAVITY) -> waves.Components:
     """The sea in a .swd file of plane waves; raises Unreadable."""
     data = input_file.content(path)
+    if not data.startswith(BEGIN):
+        raise Unreadable(path, "this is not a .swd file of format 100")
     try:
-        magic, version, shape, _, _, _, length = HEAD.unpack_from(data)
-        if magic != MAGIC or version != FORMAT:
-            raise Unreadable(path, "this is not a .swd file of format 100")
+        _, _, shape, _, _, _, length = HEAD.unpack_from(data)
         if shape != AIRY:
             raise Unreadable(path, f"its waves are of shape {shape}; plane waves, shape {AIRY}, are read")
         at = HEAD.size + length + SIZES.size

@@ -31,7 +31,8 @@ class WaveField:
         return found / np.linalg.norm(found, axis=1, keepdims=True)
 
     def velocity(self, points: np.ndarray, time: float) -> np.ndarray:
-        """(n, 3) velocities of the water [m/s] at points x, y, z (n, 3) [m]; above the water that of its surface."""
+        """(n, 3) velocities of the water [m/s] at points x, y, z (n, 3) [m], of columns stretched from bed to surface
+        (Wheeler 1970); above the water that of its surface."""
         return waves.velocity(self.sea, np.asarray(points, dtype=float), time)
 
     def periodic(self, side: float) -> "WaveField":

@@ -7,10 +7,23 @@ import sys
 import pytest
 
 pytest.importorskip("pythonfmu", reason="pythonfmu is absent: pip install .[fmi]")
-fmpy = pytest.importorskip("fmpy", reason="fmpy, a reader of units that is not ours, is absent")
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "sentence"),
+    [(["--help"], 0, "usage: "), (["a", "b"], 2, "usage: "), (["--here"], 2, "usage: "), (["file"], 2, "file: ")],
+)
+def test_what_cannot_be_meant_writes_nothing(tmp_path, monkeypatch, capsys, words, code, sentence):
+    from ocean_sim.gym.unit import main
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("")
+    assert main(words) == code and sentence in "".join(capsys.readouterr())
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
 def test_a_unit_is_opened_and_run_by_fmpy(tmp_path):
+    fmpy = pytest.importorskip("fmpy", reason="fmpy, a reader of units that is not ours, is absent")
     done = subprocess.run(
         [sys.executable, "-m", "ocean_sim.gym.unit", str(tmp_path)],
         capture_output=True,

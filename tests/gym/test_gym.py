@@ -90,6 +90,14 @@ def test_the_same_seed_gives_the_same_episodes_byte_for_byte_and_another_does_no
     assert episode(7) == episode(7) != episode(8)
 
 
+def test_a_list_of_seeds_is_refused_where_one_seed_is_for_all_boats():
+    gymnasium = pytest.importorskip("gymnasium")
+    from ocean_sim.gym.environments import OceanVectorEnv
+
+    with pytest.raises(gymnasium.error.Error, match="must be a python integer"):
+        OceanVectorEnv(2).reset(seed=[1, 2])
+
+
 @pytest.mark.slow
 def test_a_thousand_boats_are_ten_times_faster_than_time():
     pytest.importorskip("gymnasium")

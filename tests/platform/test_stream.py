@@ -213,17 +213,18 @@ def test_a_platform_reports_where_its_legs_are_and_how_long_the_way_was():
     thread = threading.Thread(target=lambda: found.append(received(url, 0.3, lambda packet: None)))
     thread.start()
     time.sleep(0.3)
-    sender = Sender(url)
-    for seq in range(40):
-        sender.send(packet(seq)._replace(pose=(0.0,) * 6))
+    sender, every = Sender(url), 0.04
+    for seq in range(20):
+        sender.send(packet(seq, every=every)._replace(pose=(0.0,) * 6))
     time.sleep(0.05)
     sender.listen()
     thread.join()
     latency = sender.latency()
     sender.close()
-    assert latency is not None and latency.packets > 30 and 0.0 < latency.median <= latency.most <= latency.longest
+    assert latency is not None and latency.packets > 15 and 0.0 < latency.median <= latency.most <= latency.longest
+    assert latency.median < 0.5 * every  # a report counts when it comes, not when the next packet goes out
     np.testing.assert_allclose(sender.readings[-1][1].legs, 2.706, atol=1e-3)
-    assert found[0].came == 40 and not sender.readings[-1][1].stopped and sender.stopped() == ""
+    assert found[0].came == 20 and not sender.readings[-1][1].stopped and sender.stopped() == ""
 
 
 def test_who_sends_to_a_platform_that_is_stopped_hears_of_it(capsys):

@@ -127,6 +127,22 @@ def test_a_platform_at_the_end_of_its_travel_comes_back_when_the_motion_turns():
     assert np.flatnonzero(cut > 0.6).max() < np.flatnonzero(free > 0.6).max() - 150
 
 
+def test_an_angle_that_is_followed_is_not_told_to_be_limited_by_its_rate():
+    """Under `ship` roll is followed itself: no limit of rates changes it; under `srs` its rate is filtered, and cut."""
+    t = np.arange(500) * 0.01
+    zero, angle, rate = np.zeros_like(t), 0.2 * np.sin(t), 0.2 * np.cos(t)
+    force = gravity(np.column_stack([angle, zero, zero])) - [0.0, 0.0, 9.81]
+    rows = ride(500, 0.01, force, np.column_stack([rate, zero, zero]), np.column_stack([angle, zero, zero]))
+    for name, cut in (("ship", False), ("srs", True)):
+        given = ready_made("washout", name)
+        free, tight = (
+            Config.model_validate(given | {"rate_limit_deg": limit}).build(0.01, FREE).follow(rows)
+            for limit in (60.0, 2.0)
+        )
+        assert not (free.limited & INPUT).any() and (tight.limited & INPUT).any() == cut
+        assert (tight.pose != free.pose).any() == cut
+
+
 def test_input_beyond_its_limit_is_clipped_and_told():
     cue = washout("ship", 0.01).follow(ride(10, 0.01, [0.0, 0.0, 50.0]))
     assert (cue.limited & INPUT).all()

@@ -287,7 +287,7 @@ def parts_of(session):
 def test_the_water_is_asked_over_the_socket_with_the_verbs_of_a_wave_field(tmp_path):
     """For any time where it is the sum of its waves; the answers are those of the formulae."""
     source = rig(tmp_path)
-    field = wave_field(tmp_path / "rig.yaml", source.overrides)
+    field = wave_field(load(tmp_path / "rig.yaml", source.overrides))
     with Session(source, Desk(), tmp_path, list) as one:
 
         def told(**asked):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ocean_sim import wave_field, waves
+from ocean_sim import load, wave_field, waves
 from ocean_sim.conventions import Refused
 from ocean_sim.waves.field import WaveField
 
@@ -16,6 +16,22 @@ SEA = {
 @pytest.fixture(scope="module")
 def field():
     return wave_field(SEA)
+
+
+def test_a_scene_that_is_loaded_is_asked_as_a_dict_is(field):
+    np.testing.assert_array_equal(wave_field(load(SEA)).sea.wavevector, field.sea.wavevector)
+
+
+def test_water_is_that_of_columns_stretched_from_bed_to_surface():
+    """One wave: a omega cosh k(y' + h) / sinh k h cos(k x - omega t), with Wheeler's y' = h (y - eta) / (h + eta)."""
+    sea = waves.regular(1.0, 5.0, waves.direction(90.0, 3), 5.0)
+    k, omega, theta, time = float(sea.wavenumber[0]), 2.0 * np.pi / 5.0, -0.1, 2.0
+    x = (theta + omega * time) / k
+    eta = 0.5 * np.cos(theta)
+    down = 5.0 * (-1.0 - eta) / (5.0 + eta) + 5.0
+    size = 0.5 * omega / np.sinh(5.0 * k)
+    hand = size * np.array([np.cosh(k * down) * np.cos(theta), np.sinh(k * down) * np.sin(theta), 0.0])
+    np.testing.assert_allclose(WaveField(sea).velocity([[x, -1.0, 0.0]], time)[0], hand, atol=1e-12)
 
 
 def test_normals_are_across_the_surface(field):

@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from select import select
 from typing import NamedTuple
 from urllib.parse import urlsplit
 
@@ -118,13 +119,14 @@ class Sender:
         self.readings: list[tuple[float, Reading]] = []  # what the platform reports, and when it came [s]
 
     def send(self, packet: Packet) -> None:
-        """Wait until it is time, then send."""
+        """Wait until it is time, taking reports as they come, then send."""
         data, now = packed(packet, self.layout), time.perf_counter()
         data = signed(data, self.key, self.began) if self.key else data
         if self.start is None or now > self.start + packet.time:
             self.start = now - packet.time
         while (left := self.start + packet.time - time.perf_counter()) > 0.0:
-            time.sleep(max(0.0, left - SPIN))
+            if left > SPIN and select([self.socket], [], [], left - SPIN)[0]:
+                self.listen()
         self.socket.sendto(data, self.address)
         self.sent.append(time.perf_counter())
         self.due.append(packet.time)

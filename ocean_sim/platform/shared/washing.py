@@ -41,7 +41,7 @@ class WashingConfig(Model):
     acceleration_limit: float = quantity("m/s2", 10.0, gt=0.0)
     """Scaled accelerations are clipped here."""
     rate_limit_deg: float = quantity("deg/s", 60.0, gt=0.0)
-    """Scaled rates are clipped here."""
+    """Scaled rates about axes with a high-pass are clipped here; an angle that is followed itself is not."""
 
 
 class Travelling(Protocol):
@@ -131,7 +131,7 @@ class Washing:
         limited = np.zeros(len(ride.time), dtype=int)
         level = turned(ride.attitude, ride.specific_force) - [0.0, 0.0, GRAVITY]
         acceleration = self.clipped(level * config.force_scale, config.acceleration_limit, limited)
-        rates = euler_rates(ride) * config.rotation_scale
+        rates = euler_rates(ride) * config.rotation_scale * [turn is not None for turn in self.turns]
         rates = self.clipped(rates, float(np.radians(config.rate_limit_deg)), limited)
         pose = np.zeros((len(ride.time), 6))
         for k, travel in enumerate(self.travels):

@@ -59,6 +59,25 @@ def test_a_recorded_motion_that_does_not_begin_or_end_at_rest_is_told(tmp_path, 
     assert not any("jolt" in warning for warning in load(scene | {"basin": tank | {"motion": motion}}).warnings())
 
 
+@pytest.mark.parametrize(
+    "fluid, basin, told",
+    [
+        ({}, {}, False),
+        ({"body_force": [0.0, -50.0, 0.0]}, {}, True),
+        ({"body_force": [0.0, -50.0, 0.0], "reference_speed": 5.47}, {}, False),
+        ({"body_force": [50.0, 0.0, 0.0]}, {"walls": "periodic"}, False),
+        ({}, {"length": 8.0, "gravity": [-9.81, 0.0, 0.0]}, True),
+        ({}, {"motion": {"axis": "y", "amplitude": 0.1, "period": 0.3}}, True),
+        ({}, {"motion": {"axis": "x", "amplitude": 0.05, "period": 1.5}}, False),
+        ({"kind": "dfsph", "body_force": [0.0, -50.0, 0.0]}, {}, False),
+    ],
+)
+def test_what_compresses_water_beside_gravity_along_its_depth_is_told(fluid, basin, told):
+    scene = {"duration": 1.0, "fluid": {"kind": "delta_sph", "spacing": 0.05} | fluid}
+    scene["basin"] = {"length": 2.0, "depth": 0.5} | basin
+    assert any("compress it by" in warning for warning in load(scene).warnings()) == told
+
+
 @pytest.mark.parametrize("phase", [0.0, 90.0, 200.0])
 def test_in_a_tank_that_shakes_free_water_moves_against_it(again, phase):
     motion = {"kind": "harmonic", "axis": "x", "amplitude": 0.2, "period": 1.0, "phase_deg": phase, "ramp": 0.0}

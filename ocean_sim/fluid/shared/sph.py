@@ -140,8 +140,8 @@ class SphConfig(WaterConfig):
         return []
 
     def of_weight(self, basin: Basin, duration: float) -> list[str]:
-        """Whether what pulls on the water, apart from gravity along the depth, compresses it much: a body force, gravity
-        along the basin, the motion of the tank to and fro. Along an axis without walls nothing builds up."""
+        """Whether what pulls on the water beside gravity along the depth compresses it much: a body force, gravity along
+        the basin, the motion of the tank to and fro. Along an axis without walls nothing builds up."""
         still = np.add(basin.gravity, self.body_force)
         motion = basin.config.motion.build() if basin.config.motion is not None else None
         times = np.linspace(0.0, duration, MOMENTS)
@@ -153,11 +153,10 @@ class SphConfig(WaterConfig):
         compression = most / self.sound_speed(basin) ** 2
         if compression <= SQUEEZED:
             return []
-        pulled = f"gravity, body force and the tank's motion press on the water with up to {most:.4g} m2/s2 times its density"
-        return [
-            f"{pulled}, and compress it by {compression:.2g} of it, more than {SQUEEZED:g}: levels and pressures are off by "
-            f"as much; take a reference_speed of {sqrt(most):.3g} m/s"
-        ]
+        pulled = f"gravity, body force and the motion of the tank press with up to {most:.4g} m2/s2 times the density"
+        squeezed = f"compress it by {compression:.2g} of it, more than {SQUEEZED:g}"
+        wanted = f"take a reference_speed of {sqrt(most):.3g} m/s"
+        return [f"{pulled} of the water and {squeezed}: levels and pressures are off by as much; {wanted}"]
 
     def sized(self, lattice: Lattice, arch: str, reads: int, carried: int = 0) -> ListSize:
         """How large grid and lists are for laws that read so many fields and carry so many numbers along, on a

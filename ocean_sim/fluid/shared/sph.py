@@ -140,7 +140,7 @@ class SphConfig(WaterConfig):
         return []
 
     def of_weight(self, basin: Basin, duration: float) -> list[str]:
-        """Whether what pulls on the water beside gravity along the depth compresses it much: a body force, gravity along
+        """Whether what pulls on the water beside gravity along the depth compresses it: a body force, gravity along
         the basin, the motion of the tank to and fro. Along an axis without walls nothing builds up."""
         still = np.add(basin.gravity, self.body_force)
         motion = basin.config.motion.build() if basin.config.motion is not None else None

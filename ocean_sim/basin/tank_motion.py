@@ -24,6 +24,7 @@ Law = Callable[[float], tuple[float, float, float]]  # time [s] -> displacement,
 Problems = list[tuple[tuple[str, ...], str]]  # path below the config, sentence
 
 SAMPLES = 4000  # of a recorded motion, for its mean frequency
+JOLT = 0.05  # of the highest speed of a recorded motion: more than that at one of its ends is a jump
 SLICE_AXES = ("x", "y", "roll_z")  # along and about which a vertical slice can move
 
 
@@ -120,6 +121,10 @@ class Tank(Model):
             return [(("about",), f"a point of this basin has {basin.dimension} numbers, got {len(self.about)}")]
         return []
 
+    def warnings(self, duration: float) -> list[str]:
+        """What a reader of a run of `duration` [s] should know."""
+        return []
+
 
 def unmoved(axis: str, basin: waves.Tank) -> Problems:
     """The reason why the tank cannot move along or about an axis."""
@@ -205,6 +210,21 @@ class Recorded(Tank):
         except Unreadable as error:
             return [(("file",), f"{error}")]
         return super().problems(basin) + unmoved(axis, basin)
+
+    def warnings(self, duration: float) -> list[str]:
+        """Whether the tank's speed jumps where its rows begin or end: water feels its acceleration alone."""
+        (axis, times, _), law = self.rows(), self.build().law
+        fastest = max(abs(law(float(t))[1]) for t in np.linspace(times[0], times[-1], SAMPLES))
+        unit = "rad/s" if axis.startswith("roll") else "m/s"
+        found = []
+        for time, end, apart in ((times[0], "begin", "before"), (times[-1], "end", "after")):
+            speed = law(float(time))[1]
+            if 0.0 < time < duration and abs(speed) > JOLT * fastest:
+                found.append(
+                    f"the tank's recorded motion {end}s at {time:.4g} s with {speed:.3g} {unit}, and the tank stands "
+                    f"still {apart} it: water does not feel that jolt; let the rows {end} at rest"
+                )
+        return found
 
     def build(self) -> "TankMotion":
         axis, times, moved = self.rows()

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.conventions import GRAVITY
+from ocean_sim.reading.scene import load
 from tests.fluid.conftest import box, by_id, put
 
 OPEN = {"walls": "none", "floor": "none"}
@@ -42,6 +43,39 @@ def test_in_a_tank_that_accelerates_free_water_stays_behind(water, tmp_path):
     x, v = flown(fluid, 0.4, 0.05)
     np.testing.assert_allclose(x - start, np.tile([-1.5 * 0.16, -0.5 * GRAVITY * 0.16, 0.0], (2, 1)), atol=1e-9)
     np.testing.assert_allclose(v[:, 0], -1.2, atol=1e-9)
+
+
+@pytest.mark.parametrize("begin, end, jolts", [(0.2, 0.8, 2), (0.0, 0.8, 1), (0.0, 3.0, 0), (0.2, 3.0, 1)])
+def test_a_recorded_motion_that_does_not_begin_or_end_at_rest_is_told(tmp_path, begin, end, jolts):
+    """Water feels the acceleration of the tank alone, and none of a tank that jumps to a speed and stops at once."""
+    times = np.linspace(begin, end, 13)
+    motion = recorded(tmp_path, "x_m", times, 0.5 * (times - begin))
+    tank = {"length": 2.0, "depth": 0.5}
+    scene = {"duration": 1.0, "fluid": {"kind": "mueller", "spacing": 0.1}, "basin": tank | {"motion": motion}}
+    told = [warning for warning in load(scene).warnings() if "jolt" in warning]
+    assert len(told) == jolts and all("0.5 m/s" in warning for warning in told)
+    share = np.linspace(0.0, 1.0, 13)
+    motion = recorded(tmp_path, "x_m", times, 0.1 * share**2 * (3.0 - 2.0 * share))
+    assert not any("jolt" in warning for warning in load(scene | {"basin": tank | {"motion": motion}}).warnings())
+
+
+@pytest.mark.parametrize(
+    "fluid, basin, told",
+    [
+        ({}, {}, False),
+        ({"body_force": [0.0, -50.0, 0.0]}, {}, True),
+        ({"body_force": [0.0, -50.0, 0.0], "reference_speed": 5.47}, {}, False),
+        ({"body_force": [50.0, 0.0, 0.0]}, {"walls": "periodic"}, False),
+        ({}, {"length": 8.0, "gravity": [-9.81, 0.0, 0.0]}, True),
+        ({}, {"motion": {"axis": "y", "amplitude": 0.1, "period": 0.3}}, True),
+        ({}, {"motion": {"axis": "x", "amplitude": 0.05, "period": 1.5}}, False),
+        ({"kind": "dfsph", "body_force": [0.0, -50.0, 0.0]}, {}, False),
+    ],
+)
+def test_what_compresses_water_beside_gravity_along_its_depth_is_told(fluid, basin, told):
+    scene = {"duration": 1.0, "fluid": {"kind": "delta_sph", "spacing": 0.05} | fluid}
+    scene["basin"] = {"length": 2.0, "depth": 0.5} | basin
+    assert any("compress it by" in warning for warning in load(scene).warnings()) == told
 
 
 @pytest.mark.parametrize("phase", [0.0, 90.0, 200.0])

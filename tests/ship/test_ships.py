@@ -423,6 +423,9 @@ def test_wind_pushes_a_ship_downwind_and_only_where_it_is_a_target():
             assert (parts["wind_lift"][0, 1] > 0.0) == blown
 
 
+MOVED = {"length": 99.0, "width": 99.0, "depth": 9.0, "motion": {"axis": "y", "amplitude": 0.5, "period": 2.0}}
+
+
 @pytest.mark.parametrize(
     "ship, keys, sentence",
     [
@@ -437,12 +440,20 @@ def test_wind_pushes_a_ship_downwind_and_only_where_it_is_a_target():
         ({"kind": "dynamic", **BARGE}, {"fluid": {"kind": "mueller", "spacing": 10.0}}, "add a `surface`"),
         ({"kind": "dynamic", **BARGE}, {"basin": {"length": 99.0, "depth": 9.0}}, "a ship needs a basin with a width"),
         ({"kind": "dynamic", **BARGE}, {"basin": {"length": 99.0, "width": 99.0, "depth": 1.0}}, "the ship draws 2 m"),
+        ({"kind": "dynamic", **BARGE}, {"basin": MOVED}, "an acceleration of its water, which a ship does not feel"),
     ],
 )
 def test_what_cannot_be_is_refused_with_a_sentence(ship, keys, sentence):
     with pytest.raises(SceneError) as refused:
         load(calm(ship, **keys))
     assert any(sentence in str(problem) for problem in refused.value.problems), refused.value
+
+
+def test_a_body_force_that_the_ship_does_not_feel_is_told():
+    water = {"kind": "mueller", "spacing": 1.0}
+    heavier = water | {"body_force": [0.0, -3.0, 0.0]}
+    told = [load(calm({"kind": "dynamic", **BARGE}, fluid=f, surface="cloth")).warnings() for f in (water, heavier)]
+    assert [any("the ship does not feel it" in warning for warning in one) for one in told] == [False, True]
 
 
 def test_motion_without_a_ship_is_refused():

@@ -34,6 +34,7 @@ PARTICLE = 1.8e-7  # [s] of processor time that a particle takes in a step apart
 NOTABLE = 0.1  # of the viscosity that was asked for: what a scheme adds is worth saying from there on
 STIFF = 10.0  # times the stiffness of 1 % compression: from there on it costs more than it gives
 SQUEEZED = 0.05  # compression at the bed that is worth saying
+MOMENTS = 400  # at which the motion of the tank is looked at
 CROWDED = 0.8  # share of a kernel that solid bodies fill, from which on what a particle remembers is taken back
 SAMPLE = 2.0  # times what a particle takes with its neighbours: of a solid body's sample, with what it adds to theirs
 
@@ -118,7 +119,7 @@ class SphConfig(WaterConfig):
         if basin.rough_bed is not None:
             found += basin.rough_bed.warnings(self.lattice(basin).row)
         if "compression" not in self.unheeded:
-            found += self.of_stiffness(basin)
+            found += self.of_stiffness(basin) or self.of_weight(basin, preflight.duration)
         around = band(self.began(preflight))
         found += around.warnings(preflight.duration) if around is not None else []
         return [*found, *of_zones(zones(self.began(preflight)))]
@@ -137,6 +138,25 @@ class SphConfig(WaterConfig):
                 f"{squeezed}, more than {SQUEEZED:g}: levels and pressures are off by as much; take compression 0.01"
             ]
         return []
+
+    def of_weight(self, basin: Basin, duration: float) -> list[str]:
+        """Whether what pulls on the water beside gravity along the depth compresses it: a body force, gravity along
+        the basin, the motion of the tank to and fro. Along an axis without walls nothing builds up."""
+        still = np.add(basin.gravity, self.body_force)
+        motion = basin.config.motion.build() if basin.config.motion is not None else None
+        times = np.linspace(0.0, duration, MOMENTS)
+        pulls = np.array([still if motion is None else still - motion.at(float(t)).acceleration for t in times])
+        lengths = basin.config.length, basin.depth, basin.config.width or 0.0
+        walled = {side.axis for side in basin.sides}
+        sizes = [length if axis in walled else 0.0 for axis, length in enumerate(lengths)]
+        most = float((np.abs(pulls) @ sizes).max())  # the highest pressure at rest over the density [m2/s2]
+        compression = most / self.sound_speed(basin) ** 2
+        if compression <= SQUEEZED:
+            return []
+        pulled = f"gravity, body force and the motion of the tank press with up to {most:.4g} m2/s2 times the density"
+        squeezed = f"compress it by {compression:.2g} of it, more than {SQUEEZED:g}"
+        wanted = f"take a reference_speed of {sqrt(most):.3g} m/s"
+        return [f"{pulled} of the water and {squeezed}: levels and pressures are off by as much; {wanted}"]
 
     def sized(self, lattice: Lattice, arch: str, reads: int, carried: int = 0) -> ListSize:
         """How large grid and lists are for laws that read so many fields and carry so many numbers along, on a

@@ -82,6 +82,8 @@ class WaterConfig(FluidConfig):
         found += [*fallen(tank), *coarse_numbers(preflight)]
         if tank.piston is not None:
             found += cut_short(preflight.duration, tank.piston.ramp)
+        if tank.config.motion is not None:
+            found += tank.config.motion.warnings(preflight.duration)
         for k, gate in tank.gates:
             box = tank.config.obstacles[k]
             thin = min(up - low for low, up in zip(box.min, box.max))

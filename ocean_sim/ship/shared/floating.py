@@ -227,6 +227,10 @@ class FloatingConfig(VesselConfig):
         if isinf(hull.draught):
             return [f"the ship weighs {hull.matter.mass:.4g} kg, more than its hull can carry: it sinks"]
         found = self.unborne(preflight) + self.high(hull, preflight)
+        if any(preflight.fluid.steady_force):
+            found.append(
+                "fluid.body_force acts on the water alone, which it makes heavier or drives; the ship does not feel it"
+            )
         cells = hull.draught / float(hull.voxels.size[1])
         if cells < 0.9 * self.cells_per_draught:
             found.append(

@@ -61,6 +61,9 @@ class VesselConfig(Helm, ShipConfig):
             found.append((("kind",), "a ship needs a basin with a width"))
         if basin.gravity[0] or basin.gravity[2] or not basin.gravity[1] < 0.0:
             found.append((("kind",), f"a ship needs gravity straight down, here it is {list(basin.gravity)} m/s2"))
+        if basin.config.motion is not None:
+            moved = "the motion of the tank is an acceleration of its water, which a ship does not feel"
+            found.append((("kind",), f"{moved}; leave basin.motion or the ship out"))
         for axis, value in zip((0, 2), (self.position[0], 0.0 if basin.dimension == 2 else self.position[-1])):
             low, high = basin.lower[axis], basin.upper[axis]
             if not low <= value <= high:

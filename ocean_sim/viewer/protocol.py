@@ -23,7 +23,7 @@ basin, sent where they have changed, and `scalars` (k,), named in the still.
 Also down goes text: JSON objects with `type`: `hello`, `panel` (what may be set and how it stands), `problems`,
 `scene`, `scenes`, `keys`, `said` (a sentence), and to whoever asked `waves`: `id`, `verb`, `time` [s] and `values`, or
 an `error`. Up goes only text, the JSON objects of `Command`. A server that gets
-anything else says so once and closes the connection.
+anything else closes the connection, and says why in the reason of the close.
 """
 
 import json
@@ -160,8 +160,11 @@ def command(text: str) -> Command:
     try:
         return _COMMANDS.validate_json(text)
     except (ValidationError, RecursionError) as error:
-        first = error.errors()[0]["msg"] if isinstance(error, ValidationError) else "nested too deeply"
-        raise BadMessage(f"this is not a command: {first}") from None
+        if isinstance(error, RecursionError):
+            raise BadMessage("this is not a command: nested too deeply") from None
+        first = error.errors()[0]
+        where = "".join(f"{part}: " for part in first["loc"][1:])  # the first is what it does
+        raise BadMessage(f"this is not a command: {where}{first['msg']}") from None
 
 
 def packet(kind: str, arrays: Mapping[str, np.ndarray], boxes: Mapping[str, Any] | None = None, **header: Any) -> bytes:

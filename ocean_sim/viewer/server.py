@@ -26,6 +26,7 @@ MOST_WATCHERS = 64
 WAITING = 256  # commands that are not obeyed yet, and messages that are not sent to one watcher
 BURST, A_SECOND = 240, 120  # messages that one watcher may send
 STALLED = 30.0  # [s] that a watcher may take for one message
+REASON = 120  # bytes of why a connection is closed; a frame that closes holds 123
 IDLE = 60.0  # [s] after which another may take the helm from who does not touch it
 POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
@@ -236,11 +237,15 @@ class Server:
         if self.panel:
             self.post(watcher.number, self.panel)
         self.stands()
-        sending = asyncio.create_task(self.send(watcher))
+        sending, why = asyncio.create_task(self.send(watcher)), ""
         try:
             async for message in socket:
-                if message.type != WSMsgType.TEXT or not self.heard(watcher, message.data):
+                if message.type != WSMsgType.TEXT:
                     break
+                self.heard(watcher, message.data)
+        except BadMessage as error:
+            self.refused += 1
+            why = error.sentence
         finally:
             sending.cancel()
             del self.all[watcher.number]
@@ -249,22 +254,16 @@ class Server:
                 self.helm = 0
             self.stands()
             with suppress(Exception):
-                await socket.close(code=1008 if socket.close_code is None else 1000)
+                await socket.close(
+                    code=1008 if socket.close_code is None else 1000, message=why.encode("ascii", "replace")[:REASON]
+                )
         return socket
 
-    def heard(self, watcher: Watcher, text: str) -> bool:
-        """Take one message; whether the connection stays."""
-        try:
-            if not watcher.may_ask():
-                raise BadMessage("too many messages")
-            order = command(text)
-        except BadMessage as error:
-            self.refused += 1
-            with suppress(RuntimeError):
-                asyncio.get_running_loop().create_task(
-                    watcher.socket.close(code=1008, message=error.sentence.encode()[:120])
-                )
-            return False
+    def heard(self, watcher: Watcher, text: str) -> None:
+        """Take one message; raises BadMessage, which ends the connection."""
+        if not watcher.may_ask():
+            raise BadMessage("too many messages")
+        order = command(text)
         if order.do == "take":
             self.grasp(watcher.number)
         elif order.do == "leave":
@@ -280,7 +279,6 @@ class Server:
         else:
             self.inbox.append(Order(watcher.number, order))
             self.arrived.set()
-        return True
 
     def grasp(self, number: int) -> bool:
         """Give the helm to a watcher where it is free, or its holder idle; whether this one has it."""

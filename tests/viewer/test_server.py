@@ -64,6 +64,8 @@ def test_garbage_ends_the_connection_and_nothing_else(server, bad):
             while (message := await socket.receive(10.0)).type in (aiohttp.WSMsgType.TEXT, aiohttp.WSMsgType.BINARY):
                 pass
             assert message.type in (aiohttp.WSMsgType.CLOSE, aiohttp.WSMsgType.CLOSED, aiohttp.WSMsgType.CLOSING)
+            if bad[:1] == "{":
+                assert "this is not a command" in message.extra
             await other.send_str('{"do": "play"}')
             await until(other, "helm")
             while not server.inbox:

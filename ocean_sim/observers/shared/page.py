@@ -84,6 +84,8 @@ def table(rows: Iterable[Sequence[object]], heads: Sequence[str] = (), named: bo
 
 def picture(path: Path, caption: str, link: str | None = None) -> str:
     """A picture file inside the page, not wider than WIDEST; nothing where it cannot be read."""
+    if not path.exists():
+        return ""
     from PIL import Image, UnidentifiedImageError
 
     try:

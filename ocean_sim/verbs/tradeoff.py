@@ -36,9 +36,8 @@ def tradeoff(
     for name, given in (("vary", vary), ("budget", budget), ("by", by), ("profile", profile), ("set", sets)):
         if given:
             raise console.Refused(f"--{name} needs a scene, as in ocean-sim tradeoff SCENE --{name} ...")
-    with console.claim(
-        out or Path("runs/tradeoff"), *LEFT, *([] if out else ["*"])
-    ) as folder:  # beside those of scenes
+    beside = () if out else ("*",)  # studies of scenes
+    with console.claim(out or Path("runs/tradeoff"), *LEFT, *beside) as folder:
         of_cases(quick, workers, folder, as_json)
 
 

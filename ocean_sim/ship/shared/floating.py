@@ -226,7 +226,7 @@ class FloatingConfig(VesselConfig):
         hull = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
         if isinf(hull.draught):
             return [f"the ship weighs {hull.matter.mass:.4g} kg, more than its hull can carry: it sinks"]
-        found = self.unborne(preflight) + self.high(hull, preflight)
+        found = super().warnings(preflight) + self.unborne(preflight) + self.high(hull, preflight)
         cells = hull.draught / float(hull.voxels.size[1])
         if cells < 0.9 * self.cells_per_draught:
             found.append(

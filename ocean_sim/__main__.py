@@ -281,7 +281,7 @@ def validate(
     """Problems with known answers: value, reference, error, tolerance, and where the tolerance comes from."""
     from ocean_sim.verbs.validate import validate
 
-    with console.claim(out):
+    with console.claim(out, "validate.csv", "*.png"):
         return validate(cases or [], scheme or [], slow, coarse, sets or [], workers, out, junit, json)
 
 
@@ -593,7 +593,7 @@ def platform(
     """Motion log, washout, hexapod: poses and leg lengths, how good they are, and a replay in real time."""
     from ocean_sim.verbs.platform import platform
 
-    with console.claim(out):
+    with console.claim(out, "platform.csv", ".platform-*"):
         laid = [*(sets or []), *([] if ramp is None else [f"ramp={ramp!r}"])]
         platform(log, geometry, washout, laid, frame, stream, packets, key, film, out, json)
 
@@ -654,7 +654,7 @@ def stability(
     """Where it breaks: time steps and other settings at their extremes, each with a verdict."""
     from ocean_sim.verbs.stability import stability
 
-    with console.claim(out):
+    with console.claim(out, "stability.csv", "runs"):
         return stability(scene, quick, workers, out, json)
 
 

@@ -83,6 +83,42 @@ def test_a_run_never_writes_over_another_unless_asked(ask):
     assert ask("run", "small.yaml", "--out", "small.yaml")[0] == 2
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        *(["run", "small.yaml"], ["run", "small.yaml", "--overwrite"], ["sweep", "plan.yaml"], ["validate", "couette"]),
+        *(["tradeoff"], ["tradeoff", "small.yaml"], ["stability", "small.yaml"], ["platform", "no.csv"]),
+    ],
+)
+def test_a_folder_of_other_things_is_left_alone(ask, words):
+    Path("plan.yaml").write_text("scene: small.yaml\nseeds: [1]\n")
+    mine = Path("mine")
+    mine.mkdir()
+    for name in (".profile", "a.txt", "b.csv", "c.txt"):
+        (mine / name).write_text(name)
+    code, _, err = ask(*words, "--out", "mine")
+    sentence = "--out mine: this folder holds other things (.profile, a.txt, b.csv, ...); name a new folder\n"
+    assert (code, err) == (2, sentence)
+    assert {path.name: path.read_text() for path in mine.iterdir()} == {
+        name: name for name in (".profile", "a.txt", "b.csv", "c.txt")
+    }
+
+
+def test_a_run_takes_an_empty_folder_and_what_a_run_left_before_its_manifest(ask):
+    left = Path("left")
+    left.mkdir()
+    with run_folder("sea", left, False) as folder:
+        assert folder == left
+    for name in ("accuracy.csv", "events.jsonl", ".lock", ".reserve", ".still_1.7.tmp.png"):
+        (left / name).write_text("")
+    with run_folder("sea", left, False) as folder:
+        assert folder == left
+    Path("runs/sea").mkdir(parents=True)
+    Path("runs/sea/mine.txt").write_text("mine")
+    with run_folder("sea", None, False) as folder:
+        assert folder == Path("runs/sea-2")
+
+
 def test_a_wrong_scene_is_exit_code_2_with_every_problem(ask):
     Path("wrong.yaml").write_text(SMALL.replace("spacing: 0.25", "spacng: 0.25, spacing: 0.0"))
     sentences = [

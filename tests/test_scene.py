@@ -288,6 +288,11 @@ def test_settings_reach_into_lists():
     [
         ("fluid.spacng=1", "fluid.spacng: unknown key; did you mean 'spacing'?"),
         ("flud.spacing=1", "flud: unknown key; did you mean 'fluid'?"),
+        ("leg_speed=1", "leg_speed: unknown key; there is platform.hexapod.geometry.leg_speed"),
+        ("spacing=1", "spacing: unknown key; did you mean 'fluid.spacing'?"),
+        ("depth=1", "depth: unknown key; did you mean 'basin.depth'?"),
+        ("u10=1", "u10: unknown key; there is wind.stress.u10"),
+        ("tile=1", "tile: unknown key; there is fluid.spectral_sea.tile"),
         ("fluidsupport_ratio=2", "fluidsupport_ratio: unknown key; did you mean 'fluid.support_ratio'?"),
         (
             "fluid.spacing.x=1",
@@ -301,6 +306,14 @@ def test_settings_reach_into_lists():
 def test_settings_that_make_no_sense(text, sentence):
     key, node = setting(text)
     assert refusal(PLAIN, {key: node}) == [f"--set {text}: {sentence}"]
+
+
+def test_a_key_without_its_part_is_looked_for_in_the_parts_of_the_scene():
+    for key, meant in (("leg_speed", "platform.geometry.leg_speed"), ("u10", "wind.u10"), ("spacing", "fluid.spacing")):
+        with pytest.raises(SceneError) as caught:
+            load("showcase", {"wind": {"kind": "stress", "u10": 5.0}, key: 1.0})
+        assert caught.value.problems[0].message == f"unknown key; did you mean {meant!r}?"
+        assert caught.value.problems[0].suggestion == meant
 
 
 def test_a_profile_holds_what_a_machine_can_afford_and_nothing_else(folder, library):

@@ -6,13 +6,28 @@ import socket
 import sys
 from contextlib import suppress
 from errno import EACCES, EAGAIN
+from fnmatch import fnmatch
 from pathlib import Path
 
 from ocean_sim.conventions import Lacking, Refused
 from ocean_sim.files.whole_file import RESERVE, UNFINISHED
 
-LOCK = ".lock"
+LOCK, MANIFEST = ".lock", "manifest.json"
 TRIES = 1000  # times that others may remove a folder just before it is claimed
+
+
+def unfinished(name: str) -> bool:
+    """Whether a file has the name of one that a killed writer left."""
+    return re.fullmatch(UNFINISHED, name) is not None or name == RESERVE
+
+
+def foreign(folder: Path, *ours: str) -> list[str]:
+    """What a folder holds beside what fits one of the patterns `ours`; nothing where there is none, or where a run, or
+    the first of `ours`, shows that it has been written into before."""
+    if not folder.is_dir() or any((folder / mark).exists() for mark in (MANIFEST, *ours[:1])):
+        return []
+    names = sorted(path.name for path in folder.iterdir())
+    return [each for each in names if not unfinished(each) and not any(fnmatch(each, one) for one in (LOCK, *ours))]
 
 
 class Claimed(Refused):
@@ -47,7 +62,7 @@ class Claim:
             os.ftruncate(self.file, 0)
             os.write(self.file, f"process {os.getpid()} on {socket.gethostname()}".encode())
         for left in [*folder.glob(".*"), *folder.glob("frames/.*")]:
-            if re.fullmatch(UNFINISHED, left.name) or left.name == RESERVE:
+            if unfinished(left.name):
                 left.unlink()
 
     def locked(self) -> int:

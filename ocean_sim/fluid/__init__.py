@@ -312,6 +312,7 @@ class Fluid(Protocol):
     spacing: float  # [m] between particles at rest; of a closed form between points that show its waves
     status: Status
     boundary: SolidBodies | None = None  # None where the laws of the water meet no body
+    current: tuple[float, float] = (0.0, 0.0)  # [m/s] along x and z, in which all of it flows
     sunk: float = 0.0  # [m] how far below the level that was asked for its surface begins
     solvers: Mapping[str, Iterations] = {}  # by name
 

@@ -330,3 +330,17 @@ def found(word: str) -> list[Key]:
 
 def matches(path: list[str], steps: list[str]) -> bool:
     return len(path) == len(steps) and all(p in (s, NAMED) for p, s in zip(path, steps, strict=True))
+
+
+def named_so(word: str) -> list[str]:
+    """The paths of the keys whose last word this is."""
+    return [key.path for key in keys() if key.path.rpartition(".")[2] == word]
+
+
+def elsewhere(word: str) -> str:
+    """The end of a refusal: where keys of this name are, if there are any."""
+    paths = sorted(named_so(word), key=lambda path: (path.count("."), path))
+    if len(paths) == 1:
+        return f"; there is {paths[0]}"
+    more = f" and {len(paths) - 3} more" if len(paths) > 3 else ""
+    return f"; there are {', '.join(paths[:3])}{more}" if paths else ""

@@ -328,9 +328,26 @@ def _unknown(root: Node, headings: tuple[str, ...]) -> list[Problem]:
     known, problems = (*headings, "basin", *SLOTS, *BESIDE, SEVERAL, "runtime", *observer_names()), []
     for key, node in root.data.items():
         if key not in known:
-            end, suggestion = choice_sentence(key, known)
+            end, suggestion = _below(key, root.data)
+            end, suggestion = (end, suggestion) if end else choice_sentence(key, known)
             problems.append(problem(node.key_location, key, f"unknown key{end}", suggestion))
     return problems
+
+
+def _below(key: str, data: dict[str, Node]) -> tuple[str, str | None]:
+    """The end of a refusal of a key that is one of a part, and the suggestion: first what the chosen kinds have."""
+    from ocean_sim.reading.keys import elsewhere, example_path, named_so, schema_slots  # they read scenes
+
+    def here(path: str) -> bool:
+        slot, kind, *_ = path.split(".")
+        return slot not in schema_slots() or (
+            slot in data and data[slot].is_mapping and data[slot].plain()["kind"] == kind
+        )
+
+    paths = sorted(
+        (example_path(path) for path in named_so(key) if "." in path and here(path)), key=lambda p: p.count(".")
+    )
+    return choice_sentence(paths[0], paths[:1]) if paths else (elsewhere(key), None)
 
 
 def _model(

@@ -48,7 +48,8 @@ class Config(VesselConfig):
         return self.misplaced(preflight.tank)
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        return ["the Otter's model is of still water: neither waves nor wind act on it"]
+        calm = "the Otter's model is of calm water: neither waves nor wind act on it"
+        return [*super().warnings(preflight), calm]
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         """It has no fields."""
@@ -139,10 +140,12 @@ class Manoeuvring(Vessel):
         self.revolutions = np.zeros(2)  # port and starboard [rad/s]
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
-        """The model's own sum, and the force and torque about the centre of mass that it amounts to."""
+        """The model's own sum, by the velocity relative to the water (Fossen 2021, ch. 10), and the force and torque
+        about the centre of mass that it amounts to: a steady current changes no acceleration in world axes."""
         model, body, r = self.model, self.body, self.body.matrix
         omega = body.rates
-        origin = r.T @ body.velocity - np.cross(omega, self.arm)
+        u, w = fluid.current
+        origin = r.T @ (body.velocity - np.array([u, 0.0, w])) - np.cross(omega, self.arm)
         nu = np.concatenate([to_frame("ned", origin), to_frame("ned", omega)])
         pitch, _, roll = body.angles
         low = -(body.position - r @ self.arm)[1]

@@ -6,7 +6,7 @@ from typing import Any
 from ocean_sim.files.yaml_file import Location, node_of
 from ocean_sim.parts import ALONE, SEVERAL, SLOTS
 from ocean_sim.reading.composition import chosen, kind_named, known
-from ocean_sim.reading.keys import Key, found, in_yaml, keys, schema_slots
+from ocean_sim.reading.keys import Key, elsewhere, found, in_yaml, keys, schema_slots
 from ocean_sim.reading.sentences import sentence
 from ocean_sim.reading.translation import choice_sentence, likeliest
 from ocean_sim.verbs.list import list_choices
@@ -65,10 +65,13 @@ def meant(word: str) -> str:
     """The end of a refusal: what the word most likely means, else where there is more."""
     whole = {key.path for key in keys()}
     shorter = {path.partition(".")[0] for path in whole} | {path.rpartition(".")[2] for path in whole}
-    named_so = {key.path for key in keys() if key.path.split(".")[-1] == word.rpartition(".")[2]}
-    ends = sorted(named_so, key=lambda path: (path.count("."), path))
     end, _ = choice_sentence(word, sorted(whole | shorter))
-    return among(word) or elsewhere(ends) or end or "; `ocean-sim list` shows all there is to choose from"
+    return (
+        among(word)
+        or elsewhere(word.rpartition(".")[2])
+        or end
+        or "; `ocean-sim list` shows all there is to choose from"
+    )
 
 
 def among(word: str) -> str:
@@ -79,14 +82,6 @@ def among(word: str) -> str:
     names = known(above) if above in SLOTS else []
     likely = likeliest(last, sorted({*there, *names}))
     return f"; did you mean '{above}.{likely}'?" if likely else ""
-
-
-def elsewhere(paths: list[str]) -> str:
-    """Where keys of this name are, if there are any."""
-    if len(paths) == 1:
-        return f"; there is {paths[0]}"
-    more = f" and {len(paths) - 3} more" if len(paths) > 3 else ""
-    return f"; there are {', '.join(paths[:3])}{more}" if paths else ""
 
 
 def grouped(found: list[Key]) -> list[tuple[Key, list[str]]]:

@@ -5,14 +5,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from ocean_sim.files.claim import Claim
+from ocean_sim.files.claim import MANIFEST, Claim
 from ocean_sim.files.whole_file import set_aside
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.machine import sources, stoppable
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result, simulated
 from ocean_sim.state import file
-from ocean_sim.verbs.run import MANIFEST, kernels, report, until_node
+from ocean_sim.verbs.run import FIRST, kernels, report, until_node
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.progress import Progress
 
@@ -25,7 +25,7 @@ SHOWN = 3  # differences that are named
 def resume(folder: Path, until: float | None, anyway: bool, as_json: bool, quiet: bool = False) -> None:
     """Go on with a run."""
     if not (folder / MANIFEST).is_file():
-        if (folder / "events.jsonl").is_file():  # the first of its files
+        if (folder / FIRST).is_file():
             raise console.Refused(f"{folder}: this run ended before its first step; `run --overwrite` starts it again")
         raise console.Refused(f"{folder}: this is not a run folder (there is no {MANIFEST})")
     with Claim(folder):

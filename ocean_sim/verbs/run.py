@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ocean_sim.conventions import figures
-from ocean_sim.files.claim import Claim, Claimed
+from ocean_sim.files.claim import MANIFEST, Claim, Claimed, foreign
 from ocean_sim.files.yaml_file import Location, Node, node_of
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.result import Result, simulated
@@ -15,9 +15,9 @@ from ocean_sim.verbs.check import drawn_in, pictures_of, preflight, short
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.progress import Progress
 
-MANIFEST = "manifest.json"
+FIRST = "events.jsonl"  # of its files: a run that fails early leaves it alone
 WRITTEN = (
-    *(MANIFEST, "*.csv", "events.jsonl", "checkpoint_*.h5", "report.html"),
+    *(MANIFEST, FIRST, "*.csv", "checkpoint_*.h5", "report.html"),
     *("preview.png", "still_*.png", "strip.png", "film.mp4", "moments.png"),
 )
 
@@ -93,10 +93,10 @@ def until_node(until: float) -> Node:
 
 
 def run_folder(stem: str, out: Path | None, overwrite: bool) -> Claim:
-    """The folder of a run: never that of another one, unless overwriting is asked for."""
+    """The folder of a run: never that of another one, unless overwriting is asked for, nor one of other things."""
     if out is None:
         return next(filter(None, map(unused, folders(stem))))
-    claim = console.claim(out)
+    claim = console.claim(out, FIRST)
     if (out / MANIFEST).exists():
         if not overwrite:
             claim.close()
@@ -111,9 +111,9 @@ def folders(stem: str) -> Iterator[Path]:
 
 
 def unused(folder: Path) -> Claim | None:
-    """A claim on a folder; None where there is a run, or one begins."""
+    """A claim on a folder; None where there is a run, or one begins, or other things are."""
     try:
-        claim = None if (folder / MANIFEST).exists() else Claim(folder)
+        claim = None if (folder / MANIFEST).exists() or foreign(folder, FIRST) else Claim(folder)
     except Claimed:
         return None
     if claim is not None and (folder / MANIFEST).exists():  # it has begun and ended meanwhile

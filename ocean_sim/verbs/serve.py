@@ -9,9 +9,9 @@ from pathlib import Path
 from threading import Event
 from typing import Any
 
+from ocean_sim.files.claim import MANIFEST
 from ocean_sim.machine import stoppable
 from ocean_sim.verbs.list import entries
-from ocean_sim.verbs.run import MANIFEST
 from ocean_sim.verbs.shared import console
 
 HTML, BYTES, JSON = "text/html; charset=utf-8", "application/octet-stream", "application/json"

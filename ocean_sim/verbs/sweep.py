@@ -22,7 +22,7 @@ def sweep(plan: Path, scheduler: str | None, workers: int | None, out: Path | No
     at_once = workers or cores()
     orders = [run.order(max(1, cores() // at_once)) for run in runs]
     rows: dict[int, dict[str, Any]] = {}
-    with console.claim(folder):
+    with console.claim(folder, "results.csv", runs_module.ADDRESSES):
         for k, answer in shown(orders, folder, at_once, scheduler, as_json):
             rows[k] = runs[k].row(answer)
             table_module.write(folder / "results.csv", [rows[k] for k in sorted(rows)])

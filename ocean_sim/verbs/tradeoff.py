@@ -11,6 +11,7 @@ from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.scene_tradeoff import of_scene
 from ocean_sim.verbs.sweep import shown, text
 
+LEFT = ("tradeoff.csv", "runs")  # in its folder; tables and pictures come later
 SHOWN = ("scheme", "particles", "neighbours", "wall_per_s", "cpu_per_s", "error", "unit", "changed", "")
 
 
@@ -29,13 +30,14 @@ def tradeoff(
     """The study over the validation cases, or that of a scene."""
     if scene is not None:
         folder = out or Path("runs") / "tradeoff" / Path(scene).stem
-        with console.claim(folder):
+        with console.claim(folder, *LEFT):
             of_scene(scene, profile, sets, vary, budget, by, quick, folder, as_json)
         return
     for name, given in (("vary", vary), ("budget", budget), ("by", by), ("profile", profile), ("set", sets)):
         if given:
             raise console.Refused(f"--{name} needs a scene, as in ocean-sim tradeoff SCENE --{name} ...")
-    with console.claim(out or Path("runs/tradeoff")) as folder:
+    beside = () if out else ("*",)  # studies of scenes
+    with console.claim(out or Path("runs/tradeoff"), *LEFT, *beside) as folder:
         of_cases(quick, workers, folder, as_json)
 
 

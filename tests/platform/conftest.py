@@ -2,11 +2,13 @@
 
 import socket
 import threading
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from ocean_sim.platform.shared.datagrams import Receiver, ready_made, received
 from ocean_sim.platform.shared.motion_log import Ride
 from ocean_sim.platform.shared.packets import unpacked
 
@@ -71,3 +73,50 @@ class Listener:
         self.thread.join()
         self.socket.close()
         return self.seen
+
+
+def free_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asked:
+        asked.bind(("127.0.0.1", 0))
+        return asked.getsockname()[1]
+
+
+class Heard(Receiver):
+    """A receiver that tells when it listens, and hears nothing any more when it is over."""
+
+    def __init__(self, *words, **keywords):
+        super().__init__(*words, **keywords)
+        self.listens, self.over = threading.Event(), False
+
+    def advance(self, now):
+        self.listens.set()
+        return super().advance(now)
+
+    def silence(self, now):
+        return np.inf if self.over else super().silence(now)
+
+
+class Receiving:
+    """A platform on a free port of this machine that listens already, for the time of its patience [s] or until it is
+    ended."""
+
+    def __init__(self, report=lambda packet: None, patience=60.0, **keywords):
+        self.url, self.platform = f"udp://127.0.0.1:{free_port()}", Heard(ready_made("hexapod_a"), **keywords)
+        self.thread = threading.Thread(target=received, args=(self.url, patience, report, self.platform), daemon=True)
+        self.thread.start()
+        assert self.platform.listens.wait(60.0)
+
+    def ended(self):
+        """The receiver, when it has heard what was sent."""
+        self.platform.over = True
+        self.thread.join(60.0)
+        assert not self.thread.is_alive()
+        return self.platform
+
+
+def until(holds):
+    """Wait until something holds."""
+    end = time.monotonic() + 60.0
+    while not holds() and time.monotonic() < end:
+        time.sleep(0.005)
+    assert holds()

@@ -1,8 +1,6 @@
 """A platform that trusts no network: what counts as a packet, and legs that keep their limits whatever comes."""
 
-import socket
 import threading
-import time
 from random import Random
 
 import numpy as np
@@ -14,10 +12,10 @@ from ocean_sim.platform.shared.datagrams import (
     Sender,
     key_in,
     ready_made,
-    received,
 )
 from ocean_sim.platform.shared.guard import EVERY
 from ocean_sim.platform.shared.packets import OURS, Packet, halt, packed, reading, signed, unpacked
+from tests.platform.conftest import Receiving
 
 HEXAPOD, HERE, THERE = ready_made("hexapod_a"), ("10.0.0.1", 1000), ("10.0.0.2", 1000)
 KEY = b"a key that nobody else has"
@@ -168,16 +166,8 @@ def test_frames_are_understood():
 
 def test_garbage_does_not_outlive_patience():
     """A stream that ends, and garbage that goes on: the receiver says so after its patience."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asked:
-        asked.bind(("127.0.0.1", 0))
-        url = f"udp://127.0.0.1:{asked.getsockname()[1]}"
-    seen, over = [], threading.Event()
-    thread = threading.Thread(
-        target=lambda: seen.append(received(url, 0.3, lambda packet: None, Receiver(HEXAPOD, KEY)))
-    )
-    thread.start()
-    time.sleep(0.2)
-    sender = Sender(url, key=KEY)
+    receiving, over = Receiving(patience=1.5, key=KEY), threading.Event()
+    sender = Sender(receiving.url, key=KEY)
 
     def shout() -> None:
         while not over.wait(0.01):
@@ -187,12 +177,12 @@ def test_garbage_does_not_outlive_patience():
     noise.start()
     for seq in range(20):
         sender.send(unpacked(swinging(seq)))
-    thread.join(5.0)
-    alive = thread.is_alive()
+    receiving.thread.join(30.0)
+    alive, seen = receiving.thread.is_alive(), receiving.platform
     over.set()
     noise.join()
     sender.close()
-    assert not alive and seen[0].came == 20 and seen[0].strange > 10
+    assert not alive and seen.came == 20 and seen.strange > 10
 
 
 @pytest.mark.parametrize("count", [5_000, pytest.param(1_000_000, marks=pytest.mark.slow)])

@@ -47,3 +47,33 @@ def test_a_ship_in_calm_water_goes_with_the_current_and_does_not_turn():
     """A hull whose bow and stern differ, too: water that flows alike everywhere does not turn."""
     adrift = ride(0.0, (0.7, -0.4), height=0.0, kind="yacht")
     np.testing.assert_allclose(adrift[1:], 0.0, atol=1e-6)
+
+
+def test_a_manoeuvring_ship_is_carried_by_the_current():
+    """Galileo: at rest in water that flows she does what she does in still water, and goes with it."""
+    still = ride(0.0, (0.0, 0.0), height=0.0, kind="otter")
+    carried = ride(0.0, (0.7, -0.4), height=0.0, kind="otter", velocity=[0.7, 0.0, -0.4])
+    np.testing.assert_allclose(carried, still, atol=1e-9)
+    caught = ride(0.0, (0.7, -0.4), height=0.0, kind="otter")  # she begins at rest in the world
+    assert abs(caught[1]) < 0.01
+
+
+def test_a_velocity_that_is_held_is_told():
+    scene = at_sea_of("barge20", velocity=[0.0, 0.0, 4.0], rates=[0.0, 0.2, 0.0], free=["heave", "pitch", "roll"])
+    told = [sentence for sentence in load(scene).warnings() if "held" in sentence]
+    assert told == [
+        "velocity: surge held, so the ship does not begin with it; add surge to `free`, or leave it out",
+        "rates: yaw held, so the ship does not begin with it; add yaw to `free`, or leave it out",
+    ]
+    across = at_sea_of("barge20", velocity=[0.0, 0.0, 4.0], heading_deg=90.0, free=["surge"])
+    assert [s for s in load(across).warnings() if s.startswith("velocity: sway held")]
+    along = at_sea_of("barge20", velocity=[4.0, 0.0, 0.0], heading_deg=90.0, free=["surge"])
+    assert not [s for s in load(along).warnings() if "held" in s]
+
+
+def at_sea_of(kind: str, **keys) -> dict:
+    return {
+        "basin": {"length": 300.0, "width": 300.0, "depth": 50.0, "walls": "none"},
+        "fluid": {"kind": "linear_waves", "height": 0.5, "period": 7.0},
+        "ship": {"kind": kind} | keys,
+    }

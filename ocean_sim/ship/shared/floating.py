@@ -226,7 +226,7 @@ class FloatingConfig(VesselConfig):
         hull = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
         if isinf(hull.draught):
             return [f"the ship weighs {hull.matter.mass:.4g} kg, more than its hull can carry: it sinks"]
-        found = self.unborne(preflight) + self.high(hull, preflight)
+        found = super().warnings(preflight) + self.unborne(preflight) + self.high(hull, preflight)
         if any(preflight.fluid.steady_force):
             found.append(
                 "fluid.body_force acts on the water alone, which it makes heavier or drives; the ship does not feel it"

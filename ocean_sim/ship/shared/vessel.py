@@ -13,20 +13,31 @@ from ocean_sim.basin import Basin
 from ocean_sim.conventions import Diverged, Motions
 from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.model import Vector2, Vector3, quantity
-from ocean_sim.parts import Problems, ShipConfig, called
+from ocean_sim.parts import Preflight, Problems, ShipConfig, called
 from ocean_sim.ship import PARTS, Load, Outline
 from ocean_sim.ship.shared.drawn import drawn
 from ocean_sim.ship.shared.hydrostatics import Matter
 from ocean_sim.ship.shared.outline import extreme, outline
 from ocean_sim.ship.shared.pilot import Helmsman, Pilot
 from ocean_sim.ship.shared.propulsion import Crew, Helm, Person, Propeller, Rudder, towards
-from ocean_sim.ship.shared.rigid_body import RigidBody, advanced, cross, guided, oriented, product, rotated, spinning
+from ocean_sim.ship.shared.rigid_body import (
+    RigidBody,
+    about,
+    advanced,
+    cross,
+    guided,
+    oriented,
+    product,
+    rotated,
+    spinning,
+)
 from ocean_sim.ship.shared.shapes import HullShape
 from ocean_sim.ship.shared.wall_contact import Sides
 from ocean_sim.ship.shared.wave_contact import WaveContact
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
 
+SLIGHT = 1e-9  # [m/s], [rad/s] of rounding
 FASTEST = 1.0e3  # [m/s] no ship moves like this
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 Motion = Annotated[str, Field(pattern=f"^({'|'.join(Motions._fields)})$")]
@@ -70,6 +81,22 @@ class VesselConfig(Helm, ShipConfig):
                 where = f"{'xyz'[axis]} = {value:g} m is outside the basin, which reaches from {low:g} to {high:g} m"
                 found.append((("position",), where))
         return found
+
+    def warnings(self, preflight: Preflight) -> list[str]:
+        return self.lost_at_first()
+
+    def lost_at_first(self) -> list[str]:
+        """Velocity and rates at the beginning in motions that are held, which take none."""
+        heading = about(1, radians(self.heading_deg + self.attitude_deg[1]))
+        motion = dict(zip(Motions._fields, [*(heading.T @ np.array(self.velocity)), *self.rates], strict=True))
+        told = []
+        for key, names in (("velocity", Motions._fields[:3]), ("rates", Motions._fields[3:])):
+            lost = [name for name in names if name not in self.free and abs(motion[name]) > SLIGHT]
+            if lost:
+                them = " and ".join(lost)
+                cure = f"so the ship does not begin with it; add {them} to `free`, or leave it out"
+                told.append(f"{key}: {them} held, {cure}")
+        return told
 
     @property
     def afloat_at_first(self) -> bool:

@@ -28,6 +28,7 @@ from ocean_sim.machine import installed, leash, outlive_no_parent, program, stop
 from ocean_sim.parts import PACKAGE
 
 ORDER, ANSWER = "order.json", "answer.json"
+ADDRESSES = 16 * "[0-9a-f]"  # names of the folders of runs, as a pattern
 MACHINE = "machine"  # what stands under this key of an order changes only timings in its answer
 PATIENCE = 20.0  # to reach a scheduler [s]
 

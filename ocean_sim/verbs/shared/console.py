@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.conventions import Failed, Lacking, Refused
-from ocean_sim.files.claim import Claim
+from ocean_sim.files.claim import Claim, foreign
 from ocean_sim.files.whole_file import naming
 from ocean_sim.files.yaml_file import Node, Problem, SceneError, cut, setting
 from ocean_sim.machine import extra_missing
@@ -22,6 +22,7 @@ __all__ = ["Failed", "Lacking", "Refused"]  # which verbs raise
 
 
 complained: set[str] = set()  # what has been said once
+NAMED = 3  # of the files that are in the way
 MOST = 2000  # bytes of a message about what went wrong
 OUTPUT = naming("standard output")
 
@@ -118,10 +119,14 @@ def settings(sets: list[str]) -> dict[str, Node]:
     return values
 
 
-def claim(out: Path) -> Claim:
-    """A claim on the folder that `--out` names; raises Refused."""
+def claim(out: Path, *ours: str) -> Claim:
+    """A claim on the folder that `--out` names; raises Refused, also where patterns of names are given, the telling one
+    first, and the folder holds other things (see `foreign`)."""
     if out.exists() and not out.is_dir():
         raise Refused(f"--out {out}: this is a file, not a folder")
+    if ours and (others := foreign(out, *ours)):
+        named = ", ".join(others[:NAMED] + ["..."] * (len(others) > NAMED))
+        raise Refused(f"--out {out}: this folder holds other things ({named}); name a new folder")
     return Claim(out)
 
 

@@ -225,6 +225,8 @@ class FluidConfig(KindConfig):
     """Whether its particles may be a patch of open sea."""
     bears: ClassVar[bool] = True
     """Whether it has a pressure, which bears what floats on it."""
+    misread: ClassVar[str] = ""
+    """What is wrong with the pressures that gauges read in it; nothing where they are to be relied on."""
     carries_bodies: ClassVar[bool] = False
     """Whether it answers to a body within a step, so that a ship of kind `pressure` may float on it."""
 

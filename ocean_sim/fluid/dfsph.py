@@ -64,6 +64,7 @@ class Config(SphConfig):
 
     bears_shear: ClassVar[float] = 1.0e-3
     fineness: ClassVar[int] = 2
+    misread: ClassVar[str] = "dfsph finds its pressures step by step: those that gauges read at 0 s are no measurements"
     attenuation: ClassVar = Attenuation(4.0e-4, 4.0e-3, 1.0e-2, travelling=Attenuation(4.0e-4, steep=8.0e-2))
     """Besides the artificial viscosity."""
     delay: ClassVar = Delay(0.2)

@@ -33,6 +33,11 @@ class Config(SphConfig):
     """Water by the scheme of the thesis."""
 
     carries_bodies: ClassVar[bool] = True
+    misread: ClassVar[str] = (
+        "pressures of mueller are no measurements: the sum of its density is off by percents, each of them worth the "
+        "pressure at the bed (in still water gauges read 1.5 times that and more at the bed, and 2.7 times what they "
+        "should half way up); take delta_sph or dfsph"
+    )
     fineness: ClassVar[int] = 1
     attenuation: ClassVar = Attenuation(even=3.3e-3)  # 50 spacings to the wave, Re 250: without viscosity it grows
     default_ratio: ClassVar[tuple[float, float]] = (2.0, 2.0)

@@ -133,6 +133,10 @@ class Config(PeriodicConfig):
     def mismatches(self, preflight: Preflight) -> Problems:
         return [(key, sentence) for key in self.riding if (sentence := unridden(preflight))]
 
+    def warnings(self, preflight: Preflight) -> list[str]:
+        found, misread = super().warnings(preflight), preflight.fluid.misread
+        return [*found, misread] if self.pressure and misread else found
+
     @property
     def riding(self) -> list[Key]:
         """The gauges that ride."""

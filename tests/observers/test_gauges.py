@@ -101,6 +101,17 @@ def test_the_level_that_water_loses_to_its_own_weight_is_in_the_heading(tmp_path
         assert first == pytest.approx(-lower, abs=0.1 * lower)
 
 
+@pytest.mark.parametrize("kind", ["mueller", "delta_sph", "dfsph"])
+def test_who_asks_for_pressures_that_are_no_measurements_is_told(tmp_path, kind):
+    still = {"duration": 1e-3, "basin": {"length": 2.0, "depth": 0.5}, "fluid": {"kind": kind, "spacing": 0.05}}
+    quiet = dict.fromkeys(name for name in observer_names() if name != "manifest") | {"render": None}
+    quiet["gauges"] = {"pressure": {"bed": [0.0, -0.5]}}
+    scene = ocean_sim.load(still | quiet)
+    read = ocean_sim.run(scene, out=str(tmp_path / "run")).gauges["bed_Pa"][0]
+    told = any("no measurements" in warning for warning in scene.warnings())
+    assert told == (abs(read / (1000.0 * 9.81 * 0.5) - 1.0) > 0.05)
+
+
 def face(place, **keys) -> np.ndarray:
     """(n, 3) points [m] of a sensor from its middle."""
     sensor = gauges.Sensor(**keys)

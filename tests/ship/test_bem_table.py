@@ -8,6 +8,7 @@ import pytest
 from ocean_sim import Simulation, load
 from ocean_sim.files.csv_file import columns
 from ocean_sim.files.input_file import Unreadable
+from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid import Arriving
 from ocean_sim.ship.shared.bem_table import ACROSS, Scattering, bem_table
 from ocean_sim.ship.shared.hull import hull_of
@@ -189,3 +190,13 @@ def test_check_says_where_a_table_is_of_another_case():
     assert "added mass and damping" in shallow  # of deep water in the table
     assert "the table turns about a point 0.5 m over the still water, the centre of mass lies at 1 m" in deep
     assert "the table is of deep water, here it is 5 m" in axis and "shorter here" in axis
+
+
+@pytest.mark.parametrize(("spacing", "words"), [(0.5, "would count them twice"), (-0.5, "spacing")])
+def test_a_table_beside_particles_is_refused_and_a_wrong_fluid_told_as_such(spacing, words):
+    """What is asked of other parts is asked when they could be read."""
+    basin = {"length": 8.0, "width": 40.0, "depth": 4.0}
+    fluid = {"kind": "mueller", "spacing": spacing}
+    ship = {"kind": "dynamic", "hull": "barge20", "radiation": str(BARGE)}
+    with pytest.raises(SceneError, match=words):
+        load({"duration": 1.0, "basin": basin, "fluid": fluid, "surface": "cloth", "ship": ship})

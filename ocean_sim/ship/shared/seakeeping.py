@@ -81,8 +81,8 @@ class SeakeepingConfig(FloatingConfig):
         radiated = [] if self.table is None else [Motions._fields[k] for k in self.table.numbers]
         return Resistance(self.damping, still, self.moved_at_once(still), radiated)
 
-    def problems(self, preflight: Preflight) -> Problems:
-        found = super().problems(preflight)
+    def mismatches(self, preflight: Preflight) -> Problems:
+        found = super().mismatches(preflight)
         if self.radiation is not None and preflight.fluid.made_of_particles:
             twice = "particles carry the waves that a hull makes, and a table of radiation would count them twice"
             found.append((("radiation",), f"{twice}; leave it out, or take water in closed form"))

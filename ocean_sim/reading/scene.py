@@ -11,7 +11,7 @@ from pydantic import PrivateAttr
 
 from ocean_sim import basin
 from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, mapping, node_of, problem, read, shown
-from ocean_sim.model import Model, quantity
+from ocean_sim.model import Model
 from ocean_sim.parts import (
     ALONE,
     BESIDE,
@@ -37,6 +37,7 @@ from ocean_sim.parts import (
     water_schemes,
 )
 from ocean_sim.reading.composition import Composition, composed, unknown_name, with_owners
+from ocean_sim.reading.heading import Heading
 from ocean_sim.reading.translation import choice_sentence, dotted, likeliest, validated
 from ocean_sim.runtime import RuntimeConfig
 from ocean_sim.simulation import ObserverConfig
@@ -44,19 +45,6 @@ from ocean_sim.simulation import ObserverConfig
 ALWAYS_ON = ("manifest", "timings", "health", "accuracy", "frames", "report", "render")  # unless null
 OVERRIDE = "--set"
 WORD = {"f32": 4, "f64": 8}  # bytes of a number
-
-
-class Heading(Model):
-    """What a scene states about itself."""
-
-    title: str = ""
-    """The experiment in one line."""
-    seed: int = quantity("1", 0, ge=0, lt=2**31)
-    """Seed of every random number of the run."""
-    duration: float = quantity("s", 10.0, gt=0.0)
-    """Simulated time."""
-    resolution: float = quantity("1", 1.0, gt=0.0)
-    """A factor on every spacing: 2 is twice as coarse."""
 
 
 class SceneConfig(Heading):

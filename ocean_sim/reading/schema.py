@@ -11,7 +11,7 @@ from ocean_sim import basin
 from ocean_sim.files.yaml_file import Location, node_of
 from ocean_sim.parts import ALONE, BESIDE, MEANT, SEVERAL, SLOTS, config_of, kinds, named
 from ocean_sim.reading.composition import chosen, known
-from ocean_sim.reading.scene import Heading, observer_names
+from ocean_sim.reading.heading import Heading
 from ocean_sim.reading.sentences import opening, sentence
 from ocean_sim.runtime import RuntimeConfig
 
@@ -30,7 +30,7 @@ def schema() -> dict[str, Any]:
         inner = definitions[_name(config_of(slot, MEANT[slot]))]["properties"][key]
         properties[key] = {"description": f"As `{slot}.{key}`.", "anyOf": [{"$ref": inner["$ref"]}, {"type": "null"}]}
     properties["runtime"] = _model(RuntimeConfig, definitions)
-    for name in observer_names():
+    for name in kinds("observers"):
         module = import_module(f"ocean_sim.observers.{name}")
         described = {"description": opening(module.__doc__ or "")}
         properties[name] = described | {"anyOf": [_model(module.Config, definitions), {"type": "null"}]}

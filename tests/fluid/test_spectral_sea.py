@@ -151,6 +151,7 @@ def test_a_window_holds_the_waves_within_a_few_thousandths(sea, far):
     spectrum = {"significant_wave_height": 1.2, "peak_period": 5.5, "spreading": 12.0, "heading_deg": 150.0}
     fluid = sea(spectrum=spectrum, current=(0.5, 0.0))
     fluid.advance(600.0)
+    fluid.advance(0.1)
     size, step, depths = (25, 13), (0.7, 0.5), (0.0, 0.6, 1.2)
     window, heading = fluid.window(size, step, depths), (0.6, 0.8)
     middle = np.array([far + 0.3, -0.5 * far])
@@ -168,7 +169,7 @@ def test_a_window_holds_the_waves_within_a_few_thousandths(sea, far):
 
     i, k, l = (axis.ravel() for axis in np.meshgrid(*(np.arange(n) for n in (*size, 3)), indexing="ij"))
     ahead, aside = (i - 12) * step[0], (k - 6) * step[1]
-    x = middle[0] + ahead * heading[0] + aside * heading[1] - fluid.drift[0]
+    x = middle[0] + ahead * heading[0] + aside * heading[1] - fluid.before * fluid.current[0]
     z = middle[1] + ahead * heading[1] - aside * heading[0]
     at = np.stack([x, -np.array(depths)[l], z], axis=1)
     apart = []

@@ -20,14 +20,12 @@ def kept(folder: str, content: bytes, made: Callable[[], dict[str, np.ndarray]])
     package = made.__module__.split(".")[1]
     laws = [item for item in sources().items() if item[0].startswith(f"{package}/")]
     path = cache_directory() / folder / f"{hashlib.sha256(repr(laws).encode() + content).hexdigest()}.npz"
-    try:
+    with suppress(input_file.Unreadable):
         arrays = input_file.arrays(path)
-    except input_file.Unreadable:
-        arrays = made()
-    else:
         with suppress(OSError):
             os.utime(path)
         return arrays
+    arrays = made()
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         unfinished = path.with_suffix(f".{os.getpid()}.npz")

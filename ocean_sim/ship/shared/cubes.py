@@ -231,8 +231,8 @@ class Cubes:
 
 
 def as_one_body(moved: list[float], faces: list[float], size: list[float]) -> np.ndarray:
-    """(6,) how water that moves at cubes of a size (3,) as `put_motion` sums it (6,) moves and turns about the centre of
-    mass: least squares over `FACES`, so water that streams alike everywhere turns nothing."""
+    """(6,) how water that moves at cubes of a size (3,) as `put_motion` sums it (6,) moves and turns about the centre
+    of mass: least squares over `FACES`, so water that streams alike everywhere turns nothing."""
     x, y, z, turned_x, turned_y, turned_z = moved
     area_x, area_y, area_z = (max(area, 1e-12) for area in faces[:3])
     ahead, ahead_x, aside = faces[3] / area_y, faces[4] / area_x, faces[5] / area_y

@@ -9,12 +9,11 @@ from typing import Annotated, Any, Literal, cast
 import numpy as np
 from pydantic import Field, field_validator
 
-from ocean_sim.conventions import GRAVITY
 from ocean_sim.files import yaml_file
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, PlatformConfig, Preflight, library, named
 from ocean_sim.platform import SINGULAR, Commands, Cue, WashoutConfig
-from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, rates_to_turn, rotation, smoothly
+from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, felt, smoothly
 from ocean_sim.platform.shared.limits import SAME, Governor, Legs, Workspace
 from ocean_sim.platform.shared.motion_log import Ride
 
@@ -144,12 +143,9 @@ class Moving:
 
     def felt(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(n, 3) specific force [m/s2] and (n, 3) rate [rad/s] on the platform in its own axes, from differences of
-        its poses."""
+        its poses so far: accelerations of the row before, rates half a row late."""
         known = np.vstack([self.past, pose])
         self.past = known[-2:]
         rates = np.diff(known, axis=0)[1:, 3:] / self.every
         acceleration = np.diff(known[:, :3], n=2, axis=0) / self.every**2
-        turn = rotation(pose[:, 3:])
-        acceleration[:, 2] += GRAVITY
-        spin = (rates_to_turn(pose[:, 3:]) @ rates[:, :, None])[:, :, 0]
-        return np.einsum("nji,nj->ni", turn, acceleration), np.einsum("nji,nj->ni", turn, spin)
+        return felt(pose, acceleration, rates)

@@ -155,6 +155,11 @@ class Components:
         return 2.0 * pi / float(self.omega[self.highest])
 
     @property
+    def heading_deg(self) -> float:
+        """Where the highest of them goes to [deg]: 0 along +z, 90 along +x."""
+        return float(np.degrees(np.arctan2(*self.wavevector[self.highest])))
+
+    @property
     def significant_height(self) -> float:
         """Four standard deviations of the elevation [m]."""
         return 4.0 * float(np.sqrt(0.5 * (self.amplitude**2).sum()))

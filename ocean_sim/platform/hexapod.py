@@ -48,9 +48,20 @@ class Config(PlatformConfig):
     def warnings(self, preflight: Preflight) -> list[str]:
         if not preflight.ships:
             return ["platform: there is no ship whose motion it could follow"]
-        first = next(iter(preflight.ships))
-        alone = len(preflight.ships) == 1 or self.ship is not None
-        return [] if alone else [f"platform: it rides in {first}, the first of the ships; platform.ship names another"]
+        found, first = self.cut_short(preflight.duration), next(iter(preflight.ships))
+        if len(preflight.ships) > 1 and self.ship is None:
+            found.append(f"platform: it rides in {first}, the first of the ships; platform.ship names another")
+        return found
+
+    def cut_short(self, duration: float) -> list[str]:
+        """A warning about a ride of this duration [s] that ends before the ramp does."""
+        if duration >= self.ramp:
+            return []
+        share = 100.0 * float(smoothly(np.array(duration / self.ramp)))
+        return [
+            f"platform: it goes from neutral into the motion over {self.ramp:.4g} s, and the ride ends after "
+            f"{duration:.4g} s, when it does {round(share, 1):g} % of it; take a longer ride or a shorter ramp"
+        ]
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         """It has no fields; the ledger of `platform_log` holds the cost of its rows."""

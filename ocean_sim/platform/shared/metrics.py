@@ -32,7 +32,7 @@ def metrics(ride: Ride, done: Commands, hexapod: Hexapod, every: float) -> list[
     share = float((done.limited > 0).mean())
     found.append(Metric("share_limited", share, "1"))
     found += [Metric(f"share_limited_{bit}", float((done.limited & bit > 0).mean()), "1") for bit in LIMITS]
-    found.append(Metric("stroke_used", float(hexapod.usage(done.pose).max()), "1"))
+    found.append(Metric("stroke_used", float(hexapod.usage(done.pose).max()) + 0.0, "1"))
     found.append(Metric("leg_speed_max", float(np.abs(done.leg_velocity).max()), "m/s"))
     acceleration = np.abs(np.diff(done.leg_velocity, axis=0)).max(initial=0.0) / every
     found.append(Metric("leg_acceleration_max", float(acceleration), "m/s2"))

@@ -100,7 +100,7 @@ class OpenWater(Fluid):
         return Window(self, size, step, depths)
 
     def arriving(self, x: float, z: float) -> Arriving:
-        sea, (dx, dz) = self.waves.sea, np.array([x, z]) - self.drift
+        sea, (dx, dz) = self.waves.sea, np.array([x, z]) - self.before * np.array(self.current)
         angle = sea.wavevector[:, 0] * dx + sea.wavevector[:, 1] * dz + sea.phase - sea.omega * self.before
         heading = np.arctan2(sea.wavevector[:, 0], sea.wavevector[:, 1])
         return Arriving(sea.grown(self.before) * sea.amplitude, angle, sea.omega, heading)

@@ -7,6 +7,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field, model_validator
 
+from ocean_sim.conventions import GRAVITY
 from ocean_sim.model import Model, Vector3, quantity
 
 Joints = Annotated[tuple[Vector3, Vector3, Vector3, Vector3, Vector3, Vector3], Field(strict=False)]
@@ -178,6 +179,14 @@ def rates_to_turn(angles: np.ndarray) -> np.ndarray:
     (_, b, c), (_, cb, cc) = np.sin(angles).T, np.cos(angles).T
     zero, one = np.zeros_like(b), np.ones_like(b)
     return np.array([[cc * cb, -c, zero], [c * cb, cc, zero], [-b, zero, one]]).transpose(2, 0, 1)
+
+
+def felt(pose: np.ndarray, acceleration: np.ndarray, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 3) specific force [m/s2] and (n, 3) rate [rad/s] on the platform in its own axes, in (n, 6) poses with (n, 3)
+    accelerations [m/s2] and (n, 3) rates of roll, pitch and yaw [rad/s]."""
+    turn = rotation(pose[:, 3:])
+    spin = (rates_to_turn(pose[:, 3:]) @ rates[:, :, None])[:, :, 0]
+    return np.einsum("nji,nj->ni", turn, acceleration + [0.0, 0.0, GRAVITY]), np.einsum("nji,nj->ni", turn, spin)
 
 
 def smoothly(s: np.ndarray) -> np.ndarray:

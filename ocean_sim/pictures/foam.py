@@ -206,9 +206,8 @@ def born_to(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np.
     """New white water where convergence is strongest, so much that the mean with the old is the wanted cover."""
     if white.mean() >= wanted or np.ptp(drawn_together) == 0.0:
         return np.zeros_like(white)
-    rank = np.empty(white.size)
-    rank[np.argsort(-drawn_together, axis=None)] = np.arange(white.size) / white.size
-    rank = rank.reshape(white.shape)
+    rank = np.empty_like(white)
+    rank.flat[np.argsort(-drawn_together, axis=None)] = np.arange(white.size) / white.size
     low, high = 0.0, 1.0
 
     def born(area: float) -> np.ndarray:

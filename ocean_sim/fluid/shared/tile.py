@@ -238,7 +238,7 @@ class OnTile:
         for k, height in enumerate(heights):
             c, s = profiles(tile.k, height, tile.depth)
             upright = tile.k * s
-            for n in np.flatnonzero(which == k):
+            for n in np.flatnonzero(which == k).tolist():
                 x, z = points[n] - first
                 wave = scale * np.exp(1j * tile.kx * x) * np.exp(1j * tile.kz * z)
                 yield n, c * wave, upright * wave

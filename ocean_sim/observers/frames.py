@@ -4,6 +4,7 @@ one file a frame. The names of a ship's arrays begin with the key of the ship.""
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -219,8 +220,10 @@ class Frames(Observer):
                 path.unlink()
 
     def write(self, name: str, **arrays: object) -> None:
-        with whole(self.folder / f"{name}.npz") as draft, draft.open("wb") as file:
-            np.savez(file, **arrays)  # type: ignore[arg-type]
+        file = BytesIO()  # a file on disk would be sought in and written to for every array
+        np.savez(file, **arrays)  # type: ignore[arg-type]
+        with whole(self.folder / f"{name}.npz") as draft:
+            draft.write_bytes(file.getbuffer())
 
 
 def appearance(simulation: "Simulation", ship: Ship) -> dict[str, object]:

@@ -126,7 +126,7 @@ class OpenWater(Fluid):
         v += [self.current[0], 0.0, self.current[1]]
         for one in self.tiles:
             there = one.seen(at)
-            v[there] += one.below(at[there], y[there], self.time).velocity
+            v[there] += one.velocities(at[there], y[there], self.time)
         return v
 
     def pressures(self, points: np.ndarray) -> np.ndarray:
@@ -136,7 +136,7 @@ class OpenWater(Fluid):
         head = waves.pressure_head(self.waves.sea, stretched, self.time) - points[:, 1]
         for one in self.tiles:
             there = one.seen(at)
-            head[there] += one.below(at[there], y[there], self.time).head
+            head[there] += one.heads(at[there], y[there], self.time)
         return np.where(points[:, 1] < eta, self.rest_density * self.waves.sea.gravity * head, 0.0)
 
     def in_water(self, points: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:

@@ -135,24 +135,23 @@ class Hexapod:
 
     def allowed(self, pose: np.ndarray) -> np.ndarray:
         """(n,) whether a pose is within the stroke and not singular."""
-        return (self.usage(pose) <= 1.0) & (self.condition(pose) <= self.condition_limit)
+        within = self.usage(pose) <= 1.0
+        within[within] = self.condition(pose[within]) <= self.condition_limit
+        return within
 
     def excursions(self) -> np.ndarray:
         """(6, 2) lowest and highest that each motion alone can reach from neutral [m, rad]."""
-        ends = np.zeros((6, 2))
-        for axis in range(6):
-            for side, sign in enumerate((-1.0, 1.0)):
-
-                def at(values: np.ndarray, axis: int = axis, sign: float = sign) -> np.ndarray:
-                    pose = np.zeros((len(values), 6))
-                    pose[:, axis] = sign * values
-                    return self.allowed(pose)
-
-                steps = np.linspace(0.0, 2.0 * (self.high if axis < 3 else 1.5), 400)
-                last = int(np.argmin(at(steps))) - 1
-                inside = halved(lambda v: bool(at(np.array([v]))[0]), steps[last], steps[last + 1])
-                ends[axis, side] = sign * inside
-        return ends
+        ways = np.concatenate([-np.eye(6), np.eye(6)])  # to their lowest and highest
+        most = np.where(ways[:, :3].any(axis=1), self.high, 1.5)
+        steps = np.linspace(0.0, 2.0 * most, 400)
+        inside = self.allowed((steps[:, :, None] * ways).reshape(-1, 6)).reshape(steps.shape)
+        last = inside.argmin(axis=0) - 1
+        low, high = np.take_along_axis(steps, np.stack([last, last + 1]), axis=0)
+        for _ in range(FINE):
+            middle = 0.5 * (low + high)
+            holds = self.allowed(middle[:, None] * ways)
+            low, high = np.where(holds, middle, low), np.where(holds, high, middle)
+        return np.stack([-low[:6], low[6:]], axis=1)
 
 
 def halved(holds: Callable[[float], bool], low: float, high: float) -> float:

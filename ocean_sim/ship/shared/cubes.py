@@ -7,7 +7,7 @@ import numpy as np
 from ocean_sim.columns import Columns
 from ocean_sim.fluid import Fluid
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
-from ocean_sim.runtime import Array2, Template, in_kernels
+from ocean_sim.runtime import Array, Array2, Integers, Template, in_kernels
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.pose import pose, turned, vector, write_pose
 from ocean_sim.ship.shared.rigid_body import RigidBody
@@ -72,13 +72,21 @@ class Cubes:
         self.size: list[float] = cubes.size.tolist()  # [m]
         self.square = tm.vec3(cubes.square)  # of their sides [m2]
         real = to_numpy_type(self.volume.dtype)
-        self.arm.from_numpy(arm.astype(real))
-        self.area.from_numpy(cubes.area[upwards].astype(real))
-        self.volume.from_numpy((cubes.share * cubes.size.prod())[upwards].astype(real))
-        self.key.from_numpy(upwards.astype(np.int32))
-        self.box.from_numpy(np.stack([0.5 * (lower + upper), 0.5 * (upper - lower)], axis=1).astype(real))
+        volume = (cubes.share * cubes.size.prod())[upwards]
+        box = np.stack([0.5 * (lower + upper), 0.5 * (upper - lower)], axis=1).reshape(-1, 3)
+        numbers = (np.ascontiguousarray(array, dtype=real) for array in (arm, cubes.area[upwards], volume, box))
+        self.hold(*numbers, upwards.astype(np.int32))
         self.found = np.zeros((self.n, 3))
         self.table = np.zeros((1 + self.blocks, max(HANDED.size, SUMS.size)))  # the pose, and the sums of each block
+
+    @ti.kernel
+    def hold(self, arm: Array2, area: Array2, volume: Array, box: Array2, key: Integers):
+        for k in range(self.n):
+            self.arm[k] = tm.vec3(arm[k, 0], arm[k, 1], arm[k, 2])
+            self.area[k] = tm.vec3(area[k, 0], area[k, 1], area[k, 2])
+            self.volume[k], self.key[k] = volume[k], key[k]
+        for b in range(2 * self.blocks):
+            self.box[b // 2, b % 2] = tm.vec3(box[b, 0], box[b, 1], box[b, 2])
 
     @staticmethod
     def bytes(n: int, word: int) -> int:

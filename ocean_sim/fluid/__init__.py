@@ -384,6 +384,10 @@ class Fluid(Protocol):
         """The same from Python: (m, 2) points x, z [m] -> (m,) heights [m]."""
         ...
 
+    def undisturbed(self, points: np.ndarray) -> np.ndarray:
+        """The same without the waves that ships make, where the water keeps them apart."""
+        return self.elevations(points)
+
     def pressures(self, points: np.ndarray) -> np.ndarray:
         """(m, 3) points [m], also on sides and bed -> (m,) pressures [Pa]; 0 where it is dry."""
         ...

@@ -181,6 +181,8 @@ class Frames(Observer):
         if made is None:
             sea = simulation.fluid.plane_waves
             wind = self.wind_speed or (0.0 if sea is None else raised_by(sea, simulation.time))
+            if simulation.fluid.answers:  # her own waves are steepest where her hull is; her foam is drawn with her
+                elevation = simulation.fluid.undisturbed(points).reshape(self.shape)
             self.whiten(simulation.time, elevation, velocity, wind)
         else:
             self.white.advance(simulation.time, velocity[..., [0, 2]], made.reshape(self.shape), None)

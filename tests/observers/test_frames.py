@@ -160,3 +160,35 @@ def test_a_sea_that_is_there_from_the_beginning_bears_foam_of_every_age(tmp_path
     later = frames.Config().build(tmp_path, simulation)
     later.whiten_before(simulation, points)
     assert not later.white.white.any()
+
+
+def test_the_waves_of_a_ship_bear_no_whitecaps_however_long_she_goes(tmp_path, watched, monkeypatch):
+    """Her hollow is as steep as her hull: the sea around her is as white as without her."""
+    spectrum = waves.Spectrum(kind="jonswap", significant_wave_height=1.5, peak_period=5.5, seed=7)
+    sea, white = spectrum.components(waves.direction(30.0, 3), 30.0), {}
+    for deep in (0.0, 3.0):
+        simulation = watched()
+        water = type(simulation.fluid)
+
+        def undisturbed(self, points):
+            return waves.elevation(sea, 12.0 * np.asarray(points), self.time)
+
+        def elevations(self, points, deep=deep):
+            astern = 3.0 - 2.0 * self.time - np.asarray(points)[:, 1]
+            wake = np.where(astern > 0.0, 0.3 * np.cos(3.0 * astern), 0.0) - np.exp(-(astern**2))
+            return self.undisturbed(points) + deep * wake * np.exp(-(np.asarray(points)[:, 0] ** 2))
+
+        for name, value in {"plane_waves": sea, "answers": True, "elevations": elevations}.items():
+            monkeypatch.setattr(water, name, value, raising=False)
+        monkeypatch.setattr(water, "undisturbed", undisturbed, raising=False)
+        monkeypatch.setattr(water, "velocities", lambda self, places: 0.0 * places, raising=False)
+        monkeypatch.setattr(water, "foam", lambda self, points: None, raising=False)
+        simulation.fluid.particles = None
+        seen = frames.Config(every=0.1).build(tmp_path, simulation)
+        seen.cell = seen.white.cell = 12.0 * seen.cell
+        for n in range(30):
+            simulation.time = simulation.fluid.time = 0.1 * n
+            seen.observe(simulation)
+        white[deep] = seen.white.white
+    assert white[0.0].mean() > 0.003
+    np.testing.assert_array_equal(white[3.0], white[0.0])

@@ -111,8 +111,12 @@ class OpenWater(Fluid):
 
     def heights(self, points: np.ndarray) -> np.ndarray:
         """The same of points in the axes of the water."""
+        return self.sum_of(points, self.tiles)
+
+    def sum_of(self, points: np.ndarray, tiles: "Sequence[OnTile]") -> np.ndarray:
+        """The same of the plane waves and of these tiles."""
         eta = waves.elevation(self.waves.sea, points, self.time)
-        for one in self.tiles:
+        for one in tiles:
             there = one.seen(points)
             if there.any():
                 eta[there] += one.elevation(points[there], self.time)

@@ -384,9 +384,9 @@ class Fluid(Protocol):
         """The same from Python: (m, 2) points x, z [m] -> (m,) heights [m]."""
         ...
 
-    def undisturbed(self, points: np.ndarray) -> np.ndarray:
-        """The same without the waves that ships make, where the water keeps them apart."""
-        return self.elevations(points)
+    def undisturbed(self, points: np.ndarray) -> np.ndarray | None:
+        """The same without what ships do to it; None where the water does not keep that apart."""
+        return None
 
     def pressures(self, points: np.ndarray) -> np.ndarray:
         """(m, 3) points [m], also on sides and bed -> (m,) pressures [Pa]; 0 where it is dry."""

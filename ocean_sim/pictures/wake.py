@@ -7,6 +7,7 @@ import numpy as np
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.pictures.camera import Vessel
+from ocean_sim.pictures.foam import from_ship
 
 LASTS = 7.0  # [s] in which it falls to a third
 AGE = 22.0  # [s] after which it is not drawn
@@ -123,9 +124,8 @@ class Kelvin:
         speed = round(self.vessel.speed(time), 1)
         if speed < SLOWEST:
             return np.zeros(len(places))
-        ahead = track.turn[k][:, 2][[0, 2]] / np.linalg.norm(track.turn[k][:, 2][[0, 2]])
-        offset = places - (track.position[k][[0, 2]] + STERN * length * ahead)
-        behind, aside = -offset @ ahead, np.abs(offset @ [-ahead[1], ahead[0]])
+        along, aside = from_ship(places[:, 0], places[:, 1], track.position[k], track.turn[k])
+        behind, aside = STERN * length - along, np.abs(aside)
         at = np.stack([behind, aside]) / (FINEST * self.breadth)
         waves = map_coordinates(pattern(speed, self.breadth, length), at, order=1, mode="constant")
         return waves - hollow(behind - 2.0 * STERN * length, aside, speed, self.breadth)
@@ -148,10 +148,7 @@ def standing(
     speed can stand, V^2 / 2 g (Bernoulli): linear waves do not break, and leave a hole in the shape of her hull."""
     track = vessel.track
     k = int(np.abs(track.time - time).argmin())
-    ahead = track.turn[k][:, 2][[0, 2]] / np.linalg.norm(track.turn[k][:, 2][[0, 2]])
-    to_x, to_z = (x - track.position[k][0])[:, None], (z - track.position[k][2])[None, :]
-    along = np.abs(to_x * ahead[0] + to_z * ahead[1]) / (AROUND[0] * vessel.length)
-    aside = np.abs(to_z * ahead[0] - to_x * ahead[1]) / (AROUND[1] * breadth)
-    near = np.exp(-(along**4) - aside**4)
+    along, aside = from_ship(x[:, None], z[None, :], track.position[k], track.turn[k])
+    near = np.exp(-((along / (AROUND[0] * vessel.length)) ** 4) - (aside / (AROUND[1] * breadth)) ** 4)
     most = max(vessel.speed(time) ** 2 / (2.0 * GRAVITY), LEAST * vessel.length)
     return answer + near * (most * np.tanh(answer / most) - answer)

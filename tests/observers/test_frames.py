@@ -4,11 +4,14 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
 
 from ocean_sim import waves
 from ocean_sim.basin.points import pairs
 from ocean_sim.observers import frames, manifest
 from ocean_sim.parts import Preflight
+from ocean_sim.pictures import foam
 
 
 def test_a_frame_is_the_first_state_at_or_after_its_time(tmp_path, watched):
@@ -162,12 +165,31 @@ def test_a_sea_that_is_there_from_the_beginning_bears_foam_of_every_age(tmp_path
     assert not later.white.white.any()
 
 
+@pytest.mark.parametrize("turned", [0.0, 0.6])
+def test_the_hollow_in_which_a_hull_lies_is_no_trough_beside_a_crest(tmp_path, watched, turned):
+    """Where the water does not tell the ship's part apart: the heights are those of the sea around her, and no others
+    change."""
+    simulation = with_a_ship(watched(), 0.5, -0.5)
+    sailing = simulation.ships["ship"]
+    sailing.body.matrix = Rotation.from_euler("y", turned).as_matrix()
+    sailing.drawn = lambda: (np.array([[-0.4, 0.0, -1.0], [0.4, 0.0, 1.0], [0.0, -0.5, 0.0]]), np.arange(3)[None])
+    seen = frames.Config(spacing=0.25).build(tmp_path, simulation)
+    x, z = seen.points.T
+    calm = 0.1 * np.sin(0.4 * x - 0.3 * z).reshape(seen.shape)
+    ahead, aside = foam.from_ship(x, z, sailing.body.position, sailing.body.matrix)
+    hull = ((np.abs(ahead) < 1.0) & (np.abs(aside) < 0.4)).reshape(seen.shape)
+    found = seen.crests(simulation, seen.points, calm - 2.0 * hull, np.zeros(2))
+    changed = found != calm - 2.0 * hull
+    assert hull.sum() >= 10 and changed[hull].all() and changed.sum() < 4 * hull.sum()
+    assert np.abs(found - calm).max() < 0.03
+
+
 def test_the_waves_of_a_ship_bear_no_whitecaps_however_long_she_goes(tmp_path, watched, monkeypatch):
     """Her hollow is as steep as her hull: the sea around her is as white as without her."""
     spectrum = waves.Spectrum(kind="jonswap", significant_wave_height=1.5, peak_period=5.5, seed=7)
     sea, white = spectrum.components(waves.direction(30.0, 3), 30.0), {}
     for deep in (0.0, 3.0):
-        simulation = watched()
+        simulation = with_a_ship(watched(), 0.0, 0.0)
         water = type(simulation.fluid)
 
         def undisturbed(self, points):

@@ -109,6 +109,9 @@ class OpenWater(Fluid):
         """(m, 2) points x, z [m] -> (m,) heights [m]."""
         return self.heights(np.asarray(points, dtype=float) - self.drift)
 
+    def undisturbed(self, points: np.ndarray) -> np.ndarray:
+        return self.elevations(points)
+
     def heights(self, points: np.ndarray) -> np.ndarray:
         """The same of points in the axes of the water."""
         return self.sum_of(points, self.tiles)

@@ -384,6 +384,10 @@ class Fluid(Protocol):
         """The same from Python: (m, 2) points x, z [m] -> (m,) heights [m]."""
         ...
 
+    def undisturbed(self, points: np.ndarray) -> np.ndarray | None:
+        """The same without what ships do to it; None where the water does not keep that apart."""
+        return None
+
     def pressures(self, points: np.ndarray) -> np.ndarray:
         """(m, 3) points [m], also on sides and bed -> (m,) pressures [Pa]; 0 where it is dry."""
         ...

@@ -342,6 +342,10 @@ class SpectralSea(OpenWater):
         broken = self.breaking
         return {"breaking": -self.rest_density * broken.lost} if self.accounts and broken is not None else {}
 
+    def undisturbed(self, points: np.ndarray) -> np.ndarray:
+        at = np.asarray(points, dtype=float) - self.drift
+        return self.sum_of(at, [one for one in (self.steep, self.raised) if one is not None])
+
     def foam(self, points: np.ndarray) -> np.ndarray | None:
         broken = self.breaking
         if broken is None:

@@ -95,11 +95,13 @@ class Frames(Observer):
         self.wind_speed = simulation.scene.wind.strongest
         self.before = np.zeros(2)  # origin of the frame before [m]
         self.ships: list[Ship] = []
+        self.sizes: list[np.ndarray] = []  # breadth and length of their hulls [m]
         hulls: dict[str, object] = {}
         for name, ship in simulation.ships.items():
             drawn = ship.drawn()
             if drawn is not None:
                 self.ships.append(ship)
+                self.sizes.append(np.ptp(drawn[0], axis=0)[[0, 2]])
                 key = key_of(name)
                 hulls |= {f"{key}_vertices": drawn[0], f"{key}_triangles": drawn[1]} | appearance(simulation, ship)
         self.write(
@@ -181,10 +183,28 @@ class Frames(Observer):
         if made is None:
             sea = simulation.fluid.plane_waves
             wind = self.wind_speed or (0.0 if sea is None else raised_by(sea, simulation.time))
-            self.whiten(simulation.time, elevation, velocity, wind)
+            crests = self.crests(simulation, points, elevation, origin) if self.ships else elevation
+            self.whiten(simulation.time, crests, velocity, wind)
         else:
             self.white.advance(simulation.time, velocity[..., [0, 2]], made.reshape(self.shape), None)
         return {"foam": self.white.white, "carried": self.white.carried, "surface_velocity": velocity}
+
+    def crests(
+        self, simulation: "Simulation", points: np.ndarray, elevation: np.ndarray, origin: np.ndarray
+    ) -> np.ndarray:
+        """Heights (nx, nz) [m] of the sea that ships go through. Of what they do to it the steepest is the shape of
+        their hulls, and around these the foam of the whole sea would gather; their own is drawn with them."""
+        undisturbed = simulation.fluid.undisturbed(points)
+        if undisturbed is not None:
+            return undisturbed.reshape(self.shape)
+        inside = np.zeros(len(points), bool)
+        for ship, size in zip(self.ships, self.sizes, strict=True):
+            at = ship.body.position + shifts(ship.body.position, origin, simulation.basin.periods)
+            along, aside = foam.from_ship(points[:, 0], points[:, 1], at, ship.body.matrix)
+            reach = 0.5 * size + self.cell.max()
+            inside |= (along / reach[1]) ** 4 + (aside / reach[0]) ** 4 < 1.0
+        widest = 0.5 * max((size[0] for size in self.sizes), default=0.0) + self.cell.max()
+        return foam.levelled(elevation, inside.reshape(self.shape), widest / self.cell)
 
     def whiten_before(self, simulation: "Simulation", points: np.ndarray) -> None:
         """What a sea in closed form, which is there from the beginning, has made white in the seconds before: else all

@@ -273,6 +273,23 @@ def bent(x: np.ndarray, z: np.ndarray) -> np.ndarray:
     return way
 
 
+def levelled(elevation: np.ndarray, inside: np.ndarray, reach: np.ndarray) -> np.ndarray:
+    """Heights (nx, nz), those inside (nx, nz) of something as the mean of what lies around it, with a Gaussian's weight
+    as wide as so many cells along x and z."""
+    from scipy.ndimage import gaussian_filter
+
+    outside = (~inside).astype(float)
+    around, weight = (gaussian_filter(of, reach, mode="nearest") for of in (elevation * outside, outside))
+    return np.where(inside, around / np.maximum(weight, 1e-9), elevation)
+
+
+def from_ship(x: np.ndarray, z: np.ndarray, position: np.ndarray, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How far places x, z lie ahead of a ship's middle and to her side [m]; `turn`: (3, 3) from body to world."""
+    ahead = turn[[0, 2], 2] / np.linalg.norm(turn[[0, 2], 2])
+    to_x, to_z = x - position[0], z - position[2]
+    return to_x * ahead[0] + to_z * ahead[1], to_z * ahead[0] - to_x * ahead[1]
+
+
 def waterline(vertices: np.ndarray, triangles: np.ndarray, above: np.ndarray) -> np.ndarray:
     """(m, 2, 2) segments x, z at which a hull (n, 3) meets the water; `above`: (n,) height over it [m]."""
     a = above[triangles]

@@ -11,6 +11,7 @@ from ocean_sim.pictures.ripples import noise
 from ocean_sim.pictures.sea_state import Now, SeaState
 from ocean_sim.pictures.water_mesh import spline, triangles
 
+FARTHEST = 3  # cells from white water, of the grid that it is kept on, from which a spline through it shows none
 GRAIN = 7.0  # [m] apart at which white water gathers along a crest
 
 
@@ -108,11 +109,17 @@ class SeaSurface:
     def laced(self, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
         """(nx, nz) the same of white water, at the nodes, whose grain is that of places (n, 2) [m]: its edges are bent
         within a cell, and go with the grain."""
-        from scipy.ndimage import map_coordinates
+        from scipy.ndimage import map_coordinates, maximum_filter
 
-        cell = (self.upper - self.lower) / kept.shape
-        at = ((self.nodes - self.lower) / cell).T - 0.5 + foam.bent(*(grain / cell).T)
-        white = map_coordinates(kept, at, order=3, mode="nearest").reshape(self.share.shape)
+        cell, white = (self.upper - self.lower) / kept.shape, np.zeros(self.share.shape)
+        near = maximum_filter(kept, 2 * FARTHEST + 1) > foam.FAINT
+        rows, columns = (
+            np.clip((nodes - self.lower[k]) / cell[k], 0, kept.shape[k] - 1).astype(int)
+            for k, nodes in enumerate((self.x, self.z))
+        )
+        some = near[np.ix_(rows, columns)]
+        at = ((self.nodes[some.ravel()] - self.lower) / cell).T - 0.5 + foam.bent(*(grain[some.ravel()] / cell).T)
+        white[some] = map_coordinates(kept, at, order=3, mode="nearest")
         return self.share * np.clip(white, 0.0, 1.0)
 
 

@@ -24,8 +24,8 @@ def smoothed(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...], mos
     n, corners = len(mesh.vertices), mesh.triangles
     if n == 0:
         return mesh
-    low, up, x = np.array(lower), np.array(upper), mesh.vertices.astype(float)
-    sides = np.stack([x <= low + NEAR * (up - low), x >= up - NEAR * (up - low)])
+    x = mesh.vertices.astype(float)
+    sides = sides_at(x, lower, upper)
     on = np.any(sides, axis=0)
     lies = np.all(sides[:, corners], axis=2)  # (2, m, 3) whether a triangle lies on the lower, on the upper side
     flat = lies.any(axis=(0, 2))
@@ -95,6 +95,22 @@ def edged(mesh: Mesh, flat: np.ndarray, facing: np.ndarray) -> Mesh:
     normals = (kinds / np.linalg.norm(kinds, axis=1, keepdims=True))[own // n].astype(mesh.normals.dtype)
     vertices = np.concatenate([mesh.vertices, mesh.vertices[own % n]])
     return Mesh(vertices, corners, np.concatenate([mesh.normals, normals]))
+
+
+def sides_at(x: np.ndarray, lower: tuple[float, ...], upper: tuple[float, ...]) -> np.ndarray:
+    """(2, n, 3) whether points (n, 3) lie on the lower, on the upper side of a box along each axis."""
+    low, up = np.array(lower), np.array(upper)
+    return np.stack([x <= low + NEAR * (up - low), x >= up - NEAR * (up - low)])
+
+
+def rim(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...]) -> np.ndarray:
+    """(m, 2) vertices at the ends of the edges at which a surface meets a side of the box from `lower` to `upper`."""
+    n, corners = len(mesh.vertices), mesh.triangles
+    lies = np.all(sides_at(mesh.vertices, lower, upper)[:, corners], axis=2)
+    curved = corners[~lies.any(axis=(0, 2))]
+    ends = np.sort(np.concatenate([curved[:, [k, (k + 1) % 3]] for k in range(3)]), axis=1).astype(np.int64)
+    edges, times = np.unique(ends[:, 0] * n + ends[:, 1], return_counts=True)
+    return np.stack(np.divmod(edges[times == 1], n), axis=1)
 
 
 def gathered(mesh: Mesh) -> np.ndarray:

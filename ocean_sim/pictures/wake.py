@@ -7,6 +7,7 @@ import numpy as np
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.pictures.camera import Vessel
+from ocean_sim.pictures.foam import from_ship
 
 LASTS = 7.0  # [s] in which it falls to a third
 AGE = 22.0  # [s] after which it is not drawn
@@ -22,6 +23,7 @@ ANGLES = 360  # of the waves that they are made of
 STERN = 0.46  # lengths of a ship from its middle to its stern
 SPREADING = 0.22  # [half breadths at s^-1/2] by which it widens
 CLEARED, CLEARS = 0.75, 2.0  # share of the white in the middle that goes soonest, in so many seconds: a smooth path
+FARTHEST = 2.0  # squared half widths from the track at which the white is gone
 SLICK = 0.6  # [half breadths] is left between two lines of foam
 LEAST = 0.025  # lengths of a ship: the height to which the waves at a ship that lies still may rise
 AROUND = 1.3, 1.2  # lengths of a ship before and abaft her middle and breadths aside, within which they are limited
@@ -58,20 +60,20 @@ class Wake:
         if not (len(near[0]) and len(near[1])):
             return share
         x, z = self.x[near[0]], self.z[near[1]]
-        at = np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1)
-        found, nearest = np.zeros(at.shape[:2]), np.full(at.shape[:2], np.inf)
+        found, nearest = np.zeros((len(x), len(z))), np.full((len(x), len(z)), np.inf)
         for k in range(STEPS - 1):
             low, high = position[k : k + 2].min(axis=0) - reach, position[k : k + 2].max(axis=0) + reach
             here = tuple(slice(*np.searchsorted(nodes, ends)) for nodes, ends in zip((x, z), zip(low, high)))
-            offset = at[here] - position[k]
-            part = np.clip((offset @ along[k]) / length2[k], 0.0, 1.0)
+            (to_x, to_z), (on_x, on_z) = (x[here[0], None] - position[k, 0], z[here[1]] - position[k, 1]), along[k]
+            part = np.clip((to_x * on_x + to_z * on_z) / length2[k], 0.0, 1.0)
             age = np.maximum(time - moments[k] - part * seconds, 0.0)
             width = self.half * (0.75 + SPREADING * np.sqrt(age))
-            away = np.linalg.norm(offset - part[..., None] * along[k], axis=-1) / width
-            slick = CLEARED * (1.0 - np.exp(-age / CLEARS)) * np.exp(-np.square(away / SLICK))
-            white = WHITEST * min(speed[k] / FAST, 1.0) * np.exp(-age / LASTS - away**4) * (1.0 - slick)
-            found[here] = np.where(away < nearest[here], white, found[here])
-            nearest[here] = np.minimum(away, nearest[here])
+            away2 = (np.square(to_x - part * on_x) + np.square(to_z - part * on_z)) / np.square(width)
+            nearer = (away2 < nearest[here]) & (away2 < FARTHEST)
+            age, away2 = age[nearer], away2[nearer]
+            slick = CLEARED * (1.0 - np.exp(-age / CLEARS)) * np.exp(-away2 / SLICK**2)
+            white = WHITEST * min(speed[k] / FAST, 1.0) * np.exp(-age / LASTS - away2**2) * (1.0 - slick)
+            found[here][nearer], nearest[here][nearer] = white, away2
         share[np.ix_(*near)] = np.where(found > 0.02, found, 0.0)
         return share
 
@@ -123,9 +125,8 @@ class Kelvin:
         speed = round(self.vessel.speed(time), 1)
         if speed < SLOWEST:
             return np.zeros(len(places))
-        ahead = track.turn[k][:, 2][[0, 2]] / np.linalg.norm(track.turn[k][:, 2][[0, 2]])
-        offset = places - (track.position[k][[0, 2]] + STERN * length * ahead)
-        behind, aside = -offset @ ahead, np.abs(offset @ [-ahead[1], ahead[0]])
+        along, aside = from_ship(places[:, 0], places[:, 1], track.position[k], track.turn[k])
+        behind, aside = STERN * length - along, np.abs(aside)
         at = np.stack([behind, aside]) / (FINEST * self.breadth)
         waves = map_coordinates(pattern(speed, self.breadth, length), at, order=1, mode="constant")
         return waves - hollow(behind - 2.0 * STERN * length, aside, speed, self.breadth)
@@ -148,10 +149,7 @@ def standing(
     speed can stand, V^2 / 2 g (Bernoulli): linear waves do not break, and leave a hole in the shape of her hull."""
     track = vessel.track
     k = int(np.abs(track.time - time).argmin())
-    ahead = track.turn[k][:, 2][[0, 2]] / np.linalg.norm(track.turn[k][:, 2][[0, 2]])
-    to_x, to_z = (x - track.position[k][0])[:, None], (z - track.position[k][2])[None, :]
-    along = np.abs(to_x * ahead[0] + to_z * ahead[1]) / (AROUND[0] * vessel.length)
-    aside = np.abs(to_z * ahead[0] - to_x * ahead[1]) / (AROUND[1] * breadth)
-    near = np.exp(-(along**4) - aside**4)
+    along, aside = from_ship(x[:, None], z[None, :], track.position[k], track.turn[k])
+    near = np.exp(-((along / (AROUND[0] * vessel.length)) ** 4) - (aside / (AROUND[1] * breadth)) ** 4)
     most = max(vessel.speed(time) ** 2 / (2.0 * GRAVITY), LEAST * vessel.length)
     return answer + near * (most * np.tanh(answer / most) - answer)

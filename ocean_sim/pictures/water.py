@@ -12,6 +12,8 @@ from ocean_sim.pictures.stage import Stage
 from ocean_sim.pictures.water_mesh import WaterMesh
 
 EDGE = "#eef3f6"
+RIM = {"color": EDGE, "opacity": 0.6, "lighting": False, "reset_camera": False, "render": False}
+NEARER = 0.002  # of the way to the eye by which the rim lies before the water
 EXPOSURE = 1.15  # of water in a tank, as of what is drawn with plain colours
 MOST = 0.4  # [spacings] by which a folded surface is smoothed
 NODES = {"draft": 40_000, "final": 160_000}  # of the drawn surface
@@ -93,7 +95,7 @@ class Shell:
         self.measure.add_actor(self.backs.actor, reset_camera=False, render=False)
 
     def show(self, frame: Frame) -> None:
-        from ocean_sim.pictures.smoothed_mesh import smoothed
+        from ocean_sim.pictures.smoothed_mesh import rim, smoothed
         from ocean_sim.surface import Mesh
 
         assert frame.mesh is not None
@@ -101,6 +103,7 @@ class Shell:
         shape = self.stage.pyvista.PolyData.from_regular_faces(smooth.vertices, smooth.triangles)
         shape.point_data["nrm"] = smooth.normals.astype(np.float32)
         self.water.mesh.DeepCopy(shape)
+        self.stage.plotter.remove_actor("rim", render=False)
         if (
             self.spray is not None
             and frame.position is not None
@@ -125,6 +128,11 @@ class Shell:
         plotter.render()
         water_glsl.fill(self.behind.GetInput(), plotter.screenshot(None, return_img=True)[::-1])
         self.water.actor.VisibilityOn()
+        ends = smooth.vertices[rim(smooth, self.lower, self.upper)]
+        if len(ends := ends[ends[..., 1].min(axis=1) > self.lower[1] + 0.5 * self.spacing]):
+            seen = (ends + NEARER * (eye - ends)).reshape(-1, 3).astype(np.float32)
+            lines = self.stage.pyvista.line_segments_from_points(seen)
+            plotter.add_mesh(lines, name="rim", line_width=1.5 * self.stage.samples, **RIM)
 
     def close(self) -> None:
         self.measure.close()

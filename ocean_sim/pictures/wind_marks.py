@@ -13,6 +13,7 @@ CLEAR, CLEARER = 0.22, 0.14  # opacity of a volume; and on a map
 LOW, HIGH = 0.10, 0.18  # of the basin's length: least and greatest height of a volume over the water
 UNDER = 0.2  # of the basin's length: how far it goes on below, where waves hide it
 LONGEST, RAISED = 0.13, 0.02  # of the basin's length: the longest arrow, and how far over the water they begin
+SHOWN = {"m/s²": "acceleration by wind"}  # what an arrow shows, by its unit, where it is not the wind itself
 SHORTEST, CROSS = 0.02, 0.05  # of the basin's length: the arrow below which there is a cross instead, and its size
 
 
@@ -100,8 +101,8 @@ def legend(frame: Frame, length: float) -> tuple[float, str]:
         return 0.0, "wind: noise alone" if len(frame.wind_tails) else "no wind"
     if frame.wind_strongest <= 0.0:
         return 0.0, "wind"
-    value = round_below(frame.wind_strongest)
-    return LONGEST * length * value / frame.wind_strongest, f"wind, {value:g} {frame.wind_unit}"
+    value, unit = round_below(frame.wind_strongest), frame.wind_unit
+    return LONGEST * length * value / frame.wind_strongest, f"{SHOWN.get(unit, 'wind')}, {value:g} {unit}"
 
 
 def basis(vector: np.ndarray) -> np.ndarray:

@@ -32,13 +32,16 @@ class Entry(Model):
     scene: str
     until: float
     draw: str
+    code: list[str] = []
+    """Files of the package that make what the picture shows and that `pictures.LOOK` says nothing of, as patterns."""
 
     @property
     def stamp(self) -> str:
-        """A hash of what the scene says, of the command and of how pictures look: another one calls for another
-        picture."""
+        """A hash of what the scene says, of the command, of its code and of how pictures look: another one calls for
+        another picture."""
         scene = read(library("scenes") / f"{self.scene}.yaml").plain()
         asked = [{key: value for key, value in scene.items() if key != "title"}, self.until, self.draw, pictures.LOOK]
+        asked += [path.read_text(encoding="utf-8") for pattern in self.code for path in sorted(PACKAGE.glob(pattern))]
         return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:16]
 
     def commands(self, run: str) -> tuple[list[str], list[str]]:

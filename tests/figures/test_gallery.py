@@ -21,6 +21,27 @@ def test_another_look_or_another_scene_makes_pictures_old(monkeypatch):
     assert len(gallery.stale(FOLDER)) == len(gallery.entries())
 
 
+def test_code_that_a_picture_shows_makes_it_old(monkeypatch, tmp_path):
+    for entry in gallery.entries():
+        for pattern in entry.code:
+            assert (found := list(gallery.PACKAGE.glob(pattern))), pattern
+            for path in found:
+                copy = tmp_path / path.relative_to(gallery.PACKAGE)
+                copy.parent.mkdir(parents=True, exist_ok=True)
+                copy.write_bytes(path.read_bytes())
+    [platform] = [entry for entry in gallery.entries() if entry.draw == "platform"]
+    before = {entry.picture: entry.stamp for entry in gallery.entries()}
+    monkeypatch.setattr(gallery, "PACKAGE", tmp_path)
+    for name in ("hexapod.py", "shared/limits.py", "shared/kinematics.py", "shared/washing.py", "washout/classical.py"):
+        assert platform.stamp == before[platform.picture]
+        changed = tmp_path / "platform" / name
+        plain = changed.read_bytes()
+        changed.write_bytes(plain + b"\nMORE = 1\n")
+        now = {entry.picture: entry.stamp for entry in gallery.entries()}
+        assert [name for name, stamp in now.items() if stamp != before[name]] == [platform.picture]
+        changed.write_bytes(plain)
+
+
 def test_the_commands_name_the_scene_and_draw_from_its_run():
     entry = gallery.entries()[0]
     simulate, draw = entry.commands("runs/showcase")

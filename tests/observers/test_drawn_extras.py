@@ -69,7 +69,10 @@ def blown(arrows: list[float], strongest: float, unit: str):
 
 def test_what_an_arrow_of_the_wind_stands_for_is_written_at_one_as_long_as_it_is_drawn():
     """Length 1 is the strongest, drawn 0.13 of the basin long: 2 m/s2 of 2.5 are 0.104 of it."""
-    assert wind_marks.legend(blown([0.7, 1.0], 2.5, "m/s²"), 40.0) == (pytest.approx(0.104 * 40.0), "wind, 2 m/s²")
+    assert wind_marks.legend(blown([0.7, 1.0], 2.5, "m/s²"), 40.0) == (
+        pytest.approx(0.104 * 40.0),
+        "acceleration by wind, 2 m/s²",
+    )
     assert wind_marks.legend(blown([0.5], 10.0, "m/s"), 40.0) == (pytest.approx(0.13 * 40.0), "wind, 10 m/s")
     assert wind_marks.legend(blown([0.0], 0.0, "m/s²"), 40.0) == (0.0, "wind: noise alone")
     assert wind_marks.legend(blown([], 0.0, ""), 40.0) == (0.0, "no wind")

@@ -5,11 +5,14 @@ from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
 
 from ocean_sim import waves
 from ocean_sim.basin.points import pairs
 from ocean_sim.observers import frames, manifest
 from ocean_sim.parts import Preflight
+from ocean_sim.pictures import foam
 
 
 def test_a_frame_is_the_first_state_at_or_after_its_time(tmp_path, watched):
@@ -164,3 +167,54 @@ def test_a_sea_that_is_there_from_the_beginning_bears_foam_of_every_age(tmp_path
     later = frames.Config().build(tmp_path, simulation)
     later.whiten_before(simulation, points)
     assert not later.white.white.any()
+
+
+@pytest.mark.parametrize("turned", [0.0, 0.6])
+def test_the_hollow_in_which_a_hull_lies_is_no_trough_beside_a_crest(tmp_path, watched, turned):
+    """Where the water does not tell the ship's part apart: the heights are those of the sea around her, and no others
+    change."""
+    simulation = with_a_ship(watched(), 0.5, -0.5)
+    sailing = simulation.ships["ship"]
+    sailing.body.matrix = Rotation.from_euler("y", turned).as_matrix()
+    sailing.drawn = lambda: (np.array([[-0.4, 0.0, -1.0], [0.4, 0.0, 1.0], [0.0, -0.5, 0.0]]), np.arange(3)[None])
+    seen = frames.Config(spacing=0.25).build(tmp_path, simulation)
+    x, z = seen.points.T
+    calm = 0.1 * np.sin(0.4 * x - 0.3 * z).reshape(seen.shape)
+    ahead, aside = foam.from_ship(x, z, sailing.body.position, sailing.body.matrix)
+    hull = ((np.abs(ahead) < 1.0) & (np.abs(aside) < 0.4)).reshape(seen.shape)
+    found = seen.crests(simulation, seen.points, calm - 2.0 * hull, np.zeros(2))
+    changed = found != calm - 2.0 * hull
+    assert hull.sum() >= 10 and changed[hull].all() and changed.sum() < 4 * hull.sum()
+    assert np.abs(found - calm).max() < 0.03
+
+
+def test_the_waves_of_a_ship_bear_no_whitecaps_however_long_she_goes(tmp_path, watched, monkeypatch):
+    """Her hollow is as steep as her hull: the sea around her is as white as without her."""
+    spectrum = waves.Spectrum(kind="jonswap", significant_wave_height=1.5, peak_period=5.5, seed=7)
+    sea, white = spectrum.components(waves.direction(30.0, 3), 30.0), {}
+    for deep in (0.0, 3.0):
+        simulation = with_a_ship(watched(), 0.0, 0.0)
+        water = type(simulation.fluid)
+
+        def undisturbed(self, points):
+            return waves.elevation(sea, 12.0 * np.asarray(points), self.time)
+
+        def elevations(self, points, deep=deep):
+            astern = 3.0 - 2.0 * self.time - np.asarray(points)[:, 1]
+            wake = np.where(astern > 0.0, 0.3 * np.cos(3.0 * astern), 0.0) - np.exp(-(astern**2))
+            return self.undisturbed(points) + deep * wake * np.exp(-(np.asarray(points)[:, 0] ** 2))
+
+        for name, value in {"plane_waves": sea, "answers": True, "elevations": elevations}.items():
+            monkeypatch.setattr(water, name, value, raising=False)
+        monkeypatch.setattr(water, "undisturbed", undisturbed, raising=False)
+        monkeypatch.setattr(water, "velocities", lambda self, places: 0.0 * places, raising=False)
+        monkeypatch.setattr(water, "foam", lambda self, points: None, raising=False)
+        simulation.fluid.particles = None
+        seen = frames.Config(every=0.1).build(tmp_path, simulation)
+        seen.cell = seen.white.cell = 12.0 * seen.cell
+        for n in range(30):
+            simulation.time = simulation.fluid.time = 0.1 * n
+            seen.observe(simulation)
+        white[deep] = seen.white.white
+    assert white[0.0].mean() > 0.003
+    np.testing.assert_array_equal(white[3.0], white[0.0])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ocean_sim.pictures.smoothed_mesh import low_pass, smoothed
+from ocean_sim.pictures.smoothed_mesh import low_pass, rim, smoothed
 from ocean_sim.pictures.spray import stirred
 from ocean_sim.pictures.water_mesh import triangles
 from ocean_sim.surface import Mesh
@@ -37,6 +37,28 @@ def test_terraces_on_a_slope_are_smoothed_away_and_the_mean_stays():
 def test_waves_of_a_dozen_spacings_and_more_are_left_alone():
     wave = lambda x: 0.05 * np.cos(2.0 * np.pi * x / (18.0 * SPACING))
     assert np.abs(over(smoothed(sheet(wave), *BOX, MOST), wave)).max() < 0.05 * 0.05
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.3])
+def test_the_rim_of_water_in_a_tank_is_a_line_around_its_walls(tilt):
+    """As long as the sides of the surface, level or not; none along the edges of the tank."""
+    from ocean_sim.surface import Mesh
+
+    n, (low, up) = 9, ((0.0, 0.0, 0.0), (1.0, 1.0, 2.0))
+    x, z = np.meshgrid(np.linspace(0.0, 1.0, n), np.linspace(0.0, 2.0, n), indexing="ij")
+    top = np.stack([x, 0.4 + tilt * (x - 0.5), z], axis=-1).reshape(-1, 3)
+    k = np.arange(n * n).reshape(n, n)
+    a, b, c, d = (part.ravel() for part in (k[:-1, :-1], k[1:, :-1], k[1:, 1:], k[:-1, 1:]))
+    surface = np.concatenate([np.stack([a, d, b], 1), np.stack([b, d, c], 1)])
+    walls = []
+    for edge in (k[0], k[-1], k[:, 0], k[:, -1]):
+        here, there = edge[:-1], edge[1:]
+        walls += [np.stack([here, there, here + n * n], 1), np.stack([there, there + n * n, here + n * n], 1)]
+    vertices = np.concatenate([top, top * [1.0, 0.0, 1.0]])
+    faces = np.concatenate([surface, *walls, surface[:, ::-1] + n * n])
+    ends = vertices[rim(Mesh(vertices, faces, np.zeros(vertices.shape)), low, up)]
+    assert np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum() == pytest.approx(4.0 + 2.0 * np.hypot(1.0, tilt))
+    np.testing.assert_allclose(ends[..., 1], 0.4 + tilt * (ends[..., 0] - 0.5), atol=1e-12)
 
 
 def test_no_vertex_goes_farther_than_it_may():

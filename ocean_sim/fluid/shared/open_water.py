@@ -109,10 +109,17 @@ class OpenWater(Fluid):
         """(m, 2) points x, z [m] -> (m,) heights [m]."""
         return self.heights(np.asarray(points, dtype=float) - self.drift)
 
+    def undisturbed(self, points: np.ndarray) -> np.ndarray:
+        return self.elevations(points)
+
     def heights(self, points: np.ndarray) -> np.ndarray:
         """The same of points in the axes of the water."""
+        return self.sum_of(points, self.tiles)
+
+    def sum_of(self, points: np.ndarray, tiles: "Sequence[OnTile]") -> np.ndarray:
+        """The same of the plane waves and of these tiles."""
         eta = waves.elevation(self.waves.sea, points, self.time)
-        for one in self.tiles:
+        for one in tiles:
             there = one.seen(points)
             if there.any():
                 eta[there] += one.elevation(points[there], self.time)

@@ -13,8 +13,8 @@ from ocean_sim.platform.shared.kinematics import Hexapod
 LONGEST = 120.0  # [s] of a curve over time
 MOST = 20000  # points of a path
 AXES = ("x [m]", "y [m]", "z [m]", "roll [deg]", "pitch [deg]", "yaw [deg]")
-FORCES = ("felt force x [m/s²]", "y", "z, less g")
-RATES = ("felt rate x [deg/s]", "y", "z")
+FORCES = ("specific force on the platform, x [m/s²]", "y", "z, less g")
+RATES = ("its angular rate, x [deg/s]", "y", "z")
 STRIPS = (("pitch", 4), ("roll", 3), ("yaw", 5))
 SWING = np.radians(12.0)
 SECONDS, FRAME_RATE = 10.0, 20  # of a film
@@ -64,7 +64,7 @@ def in_degrees(pose: np.ndarray) -> np.ndarray:
 
 
 def motion(done: Commands) -> Any:
-    """Poses, felt against wanted motion, and where the platform was limited."""
+    """Poses, specific force and rates against those that are wanted, and where the platform was limited."""
     picture, axes = figure(4, 1, (10, 11.5), sharex=True)
     pose, resting = in_degrees(done.pose), [0.0, 0.0, GRAVITY]
     for axis, columns in ((axes[0, 0], range(3)), (axes[1, 0], range(3, 6))):

@@ -16,7 +16,7 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from ocean_sim.waves import profiles
+from ocean_sim.waves import MANY, profiles
 
 RIM = 0.15  # of the side, at each edge of the tile, in which waves are calmed
 PER_TILE = 6.0  # waves on a tile, for which the rim is made
@@ -219,8 +219,14 @@ class OnTile:
         return self.tile.at(self.tile.values(self.shown(time).e), points)
 
     def below(self, points: np.ndarray, y: np.ndarray, time: float) -> Below:
-        """At heights y (m,) [m] of the unstretched column: summed mode by mode, so nothing is interpolated."""
+        """At heights y (m,) [m] of the unstretched column: summed mode by mode, so nothing is interpolated; of many
+        points that are all on the surface as their elevation is."""
         tile, now = self.tile, self.shown(time)
+        if len(points) >= MANY and not y.any():
+            rising = tile.omega**2 / tile.gravity * tile.directed * now.potential
+            modes = -now.growth / tile.gravity, *tile.slopes(now.potential), rising
+            head, along, across, up = (tile.at(tile.values(of), points) for of in modes)
+            return Below(head, np.stack([along, up, across], axis=1))
         first = np.array([axis[0] for axis in tile.nodes()])
         twice = np.where((np.arange(tile.k.shape[1]) == 0) | (2 * np.arange(tile.k.shape[1]) == tile.rows), 1.0, 2.0)
         scale = twice * tile.directed / (tile.cells * tile.rows)

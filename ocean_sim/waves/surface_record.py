@@ -23,6 +23,8 @@ class Frame(Protocol):
     """(n, 3) of particles [m]; None where they are not kept."""
     velocity: np.ndarray | None
     """(n, 3) of particles [m/s]; None where they are not kept."""
+    origin: np.ndarray
+    """(2,) x and z by which all these lie beside the grid [m]: a patch of open sea is kept around its ships."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,7 @@ class SurfaceRecord:
     time: np.ndarray
     """(n,) [s]."""
     radius: float
-    """Of the circle about the middle of the basin [m]."""
+    """Of the circle about the middle of the basin, or of a patch as it is kept around its ships [m]."""
     circulation: np.ndarray | None
     """(n,) [m2/s] closed integral of the velocity along that circle, by the right hand about the vertical: the mean
     velocity along it of the particles in a ring, over all depths, times its length. None in 2-D, or where frames
@@ -111,6 +113,7 @@ def turn(grid: Grid, frame: Frame) -> float:
     if grid.is_slice or frame.position is None or frame.velocity is None:
         return np.nan
     try:
-        return circulation(frame.position, frame.velocity, grid.radius, BAND * grid.spacing, grid.middle)
+        x, z = np.array(grid.middle) + frame.origin
+        return circulation(frame.position, frame.velocity, grid.radius, BAND * grid.spacing, (x, z))
     except ValueError:
         return np.nan

@@ -87,6 +87,8 @@ class SurfaceRecord:
     keep no particles."""
     cover: np.ndarray
     """(n,) part of the surface where crests break: where it falls faster than 0.4 g by linear theory."""
+    shortest: float
+    """Wavelength of the shortest waves that `cover` counts [m]: four points of the frames apart."""
 
     def means(self) -> dict[str, float | None]:
         """Means over time, by name."""
@@ -105,7 +107,9 @@ def surface_record(grid: Grid, frames: Iterable[Frame], begin: float) -> Surface
     if not times:
         return None
     known = bool(np.isfinite(turning).all())
-    return SurfaceRecord(np.array(times), grid.radius, np.array(turning) if known else None, np.array(cover))
+    return SurfaceRecord(
+        np.array(times), grid.radius, np.array(turning) if known else None, np.array(cover), grid.shortest
+    )
 
 
 def turn(grid: Grid, frame: Frame) -> float:

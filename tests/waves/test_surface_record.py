@@ -62,6 +62,7 @@ def test_frames_without_particles_and_slices_have_white_caps_alone():
         assert found is not None and found.circulation is None and found.means()["circulation_m2_s"] is None
         assert found.cover[0] == pytest.approx(np.arccos(0.4 / (1.5 * np.pi / 5.0)) / np.pi, abs=0.01)
         assert found.cover[1] == 0.0
+        assert found.shortest == pytest.approx(4.0 if grid is CANAL else 0.4)  # coarser across than along
 
 
 def test_no_frame_has_no_record():

@@ -99,7 +99,8 @@ def surface_of(folder: Path, begin: float, quiet: bool) -> SurfaceRecord | None:
 def surface_sentence(surface: SurfaceRecord) -> str:
     """Means over time, for people."""
     cover = f"white caps on {100.0 * surface.cover.mean():.3g} % of the surface on average, "
-    cover += f"{100.0 * surface.cover.max():.3g} % at most: where it falls faster than {BREAKING:g} g"
+    cover += f"{100.0 * surface.cover.max():.3g} % at most: where it falls faster than {BREAKING:g} g "
+    cover += f"by waves of {surface.shortest:.3g} m and longer, four points of the frames"
     turn = surface.circulation
     if turn is None:
         return cover

@@ -23,6 +23,8 @@ class Frame(Protocol):
     """(n, 3) of particles [m]; None where they are not kept."""
     velocity: np.ndarray | None
     """(n, 3) of particles [m/s]; None where they are not kept."""
+    origin: np.ndarray
+    """(2,) x and z by which all these lie beside the grid [m]: a patch of open sea is kept around its ships."""
 
 
 @dataclass(frozen=True)
@@ -78,13 +80,15 @@ class SurfaceRecord:
     time: np.ndarray
     """(n,) [s]."""
     radius: float
-    """Of the circle about the middle of the basin [m]."""
+    """Of the circle about the middle of the basin, or of a patch as it is kept around its ships [m]."""
     circulation: np.ndarray | None
     """(n,) [m2/s] closed integral of the velocity along that circle, by the right hand about the vertical: the mean
     velocity along it of the particles in a ring, over all depths, times its length. None in 2-D, or where frames
     keep no particles."""
     cover: np.ndarray
     """(n,) part of the surface where crests break: where it falls faster than 0.4 g by linear theory."""
+    shortest: float
+    """Wavelength of the shortest waves that `cover` counts [m]: four points of the frames apart."""
 
     def means(self) -> dict[str, float | None]:
         """Means over time, by name."""
@@ -103,7 +107,9 @@ def surface_record(grid: Grid, frames: Iterable[Frame], begin: float) -> Surface
     if not times:
         return None
     known = bool(np.isfinite(turning).all())
-    return SurfaceRecord(np.array(times), grid.radius, np.array(turning) if known else None, np.array(cover))
+    return SurfaceRecord(
+        np.array(times), grid.radius, np.array(turning) if known else None, np.array(cover), grid.shortest
+    )
 
 
 def turn(grid: Grid, frame: Frame) -> float:
@@ -111,6 +117,7 @@ def turn(grid: Grid, frame: Frame) -> float:
     if grid.is_slice or frame.position is None or frame.velocity is None:
         return np.nan
     try:
-        return circulation(frame.position, frame.velocity, grid.radius, BAND * grid.spacing, grid.middle)
+        x, z = np.array(grid.middle) + frame.origin
+        return circulation(frame.position, frame.velocity, grid.radius, BAND * grid.spacing, (x, z))
     except ValueError:
         return np.nan

@@ -8,6 +8,7 @@ from pydantic import ValidationError
 
 from ocean_sim import waves
 from ocean_sim.basin import Config as BasinConfig
+from ocean_sim.basin.points import pairs
 from ocean_sim.fluid.shared.high_order import HighOrder
 from ocean_sim.fluid.shared.tile import Layer, Tile
 from ocean_sim.fluid.spectral_sea import Config, snapped
@@ -142,6 +143,21 @@ def test_kernels_read_the_tiles_as_python_does(sea, order):
     np.testing.assert_allclose(found[:, 1:4], v, atol=0.06 * np.abs(v).max())
     omega = 2.0 * pi / 4.0 if order == 3 else np.sqrt(G * 2.0 * pi / 10.0)
     assert np.abs(found[:, 4:]).max() == pytest.approx(omega * np.abs(v).max(), rel=0.1)
+
+
+def test_the_velocity_at_many_points_of_the_surface_is_that_at_each(sea):
+    """Between nodes as the elevation is, within 1 %; at a few points it is the sum over the modes. Under the surface it
+    is that for many points, too."""
+    fluid = sea(order=3, height=0.3, period=4.0, breaking=False, cells=64, step=0.05, current=(1.0, -0.5))
+    for _ in range(5):
+        fluid.advance(0.03)
+    points = np.insert(pairs(np.linspace(-15.0, 14.0, 18), np.linspace(-12.0, 11.0, 17)), 1, 0.0, axis=1)
+    points[:, 1] = fluid.elevations(points[:, [0, 2]])
+    for depth, tolerance in ((0.0, 0.01), (0.1, 1e-12)):
+        there = points - [0.0, depth, 0.0]
+        each = np.concatenate([fluid.velocities(some) for some in np.array_split(there, 3)])
+        still = np.abs(each - [1.0, 0.0, -0.5]).max()
+        np.testing.assert_allclose(fluid.velocities(there), each, rtol=0.0, atol=tolerance * still)
 
 
 @pytest.mark.parametrize("far", [0.0, 9000.0])

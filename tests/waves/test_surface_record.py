@@ -1,6 +1,6 @@
 """Circulation and white-cap cover over time of frames whose values are closed forms."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
@@ -16,6 +16,7 @@ class Seen:
     elevation: np.ndarray
     position: np.ndarray | None = None
     velocity: np.ndarray | None = None
+    origin: np.ndarray = field(default_factory=lambda: np.zeros(2))
 
 
 SIDE = np.arange(40) - 19.5
@@ -41,6 +42,19 @@ def test_the_circulation_of_water_that_turns_grows_with_its_rate():
     assert found.means() == {"circulation_m2_s": pytest.approx(found.circulation.mean()), "white_cap_cover": 0.0}
 
 
+def test_the_circle_goes_with_a_patch_that_is_kept_around_its_ship():
+    """Water that flows alike everywhere does not turn; about the middle of the basin half of the circle is missing."""
+    away, still = np.array([18.0, 0.0]), turning(0.0, 0.0)
+    assert still.position is not None
+    flow = np.tile([0.0, 0.0, 2.0], (len(still.position), 1))
+    frame = Seen(0.0, still.elevation, still.position + np.insert(away, 1, 0.0), flow, away)
+    found = surface_record(WATER, [frame], begin=0.0)
+    assert found is not None and found.circulation is not None and abs(found.circulation[0]) < 1e-9
+    frame.origin = np.zeros(2)
+    found = surface_record(WATER, [frame], begin=0.0)
+    assert found is not None and found.circulation is not None and abs(found.circulation[0]) > 50.0
+
+
 def test_frames_without_particles_and_slices_have_white_caps_alone():
     wave = 1.5 * np.cos(np.pi * FINE / 5.0)  # it falls by 0.94 g at its crests
     for grid, elevation in ((CANAL, np.tile(wave[:, None], (1, 40))), (SLICE, wave[:, None])):
@@ -48,6 +62,7 @@ def test_frames_without_particles_and_slices_have_white_caps_alone():
         assert found is not None and found.circulation is None and found.means()["circulation_m2_s"] is None
         assert found.cover[0] == pytest.approx(np.arccos(0.4 / (1.5 * np.pi / 5.0)) / np.pi, abs=0.01)
         assert found.cover[1] == 0.0
+        assert found.shortest == pytest.approx(4.0 if grid is CANAL else 0.4)  # coarser across than along
 
 
 def test_no_frame_has_no_record():

@@ -17,7 +17,7 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from ocean_sim.waves import profiles
+from ocean_sim.waves import MANY, profiles
 
 RIM = 0.15  # of the side, at each edge of the tile, in which waves are calmed
 PER_TILE = 6.0  # waves on a tile, for which the rim is made
@@ -221,8 +221,12 @@ class OnTile:
         return found
 
     def velocities(self, points: np.ndarray, y: np.ndarray, time: float) -> np.ndarray:
-        """(m, 3) [m/s] at the same places."""
+        """(m, 3) [m/s] at the same places; of many that are all on the surface as their elevation is."""
         tile, potential, found = self.tile, self.shown(time).potential, np.zeros((len(points), 3))
+        if len(points) >= MANY and not y.any():
+            rising = tile.omega**2 / tile.gravity * tile.directed * potential
+            along, across, up = (tile.at(tile.values(of), points) for of in (*tile.slopes(potential), rising))
+            return np.stack([along, up, across], axis=1)
         for n, level, upright in self.modes(points, y):
             along = (level * potential).imag
             found[n] = -(tile.kx * along).sum(), (upright * potential).real.sum(), -(tile.kz * along).sum()

@@ -14,6 +14,7 @@ from ocean_sim.fluid.shared.open_water import (
     POINTS_PER_WAVE,
     SMOOTH,
     WAVE_AT_POINT,
+    WAVE_THAT_MOVES,
     OpenWater,
     status_of,
 )
@@ -77,6 +78,9 @@ class Config(waves.GrowingTrain, FluidConfig):
 
     def point_time(self, preflight: Preflight) -> float:
         return POINT + WAVE_AT_POINT * len(self.sea(preflight.tank).amplitude)
+
+    def velocity_time(self, preflight: Preflight) -> float:
+        return WAVE_THAT_MOVES * len(self.sea(preflight.tank).amplitude)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         n, word = len(self.sea(preflight.tank).amplitude), preflight.word

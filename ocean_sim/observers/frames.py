@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from io import BytesIO
+from math import ceil, sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 SURFACE_FIELDS = 6 + foam.FINER**2  # elevation, how far foam was carried, velocity; foam
 BYTES_PER_PARTICLE = 32  # position, velocity, id and pressure
 SAMPLED = 800  # points at most at which water in closed form is asked for its velocity
+WHITE = 1.2e-6  # [s] of processor time of the foam at a point
 BEFORE, BEFORE_EVERY = 2.0 * foam.LASTS, 0.25  # [s] for which foam is made before a run begins, and in steps of
 TOPMOST = 1.2  # [spacings] under the surface: the particles that carry foam
 MANY = 20_000_000  # points of a frame: more are a slip
@@ -40,7 +42,7 @@ class Config(PeriodicConfig):
     turn: ClassVar[int] = 1
     leaves: ClassVar[str] = "frames/*.npz"
     reads_surface: ClassVar[bool] = True
-    takes: ClassVar[tuple[float, float]] = (1.3e-3, 3.8e-8)
+    takes: ClassVar[tuple[float, float]] = (1.0e-3, 5.0e-8)
     every: float = quantity("s", 0.033, gt=0.0)
     """Simulated time between frames; a frame is the first state at or after it."""
     spacing: float | None = quantity("m", None, gt=0.0)
@@ -70,8 +72,12 @@ class Config(PeriodicConfig):
         return [f"frames: about {size / 1e9:.1f} GB on disk at one frame every {self.every:g} s{cure}"]
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        heights = self.points(preflight) * preflight.fluid.point_time(preflight)
-        return [row._replace(seconds=row.seconds + heights) for row in super().ledger(preflight)]
+        points, fluid, [row] = self.points(preflight), preflight.fluid, super().ledger(preflight)
+        seconds = row.seconds + points * fluid.point_time(preflight)
+        if preflight.tank.dimension == 3:
+            asked = points / apart(points) ** 2
+            seconds += points * WHITE + asked * fluid.velocity_time(preflight)
+        return [row._replace(seconds=seconds)]
 
     def build(self, folder: Path, simulation: "Simulation") -> "Frames":
         return Frames(self, folder, simulation)
@@ -287,6 +293,11 @@ def filled(values: np.ndarray, known: np.ndarray) -> np.ndarray:
     return np.where(known[..., None], values, around)
 
 
+def apart(points: int) -> int:
+    """Every how many points along x and z water in closed form is asked for its velocity."""
+    return ceil(sqrt(points / SAMPLED))
+
+
 def sampled_velocity(
     velocities: Callable[[np.ndarray], np.ndarray], points: np.ndarray, elevation: np.ndarray
 ) -> np.ndarray:
@@ -294,7 +305,7 @@ def sampled_velocity(
     most and interpolated between them."""
     from scipy.ndimage import map_coordinates
 
-    step = int(np.ceil(np.sqrt(elevation.size / SAMPLED)))
+    step = apart(elevation.size)
     number = np.arange(elevation.size).reshape(elevation.shape)[::step, ::step]
     places = np.insert(points, 1, elevation.ravel(), axis=1)[number.ravel()]
     coarse = velocities(places).reshape(*number.shape, 3)

@@ -52,23 +52,19 @@ COLUMNS = (
 )
 
 WORKS = 3.5e-5  # [s] of processor time a row of water without particles
-FIT = 4.0e-8  # [s] a row and particle under a surface, whose fit is measured
 
 
 class Config(PeriodicConfig):
     turn: ClassVar[int] = -2
     leaves: ClassVar[str] = "accuracy.csv; sums over all particles"
     reads_surface: ClassVar[bool] = True
-    takes: ClassVar[tuple[float, float]] = (1.0e-3, 2.1e-8)
+    takes: ClassVar[tuple[float, float]] = (1.0e-3, 4.0e-8)
     every: float = quantity("s", 0.1, gt=0.0)
     """Simulated time between rows."""
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        [row] = super().ledger(preflight)
-        if not preflight.particles:
-            return [row._replace(seconds=WORKS)]
-        fitted = FIT * preflight.particles if preflight.surface is not None else 0.0
-        return [row._replace(seconds=row.seconds + fitted)]
+        rows = super().ledger(preflight)
+        return rows if preflight.particles else [row._replace(seconds=WORKS) for row in rows]
 
     def build(self, folder: Path, simulation: "Simulation") -> "Accuracy":
         return Accuracy(self, folder, simulation)

@@ -1,7 +1,6 @@
 """The motion of each ship at a fixed rate: pose, rates, specific force at a point, and every part of (4.27)."""
 
 from dataclasses import replace
-from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
@@ -82,7 +81,7 @@ class Config(PeriodicConfig):
         logs, [row] = [file_of(name) for name in preflight.ships], super().ledger(preflight)
         n = max(len(logs), 1)
         what, seconds = ", ".join(logs) or row.what, n * row.seconds
-        return [row._replace(what=what, seconds=seconds, most=inf, of_step=n * BETWEEN_ROWS)]
+        return [row._replace(what=what, seconds=seconds, several=True, of_step=n * BETWEEN_ROWS)]
 
     def build(self, folder: Path, simulation: "Simulation") -> "Motion":
         return Motion(self, folder, simulation)

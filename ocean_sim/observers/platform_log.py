@@ -1,6 +1,5 @@
 """What a motion platform would do: washout and leg lengths, one row for each row of the motion log."""
 
-from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -28,7 +27,7 @@ class Config(ObserverConfig):
     needs: ClassVar[tuple[str, ...]] = ("platform", "motion")
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        return [row._replace(most=inf) for row in super().ledger(preflight)]
+        return [row._replace(several=True) for row in super().ledger(preflight)]
 
     def build(self, folder: Path, simulation: "Simulation") -> "PlatformLog":
         scene = simulation.scene

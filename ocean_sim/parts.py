@@ -87,10 +87,15 @@ class LedgerRow(NamedTuple):
     """Processor time of one update on one thread [s]; measured on x86-64 in f32, for an estimate."""
     every: float = 0.0
     """Simulated time between updates [s]; 0: each step has one."""
+    several: bool = False
+    """Whether one step may have several updates."""
+    of_step: float = 0.0
+    """Processor time of a step [s] in addition to its updates."""
 
     def a_step(self, dt: float) -> float:
         """Processor time [s] of a step of dt [s], on the average."""
-        return self.seconds * (min(1.0, dt / self.every) if self.every else 1.0)
+        updates = dt / self.every if self.every else 1.0
+        return self.of_step + self.seconds * (updates if self.several else min(1.0, updates))
 
 
 class PartConfig(Model):
@@ -295,7 +300,7 @@ class FluidConfig(KindConfig):
         return preflight.spacing or preflight.tank.depth
 
     def point_time(self, preflight: Preflight) -> float:
-        """Processor time [s] of each of these points in closed form; that of particles goes with their number."""
+        """Processor time [s] that the height at each of these points takes."""
         return 0.0
 
     def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:

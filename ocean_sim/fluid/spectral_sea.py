@@ -48,7 +48,7 @@ FITTING = 0.01  # part of its wavenumber by which a regular wave may be changed 
 HELD = 0.5  # part of a sea's energy that a tile which repeats itself must hold
 DRAWN = 4000  # plane waves that stand for a spectrum before they are fitted to a tile
 CELL, READ = 6.0e-8, 3.0e-7  # [s] of processor time a step and cell of a tile
-STEEP_AT_POINT, MADE_AT_POINT = 4.5e-6, 2.2e-6  # [s] at a point of a frame: of a nonlinear sea, of each tile else
+STEEP_AT_POINT, MADE_AT_POINT = 6.0e-7, 4.0e-7  # [s] at a point of a frame: of a nonlinear sea, of each tile else
 
 
 class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
@@ -198,9 +198,12 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return spacing(self.sea_of(preflight.tank), self.tile_of(preflight.tank))
 
     def point_time(self, preflight: Preflight) -> float:
-        made = sum(ship.look(preflight) is not None for ship in preflight.ships.values()) + (not preflight.wind.still)
         steep = STEEP_AT_POINT if self.order == 3 else 0.0
-        return POINT + WAVE_AT_POINT * self.summed(preflight) + steep + MADE_AT_POINT * made
+        return POINT + WAVE_AT_POINT * self.summed(preflight) + steep + MADE_AT_POINT * self.made(preflight)
+
+    def made(self, preflight: Preflight) -> int:
+        """How many tiles hold what ships and winds make."""
+        return sum(ship.look(preflight) is not None for ship in preflight.ships.values()) + (not preflight.wind.still)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         word, tile = preflight.word, self.tile_of(preflight.tank)

@@ -58,7 +58,7 @@ class Config(PeriodicConfig):
     turn: ClassVar[int] = -2
     leaves: ClassVar[str] = "accuracy.csv; sums over all particles"
     reads_surface: ClassVar[bool] = True
-    takes: ClassVar[tuple[float, float]] = (3.7e-3, 5.6e-7)
+    takes: ClassVar[tuple[float, float]] = (1.0e-3, 4.0e-8)
     every: float = quantity("s", 0.1, gt=0.0)
     """Simulated time between rows."""
 

@@ -26,6 +26,7 @@ AXES = {
     "flu": "ISO 8855: x to the bow, y to port, z up; world x along our z, y along our x, z up",
 }
 UNKNOWN = np.full(7, np.nan)  # of a place
+BETWEEN_ROWS = 8.0e-5  # [s] of processor time of a step and ship, rows or not
 
 
 def file_of(ship: str) -> str:
@@ -58,7 +59,7 @@ def columns(parts: tuple[str, ...]) -> tuple[str, ...]:
 
 class Config(PeriodicConfig):
     leaves: ClassVar[str] = "motion.csv"
-    takes: ClassVar[tuple[float, float]] = (5.0e-4, 0.0)
+    takes: ClassVar[tuple[float, float]] = (1.1e-4, 0.0)
     every: float = quantity("s", 0.01, gt=0.0)
     """Simulated time between rows."""
     point: str | None = None
@@ -77,8 +78,10 @@ class Config(PeriodicConfig):
         return found
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        logs, rows = [file_of(name) for name in preflight.ships], super().ledger(preflight)
-        return [row._replace(what=", ".join(logs) or row.what, seconds=max(len(logs), 1) * row.seconds) for row in rows]
+        logs, [row] = [file_of(name) for name in preflight.ships], super().ledger(preflight)
+        n = max(len(logs), 1)
+        what, seconds = ", ".join(logs) or row.what, n * row.seconds
+        return [row._replace(what=what, seconds=seconds, several=True, of_step=n * BETWEEN_ROWS)]
 
     def build(self, folder: Path, simulation: "Simulation") -> "Motion":
         return Motion(self, folder, simulation)

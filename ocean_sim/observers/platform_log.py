@@ -7,6 +7,7 @@ import numpy as np
 
 from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.observers.shared.handed_on import TakesCommands, TakesMotion, takers
+from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.platform import COLUMNS, LIMITS, Platform
 from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, ride_of
 from ocean_sim.simulation import Observer, ObserverConfig
@@ -22,8 +23,11 @@ class Config(ObserverConfig):
     """No keys: its rate is that of `motion`."""
 
     leaves: ClassVar[str] = "platform.csv; washout and hexapod"
-    takes: ClassVar[tuple[float, float]] = (8.4e-5, 0.0)
+    takes: ClassVar[tuple[float, float]] = (5.5e-5, 0.0)
     needs: ClassVar[tuple[str, ...]] = ("platform", "motion")
+
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        return [row._replace(several=True) for row in super().ledger(preflight)]
 
     def build(self, folder: Path, simulation: "Simulation") -> "PlatformLog":
         scene = simulation.scene

@@ -23,7 +23,7 @@ FEW = 20_000  # particles, below which most memory of the water does not go with
 LONGEST = 0.8  # the courant number of the profiles `ci` and `interactive`, up to which steps were found stable
 DRAWN_ALONE = 0.36  # share of the processor time of pictures that one core takes by itself; measured
 ON_ALL_THREADS = ("wind", "fluid", "surface")  # whose work among particles all threads share; one does the rest
-START, START_OF_PARTICLES = 3.1, 3.4  # [s] imports and kernels out of their cache, and what particles add; measured
+START, START_OF_PARTICLES = 2.2, 0.8  # [s] imports and kernels out of their cache, and what particles add; measured
 
 
 def check(scene: str, profile: str | None, sets: list[str], as_json: bool) -> None:

@@ -24,7 +24,8 @@ def test_another_look_or_another_scene_makes_pictures_old(monkeypatch):
 def test_code_that_a_picture_shows_makes_it_old(monkeypatch, tmp_path):
     for entry in gallery.entries():
         for pattern in entry.code:
-            assert (found := list(gallery.PACKAGE.glob(pattern))), pattern
+            found = list(gallery.PACKAGE.glob(pattern))
+            assert found, pattern
             for path in found:
                 copy = tmp_path / path.relative_to(gallery.PACKAGE)
                 copy.parent.mkdir(parents=True, exist_ok=True)

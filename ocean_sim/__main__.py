@@ -402,7 +402,9 @@ def export(
         str | None, typer.Option(help="vtkhdf: all in one file; ply: points, one file a frame.")
     ] = None,
     surface: Annotated[str | None, typer.Option(help="ply or vtp: one mesh a frame; vtkhdf: all in one file.")] = None,
-    scene: Annotated[str | None, typer.Option(help="usd or glb: water, ships and particles in one file.")] = None,
+    scene: Annotated[
+        str | None, typer.Option(help="usd: water, ships and particles in one file; glb: water and ships.")
+    ] = None,
     z_up: Annotated[bool, typer.Option("--z-up", help="Write files in which z, not y, points up.")] = False,
     every: Annotated[int, typer.Option(min=1, help="Export every Nth frame.")] = 1,
     out: Annotated[Path | None, typer.Option(help="Where to write; by default the folder export/ of the run.")] = None,

@@ -12,7 +12,7 @@ import sys
 import textwrap
 from collections.abc import Callable
 from functools import lru_cache
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
@@ -40,6 +40,10 @@ if "HOME" not in os.environ:  # without which Taichi ends the process
     os.environ["HOME"] = os.path.expanduser("~")
     if os.environ["HOME"] == "~":
         raise Lacking("HOME is not set, and the system knows no folder of this user; set it: compiled kernels go there")
+if NAME == TAICHI:  # whose own check of its version, which nobody asks for, imports all of Python's ways to a server
+    unasked = ModuleType("taichi._version_check")
+    unasked.start_version_check_thread = lambda: None  # type: ignore[attr-defined]
+    sys.modules.setdefault(unasked.__name__, unasked)
 try:
     if TYPE_CHECKING or NAME == TAICHI:
         import taichi as ti

@@ -8,9 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 class Model(BaseModel):
     """A mapping that a user may write: frozen, strict about types, no unknown keys, no NaN and no infinity."""
 
-    model_config = ConfigDict(
-        frozen=True, extra="forbid", strict=True, allow_inf_nan=False, use_attribute_docstrings=True
-    )
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
 
 def quantity(unit: str, default: Any = ..., **bounds: Any) -> Any:

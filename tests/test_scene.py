@@ -121,6 +121,24 @@ def test_a_part_without_its_kind_is_read_as_the_one_that_its_keys_are_of(folder)
             HEAD + "fluid: thesis_6000\ngauges: {elevation: [0.0, 0.0]}",
             "s.yaml:3:21: gauges.elevation: expected a mapping, got a list, as in {NAME: [..., ...]}",
         ),
+        (
+            HEAD + "fluid: {knd: mueller}",
+            "s.yaml:2:9: fluid.knd: unknown key; did you mean 'kind'? there are ballistic, ",
+        ),
+        (HEAD + "fluid: {type: mueller}", "s.yaml:2:9: fluid.type: unknown key; did you mean 'kind'? there are "),
+        (
+            HEAD + "fluid: thesis_6000\nships: {positon: [0.0, 0.0]}",
+            "s.yaml:3:9: ships.positon: expected the name of a ship; did you mean 'ship.position', or "
+            "'ships.NAME.position'?",
+        ),
+        (
+            HEAD + "fluid: thesis_6000\nships: {kind: yacht}",
+            "s.yaml:3:9: ships.kind: expected the name of a ship; did you mean 'ship.kind', or 'ships.NAME.kind'?",
+        ),
+        (
+            HEAD + "fluid: thesis_6000\nships: {tug: 3}",
+            "s.yaml:3:14: ships.tug: expected a name or a mapping with `kind`, got 3",
+        ),
         (HEAD + "duration: 1.0", "s.yaml:1:1: fluid: missing key"),
         (HEAD + "fluid:", "s.yaml:1:1: fluid: missing key"),
         (

@@ -53,7 +53,7 @@ ROW, VISCOUS_ROW = Columns(position=3, pressure=1), Columns(position=3, pressure
 CALM = {"density": 0.1, "divergence": 0.003}  # [tolerances] errors below which water counts as calm
 BRIEF = 0.1  # of the smoothing length over the reference speed: in shorter steps calm water compresses itself less
 SLOW = 2.0  # of the reference speed: water counts as no slower when the next step is chosen, see `limits`
-STIRRED = 0.3  # of the reference speed: the root mean square speed up to which water is calm
+STIRRED = 0.3  # of the reference speed: the root mean square speed about the mean up to which water is calm
 LEAST = 0.05  # of its value on the lattice: A_ii is taken to be no less, which keeps coincident particles finite
 ROOM, SNUG = 20, 1.0e-6  # times that particles make room before a run, and the mean error that each may end with
 GAP = 0.1  # of what is missing in a gap that may close in a step; wider gaps close as fast as they are wide
@@ -362,7 +362,9 @@ class Dfsph(Sph):
             self.level[None] = self.report[TOO_DENSE] / self.particles.count.now
 
     def step(self, dt: float) -> None:
-        calm = self.totals().squared_speed < self.particles.count.now * (STIRRED * self.reference_speed) ** 2
+        total, n = self.totals(), self.particles.count.now
+        stirred = total.squared_speed - total.velocity @ total.velocity / n  # about their mean velocity
+        calm = stirred < n * (STIRRED * self.reference_speed) ** 2
         self.predict(dt, self.wind.since, self.report)
         self.solve(self.divergence, dt, calm)
         self.compress(self.status.max_speed, self.report)

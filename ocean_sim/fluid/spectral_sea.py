@@ -465,16 +465,17 @@ class SpectralSea(OpenWater):
         self.sheets[0].write(steep.number % 2, *steep.grown(1))
 
     def set_clocks(self) -> None:
-        """Where the sheets lie, and between which of their times it is."""
+        """Where the sheets lie, and between which of their times it is, now and before."""
+        drifts = np.outer((self.time, self.before), self.current)
         if self.steep is not None:
             first, last = self.steep.share(self.time), self.steep.share(self.before)
             late = (first, last) if self.steep.number % 2 else (1.0 - first, 1.0 - last)
-            self.sheets[0].set_clock(late, self.drift, self.middle())
+            self.sheets[0].set_clock(late, drifts, self.middle())
         late = (self.time - self.then) / self.step, (self.before - self.then) / self.step
         if self.raised is not None:
-            self.sheets[-1].set_clock(late, self.drift, self.raised.layer.centre)
+            self.sheets[-1].set_clock(late, drifts, self.raised.layer.centre)
         for made, sheet in self.felt:
-            sheet.set_clock(late, self.drift, made.layer.centre)
+            sheet.set_clock(late, drifts, made.layer.centre)
 
     def limits(self) -> Limits:
         return self.still

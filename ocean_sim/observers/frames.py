@@ -4,6 +4,7 @@ one file a frame. The names of a ship's arrays begin with the key of the ship.""
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
 
 SURFACE_FIELDS = 6 + foam.FINER**2  # elevation, how far foam was carried, velocity; foam
 BYTES_PER_PARTICLE = 32  # position, velocity, id and pressure
-SAMPLED = 800  # points at most at which water in closed form is asked for its velocity
 BEFORE, BEFORE_EVERY = 2.0 * foam.LASTS, 0.25  # [s] for which foam is made before a run begins, and in steps of
 TOPMOST = 1.2  # [spacings] under the surface: the particles that carry foam
 MANY = 20_000_000  # points of a frame: more are a slip
@@ -176,7 +176,7 @@ class Frames(Observer):
         if made is None and not self.white.started:
             self.whiten_before(simulation, points)
         if copied is None:
-            velocity = sampled_velocity(simulation.fluid.velocities, points, elevation)
+            velocity = surface_velocity(simulation.fluid.velocities, points, elevation)
         else:
             top = elevation - TOPMOST * simulation.fluid.spacing
             velocity = topmost_velocity(copied, points, top, simulation.basin.periods)
@@ -215,7 +215,7 @@ class Frames(Observer):
         wind = self.wind_speed or raised_by(sea, begins)
         for time in begins + np.arange(-BEFORE, 0.0, BEFORE_EVERY):
             elevation = waves.elevation(sea, points, time).reshape(self.shape)
-            velocity = sampled_velocity(partial(waves.velocity, sea, time=float(time)), points, elevation)
+            velocity = surface_velocity(partial(waves.velocity, sea, time=float(time)), points, elevation)
             self.whiten(time, elevation, velocity, wind)
 
     def whiten(self, time: float, elevation: np.ndarray, velocity: np.ndarray, wind: float) -> None:
@@ -240,8 +240,10 @@ class Frames(Observer):
                 path.unlink()
 
     def write(self, name: str, **arrays: object) -> None:
-        with whole(self.folder / f"{name}.npz") as draft, draft.open("wb") as file:
-            np.savez(file, **arrays)  # type: ignore[arg-type]
+        file = BytesIO()  # a file on disk would be sought in and written to for every array
+        np.savez(file, **arrays)  # type: ignore[arg-type]
+        with whole(self.folder / f"{name}.npz") as draft:
+            draft.write_bytes(file.getbuffer())
 
 
 def appearance(simulation: "Simulation", ship: Ship) -> dict[str, object]:
@@ -304,21 +306,11 @@ def filled(values: np.ndarray, known: np.ndarray) -> np.ndarray:
     return np.where(known[..., None], values, around)
 
 
-def sampled_velocity(
+def surface_velocity(
     velocities: Callable[[np.ndarray], np.ndarray], points: np.ndarray, elevation: np.ndarray
 ) -> np.ndarray:
-    """The same of water in closed form, `velocities` (n, 3) [m/s] at places (n, 3) [m], asked for at SAMPLED points at
-    most and interpolated between them."""
-    from scipy.ndimage import map_coordinates
-
-    step = int(np.ceil(np.sqrt(elevation.size / SAMPLED)))
-    number = np.arange(elevation.size).reshape(elevation.shape)[::step, ::step]
-    places = np.insert(points, 1, elevation.ravel(), axis=1)[number.ravel()]
-    coarse = velocities(places).reshape(*number.shape, 3)
-    if step == 1:
-        return coarse
-    at = np.indices(elevation.shape) / step
-    return np.stack([map_coordinates(coarse[..., k], at, order=3, mode="nearest") for k in range(3)], axis=-1)
+    """The same of water in closed form, `velocities` (n, 3) [m/s] at places (n, 3) [m]."""
+    return velocities(np.insert(points, 1, elevation.ravel(), axis=1)).reshape(*elevation.shape, 3)
 
 
 def plane_waves(fluid: Fluid) -> dict[str, np.ndarray]:

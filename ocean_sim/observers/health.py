@@ -134,7 +134,7 @@ class Health(Concluding):
                 self.unaccounted(self.balance, with_particles(simulation.fluid).totals())
         if self.levelled and isnan(self.first_level):
             particles = with_particles(simulation.fluid).particles
-            self.first_level = level_ratio(particles.position.to_numpy(), particles.spacing, simulation.basin)
+            self.first_level = level_ratio(particles.copied().position, particles.spacing, simulation.basin)
         if self.n > 0 and simulation.steps > 0:
             if self.suspicious() or simulation.steps % POSITIONS_EVERY == 0:
                 sentence = next(self.violations(), None)

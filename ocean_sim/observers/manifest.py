@@ -99,8 +99,9 @@ def state_sha256(simulation: "Simulation") -> str:
         points = np.linspace(simulation.basin.lower, simulation.basin.upper, 101)[:, [0, 2]]
         state = [simulation.fluid.elevations(points)]
     else:
-        order = np.argsort(particles.id.to_numpy(), kind="stable")
-        state = [particles.position.to_numpy()[order], particles.velocity.to_numpy()[order]]
+        copied = particles.copied()
+        order = np.argsort(copied.id, kind="stable")
+        state = [copied.position[order], copied.velocity[order]]
     for ship in simulation.ships.values():
         state += [ship.body.position, ship.body.orientation, ship.body.velocity, ship.body.angular_momentum]
     return sha256(b"".join(np.ascontiguousarray(array).tobytes() for array in state))

@@ -111,12 +111,9 @@ class Moment(NamedTuple):
     acceleration: np.ndarray
     turning: np.ndarray
     load: Load
-    velocity: np.ndarray = UNKNOWN  # (7,) of position and quaternion at this time
-
-    @property
-    def place(self) -> np.ndarray:
-        """(7,) position [m] and quaternion."""
-        return np.concatenate([self.body.position, self.body.orientation])
+    place: np.ndarray  # (7,) position [m] and quaternion
+    bend: np.ndarray  # (7,) their second derivatives
+    velocity: np.ndarray = UNKNOWN  # (7,) their first derivatives at this time
 
     @property
     def passing(self) -> Passing:
@@ -129,22 +126,25 @@ class Moment(NamedTuple):
         change = self.body.change(self.body.velocity + gained[0], self.body.angular_velocity + gained[1])
         return Passing(self.time, self.place, change)
 
-    @property
-    def bend(self) -> np.ndarray:
-        """(7,) its second derivatives."""
-        return self.body.bend(self.acceleration, self.turning)
+
+def moment(time: float, body: "RigidBody", orders: tuple[float, float], ship: Ship) -> Moment:
+    """A ship whose body and orders were these at a time [s], with what has acted on it since."""
+    place = np.concatenate([body.position, body.orientation])
+    bend = body.bend(ship.acceleration, ship.turning)
+    return Moment(time, body, orders, ship.acceleration, ship.turning, ship.last, place, bend)
 
 
 def joined(before: Moment, now: Moment) -> tuple[Moment, Moment]:
     """Two moments that follow each other, with the velocities of their own times. Those of the bodies have led from one
     pose to the next, so they are the mean of a step; from there on accelerations change evenly."""
     step = now.time - before.time
-    if now.body.orientation @ before.body.orientation < 0.0:  # the short way around
-        now = now._replace(body=replace(now.body, orientation=-now.body.orientation))
-    mean, first, last = (now.place - before.place) / step, before.bend, now.bend
+    if now.place[3:] @ before.place[3:] < 0.0:  # the short way around
+        body, other = replace(now.body, orientation=-now.body.orientation), np.repeat([1.0, -1.0], [3, 4])
+        now = now._replace(body=body, place=other * now.place, bend=other * now.bend)
+    mean = (now.place - before.place) / step
     if np.isnan(before.velocity).any():
-        before = before._replace(velocity=mean - step * (2.0 * first + last) / 6.0)
-    return before, now._replace(velocity=mean + step * (first + 2.0 * last) / 6.0)
+        before = before._replace(velocity=mean - step * (2.0 * before.bend + now.bend) / 6.0)
+    return before, now._replace(velocity=mean + step * (before.bend + 2.0 * now.bend) / 6.0)
 
 
 class Log:
@@ -187,7 +187,7 @@ class Log:
         if self.last is None:
             return
         ship = self.ship
-        now = Moment(*self.last, ship.acceleration, ship.turning, ship.last)
+        now = moment(*self.last, ship)
         if self.before is not None and self.before.time < now.time:
             before, now = joined(self.before, now)
             start, end = before.passing, now.passing

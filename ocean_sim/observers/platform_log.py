@@ -43,7 +43,8 @@ def heading(every: float, frame: str = FRAME) -> dict[str, object]:
         "frame": frame,
         "axes": AXES_IN_WORDS[frame],
         "pose": "from neutral; Rz(yaw) Ry(pitch) Rx(roll)",
-        "felt": "specific force, gravity included, and rates on the platform in its own axes",
+        "felt": "specific force, gravity included, and rates on the platform in its own axes, by differences of the "
+        "poses so far: accelerations are those of the row before, rates half a row late",
         "limited": "the sum of " + ", ".join(f"{bit} ({what})" for bit, what in LIMITS.items()),
         "rate": f"every {every:.9g} s",
     }

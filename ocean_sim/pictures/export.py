@@ -28,14 +28,17 @@ def export_run(
     scene: str | None = None,
     z_up: bool = False,
 ) -> list[Path]:
-    """Write `particles` (vtkhdf, ply), `surface` (ply, vtp, vtkhdf) and, all that was drawn in one file, `scene` (usd,
-    glb) of every `every`-th frame into `out`; returns the files. Ships go with a surface, a mesh each where she was.
-    `z_up`: with z up in place of y."""
+    """Write `particles` (vtkhdf, ply), `surface` (ply, vtp, vtkhdf) and, in one file, `scene` (usd: all that was drawn;
+    glb: water and ships) of every `every`-th frame into `out`; returns the files. Ships go with a surface, a mesh each
+    where she was. `z_up`: with z up in place of y."""
     frames = sorted((folder / "frames").glob("frame_*.npz"))[::every]
     if not frames:
         raise NothingToExport(f"{folder} has no frames; run with the observer `frames`")
-    out.mkdir(parents=True, exist_ok=True)
     grid = arrays(folder / "frames" / "grid.npz")
+    meshes = surface is not None or scene == "glb" or (scene == "usd" and "position" not in arrays(frames[0]))
+    if meshes and len(grid["z"]) < 2:
+        raise NothingToExport("in 2-D the surface is a line; export its particles")
+    out.mkdir(parents=True, exist_ok=True)
     files = []
     if particles is not None:
         files += export_particles(frames, grid, particles, out, z_up)
@@ -80,8 +83,6 @@ def export_surface(
 ) -> list[Path]:
     """The scene's surface, or the heights that its particles have, with foam and velocity: surface_00000 and so on, for
     ParaView with a list of their times (`vtp`) or all in one file (`vtkhdf`); and every ship where she is."""
-    if len(grid["z"]) < 2:
-        raise NothingToExport("in 2-D the surface is a line; export its particles")
     files: dict[str, list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]] = {"surface": []}
     drawn = {key: model.mesh for key, model in export_scene.models(grid).items()}
     for shot in shots(frames, grid, z_up):

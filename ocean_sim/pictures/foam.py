@@ -1,5 +1,7 @@
 """White water: where crests converge, at a wanted cover; along a hull; and how a share of foam breaks into patches."""
 
+from itertools import product
+
 import numpy as np
 
 from ocean_sim.pictures.ripples import noise
@@ -164,10 +166,17 @@ def beyond(values: np.ndarray, n: int, axis: int) -> np.ndarray:
 
 
 def finer(values: np.ndarray) -> np.ndarray:
-    """(FINER nx, FINER nz) of values (nx, nz) in the middles of cells, those in the middles of their parts."""
-    from scipy.ndimage import zoom
-
-    return np.asarray(zoom(values, FINER, order=1, mode="nearest", grid_mode=True))
+    """(FINER nx, FINER nz) of values (nx, nz) in the middles of cells, those in the middles of their halves: linear
+    between them, and beyond the outermost as these are."""
+    (nx, nz), around = values.shape, np.pad(values, 1, mode="edge")
+    shares = {(a, b): around * a * b for a, b in product((0.25, 0.75), repeat=2)}
+    fine = np.empty((FINER * nx, FINER * nz))
+    for i, k in np.ndindex(FINER, FINER):  # which half along x and z; from the two cells there, the nearer by 3/4
+        fine[i::FINER, k::FINER] = sum(
+            shares[0.25 if i == m else 0.75, 0.25 if k == n else 0.75][i + m : i + m + nx, k + n : k + n + nz]
+            for m, n in np.ndindex(2, 2)
+        )
+    return fine
 
 
 def coarser(white: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
@@ -197,7 +206,8 @@ def born_to(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np.
     """New white water where convergence is strongest, so much that the mean with the old is the wanted cover."""
     if white.mean() >= wanted or np.ptp(drawn_together) == 0.0:
         return np.zeros_like(white)
-    rank = np.argsort(np.argsort(-drawn_together, axis=None)).reshape(white.shape) / white.size
+    rank = np.empty_like(white)
+    rank.flat[np.argsort(-drawn_together, axis=None)] = np.arange(white.size) / white.size
     low, high = 0.0, 1.0
 
     def born(area: float) -> np.ndarray:

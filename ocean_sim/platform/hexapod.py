@@ -9,12 +9,11 @@ from typing import Annotated, Any, Literal, cast
 import numpy as np
 from pydantic import Field, field_validator
 
-from ocean_sim.conventions import GRAVITY
 from ocean_sim.files import yaml_file
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, PlatformConfig, Preflight, library, named
 from ocean_sim.platform import SINGULAR, Commands, Cue, WashoutConfig
-from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, rates_to_turn, rotation, smoothly
+from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, felt, smoothly
 from ocean_sim.platform.shared.limits import SAME, Governor, Legs, Workspace
 from ocean_sim.platform.shared.motion_log import Ride
 
@@ -49,9 +48,20 @@ class Config(PlatformConfig):
     def warnings(self, preflight: Preflight) -> list[str]:
         if not preflight.ships:
             return ["platform: there is no ship whose motion it could follow"]
-        first = next(iter(preflight.ships))
-        alone = len(preflight.ships) == 1 or self.ship is not None
-        return [] if alone else [f"platform: it rides in {first}, the first of the ships; platform.ship names another"]
+        found, first = self.cut_short(preflight.duration), next(iter(preflight.ships))
+        if len(preflight.ships) > 1 and self.ship is None:
+            found.append(f"platform: it rides in {first}, the first of the ships; platform.ship names another")
+        return found
+
+    def cut_short(self, duration: float) -> list[str]:
+        """A warning about a ride of this duration [s] that ends before the ramp does."""
+        if duration >= self.ramp:
+            return []
+        share = 100.0 * float(smoothly(np.array(duration / self.ramp)))
+        return [
+            f"platform: it goes from neutral into the motion over {self.ramp:.4g} s, and the ride ends after "
+            f"{duration:.4g} s, when it does {round(share, 1):g} % of it; take a longer ride or a shorter ramp"
+        ]
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         """It has no fields; the ledger of `platform_log` holds the cost of its rows."""
@@ -144,12 +154,9 @@ class Moving:
 
     def felt(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(n, 3) specific force [m/s2] and (n, 3) rate [rad/s] on the platform in its own axes, from differences of
-        its poses."""
+        its poses so far: accelerations of the row before, rates half a row late."""
         known = np.vstack([self.past, pose])
         self.past = known[-2:]
         rates = np.diff(known, axis=0)[1:, 3:] / self.every
         acceleration = np.diff(known[:, :3], n=2, axis=0) / self.every**2
-        turn = rotation(pose[:, 3:])
-        acceleration[:, 2] += GRAVITY
-        spin = (rates_to_turn(pose[:, 3:]) @ rates[:, :, None])[:, :, 0]
-        return np.einsum("nji,nj->ni", turn, acceleration), np.einsum("nji,nj->ni", turn, spin)
+        return felt(pose, acceleration, rates)

@@ -77,6 +77,11 @@ class Composition:
                 message = f"{name!r} is not a name: letters, digits and _, a letter first"
             elif name == ALONE:
                 message = f"{ALONE!r} is the name of the only ship of a scene; choose another"
+            elif (key := key_for_name(name, ship)) is not None:
+                meant = f"{ALONE}.{key}"
+                message = f"expected the name of a ship; did you mean {meant!r}, or {f'{SEVERAL}.NAME.{key}'!r}?"
+                self.problems.append(problem(ship.key_location, f"{SEVERAL}.{name}", message, meant))
+                continue
             else:
                 yield key_of(name), ship
                 continue
@@ -245,6 +250,10 @@ def chosen(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
     else:
         end = f"there are {', '.join(known(slot))}"
         if node.is_mapping:
+            mistyped = next((key for key in node.data if likeliest(str(key), keys_of(slot)) == "kind"), None)
+            if mistyped is not None:
+                message = f"unknown key; did you mean 'kind'? {end}"
+                raise SceneError([problem(node.data[mistyped].key_location, f"{place}.{mistyped}", message, "kind")])
             meant = kind_of_keys(slot, node)
             wrong = "missing key;" if meant is None else f"missing key; with these keys, did you mean {meant!r}?"
             raise SceneError([problem(node.location, f"{place}.kind", f"{wrong} {end}", meant)])
@@ -260,6 +269,18 @@ def chosen(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
     if name.data in kinds(slot):
         return Choice(node.with_data({"kind": name}), own)
     raise SceneError([unknown_name(slot, name, f"{place}.kind" if node.is_mapping else place)])
+
+
+def keys_of(slot: str) -> list[str]:
+    """Every key that some kind of a slot has, `kind` included."""
+    return list(dict.fromkeys(key for kind in kinds(slot) for key in config_of(slot, kind).model_fields))
+
+
+def key_for_name(name: str, ship: Node) -> str | None:
+    """The key of a ship that stands where the name of one should, with a value that is no ship, else None."""
+    if name != "kind" and (ship.data is None or ship.is_mapping or ship.data in known(ALONE)):
+        return None
+    return likeliest(name, keys_of(ALONE))
 
 
 def kind_of_keys(slot: str, node: Node) -> str | None:

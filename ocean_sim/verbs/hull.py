@@ -355,9 +355,8 @@ def resting(afloat: "Hydrostatics") -> dict[str, float | None]:
     if angles is None:
         return dict.fromkeys(names)
     up = matrix_of(angles)[1]
-    level, (z, breadth, _) = afloat.level(up), afloat.stations
-    half, wet = 0.5 * float(afloat.voxels.size[2]), z[breadth > 0.0]
-    ends = [(level - up[2] * end) / up[1] - afloat.keel for end in (float(wet[-1]) + half, float(wet[0]) - half)]
+    level, (stern, bow) = afloat.level(up), afloat.ends
+    ends = [(level - up[2] * end) / up[1] - afloat.keel for end in (bow, stern)]
     trim, heel = (round(degrees(asin(float(tilt))), 9) + 0.0 for tilt in (-up[2], up[0]))
     return dict(zip(names, [*map(float, ends), trim, heel]))  # bow down, starboard down
 

@@ -49,8 +49,11 @@ def platform(
     done = joined([machine.follow(rows) for rows in ride.ride.chunks()])
     found = metrics(ride.ride, done, machine.hexapod, ride.every)
     files = written(out, ride, done, found, config, machine, frame, film)
+    warnings = config.cut_short(float(done.time[-1] - done.time[0]))
     if not as_json:
         show(done, found, files)
+        for sentence in warnings:
+            console.say(f"warning: {sentence}")
     jitter = latency = None
     if sender is not None:
         jitter, latency = streamed(sender, done, machine, frame or "flu"), sender.latency()
@@ -58,6 +61,7 @@ def platform(
     if as_json:
         answer: dict[str, Any] = {"log": log, "rows": len(done.time), "every_s": ride.every, "files": files}
         answer["metrics"] = [metric._asdict() for metric in found]
+        answer["warnings"] = warnings
         answer["stream"] = jitter._asdict() if jitter is not None else None
         answer["latency"] = latency._asdict() if latency is not None else None
         console.answer(answer)

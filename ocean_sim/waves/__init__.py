@@ -155,6 +155,11 @@ class Components:
         return 2.0 * pi / float(self.omega[self.highest])
 
     @property
+    def heading_deg(self) -> float:
+        """Where the highest of them goes to [deg]: 0 along +z, 90 along +x."""
+        return float(np.degrees(np.arctan2(*self.wavevector[self.highest])))
+
+    @property
     def significant_height(self) -> float:
         """Four standard deviations of the elevation [m]."""
         return 4.0 * float(np.sqrt(0.5 * (self.amplitude**2).sum()))
@@ -251,12 +256,27 @@ def lattice_rows(points: np.ndarray) -> int | None:
 
 
 def _elevation_on_lattice(sea: Components, x: np.ndarray, z: np.ndarray, time: float) -> np.ndarray:
-    """(len(x) len(z),) the same without the ramp at every pair of x and z: cos(a + b) = cos a cos b - sin a sin b, so
-    that a cosine is needed for each row and each column only."""
+    """(len(x) len(z),) the same without the ramp at every pair of x and z."""
+    return _on_lattice(sea, sea.amplitude, np.zeros_like(sea.amplitude), x, z, time)
+
+
+def _velocity_on_lattice(sea: Components, x: np.ndarray, z: np.ndarray, time: float) -> np.ndarray:
+    """(len(x) len(z), 3) velocity [m/s] at the still surface without the ramp, at every pair of x and z."""
+    none, (kx, kz) = np.zeros_like(sea.amplitude), sea.wavevector.T
+    along = sea.amplitude * sea.gravity / sea.omega
+    parts = (along * kx, none), (none, sea.amplitude * sea.omega), (along * kz, none)
+    return np.stack([_on_lattice(sea, cosine, sine, x, z, time) for cosine, sine in parts], axis=1)
+
+
+def _on_lattice(
+    sea: Components, cosine: np.ndarray, sine: np.ndarray, x: np.ndarray, z: np.ndarray, time: float
+) -> np.ndarray:
+    """(len(x) len(z),) sum over waves of these (n,) times cosine and sine of the angle a + b at every pair of x and z:
+    cos(a + b) = cos a cos b - sin a sin b and so on, so that a cosine is needed for each row and each column only."""
     a = np.outer(x, sea.wavevector[:, 0])
     b = np.outer(sea.wavevector[:, 1], z) + (sea.phase - sea.omega * time)[:, None]
-    eta = np.einsum("in,nj->ij", np.cos(a) * sea.amplitude, np.cos(b))
-    return (eta - np.einsum("in,nj->ij", np.sin(a) * sea.amplitude, np.sin(b))).ravel()
+    total = np.einsum("in,nj->ij", np.cos(a) * cosine + np.sin(a) * sine, np.cos(b))
+    return (total - np.einsum("in,nj->ij", np.sin(a) * cosine - np.cos(a) * sine, np.sin(b))).ravel()
 
 
 def stretched(sea: Components, points: np.ndarray, eta: np.ndarray) -> np.ndarray:
@@ -266,6 +286,10 @@ def stretched(sea: Components, points: np.ndarray, eta: np.ndarray) -> np.ndarra
 
 def linear_velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
     """(m, 3) velocity [m/s] by linear theory itself at points (m, 3): free of divergence and rotation."""
+    rows = None if points[:, 1].any() else lattice_rows(points)
+    if rows is not None:
+        columns = len(points) // rows
+        return sea.grown(time) * _velocity_on_lattice(sea, points[::columns, 0], points[:columns, 2], time)
     v = np.zeros((len(points), 3))
     for some, angle in sea.angles(points, time):
         k, omega = sea.wavenumber[some], sea.omega[some]

@@ -257,7 +257,7 @@ def test_modules_with_taichi_kernels_keep_their_annotations():
 
 
 PROBE = """
-import json, sys
+import json, linecache, sys
 from ocean_sim import runtime
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
@@ -265,10 +265,12 @@ basin = {"length": 40.0, "width": 40.0, "depth": 7.5}
 scene = {"basin": basin, "fluid": {"kind": "mueller", "spacing": 1.25}, "wind": "wide"}
 config = load(scene, {"runtime.threads": 1})
 with Simulation(config) as simulation:
-    simulation.step()
+    simulation.run(0.5 * simulation.next_dt)
     facts = {
         "modules": sorted(name for name in sys.modules if name.startswith("ocean_sim.")),
         "slow": sorted({"pyvista", "matplotlib", "scipy", "h5py", "imageio", "rich", "typer"} & set(sys.modules)),
+        "servers": sorted({"ssl", "urllib.request", "http.client"} & set(sys.modules)),
+        "read": sorted(name.rpartition("ocean_sim/")[2] for name in linecache.cache if "ocean_sim/" in name),
         "allocated": runtime.allocated_bytes(),
         "ledger": sum(row.bytes for row in config.ledger()),
         "kernels": runtime.compiled_kernels(),
@@ -293,6 +295,13 @@ def test_a_scene_without_a_ship_imports_no_ship(without_a_ship):
     assert "ocean_sim.fluid.ballistic" not in without_a_ship["modules"]
     assert "ocean_sim.wind.vortex" not in without_a_ship["modules"]
     assert without_a_ship["slow"] == []
+    assert without_a_ship["servers"] == []  # Taichi alone imports all of these
+
+
+def test_no_source_is_read_but_that_of_kernels(without_a_ship):
+    """What a key means is read where that is asked for, not for every model that is made."""
+    assert "fluid/mueller.py" in without_a_ship["read"]
+    assert not {"observers/accuracy.py", "basin/tank_motion.py"} & set(without_a_ship["read"])
 
 
 def test_it_allocates_what_the_ledger_says_and_nothing_else(without_a_ship):
@@ -304,3 +313,4 @@ def test_it_compiles_no_kernel_of_a_ship(without_a_ship):
     assert "PairSph.move" in names
     words = ("ship", "hull", "cloth", "voxel", "body", "surface")
     assert not [name for name in names if any(word in name.lower() for word in words)]
+    assert "Components.copy_to" not in names  # one kernel copies all that particles hold

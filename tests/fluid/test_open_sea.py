@@ -156,7 +156,11 @@ def test_waves_are_fitted_to_the_patch_and_statements_say_so():
     found = of_patch(scene.preflight.tank, 0.1)
     assert found.wavelength == pytest.approx(LENGTH)
     said = " ".join(scene.fluid.statements(scene.preflight))
-    assert "fitted to the patch" in said and f"{PERIOD:.4g} s" in said
+    assert "fitted to the patch" in said and f"{PERIOD:.4g} s" in said and "heading" not in said
+    square = {"length": 20.0 * LENGTH, "width": 20.0 * LENGTH, "depth": 2.0 * LENGTH, "walls": "periodic"}
+    oblique = patch(REGULAR | {"heading_deg": 120.0, "period": 3.0 * PERIOD}, square, LENGTH)
+    said = " ".join(oblique.fluid.statements(oblique.preflight))
+    assert "heading 116.6 deg" in said  # two waves along x and one back along z
 
 
 def test_defaults_follow_from_the_highest_waves_and_stay_open_in_the_dump():

@@ -83,6 +83,17 @@ def test_what_was_not_kept_is_named(kept, tmp_path):
         export_run(tmp_path / "nowhere", "vtkhdf", None, folder / "export")
 
 
+def test_a_slice_has_particles_but_no_mesh(tmp_path):
+    """A file with nothing in it would look like success."""
+    (tmp_path / "frames").mkdir()
+    np.savez(tmp_path / "frames" / "grid.npz", x=np.arange(3.0), z=np.zeros(1), spacing=0.1)
+    np.savez(tmp_path / "frames" / "frame_00000.npz", time=0.0, elevation=np.zeros((3, 1)))
+    for asked in ({"surface": "vtp"}, {"surface": None, "scene": "glb"}, {"surface": None, "scene": "usd"}):
+        with pytest.raises(NothingToExport, match="export its particles"):
+            export_run(tmp_path, None, out=tmp_path / "export", **asked)
+    assert not (tmp_path / "export").exists()
+
+
 def test_what_changes_from_moment_to_moment_reads_back(tmp_path):
     """Another number of points and other triangles in each moment, and once the same as before."""
     from vtkmodules.util.numpy_support import vtk_to_numpy

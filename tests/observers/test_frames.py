@@ -1,6 +1,7 @@
 import hashlib
 import json
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -102,17 +103,20 @@ def test_frames_that_would_fill_a_disk_are_announced(watched):
     assert frames.Config(particles=False).warnings(scene) == []
 
 
-def test_the_velocity_of_a_large_sea_is_asked_for_at_few_points():
-    x, z = np.meshgrid(np.arange(60) * 0.5, np.arange(50) * 0.5, indexing="ij")
-    points, asked = np.stack([x.ravel(), z.ravel()], axis=1), []
-
-    def velocities(places):
-        asked.append(len(places))
-        return np.stack([np.sin(0.4 * places[:, 0]), places[:, 1], np.cos(0.3 * places[:, 2])], axis=1)
-
-    found = frames.sampled_velocity(velocities, points, np.zeros((60, 50)))
-    assert asked[0] <= frames.SAMPLED < 3000
-    assert np.abs(found[6:-6, 6:-6, 0] - np.sin(0.4 * x)[6:-6, 6:-6]).max() < 0.02
+def test_the_velocity_of_a_large_sea_is_that_of_its_waves_at_every_point_up_to_the_rim():
+    """Waves of which 60 fit side by side are not told from each other at a few hundred points."""
+    spectrum = waves.Spectrum(significant_wave_height=0.5, peak_period=2.0, heading_deg=30.0, seed=3)
+    sea = spectrum.components(waves.direction(30.0, 3), 20.0)
+    x, z = np.arange(101) * 2.0 - 100.0, np.arange(91) * 2.0 - 90.0
+    points = pairs(x, z)
+    elevation = waves.elevation(sea, points, 3.0).reshape(101, 91)
+    found = frames.surface_velocity(partial(waves.velocity, sea, time=3.0), points, elevation)
+    for i, k in [(0, 0), (100, 90), (37, 44), (98, 3)]:
+        angle = sea.wavevector @ [x[i], z[k]] - sea.omega * 3.0 + sea.phase
+        rising = (sea.amplitude * sea.omega * np.sin(angle)).sum()
+        towards = sea.wavevector[0] / sea.wavenumber[0]
+        along = (sea.amplitude * sea.omega / np.tanh(sea.wavenumber * 20.0) * np.cos(angle)).sum() * towards
+        np.testing.assert_allclose(found[i, k], [along[0], rising, along[1]], atol=1e-9)
 
 
 def test_particles_of_a_patch_are_kept_around_the_ship_and_triangles_stay_whole():

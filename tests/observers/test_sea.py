@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.ndimage import map_coordinates
+from scipy.ndimage import map_coordinates, zoom
 
 from ocean_sim import waves
 from ocean_sim.basin import points as points_module
@@ -449,6 +449,13 @@ def test_foam_of_a_coarse_grid_is_not_round_and_covers_as_much():
     (round_spots, laced), (before, after) = np.mean(uneven, axis=0), np.mean(cover, axis=0)
     assert laced > 2.0 * round_spots
     assert after == pytest.approx(before, rel=0.15)
+
+
+def test_foam_between_the_middles_of_cells_is_scipy_s_byte_for_byte():
+    cells = np.random.default_rng(2).normal(size=(20, 31))
+    cells[3:6] = 0.0
+    expected = zoom(cells, foam.FINER, order=1, mode="nearest", grid_mode=True)
+    assert foam.finer(cells).tobytes() == expected.tobytes()
 
 
 def test_foam_goes_with_the_water_and_its_grain_with_it():

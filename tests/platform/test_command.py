@@ -111,6 +111,15 @@ def test_a_ride_of_two_rows_is_one(ask, tmp_path):
     assert {path.name for path in (tmp_path / "two").iterdir()} >= PICTURES | {"film.gif", "platform.csv"}
 
 
+def test_a_ramp_that_outlasts_the_ride_is_told(ask, log):
+    _, out, _ = ask(log, "--ramp", "20")
+    assert "over 20 s, and the ride ends after 10 s, when it does 50 % of it" in out
+    _, out, _ = ask(log, "--ramp", "1e9")
+    assert "when it does 0 % of it" in out and "; 0 % of the stroke" in out
+    _, out, _ = ask(log, "--ramp", "10")
+    assert "warning" not in out
+
+
 def test_it_streams_at_the_pace_of_the_log_and_comes_to_rest(ask, tmp_path):
     short, listener = write(tmp_path / "short.csv", columns(0.5)), Listener(351)
     code, out, _ = ask(short, "--stream", listener.url)

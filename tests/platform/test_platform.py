@@ -6,7 +6,7 @@ import pytest
 
 from ocean_sim.files.csv_file import columns as read_columns
 from ocean_sim.parts import Preflight
-from ocean_sim.platform import LEG_ACCELERATION, LEG_SPEED, SINGULAR, STROKE, Cue
+from ocean_sim.platform import LEG_ACCELERATION, LEG_SPEED, SINGULAR, STROKE, Commands, Cue
 from ocean_sim.platform.hexapod import Config
 from ocean_sim.platform.shared.limits import Governor, Legs, Workspace, softened
 from ocean_sim.platform.shared.metrics import delay, dose, gain, metrics, sickness_weighting
@@ -320,6 +320,28 @@ def test_metrics_of_a_ride():
     assert 0.3 < found["stroke_used"] < 1.0 and np.isnan(found["rate_z_correlation"]) is not True
     late = np.roll(rows.rate[:, 0], 25)
     assert delay(late, rows.rate[:, 0], DT) == pytest.approx(0.25, abs=0.011)
+
+
+@pytest.mark.parametrize("every", [0.01, 0.05])
+def test_a_platform_that_does_what_it_is_asked_for_is_neither_late_nor_wrong(every):
+    """Heave and pitch in closed form. (Differences of the poses up to each row are late: by 0.1 of the motion.)"""
+    omega, n = 2.0, round(60.0 / every)
+    t = np.arange(n) * every
+    s, c = np.sin(omega * t), np.cos(omega * t)
+    pose, none = np.zeros((n, 6)), np.zeros(n)
+    pose[:, 2], pose[:, 4] = 0.2 * s, 0.05 * s
+    machine = Config().build(every)
+    force, rate = machine.felt(pose)
+    up = G - 0.2 * omega**2 * s
+    asked = np.stack([-np.sin(pose[:, 4]) * up, none, np.cos(pose[:, 4]) * up], axis=1)
+    cue = Cue(pose, np.zeros(n, int), asked, np.stack([none, 0.05 * omega * c, none], axis=1))
+    legs = machine.hexapod.legs(pose)
+    done = Commands(t, np.arange(n), pose, legs, np.zeros_like(legs), force, rate, cue.limited, cue)
+    still = Ride(t, np.arange(n), np.tile([0.0, 0.0, G], (n, 1)), np.zeros((n, 3)), np.zeros((n, 3)))
+    found = {m.quantity: m.value for m in metrics(still, done, machine.hexapod, every)}
+    for name in ("force_x", "force_z", "rate_y"):
+        assert found[f"{name}_delay"] == 0.0
+        assert found[f"{name}_error_rms"] < 0.03 * found[f"{name}_scaled_rms"]
 
 
 @pytest.mark.parametrize("every", [1, 7, 1000])

@@ -82,6 +82,24 @@ def test_wigleys_hull_floats_and_stands_by_the_book():
     assert top_heavy.afloat(16, *WATER).metacentric_height() < 0.0
 
 
+def test_a_waterline_ends_within_the_slices_at_the_ends():
+    """Of a box, of a wedge at each end, and of the yacht: straight lines between the points of her outline, from
+    -6.876 to 6.530 m at 1.052 m, which six cubes over the draught take for whole slices, 14.175 m."""
+    assert hull_of("barge20").afloat(6, *WATER).length == pytest.approx(20.0)
+    assert hull_of("wigley").afloat(6, *WATER).length == pytest.approx(3.0, rel=5e-3)
+    stern, bow = hull_of("yacht").afloat(6, *WATER).ends
+    assert stern == pytest.approx(-6.876, abs=0.15) and bow == pytest.approx(6.530, abs=0.15)
+
+
+def test_stations_lie_in_the_middle_of_slices_and_reach_the_keel():
+    """Wigley's hull is the same at bow and stern, and her keel is sharp."""
+    wigley = hull_of("wigley").afloat(8, *WATER)
+    z, breadth, draught = wigley.stations
+    np.testing.assert_allclose(z, -z[::-1], atol=1e-12)
+    np.testing.assert_allclose(breadth, breadth[::-1], atol=1e-9)
+    assert draught.max() == wigley.draught
+
+
 def test_what_is_too_heavy_sinks():
     assert hull(BOX, mass=641e3).afloat(8, *WATER).draught == np.inf
     assert hull(BOX, mass=639e3).afloat(8, *WATER).draught < 4.0

@@ -34,6 +34,18 @@ def test_the_algebra_agrees_with_scipy(p, q, s, v):
     assert np.linalg.det(rigid.matrix(p)) == pytest.approx(1.0)
 
 
+@settings(max_examples=20, deadline=None)
+@given(UNIT, TURN, TURN)
+def test_a_body_that_passes_a_place_turns_as_its_momentum_says(q, velocity, omega):
+    at_rest = rigid.RigidBody(3.0, np.diag([2.0, 3.0, 4.0]), np.zeros(3), q, np.zeros(3), np.zeros(3))
+    place = np.concatenate([velocity, 1.7 * q])  # of any length
+    body = at_rest.passing(place, at_rest.change(velocity, omega) * np.repeat([1.0, 1.7], [3, 4]))
+    np.testing.assert_allclose(body.angular_velocity, omega, atol=1e-12)
+    told = rigid.angular_velocity(body.orientation, body.angular_momentum, body.inertia_body)
+    np.testing.assert_allclose(told, omega, atol=1e-12)
+    np.testing.assert_array_equal(body.matrix, rigid.matrix(body.orientation))
+
+
 @settings(max_examples=50, deadline=None)
 @given(st.floats(-1.5, 1.5), st.floats(-3.1, 3.1), st.floats(-3.1, 3.1))
 def test_angles_are_yaw_then_pitch_then_roll_about_the_turned_axes(pitch, yaw, roll):

@@ -50,7 +50,7 @@ def test_lift_of_a_round_hull_is_that_of_a_low_aspect_wing():
 
 
 def test_bilge_keels_damp_and_beyond_the_regressions_a_sentence_says_so():
-    still = hull_of("wigley").afloat(8.0, 1000.0, 9.81)
+    still = hull_of("wigley").afloat(12.0, 1000.0, 9.81)
     bare = RollDamping(Ikeda(), still, 0.0, True)
     broad, long = bare.form.breadth, bare.form.length
     keels = BilgeKeels(length=0.3 * long, breadth=0.03 * broad)

@@ -175,6 +175,23 @@ def test_a_ship_in_a_long_wave_follows_its_slope():
         assert found[1] / (0.5 * 2.0 * np.pi / 400.0) == pytest.approx(1.0, abs=0.05)
 
 
+def test_water_that_rises_along_a_hull_does_not_pitch_about_her():
+    """In a wave of 27 lengths water pitches by k times its heave, a quarter period earlier, and no more, however much
+    more of her broad stern is wet than of her bow."""
+    k = 2.0 * np.pi / 400.0
+    period = float(2.0 * np.pi / np.sqrt(9.81 * k))
+    fluid = {"kind": "linear_waves", "height": 1.0, "period": period, "ramp": 0.0}
+    basin = {"length": 400.0, "width": 400.0, "depth": 400.0, "walls": "none"}
+    scene = calm({"kind": "yacht", "free": []}, fluid=fluid, basin=basin)
+    with Simulation(load(scene, QUIET | {"time_step": {"kind": "fixed", "dt": period / 24.0}})) as simulation:
+        water = np.zeros((24, 6))
+        for row in water:
+            simulation.step()
+            row[:] = -simulation.ship.relative
+    heave, pitch = water[:, 1], water[:, 3]
+    np.testing.assert_allclose(pitch, k * np.roll(heave, -6), atol=0.02 * k * heave.max())
+
+
 @pytest.fixture(scope="module")
 def logged(tmp_path_factory):
     """A yacht that steers to port from rest, its forces and its motion at the helm, in three frames; in the last its

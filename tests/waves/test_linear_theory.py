@@ -219,3 +219,16 @@ def test_a_run_that_ends_while_its_waves_grow_is_told_how_high_they_are(water):
     told = [line for line in load(scene).warnings() if "grow from calm water" in line]
     assert len(told) == 1 and "first 4 s" in told[0] and "ends at 2 s, when they have 50 % of their height" in told[0]
     assert not [line for line in load(scene | {"duration": 4.0}).warnings() if "grow from calm water" in line]
+
+
+def test_the_velocity_of_the_surface_on_a_lattice_is_that_at_its_points():
+    rng = np.random.default_rng(4)
+    sea = waves.Components(0.02 * rng.random(40), rng.normal(size=(40, 2)), rng.random(40), 3.0, ramp=20.0)
+    points = np.insert(pairs(np.linspace(-20.0, 20.0, 23), np.linspace(-9.0, 9.0, 31)), 1, 0.0, axis=1)
+    shuffled = rng.permutation(len(points))
+    there = waves.linear_velocity(sea, points[shuffled], 7.3)
+    np.testing.assert_allclose(waves.linear_velocity(sea, points, 7.3)[shuffled], there, atol=1e-12)
+    points[:, 1] = waves.elevation(sea, points, 7.3)
+    np.testing.assert_allclose(waves.velocity(sea, points, 7.3)[shuffled], there, atol=1e-12)
+    points[:, 1] = -0.5  # under the surface no lattice is taken
+    assert np.abs(waves.linear_velocity(sea, points, 7.3)[shuffled] - there).max() > 0.01

@@ -95,6 +95,8 @@ class Band:
             return [f"{head}; the sea is calm"]
         count = f"{len(self.sea.amplitude)} plane waves, the highest" if self.sea.random else "one wave,"
         size = f"{self.sea.wavelength:.4g} m and {self.sea.period:.4g} s"
+        if len(self.sides) > 1:
+            size += f", heading {self.sea.heading_deg:.4g} deg"
         found = [f"{head}; the sea is fitted to the patch: {count} of {size}"]
         if self.nonlinear is not None:
             cells = " x ".join(str(n) for n in cells_of(self)[: len(self.sides)])

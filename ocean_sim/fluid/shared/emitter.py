@@ -20,6 +20,7 @@ from ocean_sim.model import Model, quantity
 Vector = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 MOST_PARTICLES = 2**26  # their neighbours are counted in 32 bits
 LATE = 1e-9  # [layers] rounding of the time
+TOUCHING = 1e-6  # [spacings] rounding of a place
 
 
 class Emitter(Model):
@@ -121,3 +122,13 @@ def problems(basin: Basin, jet: Jet) -> Iterator[tuple[tuple[str, ...], str]]:
             ("position",),
             f"the mouth, {jet.area:.3g} {'m2' if jet.dimension == 3 else 'm'}, reaches out of the basin along {axes}",
         )
+        return
+    behind = jet.sites - jet.spacing * jet.velocity / np.linalg.norm(jet.velocity)
+    for side in basin.sides:
+        beyond = float(((behind[:, side.axis] - side.position) * (1.0 if side.upper else -1.0)).max())
+        if beyond > TOUCHING * jet.spacing:
+            sentence = f"the mouth is too near {side.name}, the wall behind it, whose mirror image pushes what leaves: "
+            yield (
+                ("position",),
+                f"{sentence}a spacing, {jet.spacing:g} m, must be free; move it {beyond:.3g} m further in",
+            )

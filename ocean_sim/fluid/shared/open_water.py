@@ -100,7 +100,7 @@ class OpenWater(Fluid):
         return Window(self, size, step, depths)
 
     def arriving(self, x: float, z: float) -> Arriving:
-        sea, (dx, dz) = self.waves.sea, np.array([x, z]) - self.drift
+        sea, (dx, dz) = self.waves.sea, np.array([x, z]) - self.before * np.array(self.current)
         angle = sea.wavevector[:, 0] * dx + sea.wavevector[:, 1] * dz + sea.phase - sea.omega * self.before
         heading = np.arctan2(sea.wavevector[:, 0], sea.wavevector[:, 1])
         return Arriving(sea.grown(self.before) * sea.amplitude, angle, sea.omega, heading)
@@ -133,7 +133,7 @@ class OpenWater(Fluid):
         v += [self.current[0], 0.0, self.current[1]]
         for one in self.tiles:
             there = one.seen(at)
-            v[there] += one.below(at[there], y[there], self.time).velocity
+            v[there] += one.velocities(at[there], y[there], self.time)
         return v
 
     def pressures(self, points: np.ndarray) -> np.ndarray:
@@ -143,7 +143,7 @@ class OpenWater(Fluid):
         head = waves.pressure_head(self.waves.sea, stretched, self.time) - points[:, 1]
         for one in self.tiles:
             there = one.seen(at)
-            head[there] += one.below(at[there], y[there], self.time).head
+            head[there] += one.heads(at[there], y[there], self.time)
         return np.where(points[:, 1] < eta, self.rest_density * self.waves.sea.gravity * head, 0.0)
 
     def in_water(self, points: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:

@@ -17,7 +17,7 @@ from ocean_sim.waves import profiles
 
 LEVELS = 6
 WORDS = 2 * (1 + 6 * LEVELS)  # numbers a cell
-CLOCK = ("now", "before", "first_x", "first_z", "centre_x", "centre_z")  # the last four [m]
+CLOCK = ("late", "first_x", "first_z", "centre_x", "centre_z")  # the last four [m]
 
 
 @in_kernels
@@ -25,7 +25,7 @@ class Sheet:
     """What a tile shows around its centre; beyond its edges nothing, or the same again where it `repeats`."""
 
     left_out: ClassVar[tuple[str, ...]] = ("profiles",)
-    now: ClassVar[int] = 0  # of CLOCK: at the end of the water's last step,
+    now: ClassVar[int] = 0  # row of the clock: at the end of the water's last step,
     before: ClassVar[int] = 1  # and at its beginning
 
     def __init__(self, tile: Tile, repeats: bool) -> None:
@@ -37,7 +37,7 @@ class Sheet:
         self.level = ti.field(float, shape=(2, *tile.shape))  # [m]
         self.speed = ti.Vector.field(3, float, shape=(2, LEVELS, *tile.shape))  # [m/s]
         self.pull = ti.Vector.field(3, float, shape=(2, LEVELS, *tile.shape))  # [m/s2]
-        self.clock = ti.field(ti.f64, shape=len(CLOCK))
+        self.clock = ti.field(ti.f64, shape=(2, len(CLOCK)))
         self.real = to_numpy_type(self.level.dtype)
         self.profiles = [profiles(tile.k, -d, tile.depth) for d in self.depths]
 
@@ -53,13 +53,14 @@ class Sheet:
         values = tile.values(np.array(modes, dtype=single)).astype(self.real)
         self.take(slot, values)
 
-    def set_clock(self, shares: tuple[float, float], drift: np.ndarray, centre: np.ndarray) -> None:
-        """How far the time is from the first to the second, `now` and `before`; how far the water has drifted, and the
-        tile's centre in its axes [m]."""
+    def set_clock(self, shares: tuple[float, float], drifts: np.ndarray, centre: np.ndarray) -> None:
+        """How far the time is from the first to the second, and how far the water has drifted (2, 2), each `now` and
+        `before`; and the tile's centre in its axes [m]."""
         tile = self.tile
         size = np.array([tile.side, tile.width])
-        first = np.array([axis[0] for axis in tile.nodes()]) + size * np.round(centre / size) + drift
-        self.clock.from_numpy(np.array([*shares, *first, *(centre + drift)]))
+        first = np.array([axis[0] for axis in tile.nodes()]) + size * np.round(centre / size)
+        rows = [[late, *(first + drift), *(centre + drift)] for late, drift in zip(shares, drifts, strict=True)]
+        self.clock.from_numpy(np.array(rows))
 
     @ti.kernel
     def take(self, slot: int, values: ti.types.ndarray(ndim=3)):  # type: ignore[valid-type]
@@ -71,15 +72,15 @@ class Sheet:
                     self.pull[slot, l, i, k][c] = values[4 + 6 * l + c, i, k]
 
     @ti.func
-    def place(self, x, z):
+    def place(self, x, z, when: Template):
         """Cell and shares of the way to the next, and whether there is anything to be seen."""
-        a, b = (x - self.clock[2]) / self.cell, (z - self.clock[3]) / self.cell
+        a, b = (x - self.clock[when, 1]) / self.cell, (z - self.clock[when, 2]) / self.cell
         i, k = int(ti.floor(a)), int(ti.floor(b))
         there = True
         if ti.static(not self.repeats):
-            there = ti.abs(x - self.clock[4]) < 0.5 * self.cell * self.cells
+            there = ti.abs(x - self.clock[when, 3]) < 0.5 * self.cell * self.cells
             if ti.static(self.rows > 1):
-                there = there and ti.abs(z - self.clock[5]) < 0.5 * self.cell * self.rows
+                there = there and ti.abs(z - self.clock[when, 4]) < 0.5 * self.cell * self.rows
         return i, k, ti.cast(a - i, float), ti.cast(b - k, float), there
 
     @ti.func
@@ -95,8 +96,8 @@ class Sheet:
     @ti.func
     def elevation(self, x, z, when: Template):
         """[m], `now` or `before`."""
-        i, k, a, b, there = self.place(x, z)
-        eta, late = 0.0, ti.cast(self.clock[when], float)
+        i, k, a, b, there = self.place(x, z, when)
+        eta, late = 0.0, ti.cast(self.clock[when, 0], float)
         if there:
             u, v = cubic(a), cubic(b)
             for p in range(4):
@@ -119,8 +120,8 @@ class Sheet:
 
     @ti.func
     def between(self, field: Template, x, z, depth, when: Template):
-        i, k, a, b, there = self.place(x, z)
-        total, late = tm.vec3(0.0), ti.cast(self.clock[when], float)
+        i, k, a, b, there = self.place(x, z, when)
+        total, late = tm.vec3(0.0), ti.cast(self.clock[when, 0], float)
         if there:
             depths = ti.Vector(self.depths)
             d = ti.min(depth, depths[LEVELS - 1])

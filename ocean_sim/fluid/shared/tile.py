@@ -10,6 +10,7 @@ to, or the waves that she makes are of first order in the step only.
 """
 
 from abc import abstractmethod
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, NamedTuple
@@ -169,10 +170,10 @@ class Tile:
         first = -1 if self.rows > 1 else 0
         found = np.zeros(len(points))
         for i, weight in enumerate(along):
-            row = values[(whole[:, 0] + i - 1) % self.cells]
+            row = (whole[:, 0] + i - 1) % self.cells
             for k, other in enumerate(across):
                 column = (whole[:, 1] + k + first) % self.rows
-                found += weight * other * np.take_along_axis(row, column[:, None], 1)[:, 0]
+                found += weight * other * values[row, column]
         return found
 
     def energy(self, eta: np.ndarray, phi: np.ndarray) -> float:
@@ -184,13 +185,6 @@ class Tile:
             twice[-1] = 1.0
         each = self.gravity * np.abs(e) ** 2 + self.omega**2 / self.gravity * np.abs(p) ** 2
         return 0.5 * float((twice * each).sum()) * self.cell**2 / (self.cells * self.rows)
-
-
-class Below(NamedTuple):
-    """What waves do at points under the surface."""
-
-    head: np.ndarray  # (m,) pressure over rho g, without the hydrostatic part [m]
-    velocity: np.ndarray  # (m, 3) [m/s]
 
 
 class Shown(NamedTuple):
@@ -218,24 +212,36 @@ class OnTile:
         """(m,) [m]"""
         return self.tile.at(self.tile.values(self.shown(time).e), points)
 
-    def below(self, points: np.ndarray, y: np.ndarray, time: float) -> Below:
-        """At heights y (m,) [m] of the unstretched column: summed mode by mode, so nothing is interpolated."""
-        tile, now = self.tile, self.shown(time)
-        first = np.array([axis[0] for axis in tile.nodes()])
+    def heads(self, points: np.ndarray, y: np.ndarray, time: float) -> np.ndarray:
+        """(m,) pressure over rho g [m], without the hydrostatic part, at heights y (m,) [m] of the unstretched column:
+        summed mode by mode, so nothing is interpolated."""
+        growth, found = self.shown(time).growth, np.zeros(len(points))
+        for n, level, _ in self.modes(points, y):
+            found[n] = -(level * growth).real.sum() / self.tile.gravity
+        return found
+
+    def velocities(self, points: np.ndarray, y: np.ndarray, time: float) -> np.ndarray:
+        """(m, 3) [m/s] at the same places."""
+        tile, potential, found = self.tile, self.shown(time).potential, np.zeros((len(points), 3))
+        for n, level, upright in self.modes(points, y):
+            along = (level * potential).imag
+            found[n] = -(tile.kx * along).sum(), (upright * potential).real.sum(), -(tile.kz * along).sum()
+        return found
+
+    def modes(self, points: np.ndarray, y: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
+        """The number of each of the points, and there of every mode what goes around along the still surface, and k
+        times what goes upright, both as parts of that at the surface."""
+        tile, first = self.tile, np.array([axis[0] for axis in self.tile.nodes()])
         twice = np.where((np.arange(tile.k.shape[1]) == 0) | (2 * np.arange(tile.k.shape[1]) == tile.rows), 1.0, 2.0)
         scale = twice * tile.directed / (tile.cells * tile.rows)
-        head, velocity = np.zeros(len(points)), np.zeros((len(points), 3))
-        for n, ((x, z), height) in enumerate(zip(points - first, y)):
+        heights, which = np.unique(y, return_inverse=True)  # few where the surface is asked for
+        for k, height in enumerate(heights):
             c, s = profiles(tile.k, height, tile.depth)
-            wave = scale * np.exp(1j * tile.kx * x) * np.exp(1j * tile.kz * z)
-            head[n] = -(c * wave * now.growth).real.sum() / tile.gravity
-            along = c * wave * now.potential
-            velocity[n] = (
-                -(tile.kx * along).imag.sum(),
-                (tile.k * s * wave * now.potential).real.sum(),
-                -(tile.kz * along).imag.sum(),
-            )
-        return Below(head, velocity)
+            upright = tile.k * s
+            for n in np.flatnonzero(which == k).tolist():
+                x, z = points[n] - first
+                wave = scale * np.exp(1j * tile.kx * x) * np.exp(1j * tile.kz * z)
+                yield n, c * wave, upright * wave
 
 
 def cubic(s: np.ndarray) -> list[np.ndarray]:

@@ -49,9 +49,9 @@ class Symmetry:
 
 def numbered(simulation: "Simulation") -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) positions [m] and velocities [m/s] by the numbers of the particles."""
-    particles = with_particles(simulation.fluid).particles
-    order = np.argsort(particles.id.to_numpy())
-    return particles.position.to_numpy()[order].astype(float), particles.velocity.to_numpy()[order].astype(float)
+    copied = with_particles(simulation.fluid).particles.copied()
+    order = np.argsort(copied.id)
+    return copied.position[order].astype(float), copied.velocity[order].astype(float)
 
 
 def across(vectors: np.ndarray, axis: int) -> np.ndarray:

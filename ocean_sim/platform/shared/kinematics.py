@@ -7,6 +7,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field, model_validator
 
+from ocean_sim.conventions import GRAVITY
 from ocean_sim.model import Model, Vector3, quantity
 
 Joints = Annotated[tuple[Vector3, Vector3, Vector3, Vector3, Vector3, Vector3], Field(strict=False)]
@@ -134,24 +135,23 @@ class Hexapod:
 
     def allowed(self, pose: np.ndarray) -> np.ndarray:
         """(n,) whether a pose is within the stroke and not singular."""
-        return (self.usage(pose) <= 1.0) & (self.condition(pose) <= self.condition_limit)
+        within = self.usage(pose) <= 1.0
+        within[within] = self.condition(pose[within]) <= self.condition_limit
+        return within
 
     def excursions(self) -> np.ndarray:
         """(6, 2) lowest and highest that each motion alone can reach from neutral [m, rad]."""
-        ends = np.zeros((6, 2))
-        for axis in range(6):
-            for side, sign in enumerate((-1.0, 1.0)):
-
-                def at(values: np.ndarray, axis: int = axis, sign: float = sign) -> np.ndarray:
-                    pose = np.zeros((len(values), 6))
-                    pose[:, axis] = sign * values
-                    return self.allowed(pose)
-
-                steps = np.linspace(0.0, 2.0 * (self.high if axis < 3 else 1.5), 400)
-                last = int(np.argmin(at(steps))) - 1
-                inside = halved(lambda v: bool(at(np.array([v]))[0]), steps[last], steps[last + 1])
-                ends[axis, side] = sign * inside
-        return ends
+        ways = np.concatenate([-np.eye(6), np.eye(6)])  # to their lowest and highest
+        most = np.where(ways[:, :3].any(axis=1), self.high, 1.5)
+        steps = np.linspace(0.0, 2.0 * most, 400)
+        inside = self.allowed((steps[:, :, None] * ways).reshape(-1, 6)).reshape(steps.shape)
+        last = inside.argmin(axis=0) - 1
+        low, high = np.take_along_axis(steps, np.stack([last, last + 1]), axis=0)
+        for _ in range(FINE):
+            middle = 0.5 * (low + high)
+            holds = self.allowed(middle[:, None] * ways)
+            low, high = np.where(holds, middle, low), np.where(holds, high, middle)
+        return np.stack([-low[:6], low[6:]], axis=1)
 
 
 def halved(holds: Callable[[float], bool], low: float, high: float) -> float:
@@ -178,6 +178,14 @@ def rates_to_turn(angles: np.ndarray) -> np.ndarray:
     (_, b, c), (_, cb, cc) = np.sin(angles).T, np.cos(angles).T
     zero, one = np.zeros_like(b), np.ones_like(b)
     return np.array([[cc * cb, -c, zero], [c * cb, cc, zero], [-b, zero, one]]).transpose(2, 0, 1)
+
+
+def felt(pose: np.ndarray, acceleration: np.ndarray, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 3) specific force [m/s2] and (n, 3) rate [rad/s] on the platform in its own axes, in (n, 6) poses with (n, 3)
+    accelerations [m/s2] and (n, 3) rates of roll, pitch and yaw [rad/s]."""
+    turn = rotation(pose[:, 3:])
+    spin = (rates_to_turn(pose[:, 3:]) @ rates[:, :, None])[:, :, 0]
+    return np.einsum("nji,nj->ni", turn, acceleration + [0.0, 0.0, GRAVITY]), np.einsum("nji,nj->ni", turn, spin)
 
 
 def smoothly(s: np.ndarray) -> np.ndarray:

@@ -6,6 +6,7 @@ import numpy as np
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.platform import LIMITS, Commands
+from ocean_sim.platform.shared import kinematics
 from ocean_sim.platform.shared.kinematics import Hexapod
 from ocean_sim.platform.shared.motion_log import Ride, turned
 
@@ -20,8 +21,9 @@ class Metric(NamedTuple):
 
 
 def metrics(ride: Ride, done: Commands, hexapod: Hexapod, every: float) -> list[Metric]:
-    """The metrics of a ride and of the platform's commands; felt against the scaled motion of the ship."""
-    felt, scaled = np.hstack([done.felt_force, done.felt_rate]), np.hstack([done.cue.force, done.cue.rate])
+    """The metrics of a ride and of the platform's commands; felt against the scaled motion of the ship, both at the
+    time of a row: all poses are known here, those that follow too."""
+    felt, scaled = felt_by(done.pose, every), np.hstack([done.cue.force, done.cue.rate])
     names = [f"force_{axis}" for axis in "xyz"] + [f"rate_{axis}" for axis in "xyz"]
     found = []
     for k, name in enumerate(names):
@@ -30,7 +32,7 @@ def metrics(ride: Ride, done: Commands, hexapod: Hexapod, every: float) -> list[
     share = float((done.limited > 0).mean())
     found.append(Metric("share_limited", share, "1"))
     found += [Metric(f"share_limited_{bit}", float((done.limited & bit > 0).mean()), "1") for bit in LIMITS]
-    found.append(Metric("stroke_used", float(hexapod.usage(done.pose).max()), "1"))
+    found.append(Metric("stroke_used", float(hexapod.usage(done.pose).max()) + 0.0, "1"))
     found.append(Metric("leg_speed_max", float(np.abs(done.leg_velocity).max()), "m/s"))
     acceleration = np.abs(np.diff(done.leg_velocity, axis=0)).max(initial=0.0) / every
     found.append(Metric("leg_acceleration_max", float(acceleration), "m/s2"))
@@ -40,6 +42,14 @@ def metrics(ride: Ride, done: Commands, hexapod: Hexapod, every: float) -> list[
     found.append(Metric("motion_sickness_dose_ship", dose(ship, every), "m/s1.5"))
     found.append(Metric("motion_sickness_dose_platform", dose(platform, every), "m/s1.5"))
     return found
+
+
+def felt_by(pose: np.ndarray, every: float) -> np.ndarray:
+    """(n, 6) specific force [m/s2] and rate [rad/s] on a platform in (n, 6) poses, by central differences; it is not
+    accelerated in the first and the last."""
+    known = np.vstack([2.0 * pose[0] - pose[1], pose, 2.0 * pose[-1] - pose[-2]])
+    acceleration = np.diff(known[:, :3], n=2, axis=0) / every**2
+    return np.hstack(kinematics.felt(pose, acceleration, (known[2:, 3:] - known[:-2, 3:]) / (2.0 * every)))
 
 
 def resting(name: str) -> float:

@@ -51,7 +51,7 @@ def by_rule(hull: Hydrostatics) -> np.ndarray:
     z, breadth, draught = hull.stations
     ds, rho = float(hull.voxels.size[2]), hull.density
     z = z - hull.matter.centre[2]
-    length, broad = ds * np.count_nonzero(breadth > 0.0), float(breadth.max())
+    length, broad = hull.length, float(breadth.max())
     plate, circle = rho * pi / 8.0 * breadth**2 * ds, rho * pi / 2.0 * draught**2 * ds  # of each slice [kg]
     return np.array(
         [

@@ -7,7 +7,7 @@ import numpy as np
 from ocean_sim.columns import Columns
 from ocean_sim.fluid import Fluid
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
-from ocean_sim.runtime import Array2, Template, in_kernels
+from ocean_sim.runtime import Array, Array2, Integers, Template, in_kernels
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.pose import pose, turned, vector, write_pose
 from ocean_sim.ship.shared.rigid_body import RigidBody
@@ -22,10 +22,18 @@ SUMS = Columns(
     wind_drag=6,
     wind_lift=6,
     volume=1,  # under water [m3]
-    velocity=6,  # of the water, times the area that it meets: its motion, and how it turns
+    velocity=6,  # of the water, times the area that it meets, and times how far that lies ahead and to port
     acceleration=6,  # over gravity, likewise
-    face=6,  # the area that each motion meets, and how it spreads [m2], [m4]
+    face=10,  # `FACES` of the areas that the water meets
     cut=1,  # volume of the cubes that the surface cuts [m3]
+)
+
+
+FACES = Columns(
+    area=3,  # across sway, heave and surge [m2]
+    arm=3,  # that across heave times z (pitch), across sway times z (yaw), across heave times x (roll) [m3]
+    spread=3,  # likewise, times the squares [m4]
+    skew=1,  # across heave, times x z [m4]
 )
 
 
@@ -37,7 +45,7 @@ class Wetted(NamedTuple):
     wind_drag: np.ndarray
     wind_lift: np.ndarray
     volume: float  # under water [m3]
-    velocity: np.ndarray  # (6,) of the water at the faces across each motion, body axes [m/s], [rad/s]
+    velocity: np.ndarray  # (6,) of the water about the centre of mass, as one body, body axes [m/s], [rad/s]
     acceleration: np.ndarray  # (6,) [m/s2], [rad/s2]
 
 
@@ -61,15 +69,24 @@ class Cubes:
         self.key = ti.field(int, shape=self.n)  # by which a wind distinguishes them
         self.box = ti.Vector.field(3, float, shape=(self.blocks, 2))  # around a block: middle and half its sides [m]
         self.mass_density = matter.mass / cubes.volume  # [kg/m3]
+        self.size: list[float] = cubes.size.tolist()  # [m]
         self.square = tm.vec3(cubes.square)  # of their sides [m2]
         real = to_numpy_type(self.volume.dtype)
-        self.arm.from_numpy(arm.astype(real))
-        self.area.from_numpy(cubes.area[upwards].astype(real))
-        self.volume.from_numpy((cubes.share * cubes.size.prod())[upwards].astype(real))
-        self.key.from_numpy(upwards.astype(np.int32))
-        self.box.from_numpy(np.stack([0.5 * (lower + upper), 0.5 * (upper - lower)], axis=1).astype(real))
+        volume = (cubes.share * cubes.size.prod())[upwards]
+        box = np.stack([0.5 * (lower + upper), 0.5 * (upper - lower)], axis=1).reshape(-1, 3)
+        numbers = (np.ascontiguousarray(array, dtype=real) for array in (arm, cubes.area[upwards], volume, box))
+        self.hold(*numbers, upwards.astype(np.int32))
         self.found = np.zeros((self.n, 3))
         self.table = np.zeros((1 + self.blocks, max(HANDED.size, SUMS.size)))  # the pose, and the sums of each block
+
+    @ti.kernel
+    def hold(self, arm: Array2, area: Array2, volume: Array, box: Array2, key: Integers):
+        for k in range(self.n):
+            self.arm[k] = tm.vec3(arm[k, 0], arm[k, 1], arm[k, 2])
+            self.area[k] = tm.vec3(area[k, 0], area[k, 1], area[k, 2])
+            self.volume[k], self.key[k] = volume[k], key[k]
+        for b in range(2 * self.blocks):
+            self.box[b // 2, b % 2] = tm.vec3(box[b, 0], box[b, 1], box[b, 2])
 
     @staticmethod
     def bytes(n: int, word: int) -> int:
@@ -91,10 +108,9 @@ class Cubes:
         total[SUMS.buoyancy + 5] += dx
         velocity = acceleration = np.zeros(6)
         if isinstance(around, SurroundingSea):
-            faces = np.maximum(total[SUMS.face : SUMS.cut], 1e-12)
-            velocity = total[SUMS.velocity : SUMS.acceleration] / faces
-            velocity[:3] += body.matrix.T @ (around.window.current[0], 0.0, around.window.current[1])
-            acceleration = self.gravity * total[SUMS.acceleration : SUMS.face] / faces
+            faces = total[SUMS.face : SUMS.cut].tolist()
+            velocity = as_one_body(total[SUMS.velocity : SUMS.acceleration].tolist(), faces, self.size)
+            acceleration = self.gravity * as_one_body(total[SUMS.acceleration : SUMS.face].tolist(), faces, self.size)
         parts = total[: SUMS.volume].reshape(4, 2, 3)
         return Wetted(parts[0], parts[1], parts[2], parts[3], float(total[SUMS.volume]), velocity, acceleration)
 
@@ -191,13 +207,14 @@ class Cubes:
                 own, face = self.arm[k], wet * abs(self.area[k])
                 under = depth + 0.5 * tall  # where its lower face is
                 moved = water.moving(corner, eta, under)
-                carried = tm.vec3(water.window.current[0], 0.0, water.window.current[1])  # which turns nothing
-                self.put_motion(total, SUMS.velocity, own, face, turn.transpose() @ (half(moved, 0) - carried))
+                self.put_motion(total, SUMS.velocity, own, face, turn.transpose() @ half(moved, 0))
                 self.put_motion(total, SUMS.acceleration, own, face, turn.transpose() @ half(moved, 3))
-                spread = tm.vec3(face.y * own.z * own.z, face.x * own.z * own.z, face.y * own.x * own.x)
+                met, along = tm.vec3(face.y, face.x, face.y), tm.vec3(own.z, own.z, own.x)
                 for c in ti.static(range(3)):
-                    self.count(total, SUMS.face + c, face[c])
-                    self.count(total, SUMS.face + 3 + c, spread[c])
+                    self.count(total, SUMS.face + FACES.area + c, face[c])
+                    self.count(total, SUMS.face + FACES.arm + c, met[c] * along[c])
+                    self.count(total, SUMS.face + FACES.spread + c, met[c] * along[c] * along[c])
+                self.count(total, SUMS.face + FACES.skew, face.y * own.x * own.z)
         return wet
 
     @ti.func
@@ -213,12 +230,32 @@ class Cubes:
 
     @ti.func
     def put_motion(self, total: Template, column: Template, own, face, moved):
-        """Of water at a cube: its motion, and how it turns about pitch, yaw and roll, by the area it meets."""
+        """Of water at a cube: its motion by the area that it meets, and that times the arms of pitch, yaw and roll."""
         for c in ti.static(range(3)):
             self.count(total, column + c, face[c] * moved[c])
         self.count(total, column + 3, -face.y * own.z * moved.y)
         self.count(total, column + 4, face.x * own.z * moved.x)
         self.count(total, column + 5, face.y * own.x * moved.y)
+
+
+def as_one_body(moved: list[float], faces: list[float], size: list[float]) -> np.ndarray:
+    """(6,) how water that moves at cubes of a size (3,) as `put_motion` sums it (6,) moves and turns about the centre
+    of mass: least squares over `FACES`, so water that streams alike everywhere turns nothing."""
+    x, y, z, turned_x, turned_y, turned_z = moved
+    area_x, area_y, area_z = (max(area, 1e-12) for area in faces[:3])
+    ahead, ahead_x, aside = faces[3] / area_y, faces[4] / area_x, faces[5] / area_y
+    dx, _, dz = (1e-4 * side**2 for side in size)  # matters where only one row of cubes is wet
+    along = faces[6] + area_y * (dz - ahead**2)
+    along_x = faces[7] + area_x * (dz - ahead_x**2)
+    across = faces[8] + area_y * (dx - aside**2)
+    skew = faces[9] - area_y * ahead * aside
+    turned_x, turned_y, turned_z = turned_x + ahead * y, turned_y - ahead_x * x, turned_z - aside * y
+    both = along * across - skew**2
+    pitch = (turned_x * across + turned_z * skew) / both
+    yaw = turned_y / along_x
+    roll = (turned_z * along + turned_x * skew) / both
+    heave = y / area_y + pitch * ahead - roll * aside
+    return np.array([x / area_x - yaw * ahead_x, heave, z / area_z, pitch, yaw, roll])
 
 
 @ti.func

@@ -7,7 +7,7 @@ from ocean_sim.files.cache_file import kept
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import in_kernels
 from ocean_sim.ship.shared.shapes import HullShape
-from ocean_sim.ship.shared.voxels import cells, voxels
+from ocean_sim.ship.shared.voxels import voxels
 
 MOST = 3e5  # cubes of a lattice; a long hull in fine water has coarser ones
 MANY = 1e7  # cubes of a lattice, at most: one around a hull far smaller than a spacing has cubes as small as the hull
@@ -52,7 +52,7 @@ def around(
 
         counts = np.round((upper - lower) / size).astype(int)
         full = np.zeros(counts + 2 * margin, dtype=bool)
-        where = cells(cubes, lower)[cubes.share > 0.5]
+        where = cubes.cells[cubes.share > 0.5]
         full[tuple((where + margin).T)] = True
         # A face lies half way between the middles of a full cube and of an empty one.
         half = 0.5 * size.mean()
@@ -60,7 +60,7 @@ def around(
         inside = distance_transform_edt(full, sampling=size) - half
         distance = gaussian_filter(np.where(full, -inside, outside), SMOOTH, mode="nearest")
         solid = np.zeros(full.shape)
-        solid[tuple((cells(cubes, lower) + margin).T)] = cubes.share
+        solid[tuple((cubes.cells + margin).T)] = cubes.share
         along = (np.arange(-margin[k], margin[k] + 1) * size[k] for k in range(3))
         q = np.minimum(np.sqrt(sum(np.square(x) for x in np.meshgrid(*along, indexing="ij"))) / support, 1.0)
         kernel = (1.0 - q) ** 4 * (1.0 + 4.0 * q)

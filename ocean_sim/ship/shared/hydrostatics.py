@@ -75,8 +75,7 @@ class Hydrostatics:
     @cached_property
     def keel(self) -> float:
         """Height of the lowest cubes' lower side over the hull's origin [m]: 0, or that of an outline's points."""
-        tall = self.voxels.size[1]
-        return float(tall * round((self.voxels.centre[:, 1].min() - tall / 2) / tall))
+        return float(self.voxels.lower[1])
 
     def centre_of_buoyancy(self, turn: np.ndarray | None = None) -> np.ndarray:
         """(3,) in the axes of a turned hull (upright by default), from its origin [m]."""
@@ -138,21 +137,45 @@ class Hydrostatics:
         return found
 
     @cached_property
+    def at_the_water(self) -> np.ndarray:
+        """Volume of each cube within a quarter of a cube's height of the still water [m3]."""
+        step = 0.25 * self.voxels.size[1]
+        return self.wet(UP, self.waterline + step) - self.wet(UP, self.waterline - step)
+
+    @cached_property
     def stations(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Position along z, breadth at the still water and draught of every slice of cubes [m]."""
-        v, step, level = self.voxels, 0.25 * self.voxels.size[1], self.waterline
-        long, first = v.size[2], v.centre[:, 2].min()
+        v, level = self.voxels, self.waterline
+        _, tall, long = v.size
         number, n = self.slices
-        shown = self.wet(UP, level + step) - self.wet(UP, level - step)
         lowest = np.full(n, level)
-        np.minimum.at(lowest, number, v.centre[:, 1] - v.size[1] / 2)
-        draught = np.clip(level - lowest, 0.0, level - self.keel)
-        return first + long * np.arange(n), np.bincount(number, shown, n) / (2.0 * step * long), draught
+        np.minimum.at(lowest, number, self.keel + tall * v.cells[:, 1])
+        along = v.lower[2] + long * (np.arange(n) + 0.5)
+        return along, np.bincount(number, self.at_the_water, n) / (0.5 * tall * long), level - lowest
+
+    @cached_property
+    def ends(self) -> tuple[float, float]:
+        """Position along z of the stern and of the bow at the still water [m], in the slices at the ends: a transom
+        reaches twice as far into one as the middle of what is wet there, a wedge three times."""
+        along, breadth, _ = self.stations
+        number, _ = self.slices
+        long = float(self.voxels.size[2])
+
+        def end(k: int, way: int) -> float:
+            inner, there = float(along[k]) - 0.5 * way * long, number == k
+            middle = np.average(self.voxels.centre[there, 2], weights=self.at_the_water[there])
+            reach = 2.0 * abs(float(middle) - inner)
+            bluntness = float(breadth[k] * long / (reach * max(breadth[k - way], breadth[k])))  # a wedge's is 3/4
+            return inner + way * reach * min(max(3.0 - 2.0 * bluntness, 1.0), 1.5)
+
+        wet = np.flatnonzero(breadth > 0.0)
+        return end(wet[0], -1), end(wet[-1], 1)
 
     @property
     def length(self) -> float:
         """Of the waterline [m]."""
-        return float(self.voxels.size[2]) * int(np.count_nonzero(self.stations[1] > 0.0))
+        stern, bow = self.ends
+        return bow - stern
 
     @cached_property
     def sections(self) -> np.ndarray:
@@ -168,6 +191,5 @@ class Hydrostatics:
     @cached_property
     def slices(self) -> tuple[np.ndarray, int]:
         """In which slice along z each cube lies, and how many there are."""
-        z = self.voxels.centre[:, 2]
-        number = np.round((z - z.min()) / self.voxels.size[2]).astype(int)
+        number = self.voxels.cells[:, 2]
         return number, int(number.max()) + 1

@@ -74,8 +74,11 @@ class RigidBody:
         """This body where it passes a place, (7,) position [m] and quaternion of any length, with these derivatives."""
         q = place[3:]
         omega, unit = 2.0 / float(q @ q) * product(change[3:], inverse(q))[1:], normalised(q)
-        momentum = momentum_of(matrix(unit), self.inertia_body, omega)
-        return RigidBody(self.mass, self.inertia_body, place[:3], unit, change[:3], momentum)
+        turn = matrix(unit)
+        momentum = momentum_of(turn, self.inertia_body, omega)
+        body = RigidBody(self.mass, self.inertia_body, place[:3], unit, change[:3], momentum)
+        vars(body).update(matrix=turn, angular_velocity=omega)  # what it would work out from them
+        return body
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from ocean_sim.files.cache_file import kept
 from ocean_sim.ship.shared.distance import around
 from ocean_sim.ship.shared.rigid_body import RigidBody
 from ocean_sim.ship.shared.shapes import HullShape
-from ocean_sim.ship.shared.voxels import cells, voxels
+from ocean_sim.ship.shared.voxels import voxels
 
 FINE = 3.0  # cubes to a spacing of the particles, where a mesh keeps water out
 APART = 0.5  # [spacings] from the hull to the nearest particle of the start
@@ -49,7 +49,7 @@ class Solid:
         lower, upper = self.shape.bounds()
         counts = np.round((upper - lower) / cubes.size).astype(int)
         full = np.zeros(counts, dtype=bool)
-        full[tuple(cells(cubes, lower).T)] = cubes.share > 0.5
+        full[tuple(cubes.cells.T)] = cubes.share > 0.5
         position = np.floor((own - lower) / cubes.size).astype(int)
         there = ((position >= 0) & (position < counts)).all(axis=1)
         there[there] = full[tuple(position[there].T)]
@@ -114,7 +114,7 @@ class Solid:
 
         cubes = voxels(self.shape, spacing, 1.0)
         lower, upper = self.shape.bounds()
-        where, position, volume = cells(cubes, lower), cubes.centre - self.centre, cubes.share * cubes.size.prod()
+        where, position, volume = cubes.cells, cubes.centre - self.centre, cubes.share * cubes.size.prod()
         if self.flat:
             middle = where[:, 2] == np.round((upper - lower) / cubes.size).astype(int)[2] // 2
             where, position, volume = where[middle], position[middle] * [1.0, 1.0, 0.0], volume[middle] / cubes.size[2]

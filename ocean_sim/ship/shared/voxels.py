@@ -24,10 +24,16 @@ OFFSET = 1.0e-4  # of a cube: columns do not run through the edges of a mesh tha
 class Voxels:
     """Cubes of a hull, in its axes."""
 
+    lower: np.ndarray  # (3,) corner of the box that they fill [m]
     size: np.ndarray  # (3,) of each [m]
     centre: np.ndarray  # (n, 3) of the part of each that lies inside [m]
     share: np.ndarray  # (n,) inside the hull
     area: np.ndarray  # (n, 3) outward area of the hull in each [m2]
+
+    @cached_property
+    def cells(self) -> np.ndarray:
+        """(n, 3) which cube along each axis each is."""
+        return np.floor((self.centre - self.lower) / self.size).astype(int)
 
     @cached_property
     def volume(self) -> float:
@@ -81,7 +87,7 @@ def voxels(shape: HullShape, side: float, flat: float = FLAT) -> Voxels:
         )
     content = shape.content() + f"{counts.tolist()} {SAMPLES}".encode()
     arrays = kept("hulls", content, lambda: sampled(shape, counts, lower, upper))
-    return Voxels((upper - lower) / counts, arrays["centre"], arrays["share"], arrays["area"])
+    return Voxels(lower, (upper - lower) / counts, arrays["centre"], arrays["share"], arrays["area"])
 
 
 def sampled(shape: HullShape, counts: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> dict[str, np.ndarray]:
@@ -116,8 +122,3 @@ def neighbouring(share: np.ndarray, axis: int, way: int) -> np.ndarray:
     """The shares of the neighbours along an axis, 0 outside."""
     padded = np.pad(share, [(1, 1) if a == axis else (0, 0) for a in range(3)])
     return np.take(padded, np.arange(share.shape[axis]) + 1 + way, axis=axis)
-
-
-def cells(cubes: Voxels, lower: np.ndarray) -> np.ndarray:
-    """(n, 3) which cube along each axis each is."""
-    return np.floor((cubes.centre - lower) / cubes.size).astype(int)

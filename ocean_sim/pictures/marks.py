@@ -13,7 +13,7 @@ OUTLINE = "#ffb347"
 RAISED = 0.0015  # of the basin's length: how far the outline stands over the water, so that it is seen
 HEIGHTS = "height of\nthe water"
 BAR_TOP, BAR_HEIGHT, BAR_LEFT, BAR_WIDTH = 0.3, 0.4, 130, 18  # of a picture's height; [pixels] from its right edge
-ARROW, HEAD, LETTER = (240, 190, 60), 18, 8  # of the wind: colour; [pixels] of its head, and of a letter
+ARROW, HEAD = (240, 190, 60), 18  # of the wind: colour; [pixels] of its head
 SHORTEST, LONGEST = 0.10, 0.25  # of the width of a picture: the bar
 
 
@@ -65,14 +65,15 @@ class ArrowBar:
     def __init__(self, stage: Stage) -> None:
         self.stage = stage
         self.words = words(stage, " ", (0, 0))
+        self.words.prop.SetJustificationToRight()
         self.length = 0  # [pixels]
 
     def show(self, target: np.ndarray, length: float, text: str) -> None:
         """For an arrow of a length at the distance of a target [m]; 0: none, only the text."""
         self.length = int(round(length * metre(self.stage, target)))
         self.words.input = text
-        left = self.stage.size[0] - 24 - max(self.length, LETTER * len(text))
-        self.words.SetPosition(*(self.stage.samples * n for n in (left, 92 if self.length else 70)))
+        right = self.stage.size[0] - 24
+        self.words.SetPosition(*(self.stage.samples * n for n in (right, 92 if self.length else 70)))
 
     def draw(self, image: np.ndarray) -> None:
         """Into a picture (height, width, 3)."""

@@ -38,9 +38,10 @@ nor how thick it was. Taken is one that a falling weight pulls up, as in later e
 Castellana, Mas-Soler & Souto-Iglesias 2014, J. Fluids Struct. 48, 407-434), by no more than g: it clears a column of
 height H in sqrt(2 H / g), which is just what counts as a sudden release (Lauber & Hager 1998, J. Hydraul. Res. 36,
 291-307). It is 0.1 a thick. Against such a gate's front no other unknown is needed. Martin & Moyce's water was behind
-waxed paper, so they are only reported. Mean distance from the same three at a / 40 and a / 20 [%]:
+waxed paper, so they are only reported. Mean distance from the same three at a / 40 and a / 20 [%], all but the first
+before a gate was told how the water beside it accelerates:
 
-    pulled by g, 0.1 a thick                       3.7  5.4  5.1  and  4.2  5.8  3.8
+    pulled by g, 0.1 a thick                       5.1  6.8  6.2  and  7.1  9.1  9.1
     the same at a / 40, 0.05 a thick               8.7  8.7  5.7
     4, 2 sqrt(g a), 0.05 a thick (at a / 20 0.1 a) 9.6  8.0  9.8; 12.1 10.2 10.2  and  6.7  5.3  8.4;  8.6  6.7  7.7
 

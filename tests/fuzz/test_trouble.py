@@ -89,7 +89,7 @@ def test_a_run_is_never_written_over_another(folder, tell):
 
 
 @pytest.mark.parametrize(
-    "name, writes", [("gauges.csv", 3), ("gauges.csv", 0), ("events.jsonl", 0), ("manifest", 0), ("frame_00002", 1)]
+    "name, writes", [("gauges.csv", 3), ("gauges.csv", 0), ("events.jsonl", 0), ("manifest", 0), ("frame_00002", 0)]
 )
 def test_a_full_disk_ends_a_run_in_a_sentence_and_keeps_what_was_written(folder, tell, full, name, writes):
     out = f"full-{name}-{writes}"

@@ -74,7 +74,7 @@ def test_a_check_counts_no_particles_and_estimates_the_wall_time():
     config = load("linear_sea", OVER)
     found = preflight(config)
     assert found["ok"] and found["particles"] == 0 and found["estimated_by_part"]["steps_s"] > 0.0
-    assert "0 particles" in short(found, config) and "idle machine (start 3.1 s, steps " in short(found, config)
+    assert "0 particles" in short(found, config) and "idle machine (start 2.2 s, steps " in short(found, config)
     wide = load("linear_sea", {**OVER, "frames.spacing": 0.01, "frames.every": 0.01})
     assert "frames: about" in " ".join(wide.observers["frames"].warnings(wide.preflight))
 

@@ -31,7 +31,7 @@ SURFACE_FIELDS = 6 + foam.FINER**2  # elevation, how far foam was carried, veloc
 BYTES_PER_PARTICLE = 32  # position, velocity, id and pressure
 BEFORE, BEFORE_EVERY = 2.0 * foam.LASTS, 0.25  # [s] for which foam is made before a run begins, and in steps of
 WHITE = 8.0e-7  # [s] of processor time of the foam at a point
-HEIGHTS = 7.0  # at a point: its own, three that its velocity and foam ask for, and a velocity, which takes three
+HEIGHTS = 7.0  # at a point in closed form: its own, three for velocity and foam, and a velocity, as dear as three
 TOPMOST = 1.2  # [spacings] under the surface: the particles that carry foam
 MANY = 20_000_000  # points of a frame: more are a slip
 LARGE = 2.0e9  # bytes that are worth a warning
@@ -74,7 +74,7 @@ class Config(PeriodicConfig):
         points, fluid, [row] = self.points(preflight), preflight.fluid, super().ledger(preflight)
         each = fluid.point_time(preflight)
         if preflight.tank.dimension == 3:
-            each = HEIGHTS * each + WHITE
+            each = (1.0 if fluid.made_of_particles else HEIGHTS) * each + WHITE
         return [row._replace(seconds=row.seconds + points * each)]
 
     def build(self, folder: Path, simulation: "Simulation") -> "Frames":

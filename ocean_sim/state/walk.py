@@ -195,7 +195,10 @@ class Restorer:
         return np.dtype(dtype).type(value)
 
     def from_path(self, node: Any, fresh: Any, path: str) -> Path:
-        return self.folder / inside(node[PATH])
+        found = self.folder / inside(node[PATH])
+        if isinstance(fresh, Path) and not (fresh.is_dir() if found == self.folder else fresh.name == found.name):
+            raise Mismatch(f"its {path.lstrip('.')} is {node[PATH]!r:.60}")
+        return found
 
     def from_field(self, node: Any, fresh: Any, path: str) -> Any:
         values = self.arrays[node[FIELD]]

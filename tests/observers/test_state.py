@@ -75,6 +75,13 @@ def test_a_file_goes_on_where_it_was(tmp_path):
         Restorer(fresh, taken.tree, taken.arrays, tmp_path)
 
 
+@pytest.mark.parametrize("named", ["b.csv", "deeper/b.csv", "."])
+def test_a_path_names_what_the_scene_writes(named, tmp_path):
+    (tmp_path / "a.csv").touch()
+    with pytest.raises(Mismatch, match=r"its path is '"):
+        Restorer({"path": tmp_path / "a.csv"}, {"dict": [["path", {"path": named}]]}, {}, tmp_path)
+
+
 def test_what_is_not_known_is_refused_with_its_name():
     with pytest.raises(TypeError, match=r"cannot keep part\.b, a builtins\.builtins:set"):
         Snapshot({"part": {"a": 1, "b": {1, 2}}}, Path("/nowhere"))

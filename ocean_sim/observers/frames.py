@@ -208,7 +208,7 @@ class Frames(Observer):
             along, aside = foam.from_ship(points[:, 0], points[:, 1], at, ship.body.matrix)
             reach = 0.5 * size + self.cell.max()
             inside |= (along / reach[1]) ** 4 + (aside / reach[0]) ** 4 < 1.0
-        widest = 0.5 * max((size[0] for size in self.sizes), default=0.0) + self.cell.max()
+        widest = 0.5 * max(size[0] for size in self.sizes) + self.cell.max()
         return foam.levelled(elevation, inside.reshape(self.shape), widest / self.cell)
 
     def whiten_before(self, simulation: "Simulation", points: np.ndarray) -> None:

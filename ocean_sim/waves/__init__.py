@@ -257,26 +257,30 @@ def lattice_rows(points: np.ndarray) -> int | None:
 
 def _elevation_on_lattice(sea: Components, x: np.ndarray, z: np.ndarray, time: float) -> np.ndarray:
     """(len(x) len(z),) the same without the ramp at every pair of x and z."""
-    return _on_lattice(sea, sea.amplitude, np.zeros_like(sea.amplitude), x, z, time)
+    return _on_lattice(sea, [(sea.amplitude, np.zeros_like(sea.amplitude))], x, z, time)[:, 0]
 
 
 def _velocity_on_lattice(sea: Components, x: np.ndarray, z: np.ndarray, time: float) -> np.ndarray:
     """(len(x) len(z), 3) velocity [m/s] at the still surface without the ramp, at every pair of x and z."""
     none, (kx, kz) = np.zeros_like(sea.amplitude), sea.wavevector.T
     along = sea.amplitude * sea.gravity / sea.omega
-    parts = (along * kx, none), (none, sea.amplitude * sea.omega), (along * kz, none)
-    return np.stack([_on_lattice(sea, cosine, sine, x, z, time) for cosine, sine in parts], axis=1)
+    return _on_lattice(sea, [(along * kx, none), (none, sea.amplitude * sea.omega), (along * kz, none)], x, z, time)
 
 
 def _on_lattice(
-    sea: Components, cosine: np.ndarray, sine: np.ndarray, x: np.ndarray, z: np.ndarray, time: float
+    sea: Components, parts: list[tuple[np.ndarray, np.ndarray]], x: np.ndarray, z: np.ndarray, time: float
 ) -> np.ndarray:
-    """(len(x) len(z),) sum over waves of these (n,) times cosine and sine of the angle a + b at every pair of x and z:
-    cos(a + b) = cos a cos b - sin a sin b and so on, so that a cosine is needed for each row and each column only."""
+    """(len(x) len(z), k) sums over waves of k pairs of (n,) times cosine and sine of the angle a + b at every pair of x
+    and z: cos(a + b) = cos a cos b - sin a sin b and so on, so that a cosine is needed for each row and column only."""
     a = np.outer(x, sea.wavevector[:, 0])
     b = np.outer(sea.wavevector[:, 1], z) + (sea.phase - sea.omega * time)[:, None]
-    total = np.einsum("in,nj->ij", np.cos(a) * cosine + np.sin(a) * sine, np.cos(b))
-    return (total - np.einsum("in,nj->ij", np.sin(a) * cosine - np.cos(a) * sine, np.sin(b))).ravel()
+    (cos_a, sin_a), (cos_b, sin_b) = (np.cos(a), np.sin(a)), (np.cos(b), np.sin(b))
+
+    def summed_up(cosine: np.ndarray, sine: np.ndarray) -> np.ndarray:
+        total = np.einsum("in,nj->ij", cos_a * cosine + sin_a * sine, cos_b)
+        return (total - np.einsum("in,nj->ij", sin_a * cosine - cos_a * sine, sin_b)).ravel()
+
+    return np.stack([summed_up(cosine, sine) for cosine, sine in parts], axis=1)
 
 
 def stretched(sea: Components, points: np.ndarray, eta: np.ndarray) -> np.ndarray:

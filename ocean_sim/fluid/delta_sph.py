@@ -50,7 +50,7 @@ STRETCHED, SHEARED = 0.1, 0.6  # spin over strain, both squared, from and up to 
 MEMORY = 3.0  # [depth over reference speed] over which spin and strain are remembered
 SELDOM = 1.0 / 64.0  # of that time between two looks at them
 CALM = 1e-4  # [c / h] strain below which water is still
-IMPACT = 1.0  # of the dissipation between particles that meet, over their density and the square of their speed
+IMPACT = 0.5  # of the dissipation between particles that meet, over their density and the square of their speed
 CARRIED, GRADED = 2, 3  # deviation of the density, damped pressure over density squared; share, spin, strain
 NEAR = 3.5  # [spacings] support of the kernel by which particles are found to be too near to each other
 
@@ -61,7 +61,7 @@ class Config(SphConfig):
     carries_bodies: ClassVar[bool] = True
     bears_shear: ClassVar[float] = 1.0e-3
     fineness: ClassVar[int] = 3
-    attenuation: ClassVar = Attenuation(0.0, flat=1.0e-3, steep=3.8e-3, travelling=Attenuation(0.0, 2.2e-3, 8.4e-3))
+    attenuation: ClassVar = Attenuation(0.0, flat=1.0e-3, steep=2.7e-3, travelling=Attenuation(0.0, 2.0e-3, 7.9e-3))
     delay: ClassVar = Delay(0.33, high=0.12)
     default_ratio: ClassVar[tuple[float, float]] = (NEUTRAL_RATIO, NEUTRAL_RATIO)
     kernel: ClassVar[Kernel] = NEUTRAL

@@ -1,7 +1,7 @@
 """How much of a piston's regular waves an absorbing side returns, against linear theory for its zone.
 
 The zone is that which a side gets of which no more is said: one wavelength long. Incident and reflected waves are
-separated by three gauges, when the waves have gone there and back. Measured under delta_sph: 1.0 % at a spacing of 1/80
+separated by three gauges, when the waves have gone there and back. Measured under delta_sph: 1.2 % at a spacing of 1/80
 of a wavelength, 1.3 % at 1/40; theory has 1.1 %. A zone whose rate is 2.5 sqrt(g / h) at the side and falls with the
 square of the distance sends 2.0 % back at 1/80, in theory 2.1 %.
 """

@@ -41,7 +41,7 @@ height H in sqrt(2 H / g), which is just what counts as a sudden release (Lauber
 waxed paper, so they are only reported. Mean distance from the same three at a / 40 and a / 20 [%], all but the first
 before a gate was told how the water beside it accelerates:
 
-    pulled by g, 0.1 a thick                       5.1  6.8  6.2  and  7.1  9.1  9.1
+    pulled by g, 0.1 a thick                       3.7  4.3  2.9  and  4.1  6.8  6.3
     the same at a / 40, 0.05 a thick               8.7  8.7  5.7
     4, 2 sqrt(g a), 0.05 a thick (at a / 20 0.1 a) 9.6  8.0  9.8; 12.1 10.2 10.2  and  6.7  5.3  8.4;  8.6  6.7  7.7
 

@@ -7,7 +7,7 @@ Behind the front waves are higher for a while, by 4 % at two wavelengths and 10 
 expected is linear theory of a piston that begins at rest (the steady part: Dean & Dalrymple 1991, chapter 6).
 
 Under `delta_sph`, at h / 20, where a wave is two spacings high, it is 0.7 % too low at one wavelength, 2.4 % at two and
-3.1 % at six; crests are 0.2 % slow.
+3.0 % at six; crests are 0.2 % slow.
 
 Under `mueller` there is no wave here: in water of 1e-6 m2/s its H/S is 3 to 6, and as large with the piston at rest
 (6.5 and 2.4). That its density is summed with one kernel while its pressure acts along the gradient of another, so that

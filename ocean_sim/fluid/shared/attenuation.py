@@ -20,7 +20,8 @@ class Attenuation:
 
     with the wavenumber k, the height H from trough to crest, and the spacing dx. The amplitude then falls at the rate
     2 nu k^2. Fitted to waves in slices of 6 to 32 layers, k depth 0.5 to 3.1, H 0.5 to 4 dx and at most a third of the
-    depth, without viscosity of their own, over 6 periods; it meets their rates within a third.
+    depth, without viscosity of their own, over 6 periods. That of `delta_sph` is 0.67 to 1.5 times the rate of four
+    waves in five, and 0.35 to 2.4 times that of 26 standing and 13 travelling ones.
     """
 
     even: float

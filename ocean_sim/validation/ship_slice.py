@@ -2,8 +2,8 @@
 cylinder released, against linear theory.
 
 A cylinder of 0.1524 m is released 0.0254 m too high (Ito 1977; Yeung 1982): extrema by the multipoles of Ursell (1949),
-over the level that the water has under its own weight. Its swings are 5 % too small, 21 % too large and 10 % too small,
-and late by 2.5, 1.2 and 1.2 %, on ten spacings to the radius; 5 % of the rise are an eighth of a spacing.
+over the level that the water has under its own weight. Its swings are 8 % too small, 11 % too large and 24 % too small,
+and late by 1.2, 0.6 and 0.7 %, on ten spacings to the radius; 5 % of the rise are an eighth of a spacing.
 """
 
 from functools import partial

@@ -8,7 +8,7 @@ from the surface: the wind is handed to particles that lie half a spacing and mo
 
 The case ends after 5 s, while the particles still lie in rows. Then the rows break up, and what is left of the drift
 depends on the stress over the pressure: under delta_sph, over the theory's in 3-5, 8-10, 13-15 and 18-20 s,
-- 5 Pa and 0.01 m2/s, 10 layers: +9, +1, -9, -12 %, slope of the bed -1, -2, -10, -10 %; 24 layers: +8, +8, +6, +3 %,
+- 5 Pa and 0.01 m2/s, 10 layers: +9, +1, -9, -10 %, slope of the bed -1, -2, -10, -9 %; 24 layers: +8, +8, +6, +3 %,
   slope 0, +3, +3, +2 %;
 - the same on 12 layers: +6, +1, +1, -7 %, slope 0, -1, +2, +2 %; over a bed that slips, where the flow is
   tau h / mu (z^2 / 2 h^2 - 1/6), the water of the uppermost fifth of 24 layers: +5, +3, +2, -2 %, of 10: +4, -14, -16,

@@ -6,10 +6,10 @@ K(t) = 2/pi int B(omega) cos(omega t) d omega and A(infinity) = A(omega) + 1/ome
 Where a table says so, motions act on each other: A, B and K are then symmetric matrices.
 
 What has been left in the waves is a momentum, the integral of L(t - tau) times the velocity with L(t) = -int K from t
-on, and the force is less its rate. A hull that moves on through the water at v takes it along: in axes that move with
-her it turns her by -v x momentum, as Kirchhoff's equations have it of A(infinity). In heave and pitch at a speed U these
-are strip theory's terms of speed, U A33, U B33 / omega^2 and U^2 / omega^2 times both (Salvesen, Tuck & Faltinsen 1970,
-Trans. SNAME 78, table 1, without those of a transom), omega being the frequency at which she meets the waves.
+on, and the force is less its rate. A hull that moves on through the water at v is turned by it, by -v x momentum, as
+Kirchhoff's equations have it of A(infinity). In heave and pitch at a speed U these are strip theory's terms of speed,
+U A33, U B33 / omega^2 and U^2 / omega^2 times both (Salvesen, Tuck & Faltinsen 1970, Trans. SNAME 78, table 1, without
+those of a transom), omega being the frequency at which she meets the waves.
 """
 
 from functools import cached_property

@@ -444,12 +444,21 @@ class Arriving(NamedTuple):
 
     amplitude: np.ndarray  # [m]
     angle: np.ndarray  # phase [rad]: amplitude cos(angle) is the elevation
-    omega: np.ndarray  # [rad/s]
+    omega: np.ndarray  # [rad/s], from water that goes with the current
     heading: np.ndarray  # to which they go [rad]: 0 along +z, a right angle along +x
+    wavenumber: np.ndarray  # [rad/m]
+
+    def met(self, velocity: np.ndarray) -> np.ndarray:
+        """Their frequency [rad/s] from a place that moves through the water (3,) [m/s]; negative where it overtakes
+        them."""
+        ahead = np.sin(self.heading) * velocity[0] + np.cos(self.heading) * velocity[2]
+        return self.omega - self.wavenumber * ahead
 
 
 class ClosedForm(Fluid, Protocol):
     """What water without particles has beyond that: it can be asked below its surface from a kernel."""
+
+    current: tuple[float, float]  # which carries the water, along x and z [m/s]
 
     def arriving(self, x: float, z: float) -> Arriving:
         """Its plane waves at a place [m], at the time of the bodies in it."""

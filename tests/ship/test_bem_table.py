@@ -1,5 +1,6 @@
 """Tables of a panel method: what Capytaine wrote is read without it, and scattered waves push as its numbers say."""
 
+from math import pi
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,8 @@ from ocean_sim.fluid import Arriving
 from ocean_sim.ship.shared.bem_table import ACROSS, Scattering, bem_table
 from ocean_sim.ship.shared.hull import hull_of
 from ocean_sim.ship.shared.radiation import Memory, Radiation
-from ocean_sim.validation.shared.ship import at_sea, floating
+from ocean_sim.validation.open_sea_box import Moved, impose
+from ocean_sim.validation.shared.ship import at_sea, first_harmonics, floating, track
 from ocean_sim.validation.shared.tables import table_path
 
 BARGE = Path(__file__).parent / "data" / "barge20_capytaine.nc"  # by Capytaine 3.0.0, 24 x 10 x 3 panels
@@ -46,10 +48,42 @@ def test_the_push_turns_with_the_ship():
     """The same sea from the same side of a ship that heads elsewhere."""
     scattering = Scattering(bem_table(str(BARGE)))
     one = np.array([1.0])
-    towards = Arriving(one, 0.7 * one, 1.2 * one, np.radians([30.0]))
-    turned = Arriving(one, 0.7 * one, 1.2 * one, np.radians([120.0]))
-    ahead, aside = scattering.load(towards, 0.0), Scattering(bem_table(str(BARGE))).load(turned, np.pi / 2.0)
+    towards = Arriving(one, 0.7 * one, 1.2 * one, np.radians([30.0]), 0.147 * one)
+    turned = Arriving(one, 0.7 * one, 1.2 * one, np.radians([120.0]), 0.147 * one)
+    ahead = scattering.load(towards, 0.0, np.array([0.5, 0.0, 2.0]))
+    aside = Scattering(bem_table(str(BARGE))).load(turned, np.pi / 2.0, np.array([2.0, 0.0, -0.5]))
     np.testing.assert_allclose(aside[:, [2, 1, 0]], ahead[:, [0, 1, 2]] * [-1.0, 1.0, 1.0], atol=1e-6)
+
+
+def test_scattered_waves_push_a_hull_at_rest_as_the_table_says():
+    scattering, one = Scattering(bem_table(str(BARGE))), np.array([1.0])
+    waves = Arriving(0.3 * one, 0.7 * one, 1.2 * one, np.radians([30.0]), 0.147 * one)
+    expected = (scattering.forces(1.2 * one, 30.0 * one)[:, 0] * 0.3 * np.exp(0.7j)).real
+    np.testing.assert_allclose(scattering.load(waves, 0.0, np.zeros(3)).ravel(), expected, rtol=1e-9, atol=1e-6)
+
+
+@pytest.mark.parametrize("heading", [180.0, 0.0])
+def test_under_way_in_long_waves_scattering_is_what_the_water_that_a_hull_displaces_would_have_done(heading):
+    """The table of scattered waves against the motion of hull and water relative to each other, at 3 m/s in waves five
+    times as long as the hull: heave and pitch within 6 %."""
+    answers = [towed(str(table), 3.0, 8.0, heading) for table in (BARGE, table_path("barge20_radiation"))]
+    np.testing.assert_allclose(*answers, rtol=0.06)
+
+
+def towed(table: str, speed: float, period: float, heading: float) -> np.ndarray:
+    """Heave and pitch [m], [rad] of the barge that is towed at a speed [m/s]."""
+    ship = {"kind": "dynamic", "hull": "barge20", "radiation": table, "free": ["surge", "heave", "pitch"]}
+    ship["velocity"] = [0.0, 0.0, speed]
+    scene = at_sea(ship, 20.0, 0.08, 9.0 * period, height=0.1, period=period, heading_deg=heading)
+    omega, rows = 2.0 * pi / period, []
+    met = omega - omega**2 / 9.81 * speed * np.cos(np.radians(heading))
+    with Simulation(load(scene)) as simulation:
+        for time, body in track(simulation, 9.0 * period):
+            impose(simulation, 2, Moved(speed * time, speed, 0.0))
+            rows.append((time, body.position[1], body.angles[0]))
+    times, *moved = np.array(rows).T
+    last = times > 5.0 * period
+    return first_harmonics(times[last], np.stack(moved, axis=1)[last], met)
 
 
 def test_a_ship_takes_the_file_and_one_of_no_use_is_refused(tmp_path):

@@ -1,5 +1,7 @@
 """A ship, waves and a current: only her velocity through the water counts."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 
 THROUGH = 2.0  # velocity through the water [m/s]
+SCATTERED = str(Path(__file__).parent / "data" / "barge20_capytaine.nc")
 OFF = dict.fromkeys(("accuracy", "timings", "frames", "render", "report", "motion"))
 
 
@@ -46,6 +49,13 @@ def test_what_counts_is_the_velocity_through_the_water(heading):
     assert np.abs(still).max() > 0.1
     np.testing.assert_allclose(ride(heading, (0.0, -THROUGH)), still, atol=1e-3)
     np.testing.assert_allclose(ride(heading, (1.0, 0.7)), still, atol=1e-3)
+
+
+def test_a_table_of_scattered_waves_knows_the_current():
+    """A hull with one takes its own motion for that through the water; it took that over the ground, and turned."""
+    ship = {"kind": "dynamic", "hull": "barge20", "radiation": SCATTERED, "velocity": [0.0, 0.0, THROUGH]}
+    still = ride(60.0, (0.0, 0.0), until=3.0, **ship)
+    np.testing.assert_allclose(ride(60.0, (1.0, 0.7), until=3.0, **ship), still, atol=1e-5)
 
 
 def test_waves_on_a_tile_are_read_where_the_current_had_carried_them():

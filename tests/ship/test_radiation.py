@@ -58,6 +58,34 @@ def test_a_steady_oscillation_is_held_back_by_damping_and_carried_by_added_mass(
     assert len(memory.when) * memory.often < memory.response.times[-1] + 3.0 * memory.often  # it forgets
 
 
+def test_a_hull_that_pitches_under_way_feels_strip_theorys_terms_of_speed():
+    """A35 = -U B33 / w^2, B55 = B55 + U^2 / w^2 B33 and so on (Salvesen, Tuck & Faltinsen 1970, table 1), less what
+    A(infinity) does, which is not the memory's."""
+    speed, omega, angle = 4.0, 1.1, 0.05
+    found = Radiation(str(BARGE))
+    memory, random, time, rows = Memory(found), np.random.default_rng(3), 0.0, []
+    while time < 60.0:
+        pitch, rate = angle * np.sin(omega * time), angle * omega * np.cos(omega * time)
+        motion = np.array([0.0, speed * pitch, speed, rate, 0.0, 0.0])  # bow down: her own axes see her rise
+        if time > 45.0:
+            (_, heave, _), (twist, _, _) = memory.load(time, motion)
+            rows.append((omega**2 * pitch, -rate, heave, twist))
+        memory.keep(time, motion)
+        time += random.uniform(0.005, 0.04)
+    *two, heave, twist = np.array(rows).T
+    (a35, b35), (a55, b55) = (np.linalg.lstsq(np.stack(two, axis=1), f, rcond=None)[0] for f in (heave, twist))
+    at = {
+        (what, k): np.interp(omega, found.omega, whole[k, k])
+        for k in (0, 1)
+        for what, whole in (("a", found.mass - found.response.added[..., None]), ("b", found.damping))
+    }
+    over = speed / omega
+    assert a35 == pytest.approx(-over / omega * at["b", 0], rel=0.03)
+    assert b35 == pytest.approx(speed * at["a", 0], abs=0.01 * speed * found.mass[0, 0].max())
+    assert a55 == pytest.approx(at["a", 1] + over**2 * at["a", 0], abs=0.02 * found.mass[1, 1].max())
+    assert b55 == pytest.approx(at["b", 1] + over**2 * at["b", 0], rel=0.03)
+
+
 def test_a_sphere_let_go_a_little_swings_as_linear_theory_says():
     """Extrema of the Cummins equation, solved in the frequency domain with Hulme's coefficients."""
     ship = {"kind": "dynamic", "hull": "sphere", "free": ["heave"], "radiation": str(SPHERE)}

@@ -3,9 +3,8 @@
 Read from a CSV file, or from the NetCDF file that Capytaine writes, without Capytaine: NetCDF 4 is HDF5. Its axes (x to
 the bow, y to port, z up) are ours in another order, and its rotations have to be about the centre of mass. It gives six
 by six; what one motion does to another is the mean of the two entries that reciprocity makes equal. Tables are of a
-hull without forward speed; under way they are used at the frequency at which she meets the waves, as if they were at
-rest around her, which is what strip theory does without its terms of speed (Salvesen, Tuck & Faltinsen 1970, Trans.
-SNAME 78).
+hull without forward speed; under way they are used with strip theory's terms of speed (Salvesen, Tuck & Faltinsen 1970,
+Trans. SNAME 78), at the frequency at which she meets the waves.
 """
 
 from collections.abc import Iterator
@@ -20,6 +19,7 @@ from ocean_sim.conventions import Motions
 from ocean_sim.files import csv_file, input_file
 from ocean_sim.files.input_file import Unreadable, shown
 from ocean_sim.fluid import Arriving
+from ocean_sim.ship.shared.rigid_body import cross
 
 FREQUENCY = "omega_rad_s"
 ADDED = dict(zip(Motions._fields, ("kg", "kg", "kg", "kg_m2", "kg_m2", "kg_m2"), strict=True))
@@ -144,24 +144,47 @@ def laid(data: "object", axes: tuple[str, ...]) -> np.ndarray:
 
 
 class Scattering:
-    """The force of scattered waves on one hull, as they arrive."""
+    """The force of scattered waves on one hull, as they arrive.
+
+    A hull holds against the water's own motion w: X(omega) = (B - i omega A) w. One that goes through the water meets
+    the same w at another frequency, to which its own A and B belong, and what has been given to it, the integral of
+    the force, turns it as it moves on (`radiation`; table 2 of Salvesen, Tuck & Faltinsen).
+    """
 
     def __init__(self, table: BemTable) -> None:
         assert table.scattered is not None
         self.omega, self.scattered = table.omega, table.scattered
         self.numbers = [Motions._fields.index(motion) for motion in table.motions]
-        self.known: tuple[float, np.ndarray, np.ndarray] | None = None  # a heading, frequencies, and forces (6, n)
+        own = np.diag_indices(len(table.motions))
+        self.added, self.lost = table.added[own], table.damping[own] / table.omega
+        self.known: tuple[float, np.ndarray, np.ndarray] | None = None  # a heading, frequencies, what is given (6, n)
 
-    def load(self, waves: Arriving, yaw: float) -> np.ndarray:
-        """(2, 3) force [N] and torque [N m] in world axes, on a hull with this heading [rad]."""
+    def load(self, waves: Arriving, yaw: float, velocity: np.ndarray) -> np.ndarray:
+        """(2, 3) force [N] and torque [N m] in world axes, on a hull with this heading [rad] that moves through the
+        water (3,) [m/s]."""
         if self.known is None or abs(yaw - self.known[0]) > HEADED or len(waves.omega) != len(self.known[1]):
-            self.known = yaw, waves.omega, self.forces(waves.omega, np.degrees(waves.heading - yaw))
+            self.known = yaw, waves.omega, self.given(waves.omega, np.degrees(waves.heading - yaw))
         elif waves.omega is not self.known[1] and not np.array_equal(waves.omega, self.known[1]):
-            self.known = yaw, waves.omega, self.forces(waves.omega, np.degrees(waves.heading - yaw))
-        sums = (self.known[2] * (waves.amplitude * np.exp(1j * waves.angle))).real.sum(axis=1)
+            self.known = yaw, waves.omega, self.given(waves.omega, np.degrees(waves.heading - yaw))
+        omega = waves.met(velocity)
+        given = self.known[2] * self.inertia(omega) * (waves.amplitude * np.exp(1j * waves.angle))
         c, s = np.cos(yaw), np.sin(yaw)
         level = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
-        return sums.reshape(2, 3) @ level.T
+        momentum, rate = ((part.real.sum(axis=1).reshape(2, 3)) @ level.T for part in (given, -1j * omega * given))
+        rate[1] += cross(velocity, momentum[0])
+        return rate
+
+    def given(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
+        """(6, n) momentum that waves give a hull at rest, over its inertia at their frequency."""
+        return self.forces(omega, heading) / (-1j * omega * self.inertia(omega))
+
+    def inertia(self, omega: np.ndarray) -> np.ndarray:
+        """(6, n) A + i B / omega [kg], [kg m2] of each motion in the table, 1 of any other."""
+        found = np.ones((6, len(omega)), dtype=complex)
+        for number, added, lost in zip(self.numbers, self.added, self.lost, strict=True):
+            met = np.abs(omega)
+            found[number] = np.interp(met, self.omega, added) + 1j * np.sign(omega) * np.interp(met, self.omega, lost)
+        return found
 
     def forces(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
         """(6, n) of waves of unit amplitude, by frequency and heading [deg] relative to the ship's; mirrored where the

@@ -4,6 +4,12 @@ A motion's force is -A(infinity) times its acceleration, less the integral of K(
 1962, Schiffstechnik 9), with Ogilvie's relations (1964, 5th Symposium on Naval Hydrodynamics)
 K(t) = 2/pi int B(omega) cos(omega t) d omega and A(infinity) = A(omega) + 1/omega int K(t) sin(omega t) dt.
 Where a table says so, motions act on each other: A, B and K are then symmetric matrices.
+
+What has been left in the waves is a momentum, the integral of L(t - tau) times the velocity with L(t) = -int K from t
+on, and the force is less its rate. A hull that moves on through the water at v is turned by it, by -v x momentum, as
+Kirchhoff's equations have it of A(infinity). In heave and pitch at a speed U these are strip theory's terms of speed,
+U A33, U B33 / omega^2 and U^2 / omega^2 times both (Salvesen, Tuck & Faltinsen 1970, Trans. SNAME 78, table 1, without
+those of a transom), omega being the frequency at which she meets the waves.
 """
 
 from functools import cached_property
@@ -16,6 +22,7 @@ import numpy as np
 from ocean_sim.conventions import Motions
 from ocean_sim.files.input_file import shown
 from ocean_sim.ship.shared.bem_table import Scattering, bem_table
+from ocean_sim.ship.shared.rigid_body import cross
 
 LEFT = 0.25  # of the largest damping: what may be left at the highest frequency
 FEWEST, MOST = 4, 300  # frequencies
@@ -29,6 +36,7 @@ class Response(NamedTuple):
 
     times: np.ndarray  # (n,) since a push [s]
     kernels: np.ndarray  # (m, m, n) K [kg/s2], [kg m/s2], [kg m2/s2]
+    left: np.ndarray  # (m, m, n) L [kg/s], [kg m/s], [kg m2/s]
     added: np.ndarray  # (m, m) A(infinity) [kg], [kg m], [kg m2]
 
 
@@ -73,7 +81,8 @@ class Radiation:
         kernels[np.abs(kernels).max(axis=2) <= LOST * np.outer(most, most)] = 0.0  # of a symmetric hull: noise
         kept = (np.abs(kernels) / np.outer(most, most)[:, :, None]).max(axis=(0, 1)) > LOST
         last = int(np.flatnonzero(kept)[-1]) + 1
-        return Response(times[:last], kernels[:, :, :last], added)
+        times, kernels = times[:last], kernels[:, :, :last]
+        return Response(times, kernels, antiderivative(kernels, times), added)
 
     def kernel(self, times: np.ndarray, damping: np.ndarray) -> np.ndarray:
         """K at some times [s]; beyond the table damping falls on as it did at its end, by a power of the frequency."""
@@ -91,6 +100,14 @@ class Radiation:
         return np.array([2.0 / pi * np.trapezoid(whole * np.cos(every * t), every) for t in times])
 
 
+def antiderivative(values: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """(..., n) of (..., n) values at times (n,), 0 at the last of them."""
+    pieces = 0.5 * (values[..., 1:] + values[..., :-1]) * np.diff(times)
+    found = np.zeros_like(values)
+    found[..., :-1] = -np.cumsum(pieces[..., ::-1], axis=-1)[..., ::-1]
+    return found
+
+
 class Memory:
     """The radiation force on one hull: what it remembers of its motions."""
 
@@ -104,11 +121,14 @@ class Memory:
         """(2, 3) force [N] and torque [N m] in body axes, at a velocity relative to the water (6,), body axes."""
         times = np.append(self.when, time)
         moved = np.concatenate([self.moved, motion[None, self.numbers]])
-        known, found = self.response, np.zeros(6)
+        known, rate, momentum = self.response, np.zeros(6), np.zeros(6)
         for i, j in self.pairs:
             kernel = np.interp(time - times, known.times, known.kernels[i, j], right=0.0)
-            found[self.numbers[i]] -= np.trapezoid(kernel * moved[:, j], times)
-        return found.reshape(2, 3)
+            left = np.interp(time - times, known.times, known.left[i, j], right=0.0)
+            rate[self.numbers[i]] += np.trapezoid(kernel * moved[:, j], times)
+            momentum[self.numbers[i]] += np.trapezoid(left * moved[:, j], times)
+        v, omega, line, turn = motion[:3], motion[3:], momentum[:3], momentum[3:]
+        return -rate.reshape(2, 3) - [cross(omega, line), cross(omega, turn) + cross(v, line)]
 
     def keep(self, time: float, motion: np.ndarray) -> None:
         """Remember this velocity (6,), if the last one was long enough ago."""

@@ -103,7 +103,7 @@ class SeakeepingConfig(FloatingConfig):
         if self.propeller is not None or any(self.velocity):
             found.append(
                 "radiation: the table is of a hull without forward speed; under way it counts at the frequency of "
-                "encounter, without strip theory's terms of speed"
+                "encounter, with strip theory's terms of speed, which are those of a slender hull without a transom"
             )
         if table.depth is not None and table.depth != tank.depth:
             here, there = (
@@ -140,10 +140,13 @@ class SeakeepingShip(FloatingShip):
         self.sea: ClosedForm | None = None  # whose waves the hull scatters
         self.through = np.ones(6)  # of each motion: 1 where it is one through the water, 0 where one of its own
         self.made = np.zeros(6)  # (6,) the motion that makes waves
+        self.stream = np.zeros(3)  # velocity of a current [m/s]
         if config.table is not None:
             self.memory, self.scattering = Memory(config.table), config.table.scattering
         if self.scattering is not None:
             self.sea, self.through[self.scattering.numbers] = fluid.in_closed_form, 0.0
+        if self.sea is not None:
+            self.stream[[0, 2]] = self.sea.current
         self.resistance = config.resistance(self.hull.still)
         if self.contact is None:
             self.slamming = Slamming(self.hull.still, float(self.added[1]))
@@ -152,9 +155,15 @@ class SeakeepingShip(FloatingShip):
     def damping(self, now: Immersion) -> np.ndarray:
         resisted = self.resistance.load(now.motion)
         if self.memory is not None:
-            self.made = now.motion + (1.0 - self.through) * now.wet.velocity
+            self.made = now.motion + self.orbital(now)
             resisted = resisted + self.memory.load(self.actuators.time, self.made)
         return now.share * resisted @ now.body.matrix.T
+
+    def orbital(self, now: Immersion) -> np.ndarray:
+        """(6,) velocity of the water in body axes [m/s], [rad/s] where what waves do to a motion is in the table: all
+        of it but the current."""
+        stream = np.concatenate([now.body.matrix.T @ self.stream, np.zeros(3)])
+        return (1.0 - self.through) * (now.wet.velocity - stream)
 
     def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The water's answer to the hull's own acceleration is part of `damping`, what its own acceleration does, of
@@ -163,10 +172,11 @@ class SeakeepingShip(FloatingShip):
         wet = now.wet
         if self.scattering is not None and self.sea is not None:
             (x, _, z), (_, yaw, _) = now.body.position, now.body.angles
-            scattered = now.share * self.scattering.load(self.sea.arriving(float(x), float(z)), float(yaw))
+            through = now.body.velocity - self.stream
+            scattered = now.share * self.scattering.load(self.sea.arriving(float(x), float(z)), float(yaw), through)
             forces = forces | {"wave": forces["wave"] + scattered}
             force, torque = force + scattered[0], torque + scattered[1]
-        drift, surge = self.through * wet.velocity, self.through * wet.acceleration
+        drift, surge = wet.velocity - self.orbital(now), self.through * wet.acceleration
         between = None if self.between is None else now.share * self.between
         moved, carried = reaction(now.body, now.share * self.added, between, force, torque, drift, surge)
         return forces | {"wave": forces["wave"] + carried, "damping": forces["damping"] + moved}

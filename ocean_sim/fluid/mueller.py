@@ -66,7 +66,8 @@ class Config(SphConfig):
         found, basin = super().warnings(preflight), preflight.tank
         least = STIRRING[basin.dimension - 2] * self.sound_speed(basin) * self.lattice(basin).spacing
         pull = waves.pull(basin)
-        if self.kinematic_viscosity < 0.9 * least and pull and preflight.duration > SOON * sqrt(basin.depth / pull):
+        seen = pull > 0.0 and preflight.duration > SOON * sqrt(basin.depth / pull)
+        if seen and self.kinematic_viscosity < 0.9 * least:
             found.append(
                 f"still water of mueller boils within seconds below a viscosity of about {least:.1g} m2/s; set "
                 "fluid.kinematic_viscosity, or take delta_sph"

@@ -18,8 +18,8 @@ class Rim(Model):
     quarter of the patch; in calm water a quarter of the patch."""
     rate: float | None = quantity("1/s", None, ge=0.0)
     """Rate of the relaxation at the seam, falling to 0 at the edge of the band; null: 1.5 times the frequency
-    [rad/s] of the highest waves, in calm water of waves as long as 4/3 of the width; 0: the sea does not reach the
-    patch."""
+    [rad/s] of the highest waves, in calm water of waves as long as 4/3 of the width; 0: the water is
+    only fed, and what the ship makes goes round the patch."""
     velocity: Vector2 = quantity("m/s", (0.0, 0.0))
     """Velocity along x and z of the point opposite which the band lies, where there is no ship; it starts at the
     origin."""

@@ -10,6 +10,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import model_validator
 
+from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.conventions import Setting
@@ -26,6 +27,8 @@ from ocean_sim.wind import Wind
 
 TINY = 1.0e-12  # [m2] keeps two particles in one position finite
 PAIR = 3.6e-9  # [s] of processor time a neighbour
+STIRRING = (3.6e-3, 1.8e-3)  # of c times the spacing, in 2-D and 3-D: the viscosity that keeps still water from boiling
+SOON = 10.0  # sqrt(depth / g) after which it does: 0.5 m of a slice at 2 m/s rms, which is sqrt(g depth)
 SLOPE, OFFSET, VISCOUS = range(3)  # what may change while the water moves
 
 
@@ -58,6 +61,18 @@ class Config(SphConfig):
     def sound_speed(self, basin: Basin) -> float:
         """c [m/s]: the square root of k of (2.15)."""
         return sqrt(self.stiffness) if self.stiffness else super().sound_speed(basin)
+
+    def warnings(self, preflight: Preflight) -> list[str]:
+        found, basin = super().warnings(preflight), preflight.tank
+        least = STIRRING[basin.dimension - 2] * self.sound_speed(basin) * self.lattice(basin).spacing
+        pull = waves.pull(basin)
+        seen = pull > 0.0 and preflight.duration > SOON * sqrt(basin.depth / pull)
+        if seen and self.kinematic_viscosity < 0.9 * least:
+            found.append(
+                f"still water of mueller boils within seconds below a viscosity of about {least:.1g} m2/s; set "
+                "fluid.kinematic_viscosity, or take delta_sph"
+            )
+        return found
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         sizes = self.sized(self.began(preflight), preflight.arch, Momentum.row.size)

@@ -1,5 +1,6 @@
 """A patch of open sea: its table, band, feed, accounts, and what a scene may say of it."""
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -161,6 +162,45 @@ def test_waves_are_fitted_to_the_patch_and_statements_say_so():
     oblique = patch(REGULAR | {"heading_deg": 120.0, "period": 3.0 * PERIOD}, square, LENGTH)
     said = " ".join(oblique.fluid.statements(oblique.preflight))
     assert "heading 116.6 deg" in said  # two waves along x and one back along z
+
+
+def test_check_says_which_waves_were_asked_for_and_which_patch_would_keep_them():
+    """Waves of 4.5 m on a patch of 6 m would be a third longer; their own patch takes them as they are."""
+    asked = 2.0 * np.pi / float(waves.angular_frequency(2.0 * np.pi / 4.5, 1.0, G))
+    found = band_of(patch(REGULAR | {"period": asked}))
+    assert f"6 m and 2.219 s (asked for: 4.5 m and {asked:.4g} s)" in found.statements()[0]
+    (told,) = [sentence for sentence in found.warnings(1.0) if "do not fit" in sentence]
+    assert "basin.length: 13.5 would keep them" in told
+    fit = band_of(patch(REGULAR | {"period": asked}, SLICE | {"length": 13.5}))
+    assert "asked for" not in fit.statements()[0] and fit.warnings(1.0) == []
+
+
+def test_check_finds_both_sides_of_a_patch_for_oblique_waves():
+    """The patch that it names takes them as they are; heading and length count."""
+    keys = {"sea": REGULAR | {"heading_deg": 30.0}}
+    square = {"length": 6.0, "width": 6.0, "depth": 1.0, "walls": "periodic"}
+    (told, *_) = band_of(patch(basin=square, spacing=0.25, **keys)).warnings(1.0)
+    sides = {name: float(re.findall(rf"basin.{name}: ([0-9.]+)", told)[0]) for name in ("length", "width")}
+    fit = band_of(patch(basin=square | sides, spacing=0.25, **keys))
+    assert fit.sea.heading_deg == pytest.approx(30.0, abs=0.1) and fit.sea.wavelength == pytest.approx(LENGTH, rel=1e-3)
+    assert fit.warnings(1.0) == []
+
+
+def test_a_rim_that_is_too_weak_is_told_by_how_much_goes_through():
+    """exp(- integral of half its rate over both sides / group speed), and all of it without a rate."""
+    group = float(waves.group_speed(2.0 * np.pi / LENGTH, 1.0, G))
+    for rate in (0.0, 2.0):
+        found = band_of(patch(REGULAR | {"rim": {"rate": rate}}))
+        assert found.through == pytest.approx(np.exp(-rate * 0.75 * LENGTH / 2.5 / group), rel=1e-6)
+        assert any("meets her own wake" in sentence for sentence in found.warnings(1.0))
+    assert band_of(patch()).warnings(1.0) == [] == band_of(patch("calm")).warnings(1.0)
+    weak = band_of(patch({"kind": "linear_waves", "rim": {"rate": 0.0}}))
+    assert any("100% of the height" in sentence for sentence in weak.warnings(1.0))
+
+
+@pytest.mark.parametrize("sea", ["calm", REGULAR])
+def test_check_says_that_particles_are_no_live_sea(sea):
+    assert any("for a live ship take fluid.kind: spectral_sea" in said for said in band_of(patch(sea)).statements())
 
 
 def test_defaults_follow_from_the_highest_waves_and_stay_open_in_the_dump():

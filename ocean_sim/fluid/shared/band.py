@@ -12,7 +12,7 @@ feed = 2 loss holds it up wherever the ship sails, also with it, where no band c
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import pi
+from math import ceil, exp, pi
 
 import numpy as np
 
@@ -24,10 +24,13 @@ from ocean_sim.waves.absorption import PROFILE
 
 WIDTH, RATE = 0.75, 1.5  # [wavelengths] on either side of the seam, [rad/s over rad/s of the highest waves]
 MOST = 0.25  # of the patch that it takes on either side
+PASSED = 0.05  # of the height of a ship's waves that may go through the band
 NARROW = 0.7  # [wavelengths] a band that is narrower gives back more than a twentieth of the waves that a ship makes
 WEAK = 0.07  # of the height of the sea that may be lacking at the ship
 PIECES = 400  # of the way round a patch
 NO_SPEED = 1e-3  # [group speeds] a ship that is nearer to it keeps up with the waves
+CHANGED = 0.1  # of its wavenumber by which fitting may change a wave without a warning
+FEW = 3  # wavelengths that a patch is long at least: one and a half for the rims, as much between them
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,7 @@ class Band:
     losses: np.ndarray | None  # (n,) complex, of each wave of the sea by the scheme [1/s]; None where it is unknown
     feed: np.ndarray  # (n,) complex, of each wave of the sea [1/s]
     nonlinear: Nonlinear | None = None  # how the sea is; None: it is the sum of its waves
+    asked: waves.Components | None = None  # the sea before it was fitted to the patch
 
     @property
     def sides(self) -> tuple[float, ...]:
@@ -88,16 +92,48 @@ class Band:
         found = self.along(with_waves)
         return complex(found[1][PIECES // 2]) if found is not None else None
 
+    @property
+    def through(self) -> float:
+        """Share of their height that the highest waves, in calm water waves as long as 4/3 of the width, keep on their
+        way through the whole rim."""
+        basin = self.lattice.basin
+        k = 2.0 * pi * WIDTH / self.width if self.sea is None else float(self.sea.wavenumber[self.sea.highest])
+        group = float(waves.group_speed(k, basin.depth, waves.pull(basin)))
+        return exp(-self.rate * self.width / (1.0 + PROFILE) / group)
+
+    def size(self, sea: waves.Components) -> str:
+        """Length, period and, in 3-D, heading of the highest waves of a sea."""
+        found = f"{sea.wavelength:.4g} m and {sea.period:.4g} s"
+        return f"{found}, heading {sea.heading_deg:.4g} deg" if len(self.sides) > 1 else found
+
+    def changed(self) -> str | None:
+        """What to do where its highest waves had to change much to fit the patch."""
+        if self.sea is None or self.asked is None:
+            return None
+        k, fits = (of.wavevector[of.highest] for of in (self.asked, self.sea))
+        length = float(np.hypot(*k))
+        off = abs(np.hypot(*fits) - length) if self.sea.random else np.hypot(*(fits - k))
+        if off < CHANGED * length:
+            return None
+        better = []
+        for name, side, along, fit in zip(("length", "width"), self.sides, np.abs(k), np.abs(fits)):
+            crests = max(round(fit * side / (2.0 * pi)), ceil(FEW * along / length - 1e-9))
+            better += [f"basin.{name}: {2.0 * pi * crests / along:.4g}"] if along > 1e-9 * length else []
+        return (
+            f"waves of {self.size(self.asked)} do not fit the patch and became waves of {self.size(self.sea)}; "
+            f"{' and '.join(better)} would keep them"
+        )
+
     def statements(self) -> list[str]:
         """What it is, in numbers."""
         head = f"a patch of open sea: its rim is {self.width:.3g} m wide on either side, rate {self.rate:.3g} 1/s"
+        live = "particles are a sea for films and figures; for a live ship take fluid.kind: spectral_sea"
         if self.sea is None:
-            return [f"{head}; the sea is calm"]
+            return [f"{head}; the sea is calm", live]
         count = f"{len(self.sea.amplitude)} plane waves, the highest" if self.sea.random else "one wave,"
-        size = f"{self.sea.wavelength:.4g} m and {self.sea.period:.4g} s"
-        if len(self.sides) > 1:
-            size += f", heading {self.sea.heading_deg:.4g} deg"
-        found = [f"{head}; the sea is fitted to the patch: {count} of {size}"]
+        size, asked = self.size(self.sea), self.size(self.asked or self.sea)
+        was = f" (asked for: {asked})" if asked != size else ""
+        found = [f"{head}; the sea is fitted to the patch: {count} of {size}{was}", live]
         if self.nonlinear is not None:
             cells = " x ".join(str(n) for n in cells_of(self)[: len(self.sides)])
             found.append(
@@ -119,11 +155,18 @@ class Band:
     def warnings(self, duration: float) -> list[str]:
         """What is wrong with it but possible, in a run of this duration [s]."""
         found = list(waves.cut_short(duration, self.sea.ramp)) if self.sea is not None else []
+        changed = self.changed()
+        found += [changed] if changed is not None else []
         if self.sea is not None and self.width < NARROW * self.sea.wavelength and self.rate > 0.0:
             found.append(
                 f"the rim of the patch is {self.width:.3g} m wide, less than {NARROW:g} of the wavelength of "
                 f"{self.sea.wavelength:.3g} m: it returns more than a twentieth of the ship's waves; take a "
                 "larger patch"
+            )
+        elif self.through > PASSED:
+            found.append(
+                f"a rim {self.width:.3g} m wide of a rate of {self.rate:.3g} 1/s lets {self.through:.0%} of the height "
+                "of a ship's waves through, and she meets her own wake; leave rim.rate out"
             )
         for speed, who in ((0.0, "at rest"), (1.0, "that keeps up with it")):
             there = self.at_ship(speed)
@@ -153,7 +196,7 @@ def band(lattice: Lattice) -> Band | None:
     feed = np.zeros(n, dtype=complex) if losses is None else 2.0 * losses
     if basin.sea.feed is not None:
         feed = np.full(n, basin.sea.feed, dtype=complex)
-    return Band(lattice, width, rate, sea, losses, feed, nonlinear)
+    return Band(lattice, width, rate, sea, losses, feed, nonlinear, basin.sea.plane_waves(basin))
 
 
 def cells_of(band: Band) -> tuple[int, int]:

@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 SURFACE_FIELDS = 6 + foam.FINER**2  # elevation, how far foam was carried, velocity; foam
 BYTES_PER_PARTICLE = 32  # position, velocity, id and pressure
 BEFORE, BEFORE_EVERY = 2.0 * foam.LASTS, 0.25  # [s] for which foam is made before a run begins, and in steps of
-WHITE = 8.0e-7  # [s] of processor time of the foam at a point
-HEIGHTS = 7.0  # at a point in closed form: its own, three for velocity and foam, and a velocity, as dear as three
+WHITE = 5.0e-7  # [s] of processor time of the foam at a point
+HEIGHTS = 5.0  # at a point in closed form: its own, one without ships, and a velocity, as dear as three
 TOPMOST = 1.2  # [spacings] under the surface: the particles that carry foam
 MANY = 20_000_000  # points of a frame: more are a slip
 LARGE = 2.0e9  # bytes that are worth a warning

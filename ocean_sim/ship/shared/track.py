@@ -48,56 +48,66 @@ class Turned(NamedTuple):
 
 def short_way(orientation: np.ndarray) -> np.ndarray:
     """(4, n) quaternions, each with the sign by which it lies nearer to the one before."""
-    aligned = (orientation[:, 1:] * orientation[:, :-1]).sum(axis=0)
-    return orientation * np.cumprod(np.append(1.0, np.where(aligned < 0.0, -1.0, 1.0)))
+    away = (orientation[:, 1:] * orientation[:, :-1]).sum(axis=0) < 0.0
+    return orientation * np.cumprod(np.append(1.0, np.where(away, -1.0, 1.0))) if away.any() else orientation
+
+
+def pure(vector: np.ndarray) -> np.ndarray:
+    """(4, n) quaternions of vectors (3, n)."""
+    return np.concatenate([np.zeros_like(vector[:1]), vector])
 
 
 def change(velocity: np.ndarray, spin: np.ndarray, orientation: np.ndarray) -> np.ndarray:
     """(7, n) first derivatives of position [m/s] and quaternion [1/s], of velocities and angular ones [rad/s]."""
-    return np.concatenate([velocity, 0.5 * product(np.insert(spin, 0, 0.0, axis=0), orientation)])
+    return np.concatenate([velocity, 0.5 * product(pure(spin), orientation)])
 
 
 def bend(acceleration: np.ndarray, turning: np.ndarray, spin: np.ndarray, orientation: np.ndarray) -> np.ndarray:
     """(7, n) second derivatives of position [m/s2] and quaternion [1/s2], of accelerations and angular ones [rad/s2]
     and angular velocities [rad/s]."""
     x, y, z = spin
-    turned = product(np.insert(turning, 0, 0.0, axis=0), orientation) - 0.5 * (x * x + y * y + z * z) * orientation
+    turned = product(pure(turning), orientation) - 0.5 * (x * x + y * y + z * z) * orientation
     return np.concatenate([acceleration, 0.5 * turned])
 
 
 def joined(time: np.ndarray, place: np.ndarray, bends: np.ndarray, first: np.ndarray) -> Track:
     """Moments that follow each other, with the velocities of their own times: the way of a step over its length is the
     mean velocity, from which accelerations lead on that change evenly. `first`: (7,) that of the first moment."""
-    step = np.diff(time)
-    mean = np.diff(place) / step
-    velocity = mean + step * (bends[:, :-1] + 2.0 * bends[:, 1:]) / 6.0
+    step = time[1:] - time[:-1]
+    mean = (place[:, 1:] - place[:, :-1]) / step
     if np.isnan(first).any():
         first = mean[:, 0] - step[0] * (2.0 * bends[:, 0] + bends[:, 1]) / 6.0
-    return Track(time, place, np.column_stack([first, velocity]))
+    velocity = np.empty(place.shape)
+    velocity[:, 0], velocity[:, 1:] = first, mean + step * (bends[:, :-1] + 2.0 * bends[:, 1:]) / 6.0
+    return Track(time, place, velocity)
 
 
-def passing(before: Track, after: Track, time: np.ndarray) -> Track:
-    """What passes times between moments, on the cubic that has place and velocity of both (Hermite): neither of them
-    leaps from one step to the next. If their velocities are third-order in the step, so is its own, and its place
-    fourth-order."""
-    step = after.time - before.time
-    over = (time >= after.time) | (step <= 0.0)
-    step = np.where(over, 1.0, step)
-    s = np.maximum(0.0, (time - before.time) / step)
-    moved = after.place - before.place
-    start, end = step * before.velocity - moved, step * after.velocity - moved
-    place = before.place + s * moved + s * (1.0 - s) * ((1.0 - s) * start - s * end)
-    velocity = (moved + (1.0 - s) * (1.0 - 3.0 * s) * start - s * (2.0 - 3.0 * s) * end) / step
-    return Track(time, np.where(over, after.place, place), np.where(over, after.velocity, velocity))
+class Between:
+    """Times (n,) [s], each between two moments of a track: the one of a number and the one before."""
 
+    def __init__(self, track: Track, time: np.ndarray, number: np.ndarray) -> None:
+        self.time, self.after, self.before = time, number, np.maximum(number - 1, 0)
+        self.ends = track.at(self.before), track.at(self.after)
+        start, end = (moment.time for moment in self.ends)
+        self.over = (time >= end) | (end <= start)  # where the moment after says all
+        self.step = np.where(self.over, 1.0, end - start)
+        self.part = np.maximum(0.0, (time - start) / self.step)  # of the step that is over
 
-def lines(before: Track, after: Track, time: np.ndarray, values: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-    """(n, m) values at times between moments, on straight lines from those before to those after, (n, m) each."""
-    step = after.time - before.time
-    over = (time >= after.time) | (step <= 0.0)
-    part = np.maximum(0.0, (time - before.time) / np.where(over, 1.0, step))
-    earlier, later = values
-    return np.where(over[:, None], later, earlier + part[:, None] * (later - earlier))
+    def passing(self) -> Track:
+        """What passes then, on the cubic that has place and velocity of both moments (Hermite): neither of them leaps
+        from one step to the next. If their velocities are third-order in the step, so is its own, and its place
+        fourth-order."""
+        (before, after), s, step = self.ends, self.part, self.step
+        moved = after.place - before.place
+        start, end = step * before.velocity - moved, step * after.velocity - moved
+        place = before.place + s * moved + s * (1.0 - s) * ((1.0 - s) * start - s * end)
+        velocity = (moved + (1.0 - s) * (1.0 - 3.0 * s) * start - s * (2.0 - 3.0 * s) * end) / step
+        return Track(self.time, np.where(self.over, after.place, place), np.where(self.over, after.velocity, velocity))
+
+    def values(self, known: np.ndarray) -> np.ndarray:
+        """(n, m) on straight lines between the values that each moment of the track has, (k, m)."""
+        earlier, later = known[self.before], known[self.after]
+        return np.where(self.over[:, None], later, earlier + self.part[:, None] * (later - earlier))
 
 
 def turned(track: Track) -> Turned:

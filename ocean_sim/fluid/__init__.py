@@ -384,8 +384,9 @@ class Fluid(Protocol):
         """The same from Python: (m, 2) points x, z [m] -> (m,) heights [m]."""
         ...
 
-    def undisturbed(self, points: np.ndarray) -> np.ndarray | None:
-        """The same without what ships do to it; None where the water does not keep that apart."""
+    def undisturbed(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray | None:
+        """The same without what ships do to it, where with that the `elevation` is (m,) [m]; None where the water does
+        not keep that apart."""
         return None
 
     def pressures(self, points: np.ndarray) -> np.ndarray:
@@ -395,6 +396,10 @@ class Fluid(Protocol):
     def velocities(self, points: np.ndarray) -> np.ndarray:
         """(m, 3) points [m] -> (m, 3) velocities [m/s]; 0 where it is dry."""
         ...
+
+    def surface_velocities(self, points: np.ndarray) -> np.ndarray:
+        """(m, 2) points x, z [m] -> (m, 3) velocities of the surface there [m/s]."""
+        return self.velocities(np.insert(points, 1, self.elevations(points), axis=1))
 
     def foam(self, points: np.ndarray) -> np.ndarray | None:
         """(m, 2) points x, z [m] -> (m,) share of the surface that broken crests have made white; None where it does

@@ -345,7 +345,9 @@ class SpectralSea(OpenWater):
         broken = self.breaking
         return {"breaking": -self.rest_density * broken.lost} if self.accounts and broken is not None else {}
 
-    def undisturbed(self, points: np.ndarray) -> np.ndarray:
+    def undisturbed(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
+        if not any(made.ship is not None for made in self.made):
+            return elevation
         at = np.asarray(points, dtype=float) - self.drift
         return self.sum_of(at, [one for one in (self.steep, self.raised) if one is not None])
 

@@ -1,9 +1,8 @@
 """Keeps what a picture or an export needs: particles, the height of the water, its surface, and where the ships are;
 one file a frame. The names of a ship's arrays begin with the key of the ship."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
@@ -30,8 +29,8 @@ if TYPE_CHECKING:
 SURFACE_FIELDS = 6 + foam.FINER**2  # elevation, how far foam was carried, velocity; foam
 BYTES_PER_PARTICLE = 32  # position, velocity, id and pressure
 BEFORE, BEFORE_EVERY = 2.0 * foam.LASTS, 0.25  # [s] for which foam is made before a run begins, and in steps of
-WHITE = 8.0e-7  # [s] of processor time of the foam at a point
-HEIGHTS = 7.0  # at a point in closed form: its own, three for velocity and foam, and a velocity, as dear as three
+WHITE = 5.0e-7  # [s] of processor time of the foam at a point
+HEIGHTS = 5.0  # at a point in closed form: its own, one without ships, and a velocity, as dear as three
 TOPMOST = 1.2  # [spacings] under the surface: the particles that carry foam
 MANY = 20_000_000  # points of a frame: more are a slip
 LARGE = 2.0e9  # bytes that are worth a warning
@@ -181,7 +180,7 @@ class Frames(Observer):
         if made is None and not self.white.started:
             self.whiten_before(simulation, points)
         if copied is None:
-            velocity = surface_velocity(simulation.fluid.velocities, points, elevation)
+            velocity = simulation.fluid.surface_velocities(points).reshape(*self.shape, 3)
         else:
             top = elevation - TOPMOST * simulation.fluid.spacing
             velocity = topmost_velocity(copied, points, top, simulation.basin.periods)
@@ -199,7 +198,7 @@ class Frames(Observer):
     ) -> np.ndarray:
         """Heights (nx, nz) [m] of the sea that ships go through. Of what they do to it the steepest is the shape of
         their hulls, and around these the foam of the whole sea would gather; their own is drawn with them."""
-        undisturbed = simulation.fluid.undisturbed(points)
+        undisturbed = simulation.fluid.undisturbed(points, elevation.ravel())
         if undisturbed is not None:
             return undisturbed.reshape(self.shape)
         inside = np.zeros(len(points), bool)
@@ -220,7 +219,7 @@ class Frames(Observer):
         wind = self.wind_speed or raised_by(sea, begins)
         for time in begins + np.arange(-BEFORE, 0.0, BEFORE_EVERY):
             elevation = waves.elevation(sea, points, time).reshape(self.shape)
-            velocity = surface_velocity(partial(waves.velocity, sea, time=float(time)), points, elevation)
+            velocity = waves.surface_velocity(sea, points, float(time)).reshape(*self.shape, 3)
             self.whiten(time, elevation, velocity, wind)
 
     def whiten(self, time: float, elevation: np.ndarray, velocity: np.ndarray, wind: float) -> None:
@@ -309,13 +308,6 @@ def filled(values: np.ndarray, known: np.ndarray) -> np.ndarray:
     share = uniform_filter(known.astype(float), 3, mode="nearest")
     around = uniform_filter(values * known[..., None], (3, 3, 1), mode="nearest") / np.maximum(share, 1e-9)[..., None]
     return np.where(known[..., None], values, around)
-
-
-def surface_velocity(
-    velocities: Callable[[np.ndarray], np.ndarray], points: np.ndarray, elevation: np.ndarray
-) -> np.ndarray:
-    """The same of water in closed form, `velocities` (n, 3) [m/s] at places (n, 3) [m]."""
-    return velocities(np.insert(points, 1, elevation.ravel(), axis=1)).reshape(*elevation.shape, 3)
 
 
 def plane_waves(fluid: Fluid) -> dict[str, np.ndarray]:

@@ -1,18 +1,30 @@
 """The motion of each ship at a fixed rate: pose, rates, specific force at a point, and every part of (4.27)."""
 
-from dataclasses import replace
+from functools import reduce
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from ocean_sim.columns import Columns
 from ocean_sim.conventions import Frame, Motions, to_frame
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.handed_on import TakesMotion, takers
-from ocean_sim.observers.shared.sampled import Multiples, Passing, Sample, between, path
+from ocean_sim.observers.shared.sampled import Multiples
 from ocean_sim.parts import ALONE, LedgerRow, Preflight, Problems, called
-from ocean_sim.ship import Load, Ship
+from ocean_sim.ship import Ship
+from ocean_sim.ship.shared.track import (
+    UNKNOWN,
+    Between,
+    Track,
+    Turned,
+    bend,
+    change,
+    joined,
+    short_way,
+    turned,
+)
 from ocean_sim.simulation import Observer, PeriodicConfig
 
 if TYPE_CHECKING:
@@ -25,8 +37,12 @@ AXES = {
     "ned": "SNAME: x to the bow, y to starboard, z down; world x along our z, y along our -x, z down",
     "flu": "ISO 8855: x to the bow, y to port, z up; world x along our z, y along our x, z up",
 }
-UNKNOWN = np.full(7, np.nan)  # of a place
-BETWEEN_ROWS = 8.0e-5  # [s] of processor time of a step and ship, rows or not
+MOMENTS = 32  # looked at together
+MOMENT = Columns(time=1, position=3, orientation=4, acceleration=3, turning=3, spin=3, orders=2)  # then the load
+PLACE, QUATERNION = slice(MOMENT.position, MOMENT.acceleration), slice(MOMENT.orientation, MOMENT.acceleration)
+ACCELERATION, TURNING = slice(MOMENT.acceleration, MOMENT.turning), slice(MOMENT.turning, MOMENT.spin)
+SPIN = slice(MOMENT.spin, MOMENT.orders)
+BETWEEN_ROWS = 3.5e-5  # [s] of processor time of a step and ship, rows or not
 
 
 def file_of(ship: str) -> str:
@@ -59,7 +75,7 @@ def columns(parts: tuple[str, ...]) -> tuple[str, ...]:
 
 class Config(PeriodicConfig):
     leaves: ClassVar[str] = "motion.csv"
-    takes: ClassVar[tuple[float, float]] = (1.1e-4, 0.0)
+    takes: ClassVar[tuple[float, float]] = (2.5e-5, 0.0)
     every: float = quantity("s", 0.01, gt=0.0)
     """Simulated time between rows."""
     point: str | None = None
@@ -105,68 +121,23 @@ class Motion(Observer):
             log.close(self.simulation)
 
 
-class Moment(NamedTuple):
-    """A ship at one time [s], and what acted on it then."""
-
-    time: float
-    body: "RigidBody"
-    orders: tuple[float, float]
-    acceleration: np.ndarray
-    turning: np.ndarray
-    load: Load
-    place: np.ndarray  # (7,) position [m] and quaternion
-    bend: np.ndarray  # (7,) their second derivatives
-    velocity: np.ndarray = UNKNOWN  # (7,) their first derivatives at this time
-
-    @property
-    def passing(self) -> Passing:
-        """With the velocity of this time."""
-        return Passing(self.time, self.place, self.velocity)
-
-    def setting_out(self, dt: float) -> Passing:
-        """At the first time: with the mean of the velocity that it has and that of the next step, of dt [s]."""
-        gained = 0.5 * dt * self.acceleration, 0.5 * dt * self.turning
-        change = self.body.change(self.body.velocity + gained[0], self.body.angular_velocity + gained[1])
-        return Passing(self.time, self.place, change)
-
-
-def moment(time: float, body: "RigidBody", orders: tuple[float, float], ship: Ship) -> Moment:
-    """A ship whose body and orders were these at a time [s], with what has acted on it since."""
-    place = np.concatenate([body.position, body.orientation])
-    bend = body.bend(ship.acceleration, ship.turning)
-    return Moment(time, body, orders, ship.acceleration, ship.turning, ship.last, place, bend)
-
-
-def joined(before: Moment, now: Moment) -> tuple[Moment, Moment]:
-    """Two moments that follow each other, with the velocities of their own times. Those of the bodies have led from one
-    pose to the next, so they are the mean of a step; from there on accelerations change evenly."""
-    step = now.time - before.time
-    if now.place[3:] @ before.place[3:] < 0.0:  # the short way around
-        body, other = replace(now.body, orientation=-now.body.orientation), np.repeat([1.0, -1.0], [3, 4])
-        now = now._replace(body=body, place=other * now.place, bend=other * now.bend)
-    mean = (now.place - before.place) / step
-    if np.isnan(before.velocity).any():
-        before = before._replace(velocity=mean - step * (2.0 * before.bend + now.bend) / 6.0)
-    return before, now._replace(velocity=mean + step * (before.bend + 2.0 * now.bend) / 6.0)
-
-
 class Log:
     """motion.csv, of one ship. A step begins with what acts on the hull, so that this is known of a time when the step
-    is over; of the last time it is that of the step before."""
-
-    left_out = ("known",)  # of `before`, and made again from it
+    is over; of the last time it is that of the step before. Rows are worked out for many moments together, or at once
+    where an observer waits for each."""
 
     last: "tuple[float, RigidBody, tuple[float, float]] | None"  # the newest time, body and orders
-    before: Moment | None
-    known: tuple[Moment, Sample] | None  # the newest moment, and what the log shows then, if that was asked for
 
     def __init__(self, config: Config, folder: Path, simulation: "Simulation", ship: Ship) -> None:
         self.ship, self.frame = ship, config.frame
         self.signs = to_frame(self.frame, np.eye(3)).sum(axis=1)  # each of our axes is plus or minus one of the frame's
         self.arm = ship.points[config.point] if config.point else np.zeros(3)
         self.multiples, self.gravity = Multiples(config.every), np.array(simulation.basin.gravity)
+        self.last = None
+        self.moments = np.zeros((MOMENTS, MOMENT.size + 6 * len(ship.parts)))  # seen since rows were written, and the
+        self.seen, self.velocity = 0, UNKNOWN  # one before: how many, and the velocity of the first
+        self.due: list[tuple[float, int]] = []  # times of rows [s], and which moment completes each
         self.number = 0
-        self.last, self.before, self.known = None, None, None
         head = heading(
             simulation,
             f"every {config.every:g} s, between steps poses on cubics, velocities and rates theirs, all else linear",
@@ -186,29 +157,46 @@ class Log:
         self.last = simulation.time, self.ship.body, self.ship.orders
 
     def complete(self, simulation: "Simulation") -> None:
-        """Write the rows up to the newest time, with what has acted on the ship since."""
+        """Take in what has acted on the ship since the newest time, and write rows."""
         if self.last is None:
             return
-        ship = self.ship
-        now = moment(*self.last, ship)
-        if self.before is not None and self.before.time < now.time:
-            before, now = joined(self.before, now)
-            start, end = before.passing, now.passing
-        else:
-            before, start = now, now.setting_out(simulation.time - now.time)
-            end = start
-        passed = self.multiples.reached(now.time)
-        if passed:
-            first, last = self.sample(before, start), self.sample(now, end)
-            self.known, lines = (now, last), []
-            for k in passed:
-                time, values, _ = between(first, last, k * self.multiples.every)
-                there = path(start, end, time)
-                motions = self.motions(now.body.passing(there.place, there.velocity))
-                lines.append(self.csv.row([time, self.number, *motions.tolist(), *values.tolist()]))
+        (time, body, orders), ship = self.last, self.ship
+        acting = ship.acceleration, ship.turning, body.angular_velocity, orders, ship.last.parts.ravel()
+        self.moments[self.seen] = np.concatenate([[time], body.position, body.orientation, *acting])
+        self.due += [(k * self.multiples.every, self.seen) for k in self.multiples.reached(time)]
+        self.seen += 1
+        if self.seen == 1:
+            self.set_out(body, 0.5 * (simulation.time - time))
+            self.write(simulation)
+            self.velocity = UNKNOWN
+        elif self.seen == MOMENTS or (self.due and any(taker.at_once for taker in takers(simulation, TakesMotion))):
+            self.write(simulation)
+
+    def set_out(self, body: "RigidBody", dt: float) -> None:
+        """At the first time the velocity is the mean of the one that the body has and that of the next step, of 2 dt
+        [s]."""
+        gained = dt * self.ship.acceleration, dt * self.ship.turning
+        self.velocity = change(body.velocity + gained[0], body.angular_velocity + gained[1], body.orientation)
+
+    def write(self, simulation: "Simulation") -> None:
+        """Write the rows that are due, and keep the last moment, with which the next ones begin."""
+        moments = self.moments[: self.seen]
+        moments[:, QUATERNION] = short_way(moments[:, QUATERNION].T).T
+        columns = moments[:, : MOMENT.size].T
+        acceleration, turning = columns[ACCELERATION], columns[TURNING]
+        bends = bend(acceleration, turning, columns[SPIN], columns[QUATERNION])
+        track = joined(columns[MOMENT.time], columns[PLACE], bends, self.velocity)
+        if self.due:
+            times, numbers = zip(*self.due)
+            between = Between(track, np.array(times), np.array(numbers))
+            values = self.values(turned(track), acceleration, turning, moments[:, MOMENT.orders :])
+            motions, others = self.motions(between.passing()).T.tolist(), between.values(values).tolist()
+            rows = []
+            for t, pose, rest in zip(times, motions, others, strict=True):
+                rows.append(self.csv.row([t, self.number, *pose, *rest]))
                 self.number += 1
-            self.hand_on(lines, simulation)
-        self.before = now
+            self.hand_on(rows, simulation)
+        self.moments[0], self.velocity, self.seen, self.due = moments[-1], track.velocity[:, -1], 1, []
 
     def hand_on(self, rows: list[str], simulation: "Simulation") -> None:
         """Give rows, as the log shows them, to the observers that take them: what they make of them then is what they
@@ -218,29 +206,27 @@ class Log:
             table = np.array([[float(number) for number in row] for row in cells]).T
             observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)
 
-    def sample(self, at: Moment, there: Passing) -> Sample:
-        """What the log shows at a moment, whose body passes there."""
-        if self.known is not None and self.known[0] is at:
-            return self.known[1]
-        return Sample(at.time, self.row(at._replace(body=at.body.passing(there.place, there.velocity))), ())
+    def values(self, body: Turned, acceleration: np.ndarray, turning: np.ndarray, rest: np.ndarray) -> np.ndarray:
+        """(n, m) all columns after velocities and rates; `rest`: (n, k) orders and parts of the load."""
+        felt = body.acceleration(self.arm, acceleration, turning)
+        specific = to_frame(self.frame, body.to_body(felt - self.gravity[:, None]).T)
+        orders, parts = rest[:, :2], rest[:, 2:].reshape(len(rest), -1, 6)
+        total = reduce(np.add, parts.transpose(1, 0, 2))
+        loads = to_frame(self.frame, np.concatenate([rest[:, 2:], total], axis=1).reshape(len(rest), -1, 3))
+        along = self.signs * acceleration.T  # positive as the frame's axes are
+        return np.concatenate([along, specific, loads.reshape(len(rest), -1), orders], axis=1)
 
-    def row(self, now: Moment) -> np.ndarray:
-        """All columns after velocities and rates."""
-        body, load, turn = now.body, now.load, now.body.matrix
-        felt = body.point_acceleration(self.arm, now.acceleration, now.turning)
-        parts = np.concatenate([load.parts, load.parts.sum(axis=0, keepdims=True)])
-        vectors = np.concatenate([[turn.T @ (felt - self.gravity)], parts.reshape(-1, 3)])
-        specific, *loads = to_frame(self.frame, vectors)
-        acceleration = self.signs * now.acceleration  # positive as the frame's axes are
-        return np.concatenate([acceleration, specific, *loads, now.orders])
-
-    def motions(self, body: "RigidBody") -> np.ndarray:
-        """(16,) columns of position, angles, unit quaternion, velocity and rates in the frame's axes. Angles are of the
-        quaternion: by themselves they leap where a bow points straight up."""
-        pose, speed = self.signs * [body.position, body.angles], self.signs * [body.velocity, body.rates]
+    def motions(self, track: Track) -> np.ndarray:
+        """(16, n) columns of position, angles, unit quaternion, velocity and rates in the frame's axes. Angles are of
+        the quaternion: by themselves they leap where a bow points straight up."""
+        body, signs = turned(track), self.signs[:, None]
         q = body.orientation
-        return np.concatenate([*pose, q[:1], to_frame(self.frame, q[1:]), *speed])
+        pose, speed = (track.place[:3], body.angles), (track.velocity[:3], body.to_body(body.spin))
+        turn = q[:1], to_frame(self.frame, q[1:].T).T
+        return np.concatenate([*(signs * x for x in pose), *turn, *(signs * x for x in speed)])
 
     def close(self, simulation: "Simulation") -> None:
         self.complete(simulation)
+        if self.due:
+            self.write(simulation)
         self.csv.close()

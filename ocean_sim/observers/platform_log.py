@@ -60,6 +60,7 @@ class PlatformLog(Observer, TakesMotion):
     def __init__(self, csv: CsvFile, every: float, platform: Platform, simulation: "Simulation", ship: str) -> None:
         """`ship`: the name of the one that it rides in."""
         self.csv, self.every, self.platform, self.simulation, self.ship = csv, every, platform, simulation, ship
+        self.at_once = every == 0.0
         self.new: list[dict[str, np.ndarray]] = []  # rows that are not answered yet
         self.frame = FRAME  # theirs
 

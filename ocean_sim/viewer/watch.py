@@ -54,6 +54,8 @@ class Audience(Protocol):
 class Watch(Observer, TakesMotion):
     """Shows an audience the newest state, RATE times a second of wall time; what nobody waits for is not made."""
 
+    at_once = True
+
     def __init__(self, simulation: "Simulation", audience: Audience) -> None:
         self.simulation, self.audience = simulation, audience
         self.last = -1.0  # wall time of the last frame [s]

@@ -331,6 +331,11 @@ def velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarr
     return linear_velocity(sea, np.stack([points[:, 0], y, points[:, 2]], axis=1), time)
 
 
+def surface_velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
+    """(m, 3) velocity [m/s] of the surface over points x, z (m, 2)."""
+    return linear_velocity(sea, np.insert(points, 1, 0.0, axis=1), time)
+
+
 def pressure(sea: Components, points: np.ndarray, time: float, density: float) -> np.ndarray:
     """(m,) pressure [Pa] of the stretched column at points (m, 3): hydrostatic and that of the waves; 0 above."""
     eta = elevation(sea, points, time)

@@ -31,7 +31,8 @@ FOUNDATION = (
     "waves",
     "basin",
 )
-OPEN = ("motion_log", "datagrams", "packets")  # of platform.shared: what those who write and read motion logs use, too
+OPEN = ("motion_log", "datagrams", "packets", "track")  # of platform.shared and ship.shared: what those who write and
+# read motion logs use, too
 
 
 def is_only_for_types(node: ast.If) -> bool:

@@ -47,6 +47,8 @@ def test_kernels_read_what_the_theory_says(sea, keys):
     np.testing.assert_allclose(found[:, 0], fluid.elevations(points[:, [0, 2]]), atol=1e-11)
     np.testing.assert_allclose(found[:, 1], fluid.pressures(points), atol=1e-6)
     np.testing.assert_allclose(found[:, 2:], fluid.velocities(points), atol=1e-11)
+    there = np.insert(points[:, [0, 2]], 1, fluid.elevations(points[:, [0, 2]]), axis=1)
+    np.testing.assert_array_equal(fluid.surface_velocities(points[:, [0, 2]]), fluid.velocities(there))
     np.testing.assert_allclose(fluid.elevations(points[:, [0, 2]]), waves.elevation(fluid.plane_waves, points, 30.8))
 
 

@@ -220,7 +220,7 @@ def test_a_ship_alone_does_not_feel_what_she_makes_and_others_do(sea):
     np.testing.assert_allclose(felt[:, 0], alone.elevations(flat), atol=2e-3)
     np.testing.assert_allclose(mine.elevations(flat) + yours.elevations(flat), pair.elevations(flat), atol=1e-12)
     assert np.abs(alone.elevations(flat)).max() > 0.01
-    assert not alone.undisturbed(flat).any()
+    assert not alone.undisturbed(flat, alone.elevations(flat)).any()
 
 
 def test_a_sea_undisturbed_by_ships_is_what_comes_from_afar_and_what_winds_make(sea):
@@ -236,7 +236,11 @@ def test_a_sea_undisturbed_by_ships_is_what_comes_from_afar_and_what_winds_make(
             water.advance(0.1)
     points = np.array([[3.0, 1.0], [-4.0, 2.0], [0.0, -6.0]])
     assert np.abs(fluid.elevations(points) - empty.elevations(points)).max() > 0.01
-    np.testing.assert_allclose(fluid.undisturbed(points), empty.elevations(points), atol=1e-3)  # the rim is hers
+    found = fluid.undisturbed(points, fluid.elevations(points))
+    np.testing.assert_allclose(found, empty.elevations(points), atol=1e-3)  # the rim is hers
+    for water in (fluid, empty):
+        there = np.insert(points, 1, water.elevations(points), axis=1)
+        np.testing.assert_array_equal(water.surface_velocities(points), water.velocities(there))
 
 
 def test_a_ship_goes_through_a_sea_that_answers_as_through_one_in_closed_form():

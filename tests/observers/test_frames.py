@@ -1,7 +1,6 @@
 import hashlib
 import json
 from dataclasses import replace
-from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -108,9 +107,7 @@ def test_the_velocity_of_a_large_sea_is_that_of_its_waves_at_every_point_up_to_t
     spectrum = waves.Spectrum(significant_wave_height=0.5, peak_period=2.0, heading_deg=30.0, seed=3)
     sea = spectrum.components(waves.direction(30.0, 3), 20.0)
     x, z = np.arange(101) * 2.0 - 100.0, np.arange(91) * 2.0 - 90.0
-    points = pairs(x, z)
-    elevation = waves.elevation(sea, points, 3.0).reshape(101, 91)
-    found = frames.surface_velocity(partial(waves.velocity, sea, time=3.0), points, elevation)
+    found = waves.surface_velocity(sea, pairs(x, z), 3.0).reshape(101, 91, 3)
     for i, k in [(0, 0), (100, 90), (37, 44), (98, 3)]:
         angle = sea.wavevector @ [x[i], z[k]] - sea.omega * 3.0 + sea.phase
         rising = (sea.amplitude * sea.omega * np.sin(angle)).sum()
@@ -196,7 +193,7 @@ def test_the_waves_of_a_ship_bear_no_whitecaps_however_long_she_goes(tmp_path, w
         simulation = with_a_ship(watched(), 0.0, 0.0)
         water = type(simulation.fluid)
 
-        def undisturbed(self, points):
+        def undisturbed(self, points, elevation=None):
             return waves.elevation(sea, 12.0 * np.asarray(points), self.time)
 
         def elevations(self, points, deep=deep):

@@ -9,7 +9,7 @@ from ocean_sim.observers.motion import Log
 from ocean_sim.observers.motion import columns as logged
 from ocean_sim.platform.shared.motion_log import FORCES, FRAMES, converted, convertible, negated, read, ride_of
 from ocean_sim.ship import PARTS
-from ocean_sim.ship.shared.rigid_body import RigidBody
+from ocean_sim.ship.shared.track import Turned
 from tests.platform.conftest import G, columns, write
 
 
@@ -150,9 +150,6 @@ def test_axes_of_the_frames(log):
 def test_a_worked_specific_force_as_the_log_tells_it(frame, felt):
     """In NED: acceleration (0.5, -0.3, 0.8), rate (0.1, 0.2, 0.05) and its change (0.3, -0.2, 0.1), felt at (2, 0.5,
     -1.5), roll 8 and pitch -5 degrees."""
-    from functools import partial
-    from types import SimpleNamespace
-
     from scipy.spatial.transform import Rotation
 
     ours = conventions.FRAMES["ned"].T
@@ -160,17 +157,12 @@ def test_a_worked_specific_force_as_the_log_tells_it(frame, felt):
     acceleration, rate, change, arm = (
         ours @ vector for vector in ([0.5, -0.3, 0.8], [0.1, 0.2, 0.05], [0.3, -0.2, 0.1], [2.0, 0.5, -1.5])
     )
-    still = dict.fromkeys(("velocity", "rates"), np.zeros(3))
-    body = SimpleNamespace(matrix=turn, angular_velocity=turn @ rate, **still)
-    body.point_acceleration = partial(RigidBody.point_acceleration, body)
-    load = SimpleNamespace(parts=np.zeros((len(PARTS), 2, 3)))
-    ship = SimpleNamespace(
-        body=body, load=load, acceleration=turn @ acceleration, turning=turn @ change, orders=[0.0, 0.0]
-    )
     observer = Log.__new__(Log)
     observer.frame, observer.arm, observer.gravity = frame, arm, np.array([0.0, -G, 0.0])
     observer.signs = conventions.to_frame(frame, np.eye(3)).sum(axis=1)
-    values = observer.row(ship)
+    body = Turned(np.zeros((4, 1)), turn[..., None], (turn @ rate)[:, None])
+    rest = np.zeros((1, 2 + 6 * len(PARTS)))  # no orders, no load
+    [values] = observer.values(body, (turn @ acceleration)[:, None], (turn @ change)[:, None], rest)
     row = dict(zip(logged(PARTS)[-len(values) :], values))
     np.testing.assert_allclose([row[name] for name in FORCES], felt, rtol=0.0, atol=1e-6)
 

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from scipy.special import ellipj, ellipk
 
 from ocean_sim.ship.shared import rigid_body as rigid
+from ocean_sim.ship.shared import track
 
 NUMBER = st.floats(-3.0, 3.0, allow_nan=False)
 TURN = st.tuples(NUMBER, NUMBER, NUMBER).map(np.array)
@@ -37,13 +38,19 @@ def test_the_algebra_agrees_with_scipy(p, q, s, v):
 @settings(max_examples=20, deadline=None)
 @given(UNIT, TURN, TURN)
 def test_a_body_that_passes_a_place_turns_as_its_momentum_says(q, velocity, omega):
-    at_rest = rigid.RigidBody(3.0, np.diag([2.0, 3.0, 4.0]), np.zeros(3), q, np.zeros(3), np.zeros(3))
-    place = np.concatenate([velocity, 1.7 * q])  # of any length
-    body = at_rest.passing(place, at_rest.change(velocity, omega) * np.repeat([1.0, 1.7], [3, 4]))
-    np.testing.assert_allclose(body.angular_velocity, omega, atol=1e-12)
-    told = rigid.angular_velocity(body.orientation, body.angular_momentum, body.inertia_body)
-    np.testing.assert_allclose(told, omega, atol=1e-12)
-    np.testing.assert_array_equal(body.matrix, rigid.matrix(body.orientation))
+    """And many at once as each alone."""
+    body = rigid.spinning(rigid.RigidBody(3.0, np.diag([2.0, 3.0, 4.0]), np.zeros(3), q, velocity, np.zeros(3)), omega)
+    spins = np.column_stack([omega, -2.0 * omega])
+    orientations = np.column_stack([q, body.orientation])
+    changes = track.change(np.column_stack([velocity, velocity]), spins, orientations)
+    places = np.concatenate([np.zeros((3, 2)), 1.7 * orientations])  # of any length
+    found = track.turned(track.Track(np.zeros(2), places, changes * np.repeat([1.0, 1.7], [3, 4])[:, None]))
+    np.testing.assert_allclose(found.spin, spins, atol=1e-12)
+    np.testing.assert_allclose(found.orientation[:, 0], q, atol=1e-12)
+    np.testing.assert_allclose(found.matrix[..., 1], body.matrix, atol=1e-12)
+    np.testing.assert_allclose(found.to_body(found.spin)[:, 0], body.rates, atol=1e-12)
+    np.testing.assert_array_equal(rigid.angles(orientations)[:, 0], rigid.angles(q))
+    np.testing.assert_array_equal(rigid.product(places[3:], orientations)[:, 1], rigid.product(places[3:, 1], q))
 
 
 @settings(max_examples=50, deadline=None)

@@ -297,6 +297,18 @@ def ridden(barge, folder, step):
     return csv_file.columns(folder / "motion.csv")
 
 
+def test_rows_are_the_same_however_many_moments_are_looked_at_together(barge, tmp_path, monkeypatch):
+    """To the last bit: nothing is summed over moments, and a run whose rows are waited for has those of any other."""
+    found = []
+    for moments in (2, 7, 32):
+        monkeypatch.setattr(motion_observer, "MOMENTS", moments)
+        folder = tmp_path / f"{moments}"
+        folder.mkdir()
+        ridden(barge, folder, 0.07)
+        found.append((folder / "motion.csv").read_bytes())
+    assert len(found[0].splitlines()) > 400 and found[0] == found[1] == found[2]
+
+
 def test_poses_between_steps_are_fourth_order_and_their_velocity_does_not_leap(barge, tmp_path):
     """By straight lines they were second-order, and their velocity leapt by a step's acceleration, which shook a
     platform: at the shorter step second differences of rows were up to 8 times too large."""

@@ -110,8 +110,8 @@ class OpenWater(Fluid):
         """(m, 2) points x, z [m] -> (m,) heights [m]."""
         return self.heights(np.asarray(points, dtype=float) - self.drift)
 
-    def undisturbed(self, points: np.ndarray) -> np.ndarray:
-        return self.elevations(points)
+    def undisturbed(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
+        return elevation
 
     def heights(self, points: np.ndarray) -> np.ndarray:
         """The same of points in the axes of the water."""
@@ -129,6 +129,15 @@ class OpenWater(Fluid):
     def velocities(self, points: np.ndarray) -> np.ndarray:
         """(m, 3) points [m] -> (m, 3) velocities [m/s]; above the water that of its surface."""
         at, (_, y) = self.in_water(points)
+        return self.flow(at, y)
+
+    def surface_velocities(self, points: np.ndarray) -> np.ndarray:
+        at = np.asarray(points, dtype=float) - self.drift
+        return self.flow(at, np.zeros(len(at)))
+
+    def flow(self, at: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """(m, 3) velocities [m/s] at x and z in the axes of the water (m, 2) and heights in the unstretched column (m,)
+        [m]."""
         stretched = np.stack([at[:, 0], y, at[:, 1]], axis=1)
         v = waves.linear_velocity(self.waves.sea, stretched, self.time)
         v += [self.current[0], 0.0, self.current[1]]

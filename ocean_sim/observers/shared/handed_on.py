@@ -17,6 +17,8 @@ class TakesMotion:
     """An observer that is handed new rows of a ship's motion log, each once, in the order of time: its columns
     before the forces."""
 
+    at_once = False  # whether each row is handed on as soon as it is known, not many together
+
     def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
         raise NotImplementedError
 

@@ -1,5 +1,4 @@
-"""Values at exact multiples of `every`, whatever the time steps were: straight lines between the states around them, or
-cubics where it is known how fast they change."""
+"""Values at exact multiples of `every`, whatever the time steps were: straight lines between the states around them."""
 
 import math
 from typing import NamedTuple
@@ -68,26 +67,3 @@ def between(before: Sample, after: Sample, time: float) -> Sample:
         return Sample(time, after.values, after.held)
     part = max(0.0, (time - before.time) / (after.time - before.time))
     return Sample(time, before.values + part * (after.values - before.values), before.held)
-
-
-class Passing(NamedTuple):
-    """What moves along a smooth path, as it passes a time [s]: its place (n,) and velocity (n,) then."""
-
-    time: float
-    place: np.ndarray
-    velocity: np.ndarray
-
-
-def path(before: Passing, after: Passing, time: float) -> Passing:
-    """What passes a time between two, on the cubic that has place and velocity of both (Hermite): neither of them leaps
-    from one step to the next. If their velocities are third-order in the step, so is its own, and its place
-    fourth-order."""
-    step = after.time - before.time
-    if time >= after.time or step <= 0.0:
-        return after._replace(time=time)
-    s = max(0.0, (time - before.time) / step)
-    moved = after.place - before.place
-    start, end = step * before.velocity - moved, step * after.velocity - moved
-    place = before.place + s * moved + s * (1.0 - s) * ((1.0 - s) * start - s * end)
-    velocity = (moved + (1.0 - s) * (1.0 - 3.0 * s) * start - s * (2.0 - 3.0 * s) * end) / step
-    return Passing(time, place, velocity)

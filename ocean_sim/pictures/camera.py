@@ -13,6 +13,7 @@ MARGIN = 1.05
 BAND = 1.3  # room above and below the water for words, in the picture from the side
 HEADROOM = 0.24  # of the basin's length: sky above the water in perspective pictures
 LOW = 0.05  # height of the camera beside an open sea, over its distance
+BESIDE = 1.5  # lengths of a ship that it sees each way of her middle
 TOWARDS = {  # direction of view, and what is up in the picture
     "third_person": ((0.30, -0.27, -0.92), (0.0, 1.0, 0.0)),  # the sun shines from the left
     "top": ((0.0, -1.0, 0.0), (0.0, 0.0, -1.0)),
@@ -103,7 +104,8 @@ class Operator:
         if name == "fixed":
             self.standing = looking(np.array(given["eye"], dtype=float), np.array(given["target"], dtype=float))
         elif name == "side" and given.get("at_sea"):
-            self.standing = abeam(lower, upper, aspect)
+            middle = 0.5 * (lower + upper) * [1.0, 0.0, 1.0]
+            self.standing = abeam(middle, np.array(TOWARDS["side"][0]), 0.5 * (upper[0] - lower[0]), aspect)
         else:
             self.standing = placed(name if name in TOWARDS else "third_person", lower, upper, aspect)
         self.trail = np.zeros((0, 3)), np.zeros(0)
@@ -113,17 +115,20 @@ class Operator:
         if self.name == "orbit":
             return self.orbit(time)
         vessel = self.vessel
-        if vessel is None or self.name in ("fixed", "top", "side"):
+        if vessel is None or self.name in ("fixed", "top") or self.standing.parallel_height is not None:
             return self.standing
         k = int(np.abs(vessel.track.time - time).argmin())
         position, turn = vessel.track.position[k], vessel.track.turn[k]
         if self.name == "third_person":
             top = position * [1.0, 0.0, 1.0] + [0.0, vessel.height + HEAVING * vessel.length, 0.0]
             return holding(self.near_ship(position, vessel.length), top)
-        if self.name == "follow":
+        if self.name in ("follow", "side"):
             if len(self.trail[0]) < len(vessel.track.time):
                 self.trail = damped(vessel.track)
             centre, heading = self.trail[0][k], self.trail[1][k]
+            if self.name == "side":
+                beam = np.array([np.cos(heading), 0.0, -np.sin(heading)])
+                return abeam(centre, beam, BESIDE * vessel.length, self.aspect)
             ahead = np.array([np.sin(heading + np.radians(QUARTER)), 0.0, np.cos(heading + np.radians(QUARTER))])
             eye = centre - BEHIND * vessel.length * ahead + [0.0, ABOVE * vessel.length, 0.0]
             return close(eye, centre + [0.0, 0.08 * vessel.length, 0.0], vessel.length)
@@ -193,12 +198,12 @@ def damped(track: Track) -> tuple[np.ndarray, np.ndarray]:
     return centre, heading
 
 
-def abeam(lower: np.ndarray, upper: np.ndarray, aspect: float) -> Camera:
-    """The camera beside a piece of sea from `lower` to `upper` [m], low over the water, that sees all of its middle in
-    a picture `aspect` times as wide as high: an open sea has no cut side for a parallel projection to show."""
-    middle = 0.5 * (lower + upper) * [1.0, 0.0, 1.0]
-    away = 0.5 * MARGIN * (upper[0] - lower[0]) / (np.tan(np.radians(VIEW_ANGLE / 2.0)) * aspect)
-    return looking(middle + away * (np.array([0.0, LOW, 0.0]) - TOWARDS["side"][0]), middle)
+def abeam(middle: np.ndarray, forward: np.ndarray, reach: float, aspect: float) -> Camera:
+    """The camera beside a place at sea [m], low over the water, that looks in a level direction and sees so far [m] to
+    either side of it in a picture `aspect` times as wide as high: an open sea has no cut side for a parallel projection
+    to show."""
+    away = MARGIN * reach / (np.tan(np.radians(VIEW_ANGLE / 2.0)) * aspect)
+    return looking(middle + away * (np.array([0.0, LOW, 0.0]) - forward), middle)
 
 
 def placed(name: Name, lower: np.ndarray, upper: np.ndarray, aspect: float) -> Camera:

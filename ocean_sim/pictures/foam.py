@@ -16,6 +16,7 @@ RAMP = 0.3  # of the area that turns white: its edge, less than wholly white
 PATCH = 4.0  # cells of white water along a side of the least patch that a crest makes: less would blur as it is carried
 SPENT = 0.3  # of its convergence that water lacks where it is white: crests break sooner where none has before
 RISES = 0.4  # [s] in which a patch turns white while the crest that breaks runs over it
+TICK = 0.2  # [s] after which white water is read anew, and crests are looked for that break
 FINER = 2  # cells of white water along a cell of the waves: the water carries foam of one cell's width, and keeps it
 SETTLES = 9.0  # [s] in which the grain of foam forgets how far the water has carried it
 MIDDLE, SPREAD = 0.550, 0.160  # mean and standard deviation of `patches`
@@ -76,14 +77,18 @@ class Field:
 
     Its mean is kept at what crests or the wind call for, in the mean over the time that foam lasts: as much is born as
     has faded, by patches, of which each has the width of a white cap: what faded meanwhile is owed. It is kept on FINER
-    cells along each of the waves', or what is carried would blur.
+    cells along each of the waves', and what frames show is read from what it was at the last tick of a clock, along the
+    way that the water has gone since: what is read anew from one frame to the next blurs, the more frames the more.
     """
 
     def __init__(self, shape: tuple[int, int], cell: np.ndarray) -> None:
         """`shape` and `cell`: number and sides [m] of the cells of the waves, along x and z."""
         self.cell, self.time = cell, 0.0
         self.white = np.zeros((FINER * shape[0], FINER * shape[1]))  # share of each of its cells
-        self.breaking = np.zeros_like(self.white)  # share that breaking crests are about to make white
+        self.ticked = 0.0  # time of the last tick [s]
+        self.kept = np.zeros_like(self.white)  # share at the last tick
+        self.breaking = np.zeros_like(self.white)  # share then that breaking crests are about to make white
+        self.gone = np.zeros((2, *shape))  # cells of the waves by which the water has been carried since
         self.carried = np.zeros((*shape, 2))  # by which the grain has been moved along x and z [m]
         self.cover = 0.0  # that is called for, in the mean over the time that foam lasts, or since any was
         self.called = 0.0  # weight of that mean: near 1 once foam has been called for as long as it lasts
@@ -94,20 +99,32 @@ class Field:
         """To a time [s], with the velocity of the surface along x and z (nx, nz, 2) [m/s].
 
         `source` (nx, nz): convergence, of which as much turns white as keeps the mean at `wanted`; or, without one, the
-        share that has just been made white.
+        share that is white of itself.
         """
-        step = max(time - self.time, 0.0) if self.started else 0.0
-        fades = np.exp(-step / LASTS) if self.started else 0.0
+        if self.started and time > self.time:
+            self.carry(velocity * (time - self.time))
+            self.carried *= np.exp(-(time - self.time) / SETTLES)
+        since = time - self.ticked if self.started else 0.0
+        fades = np.exp(-since / LASTS) if self.started else 0.0
+        way = FINER * np.stack([finer(along) for along in self.gone])
+        faded = fades * self.kept
+        reached = np.minimum(self.breaking, faded + since / RISES)
+        shown = np.maximum(faded, reached)
+        self.white = np.clip(moved(shown, way), 0.0, 1.0) if shown.any() else shown
+        if wanted is None:
+            self.white = np.maximum(self.white, finer(source))
+        ticks = np.floor(time / TICK + 1e-6) > np.floor(self.ticked / TICK + 1e-6)
+        if ticks or not self.started:
+            rising = np.where(reached < self.breaking, self.breaking, 0.0)
+            self.breaking = moved(rising, way, order=0) if rising.any() else rising  # else it blurs before it is white
+            self.gone = np.zeros_like(self.gone)
+            if wanted is not None:
+                self.call(wanted, fades)
+                self.breaking = np.maximum(self.breaking, self.broken(finer(source), since))
+                if not self.started:
+                    self.white = np.maximum(self.white, self.breaking)
+            self.kept, self.ticked = self.white, time
         self.time, self.started = time, True
-        if step > 0.0:
-            self.carry(velocity * step)
-            self.white *= fades
-            self.carried *= np.exp(-step / SETTLES)
-        born = finer(source)
-        if wanted is not None:
-            self.call(wanted, fades)
-            born = self.broken(born, step)
-        self.white = np.maximum(self.white, born)
 
     def call(self, wanted: float, fades: float) -> None:
         """Take into the mean a cover that is called for; `fades`: share that is left of what was before."""
@@ -117,7 +134,7 @@ class Field:
             self.cover += (wanted - self.cover) * (1.0 - before / self.called)
 
     def broken(self, drawn_together: np.ndarray, step: float) -> np.ndarray:
-        """The share that crests have made white after a step [s], so that the mean comes to the cover called for.
+        """The share that crests begin to make white after a step [s], so that the mean comes to the cover called for.
 
         Crests are told from what is shorter than a patch by a mean over its width. Water that is white counts as less
         steep than it is: where the same waves stand in the same water, as behind a ship, foam would else be made anew
@@ -128,30 +145,23 @@ class Field:
         white, least = np.maximum(self.white, self.breaking), PATCH**2 / self.white.size
         lacks = self.cover - white.mean()
         self.owed = float(np.clip(self.owed + lacks * step / LASTS, -least, least))
-        if max(lacks, self.owed) >= 0.5 * least:
-            fresh = gaussian_filter(drawn_together, PATCH) * (1.0 - SPENT * white)
-            more = born_to(white, fresh, max(self.cover, white.mean() + least))
-            self.breaking = np.maximum(self.breaking, more)
-        rising = self.white + step / RISES if step > 0.0 else np.inf
-        reached = np.minimum(self.breaking, rising)
-        self.breaking = np.where(reached < self.breaking, self.breaking, 0.0)
-        return reached
+        if max(lacks, self.owed) < 0.5 * least:
+            return np.zeros_like(white)
+        fresh = gaussian_filter(drawn_together, PATCH) * (1.0 - SPENT * white)
+        return born_to(white, fresh, max(self.cover, white.mean() + least))
 
     def carry(self, way: np.ndarray) -> None:
-        """All of it, and the patches that turn white, by a way (nx, nz, 2) [m]; what comes in from beyond is as it is
-        at the edge."""
+        """On by a way (nx, nz, 2) [m]; what comes in from beyond is as it is at the edge."""
         cells = halfway(np.moveaxis(way / self.cell, -1, 0))
-        if self.white.any() or self.breaking.any():
-            fine = FINER * np.stack([finer(along) for along in cells])
-            self.white = np.clip(moved(self.white, fine), 0.0, 1.0)
-            self.breaking = moved(self.breaking, fine, order=0)  # else it blurs before it is white
+        self.gone = np.stack([moved(along, cells, order=1) for along in self.gone]) + cells
         self.carried = np.stack([moved(self.carried[..., k], cells) for k in range(2)], axis=-1) + way
 
     def shift(self, cells: np.ndarray) -> None:
         """The grid moves by whole cells along x and z; what it comes upon bears no foam yet."""
         for axis, n in enumerate(int(k) for k in cells):
             self.white, self.carried = beyond(self.white, FINER * n, axis), beyond(self.carried, n, axis)
-            self.breaking = beyond(self.breaking, FINER * n, axis)
+            self.kept, self.breaking = beyond(self.kept, FINER * n, axis), beyond(self.breaking, FINER * n, axis)
+            self.gone = beyond(self.gone, n, axis + 1)
 
 
 def beyond(values: np.ndarray, n: int, axis: int) -> np.ndarray:

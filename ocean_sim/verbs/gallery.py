@@ -1,12 +1,14 @@
 """`ocean-sim gallery`: the pictures of the README, made again by the commands that it prints, and which of them are
-older than what draws them."""
+older than what draws them or than the laws that they show."""
 
+import ast
 import hashlib
 import json
 import os
 import shlex
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -15,12 +17,14 @@ from ocean_sim.conventions import Failed
 from ocean_sim.files.whole_file import whole
 from ocean_sim.files.yaml_file import read
 from ocean_sim.model import Model
-from ocean_sim.parts import PACKAGE, library
+from ocean_sim.parts import PACKAGE, KindConfig, library, slot_of
+from ocean_sim.reading.scene import load
 from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.verbs.shared import console
 
 LIST, STAMPS = "gallery.yaml", "stamps.json"
 SIZE, QUALITY = "1280x720", 88  # of a picture, and as a JPEG
+LAWS = ("sea", "wind", "fluid", "surface", "ship")  # slots whose kinds make what a picture shows
 RUN = ("render", "report", "accuracy", "timings")  # observers that a run for pictures does without
 
 
@@ -35,13 +39,19 @@ class Entry(Model):
     code: list[str] = []
     """Files of the package that make what the picture shows and that `pictures.LOOK` says nothing of, as patterns."""
 
+    def files(self) -> list[Path]:
+        """Code that the picture is older than when it changes: of the kinds that the scene uses, and its own."""
+        kinds = {f"{slot_of(place)}/{part.kind}.py" for place, part in laws(self.scene).items()}
+        return [path for pattern in [*sorted(kinds), *self.code] for path in sorted(PACKAGE.glob(pattern))]
+
     @property
     def stamp(self) -> str:
-        """A hash of what the scene says, of the command, of its code and of how pictures look: another one calls for
-        another picture."""
+        """A hash of what the scene and its presets say, of the command, of that code and of how pictures look: another
+        one calls for another picture."""
         scene = read(library("scenes") / f"{self.scene}.yaml").plain()
         asked = [{key: value for key, value in scene.items() if key != "title"}, self.until, self.draw, pictures.LOOK]
-        asked += [path.read_text(encoding="utf-8") for pattern in self.code for path in sorted(PACKAGE.glob(pattern))]
+        asked += [part.model_dump(mode="json", exclude_defaults=True) for part in laws(self.scene).values()]
+        asked += [computes(path.read_text(encoding="utf-8")) for path in self.files()]
         return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:16]
 
     def commands(self, run: str) -> tuple[list[str], list[str]]:
@@ -52,6 +62,26 @@ class Entry(Model):
             ["--no-film", "--quality", "final", "--size", SIZE] if verb == "render" else []
         )
         return ["run", self.scene, "--until", f"{self.until:g}", *left_out, "--out", run], drawing
+
+
+@cache
+def laws(scene: str) -> dict[str, KindConfig]:
+    """The parts of a packaged scene whose laws its pictures show, by where they are written."""
+    parts = load(scene).parts().items()
+    return {place: part for place, part in parts if isinstance(part, KindConfig) and slot_of(place) in LAWS}
+
+
+def computes(code: str) -> list[str]:
+    """The lines of Python code that compute: no docstrings, no lines of comment, no empty ones."""
+    texts = [node for node in ast.walk(ast.parse(code)) if isinstance(node, ast.Expr)]
+    said = {
+        n
+        for node in texts
+        if isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+        for n in range(node.lineno, (node.end_lineno or node.lineno) + 1)
+    }
+    lines = [(n, line.strip()) for n, line in enumerate(code.splitlines(), 1)]
+    return [line for n, line in lines if line and not line.startswith("#") and n not in said]
 
 
 def entries() -> list[Entry]:

@@ -12,7 +12,7 @@ FOLDER = library("figures") / "gallery"
 
 
 def test_no_picture_of_the_gallery_is_older_than_what_draws_it():
-    """After a change of a scene, or of `pictures.LOOK`: `ocean-sim gallery`."""
+    """After a change of a scene, of the laws that it uses, or of `pictures.LOOK`: `ocean-sim gallery`."""
     assert [entry.picture for entry in gallery.stale(FOLDER)] == []
 
 
@@ -22,25 +22,39 @@ def test_another_look_or_another_scene_makes_pictures_old(monkeypatch):
 
 
 def test_code_that_a_picture_shows_makes_it_old(monkeypatch, tmp_path):
+    """That of the platform, and of the kinds of water, wind, surface and ship which a scene uses; not what it says of
+    itself."""
     for entry in gallery.entries():
-        for pattern in entry.code:
-            found = list(gallery.PACKAGE.glob(pattern))
-            assert found, pattern
-            for path in found:
-                copy = tmp_path / path.relative_to(gallery.PACKAGE)
-                copy.parent.mkdir(parents=True, exist_ok=True)
-                copy.write_bytes(path.read_bytes())
-    [platform] = [entry for entry in gallery.entries() if entry.draw == "platform"]
+        assert all(list(gallery.PACKAGE.glob(pattern)) for pattern in entry.code), entry.picture
+        for path in entry.files():
+            copy = tmp_path / path.relative_to(gallery.PACKAGE)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            copy.write_bytes(path.read_bytes())
     before = {entry.picture: entry.stamp for entry in gallery.entries()}
     monkeypatch.setattr(gallery, "PACKAGE", tmp_path)
-    for name in ("hexapod.py", "shared/limits.py", "shared/kinematics.py", "shared/washing.py", "washout/classical.py"):
-        assert platform.stamp == before[platform.picture]
-        changed = tmp_path / "platform" / name
-        plain = changed.read_bytes()
-        changed.write_bytes(plain + b"\nMORE = 1\n")
-        now = {entry.picture: entry.stamp for entry in gallery.entries()}
-        assert [name for name, stamp in now.items() if stamp != before[name]] == [platform.picture]
-        changed.write_bytes(plain)
+    shown = {
+        "platform/washout/classical.py": {"platform.png"},
+        "platform/shared/limits.py": {"platform.png"},
+        "fluid/delta_sph.py": {"dam_break_on_a_box.jpg"},
+        "fluid/mueller.py": {"showcase.jpg", "wind_wide.jpg", "wind_vortex.jpg"},
+        "wind/vortex.py": {"wind_vortex.jpg"},
+    }
+    for name, pictures_of in shown.items():
+        changed = tmp_path / name
+        plain = changed.read_text(encoding="utf-8")
+        for added, old in (('\n\n# A comment.\n"""A docstring."""\n', set()), ("\nMORE = 1\n", pictures_of)):
+            changed.write_text(plain + added, encoding="utf-8")
+            now = {entry.picture: entry.stamp for entry in gallery.entries()}
+            assert {picture for picture, stamp in now.items() if stamp != before[picture]} == old, name
+        changed.write_text(plain, encoding="utf-8")
+
+
+def test_what_a_preset_says_makes_pictures_old(monkeypatch):
+    [water] = [entry for entry in gallery.entries() if entry.picture == "wind_vortex.jpg"]
+    before, laws = water.stamp, gallery.laws(water.scene)
+    denser = laws | {"fluid": laws["fluid"].model_copy(update={"rest_density": 1025.0})}
+    monkeypatch.setattr(gallery, "laws", lambda scene: denser)
+    assert water.stamp != before
 
 
 def test_the_commands_name_the_scene_and_draw_from_its_run():

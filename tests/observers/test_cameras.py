@@ -125,6 +125,22 @@ def test_a_map_holds_all_that_a_piece_of_sea_covers_that_goes_with_its_ships():
     np.testing.assert_allclose(upper, [87.0, 1.0, 127.5])
 
 
+def test_at_sea_the_camera_from_the_side_goes_with_a_ship_and_shows_her_length():
+    """Wherever she heads and has gone to; she goes to the right."""
+    time, far = np.linspace(0.0, 10.0, 11), np.array([60.0, 1.0, 60.0])
+    for heading in (0.0, 0.9, -2.0):
+        ahead = np.array([np.sin(heading), 0.0, np.cos(heading)])
+        turn = np.array([[ahead[2], 0.0, ahead[0]], [0.0, 1.0, 0.0], [-ahead[0], 0.0, ahead[2]]])
+        track = Track(time, 6.0 * time[:, None] * ahead, np.repeat(turn[None], 11, axis=0))
+        vessel = Vessel(LENGTH, np.zeros(3), track, 8.5)
+        seen = Operator("side", -far, far, 16 / 9, (0.0, 10.0), vessel=vessel, away=True, at_sea=True).at(10.0)
+        at = [track.position[-1] + share * LENGTH * ahead - seen.eye for share in (0.5, -0.5)]
+        wide = np.tan(np.radians(seen.angle / 2.0)) * 16 / 9
+        bow, stern = (float(off @ np.cross(seen.forward, seen.up) / (off @ seen.forward)) / wide for off in at)
+        assert 0.25 < bow < 0.9 and abs(seen.forward @ ahead) < 0.1
+        assert 0.5 < bow - stern < 1.0 and 1.0 < seen.eye[1] < 10.0
+
+
 def test_an_open_sea_is_seen_from_beside_it_low_over_the_water():
     lower, upper = np.array([-60.0, -20.0, -40.0]), np.array([60.0, 1.0, 40.0])
     seen = camera_module.Operator("side", lower, upper, 16 / 9, (0.0, 1.0), at_sea=True).at(0.0)

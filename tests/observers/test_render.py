@@ -312,9 +312,30 @@ def test_particles_that_were_not_kept_are_a_sentence(kept):
 def test_a_surface_that_folds_is_drawn_as_its_triangles_are(kept):
     """A ball of water in the frames of a sea: its outline is in the picture, the block of water is not."""
     import imageio.v2 as imageio
+
+    folder = holding_a_ball(kept())
+    picture = np.asarray(imageio.imread(render.render_run(folder, size=(320, 180), film=False)[0])).astype(float)
+    middle, beside = picture[90, 160], picture[90, 40]
+    assert middle[2] > middle[0] + 20.0 and middle.sum() < beside.sum()  # blue and dark before the sky
+    assert np.ptp(beside) < 60.0
+
+
+@with_opengl
+def test_from_above_a_tank_has_a_light_bed_before_which_water_tells_how_thick_it_is(kept):
+    import imageio.v2 as imageio
+
+    folder = holding_a_ball(kept())
+    [file] = render.render_run(folder, size=(320, 180), film=False, camera="top")
+    picture = np.asarray(imageio.imread(file)).astype(float)
+    light = (picture.min(axis=2) > 165.0).sum(axis=0) > 45  # columns of the bed, which is wider than the ball
+    assert light.sum() > 60 and not light[:8].any()
+    assert picture[90, 160].sum() < picture[90, np.flatnonzero(light)[4]].sum() - 60.0
+
+
+def holding_a_ball(folder: Path) -> Path:
+    """Frames whose water is a ball, 1 m across from its middle, in place of a surface."""
     import pyvista
 
-    folder = kept()
     ball = pyvista.Sphere(radius=1.0, center=(0.0, -1.0, 0.0))
     for path in frame_files.frame_files(folder):
         frame = dict(np.load(path)) | {
@@ -323,10 +344,7 @@ def test_a_surface_that_folds_is_drawn_as_its_triangles_are(kept):
             "normals": ball.points + np.float32([0.0, 1.0, 0.0]),
         }
         np.savez(path, **frame)
-    picture = np.asarray(imageio.imread(render.render_run(folder, size=(320, 180), film=False)[0])).astype(float)
-    middle, beside = picture[90, 160], picture[90, 40]
-    assert middle[2] > middle[0] + 20.0 and middle.sum() < beside.sum()  # blue and dark before the sky
-    assert np.ptp(beside) < 60.0
+    return folder
 
 
 def test_check_warns_of_stills_after_the_end_and_of_pictures_without_frames():

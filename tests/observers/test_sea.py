@@ -396,18 +396,35 @@ def test_where_waves_have_just_begun_to_break_foam_is_what_is_asked_for_from_the
     assert np.mean(kept[begins:]) == pytest.approx(wanted, rel=0.2)
 
 
+def test_foam_is_the_same_however_often_it_is_looked_at():
+    """At 10 and at 30 pictures a second, a tick of its clock apart and between two ticks."""
+    x, sea, wanted, seconds = points_module.middles(-20.0, 20.0, 1.25), spectrum(), 0.03, 5.0
+    seldom, _ = whitened(x, x, sea, np.full(round(10 * seconds), wanted))
+    often, _ = whitened(x, x, sea, np.full(round(30 * seconds), wanted), step=0.1 / 3.0)
+    for pictures in (range(20, 50, 2), range(21, 50, 2)):
+        apart = np.mean([np.abs(seldom[n] - often[3 * n]).mean() for n in pictures])
+        assert apart < 0.15 * np.mean([often[3 * n].mean() for n in pictures])
+
+
+def test_foam_turns_white_and_moves_as_evenly_between_the_ticks_of_its_clock_as_at_them():
+    x = points_module.middles(-20.0, 20.0, 1.25)
+    often, _ = whitened(x, x, spectrum(), np.full(150, 0.03), step=0.1 / 3.0)
+    changes = np.abs(np.diff(often[30:], axis=0)).mean(axis=(1, 2))
+    assert changes.max() < 2.0 * np.median(changes)
+
+
 def whitened(
-    x: np.ndarray, z: np.ndarray, sea: waves.Components, covers: np.ndarray, moves: float = 1.0
+    x: np.ndarray, z: np.ndarray, sea: waves.Components, covers: np.ndarray, moves: float = 1.0, step: float = 0.1
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """White water at points 1.25 m apart in a sea, every 0.1 s, at covers that are called for, and the velocities that
-    carry it: those of the water times `moves`."""
+    """White water at points 1.25 m apart in a sea, every step [s], at covers that are called for, and the velocities
+    that carry it: those of the water times `moves`."""
     places = np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1)
     shape, flat = (len(x), len(z)), np.insert(places.reshape(-1, 2), 1, 0.0, axis=1)
     field, kept, ways = foam.Field(shape, np.array([1.25, 1.25])), [], []
     for n, wanted in enumerate(covers):
-        elevation = waves.elevation(sea, places.reshape(-1, 2), 0.1 * n).reshape(shape)
-        ways.append(moves * waves.linear_velocity(sea, flat, 0.1 * n)[:, [0, 2]].reshape(*shape, 2))
-        field.advance(0.1 * n, ways[-1], foam.convergence(elevation, 1.25, 1.25), float(wanted))
+        elevation = waves.elevation(sea, places.reshape(-1, 2), step * n).reshape(shape)
+        ways.append(moves * waves.linear_velocity(sea, flat, step * n)[:, [0, 2]].reshape(*shape, 2))
+        field.advance(step * n, ways[-1], foam.convergence(elevation, 1.25, 1.25), float(wanted))
         kept.append(field.white.copy())
     return kept, ways
 
@@ -498,17 +515,19 @@ def test_foam_that_goes_around_in_a_circle_comes_back():
 
 def test_patches_that_turn_white_go_with_the_water():
     field = foam.Field((40, 40), np.array([0.5, 0.5]))
-    field.breaking[20:28, 20:28] = 1.0
     field.advance(0.0, np.zeros((40, 40, 2)), np.zeros((40, 40)), None)
-    field.advance(0.1, np.broadcast_to([5.0, 0.0], (40, 40, 2)), np.zeros((40, 40)), None)
+    field.breaking[20:28, 20:28] = 1.0
+    for time in (0.1, 0.2):
+        field.advance(time, np.broadcast_to([2.5, 0.0], (40, 40, 2)), np.zeros((40, 40)), None)
+        assert (field.white > 0.05).sum() == 64 and field.white.max() == pytest.approx(time / foam.RISES)
     np.testing.assert_array_equal(np.argwhere(field.breaking).min(axis=0), [22, 20])
 
 
 def test_crests_break_sooner_where_the_water_is_not_white_yet():
     """Of two crests that are alike the one over clear water."""
     field = foam.Field((40, 40), np.array([1.0, 1.0]))
-    field.white[:, :40] = 0.5
     field.advance(0.0, np.zeros((40, 40, 2)), np.zeros((40, 40)), 0.0)
+    field.white[:, :40] = 0.5
     x = np.arange(40)[:, None] - 19.5
     drawn = np.exp(-(x**2) / 8.0) * (np.abs(np.abs(np.arange(40) - 19.5) - 10.0) < 5.0)
     field.cover = 0.3

@@ -3,11 +3,10 @@
 Set-up of Colagrossi, Souto-Iglesias, Antuono & Marrone (2013, Phys. Rev. E 87, 023302): g = 1 m/s2, H = 1 m, tank and
 wave 2 m long, amplitude 0.05 m, free slip. The amplitude falls as exp(-2 nu k^2 t) (Lamb, Hydrodynamics, art. 348).
 That is the leading order for small viscosity; at Re 250 the full relation (art. 349, deep water) decays 10 %
-slower, and its period is 0.5 % longer than without viscosity.
+slower, and its period is 0.5 % longer than without viscosity. As steep as it is, k a = 0.16, its period is 0.3 % longer
+than that of linear theory while it lasts (Tadjbakhsh & Keller 1960).
 The set-up with nominal viscosity 0 measures the viscosity that a scheme adds by itself.
 """
-
-from math import pi
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from ocean_sim.validation.shared.standing import DEEP
 SOURCE = "Colagrossi et al. 2013"
 LAMB = f"exp(-2 nu k^2 t), Lamb art. 348; {SOURCE}"
 FULL = "viscous dispersion relation, Lamb art. 349"
+STEEP = f"{FULL}; of its amplitude, Tadjbakhsh & Keller 1960"
 
 
 def problems(coarse: bool) -> list[Problem]:
@@ -38,7 +38,7 @@ def problem(reynolds: float | None, coarse: bool, decay: dict[str, float], slow:
         "fluid": {"spacing": 0.04 if coarse else 0.02, "kinematic_viscosity": viscosity},
     }
     promises = (
-        Promise(f"{name}: period [s]", "%", FULL, {"delta_sph": 1.0, "dfsph": 2.0}),
+        Promise(f"{name}: period [s]", "%", STEEP, {"delta_sph": 1.0, "dfsph": 2.0}),
         Promise(f"{name}: period over that without viscosity [s]", "%", f"w^2 = g k tanh(k H); {SOURCE}"),
         Promise(f"{name}: decay rate [1/s]", "%" if reynolds else "1/s", FULL, decay),
         Promise(f"{name}: decay rate over its leading order [1/s]", "%" if reynolds else "1/s", LAMB),
@@ -60,7 +60,7 @@ def compared(times: np.ndarray, share: np.ndarray, promises: tuple[Promise, ...]
     effective = rate / DEEP.leading_rate(1.0)
     per_period, wanted = DEEP.amplitude_kept(rate), DEEP.amplitude_kept(expected)
     numbers = (
-        relative(period, 2.0 * pi / root.imag),
+        relative(period, DEEP.finite_period(root, times)),
         relative(period, DEEP.period),
         relative(rate, -root.real) if viscosity else (rate, 0.0, rate),
         relative(rate, expected) if viscosity else (rate, 0.0, rate),

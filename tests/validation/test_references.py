@@ -23,7 +23,7 @@ from ocean_sim.validation import (
 )
 from ocean_sim.validation.shared import shear
 from ocean_sim.validation.shared.case import Finding, Promise
-from ocean_sim.validation.shared.standing import DEEP
+from ocean_sim.validation.shared.standing import DEEP, StandingWave
 from ocean_sim.validation.shared.state import State
 from ocean_sim.validation.shared.tables import table
 
@@ -81,6 +81,14 @@ def test_the_viscous_relation_has_the_published_decay_as_its_leading_order():
         leading = 2.0 * viscosity * DEEP.k**2
         next_order = 1.0 - np.sqrt(viscosity * DEEP.k**2 / (2.0 * DEEP.omega))
         assert -DEEP.viscous_root(viscosity).real / leading == pytest.approx(next_order, abs=30.0 * viscosity)
+
+
+def test_a_steep_standing_wave_is_slower_in_deep_water_and_quicker_in_shallow():
+    """Tadjbakhsh & Keller 1960: by (k a)^2 / 8 in deep water, not at all at k h = 1.06."""
+    for depth, expected in ((1.0, 1.0 + (0.05 * np.pi) ** 2 / 8.0), (1.06 / np.pi, 1.0), (0.8 / np.pi, 0.9942)):
+        wave = StandingWave(length=2.0, depth=depth, mode=2, amplitude=0.05, gravity=1.0)
+        times = np.arange(0.0, 4.0 * wave.period, 0.02)
+        assert wave.finite_period(1j * wave.omega, times) / wave.period == pytest.approx(expected, abs=2e-4)
 
 
 def test_the_wave_flows_without_divergence_along_walls_and_bed():

@@ -55,6 +55,18 @@ class StandingWave:
             n = -2.0 * shear + 1j * np.sqrt(self.omega**2 - 4.0 * shear**2 * np.sqrt(1.0 + n / shear))
         return complex(n)
 
+    def finite_period(self, root: complex, times: np.ndarray) -> float:
+        """Period [s] that `damped_cosine` finds in a wave exp(root t) of linear theory that has this amplitude at the
+        start: as steep as it still is, k a, its frequency is higher by a share w2 (k a)^2 / 2 w0 with w0^2 = tanh(k h)
+        and w2 = (9 w0^-7 - 12 w0^-3 - 3 w0 - 2 w0^5) / 32 (Tadjbakhsh & Keller 1960, J. Fluid Mech. 8); in deep water
+        lower by (k a)^2 / 8."""
+        w0 = sqrt(tanh(self.k * self.depth))
+        w2 = (9.0 * w0**-7 - 12.0 * w0**-3 - 3.0 * w0 - 2.0 * w0**5) / 32.0
+        steep = self.k * self.amplitude * np.exp(root.real * times)
+        frequency = root.imag * (1.0 + 0.5 * w2 / w0 * steep**2)
+        phase = np.append(0.0, np.cumsum(0.5 * (frequency[1:] + frequency[:-1]) * np.diff(times)))
+        return self.damped_cosine(times, np.cos(root.imag * times[0] + phase) * np.exp(root.real * times))[0]
+
     def flow(self, position: np.ndarray) -> np.ndarray:
         """Velocity of the wave of amplitude 1 m as it passes through the level, in linear theory [m/s]."""
         x, y = position[:, 0] + 0.5 * self.length, position[:, 1] + self.depth

@@ -23,6 +23,7 @@ class Moving(Protocol):
 
     waves: PlaneWaves
     current: tuple[float, float]  # its velocity along x and z, which carries the waves [m/s]
+    time: float  # [s]
     before: float  # when the last step began: where bodies are that take theirs after the water has [s]
 
 
@@ -65,6 +66,10 @@ class Window:
     @property
     def current(self) -> tuple[float, float]:
         return self.water.current
+
+    @property
+    def step_taken(self) -> float:
+        return self.water.time - self.water.before
 
     def take(self, sea: waves.Components) -> None:
         """Other waves."""

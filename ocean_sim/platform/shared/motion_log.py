@@ -127,8 +127,8 @@ def spacing(path: Path, table: dict[str, np.ndarray]) -> float:
 
 
 def as_logged(every: float) -> float:
-    """A time between rows [s] with the digits that a log keeps of it, whose times have nine: so a platform does in a run
-    what it does on the run's log."""
+    """A time between rows [s] with the digits that a log keeps of it, whose times have nine: so a platform does in a
+    run what it does on the run's log."""
     return float(f"{every:.8g}")
 
 

@@ -108,6 +108,7 @@ class Config(Placed, WindConfig):
                 if any(volume.acceleration)
                 else []
             )
+            sentences += [f"{name}: {sentence}" for sentence in volume.held(preflight.duration)]
         return sentences
 
 

@@ -141,7 +141,15 @@ class Config(Scheduled, WindConfig):
             gain += f", its pressure {self.pressure_gain:g} times (pressure_gain)"
         at = f"at U10 = {u10:g} m/s by {self.law}" if self.tau is None else f"by tau, U10 = {u10:.3g} m/s by {self.law}"
         message = f"wind: a physical stress of {self.on_water(u10):.3g} Pa {at}{sheltered}"
-        return [f"{message}: {gain}", *out_of_range(u10, self.law), *unresolved(self, u10, preflight)]
+        held = [f"wind: {sentence}" for sentence in self.held(preflight.duration)]
+        if self.course is not None and preflight.tank.dimension == 2:
+            across = np.abs(np.cos(np.radians(self.course.heading))) > 1e-9
+            if across.any():
+                row = int(np.argmax(across))
+                heading = self.course.heading[row] % 360.0
+                blows = f"wind: row {row + 1} of the schedule blows to {heading:g} degrees"
+                held.append(f"{blows}: in 2-D only its part along x acts")
+        return [f"{message}: {gain}", *held, *out_of_range(u10, self.law), *unresolved(self, u10, preflight)]
 
 
 @in_kernels

@@ -44,6 +44,15 @@ def test_it_sails_round_its_waypoints_and_on_along_the_last_leg():
     assert z[-1] < 0.0 and speed[-100:].mean() == pytest.approx(4.0, rel=0.02)
 
 
+def test_a_waypoint_given_twice_is_one():
+    """After the last one the ship goes on as on the last leg; a leg without a length turned her to +z."""
+    once, twice = (
+        sailed(at_sea({"helm": {"route": route, "speed": 4.0}, "velocity": [0.0, 0.0, 4.0]}), 30.0)
+        for route in ([[0.0, 20.0], [40.0, 20.0]], [[0.0, 20.0], [0.0, 20.0], [40.0, 20.0], [40.0, 20.0]])
+    )
+    np.testing.assert_array_equal(once, twice)
+
+
 def test_it_holds_a_heading_and_a_leg_against_a_wind_from_the_side():
     wind = {"kind": "stress", "u10": 15.0, "heading_deg": 90.0, "targets": ["ship"]}
     away = {"position": [20.0, 0.0], "velocity": [0.0, 0.0, 4.0]}

@@ -403,7 +403,10 @@ def export(
     ] = None,
     surface: Annotated[str | None, typer.Option(help="ply or vtp: one mesh a frame; vtkhdf: all in one file.")] = None,
     scene: Annotated[
-        str | None, typer.Option(help="usd: water, ships and particles in one file; glb: water and ships.")
+        str | None,
+        typer.Option(
+            help="usd: water, ships, obstacles and particles in one file; glb: all but particles. No file has walls."
+        ),
     ] = None,
     z_up: Annotated[bool, typer.Option("--z-up", help="Write files in which z, not y, points up.")] = False,
     every: Annotated[int, typer.Option(min=1, help="Export every Nth frame.")] = 1,

@@ -16,6 +16,7 @@ from math import hypot
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, Self, cast
 
+from ocean_sim.conventions import GRAVITY
 from ocean_sim.model import Model
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ SLOTS = ("sea", "wind", "fluid", "surface", "ship", "platform", "time_step")
 ALONE = "ship"  # the name of a ship that has none: the only one, written under `ship`
 SEVERAL = "ships"  # the key of a mapping of named ships
 BESIDE = {"rim": "sea"}  # keys that may also stand beside the part that they belong to
+OTHER = 0.1  # [m/s2] by which gravity may differ from that under a platform
 MEANT = {"sea": "linear_waves"}  # the kind of a part that names none
 PACKAGE = Path(str(files("ocean_sim")))
 
@@ -372,7 +374,12 @@ class PlatformConfig(KindConfig):
         return ships[0] if self.ship is None else self.ship
 
     def mismatches(self, preflight: Preflight) -> Problems:
-        return [] if self.ship is None else preflight.unknown_ship(self.ship)
+        found = [] if self.ship is None else preflight.unknown_ship(self.ship)
+        x, y, z = preflight.tank.gravity
+        if hypot(x, y + GRAVITY, z) > OTHER:
+            there = f"a platform stands on Earth, and gravity of this scene is [{x:g}, {y:g}, {z:g}] m/s2"
+            found.append(((), f"{there}: it would take the difference for a motion; leave the platform out"))
+        return found
 
     @abstractmethod
     def build(self, every: float) -> Platform:

@@ -426,6 +426,11 @@ class Window(Protocol):
         """Velocity of the water along x and z, which carries the lattice with it [m/s]."""
         ...
 
+    @property
+    def step_taken(self) -> float:
+        """How long the water's last step was, which bodies take after it [s]."""
+        ...
+
     def now(self) -> tuple[float, float, bool]:
         """How much of its time has gone, 0 to 1, how far the waves have grown, as what it gives is of waves that are
         fully grown, and whether it still holds."""

@@ -93,7 +93,11 @@ class OceanVectorEnv(VectorEnv):
         self.steps[which], self.done[which] = 0, False
 
     def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        actions = np.clip(np.asarray(actions, float), [-1.0, 0.0], 1.0)
+        actions = np.asarray(actions, float)
+        if not np.isfinite(actions).all():
+            boat = int(np.argmin(np.isfinite(actions).all(axis=1)))
+            raise ValueError(f"the action of boat {boat} is {actions[boat].tolist()}; helm and throttle are numbers")
+        actions = np.clip(actions, [-1.0, 0.0], 1.0)
         again = self.done.copy()
         self.boats.advance(actions[:, 0], actions[:, 1], STEP)
         if again.any():

@@ -60,6 +60,9 @@ class OceanBoat(Fmi2Slave):
         self.tell()
 
     def do_step(self, current_time: float, step_size: float) -> bool:
+        """False, an error of the unit, where helm, throttle or the step is not a number, or the step goes back."""
+        if not np.isfinite([self.helm, self.throttle, step_size]).all() or step_size < 0.0:
+            return False
         orders = np.clip(float(self.helm), -1.0, 1.0), np.clip(float(self.throttle), 0.0, 1.0)
         count = max(1, int(np.ceil(step_size / STEP - 1e-9)))
         for _ in range(count):

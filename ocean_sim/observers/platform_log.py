@@ -9,7 +9,7 @@ from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.observers.shared.handed_on import TakesCommands, TakesMotion, takers
 from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.platform import COLUMNS, LIMITS, Platform
-from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, ride_of
+from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, as_logged, ride_of
 from ocean_sim.simulation import Observer, ObserverConfig
 
 if TYPE_CHECKING:
@@ -35,10 +35,11 @@ class Config(ObserverConfig):
         rate = self.interval(scene.preflight)
         observing = [config for config in scene.observers.values() if isinstance(config, ObserverConfig)]
         at_once = any(self.name() in config.needs for config in observing)  # another waits for each row
-        head = heading(rate) | {"seed": scene.seed}
+        logged = as_logged(rate)
+        head = heading(logged) | {"seed": scene.seed}
         csv = CsvFile(folder / "platform.csv", head, COLUMNS)
         ship, every = scene.platform.ridden(list(scene.ships)), 0.0 if at_once else ROWS * rate
-        return PlatformLog(csv, every, scene.platform.build(rate), simulation, ship)
+        return PlatformLog(csv, every, scene.platform.build(logged), simulation, ship)
 
 
 def heading(every: float, frame: str = FRAME) -> dict[str, object]:

@@ -82,7 +82,8 @@ def export_surface(
     frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
 ) -> list[Path]:
     """The scene's surface, or the heights that its particles have, with foam and velocity: surface_00000 and so on, for
-    ParaView with a list of their times (`vtp`) or all in one file (`vtkhdf`); and every ship where she is."""
+    ParaView with a list of their times (`vtp`) or all in one file (`vtkhdf`); every ship where she is; and once the
+    boxes that stand in the water."""
     files: dict[str, list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]] = {"surface": []}
     drawn = {key: model.mesh for key, model in export_scene.models(grid).items()}
     for shot in shots(frames, grid, z_up):
@@ -95,6 +96,11 @@ def export_surface(
             colour = (255.0 * display(np.repeat(mesh.colour, 3, axis=0))).astype(np.uint8)
             name = export_scene.named(key)
             files.setdefault(name, []).append((shot.time, points, numbers, {"RGB": colour}))
+    boxes, sides = export_scene.obstacles(grid)
+    if len(boxes):
+        turn = export_scene.Z_UP if z_up else np.eye(3)
+        first = files["surface"][0][0]
+        files["obstacles"] = [(first, (boxes @ turn.T).astype(np.float32), sides, {})]
     made = []
     for name, moments in files.items():
         made += moments_saved(out, name, kind, moments)

@@ -2,6 +2,7 @@
 velocity, ships and where they are, particles."""
 
 from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
@@ -18,6 +19,12 @@ from ocean_sim.pictures.ship_model import Model, modelled
 from ocean_sim.pictures.water_mesh import triangles
 
 SEA, WHITE = np.array([0.010, 0.060, 0.090]), np.array([0.75, 0.80, 0.82])  # linear RGB of water and of its foam
+STONE = np.array([0.16, 0.15, 0.14])  # linear RGB of what stands in the water
+# Triangles of a box whose corners count x, then y, then z, seen from outside.
+BOX = np.array(
+    [[0, 1, 3], [0, 3, 2], [4, 7, 5], [4, 6, 7], [0, 4, 5], [0, 5, 1]]
+    + [[2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
+)
 Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # from our axes, y up
 
 
@@ -76,6 +83,14 @@ def models(grid: dict[str, np.ndarray]) -> dict[str, Model]:
     }
 
 
+def obstacles(grid: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (n, 3) [m] and triangles (m, 3) of the boxes that stand in the water for good."""
+    boxes = grid["obstacles"]
+    points = [[box[i, 0], box[j, 1], box[k, 2]] for box in boxes for i, j, k in product((0, 1), repeat=3)]
+    faces = [BOX + 8 * n for n in range(len(boxes))]
+    return np.array(points, np.float32).reshape(-1, 3), np.array(faces, int).reshape(-1, 3)
+
+
 def named(key: str) -> str:
     """A ship's key as a name in a file."""
     return "".join(letter if letter.isalnum() else "_" for letter in key)
@@ -87,8 +102,8 @@ def rate(first: float, last: float, count: int) -> float:
 
 
 def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up: bool) -> Path:
-    """USD with time samples (usdc): /sea/water, /sea/NAME of each ship, /sea/particles; metres, frames a second
-    as kept. Raises UsdMissing."""
+    """USD with time samples (usdc): /sea/water, /sea/obstacles, /sea/NAME of each ship, /sea/particles; metres, frames
+    a second as kept. Raises UsdMissing."""
     try:
         from pxr import Gf, Sdf, Usd, UsdGeom, Vt
     except ImportError:
@@ -107,6 +122,12 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
         stage.SetDefaultPrim(root.GetPrim())
         if z_up:
             root.AddRotateXOp().Set(90.0)
+        boxes, sides = obstacles(grid)
+        if len(boxes):
+            stone = UsdGeom.Mesh.Define(stage, "/sea/obstacles")
+            stone.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(boxes))
+            still(stone, sides.astype(np.int32).ravel(), Vt)
+            stone.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*STONE.tolist())])
         bodies = {}
         for key, model in models(grid).items():
             body = UsdGeom.Xform.Define(stage, f"/sea/{named(key)}")
@@ -166,7 +187,7 @@ def still(mesh: Any, corners: np.ndarray, vt: ModuleType, *at: Any) -> None:
 
 
 def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> Path:
-    """Binary glTF: water that changes shape, white where it foams in the first frame, and ships that move."""
+    """Binary glTF: water that changes shape, white where it foams in the first frame, obstacles, ships that move."""
     from scipy.spatial.transform import Rotation
 
     shots = [shot(frame, grid) for frame in frames]
@@ -178,6 +199,9 @@ def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> P
         white = first.fields.get("foam", np.zeros(len(first.points)))[:, None]
         moved = np.stack([kept.points for kept in shots]) if len(shots) > 1 else None
         made.mesh("water", first.points, first.faces, SEA + white * (WHITE - SEA), moved)
+    boxes, sides = obstacles(grid)
+    if len(boxes):
+        made.mesh("obstacles", boxes, sides, STONE)
     for key, model in models(grid).items():
         corners = model.mesh.corners.reshape(-1, 3)
         paint = np.repeat(model.mesh.colour, 3, axis=0)

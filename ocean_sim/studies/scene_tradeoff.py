@@ -169,7 +169,8 @@ def errors(result: Result, reference: Result) -> dict[str, float | None]:
         for name in columns or [key for key in other if key.endswith("_m")]:
             if not (len(own.get(name, ())) and len(other.get(name, ()))):
                 continue
-            apart = rms(own["time_s"], own[name], other["time_s"], other[name])
+            whole = 2.0 * np.pi if name.endswith("_rad") else np.inf
+            apart = rms(own["time_s"], own[name], other["time_s"], other[name], whole)
             if table == "platform":
                 legs.append(apart)
             else:
@@ -186,10 +187,14 @@ def _of_waves(gauge: str, own: dict[str, np.ndarray], other: dict[str, np.ndarra
     return {key: abs(a[key] - b[key]) if a[key] is not None and b[key] is not None else None for key in b}  # type: ignore[operator]
 
 
-def rms(time: np.ndarray, values: np.ndarray, other_time: np.ndarray, others: np.ndarray) -> float:
-    """Distance of two records over the time that they share."""
+def rms(
+    time: np.ndarray, values: np.ndarray, other_time: np.ndarray, others: np.ndarray, whole: float = np.inf
+) -> float:
+    """Distance of two records over the time that they share; values that are so far apart are the same."""
     shared = other_time[(other_time >= time[0]) & (other_time <= time[-1])]
     gap = np.interp(shared, time, values) - np.interp(shared, other_time, others)
+    if np.isfinite(whole):
+        gap = gap - whole * np.round(gap / whole)
     return float(np.sqrt(np.mean(gap**2))) if len(shared) else float("nan")
 
 

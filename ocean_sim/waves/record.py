@@ -237,6 +237,11 @@ def measured(time: np.ndarray, height: np.ndarray, treatment: Treatment = AS_IT_
     heights, periods = zero_crossing_waves(interval, deviation, treatment.hysteresis)
     if not len(heights):
         return Sea(None, 4.0 * float(deviation.std()), None, None, None, None, 0, None)
+    steps = np.diff(time)
+    if steps.max() > 0.5 * periods.mean():
+        k = int(steps.argmax())
+        gap = f"has a gap of {steps[k]:.3g} s after {time[k]:g} s"
+        raise Unmeasurable(f"{gap}, more than half of its mean wave of {periods.mean():.3g} s")
     f_peak = peak_frequency(interval, deviation)
     m0, m1, m2 = (0.0, 0.0, 0.0) if f_peak is None else moments(interval, deviation, CUT_OFF * f_peak)
     waves = len(heights)

@@ -25,7 +25,7 @@ from ocean_sim.wind.shared.noise import DRAWS, EVERY, Noise
 from ocean_sim.wind.shared.over_patch import Patch, Placed
 from ocean_sim.wind.shared.shapes import turned, turned_back, within
 from ocean_sim.wind.shared.volume import Target, Volume
-from ocean_sim.wind.shared.warnings import stylised, velocity_change
+from ocean_sim.wind.shared.warnings import on_ships, stylised, velocity_change
 from ocean_sim.wind.still import Still
 
 NOISE = 0x1_0000  # stream of random numbers; the volume's number is added
@@ -108,6 +108,9 @@ class Config(Placed, WindConfig):
                 if any(volume.acceleration)
                 else []
             )
+            sentences += [f"{name}: {sentence}" for sentence in volume.held(preflight.duration)]
+        if any(self.volumes[g].wind_speed > 0.0 for g in self.aimed("ship")):
+            sentences += on_ships(preflight)
         return sentences
 
 

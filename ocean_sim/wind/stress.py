@@ -25,7 +25,7 @@ from ocean_sim.wind.shared.air_load import LAW, DragLaw, drag, stated_speed, str
 from ocean_sim.wind.shared.clock import DeviceRow
 from ocean_sim.wind.shared.drawing import Drawing
 from ocean_sim.wind.shared.schedule import Scheduled
-from ocean_sim.wind.shared.warnings import out_of_range, unresolved
+from ocean_sim.wind.shared.warnings import on_ships, out_of_range, unresolved
 from ocean_sim.wind.still import Still
 
 ROW = Columns(
@@ -141,7 +141,20 @@ class Config(Scheduled, WindConfig):
             gain += f", its pressure {self.pressure_gain:g} times (pressure_gain)"
         at = f"at U10 = {u10:g} m/s by {self.law}" if self.tau is None else f"by tau, U10 = {u10:.3g} m/s by {self.law}"
         message = f"wind: a physical stress of {self.on_water(u10):.3g} Pa {at}{sheltered}"
-        return [f"{message}: {gain}", *out_of_range(u10, self.law), *unresolved(self, u10, preflight)]
+        found = [f"wind: {sentence}" for sentence in self.held(preflight.duration)] + self.across(preflight)
+        if "ship" in self.targets and u10 > 0.0:
+            found += on_ships(preflight)
+        return [f"{message}: {gain}", *found, *out_of_range(u10, self.law), *unresolved(self, u10, preflight)]
+
+    def across(self, preflight: Preflight) -> list[str]:
+        """Whether a schedule blows across a vertical slice."""
+        if self.course is None or preflight.tank.dimension == 3:
+            return []
+        rows = np.flatnonzero(np.abs(np.cos(np.radians(self.course.heading))) > 1e-9)
+        if not len(rows):
+            return []
+        blows = f"row {rows[0] + 1} of the schedule blows to {self.course.heading[rows[0]] % 360.0:g} degrees"
+        return [f"wind: {blows}: in 2-D only its part along x acts"]
 
 
 @in_kernels

@@ -171,6 +171,7 @@ def test_a_window_holds_the_waves_within_a_few_thousandths(sea, far):
     size, step, depths = (25, 13), (0.7, 0.5), (0.0, 0.6, 1.2)
     window, heading = fluid.window(size, step, depths), (0.6, 0.8)
     middle = np.array([far + 0.3, -0.5 * far])
+    assert not window.now()[2]  # nothing has been laid
     window.lay(middle, heading)
     found = np.zeros((size[0] * size[1] * len(depths), 7))
 

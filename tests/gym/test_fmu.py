@@ -22,6 +22,22 @@ def test_what_cannot_be_meant_writes_nothing(tmp_path, monkeypatch, capsys, word
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
+@pytest.mark.parametrize("helm, step", [(float("nan"), 0.1), (0.2, float("nan")), (0.2, -0.1)])
+def test_a_step_that_cannot_be_taken_is_an_error_and_changes_nothing(helm, step):
+    from ocean_sim.gym.unit import OUT, OceanBoat
+
+    boat = OceanBoat(instance_name="boat", resources="")
+    boat.exit_initialization_mode()
+    boat.throttle = 0.5
+    assert boat.do_step(0.0, 0.1)
+    before = [getattr(boat, name) for name in OUT]
+    boat.helm = helm
+    assert not boat.do_step(0.1, step)
+    assert [getattr(boat, name) for name in OUT] == before
+    boat.helm = 0.2
+    assert boat.do_step(0.1, 0.1) and boat.surge > before[0]
+
+
 def test_a_unit_is_opened_and_run_by_fmpy(tmp_path):
     fmpy = pytest.importorskip("fmpy", reason="fmpy, a reader of units that is not ours, is absent")
     done = subprocess.run(

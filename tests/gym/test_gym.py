@@ -90,6 +90,19 @@ def test_the_same_seed_gives_the_same_episodes_byte_for_byte_and_another_does_no
     assert episode(7) == episode(7) != episode(8)
 
 
+@pytest.mark.parametrize("action", [[np.nan, 0.5], [0.0, np.inf]])
+def test_an_action_that_is_no_number_is_refused(action):
+    """It made a boat that was none, and never capsized, until the end of her episode."""
+    pytest.importorskip("gymnasium")
+    from ocean_sim.gym.environments import OceanVectorEnv
+
+    boats = OceanVectorEnv(2)
+    boats.reset(seed=1)
+    with pytest.raises(ValueError, match=r"the action of boat 1 is .*helm and throttle are numbers"):
+        boats.step(np.array([[0.0, 0.5], action]))
+    assert np.isfinite(boats.step(np.zeros((2, 2)))[0]).all()
+
+
 def test_a_list_of_seeds_is_refused_where_one_seed_is_for_all_boats():
     gymnasium = pytest.importorskip("gymnasium")
     from ocean_sim.gym.environments import OceanVectorEnv

@@ -150,6 +150,49 @@ def manned(kept):
     return folder
 
 
+@pytest.fixture
+def blocked(manned):
+    """The same run folder, with two boxes that stand in the water."""
+    boxes = np.array([[[-1.0, -0.5, 0.0], [-0.5, 0.25, 2.0]], [[1.0, -1.0, -1.0], [1.5, 0.5, 0.5]]])
+    grid = dict(np.load(manned / "frames" / "grid.npz")) | {"obstacles": boxes}
+    np.savez(manned / "frames" / "grid.npz", **grid)
+    return manned, np.prod(boxes[:, 1] - boxes[:, 0], axis=1).sum()
+
+
+def enclosed(points: np.ndarray, faces: np.ndarray) -> float:
+    """Volume inside a skin, by the divergence theorem: positive where its triangles face outwards."""
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+
+
+@pytest.mark.parametrize("kind", ["ply", "vtp"])
+def test_what_stands_in_the_water_goes_with_the_surface(blocked, kind):
+    import pyvista
+
+    folder, volume = blocked
+    files = export_run(folder, None, kind, folder / "export", z_up=True)
+    [box] = [file for file in files if file.name == f"obstacles_00000.{kind}"]
+    mesh = pyvista.read(box)
+    assert enclosed(np.array(mesh.points), mesh.regular_faces) == pytest.approx(volume, rel=1e-6)
+    np.testing.assert_allclose(mesh.bounds, [-1.0, 1.5, -2.0, 1.0, -1.0, 0.5], atol=1e-6)  # x, -z, y
+
+
+def test_what_stands_in_the_water_is_in_the_scene(blocked):
+    import trimesh
+
+    folder, volume = blocked
+    [file] = export_run(folder, None, None, folder / "export", scene="glb")
+    assert trimesh.load(file).geometry["obstacles"].volume == pytest.approx(volume, rel=1e-6)
+    Usd = pytest.importorskip("pxr.Usd")
+    from pxr import UsdGeom
+
+    [file] = export_run(folder, None, None, folder / "export", scene="usd")
+    stage = Usd.Stage.Open(str(file))
+    mesh = UsdGeom.Mesh.Get(stage, "/sea/obstacles")
+    faces = np.array(mesh.GetFaceVertexIndicesAttr().Get()).reshape(-1, 3)
+    assert enclosed(np.array(mesh.GetPointsAttr().Get()), faces) == pytest.approx(volume, rel=1e-6)
+
+
 def test_usd_holds_water_foam_velocity_ship_and_particles(manned):
     Usd = pytest.importorskip("pxr.Usd")
     from pxr import UsdGeom

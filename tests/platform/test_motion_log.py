@@ -7,7 +7,16 @@ from ocean_sim import conventions
 from ocean_sim.files import csv_file
 from ocean_sim.observers.motion import Log
 from ocean_sim.observers.motion import columns as logged
-from ocean_sim.platform.shared.motion_log import FORCES, FRAMES, converted, convertible, negated, read, ride_of
+from ocean_sim.platform.shared.motion_log import (
+    FORCES,
+    FRAMES,
+    as_logged,
+    converted,
+    convertible,
+    negated,
+    read,
+    ride_of,
+)
 from ocean_sim.ship import PARTS
 from ocean_sim.ship.shared.track import Turned
 from tests.platform.conftest import G, columns, write
@@ -171,3 +180,11 @@ def test_a_ship_at_rest_feels_gravity_upward(tmp_path):
     ride = read(write(tmp_path / "still.csv", columns(1.0, heave=0.0, roll=0.0))).ride
     np.testing.assert_array_equal(ride.specific_force, np.tile([0.0, 0.0, G], (101, 1)))
     assert ride_of(csv_file.numbers(tmp_path / "still.csv"), "world").seq[-1] == 100
+
+
+@pytest.mark.parametrize("every", [0.01, 1.0 / 60.0, 0.0123456789])
+def test_the_time_between_rows_is_that_of_the_run(every, tmp_path):
+    """To the bit, so the filters of a washout are those of the run; differences of times with nine digits are not."""
+    table = columns(60.0, every)
+    assert read(write(tmp_path / "motion.csv", table)).every == as_logged(every)
+    assert as_logged(every) == pytest.approx(every, rel=5e-8)

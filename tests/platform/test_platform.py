@@ -396,6 +396,19 @@ def test_a_scene_without_a_ship_has_no_platform_to_watch(name, absent):
     assert name not in load(sea | {"platform": "hexapod_a"}).observers
 
 
+@pytest.mark.parametrize("gravity", [[0.0, -1.62, 0.0], [0.0, -24.8, 0.0]])
+def test_a_ride_under_another_gravity_is_refused(gravity):
+    """A yacht at rest on the Moon let the platform fall by 0.68 m: it took the gravity that it missed for a motion."""
+    from ocean_sim.files.yaml_file import SceneError
+    from ocean_sim.reading.scene import load
+
+    basin = {"length": 200.0, "width": 200.0, "depth": 20.0, "walls": "none"}
+    sea = {"fluid": {"kind": "linear_waves", "height": 0.0, "period": 7.0}, "ship": "yacht", "platform": "hexapod_a"}
+    load(sea | {"basin": basin | {"gravity": [0.0, -9.8, 0.0]}})
+    with pytest.raises(SceneError, match="platform: a platform stands on Earth, and gravity of this scene is"):
+        load(sea | {"basin": basin | {"gravity": gravity}})
+
+
 def test_a_platform_alone_imports_no_ship_and_no_taichi():
     import subprocess
     import sys

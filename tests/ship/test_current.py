@@ -65,6 +65,22 @@ def test_waves_on_a_tile_are_read_where_the_current_had_carried_them():
     np.testing.assert_allclose(ride(180.0, (1.5, -2.0), order=3, until=1.0), still, atol=1e-6)
 
 
+def test_what_ships_make_of_the_waves_goes_with_the_current():
+    """Galileo: two ships that feel each other's waves do in water that flows what they do in water that rests. How deep
+    their cubes lay was read a step's current away from where they were, and the yacht rolled by 0.4 % otherwise."""
+
+    def pair(current):
+        yacht, barge = {"kind": "yacht"}, {"kind": "barge20", "position": [9.0, 0.0, 3.0]}
+        scene = afloat(60.0, current, 1.0, 1, yacht)
+        scene["ships"] = {"yacht": scene.pop("ship"), "barge": barge}
+        scene["fluid"]["cells"] = 32
+        with Simulation(load(scene, OFF | {"runtime.precision": "f64"})) as simulation:
+            simulation.run(until=1.0)
+            return np.concatenate([ship.body.rates for ship in simulation.ships.values()])
+
+    np.testing.assert_allclose(pair((1.5, -2.0)), pair((0.0, 0.0)), atol=1e-12)
+
+
 def test_waves_that_meet_a_hull_are_told_where_the_current_had_carried_them():
     def met(current):
         with Simulation(load(afloat(60.0, current, 1.0, 1, {"kind": "barge20"}), OFF)) as simulation:

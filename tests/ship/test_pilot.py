@@ -44,6 +44,15 @@ def test_it_sails_round_its_waypoints_and_on_along_the_last_leg():
     assert z[-1] < 0.0 and speed[-100:].mean() == pytest.approx(4.0, rel=0.02)
 
 
+def test_a_waypoint_given_twice_is_one():
+    """After the last one the ship goes on as on the last leg; a leg without a length turned her to +z."""
+    once, twice = (
+        sailed(at_sea({"helm": {"route": route, "speed": 4.0}, "velocity": [0.0, 0.0, 4.0]}), 30.0)
+        for route in ([[0.0, 20.0], [40.0, 20.0]], [[0.0, 20.0], [0.0, 20.0], [40.0, 20.0], [40.0, 20.0]])
+    )
+    np.testing.assert_array_equal(once, twice)
+
+
 def test_it_holds_a_heading_and_a_leg_against_a_wind_from_the_side():
     wind = {"kind": "stress", "u10": 15.0, "heading_deg": 90.0, "targets": ["ship"]}
     away = {"position": [20.0, 0.0], "velocity": [0.0, 0.0, 4.0]}
@@ -70,6 +79,16 @@ def test_a_pilot_who_is_told_a_route_on_the_way_keeps_the_speed_and_arrives_a_le
         assert np.hypot(*(ship.body.position[[0, 2]] - [40.0, 100.0])) == pytest.approx(length, rel=0.1)
         assert np.hypot(*ship.body.velocity[[0, 2]]) == pytest.approx(3.0, rel=0.1)
         assert pilot.ahead == [(40.0, 100.0)]
+
+
+def test_orders_that_come_when_the_run_is_over_are_told(tmp_path):
+    """A log with the times of a calendar: its first row holds from the beginning to the end."""
+    path = tmp_path / "orders.csv"
+    path.write_text("time_s,throttle,rudder_rad\n1700000000,0.5,0.1\n1700000100,0.8,0.0\n")
+    said = "controls: their first row is of 1.7e+09 s, when the run of 200 s is over"
+    assert any(said in warning for warning in load(at_sea({"controls": {"file": str(path)}})).warnings())
+    rows = [{"time": 199.0, "throttle": 0.5}]
+    assert not any("controls" in warning for warning in load(at_sea({"controls": rows})).warnings())
 
 
 @pytest.mark.parametrize(

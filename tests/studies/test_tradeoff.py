@@ -15,6 +15,7 @@ from ocean_sim.studies import heeds, tradeoff
 from ocean_sim.studies.scene_tradeoff import SEEDS, Budget, best, errors, finest, settings, summary, varied
 from ocean_sim.studies.shared import pareto, runs, table
 from ocean_sim.studies.shared.clocked import Clocked
+from ocean_sim.studies.shared.scene_run import seen
 from ocean_sim.studies.tradeoff import TRIALS, clock, equals, front, points
 from ocean_sim.validation import problems
 from ocean_sim.verbs import tradeoff as verb
@@ -228,6 +229,23 @@ def test_errors_are_those_that_were_put_in():
     for name in ("a_rms_m", "heave_rms_m", "legs_rms_m"):
         assert found[name] == pytest.approx(0.1 / np.sqrt(2.0), rel=0.01)
     assert errors(Result("one"), written("third", 0.5, 2.5))["a_tz_s"] == pytest.approx(0.5, rel=0.01)
+
+
+def heading(folder: str, ahead: float, swing: float) -> Result:
+    """A ship whose bow swings about a heading [rad], as a motion log shows it: from -pi to pi."""
+    time = np.arange(0.0, 20.0, 0.05)
+    yaw = np.remainder(ahead + swing * np.sin(2.0 * np.pi * time / 2.0) + np.pi, 2.0 * np.pi) - np.pi
+    Path(folder).mkdir()
+    table.write(Path(folder) / "motion.csv", [{"time_s": t, "yaw_rad": y} for t, y in zip(time, yaw)])
+    return Result(folder)
+
+
+@pytest.mark.parametrize("ahead", [0.3, np.pi - 1e-3, np.pi])
+def test_a_ship_that_heads_for_minus_z_swings_as_much_as_any(ahead):
+    """Her yaw leaps from pi to -pi: sweeps and studies took that for a swing of up to 0.9 rad."""
+    one, other = heading("one", ahead, 0.02), heading("other", ahead - 0.01, 0.02)
+    assert seen(one)["yaw_rms_rad"] == pytest.approx(0.02 / np.sqrt(2.0), rel=1e-6)
+    assert errors(one, other)["yaw_rms_rad"] == pytest.approx(0.01, rel=1e-6)
 
 
 def choice(name: str, wall: float, error: float | None, spread: float = 0.0) -> dict:

@@ -279,17 +279,27 @@ def test_a_record_shorter_than_a_wave_has_a_deviation_alone():
     assert found.pop("hm0_m") > 1.0 and found.pop("waves") == 0 and set(found.values()) == {None}
 
 
+GAP = np.concatenate([np.arange(0.0, 200.05, 0.1), np.arange(300.0, 600.0, 0.1)])  # a straight line is no wave
+
+
 @pytest.mark.parametrize(
     "time, height, why",
     [
         (np.arange(10) * 0.1, np.arange(10.0), "too short: 10 samples"),
         (np.arange(50) * 0.1, np.full(50, np.nan), "not numbers"),
         (np.zeros(50), np.arange(50.0), "do not increase"),
+        (GAP, np.sin(2.0 * np.pi * GAP / 7.0), "a gap of 100 s after 200 s, more than half of its mean wave"),
     ],
 )
 def test_what_is_no_record_says_why(time, height, why):
     with pytest.raises(Unmeasurable, match=why):
         measured(time, height)
+
+
+def test_a_record_whose_interval_changes_is_one():
+    time = np.concatenate([np.arange(0.0, 100.0, 0.1), np.arange(100.0, 600.0, 0.5)])
+    sea = measured(time, 0.5 * np.sin(2.0 * np.pi * time / 7.0))
+    assert sea.tz_s == pytest.approx(7.0, rel=1e-3) and sea.hs_m == pytest.approx(1.0, rel=0.02)
 
 
 def gauges_file(folder, columns: dict[str, np.ndarray]):

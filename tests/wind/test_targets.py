@@ -48,3 +48,35 @@ def test_a_volume_without_targets_has_those_of_the_wind(build, force, targets):
         np.testing.assert_allclose(
             force(wind.on(target), POINT)[0], [own, 4.0 if target in targets else 0.0, 0.0], atol=1e-12
         )
+
+
+def yacht_in(wind: dict):
+    from ocean_sim.reading.scene import load
+
+    quiet = dict.fromkeys(("accuracy", "timings", "frames", "render", "report", "motion"))
+    sea = {"basin": {"length": 90.0, "width": 90.0, "depth": 20.0, "walls": "none"}, "ship": {"kind": "yacht"}}
+    return load(sea | {"fluid": {"kind": "linear_waves", "height": 0.0, "period": 5.0}, "wind": wind}, quiet)
+
+
+@pytest.mark.parametrize("heading_deg, across", [(0.0, 4.6), (90.0, 14.7)])
+def test_that_the_wind_on_a_ship_is_weak_is_told(heading_deg, across):
+    """By as much as it is: against 0.9 on the area across the wind, breadth or length times freeboard."""
+    from ocean_sim.conventions import AIR_DENSITY
+    from ocean_sim.simulation import Simulation
+
+    scene = yacht_in({"kind": "stress", "u10": 15.0, "heading_deg": heading_deg})
+    with Simulation(scene) as simulation:
+        simulation.step()
+        ship = simulation.ship
+        drag = np.linalg.norm(ship.last.parts[ship.parts.index("wind_drag")][0])
+    real = 0.5 * AIR_DENSITY * 0.9 * across * 2.15 * 15.0**2
+    assert 15.0 < real / drag < 70.0
+    assert any(
+        "the ship is that of the sea's surface" in said and "15 to 70 times" in said for said in scene.warnings()
+    )
+
+
+def test_a_wind_that_a_ship_does_not_feel_is_not_told():
+    for keys in ({"targets": ["fluid"]}, {"u10": 0.0}):
+        scene = yacht_in({"kind": "stress", "u10": 15.0} | keys)
+        assert not any("sea's surface" in said for said in scene.warnings())

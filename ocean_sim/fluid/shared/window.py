@@ -23,6 +23,7 @@ class Moving(Protocol):
 
     waves: PlaneWaves
     current: tuple[float, float]  # its velocity along x and z, which carries the waves [m/s]
+    time: float  # [s]
     before: float  # when the last step began: where bodies are that take theirs after the water has [s]
 
 
@@ -56,15 +57,22 @@ class Window:
 
     def now(self) -> tuple[float, float, bool]:
         """How far it is from the first of the two times to the second, how far the waves have grown, and whether the
-        lattice still holds."""
-        water = self.water
-        time, sea = water.before, water.waves
+        lattice still holds; from here on the waves that are asked are those of the water."""
+        time, there = self.water.before, self.water.waves
+        others = self.begun != there.begun
+        if others:
+            self.begun = there.begun
+            self.take(there.sea)
         late = (time - self.start) / self.span
-        return late, sea.sea.grown(time), 0.0 <= late <= 1.0 and self.begun == sea.begun
+        return late, there.sea.grown(time), not others and 0.0 <= late <= 1.0
 
     @property
     def current(self) -> tuple[float, float]:
         return self.water.current
+
+    @property
+    def step_taken(self) -> float:
+        return self.water.time - self.water.before
 
     def take(self, sea: waves.Components) -> None:
         """Other waves."""
@@ -83,11 +91,7 @@ class Window:
 
     def lay(self, centre: tuple[float, float], heading: tuple[float, float]) -> None:
         """Around a place x, z [m], its first axis along a unit vector in x and z, from now on."""
-        waves_, time = self.water.waves, self.water.before
-        sea = waves_.sea
-        if self.begun != waves_.begun:
-            self.begun = waves_.begun
-            self.take(sea)
+        sea, time = self.water.waves.sea, self.water.before
         self.start = time
         kx, kz = sea.wavevector.T
         (x, z), (dx, dz), angles = np.array(centre) - time * np.array(self.current), self.step, self.angles

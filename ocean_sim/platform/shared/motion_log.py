@@ -123,7 +123,13 @@ def spacing(path: Path, table: dict[str, np.ndarray]) -> float:
         raise ValueError(f"{path}: rows are missing or out of order {where}; they should be {every:g} s apart")
     if every > 1.0 / SLOWEST:
         raise ValueError(f"{path} has a row every {every:g} s; a platform needs at least {SLOWEST:g} a second")
-    return every
+    return as_logged(float(time[-1] - time[0]) / len(steps))
+
+
+def as_logged(every: float) -> float:
+    """A time between rows [s] with the digits that a log keeps of it, whose times have nine: so a platform does in a
+    run what it does on the run's log."""
+    return float(f"{every:.8g}")
 
 
 def believable(path: Path, table: dict[str, np.ndarray], ride: Ride, frame: str) -> None:

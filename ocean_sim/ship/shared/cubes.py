@@ -116,9 +116,9 @@ class Cubes:
 
     def displaced(self, body: RigidBody, around: SurroundingWater | SurroundingSea) -> tuple[np.ndarray, np.ndarray]:
         """x and z (m, 2) [m] of the cubes under water where the body is, and how much water each displaces [m3]; the
-        water stands as it was last asked."""
+        water stands as it was last asked, where its current has carried it since."""
         write_pose(self.table[0], body)
-        middle = np.array(around.middle)
+        middle = around.carried()
         self.table[0, [pose.position, pose.position + 2]] -= middle
         self.immersed(around, self.table, self.found)
         wet = self.found[self.found[:, 2] > 0.0]

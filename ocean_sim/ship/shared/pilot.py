@@ -6,6 +6,7 @@ come to (integral line of sight: Fossen 2021, Handbook of Marine Craft Hydrodyna
 CDC). The rudder is K (error + integral of it / T_i - T_d times the yaw rate), the throttle a PI of the speed ahead.
 """
 
+from itertools import groupby
 from math import atan, atan2, cos, hypot, pi, radians, remainder, sin
 from typing import Annotated, Self
 
@@ -58,6 +59,7 @@ class Helmsman:
 
     def __init__(self, config: Pilot) -> None:
         self.config = config
+        self.route = [place for place, _ in groupby(config.route or [])]  # a place twice in a row is no leg
         self.reach = config.look_ahead or AHEAD * config.speed  # [m]
         self.near = config.arrival or self.reach  # [m]
         self.time = 0.0
@@ -82,9 +84,9 @@ class Helmsman:
 
     def heading(self, body: RigidBody, dt: float) -> float:
         """Where to head [rad]."""
-        if self.config.route is None:
+        if not self.route:
             return radians(self.config.heading_deg or 0.0)
-        route, x, z = self.config.route, float(body.position[0]), float(body.position[2])
+        route, x, z = self.route, float(body.position[0]), float(body.position[2])
         if self.start is None:
             self.start = (x, z)
         along, ahead, aside = self.place(x, z)
@@ -99,7 +101,7 @@ class Helmsman:
     @property
     def ahead(self) -> list[Vector2]:
         """The waypoints that are not passed yet."""
-        return (self.config.route or [])[self.leg :]
+        return self.route[self.leg :]
 
     def arrived(self, body: RigidBody) -> bool:
         """Whether the last waypoint is reached; from there the ship goes on as on the last leg."""
@@ -109,8 +111,8 @@ class Helmsman:
 
     def place(self, x: float, z: float) -> tuple[float, float, float]:
         """Heading of the leg [rad], how far ahead its end is, and how far to port of it the ship is [m]."""
-        assert self.start is not None and self.config.route is not None
-        (x_0, z_0), (x_1, z_1) = self.start, self.config.route[self.leg]
+        assert self.start is not None
+        (x_0, z_0), (x_1, z_1) = self.start, self.route[self.leg]
         along = atan2(x_1 - x_0, z_1 - z_0) if hypot(x_1 - x_0, z_1 - z_0) > 0.0 else 0.0
         ahead = (x_1 - x) * sin(along) + (z_1 - z) * cos(along)
         return along, ahead, (x - x_0) * cos(along) - (z - z_0) * sin(along)

@@ -160,6 +160,16 @@ class Helm(Model):
                 raise ValueError("controls: the times of the rows must increase")
         return self
 
+    def late(self, duration: float) -> list[str]:
+        """What is said of orders that come when a run of this duration [s] is over."""
+        if self.helm is not None or isinstance(self.controls, Autopilot) or self.controls == []:
+            return []
+        first = float(Crew(self.controls).time[0])
+        if first < duration:
+            return []
+        begins = f"controls: their first row is of {first:.9g} s, when the run of {duration:g} s is over"
+        return [f"{begins}: it holds all the time; times count from the beginning of the run"]
+
     def crew(self) -> "Crew | Helmsman":
         return Crew(self.controls) if self.helm is None else self.helm.crew()
 

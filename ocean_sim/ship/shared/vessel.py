@@ -83,7 +83,7 @@ class VesselConfig(Helm, ShipConfig):
         return found
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        return self.lost_at_first()
+        return [*self.lost_at_first(), *self.late(preflight.duration)]
 
     def lost_at_first(self) -> list[str]:
         """Velocity and rates at the beginning in motions that are held, which take none."""

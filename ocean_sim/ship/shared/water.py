@@ -54,6 +54,10 @@ class Around:
     def place(self, body: RigidBody, row: np.ndarray) -> None:
         """Where the lattice lies: write what kernels are HANDED of it, and the body's place from its middle."""
 
+    def carried(self) -> np.ndarray:
+        """x, z [m] of the middle now that bodies have taken their step."""
+        return np.array(self.middle)
+
     @ti.func
     def point(self, n, sine, cosine):
         """Numbers of a node along and across, and its x and z from the middle [m]."""
@@ -198,6 +202,9 @@ class SurroundingSea(Around):
         self.middle = middle
         row[pose.position], row[pose.position + 2] = x - middle[0], z - middle[1]
         row[HANDED.middle : HANDED.size] = *middle, *self.heading, late, share
+
+    def carried(self) -> np.ndarray:
+        return super().carried() + self.window.step_taken * np.array(self.window.current)
 
     def strays(self, x: float, z: float) -> bool:
         """Whether a hull is too far from the middle, so far from it [m]."""

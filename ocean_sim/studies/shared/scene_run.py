@@ -76,8 +76,9 @@ def motion_tables(result: Result) -> dict[str, str]:
 
 
 def of(result: Result, name: str) -> dict[str, np.ndarray]:
-    """A table of a run; empty where the run wrote none."""
-    return result.table(name) if (result.folder / f"{name}.csv").is_file() else {}
+    """A table of a run, its angles without the leaps of a turn; empty where the run wrote none."""
+    table = result.table(name) if (result.folder / f"{name}.csv").is_file() else {}
+    return {key: np.unwrap(values) if key.endswith("_rad") else values for key, values in table.items()}
 
 
 def waves(gauge: str, time: np.ndarray, height: np.ndarray) -> dict[str, float | None]:

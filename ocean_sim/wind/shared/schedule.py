@@ -85,8 +85,10 @@ class Schedule:
         """(n,) each; raises ValueError where they are no schedule."""
         if not np.isfinite([time, speed, heading]).all():
             raise ValueError("holds what is not a number")
-        if not (np.diff(time) > 0.0).all():
-            raise ValueError("rows must be in the order of time, each time once")
+        if not (steps := np.diff(time) > 0.0).all():
+            row = int(np.argmin(steps))
+            order = f"{time[row + 1]:g} s follows {time[row]:g} s in row {row + 2}"
+            raise ValueError(f"rows must be in the order of time, each time once; {order}")
         if (speed < 0.0).any():
             raise ValueError("a speed is not negative; turn the heading")
         self.time, self.speed, self.heading = time, speed, np.unwrap(heading, period=360.0)
@@ -112,10 +114,26 @@ class Scheduled(Timed):
             missing = [name for name in names if name not in found]
             if missing:
                 raise ValueError(f"{shown(self.schedule.file)} has no column {' and no column '.join(missing)}")
+            for name in names:
+                wrong = np.flatnonzero(~np.isfinite(found[name]))
+                if len(wrong):
+                    raise ValueError(f"{shown(self.schedule.file)}: {name} is not a number in row {wrong[0] + 1}")
             return Schedule(*(found[name] for name in names))
         if not self.schedule:
             raise ValueError("needs at least one row")
         return Schedule(*(np.array([[r.time, r.speed, r.heading_deg] for r in self.schedule], dtype=float).T))
+
+    def held(self, duration: float) -> list[str]:
+        """What is said of a schedule whose rows do not reach over a run of this duration [s]."""
+        if self.course is None:
+            return []
+        first, last = float(self.course.time[0]), float(self.course.time[-1])
+        if first >= duration:
+            begins = f"the schedule begins at {first:.9g} s, when the run of {duration:g} s is over"
+            return [f"{begins}: only its first row blows; times count from the beginning of the run"]
+        if isinstance(self.schedule, File) and last < duration:
+            return [f"{shown(self.schedule.file)} ends at {last:.9g} s; its last row blows on until {duration:g} s"]
+        return []
 
     def unscheduled(self) -> Problems:
         """Why the schedule cannot be followed."""

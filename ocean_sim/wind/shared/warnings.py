@@ -6,10 +6,11 @@ from typing import Protocol
 from ocean_sim import waves
 from ocean_sim.conventions import AIR_DENSITY, GRAVITY, WATER_DENSITY, figures
 from ocean_sim.model import Vector3
-from ocean_sim.parts import Preflight
+from ocean_sim.parts import Preflight, called
 from ocean_sim.wind.shared.air_load import DRAG_LAWS, RANGES, U10, DragLaw, stress
 
 FLOWING = 5.0  # times the shear that particles bear: under less of a stress the drift is more than a tenth too slow
+TIMES = "15 to 70"  # between the two, of the yacht, the tug and the barge in a wind of 15 m/s from ahead and abeam
 FEWEST = 10.0  # spacings that a wave must be long to travel well
 
 
@@ -71,6 +72,16 @@ def out_of_range(u10: float, law: DragLaw) -> list[str]:
     return [
         f"wind: U10 = {u10:g} m/s is outside the range of {law} ({low:g} to {high:g} m/s); 1000 C_d there is {others}"
     ]
+
+
+def on_ships(preflight: Preflight) -> list[str]:
+    """How far the drag (2.22) on a hull lies from that of a real ship."""
+    afloat = [called(name) for name, ship in preflight.ships.items() if ship.look(preflight) is not None]
+    if not afloat:
+        return []
+    law = f"wind: its drag on {' and '.join(afloat)} is that of the sea's surface, on all of the hull that is dry"
+    real = "a real ship has a coefficient of about 0.9 on the area that she turns to the wind (Blendermann 1994)"
+    return [f"{law}; {real}, {TIMES} times as much: she drifts and heels too little"]
 
 
 def fetch_limited(u10: float, fetch: float, gravity: float = GRAVITY) -> tuple[float, float]:

@@ -2,7 +2,7 @@
 
 import ast
 
-from tests.architecture.test_arrows import SOURCES
+from tests.architecture.test_arrows import sources
 
 TAICHI = ("ti.func", "ti.kernel")  # compiled: Taichi reads their annotations itself
 IN_KERNELS = {  # ordinary functions, or members of a protocol, that kernels call
@@ -29,7 +29,7 @@ def bare(function: ast.FunctionDef) -> bool:
 
 
 def test_every_function_that_taichi_does_not_compile_is_annotated():
-    for module, tree in SOURCES.items():
+    for module, tree in sources().items():
         inside = {
             id(inner)
             for node in ast.walk(tree)

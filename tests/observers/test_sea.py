@@ -280,7 +280,8 @@ def folder(tmp_path_factory):
 
 
 QUALITIES = ("draft", "final")
-LOOKS = [{"quality": q} | more for q in QUALITIES for more in ({"scale_bar": True}, {"caption": False}, {"ripples": False})]
+MARKED, BARE, CALM = {"scale_bar": True}, {"caption": False}, {"ripples": False}
+LOOKS = [{"quality": quality} | more for quality in QUALITIES for more in (MARKED, BARE, CALM)]
 LOOKS += [{"camera": "top", "scale_bar": on, "caption": False} for on in (True, False)]
 
 
@@ -319,7 +320,7 @@ def test_a_film_shows_what_a_final_picture_shows(picture):
     """Smoother edges and a finer mesh change no mean over 20 x 20 pixels by much: in both the ship is mirrored."""
 
     def blocks(quality):
-        return picture(quality=quality, ripples=False).reshape(9, 20, 16, 20, 3).mean(axis=(1, 3))
+        return picture(quality=quality, **CALM).reshape(9, 20, 16, 20, 3).mean(axis=(1, 3))
 
     change = np.abs(blocks("final") - blocks("draft")).max(axis=2)
     assert np.median(change) < 4.0 and np.quantile(change, 0.95) < 10.0
@@ -328,7 +329,7 @@ def test_a_film_shows_what_a_final_picture_shows(picture):
 @with_opengl
 @pytest.mark.parametrize("quality", QUALITIES)
 def test_words_and_the_scale_bar_are_as_large_in_every_quality(picture, quality):
-    marked, bare = picture(quality=quality, scale_bar=True), picture(quality=quality, caption=False)
+    marked, bare = picture(quality=quality, **MARKED), picture(quality=quality, **BARE)
     changed = np.abs(marked - bare).max(axis=2) > 8.0
     low = changed[-16:-12, 160:]
     assert 0.1 * 320 < low.any(axis=0).sum() < 0.27 * 320  # the bar

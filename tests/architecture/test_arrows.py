@@ -52,10 +52,22 @@ def walked(node: ast.AST):
 
 
 @cache
+def every(module: str) -> tuple[ast.AST, ...]:
+    """Every node of a module: walking takes long, and many tests ask."""
+    return tuple(ast.walk(sources()[module]))
+
+
+@cache
+def nodes(module: str) -> tuple[ast.AST, ...]:
+    """The same but what is imported for type checkers alone."""
+    return tuple(walked(sources()[module]))
+
+
+@cache
 def imports(module: str) -> set[str]:
     """What a module imports, here and inside its functions; `from a import b` counts as a.b where that is a module."""
     found = set()
-    for node in walked(sources()[module]):
+    for node in nodes(module):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -81,7 +93,7 @@ def is_kind(module: str) -> bool:
 @cache
 def calls(module: str) -> set[str]:
     """What a module calls, as it is written: `ti.init`, `open`, `.write_text` where the owner is an expression."""
-    return {ast.unparse(node.func) for node in walked(sources()[module]) if isinstance(node, ast.Call)}
+    return {ast.unparse(node.func) for node in nodes(module) if isinstance(node, ast.Call)}
 
 
 def modules(*rooms: str) -> list[str]:
@@ -199,8 +211,8 @@ def test_who_alone_may_call(call, allowed):
 
 
 def test_classes_of_kernels_are_marked_by_our_own_decorator():
-    for module, source in sources().items():
-        classes = [node for node in walked(source) if isinstance(node, ast.ClassDef)]
+    for module in sources():
+        classes = [node for node in nodes(module) if isinstance(node, ast.ClassDef)]
         assert "ti.data_oriented" not in {ast.unparse(mark) for one in classes for mark in one.decorator_list}, module
 
 

@@ -1,17 +1,19 @@
 """The rooms of the house, drawn from all imports, those for annotations included: few of them, and no circle."""
 
 import ast
+from functools import cache
 
 from ocean_sim.parts import SLOTS
-from tests.architecture.test_arrows import room, sources
+from tests.architecture.test_arrows import every, room, sources
 
 MOST_ROOMS = 32
 
 
+@cache
 def targets(module: str) -> set[str]:
     """What a module imports of ours, anywhere in it, also for type checkers alone."""
     found = set()
-    for node in ast.walk(sources()[module]):
+    for node in every(module):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):

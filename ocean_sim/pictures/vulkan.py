@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 import tempfile
+from functools import cache
 
 from ocean_sim import kernel_library
 from ocean_sim.conventions import Lacking
@@ -46,6 +47,12 @@ def draws(show: bool) -> bool:
     """Whether a child process survives drawing, on a screen or without one."""
     if show and sys.platform == "linux" and not any(os.environ.get(name) for name in SCREENS):
         return False
+    return _survives(show)
+
+
+@cache
+def _survives(show: bool) -> bool:
+    """The same, found out once: starting a process takes a second."""
     command = [sys.executable, "-c", PROBE.format(show=show)]
     try:
         with tempfile.TemporaryDirectory() as away:  # GGUI leaves a file where it works

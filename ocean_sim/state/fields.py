@@ -13,12 +13,15 @@ TOGETHER = 32  # fields of a kernel; Taichi warns of more
 
 @in_kernels
 class Bundle:
-    """Fields of one number each, of one type, laid in a row."""
+    """Fields of one number each, of one type, laid in a row; a loop of a kernel takes all that are of one shape, for
+    it is loops that take long to compile."""
 
     def __init__(self, fields: list[ti.ScalarField]) -> None:
-        sizes = [prod(field.shape) for field in fields]
+        self.shapes = [field.shape for field in fields]
+        sizes = [prod(shape) for shape in self.shapes]
         self.firsts = [sum(sizes[:k]) for k in range(len(sizes))]
-        self.fields = tuple(zip(fields, self.firsts, strict=True))
+        placed = list(zip(fields, self.firsts, strict=True))
+        self.alike = tuple(tuple(p for p in placed if p[0].shape == shape) for shape in dict.fromkeys(self.shapes))
         self.row = np.zeros(sum(sizes), dtype=to_numpy_type(fields[0].dtype))
 
     def read(self) -> list[np.ndarray]:
@@ -26,7 +29,7 @@ class Bundle:
         self.copy_to(self.row)
         ends = [*self.firsts[1:], len(self.row)]
         rows = [self.row[first:end].copy() for first, end in zip(self.firsts, ends, strict=True)]
-        return [row.reshape(field.shape) for row, (field, _) in zip(rows, self.fields, strict=True)]
+        return [row.reshape(shape) for row, shape in zip(rows, self.shapes, strict=True)]
 
     def write(self, arrays: list[np.ndarray]) -> None:
         self.copy_from(np.concatenate([array.ravel() for array in arrays]).astype(self.row.dtype))
@@ -41,15 +44,19 @@ class Bundle:
 
     @ti.kernel
     def copy_to(self, row: ti.types.ndarray(ndim=1)):  # type: ignore[valid-type]
-        for field, first in ti.static(self.fields):
-            for index in ti.grouped(field):
-                row[first + self.index_of(field, index)] = field[index]
+        for alike in ti.static(self.alike):
+            for index in ti.grouped(alike[0][0]):
+                k = self.index_of(alike[0][0], index)
+                for field, first in ti.static(alike):
+                    row[first + k] = field[index]
 
     @ti.kernel
     def copy_from(self, row: ti.types.ndarray(ndim=1)):  # type: ignore[valid-type]
-        for field, first in ti.static(self.fields):
-            for index in ti.grouped(field):
-                field[index] = row[first + self.index_of(field, index)]
+        for alike in ti.static(self.alike):
+            for index in ti.grouped(alike[0][0]):
+                k = self.index_of(alike[0][0], index)
+                for field, first in ti.static(alike):
+                    field[index] = row[first + k]
 
 
 class Contents:

@@ -2,7 +2,7 @@
 
 import ast
 
-from tests.architecture.test_arrows import SOURCES
+from tests.architecture.test_arrows import every, sources
 
 TAICHI = ("ti.func", "ti.kernel")  # compiled: Taichi reads their annotations itself
 IN_KERNELS = {  # ordinary functions, or members of a protocol, that kernels call
@@ -29,15 +29,15 @@ def bare(function: ast.FunctionDef) -> bool:
 
 
 def test_every_function_that_taichi_does_not_compile_is_annotated():
-    for module, tree in SOURCES.items():
+    for module in sources():
         inside = {
             id(inner)
-            for node in ast.walk(tree)
+            for node in every(module)
             if isinstance(node, ast.FunctionDef) and is_compiled(node)
             for inner in ast.walk(node)
             if inner is not node
         }
-        for node in ast.walk(tree):
+        for node in every(module):
             if isinstance(node, ast.FunctionDef) and id(node) not in inside and bare(node):
                 known = f"{module}.{node.name}" in IN_KERNELS
                 assert is_compiled(node) or is_of_a_protocol(node) or known, f"{module}:{node.lineno} {node.name}"

@@ -11,12 +11,6 @@ import pytest
 from ocean_sim.parts import PACKAGE, SLOTS
 
 ROOMS = (*SLOTS, "observers")
-SOURCES = {
-    ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__"): ast.parse(
-        path.read_text(encoding="utf-8")
-    )
-    for path in sorted(PACKAGE.rglob("*.py"))
-}
 FOUNDATION = (
     "conventions",
     "model",
@@ -35,6 +29,16 @@ OPEN = ("motion_log", "datagrams", "packets", "track")  # of platform.shared and
 # read motion logs use, too
 
 
+@cache
+def sources() -> dict[str, ast.Module]:
+    """The source of every module, by name; read when a test asks, not in every process that collects tests."""
+    paths = sorted(PACKAGE.rglob("*.py"))
+    names = [
+        ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__") for path in paths
+    ]
+    return {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in zip(names, paths)}
+
+
 def is_only_for_types(node: ast.If) -> bool:
     return isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"
 
@@ -49,15 +53,27 @@ def walked(node: ast.AST):
 
 
 @cache
+def every(module: str) -> tuple[ast.AST, ...]:
+    """Every node of a module: walking takes long, and many tests ask."""
+    return tuple(ast.walk(sources()[module]))
+
+
+@cache
+def nodes(module: str) -> tuple[ast.AST, ...]:
+    """The same but what is imported for type checkers alone."""
+    return tuple(walked(sources()[module]))
+
+
+@cache
 def imports(module: str) -> set[str]:
     """What a module imports, here and inside its functions; `from a import b` counts as a.b where that is a module."""
     found = set()
-    for node in walked(SOURCES[module]):
+    for node in nodes(module):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             inner = {f"{node.module}.{alias.name}" for alias in node.names}
-            found |= {name for name in inner if name in SOURCES} or {str(node.module)}
+            found |= {name for name in inner if name in sources()} or {str(node.module)}
     return found
 
 
@@ -78,15 +94,17 @@ def is_kind(module: str) -> bool:
 @cache
 def calls(module: str) -> set[str]:
     """What a module calls, as it is written: `ti.init`, `open`, `.write_text` where the owner is an expression."""
-    return {ast.unparse(node.func) for node in walked(SOURCES[module]) if isinstance(node, ast.Call)}
+    return {ast.unparse(node.func) for node in nodes(module) if isinstance(node, ast.Call)}
 
 
 def modules(*rooms: str) -> list[str]:
-    return [name for name in SOURCES if room(name) in rooms]
+    return [name for name in sources() if room(name) in rooms]
 
 
 def test_there_is_something_to_look_at():
-    assert {"ocean_sim.reading.scene", "ocean_sim.simulation", "ocean_sim.wind", "ocean_sim.wind.gusts"} <= set(SOURCES)
+    assert {"ocean_sim.reading.scene", "ocean_sim.simulation", "ocean_sim.wind", "ocean_sim.wind.gusts"} <= set(
+        sources()
+    )
     assert "ocean_sim.wind" in imports("ocean_sim.fluid.mueller") and "ocean_sim.kernel_library" in imports(
         "ocean_sim.wind.gusts"
     )
@@ -131,7 +149,7 @@ def test_scene_and_what_composes_it_import_no_kind():
 
 def test_only_the_command_line_imports_observers():
     """But for the page, which shares what they share."""
-    for module in SOURCES:
+    for module in sources():
         if room(module) == "viewer":
             kinds = [name for name in ours(module) if is_kind(name) and room(name) == "observers"]
             assert all(name.startswith("ocean_sim.observers.shared.") for name in kinds), module
@@ -142,7 +160,7 @@ def test_only_the_command_line_imports_observers():
 def test_validation_reads_scene_and_simulation_and_only_what_stands_above_reads_it():
     """scene <- validation <- studies <- figures <- __main__."""
     above = ("validation", "studies", "figures", "verbs", "__main__")
-    for module in SOURCES:
+    for module in sources():
         if room(module) == "validation":
             for other in ours(module):
                 assert room(other) in (*FOUNDATION, "reading", "simulation", "fluid", "validation"), (
@@ -160,7 +178,7 @@ def test_studies_read_validation_and_what_stands_below_it():
 
 
 def test_nothing_below_it_knows_the_command_line():
-    for module in SOURCES:
+    for module in sources():
         if room(module) not in ("verbs", "__main__"):
             assert not [name for name in ours(module) if room(name) in ("verbs", "__main__")], module
             assert not imports(module) & {"typer", "rich"}, module
@@ -190,12 +208,12 @@ def test_the_page_reads_the_simulation_and_imports_no_kind_of_a_slot():
     ],
 )
 def test_who_alone_may_call(call, allowed):
-    assert {module for module in SOURCES if call in calls(module)} <= allowed
+    assert {module for module in sources() if call in calls(module)} <= allowed
 
 
 def test_classes_of_kernels_are_marked_by_our_own_decorator():
-    for module, source in SOURCES.items():
-        classes = [node for node in walked(source) if isinstance(node, ast.ClassDef)]
+    for module in sources():
+        classes = [node for node in nodes(module) if isinstance(node, ast.ClassDef)]
         assert "ti.data_oriented" not in {ast.unparse(mark) for one in classes for mark in one.decorator_list}, module
 
 
@@ -214,13 +232,13 @@ def test_classes_of_kernels_are_marked_by_our_own_decorator():
     ],
 )
 def test_who_alone_may_import(package, allowed):
-    found = {module for module in SOURCES if any(name.split(".")[0] == package for name in imports(module))}
+    found = {module for module in sources() if any(name.split(".")[0] == package for name in imports(module))}
     assert found <= allowed
 
 
 @pytest.mark.parametrize("package", ["pyvista", "imageio", "matplotlib", "h5py", "scipy", "vtk", "trimesh"])
 def test_what_is_slow_to_import_is_imported_where_it_is_used(package):
-    for module, tree in SOURCES.items():
+    for module, tree in sources().items():
         names = [
             alias.name if isinstance(node, ast.Import) else node.module
             for node in tree.body
@@ -246,13 +264,13 @@ def test_during_a_run_only_observers_write():
 
 def test_one_module_alone_imports_what_compiles_kernels():
     """So that a scene may be computed with another library than Taichi."""
-    for module in SOURCES:
+    for module in sources():
         libraries = {name for name in imports(module) if name.split(".")[0] in ("taichi", "quadrants")}
         assert not libraries or module == "ocean_sim.kernel_library", f"{module} imports {libraries}"
 
 
 def test_modules_with_taichi_kernels_keep_their_annotations():
-    for module in SOURCES:
+    for module in sources():
         if "ocean_sim.kernel_library" in imports(module):
             assert "__future__" not in imports(module), module
 

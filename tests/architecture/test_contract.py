@@ -11,7 +11,7 @@ import pytest
 from ocean_sim.parts import SLOTS, KindConfig, config_of, kinds
 from ocean_sim.reading.scene import observer_names
 from ocean_sim.simulation import Observer, ObserverConfig
-from tests.architecture.test_arrows import SOURCES
+from tests.architecture.test_arrows import every, sources
 
 KINDS = [(slot, kind) for slot in SLOTS for kind in kinds(slot)]
 EVERY = [*KINDS, *(("observers", name) for name in observer_names())]
@@ -86,8 +86,8 @@ FORBIDDEN = {  # what hides a forgotten part of a contract, or decides physics b
 
 @pytest.mark.parametrize("word", FORBIDDEN)
 def test_nobody_asks_what_was_typed(word):
-    for module, tree in SOURCES.items():
-        for node in ast.walk(tree):
+    for module in sources():
+        for node in every(module):
             named = isinstance(node, ast.Attribute) and node.attr == word
             assert not named and not (isinstance(node, ast.keyword) and node.arg == word), (
                 f"{module}: {FORBIDDEN[word]}"
@@ -108,8 +108,8 @@ FOREIGN = {  # what is asked there is no part of ours
 @pytest.mark.parametrize("name", FOREIGN)
 def test_nobody_asks_one_of_our_own_whether_it_has_something(name):
     """A `getattr` without a default reads what has to be there."""
-    for module, tree in SOURCES.items():
-        for node in ast.walk(tree):
+    for module in sources():
+        for node in every(module):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == name:
                 asks = name == "hasattr" or len(node.args) == 3
                 assert not asks or module in FOREIGN[name], f"{module}:{node.lineno}"

@@ -1,23 +1,25 @@
 """The rooms of the house, drawn from all imports, those for annotations included: few of them, and no circle."""
 
 import ast
+from functools import cache
 
 from ocean_sim.parts import SLOTS
-from tests.architecture.test_arrows import SOURCES, room
+from tests.architecture.test_arrows import every, room, sources
 
 MOST_ROOMS = 32
 
 
+@cache
 def targets(module: str) -> set[str]:
     """What a module imports of ours, anywhere in it, also for type checkers alone."""
     found = set()
-    for node in ast.walk(SOURCES[module]):
+    for node in every(module):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             inner = {f"{node.module}.{alias.name}" for alias in node.names}
-            found |= {name for name in inner if name in SOURCES} or {str(node.module)}
-    return {name for name in found if name in SOURCES and name != module}
+            found |= {name for name in inner if name in sources()} or {str(node.module)}
+    return {name for name in found if name in sources() and name != module}
 
 
 def circles(graph: dict[str, set[str]]) -> list[list[str]]:
@@ -49,20 +51,20 @@ def circles(graph: dict[str, set[str]]) -> list[list[str]]:
 
 
 def test_there_are_few_rooms():
-    rooms = {room(module) for module in SOURCES}
+    rooms = {room(module) for module in sources()}
     assert len(rooms) <= MOST_ROOMS, sorted(rooms)
 
 
 def test_no_module_imports_one_that_imports_it():
-    assert circles({module: targets(module) for module in SOURCES}) == []
+    assert circles({module: targets(module) for module in sources()}) == []
 
 
 UP = {("parts", slot) for slot in SLOTS if slot != "sea"}  # arrows that run back up; of a sea nothing is built
 
 
 def test_no_room_imports_one_that_imports_it_but_for_the_arrows_that_contributing_names():
-    rooms: dict[str, set[str]] = {room(module): set() for module in SOURCES}
-    for module in SOURCES:
+    rooms: dict[str, set[str]] = {room(module): set() for module in sources()}
+    for module in sources():
         rooms[room(module)] |= {room(target) for target in targets(module)} - {room(module)}
     assert all(up in rooms[low] for low, up in UP)
     assert circles({name: {other for other in rooms[name] if (name, other) not in UP} for name in rooms}) == []

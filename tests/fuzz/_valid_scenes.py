@@ -10,8 +10,6 @@ from ocean_sim.reading import schema
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.validation.shared.tables import table_path
 
-SCHEMA = schema.schema()
-DEFINITIONS = SCHEMA["$defs"]
 NAMES = ("a", "bow", "gauge_2")
 OPTIONAL = 3  # keys of a mapping, at most, that need not be written
 
@@ -85,6 +83,12 @@ CHOICES: dict[str, st.SearchStrategy] = {
 ELSEWHERE = ("MeshFile", "FromFile", "Track", ".File", "Recorded")
 
 
+@cache
+def whole() -> dict[str, Any]:
+    """The schema, made when a scene is drawn."""
+    return schema.schema()
+
+
 def number(node: dict[str, Any], unit: str) -> st.SearchStrategy:
     """A number within the schema's bounds, else of the size that its unit suggests."""
     size = SIZES.get(unit, 1.0)
@@ -102,7 +106,7 @@ def number(node: dict[str, Any], unit: str) -> st.SearchStrategy:
 @cache
 def model(name: str, dimension: int) -> st.SearchStrategy:
     """A mapping that a definition of the schema allows."""
-    node = DEFINITIONS[name]
+    node = whole()["$defs"][name]
     if "properties" not in node:
         return value(node, dimension)
     return mapping(name, dimension)
@@ -110,7 +114,7 @@ def model(name: str, dimension: int) -> st.SearchStrategy:
 
 @st.composite
 def mapping(draw: Any, name: str, dimension: int) -> dict[str, Any]:
-    node = DEFINITIONS[name]
+    node = whole()["$defs"][name]
     properties, required = node["properties"], list(node.get("required", []))
     optional = [key for key in properties if key not in required]
     some = draw(st.lists(st.sampled_from(optional), unique=True, max_size=OPTIONAL)) if optional else []
@@ -158,8 +162,8 @@ def array(node: dict[str, Any], dimension: int, unit: str) -> st.SearchStrategy:
 
 def slot(name: str, dimension: int) -> st.SearchStrategy:
     """A ready-made part, or a kind with keys of its own."""
-    references = [m["$ref"].removeprefix("#/$defs/") for m in SCHEMA["properties"][name]["anyOf"] if "$ref" in m]
-    ready = [m["enum"] for m in SCHEMA["properties"][name]["anyOf"] if "enum" in m]
+    references = [m["$ref"].removeprefix("#/$defs/") for m in whole()["properties"][name]["anyOf"] if "$ref" in m]
+    ready = [m["enum"] for m in whole()["properties"][name]["anyOf"] if "enum" in m]
     kinds = st.one_of([model(reference, dimension) for reference in references])
     return kinds | st.sampled_from(ready[0]) if ready and name in ("wind", "platform") else kinds
 
@@ -197,11 +201,13 @@ def scenes(draw: Any, dimension: int | None = None) -> dict[str, Any]:
     for key in ("title", "seed", "duration", "resolution"):
         if draw(st.booleans()):
             scene[key] = draw(CHOICES[key])
-    observers = [name for name, node in SCHEMA["properties"].items() if node.get("anyOf", [{}])[-1] == {"type": "null"}]
+    observers = [
+        name for name, node in whole()["properties"].items() if node.get("anyOf", [{}])[-1] == {"type": "null"}
+    ]
     parts = ("sea", "rim", "wind", "surface", "ship", "ships", "platform", "fluid")
     for name in (name for name in observers if name not in parts):
         if name not in ("time_step", "manifest", "stream", "health") and draw(st.integers(0, 3)) == 0:
-            scene[name] = draw(value(SCHEMA["properties"][name], dimension))
+            scene[name] = draw(value(whole()["properties"][name], dimension))
     return scene
 
 

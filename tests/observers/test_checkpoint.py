@@ -8,7 +8,6 @@ import pytest
 from ocean_sim.fluid.linear_waves import LinearWaves
 from ocean_sim.kernel_library import impl
 from ocean_sim.observers.checkpoint import KEPT
-from ocean_sim.pictures import vulkan
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.state import file
@@ -174,7 +173,7 @@ def test_a_run_goes_on_as_if_nothing_had_happened(name, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not vulkan.draws(show=False), reason="no Vulkan on this machine")
+@pytest.mark.usefixtures("vulkan_there")
 def test_a_preview_goes_on_with_the_same_pictures(tmp_path):
     scene = scene_of({"basin": SLICE, **water("mueller", 0.1), "preview": {"every": 0.1, "size": [960, 640]}})
     assert resumed(scene, tmp_path) == []

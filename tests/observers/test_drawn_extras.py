@@ -99,8 +99,6 @@ def test_arrows_turn_without_being_bent(vector):
 
 @with_opengl
 def test_a_wind_is_drawn_where_it_blows(tmp_path, watched):
-    from imageio.v2 import imread
-
     simulation = watched((0.02,))
     simulation.fluid.rise = 0.0
     corners = shapes.Core(half=(1.0, 1.5, 1.0), radius=0.0, yaw=0.0, centre=np.zeros(3)).edges()
@@ -109,21 +107,13 @@ def test_a_wind_is_drawn_where_it_blows(tmp_path, watched):
     simulation.wind.drawing = lambda: blowing
     simulation.observers = [frames.Config(every=0.1).build(tmp_path, simulation)]
     simulation.run(until=0.1)
-    asked = {"size": (320, 180), "stills": (0.0,), "film": False, "preview": False, "caption": False}
-    without, with_wind = (
-        np.asarray(imread(render.render_run(tmp_path, out=tmp_path / f"{k}", wind=bool(k), **asked)[0])).astype(int)
-        for k in range(2)
-    )
+    looks = [{"wind": on, "camera": camera} for camera in ("third_person", "top") for on in (False, True)]
+    pictures = render.variants(tmp_path, 0.0, looks, size=(320, 180), caption=False).astype(int)
+    without, with_wind, plain, marked = pictures
     changed = np.abs(with_wind - without).max(axis=2) > 8
     painted = (with_wind[..., 0] > with_wind[..., 2] + 60) & changed
     assert 0.01 < changed.mean() < 0.5 and painted.sum() > 30
     assert not (without[..., 0] > without[..., 2] + 60).any()
-    plain, marked = (
-        np.asarray(
-            imread(render.render_run(tmp_path, out=tmp_path / f"map{k}", camera="top", wind=bool(k), **asked)[0])
-        ).astype(int)
-        for k in range(2)
-    )
     rows, columns = np.nonzero(np.abs(marked - plain).max(axis=2) > 4)
     filled = len(rows) / (np.ptp(rows) + 1) / (np.ptp(columns) + 1)
     assert filled > 0.8  # on a map a volume is its area, tinted

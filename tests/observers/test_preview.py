@@ -31,8 +31,7 @@ from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.verbs import preview as verb
 
-HAS_VULKAN = vulkan.draws(show=False)
-with_vulkan = pytest.mark.skipif(not HAS_VULKAN, reason="no Vulkan on this machine")
+with_vulkan = pytest.mark.usefixtures("vulkan_there")
 CONFIG = preview.Config(size=(1280, 720))
 HERE = os.environ | {"PYTHONPATH": str(PACKAGE.parent)}
 

@@ -6,10 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ocean_sim.kernel_library import ti, to_numpy_type
 from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.platform.shared.washing import Filter
 from ocean_sim.ship.shared.rigid_body import RigidBody
+from ocean_sim.state.fields import Contents, shape
 from ocean_sim.state.walk import Mismatch, Restorer, Snapshot
 
 
@@ -49,6 +51,25 @@ def test_objects_with_a_law_stay_themselves():
     one.of(np.ones(50))
     assert through({"filter": one}, {"filter": fresh})["filter"] is fresh
     assert np.array_equal(fresh.state, one.state) and np.any(fresh.state)
+
+
+def test_fields_of_every_type_and_shape_are_written_and_read_each_in_its_place(taichi_cpu):
+    shapes = [(), (3, 4), (2, 3, 4), (3, 4), *[(5,)] * 33]  # more than a kernel takes
+    kinds = [ti.f32] * 4 + [ti.i32] * len(shapes)
+    fields = [ti.field(kind, shape) for kind, shape in zip(kinds, [*shapes[:4], *shapes])]
+    held = {f"{k}": field for k, field in enumerate([*fields, ti.Vector.field(3, ti.f32, 6)])}
+    given = {}
+    for k, field in held.items():
+        places, first = shape(field), 1000 * int(k)
+        given[k] = np.arange(first, first + np.prod(places, dtype=int)).reshape(places)
+        given[k] = np.asarray(given[k], dtype=to_numpy_type(field.dtype))
+    Contents().write(held, given)
+    for k in ("0", "3", "7", str(len(held) - 1)):
+        assert np.array_equal(held[k].to_numpy(), given[k])
+    found = Contents().read(held)
+    for k in held:
+        assert found[k].dtype == given[k].dtype and found[k].shape == given[k].shape
+        assert np.array_equal(found[k], given[k])
 
 
 def test_a_file_goes_on_where_it_was(tmp_path):

@@ -30,13 +30,20 @@ def ask(capsys, tmp_path, monkeypatch):
     return asked
 
 
-def test_a_log_becomes_a_ride(ask, log, tmp_path):
+@pytest.fixture
+def draw_nothing(monkeypatch):
+    """Call it before commands whose pictures nobody looks at: they take most of the time."""
+    return lambda: monkeypatch.setattr(platform_pictures, "draw", lambda *about: None)
+
+
+def test_a_log_becomes_a_ride(ask, draw_nothing, log, tmp_path):
     code, out, err = ask(log, "--json", "--frame", "ned")
     answer = json.loads(out)
     assert (code, err, answer["rows"], answer["stream"]) == (0, "", 1001, None)
     names = {"platform.csv", "metrics.csv", "motion_ned.csv", *PICTURES}
     folder = tmp_path / "runs" / "platform"
     assert {path.name for path in folder.iterdir()} == names == {path.rsplit("/", 1)[-1] for path in answer["files"]}
+    draw_nothing()
     ned = read_columns(folder / "platform.csv")
     assert tuple(ned) == COLUMNS and "# frame: ned\n" in (folder / "platform.csv").read_text()
     assert motion_log.read(folder / "motion_ned.csv").frame == "ned"
@@ -111,16 +118,18 @@ def test_a_ride_of_two_rows_is_one(ask, tmp_path):
     assert {path.name for path in (tmp_path / "two").iterdir()} >= PICTURES | {"film.gif", "platform.csv"}
 
 
-def test_a_ramp_that_outlasts_the_ride_is_told(ask, log):
-    _, out, _ = ask(log, "--ramp", "20")
-    assert "over 20 s, and the ride ends after 10 s, when it does 50 % of it" in out
+def test_a_ramp_that_outlasts_the_ride_is_told(ask, draw_nothing, log):
     _, out, _ = ask(log, "--ramp", "1e9")
     assert "when it does 0 % of it" in out and "; 0 % of the stroke" in out
+    draw_nothing()
+    _, out, _ = ask(log, "--ramp", "20")
+    assert "over 20 s, and the ride ends after 10 s, when it does 50 % of it" in out
     _, out, _ = ask(log, "--ramp", "10")
     assert "warning" not in out
 
 
-def test_it_streams_at_the_pace_of_the_log_and_comes_to_rest(ask, tmp_path):
+def test_it_streams_at_the_pace_of_the_log_and_comes_to_rest(ask, draw_nothing, tmp_path):
+    draw_nothing()
     short, listener = write(tmp_path / "short.csv", columns(0.5)), Listener(351)
     code, out, _ = ask(short, "--stream", listener.url)
     seen = listener.packets()

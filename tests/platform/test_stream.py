@@ -66,6 +66,10 @@ class Clock:
     def sleep(self, seconds):
         self.now += seconds
 
+    def select(self, *sockets_and_seconds):
+        self.sleep(sockets_and_seconds[-1])
+        return [], [], []
+
     def time_ns(self):
         return 0
 
@@ -146,6 +150,7 @@ def test_a_stream_that_begins_anew_is_followed():
 def test_a_sender_that_is_late_does_not_burst(monkeypatch):
     clock = Clock()
     monkeypatch.setattr(datagrams, "time", clock)
+    monkeypatch.setattr(datagrams, "select", clock.select)
     sender = Sender(f"udp://127.0.0.1:{free_port()}")
     for k in range(5):
         sender.send(packet(k))

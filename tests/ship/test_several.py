@@ -130,7 +130,7 @@ def test_the_threads_change_no_byte(precision, tmp_path):
 def test_a_run_that_goes_on_from_a_checkpoint_leaves_the_same_bytes(tmp_path):
     from ocean_sim.observers.checkpoint import restore
 
-    scene = at_sea({"a": BARGE | PUSHED, "b": BARGE | {"position": [APART, 0.0]}}, checkpoint={"every": 0.5})
+    scene = at_sea({"a": BARGE | PUSHED, "b": BARGE | {"position": [APART, 0.0]}}, checkpoint={"every": 1.0})
     scene |= {"platform": {"kind": "hexapod", "ship": "b"}, "platform_log": {}, "frames": {"every": 0.5}}
     config = load(scene, {"runtime.threads": 1})
     run(config, tmp_path / "whole")

@@ -1,24 +1,18 @@
 """The figures of the surface run without a display, and their numbers are those of closed forms."""
 
-import os
-import subprocess
-import sys
-
 import pytest
 
 from ocean_sim.files.csv_file import columns
-from ocean_sim.parts import PACKAGE, library
+from tests.figures.test_drawn_figures import draw
+
+FIGURES = ("fig3_3", "fig6_1", "fig6_2")
 
 
 @pytest.fixture(scope="module")
 def figures(tmp_path_factory):
     out = tmp_path_factory.mktemp("figures")
-    for name in ("fig3_3", "fig6_1", "fig6_2"):
-        command = [sys.executable, str(library("figures") / f"{name}.py"), "--fast", "--out", str(out)]
-        here = os.environ | {"PYTHONPATH": str(PACKAGE.parent)}
-        done = subprocess.run(command, capture_output=True, text=True, env=here)
-        assert done.returncode == 0, done.stderr
-        assert (out / f"{name}.png").stat().st_size > 10_000
+    draw(out, "yes", FIGURES)
+    assert all((out / f"{name}.png").stat().st_size > 10_000 for name in FIGURES)
     return out
 
 

@@ -5,8 +5,8 @@ and pitch (its roll: waves go across it); at rest, and towed against the waves. 
 waves that were there at once would run through the box. Rims of a wavelength on either side leave two wavelengths
 free, and three in a larger patch. The answer is that of the same box in `linear_waves`, with added mass, damping and
 the force of scattered waves from a table of linear potential flow. Wanted, before anything was run: 8 % of it, and 3 %
-between both patches. The table knows no speed: of the towed box, whose pitch feels U times its added mass in heave,
-the closed form is reported and both patches are compared.
+between both patches. The table's terms of speed are those of a slender hull, which a box that goes end on is not: of
+the towed box the closed form is reported and both patches are compared.
 """
 
 from collections.abc import Sequence

@@ -29,8 +29,9 @@ if TYPE_CHECKING:
 SURFACE_FIELDS = 6 + foam.FINER**2  # elevation, how far foam was carried, velocity; foam
 BYTES_PER_PARTICLE = 32  # position, velocity, id and pressure
 BEFORE, BEFORE_EVERY = 2.0 * foam.LASTS, 0.25  # [s] for which foam is made before a run begins, and in steps of
-WHITE = 5.0e-7  # [s] of processor time of the foam at a point
-HEIGHTS = 5.0  # at a point in closed form: its own, one without ships, and a velocity, as dear as three
+WHITE = 1.0e-7  # [s] of processor time of the foam at a point
+TICKED = (2.0e-3, 3.0e-7)  # [s] of the foam where its own clock ticks, and at each point more
+HEIGHTS = 4.0  # at a point in closed form: its own, and a velocity, as dear as three
 TOPMOST = 1.2  # [spacings] under the surface: the particles that carry foam
 MANY = 20_000_000  # points of a frame: more are a slip
 LARGE = 2.0e9  # bytes that are worth a warning
@@ -72,9 +73,11 @@ class Config(PeriodicConfig):
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         points, fluid, [row] = self.points(preflight), preflight.fluid, super().ledger(preflight)
         each = fluid.point_time(preflight)
+        white = 0.0
         if preflight.tank.dimension == 3:
             each = (1.0 if fluid.made_of_particles else HEIGHTS) * each + WHITE
-        return [row._replace(seconds=row.seconds + points * each)]
+            white = min(1.0, self.every / foam.TICK) * (TICKED[0] + TICKED[1] * points)
+        return [row._replace(seconds=row.seconds + white + points * each)]
 
     def build(self, folder: Path, simulation: "Simulation") -> "Frames":
         return Frames(self, folder, simulation)

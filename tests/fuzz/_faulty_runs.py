@@ -62,7 +62,7 @@ def main(folder: Path, mode: int, stride: int) -> None:
             (folder / "calls").write_text(str(shim.calls()))
         return code
 
-    assert child(lambda: simulate(COUNT, 0, run)) == 0
+    assert child(lambda: simulate(COUNT, mode, run)) == 0
     calls, whole = int((folder / "calls").read_text()), contents(run)
     shutil.move(run, before)
     report = {"calls": calls, "struck": 0, "told": 0, "resumed": 0, "begun again": 0}

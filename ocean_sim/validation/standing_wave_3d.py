@@ -8,12 +8,11 @@ kappa rho g |y| (2 k a exp(k y))^2 / 2 of energy a volume at the depth |y|, twic
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.standing import DEEP, StandingWave
+from ocean_sim.validation.shared.standing import DEEP, STEEP, StandingWave
 
 SHALLOW = StandingWave(length=1.0, depth=0.32, mode=1, amplitude=0.015, gravity=9.81)  # k h = 1.005
 LAYERS_ACROSS = 6  # of the tank
 DISPERSION, LAMB = "w^2 = g k tanh(k h)", "2 nu k^2, Lamb, Hydrodynamics, art. 348"
-VISCOUS = "viscous dispersion relation, Lamb art. 349; of its amplitude, Tadjbakhsh & Keller 1960"
 
 
 def problems(coarse: bool) -> list[Problem]:
@@ -47,7 +46,7 @@ def problem(
     }
     name = f"{what}, {layers} layers"
     promises = (
-        Promise(f"{name}: period [s]", "%", VISCOUS if wave is DEEP else DISPERSION, period),
+        Promise(f"{name}: period [s]", "%", STEEP if wave is DEEP else DISPERSION, period),
         Promise(f"{name}: decay rate over its leading order [1/s]", "%", LAMB, decay),
     )
     return Problem(scene, promises, lambda run: measure(run, wave, promises, viscosity), name, slow=layers > 12)

@@ -162,9 +162,7 @@ class Scattering:
     def load(self, waves: Arriving, yaw: float, velocity: np.ndarray) -> np.ndarray:
         """(2, 3) force [N] and torque [N m] in world axes, on a hull with this heading [rad] that moves through the
         water (3,) [m/s]."""
-        if self.known is None or abs(yaw - self.known[0]) > HEADED or len(waves.omega) != len(self.known[1]):
-            self.known = yaw, waves.omega, self.given(waves.omega, np.degrees(waves.heading - yaw))
-        elif waves.omega is not self.known[1] and not np.array_equal(waves.omega, self.known[1]):
+        if self.known is None or abs(yaw - self.known[0]) > HEADED or not np.array_equal(waves.omega, self.known[1]):
             self.known = yaw, waves.omega, self.given(waves.omega, np.degrees(waves.heading - yaw))
         omega = waves.met(velocity)
         given = self.known[2] * self.inertia(omega) * (waves.amplitude * np.exp(1j * waves.angle))
@@ -180,9 +178,8 @@ class Scattering:
 
     def inertia(self, omega: np.ndarray) -> np.ndarray:
         """(6, n) A + i B / omega [kg], [kg m2] of each motion in the table, 1 of any other."""
-        found = np.ones((6, len(omega)), dtype=complex)
+        found, met = np.ones((6, len(omega)), dtype=complex), np.abs(omega)
         for number, added, lost in zip(self.numbers, self.added, self.lost, strict=True):
-            met = np.abs(omega)
             found[number] = np.interp(met, self.omega, added) + 1j * np.sign(omega) * np.interp(met, self.omega, lost)
         return found
 

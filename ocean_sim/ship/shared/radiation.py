@@ -68,6 +68,8 @@ class Radiation:
     @cached_property
     def response(self) -> "Response":
         """To a push, until less than LOST is left of it."""
+        from scipy.integrate import cumulative_trapezoid
+
         omega, apart = self.omega, np.diff(self.omega, prepend=0.0).max()
         times = np.arange(0.0, 2.0 * pi / apart, 2.0 * pi / omega[-1] / FINE)
         m = len(self.numbers)
@@ -82,7 +84,8 @@ class Radiation:
         kept = (np.abs(kernels) / np.outer(most, most)[:, :, None]).max(axis=(0, 1)) > LOST
         last = int(np.flatnonzero(kept)[-1]) + 1
         times, kernels = times[:last], kernels[:, :, :last]
-        return Response(times, kernels, antiderivative(kernels, times), added)
+        whole = cumulative_trapezoid(kernels, times, initial=0.0)
+        return Response(times, kernels, whole - whole[:, :, -1:], added)
 
     def kernel(self, times: np.ndarray, damping: np.ndarray) -> np.ndarray:
         """K at some times [s]; beyond the table damping falls on as it did at its end, by a power of the frequency."""
@@ -100,14 +103,6 @@ class Radiation:
         return np.array([2.0 / pi * np.trapezoid(whole * np.cos(every * t), every) for t in times])
 
 
-def antiderivative(values: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """(..., n) of (..., n) values at times (n,), 0 at the last of them."""
-    pieces = 0.5 * (values[..., 1:] + values[..., :-1]) * np.diff(times)
-    found = np.zeros_like(values)
-    found[..., :-1] = -np.cumsum(pieces[..., ::-1], axis=-1)[..., ::-1]
-    return found
-
-
 class Memory:
     """The radiation force on one hull: what it remembers of its motions."""
 
@@ -121,10 +116,10 @@ class Memory:
         """(2, 3) force [N] and torque [N m] in body axes, at a velocity relative to the water (6,), body axes."""
         times = np.append(self.when, time)
         moved = np.concatenate([self.moved, motion[None, self.numbers]])
-        known, rate, momentum = self.response, np.zeros(6), np.zeros(6)
+        known, ago, rate, momentum = self.response, time - times, np.zeros(6), np.zeros(6)
         for i, j in self.pairs:
-            kernel = np.interp(time - times, known.times, known.kernels[i, j], right=0.0)
-            left = np.interp(time - times, known.times, known.left[i, j], right=0.0)
+            kernel = np.interp(ago, known.times, known.kernels[i, j], right=0.0)
+            left = np.interp(ago, known.times, known.left[i, j], right=0.0)
             rate[self.numbers[i]] += np.trapezoid(kernel * moved[:, j], times)
             momentum[self.numbers[i]] += np.trapezoid(left * moved[:, j], times)
         v, omega, line, turn = motion[:3], motion[3:], momentum[:3], momentum[3:]

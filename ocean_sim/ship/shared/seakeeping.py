@@ -155,15 +155,17 @@ class SeakeepingShip(FloatingShip):
     def damping(self, now: Immersion) -> np.ndarray:
         resisted = self.resistance.load(now.motion)
         if self.memory is not None:
-            self.made = now.motion + self.orbital(now)
+            self.made = now.motion + (now.wet.velocity - self.drift(now))
             resisted = resisted + self.memory.load(self.actuators.time, self.made)
         return now.share * resisted @ now.body.matrix.T
 
-    def orbital(self, now: Immersion) -> np.ndarray:
-        """(6,) velocity of the water in body axes [m/s], [rad/s] where what waves do to a motion is in the table: all
-        of it but the current."""
+    def drift(self, now: Immersion) -> np.ndarray:
+        """(6,) velocity of the water in body axes [m/s], [rad/s] through which each motion counts: where the table has
+        what waves do to it, the current alone."""
+        if self.scattering is None:
+            return now.wet.velocity
         stream = np.concatenate([now.body.matrix.T @ self.stream, np.zeros(3)])
-        return (1.0 - self.through) * (now.wet.velocity - stream)
+        return self.through * now.wet.velocity + (1.0 - self.through) * stream
 
     def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The water's answer to the hull's own acceleration is part of `damping`, what its own acceleration does, of
@@ -176,7 +178,7 @@ class SeakeepingShip(FloatingShip):
             scattered = now.share * self.scattering.load(self.sea.arriving(float(x), float(z)), float(yaw), through)
             forces = forces | {"wave": forces["wave"] + scattered}
             force, torque = force + scattered[0], torque + scattered[1]
-        drift, surge = wet.velocity - self.orbital(now), self.through * wet.acceleration
+        drift, surge = self.drift(now), self.through * wet.acceleration
         between = None if self.between is None else now.share * self.between
         moved, carried = reaction(now.body, now.share * self.added, between, force, torque, drift, surge)
         return forces | {"wave": forces["wave"] + carried, "damping": forces["damping"] + moved}

@@ -9,6 +9,9 @@ from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Promise
 from ocean_sim.validation.shared.state import sampled, set_state, state
 
+VISCOUS = "viscous dispersion relation, Lamb art. 349"
+STEEP = f"{VISCOUS}; of its amplitude, Tadjbakhsh & Keller 1960"
+
 
 @dataclass(frozen=True)
 class StandingWave:
@@ -60,12 +63,14 @@ class StandingWave:
         start: as steep as it still is, k a, its frequency is higher by a share w2 (k a)^2 / 2 w0 with w0^2 = tanh(k h)
         and w2 = (9 w0^-7 - 12 w0^-3 - 3 w0 - 2 w0^5) / 32 (Tadjbakhsh & Keller 1960, J. Fluid Mech. 8); in deep water
         lower by (k a)^2 / 8."""
+        from scipy.integrate import cumulative_trapezoid
+
         w0 = sqrt(tanh(self.k * self.depth))
         w2 = (9.0 * w0**-7 - 12.0 * w0**-3 - 3.0 * w0 - 2.0 * w0**5) / 32.0
         steep = self.k * self.amplitude * np.exp(root.real * times)
         frequency = root.imag * (1.0 + 0.5 * w2 / w0 * steep**2)
-        phase = np.append(0.0, np.cumsum(0.5 * (frequency[1:] + frequency[:-1]) * np.diff(times)))
-        return self.damped_cosine(times, np.cos(root.imag * times[0] + phase) * np.exp(root.real * times))[0]
+        phase = cumulative_trapezoid(frequency, times, initial=0.0)
+        return self.damped_cosine(times, np.cos(phase) * np.exp(root.real * times))[0]
 
     def flow(self, position: np.ndarray) -> np.ndarray:
         """Velocity of the wave of amplitude 1 m as it passes through the level, in linear theory [m/s]."""

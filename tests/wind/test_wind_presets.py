@@ -69,10 +69,9 @@ def test_no_printed_number_is_dropped(listings, listing):
 
 @pytest.mark.parametrize("listing", PRINTED)
 def test_our_keys_hold_our_values(listings, listing):
-    scene = listings[listing]["scene"]
-    config = load(scene) if scene else None
-    resolved = config.resolved() if config else {}
-    if config and config.preflight.surface is not None:
+    config = load(listings[listing]["scene"], listings[listing].get("set"))
+    resolved = config.resolved()
+    if config.preflight.surface is not None:
         resolved["surface"] = config.preflight.surface.model_dump()  # with what it leaves to the water
     for row in listings[listing]["parameters"]:
         assert row.keys() == {"name", "printed", "our_key", "our_value", "unit", "why"}

@@ -53,6 +53,14 @@ def test_a_waypoint_given_twice_is_one():
     np.testing.assert_array_equal(once, twice)
 
 
+def test_where_the_only_waypoint_is_where_she_begins_she_goes_on_as_she_heads():
+    """A leg without a length turned her to +z."""
+    ship = {"helm": {"route": [[3.0, -2.0]], "speed": 4.0}, "position": [3.0, -2.0], "heading_deg": 90.0}
+    _, x, z, yaw, _ = sailed(at_sea(ship), 20.0)
+    np.testing.assert_allclose(yaw, 90.0, atol=0.1)
+    assert x[-1] > 30.0 and z[-1] == pytest.approx(-2.0, abs=0.01)
+
+
 def test_it_holds_a_heading_and_a_leg_against_a_wind_from_the_side():
     wind = {"kind": "stress", "u10": 15.0, "heading_deg": 90.0, "targets": ["ship"]}
     away = {"position": [20.0, 0.0], "velocity": [0.0, 0.0, 4.0]}

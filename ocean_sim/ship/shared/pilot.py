@@ -17,6 +17,7 @@ from ocean_sim.ship.shared.rigid_body import RigidBody
 
 AHEAD = 6.0  # [s] of way: how far a pilot looks ahead
 DRIFT = 0.2  # [m/s] twice the rate at which what a steady drift has come to grows, at most
+HERE = 1.0e-6  # [m] a first waypoint so near is where the ship begins: she goes on as she heads
 PULL, SLOW = 0.4, 12.0  # [s/m] throttle over the error of the speed, [s] its integral time
 BENT = 0.35  # [rad] the most that the integral of the heading's error may steer
 
@@ -26,7 +27,7 @@ class Pilot(Model):
 
     route: Annotated[list[Vector2], Field(min_length=1)] | None = quantity("m", None)
     """Waypoints [x, z] one after the other, from where the ship begins; after the last the ship goes on as on the last
-    leg."""
+    leg, and where she begins at the only one as she heads."""
     heading_deg: float | None = quantity("deg", None)
     """A heading to hold, in place of a route: 0 heads along +z, 90 along +x."""
     speed: float = quantity("m/s", gt=0.0)
@@ -88,7 +89,9 @@ class Helmsman:
             return radians(self.config.heading_deg or 0.0)
         route, x, z = self.route, float(body.position[0]), float(body.position[2])
         if self.start is None:
-            self.start = (x, z)
+            here = hypot(route[0][0] - x, route[0][1] - z) < HERE
+            back, course = self.reach if here else 0.0, float(body.angles[1])
+            self.start = (x - back * sin(course), z - back * cos(course))
         along, ahead, aside = self.place(x, z)
         while ahead < self.near and self.leg < len(route) - 1:
             self.start, self.leg, self.drifted = route[self.leg], self.leg + 1, 0.0
@@ -113,6 +116,6 @@ class Helmsman:
         """Heading of the leg [rad], how far ahead its end is, and how far to port of it the ship is [m]."""
         assert self.start is not None
         (x_0, z_0), (x_1, z_1) = self.start, self.route[self.leg]
-        along = atan2(x_1 - x_0, z_1 - z_0) if hypot(x_1 - x_0, z_1 - z_0) > 0.0 else 0.0
+        along = atan2(x_1 - x_0, z_1 - z_0)
         ahead = (x_1 - x) * sin(along) + (z_1 - z) * cos(along)
         return along, ahead, (x - x_0) * cos(along) - (z - z_0) * sin(along)

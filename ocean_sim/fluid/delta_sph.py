@@ -49,7 +49,7 @@ CUT, WHOLE = 0.90, 0.97  # share of a kernel that is filled at which nothing and
 STRETCHED, SHEARED = 0.1, 0.6  # spin over strain, both squared, from and up to which diffusion comes back there
 MEMORY = 3.0  # [depth over reference speed] over which spin and strain are remembered
 SELDOM = 1.0 / 64.0  # of that time between two looks at them
-CALM = 1e-4  # [c / h] strain below which water is still
+CALM, BLOWN = 1e-3, 1e-4  # [c / h] strain below which water is still; under a wind, whose drift may be as small
 IMPACT = 0.5  # of the dissipation between particles that meet, over their density and the square of their speed
 CARRIED, GRADED = 2, 3  # deviation of the density, damped pressure over density squared; share, spin, strain
 NEAR = 3.5  # [spacings] support of the kernel by which particles are found to be too near to each other
@@ -415,7 +415,8 @@ class DeltaSph(Sph):
             self.fresh = tuple(ti.field(float, shape=particles.n) for _ in range(GRADED))  # the same at its end
             self.memory = MEMORY * basin.depth / self.reference_speed  # [s]
             self.unseen, self.lately = 0.0, ti.field(float, shape=())  # [s] since the shear was looked at; over memory
-            self.calm = (CALM * self.sound_speed / self.smoothing.length) ** 2  # [1/s2]
+            calm = BLOWN if wind.blows else CALM
+            self.calm = (calm * self.sound_speed / self.smoothing.length) ** 2  # [1/s2]
         self.per_density = 1.0 / particles.rest_density  # [m3/kg]
         self.per_reach = 1.0 / (NEAR * particles.spacing)  # [1/m]
         q = 1.0 - 1.0 / NEAR

@@ -109,8 +109,9 @@ def closed(water):
 
 
 def test_water_behind_a_closed_gate_stays_and_presses_as_deep_water_does(closed):
-    """Over air, for 2 s: nothing leaks, and a gate of two spacings bears what a wall does."""
-    stays_and_presses(closed, 2.0, 0.03, 0.02)
+    """Over air, for 2 s: nothing leaks, and a gate of two spacings bears what a wall does. Water next to samples of a
+    body stirs at 0.01 to 0.03 sqrt(g h) for as long as was tried, 10 s."""
+    stays_and_presses(closed, 2.0, 0.03, 0.03)
 
 
 @pytest.mark.slow

@@ -190,10 +190,11 @@ class Frames(Observer):
         if made is None:
             sea = simulation.fluid.plane_waves
             wind = self.wind_speed or (0.0 if sea is None else raised_by(sea, simulation.time))
-            crests = self.crests(simulation, points, elevation, origin) if self.ships else elevation
+            due = self.white.due(simulation.time)
+            crests = self.crests(simulation, points, elevation, origin) if due else None
             self.whiten(simulation.time, crests, velocity, wind)
         else:
-            self.white.advance(simulation.time, velocity[..., [0, 2]], made.reshape(self.shape), None)
+            self.white.advance(simulation.time, velocity[..., [0, 2]], made.reshape(self.shape))
         return {"foam": self.white.white, "carried": self.white.carried, "surface_velocity": velocity}
 
     def crests(
@@ -201,6 +202,8 @@ class Frames(Observer):
     ) -> np.ndarray:
         """Heights (nx, nz) [m] of the sea that ships go through. Of what they do to it the steepest is the shape of
         their hulls, and around these the foam of the whole sea would gather; their own is drawn with them."""
+        if not self.ships:
+            return elevation
         undisturbed = simulation.fluid.undisturbed(points, elevation.ravel())
         if undisturbed is not None:
             return undisturbed.reshape(self.shape)
@@ -225,12 +228,13 @@ class Frames(Observer):
             velocity = waves.surface_velocity(sea, points, float(time)).reshape(*self.shape, 3)
             self.whiten(time, elevation, velocity, wind)
 
-    def whiten(self, time: float, elevation: np.ndarray, velocity: np.ndarray, wind: float) -> None:
-        """Bring the white water to a time [s], at which water of these heights (nx, nz) [m] moves at (nx, nz, 3) [m/s];
-        as much of it as a wind [m/s] calls for."""
+    def whiten(self, time: float, elevation: np.ndarray | None, velocity: np.ndarray, wind: float) -> None:
+        """Bring the white water to a time [s], at which water of these heights (nx, nz) [m], None where none is due,
+        moves at (nx, nz, 3) [m/s]; as much of it as a wind [m/s] calls for."""
         assert self.white is not None
-        source = foam.convergence(elevation, *self.cell)
-        self.white.advance(time, velocity[..., [0, 2]], source, foam.called_for(source, wind))
+        source = None if elevation is None else foam.convergence(elevation, *self.cell)
+        wanted = None if source is None else foam.called_for(source, wind)
+        self.white.advance(time, velocity[..., [0, 2]], source, wanted)
 
     def origin(self) -> np.ndarray:
         """(2,) x and z of the middle of the points [m] on a sea that answers to ships: by whole cells near that of the

@@ -95,11 +95,17 @@ class Field:
         self.owed = 0.0  # cover that is lacking in the mean over the time that foam lasts
         self.started = False
 
-    def advance(self, time: float, velocity: np.ndarray, source: np.ndarray, wanted: float | None) -> None:
+    def due(self, time: float) -> bool:
+        """Whether the clock ticks by a time [s], so that crests are looked for."""
+        return not self.started or bool(np.floor(time / TICK + 1e-6) > np.floor(self.ticked / TICK + 1e-6))
+
+    def advance(
+        self, time: float, velocity: np.ndarray, source: np.ndarray | None, wanted: float | None = None
+    ) -> None:
         """To a time [s], with the velocity of the surface along x and z (nx, nz, 2) [m/s].
 
-        `source` (nx, nz): convergence, of which as much turns white as keeps the mean at `wanted`; or, without one, the
-        share that is white of itself.
+        `source` (nx, nz): convergence, of which as much turns white as keeps the mean at `wanted`, None between ticks;
+        or, without `wanted`, the share that is white of itself.
         """
         if self.started and time > self.time:
             self.carry(velocity * (time - self.time))
@@ -111,14 +117,13 @@ class Field:
         reached = np.minimum(self.breaking, faded + since / RISES)
         shown = np.maximum(faded, reached)
         self.white = np.clip(moved(shown, way), 0.0, 1.0) if shown.any() else shown
-        if wanted is None:
+        if source is not None and wanted is None:
             self.white = np.maximum(self.white, finer(source))
-        ticks = np.floor(time / TICK + 1e-6) > np.floor(self.ticked / TICK + 1e-6)
-        if ticks or not self.started:
+        if self.due(time):
             rising = np.where(reached < self.breaking, self.breaking, 0.0)
             self.breaking = moved(rising, way, order=0) if rising.any() else rising  # else it blurs before it is white
             self.gone = np.zeros_like(self.gone)
-            if wanted is not None:
+            if source is not None and wanted is not None:
                 self.call(wanted, fades)
                 self.breaking = np.maximum(self.breaking, self.broken(finer(source), since))
                 if not self.started:

@@ -506,6 +506,22 @@ def test_foam_goes_with_the_water_and_its_grain_with_it():
     assert not field.white[-i:].any() and not field.white[:, :k].any()
 
 
+def test_between_ticks_foam_asks_for_no_crests():
+    """Twelve frames a second: five of them look for crests, and the others see the same foam without."""
+    shape, side, asked = (40, 40), np.array([0.5, 0.5]), 0
+    always, due = (foam.Field(shape, side) for _ in range(2))
+    x = 0.5 * np.arange(40)[:, None] + np.zeros(shape)
+    velocity = np.broadcast_to([1.5, -0.5], (*shape, 2))
+    for time in np.arange(25) / 12.0:
+        drawn_together = 0.6 * np.cos(0.8 * x - 2.8 * time)
+        always.advance(time, velocity, drawn_together, 0.05)
+        looks = due.due(time)
+        due.advance(time, velocity, *((drawn_together, 0.05) if looks else (None,)))
+        asked += looks
+        assert due.white.tobytes() == always.white.tobytes()
+    assert asked == 11 and due.white.any()
+
+
 def test_what_the_wind_whitens_is_what_was_counted():
     """Monahan & O'Muircheartaigh (1980): about 1 % at 10 m/s, 4 % at 15 m/s."""
     np.testing.assert_allclose([foam.monahan(10.0), foam.monahan(15.0)], [0.0099, 0.0393], rtol=0.02)

@@ -25,7 +25,7 @@ from ocean_sim.fluid.shared.totals import Summing
 from ocean_sim.fluid.shared.walls import Walls
 from ocean_sim.fluid.shared.water import WaterConfig
 from ocean_sim.kernel_library import ti, tm
-from ocean_sim.runtime import Array2, in_kernels
+from ocean_sim.runtime import Array2, alone, in_kernels
 from ocean_sim.waves import Components
 from ocean_sim.wind import Wind
 
@@ -209,6 +209,7 @@ class ParticleWater(ParticleFluid):
     @ti.kernel
     def lift(self):
         """Leave all particles where they are, for the sort."""
+        ti.loop_config(serialize=ti.static(alone()))
         for i in range(self.particles.count.there()):
             p, v = self.particles.position, self.particles.velocity
             for left in ti.static(self.grid.left):

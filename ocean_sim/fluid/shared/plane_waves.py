@@ -4,7 +4,7 @@ import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
-from ocean_sim.runtime import in_kernels
+from ocean_sim.runtime import Array2, Doubles2, alone, in_kernels
 
 NO_DRIFT = (
     "the waves are of the first order: what drifts a ship in the mean, second-order forces, is not modelled; a mean "
@@ -35,12 +35,19 @@ class PlaneWaves:
         self.sea = sea
         self.begun += 1
         speed = sea.amplitude * sea.gravity * sea.wavenumber / sea.omega
-        fields = (self.amplitude, self.k, self.kx, self.kz, self.speed)
-        for field, values in zip(fields, (sea.amplitude, sea.wavenumber, *sea.wavevector.T, speed)):
-            field.from_numpy(np.ascontiguousarray(values, dtype=self.real))
+        each = np.stack([sea.amplitude, sea.wavenumber, *sea.wavevector.T, speed], axis=1)
         turns = np.stack([sea.phase, sea.omega, *sea.wavevector.T], axis=1) / (2.0 * np.pi)
-        self.at_first.from_numpy(turns)
+        self.hold(each.astype(self.real), turns)
         self.turn(0.0)
+
+    @ti.kernel
+    def hold(self, each: Array2, turns: Doubles2):
+        ti.loop_config(serialize=ti.static(alone()))
+        for i in range(self.amplitude.shape[0]):
+            self.amplitude[i], self.k[i], self.speed[i] = each[i, 0], each[i, 1], each[i, 4]
+            self.kx[i], self.kz[i] = each[i, 2], each[i, 3]
+            for c in ti.static(range(4)):
+                self.at_first[i][c] = turns[i, c]
 
     def turn(self, time: float, drift: tuple[float, float] = (0.0, 0.0)) -> None:
         """The waves at a time [s], carried by a current along x and z so far [m]; phases are kept in f64 and small,
@@ -49,6 +56,7 @@ class PlaneWaves:
 
     @ti.kernel
     def take(self, time: ti.f64, x: ti.f64, z: ti.f64, share: float):
+        ti.loop_config(serialize=ti.static(alone()))
         for i in range(self.phase.shape[0]):
             first = self.at_first[i]
             turns = first[0] - first[1] * time - first[2] * x - first[3] * z

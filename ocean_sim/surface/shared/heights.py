@@ -4,7 +4,7 @@ import numpy as np
 
 from ocean_sim.basin import Basin
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
-from ocean_sim.runtime import Array, Array2, Copy, in_kernels
+from ocean_sim.runtime import Array, Array2, Copy, alone, in_kernels
 from ocean_sim.surface.shared.mesh import Mesh, sheet
 
 
@@ -67,6 +67,7 @@ class Heights:
 
     @ti.kernel
     def fill(self, points: Array2, heights: Array):
+        ti.loop_config(serialize=ti.static(alone()))
         for n in range(points.shape[0]):
             heights[n] = self.at(points[n, 0], points[n, 1])
 

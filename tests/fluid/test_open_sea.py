@@ -130,6 +130,16 @@ def test_the_rim_calms_water_where_the_sea_is_calm_and_lies_opposite_the_ship():
             assert now.velocity[far > 2.8, 0].mean() < 0.02 < 0.07 < now.velocity[far < 1.0, 0].mean()
 
 
+@pytest.mark.parametrize("basin, sea", [(SLICE, "calm"), (SLICE | {"walls": "absorbing"}, None)])
+def test_what_slows_incompressible_water_leaves_still_water_still(basin, sea):
+    """Neither the rim nor the zone before an absorbing side slows the fall of a step that pressure holds up: what it
+    held of that, more at the seam than beside it, would stir the water, by up to g dt."""
+    with Simulation(patch(sea, basin, kind="dfsph")) as simulation:
+        simulation.run(0.5)
+        speed = np.linalg.norm(state(simulation).velocity, axis=1)
+        assert np.sqrt((speed**2).mean()) < 0.01 * G * simulation.next_dt
+
+
 @pytest.mark.parametrize("kappa, right", [(0.18, 0.80), (0.07, 0.92), (0.03, 0.96), (0.015, 0.98)])
 def test_the_model_of_one_line_meets_trials_without_a_feed(kappa, right):
     """Loss per wavelength against the height at a ship at rest, on three wavelengths with a rim of 3/4 at twice the

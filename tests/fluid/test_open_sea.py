@@ -81,15 +81,27 @@ def test_above_the_still_level_velocity_goes_on_along_its_slope():
     assert rise == pytest.approx(k * np.tanh(k), rel=0.01)
 
 
-def test_a_rim_that_steers_nothing_changes_no_bit():
+WIDE = {"length": 4.0, "width": 2.0, "depth": 1.0, "walls": "periodic"}
+
+
+@pytest.mark.parametrize(
+    "kind, basin, spacing",
+    [
+        ("delta_sph", SLICE, 0.1),
+        pytest.param("mueller", SLICE, 0.1, marks=pytest.mark.slow),
+        pytest.param("dfsph", SLICE, 0.1, marks=pytest.mark.slow),
+        pytest.param("delta_sph", WIDE, 0.2, marks=pytest.mark.slow),
+    ],
+)
+def test_a_rim_that_steers_nothing_changes_no_bit(kind, basin, spacing):
     """Neither relaxed nor fed, water that starts as the sea is water with these waves as its initial state."""
     started = {"kind": "regular_wave", "height": 0.1, "period": PERIOD}
     found = []
     for keys in (
-        {"sea": REGULAR | {"feed": 0.0, "rim": {"rate": 0.0}}},
-        {"sea": None, "fluid": {"kind": "delta_sph", "spacing": 0.1, "initial": started}},
+        {"sea": REGULAR | {"feed": 0.0, "rim": {"rate": 0.0}}, "spacing": spacing},
+        {"sea": None, "fluid": {"kind": kind, "spacing": spacing, "initial": started}},
     ):
-        with Simulation(patch(**keys)) as simulation:
+        with Simulation(patch(basin=basin, kind=kind, **keys)) as simulation:
             simulation.run(0.3)
             found.append(state(simulation).position)
     assert np.array_equal(*found)

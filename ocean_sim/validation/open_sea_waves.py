@@ -165,8 +165,7 @@ def measure_packet(simulation: Simulation, promise: Promise) -> Finding:
     for until in time:
         simulation.run(float(until))
         found.append(heights(state(simulation), sea))
-    turned = np.exp(1j * sea.omega * time[:, None])
-    ways = [(np.array(found) * turn).mean(axis=0)[SEEN] for turn in (turned.conj(), turned)]
+    ways = [way[SEEN] for way in parted(np.array(found), sea.omega, time)]
     returned = float(np.linalg.norm(ways)) / float(np.linalg.norm(left[SEEN]))
     number = (returned, 0.0, 100.0 * returned)
     rows = [Curve(name, LENGTH * k[SEEN] / (2.0 * pi), np.abs(way)) for name, way in zip(("through", "back"), ways)]
@@ -187,6 +186,12 @@ def heights(water: State, sea: waves.Components) -> np.ndarray:
     speeds = np.concatenate([water.velocity[deep, 0], water.velocity[deep, 1]])
     real, imaginary = np.linalg.lstsq(np.concatenate([along, up]), speeds, rcond=None)[0][:-1].reshape(2, -1)
     return real + 1j * imaginary
+
+
+def parted(found: np.ndarray, omega: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of complex heights (n, m) at times over a period [s]: what goes on, and what comes back."""
+    turned = np.exp(1j * omega * time[:, None])
+    return (found * turned.conj()).mean(axis=0), (found * turned).mean(axis=0)
 
 
 def random() -> Problem:

@@ -215,9 +215,13 @@ def test_what_is_wrong_with_a_part_beside_the_others_is_told_where_the_scene_nam
         text = "basin: {length: 2.0, depth: 0.5}\nfluid: {kind: delta_sph, spacing: 0.1}\n"
         Path("s.yaml").write_text(f"{text}ship: {ship}\n")
         assert refusal("s.yaml") == [
+            f"s.yaml:3:{kind}: ship.kind: a ship needs a basin with a width; in a slice of particles take kind pressure"
+        ]
+        text = "basin: {length: 40.0, width: 40.0, depth: 8.0}\nfluid: {kind: delta_sph, spacing: 1.0}\n"
+        Path("s.yaml").write_text(f"{text}ship: {ship}\n")
+        assert refusal("s.yaml") == [
             "s.yaml:3:7: ship: a dynamic ship over particles reads the height of the water from a surface; add a "
-            "`surface`",
-            f"s.yaml:3:{kind}: ship.kind: a ship needs a basin with a width",
+            "`surface`"
         ]
 
 

@@ -29,7 +29,19 @@ import numpy as np
 from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid import Limits
-from ocean_sim.fluid.shared.accounts import BED, GRAVITY, PRESSURE, SEA, SHIP, VISCOSITY, WALLS, WIND
+from ocean_sim.fluid.shared.accounts import (
+    BED,
+    GRAVITY,
+    PRESSURE,
+    SEA,
+    SHIP,
+    TERMS,
+    VISCOSITY,
+    WALLS,
+    WIND,
+    absent,
+    pushing,
+)
 from ocean_sim.fluid.shared.attenuation import Attenuation, Delay
 from ocean_sim.fluid.shared.force import Force
 from ocean_sim.fluid.shared.images import halfway, hydrostatic_offset, mirrored, turned
@@ -121,10 +133,13 @@ class Config(SphConfig):
         what = "position, velocity, density, pressure, number; predicted velocity, way and two solvers' fields"
         sizes = self.sized(self.began(preflight), preflight.arch, VISCOUS_ROW.size, 1)
         n, neighbours = sizes.grid.lattice.n, Stencil(self.smoothing(basin), self.lattice(basin).spacing).neighbours
+        numbers = 26 + 2 * self.enclosed(basin)
+        if "accuracy" in preflight.parts:
+            numbers += 3 * len(pushing(absent(basin)))
         pairs = LedgerRow(
             "fluid", "pairs", size_of_pairs(n, neighbours, word), f"{neighbours} neighbours on the lattice"
         )
-        return [*rows(preflight, sizes, 26 + 2 * self.enclosed(basin), what, PAIR), pairs]
+        return [*rows(preflight, sizes, numbers, what, PAIR), pairs]
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "Dfsph":
         return Dfsph(self, basin, accounts, wind)
@@ -265,28 +280,28 @@ class Forces(Force):
         dt, x, v = fluid.dt[None], vec3(own, self.row.position), tm.vec3(u.x[i], u.y[i], u.z[i])
         if ti.static(fluid.bodies):
             beyond += self.solid.total(x, own)
-        a_wind = fluid.blown(i, x, v)
-        v_new = fluid.pushed(group, WIND, v, dt * a_wind)
-        a_pull = fluid.pull.at(x, v)
-        v_new = fluid.pushed(group, GRAVITY, v_new, dt * a_pull)
-        a_hull = fluid.hull_push(x, 0.0)
-        v_new = fluid.pushed(group, SHIP, v_new, dt * a_hull)
+        fluid.begin_changes(i)
+        a_wind, a_pull, a_hull = fluid.blown(i, x, v), fluid.pull.at(x, v), fluid.hull_push(x, 0.0)
         a = a_wind + a_pull + a_hull
+        v_new = v + fluid.changed(i, WIND, dt * a_wind)
+        v_new += fluid.changed(i, GRAVITY, dt * a_pull)
+        v_new += fluid.changed(i, SHIP, dt * a_hull)
         if ti.static(self.viscous):
             rub, rub_walls = vec3(total, self.terms.rub), vec3(beyond, self.terms.rub)
-            v_new = fluid.pushed(group, VISCOSITY, v_new, dt * self.rubbing * rub)
-            v_new = fluid.pushed(group, WALLS, v_new, dt * self.rubbing * rub_walls)
+            v_new += fluid.changed(i, VISCOSITY, dt * self.rubbing * rub)
+            v_new += fluid.changed(i, WALLS, dt * self.rubbing * rub_walls)
             a += self.rubbing * (rub + rub_walls)
+        v_new += fluid.pressed(i, dt, vec3(total, self.terms.push), vec3(beyond, self.terms.push))
+        # What follows slows the water: not the fall of a step, which pressure holds up.
         if ti.static(fluid.rubs):
             a_bed = fluid.bed.push(x, v_new, dt)
-            v_new = fluid.pushed(group, BED, v_new, dt * a_bed)
+            v_new += fluid.changed(i, BED, dt * a_bed)
             a += a_bed
         if ti.static(fluid.joined):
             a_sea = fluid.rim.push(x, v_new, dt)
-            v_new = fluid.pushed(group, SEA, v_new, dt * a_sea)
+            v_new += fluid.changed(i, SEA, dt * a_sea)
             a += a_sea
-        v_new = fluid.pushed(group, WALLS, v_new, fluid.walls.relaxed(x, v_new, dt) - v_new)
-        v_new = fluid.pressed(group, v_new, dt, vec3(total, self.terms.push), vec3(beyond, self.terms.push))
+        v_new += fluid.changed(i, WALLS, fluid.walls.relaxed(x, v_new, dt) - v_new)
         for k, component in ti.static(enumerate(fluid.predicted)):
             component[i] = fluid.base[k][i] = v_new[k]
         fluid.divergence.begin(i)
@@ -322,6 +337,9 @@ class Dfsph(Sph):
         else:
             self.closing = ti.field(float, shape=n)  # what a gap may gain in density in a step [kg/m3]
         self.diagonal = ti.field(float, shape=n)  # A_ii / dt^2
+        kept = self.accounts.pushing if self.accounts.impulses else ()
+        # Of the velocity by each term in this step [m/s]: its work takes the velocity that the step ends with.
+        self.changes = tuple(tuple(Components(n)) if term in kept else () for term in range(len(TERMS)))
         self.momentum, self.level = (ti.field(float, shape=()) for _ in range(2))  # how far an iteration is carried
         self.level[None] = particles.rest_density  # on; density that is sought [kg/m3]
         self.rows = Rows(self.accounts.groups, REPORT)
@@ -472,7 +490,13 @@ class Dfsph(Sph):
             u = tm.vec3([component[i] for component in ti.static(tuple(self.predicted))])
         held, fast = self.walls.held_back(way, dt)
         x, v = self.landed(i, dt * held, u)
-        v = self.pushed(group, WALLS, u, v - u)
+        self.changed(i, WALLS, v - u)
+        before = self.particles.velocity
+        mean = 0.5 * (tm.vec3(before.x[i], before.y[i], before.z[i]) + v)
+        for term, change in ti.static(enumerate(self.changes)):
+            if ti.static(len(change) > 0):
+                impulse = self.particles.mass * tm.vec3([component[i] for component in ti.static(change)])
+                self.accounts.count_impulse(group, term, impulse, mean)
         self.leave(i, x, v)
         self.accounts.count_motion(group, v, tm.vec3(0.0), fast)
 
@@ -501,18 +525,24 @@ class Dfsph(Sph):
         return p
 
     @ti.func
-    def pressed(self, group, u, dt, total, beyond):
-        """Velocity u after the pressures of the water and of the walls, put to their accounts."""
+    def pressed(self, i, dt, total, beyond):
+        """Change of velocity of particle i by the pressures of the water and of the walls, kept for the accounts."""
         scale = dt * self.pressing
-        u = self.pushed(group, PRESSURE, u, scale * total)
-        return self.pushed(group, WALLS, u, scale * beyond)
+        return self.changed(i, PRESSURE, scale * total) + self.changed(i, WALLS, scale * beyond)
 
     @ti.func
-    def pushed(self, group, term: Template, u, change):
-        """Velocity u and its change by a term, put to the accounts."""
-        if ti.static(self.accounts.impulses):
-            self.accounts.count_impulse(group, term, self.particles.mass * change, u + 0.5 * change)
-        return u + change
+    def begin_changes(self, i):
+        """No term has changed the velocity of particle i in this step."""
+        for change in ti.static(self.changes):
+            for component in ti.static(change):
+                component[i] = 0.0
+
+    @ti.func
+    def changed(self, i, term: Template, change):
+        """A change of velocity of particle i by a term, kept for the accounts."""
+        for k, component in ti.static(enumerate(self.changes[term])):
+            component[i] = component[i] + change[k]
+        return change
 
     def limits(self) -> Limits:
         """The acceleration is that of all forces but pressure."""

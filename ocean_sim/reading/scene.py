@@ -255,7 +255,7 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
     wrong = composition.failed | named_in - set(there)
     observers = _observers(data, root, problems, folder)
     problems += _lacking(observers, there, wrong, data, root)
-    problems += _unsuited(there, data)
+    problems += _unsuited(there, data, tank is not None and tank.dimension == 2)
     if tank_config is not None and tank is not None and runtime is not None and heading is not None:
         sea = there.get("sea")
         patch = tank_config.build(sea) if isinstance(sea, SeaConfig) else tank
@@ -355,8 +355,8 @@ def _model(
     return RuntimeConfig() if name == "runtime" else None
 
 
-def _unsuited(parts: Mapping[str, PartConfig], data: dict[str, Node]) -> list[Problem]:
-    """Parts whose kinds do not go together, whatever their keys."""
+def _unsuited(parts: Mapping[str, PartConfig], data: dict[str, Node], flat: bool) -> list[Problem]:
+    """Parts whose kinds do not go together, whatever their keys; `flat`: in 2-D, where a surface helps no ship."""
     fluid, surface = parts.get("fluid"), parts.get("surface")
     if not isinstance(fluid, FluidConfig):
         return []
@@ -372,7 +372,7 @@ def _unsuited(parts: Mapping[str, PartConfig], data: dict[str, Node]) -> list[Pr
         if not isinstance(ship, ShipConfig):
             continue
         kind, location = ship.kind, (_node(data, place) or data["fluid"]).location
-        if "surface" not in parts and fluid.made_of_particles and ship.needs_surface:
+        if "surface" not in parts and fluid.made_of_particles and ship.needs_surface and not flat:
             sentence = f"a {kind} ship over particles reads the height of the water from a surface; add a `surface`"
             problems.append(problem(location, place, sentence))
         if ship.carried_as_body and not fluid.carries_bodies:

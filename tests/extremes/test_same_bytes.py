@@ -55,10 +55,15 @@ SCENES = {
 } | {f"linear_waves, {kind}": swell(kind) for kind in KINDS if kind != "pressure"}
 SCENES["spectral_sea, dynamic"] = swell("dynamic", "spectral_sea", order=3, cells=32)
 NONLINEAR = {"kind": "spectral_sea", "height": 0.1, "period": 1.3, "onset": 0.0, "rim": {"velocity": [2.0, 0.0]}}
-SCENES["delta_sph, patch of a nonlinear sea, no ship"] = water("delta_sph", "cloth", None) | {
-    "basin": TANK | {"walls": "periodic"},
-    "sea": NONLINEAR,
-}
+RANDOM = {"spectrum": {"significant_wave_height": 0.1, "peak_period": 1.3, "spreading": 10.0, "seed": 2}}
+for scheme, sea, what in (
+    ("delta_sph", NONLINEAR, "nonlinear"),
+    *((scheme, {"kind": "linear_waves"} | RANDOM, "random") for scheme in ("mueller", "delta_sph", "dfsph")),
+):
+    SCENES[f"{scheme}, patch of a {what} sea, no ship"] = water(scheme, "cloth", None) | {
+        "basin": TANK | {"walls": "periodic"},
+        "sea": sea,
+    }
 FEW = ("mueller, cloth, hydrostatic", "spectral_sea, dynamic")
 
 

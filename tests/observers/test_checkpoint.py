@@ -80,6 +80,10 @@ def afloat(scheme: str, kind: str, **keys) -> dict:
 
 
 CLOTH = {"surface": "cloth", "wind": "wide"}
+RANDOM = {
+    "kind": "linear_waves",
+    "spectrum": {"significant_wave_height": 0.05, "peak_period": 1.0, "spreading": 10.0, "seed": 2},
+}
 BLOB = {"kind": "sphere", "radius": 0.5, "centre": [0.0, 0.0, 0.0]}
 SCENES = {
     "delta_sph, patch of a sea": {
@@ -111,6 +115,20 @@ MORE = {
         "sea": {"kind": "spectral_sea", "height": 0.05, "period": 1.0, "onset": 0.0, "rim": {"velocity": [2.0, 0.0]}},
         "wind": {"kind": "gusts", "volumes": [{"include": [BLOB], "acceleration": [1.0, 0.0, 0.0]}]},
         "gauges": {"elevation": {"there": {"at": [0.1], "rides": True}}, "every": 0.02},
+    },
+    "delta_sph, wide patch of a random sea": {
+        "basin": TANK | {"walls": "periodic"},
+        **water("delta_sph"),
+        "sea": RANDOM,
+    },
+    **{
+        f"{scheme}, patch of a sea": {
+            "basin": SLICE | {"walls": "periodic"},
+            **water(scheme, 0.1),
+            "sea": {"kind": "linear_waves", "height": 0.05, "period": 1.0},
+            **IN_SLICE,
+        }
+        for scheme in ("mueller", "dfsph")
     },
     "dfsph, patch of a sea, hydrostatic ship": afloat(
         "dfsph", "hydrostatic", basin=TANK | {"walls": "periodic"}, surface="cloth", sea="calm"

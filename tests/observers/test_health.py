@@ -209,13 +209,17 @@ def test_energy_that_no_work_has_given_is_told_where_the_wind_drives(tmp_path, w
         assert [event["event"] for event in looked_at(simulation, folder)] == said
 
 
-def blown(fault, **basin):
+def blown(fault, basin=None, fluid=None, **keys):
     """What health reports of incompressible water in a wind whose particles, from a step on, move at random at so
     much of the reference speed."""
-    fluid = {"kind": "dfsph", "spacing": 0.05}
-    wind = {"kind": "stress", "u10": 10.0}
-    scene = {"basin": {"length": 1.0, "depth": 0.3, **basin}, "fluid": fluid, "wind": wind, "render": None}
-    with loop.Simulation(load(scene | {"runtime": {"threads": 1}})) as simulation:
+    scene = {
+        "basin": {"length": 1.0, "depth": 0.3} | (basin or {}),
+        "fluid": {"kind": "dfsph", "spacing": 0.05} | (fluid or {}),
+        "wind": {"kind": "stress", "u10": 10.0},
+        "render": None,
+        "runtime": {"threads": 1},
+    }
+    with loop.Simulation(load(scene | keys)) as simulation:
         observer = health.Config().build(loop.NOWHERE, simulation)
         observer.observe(simulation)
         fluid = simulation.fluid
@@ -229,13 +233,36 @@ def blown(fault, **basin):
         return observer.reported
 
 
-def test_so_it_is_in_water_that_solves_for_its_pressure():
-    assert blown(0.3) == ["energy that no work has given"]
-    assert not blown(0.0)
+@pytest.mark.parametrize(
+    "keys", [{}, {"basin": {"walls": "periodic"}, "sea": "calm"}, {"fluid": {"body_force": [1.0, 0.0, 0.0]}}]
+)
+def test_so_it_is_in_water_that_solves_for_its_pressure(keys):
+    assert blown(0.3, **keys) == ["energy that no work has given"]
+    assert not blown(0.0, **keys)
 
 
-def test_but_not_where_what_a_piston_gives_cannot_be_told():
-    assert not blown(0.3, wavemaker={"wall": "x_min", "height": 0.05, "period": 1.0})
+DRIFT = {"kind": "absorbing", "target": {"current": [1.0, 0.0, 0.0]}}
+
+
+@pytest.mark.parametrize(
+    "basin", [{"wavemaker": {"wall": "x_min", "height": 0.05, "period": 1.0}}, {"walls": {"x": DRIFT}}]
+)
+def test_but_not_where_what_walls_give_cannot_be_told(basin):
+    assert not blown(0.3, basin=basin)
+
+
+def test_water_that_sides_absorb_towards_a_current_is_driven():
+    """It is no fault that it gains energy, and that its two halves differ."""
+    basin = {"length": 3.0, "depth": 0.3, "walls": {"x": DRIFT}}
+    scene = {"basin": basin, "fluid": {"kind": "delta_sph", "spacing": 0.05}, "render": None, "runtime": {"threads": 1}}
+    with loop.Simulation(load(scene)) as simulation:
+        observer = health.Config().build(loop.NOWHERE, simulation)
+        observer.observe(simulation)
+        for _ in range(health.POSITIONS_EVERY):
+            simulation.step()
+        assert not observer.judged and not observer.symmetry.twins
+        observer.observe(simulation)
+        assert observer.reported == []
 
 
 @pytest.mark.parametrize("kind", ["mueller", "delta_sph", "dfsph"])

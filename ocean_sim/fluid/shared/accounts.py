@@ -4,6 +4,7 @@ from math import isfinite
 
 import numpy as np
 
+from ocean_sim.basin import Basin
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Status
 from ocean_sim.fluid.shared.grid import Grid
@@ -15,6 +16,16 @@ PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS, SHIP, DIFFUSION, BED, SEA = range(len
 SUMMARY = 7  # numbers that a step reports
 WORK = 3  # number of a column, behind the impulse
 DENSE = 1.0e30  # [kg/m3] more than any density
+
+
+def absent(basin: Basin) -> tuple[int, ...]:
+    """The terms that water in a basin has not."""
+    return (*(() if basin.rough_bed is not None else (BED,)), *(() if basin.sea is not None else (SEA,)))
+
+
+def pushing(absent: tuple[int, ...]) -> tuple[int, ...]:
+    """The terms that give impulses, but for those that are absent: diffusion moves nothing."""
+    return tuple(term for term in range(len(TERMS)) if term not in (*absent, DIFFUSION))
 
 
 @in_kernels
@@ -33,6 +44,7 @@ class Accounts:
         self.clipped = ti.field(int, shape=groups)
         if impulses:
             self.terms = tuple(term for term in range(len(TERMS)) if term not in absent)
+            self.pushing = pushing(absent)
             self.given = ti.field(ti.f64, shape=(groups, len(TERMS), WORK + 1))  # impulse, and work
             self.copied = np.zeros((groups, len(TERMS), WORK + 1))
 
@@ -135,7 +147,7 @@ class Accounts:
             return {}
         self.copy(self.copied)
         total = self.copied[:, :, :WORK].sum(axis=0)
-        return {TERMS[term]: total[term] for term in self.terms if term != DIFFUSION}  # which moves nothing
+        return {TERMS[term]: total[term] for term in self.pushing}
 
     def total_work(self) -> dict[str, float]:
         """Work of each term since the start [J]; of diffusion, what it adds to the internal energy."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Contact, Displacing, Fluid, ParticleFluid, Totals
-from ocean_sim.fluid.shared.accounts import BED, SEA, SHIP, SUMMARY, WIND, Accounts
+from ocean_sim.fluid.shared.accounts import SHIP, SUMMARY, WIND, Accounts, absent
 from ocean_sim.fluid.shared.around import Around
 from ocean_sim.fluid.shared.band import band
 from ocean_sim.fluid.shared.field import Field
@@ -59,8 +59,7 @@ class ParticleWater(ParticleFluid):
         self.carried = tuple(ti.field(float, shape=self.particles.n) for _ in range(size.carried))
         self.grid = size.plan.grid(self.particles, size, self.carried)
         self.rubs, self.joined = basin.rough_bed is not None, basin.sea is not None
-        absent = (*(() if self.rubs else (BED,)), *(() if self.joined else (SEA,)))
-        self.accounts = size.plan.accounts(size.groups, accounts, absent)
+        self.accounts = size.plan.accounts(size.groups, accounts, absent(basin))
         self.accounts.idle = (SHIP,) if wind.blows else (SHIP, WIND)
         self.tasks = size.plan.tasks(self.particles.count, size.groups)
         self.surface = FreeSurface(self.particles, self.grid, self.smoothing)

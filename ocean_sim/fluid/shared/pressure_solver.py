@@ -54,8 +54,9 @@ class IncompressibleWater(Protocol):
         """ti.func: a pressure as the water can have it."""
         ...
 
-    def pressed(self, group: Any, u: Any, dt: Any, total: Any, beyond: Any) -> Any:
-        """ti.func: velocity u after the pressures of the water and of the walls, put to their accounts."""
+    def pressed(self, i: Any, dt: Any, total: Any, beyond: Any) -> Any:
+        """ti.func: change of velocity of particle i by the pressures of the water and of the walls, kept for the
+        accounts."""
         ...
 
 
@@ -197,9 +198,7 @@ class Account(Push):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        fluid = self.fluid
-        u = tm.vec3([component[i] for component in ti.static(fluid.base)])
-        fluid.pressed(group, u, fluid.dt[None], total, beyond + self.solids(i, own))
+        self.fluid.pressed(i, self.fluid.dt[None], total, beyond + self.solids(i, own))
 
 
 @in_kernels

@@ -8,10 +8,10 @@ import numpy as np
 from ocean_sim.fluid import Totals, with_particles
 
 if TYPE_CHECKING:
-    from ocean_sim.basin import Config as BasinConfig
+    from ocean_sim.basin import Basin
     from ocean_sim.simulation import Simulation
 
-HOLDING = ("gravity", "pressure", "walls")  # forces of which only the sum tells, see `told_apart`
+HOLDING = ("pressure", "walls")  # forces of which only the sum tells, see `told_apart`
 BETWEEN_ENERGIES = ("gravity", "pressure")  # their work turns one energy into another; pressure's where water stores it
 
 
@@ -78,25 +78,24 @@ def falls_around(simulation: "Simulation") -> bool:
 def told_apart(simulation: "Simulation") -> list[str]:
     """The forces whose work says what the water was given.
 
-    Water that solves for its pressure falls a little in each step before pressure and walls hold it; their works and
-    that of gravity count that fall, which never happens. Together they give what the height takes, where walls rest;
-    where walls move, the water falls around, or the rim of an open sea slows that fall, what those give is not known:
-    none.
+    Water that solves for its pressure stores no energy in it: what pressure takes, pressure and walls give elsewhere.
+    Their sum is what its solvers make or take, and what walls give; where walls drive, that is not known: none.
     """
-    fluid, basin = simulation.fluid, simulation.basin
+    fluid = simulation.fluid
     if not fluid.solvers:
         return list(fluid.work)
-    unknown = walls_move(basin.config) or falls_around(simulation) or basin.sea is not None
-    return [] if unknown else [term for term in fluid.work if term not in HOLDING]
+    return [] if walls_drive(simulation.basin) else [term for term in fluid.work if term not in HOLDING]
 
 
-def walls_move(basin: "BasinConfig") -> bool:
-    """Whether a piston or a lid does."""
-    return basin.wavemaker is not None or (basin.lid is not None and any(basin.lid.velocity))
+def walls_drive(basin: "Basin") -> bool:
+    """Whether a piston or a lid moves, or the zone before an absorbing side has a motion that it leaves alone."""
+    lid, absorbing = basin.config.lid, [side.absorbing for side in basin.sides if side.absorbing is not None]
+    moved = basin.config.wavemaker is not None or (lid is not None and any(lid.velocity))
+    return moved or any(zone.target is not None for zone in absorbing)
 
 
 def driven(simulation: "Simulation") -> bool:
     """Whether wind, walls or obstacles that move, ships, new water or a body force may give energy to the water."""
     scene, basin = simulation.scene, simulation.basin
-    walls = walls_move(basin.config) or basin.gates
+    walls = walls_drive(basin) or basin.gates
     return bool(not scene.wind.still or walls or simulation.ships or scene.fluid.driven or falls_around(simulation))

@@ -69,7 +69,7 @@ class VesselConfig(Helm, ShipConfig):
         """What contradicts the basin: (path below `ship`, sentence)."""
         found: Problems = []
         if basin.dimension == 2 and not self.slices:
-            found.append((("kind",), "a ship needs a basin with a width"))
+            found.append((("kind",), "a ship needs a basin with a width; in a slice of particles take kind pressure"))
         if basin.gravity[0] or basin.gravity[2] or not basin.gravity[1] < 0.0:
             found.append((("kind",), f"a ship needs gravity straight down, here it is {list(basin.gravity)} m/s2"))
         if basin.config.motion is not None:

@@ -83,7 +83,7 @@ def along_hull(abaft: np.ndarray, gap: np.ndarray, length: float, breadth: float
 
     `abaft`: distances behind her bow [m]; `gap`: to her waterline [m].
     """
-    fast = min(speed / FAST, 1.0) ** 2
+    fast = min(speed / FAST, 1.0)
     strength = fast * BOW * np.clip((1.0 - abaft / (ABAFT * length)) / 0.6, 0.0, 1.0) * (abaft > -0.5 * breadth)
     width = breadth * NARROW + WIDER * np.maximum(abaft, 0.0)
     return strength * np.exp(-np.square(np.maximum(gap, 0.0) / width))

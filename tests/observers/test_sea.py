@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.ndimage import map_coordinates, zoom
+from scipy.ndimage import map_coordinates, median_filter, zoom
 
 from ocean_sim import waves
 from ocean_sim.basin import points as points_module
@@ -422,7 +422,8 @@ def test_foam_turns_white_and_moves_as_evenly_between_the_ticks_of_its_clock_as_
     x = points_module.middles(-20.0, 20.0, 1.25)
     often, _ = whitened(x, x, spectrum(), np.full(150, 0.03), step=0.1 / 3.0)
     changes = np.abs(np.diff(often[30:], axis=0)).mean(axis=(1, 2))
-    assert changes.max() < 2.0 * np.median(changes)
+    around = median_filter(changes, 2 * round(foam.TICK * 30.0) + 1)  # as crests come and go, more or less breaks
+    assert (changes / around).max() < 1.5 and changes.max() < 3.0 * np.median(changes)
 
 
 def whitened(

@@ -26,7 +26,7 @@ TRAITS = "nrm", "att", "car"  # normal; white, crest, variance of slopes; place 
 NODES = {"draft": 25_000, "final": 90_000}  # of the drawn surface within the basin
 SMOOTHED = 1.5  # pixels across which a final picture is smoothed
 RIPPLES = 0.02, 3.0  # [m] between which the longest ripple lies
-HULL_PIXELS, HULL_REACH = (96, 96), 3.0  # of the map of distances to a hull and of its foam; [m] around it
+HULL_PIXELS, HULL_REACH = (96, 96), 4.0  # of the map of distances to a hull and of its foam; [m] around it
 CONTACT_WIDTH = 0.55  # [m] in which the foam along a hull that lies still falls to a third
 
 

@@ -25,6 +25,11 @@ MIDDLE, SPREAD = 0.550, 0.160  # mean and standard deviation of `patches`
 SCALE = 1.6  # of the grain of foam [1/m]
 TURNED = (0.8253, 0.5646)  # cosine and sine by which each octave of the grain is turned against the one before
 BENT = 0.9  # by which the grain is bent, so that it follows no axis
+TORN = (
+    0.5,
+    1.0,
+)  # strain of the water from which, and at which wholly, the grain goes with the mean around: else threads
+MEANS = 3.0  # cells of the waves over which that is
 SOFT = 0.20  # of a covered share: how far the edges of foam fade at most
 THINNEST, THICK = 0.40, 0.50  # how white foam is where it is thinnest, and the share from which it is wholly white
 FAINT = 0.005  # share of white water below which none is drawn
@@ -234,6 +239,19 @@ def moved(values: np.ndarray, cells: np.ndarray) -> np.ndarray:
     from scipy.ndimage import map_coordinates
 
     return np.asarray(map_coordinates(values, np.indices(values.shape) - cells, mode="nearest"))
+
+
+def untorn(carried: np.ndarray, cell: np.ndarray) -> np.ndarray:
+    """(nx, nz, 2) how far the grain is moved [m]: where water close to water goes otherwise, as behind a ship, the mean
+    around, since patches would be drawn out to threads."""
+    from scipy.ndimage import gaussian_filter
+
+    strain = np.abs([np.gradient(carried, along, axis=axis) for axis, along in enumerate(cell)]).max(axis=(0, 3))
+    torn = np.clip((strain - TORN[0]) / (TORN[1] - TORN[0]), 0.0, 1.0)
+    if not torn.any():
+        return carried
+    share = np.minimum(2.0 * gaussian_filter(torn, MEANS), 1.0)[..., None]
+    return carried + share * (gaussian_filter(carried, (MEANS, MEANS, 0.0)) - carried)
 
 
 def read(ways: np.ndarray, places: np.ndarray) -> np.ndarray:

@@ -192,7 +192,8 @@ class Sea:
         nodes = surface.nodes + self.origin
         white, grain = fresh, nodes
         if frame.carried is not None:
-            moved = [surface.carried(frame.carried[..., k]).ravel() for k in range(2)]
+            ways = foam.untorn(frame.carried, (surface.upper - surface.lower) / frame.carried.shape[:2])
+            moved = [surface.carried(ways[..., k]).ravel() for k in range(2)]
             grain = nodes - np.stack(moved, axis=-1)
         if frame.foam is not None:
             kept = surface.laced(frame.foam, grain)

@@ -507,6 +507,19 @@ def test_foam_goes_with_the_water_and_its_grain_with_it():
     assert not field.white[-i:].any() and not field.white[:, :k].any()
 
 
+def test_the_grain_of_foam_is_not_drawn_out_to_threads_behind_a_ship():
+    """Waves move it as they are; a narrow stream of 6 m beside still water does not tear it."""
+    cell = np.array([1.5, 1.5])
+    x, z = np.meshgrid(1.5 * np.arange(60), 1.5 * np.arange(50), indexing="ij")
+    waves_move = np.stack([2.0 * np.sin(0.15 * x), 1.5 * np.cos(0.1 * z)], axis=-1)
+    np.testing.assert_array_equal(foam.untorn(waves_move, cell), waves_move)
+    torn = waves_move + 6.0 * np.stack([np.abs(z - 36.0) < 4.0, 0.0 * z], axis=-1)
+    calm = foam.untorn(torn, cell)
+    before, after = (np.abs(np.gradient(way, 1.5, axis=1)).max() for way in (torn, calm))
+    assert before > 1.5 and after < 0.6 * before
+    np.testing.assert_array_equal(calm[:, :5], waves_move[:, :5])
+
+
 def test_what_the_wind_whitens_is_what_was_counted():
     """Monahan & O'Muircheartaigh (1980): about 1 % at 10 m/s, 4 % at 15 m/s."""
     np.testing.assert_allclose([foam.monahan(10.0), foam.monahan(15.0)], [0.0099, 0.0393], rtol=0.02)

@@ -13,16 +13,20 @@ BREAKING = 0.30
 MOST = 0.10  # share of the sea that may be white where none is asked for
 LASTS = 3.5  # [s] in which foam falls to a third (Monahan & Zietlow 1969, J. Geophys. Res. 74: 3.85 s in salt water)
 RAMP = 0.3  # of the area that turns white: its edge, less than wholly white
-PATCH = 4.0  # cells of white water along a side of the least patch that a crest makes: less would blur as it is carried
+THICKEST = 1.3  # foam just born, over what is wholly white: ours, so that as much is white after 3.5 s as on the sea
+PATCH = 4.0  # cells of white water along a side of the least patch that a crest makes
+APART = 2.0  # times its own cell that a fleck of foam covers before it thins out
 SPENT = 0.3  # of its convergence that water lacks where it is white: crests break sooner where none has before
 RISES = 0.4  # [s] in which a patch turns white while the crest that breaks runs over it
-TICK = 0.2  # [s] after which white water is read anew, and crests are looked for that break
-FINER = 2  # cells of white water along a cell of the waves: the water carries foam of one cell's width, and keeps it
+TICK = 0.2  # [s] after which crests are looked for that break
+FINER = 2  # cells of white water along a cell of the waves
 SETTLES = 9.0  # [s] in which the grain of foam forgets how far the water has carried it
 MIDDLE, SPREAD = 0.550, 0.160  # mean and standard deviation of `patches`
 SCALE = 1.6  # of the grain of foam [1/m]
 TURNED = (0.8253, 0.5646)  # cosine and sine by which each octave of the grain is turned against the one before
 BENT = 0.9  # by which the grain is bent, so that it follows no axis
+TORN = (0.5, 1.0)  # strain of the water from which, and at which wholly, the grain is moved as the mean around it is
+MEANS = 3.0  # cells of the waves over which that is
 SOFT = 0.20  # of a covered share: how far the edges of foam fade at most
 THINNEST, THICK = 0.40, 0.50  # how white foam is where it is thinnest, and the share from which it is wholly white
 FAINT = 0.005  # share of white water below which none is drawn
@@ -76,19 +80,16 @@ class Field:
     """White water that lasts: it is born where crests converge, is carried with the water and fades.
 
     Its mean is kept at what crests or the wind call for, in the mean over the time that foam lasts: as much is born as
-    has faded, by patches, of which each has the width of a white cap: what faded meanwhile is owed. It is kept on FINER
-    cells along each of the waves', and what frames show is read from what it was at the last tick of a clock, along the
-    way that the water has gone since: what is read anew from one frame to the next blurs, the more frames the more.
+    has faded, by patches, of which each has the width of a white cap: what faded meanwhile is owed. It is made of
+    flecks, each born on one of FINER cells along each of the waves': shares on a grid would blur as they are carried.
     """
 
     def __init__(self, shape: tuple[int, int], cell: np.ndarray) -> None:
         """`shape` and `cell`: number and sides [m] of the cells of the waves, along x and z."""
         self.cell, self.time = cell, 0.0
+        self.flecks = np.zeros((4, 0))  # places along x and z [cells of the waves], thickness, and what that rises to
         self.white = np.zeros((FINER * shape[0], FINER * shape[1]))  # share of each of its cells
         self.ticked = 0.0  # time of the last tick [s]
-        self.kept = np.zeros_like(self.white)  # share at the last tick
-        self.breaking = np.zeros_like(self.white)  # share then that breaking crests are about to make white
-        self.gone = np.zeros((2, *shape))  # cells of the waves by which the water has been carried since
         self.carried = np.zeros((*shape, 2))  # by which the grain has been moved along x and z [m]
         self.cover = 0.0  # that is called for, in the mean over the time that foam lasts, or since any was
         self.called = 0.0  # weight of that mean: near 1 once foam has been called for as long as it lasts
@@ -110,25 +111,19 @@ class Field:
         if self.started and time > self.time:
             self.carry(velocity * (time - self.time))
             self.carried *= np.exp(-(time - self.time) / SETTLES)
-        since = time - self.ticked if self.started else 0.0
-        fades = np.exp(-since / LASTS) if self.started else 0.0
-        way = FINER * np.stack([finer(along) for along in self.gone])
-        faded = fades * self.kept
-        reached = np.minimum(self.breaking, faded + since / RISES)
-        shown = np.maximum(faded, reached)
-        self.white = np.clip(moved(shown, way), 0.0, 1.0) if shown.any() else shown
+            self.fade(time - self.time)
+            self.white = self.shown(self.flecks[2])
         if source is not None and wanted is None:
-            self.white = np.maximum(self.white, finer(source))
-        if self.due(time):
-            rising = np.where(reached < self.breaking, self.breaking, 0.0)
-            self.breaking = moved(rising, way, order=0) if rising.any() else rising  # else it blurs before it is white
-            self.gone = np.zeros_like(self.gone)
-            if source is not None and wanted is not None:
-                self.call(wanted, fades)
-                self.breaking = np.maximum(self.breaking, self.broken(finer(source), since))
-                if not self.started:
-                    self.white = np.maximum(self.white, self.breaking)
-            self.kept, self.ticked = self.white, time
+            made = finer(source)
+            fresh = np.where(made > self.white + FAINT, made, 0.0)
+            self.add(fresh, fresh)
+        elif source is not None and wanted is not None and self.due(time):
+            since = time - self.ticked if self.started else 0.0
+            self.call(wanted, np.exp(-since / LASTS) if self.started else 0.0)
+            born = self.broken(finer(source), since)
+            self.add(born, self.white if self.started else born)
+            self.ticked = time
+        self.white = self.shown(self.flecks[2])
         self.time, self.started = time, True
 
     def call(self, wanted: float, fades: float) -> None:
@@ -139,7 +134,8 @@ class Field:
             self.cover += (wanted - self.cover) * (1.0 - before / self.called)
 
     def broken(self, drawn_together: np.ndarray, step: float) -> np.ndarray:
-        """The share that crests begin to make white after a step [s], so that the mean comes to the cover called for.
+        """How thick the foam is that crests begin to make after a step [s], so that the mean comes to the cover called
+        for; 0 where they make none.
 
         Crests are told from what is shorter than a patch by a mean over its width. Water that is white counts as less
         steep than it is: where the same waves stand in the same water, as behind a ship, foam would else be made anew
@@ -147,26 +143,66 @@ class Field:
         """
         from scipy.ndimage import gaussian_filter
 
-        white, least = np.maximum(self.white, self.breaking), PATCH**2 / self.white.size
+        white, least = self.shown(self.flecks[2:].max(axis=0)), PATCH**2 / self.white.size
         lacks = self.cover - white.mean()
         self.owed = float(np.clip(self.owed + lacks * step / LASTS, -least, least))
         if max(lacks, self.owed) < 0.5 * least:
             return np.zeros_like(white)
         fresh = gaussian_filter(drawn_together, PATCH) * (1.0 - SPENT * white)
-        return born_to(white, fresh, max(self.cover, white.mean() + least))
+        born = born_to(white, fresh, max(self.cover, white.mean() + least))
+        return np.where(born > white, born, 0.0)
+
+    def add(self, rises_to: np.ndarray, thick: np.ndarray) -> None:
+        """Flecks on the cells of white water where they rise to more than 0, in place of those that lie there."""
+        cells = (np.floor(FINER * (along + 0.5)).astype(int) for along in self.flecks[:2])
+        covered = rises_to[tuple(cells)] > 0.0
+        i, k = np.nonzero(rises_to)
+        fresh = np.stack([(i + 0.5) / FINER - 0.5, (k + 0.5) / FINER - 0.5, thick[i, k], rises_to[i, k]])
+        self.flecks = np.concatenate([self.flecks[:, ~covered], fresh], axis=1)
+
+    def fade(self, step: float) -> None:
+        """For a time [s] flecks fade, or rise to what they do; what is too thin to be seen is left out."""
+        x, z, thick, rises_to = self.flecks
+        rising = rises_to > thick
+        thick = np.where(rising, np.minimum(rises_to, thick + step / RISES), thick * np.exp(-step / LASTS))
+        rises_to = np.where(rising & (rises_to > thick), rises_to, 0.0)
+        self.flecks = np.stack([x, z, thick, rises_to])[:, np.maximum(thick, rises_to) > FAINT]
+
+    def shown(self, thick: np.ndarray) -> np.ndarray:
+        """Shares of the cells of white water, of flecks of such a thickness (n,): its mean where they lie close, less
+        where the water has drawn them apart."""
+        rows, columns = self.white.shape
+        x, z = (FINER * (along + 0.5) - 0.5 for along in self.flecks[:2])
+        i, k = np.floor(x).astype(int), np.floor(z).astype(int)
+        covered, held = np.zeros(self.white.size), np.zeros(self.white.size)
+        for m, n in product((0, 1), repeat=2):
+            near = (1.0 - np.abs(x - i - m)) * (1.0 - np.abs(z - k - n))
+            at = np.clip(i + m, 0, rows - 1) * columns + np.clip(k + n, 0, columns - 1)
+            covered += np.bincount(at, near, covered.size)
+            held += np.bincount(at, near * thick, held.size)
+        share = held * np.minimum(APART, 1.0 / np.maximum(covered, 1e-9))
+        return np.minimum(share, 1.0).reshape(rows, columns)
 
     def carry(self, way: np.ndarray) -> None:
-        """On by a way (nx, nz, 2) [m]; what comes in from beyond is as it is at the edge."""
-        cells = halfway(np.moveaxis(way / self.cell, -1, 0))
-        self.gone = np.stack([moved(along, cells, order=1) for along in self.gone]) + cells
-        self.carried = np.stack([moved(self.carried[..., k], cells) for k in range(2)], axis=-1) + way
+        """On by a way (nx, nz, 2) [m]; the grain of what comes in from beyond is as it is at the edge."""
+        cells = np.moveaxis(way / self.cell, -1, 0)
+        back = read(cells, np.indices(cells.shape[1:]) - 0.5 * cells)  # in the middle of the way, not at its end: water
+        self.carried = np.stack([moved(self.carried[..., k], back) for k in range(2)], axis=-1) + way  # may go around
+        self.flecks[:2] += read(cells, self.flecks[:2] + 0.5 * read(cells, self.flecks[:2]))
+        self.leave()
 
     def shift(self, cells: np.ndarray) -> None:
         """The grid moves by whole cells along x and z; what it comes upon bears no foam yet."""
+        self.flecks[:2] -= cells[:, None]
+        self.leave()
         for axis, n in enumerate(int(k) for k in cells):
             self.white, self.carried = beyond(self.white, FINER * n, axis), beyond(self.carried, n, axis)
-            self.kept, self.breaking = beyond(self.kept, FINER * n, axis), beyond(self.breaking, FINER * n, axis)
-            self.gone = beyond(self.gone, n, axis + 1)
+
+    def leave(self) -> None:
+        """What is beyond the sides of the grid is given up."""
+        x, z = self.flecks[:2]
+        nx, nz = self.carried.shape[:2]
+        self.flecks = self.flecks[:, (x >= -0.5) & (x < nx - 0.5) & (z >= -0.5) & (z < nz - 0.5)]
 
 
 def beyond(values: np.ndarray, n: int, axis: int) -> np.ndarray:
@@ -200,25 +236,36 @@ def coarser(white: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     return white.reshape(nx, white.shape[0] // nx, nz, white.shape[1] // nz).mean(axis=(1, 3))
 
 
-def moved(values: np.ndarray, cells: np.ndarray, order: int = 3) -> np.ndarray:
-    """Values (nx, nz) that have gone by (2, nx, nz) cells, by a spline of an order; what comes in from beyond is as it
-    is at the edge."""
+def moved(values: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Values (nx, nz) that have gone by (2, nx, nz) cells, by a cubic spline; what comes in from beyond is as it is at
+    the edge."""
     from scipy.ndimage import map_coordinates
 
-    return np.asarray(map_coordinates(values, np.indices(values.shape) - cells, order=order, mode="nearest"))
+    return np.asarray(map_coordinates(values, np.indices(values.shape) - cells, mode="nearest"))
 
 
-def halfway(cells: np.ndarray) -> np.ndarray:
-    """(2, nx, nz) ways in cells to each place, as they are in the middle of the way there, not at its end: water that
-    goes around in a circle stays on it."""
+def untorn(carried: np.ndarray, cell: np.ndarray) -> np.ndarray:
+    """(nx, nz, 2) how far the grain is moved [m]: where water close to water goes otherwise, as behind a ship, the mean
+    around, since patches would be drawn out to threads."""
+    from scipy.ndimage import gaussian_filter
+
+    strain = np.abs([np.gradient(carried, along, axis=axis) for axis, along in enumerate(cell)]).max(axis=(0, 3))
+    torn = np.clip((strain - TORN[0]) / (TORN[1] - TORN[0]), 0.0, 1.0)
+    if not torn.any():
+        return carried
+    share = np.minimum(2.0 * gaussian_filter(torn, MEANS), 1.0)[..., None]
+    return carried + share * (gaussian_filter(carried, (MEANS, MEANS, 0.0)) - carried)
+
+
+def read(ways: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Ways (2, nx, nz) at places (2, ...) in cells, linear between the middles of these."""
     from scipy.ndimage import map_coordinates
 
-    before = np.indices(cells.shape[1:]) - 0.5 * cells
-    return np.stack([map_coordinates(way, before, order=1, mode="nearest") for way in cells])
+    return np.stack([map_coordinates(way, places, order=1, mode="nearest") for way in ways])
 
 
 def born_to(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np.ndarray:
-    """New white water where convergence is strongest, so much that the mean with the old is the wanted cover."""
+    """How thick new foam is where convergence is strongest, so much that the mean with the old is the wanted cover."""
     if white.mean() >= wanted or np.ptp(drawn_together) == 0.0:
         return np.zeros_like(white)
     rank = np.empty_like(white)
@@ -226,11 +273,12 @@ def born_to(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np.
     low, high = 0.0, 1.0
 
     def born(area: float) -> np.ndarray:
-        return np.clip((area - rank) / (RAMP * max(area, 1e-9)), 0.0, 1.0)
+        return THICKEST * np.clip((area - rank) / (RAMP * max(area, 1e-9)), 0.0, 1.0)
 
     for _ in range(24):
         area = 0.5 * (low + high)
-        low, high = (area, high) if np.maximum(white, born(area)).mean() < wanted else (low, area)
+        covered = np.clip(born(area), white, 1.0).mean()
+        low, high = (area, high) if covered < wanted else (low, area)
     return born(high)
 
 

@@ -142,7 +142,7 @@ class Picture:
         """A soft shadow on the ground, so that the block of water stands on something."""
         size, middle = self.upper - self.lower, 0.5 * (self.lower + self.upper)
         plane = self.stage.pyvista.Plane(
-            center=(middle[0], self.lower[1] - 0.005 * size[1], middle[2]),  # below a dry bed
+            center=(middle[0], self.lower[1] - 0.02 * size[1], middle[2]),  # below a dry bed
             direction=(0.0, 1.0, 0.0),
             i_size=5.0 * size[2],
             j_size=5.0 * size[0],

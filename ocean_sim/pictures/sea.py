@@ -26,7 +26,7 @@ TRAITS = "nrm", "att", "car"  # normal; white, crest, variance of slopes; place 
 NODES = {"draft": 25_000, "final": 90_000}  # of the drawn surface within the basin
 SMOOTHED = 1.5  # pixels across which a final picture is smoothed
 RIPPLES = 0.02, 3.0  # [m] between which the longest ripple lies
-HULL_PIXELS, HULL_REACH = (96, 96), 3.0  # of the map of distances to a hull and of its foam; [m] around it
+HULL_PIXELS, HULL_REACH = (96, 96), 4.0  # of the map of distances to a hull and of its foam; [m] around it
 CONTACT_WIDTH = 0.55  # [m] in which the foam along a hull that lies still falls to a third
 
 
@@ -192,7 +192,8 @@ class Sea:
         nodes = surface.nodes + self.origin
         white, grain = fresh, nodes
         if frame.carried is not None:
-            moved = [surface.carried(frame.carried[..., k]).ravel() for k in range(2)]
+            ways = foam.untorn(frame.carried, (surface.upper - surface.lower) / frame.carried.shape[:2])
+            moved = [surface.carried(ways[..., k]).ravel() for k in range(2)]
             grain = nodes - np.stack(moved, axis=-1)
         if frame.foam is not None:
             kept = surface.laced(frame.foam, grain)

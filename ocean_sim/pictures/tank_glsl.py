@@ -13,6 +13,7 @@ from ocean_sim.pictures.water_glsl import number, vector
 ABSORBED = np.array([3.6, 1.05, 0.75])  # of light, in a way as long as the tank is deep
 SCATTERED = np.array([0.012, 0.125, 0.165])  # light that comes back from water so thick that nothing shines through
 SHINE = 0.004  # variance of slopes that widen the sun's highlight
+RELIEF = 1.6  # by which slopes are steeper than they are in the light of a map
 
 DISTANCE = """
   float far = clamp(distance(posW, eyeW) / reach, 0.0, 1.0) * 255.0;
@@ -43,5 +44,8 @@ WATER = f"""
   c2 *= c2;
   c += {vector(sky.SUNLIGHT)} * min(0.5 * share * exp(-(1.0 - c2) / (c2 * {number(2.0 * SHINE)})) /
     ({number(2.0 * np.pi * SHINE)} * c2 * c2), 2.5);
-  fragOutput0 = vec4(filmic(c), 1.0);
+  vec2 slope = {number(RELIEF)} * n.xz / max(n.y, 0.05);
+  slope /= sqrt(1.0 + dot(slope, slope) / {number(w.MAP_STEEPEST**2)});
+  float hill = max(dot(normalize(vec3(slope.x, 1.0, slope.y)), {vector(w.MAP_LIGHT)}), 0.0);
+  fragOutput0 = vec4(filmic(c * mix(1.0, 0.3 + 1.12 * hill, onMap)), 1.0);
 """

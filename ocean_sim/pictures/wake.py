@@ -29,7 +29,7 @@ LEAST = 0.025  # lengths of a ship: the height to which the waves at a ship that
 AROUND = 1.3, 1.2  # lengths of a ship before and abaft her middle and breadths aside, within which they are limited
 RESTING = 0.30  # share of foam along a hull that lies still
 BOW, ABAFT = 1.0, 0.6  # share at the bow of a fast ship, and lengths from it in which that ends
-NARROW, WIDER = 0.12, 0.035  # [breadths] of the white along the hull at the bow, and what it gains a breadth abaft
+NARROW, WIDER = 0.26, 0.05  # [breadths] of the white along the hull at the bow, and what it gains a breadth abaft
 
 
 class Wake:
@@ -83,7 +83,7 @@ def along_hull(abaft: np.ndarray, gap: np.ndarray, length: float, breadth: float
 
     `abaft`: distances behind her bow [m]; `gap`: to her waterline [m].
     """
-    fast = min(speed / FAST, 1.0) ** 2
+    fast = min(speed / FAST, 1.0)
     strength = fast * BOW * np.clip((1.0 - abaft / (ABAFT * length)) / 0.6, 0.0, 1.0) * (abaft > -0.5 * breadth)
     width = breadth * NARROW + WIDER * np.maximum(abaft, 0.0)
     return strength * np.exp(-np.square(np.maximum(gap, 0.0) / width))

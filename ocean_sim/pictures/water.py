@@ -17,7 +17,7 @@ NEARER = 0.002  # of the way to the eye by which the rim lies before the water
 EXPOSURE = 1.15  # of water in a tank, as of what is drawn with plain colours
 BELOW = 0.004  # of a tank's height by which its bed is drawn below the water
 MOST = 0.4  # [spacings] by which a folded surface is smoothed
-BED = (0.70, 0.74, 0.75)  # of a tank that is seen from above: on dark ground clear water would not tell how thick it is
+BED = (0.62, 0.66, 0.67)  # of a tank: on dark ground clear water would not tell how thick it is
 NODES = {"draft": 40_000, "final": 160_000}  # of the drawn surface
 
 
@@ -79,11 +79,10 @@ class Shell:
         stage.plotter.add_mesh(
             box, color=EDGE, opacity=0.5, line_width=1.5 * stage.samples, lighting=False
         )  # the tank, of glass
-        if stage.camera.from_above:
-            middle, size = 0.5 * (grid["lower"] + grid["upper"]), grid["upper"] - grid["lower"]
-            at = (middle[0], self.lower[1] - BELOW * size[1], middle[2])
-            bed = pyvista.Plane(center=at, direction=(0.0, 1.0, 0.0), i_size=size[2], j_size=size[0])
-            stage.plotter.add_mesh(bed, color=BED, lighting=False)
+        middle, size = 0.5 * (grid["lower"] + grid["upper"]), grid["upper"] - grid["lower"]
+        at = (middle[0], self.lower[1] - BELOW * size[1], middle[2])
+        bed = pyvista.Plane(center=at, direction=(0.0, 1.0, 0.0), i_size=size[2], j_size=size[0])
+        stage.plotter.add_mesh(bed, color=BED, lighting=False)
         over = sky.clear()
         self.behind, self.far = (water_glsl.texture(np.zeros((2, 2, n), np.uint8)) for n in (3, 4))
         textures = {"sky": water_glsl.texture(over.image, smaller=True, repeat=True)}
@@ -94,7 +93,8 @@ class Shell:
         self.backs = water_glsl.Shaded(self.water.mesh, tank_glsl.DISTANCE, functions, textures, ("nrm",))
         self.backs.actor.GetProperty().FrontfaceCullingOn()
         for part in (self.water, self.backs):
-            part.set(**plain | {"exposure": EXPOSURE, "depth": depth, "reach": 1.0, "view": np.eye(4)})
+            shown = {"exposure": EXPOSURE, "depth": depth, "reach": 1.0, "onMap": float(stage.camera.from_above)}
+            part.set(**plain | shown | {"view": np.eye(4)})
         stage.plotter.add_actor(self.water.actor, reset_camera=False, render=False)
         self.spray = Spray(stage, self.spacing, COARSE) if white else None
         self.measure = stage.empty(stage.size)  # the picture of distances

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.ndimage import map_coordinates, zoom
+from scipy.ndimage import map_coordinates, median_filter, zoom
 
 from ocean_sim import waves
 from ocean_sim.basin import points as points_module
@@ -422,7 +422,8 @@ def test_foam_turns_white_and_moves_as_evenly_between_the_ticks_of_its_clock_as_
     x = points_module.middles(-20.0, 20.0, 1.25)
     often, _ = whitened(x, x, spectrum(), np.full(150, 0.03), step=0.1 / 3.0)
     changes = np.abs(np.diff(often[30:], axis=0)).mean(axis=(1, 2))
-    assert changes.max() < 2.0 * np.median(changes)
+    around = median_filter(changes, 2 * round(foam.TICK * 30.0) + 1)  # as crests come and go, more or less breaks
+    assert (changes / around).max() < 1.5 and changes.max() < 3.0 * np.median(changes)
 
 
 def whitened(
@@ -522,6 +523,19 @@ def test_between_ticks_foam_asks_for_no_crests():
     assert asked == 11 and due.white.any()
 
 
+def test_the_grain_of_foam_is_not_drawn_out_to_threads_behind_a_ship():
+    """Waves move it as they are; a narrow stream of 6 m beside still water does not tear it."""
+    cell = np.array([1.5, 1.5])
+    x, z = np.meshgrid(1.5 * np.arange(60), 1.5 * np.arange(50), indexing="ij")
+    waves_move = np.stack([2.0 * np.sin(0.15 * x), 1.5 * np.cos(0.1 * z)], axis=-1)
+    np.testing.assert_array_equal(foam.untorn(waves_move, cell), waves_move)
+    torn = waves_move + 6.0 * np.stack([np.abs(z - 36.0) < 4.0, 0.0 * z], axis=-1)
+    calm = foam.untorn(torn, cell)
+    before, after = (np.abs(np.gradient(way, 1.5, axis=1)).max() for way in (torn, calm))
+    assert before > 1.5 and after < 0.6 * before
+    np.testing.assert_array_equal(calm[:, :5], waves_move[:, :5])
+
+
 def test_what_the_wind_whitens_is_what_was_counted():
     """Monahan & O'Muircheartaigh (1980): about 1 % at 10 m/s, 4 % at 15 m/s."""
     np.testing.assert_allclose([foam.monahan(10.0), foam.monahan(15.0)], [0.0099, 0.0393], rtol=0.02)
@@ -544,18 +558,41 @@ def test_foam_that_goes_around_in_a_circle_comes_back():
 def test_patches_that_turn_white_go_with_the_water():
     field = foam.Field((40, 40), np.array([0.5, 0.5]))
     field.advance(0.0, np.zeros((40, 40, 2)), np.zeros((40, 40)), None)
-    field.breaking[20:28, 20:28] = 1.0
+    patch = np.zeros((80, 80))
+    patch[20:28, 20:28] = 1.0
+    field.add(patch, np.zeros_like(patch))
     for time in (0.1, 0.2):
         field.advance(time, np.broadcast_to([2.5, 0.0], (40, 40, 2)), np.zeros((40, 40)), None)
         assert (field.white > 0.05).sum() == 64 and field.white.max() == pytest.approx(time / foam.RISES)
-    np.testing.assert_array_equal(np.argwhere(field.breaking).min(axis=0), [22, 20])
+    np.testing.assert_array_equal(np.argwhere(field.white).min(axis=0), [22, 20])
+
+
+def test_foam_is_thick_when_it_is_born_and_wholly_white_for_a_while():
+    """It fades by its thickness, not by what is seen of it; drawn apart by half it has no gaps, by three times it is
+    thinner."""
+    field, still = foam.Field((10, 10), np.array([1.0, 1.0])), np.zeros((10, 10, 2))
+    field.advance(0.0, still, np.zeros((10, 10)), 0.0)
+    patch = np.zeros((20, 20))
+    patch[8:12, 8:12] = foam.THICKEST
+    field.add(patch, patch)
+    for after in (0.5, 1.0, 3.5):
+        field.advance(after, still, np.zeros((10, 10)), 0.0)
+        expected = min(foam.THICKEST * np.exp(-after / foam.LASTS), 1.0)
+        np.testing.assert_allclose(field.white[9:11, 9:11], expected, rtol=1e-9)
+    assert field.white[9, 9] > 0.3 and not field.white[:8].any()
+    place = field.flecks[0].copy()
+    for times, least, most in ((1.5, 0.999, 1.001), (4.0, 0.3, 0.8)):
+        field.flecks[0] = 4.5 + times * (place - 4.5)
+        middle = field.shown(field.flecks[2])[8:12, 9:11]
+        assert least < middle.mean() / expected < most
 
 
 def test_crests_break_sooner_where_the_water_is_not_white_yet():
     """Of two crests that are alike the one over clear water."""
     field = foam.Field((40, 40), np.array([1.0, 1.0]))
     field.advance(0.0, np.zeros((40, 40, 2)), np.zeros((40, 40)), 0.0)
-    field.white[:, :40] = 0.5
+    half = 0.5 * (np.arange(80) < 40) * np.ones((80, 1))
+    field.add(half, half)
     x = np.arange(40)[:, None] - 19.5
     drawn = np.exp(-(x**2) / 8.0) * (np.abs(np.abs(np.arange(40) - 19.5) - 10.0) < 5.0)
     field.cover = 0.3

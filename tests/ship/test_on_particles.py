@@ -26,6 +26,16 @@ def tank(ship: dict, **keys) -> dict:
     return {"duration": 1.0, "basin": basin, "fluid": fluid, "surface": "cloth", "ship": ship, **keys}
 
 
+@pytest.mark.parametrize("walls", [{}, {"walls": "periodic"}])
+def test_a_hull_that_is_longer_than_its_water_is_refused(walls):
+    """Along the axis that it lies along; in a patch that repeats itself it would meet itself on the other side."""
+    hull = {"shape": BOX | {"length": 5.0}, "mass": 1000.0, "centre_of_mass": [0.0, 0.2, 0.0]}
+    basin = {"length": 4.0, "width": 8.0, "depth": 1.2} | walls
+    load(tank({"kind": "hydrostatic", "hull": hull, "heading_deg": 0.0}, basin=basin))
+    with pytest.raises(SceneError, match="the hull takes 5 m along x, the basin 4 m"):
+        load(tank({"kind": "hydrostatic", "hull": hull, "heading_deg": 90.0}, basin=basin))
+
+
 @pytest.mark.parametrize("kind", ["hydrostatic", *(pytest.param(kind, marks=pytest.mark.slow) for kind in REST)])
 def test_a_barge_floats_at_its_draught_on_the_surface_of_particles(kind):
     """A third of 0.6 m under the surface that the water shows, to 5 %, where they pass through each other."""

@@ -141,7 +141,7 @@ class FloatingConfig(VesselConfig):
     def mismatches(self, preflight: Preflight) -> Problems:
         found, basin, spacing = Problems(), preflight.tank, preflight.spacing or 0.0
         solid = self.solid(preflight)
-        if preflight.fluid.made_of_particles and solid is None and self.too_large(basin):
+        if preflight.fluid.made_of_particles and self.too_large(basin):
             return [(("hull",), self.too_large(basin))]
         if solid is not None:
             if memory(solid.shape, spacing / FINE, max(solid.reach, RIM * spacing), 8)[0] > MANY:

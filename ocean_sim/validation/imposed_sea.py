@@ -8,7 +8,7 @@ What height is missing is lost on the way to the gauge, to the scheme itself: un
 the peak's wavelength, 4 sqrt m0 is 5.0 % short, T_m02 3.9 % long, and 1.9 % comes back. At 1/80 it is 1.7 % short,
 T_m02 0.2 % long, and 1.2 % comes back (1.1 to 1.4 % elsewhere in the basin, 1.2 to 2.3 % in half the record, with
 another kernel), in linear theory 0.3 %.
-A sea four times as high, 0.16 m on half a metre of water, breaks on its way: it is 19 % short at 1/40, 13 % at 1/80.
+A sea four times as high, 0.16 m on half a metre of water, breaks on its way: it is 20 % short at 1/40, 13 % at 1/80.
 A zone of 1.5 wavelengths sends 1.4 to 2.5 % back at 1/60, in theory 0.5 %; one wavelength damped with 2.5 sqrt(g / h)
 at the side and the square of the distance 2.8 to 3.8 %, in theory 2.7 %. What is more than the theory's may be bound
 waves.

@@ -123,7 +123,6 @@ class Field:
             born = self.broken(finer(source), since)
             self.add(born, self.white if self.started else born)
             self.ticked = time
-        self.white = self.shown(self.flecks[2])
         self.time, self.started = time, True
 
     def call(self, wanted: float, fades: float) -> None:
@@ -159,6 +158,7 @@ class Field:
         i, k = np.nonzero(rises_to)
         fresh = np.stack([(i + 0.5) / FINER - 0.5, (k + 0.5) / FINER - 0.5, thick[i, k], rises_to[i, k]])
         self.flecks = np.concatenate([self.flecks[:, ~covered], fresh], axis=1)
+        self.white = self.shown(self.flecks[2])
 
     def fade(self, step: float) -> None:
         """For a time [s] flecks fade, or rise to what they do; what is too thin to be seen is left out."""

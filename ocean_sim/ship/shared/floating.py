@@ -141,8 +141,9 @@ class FloatingConfig(VesselConfig):
     def mismatches(self, preflight: Preflight) -> Problems:
         found, basin, spacing = Problems(), preflight.tank, preflight.spacing or 0.0
         solid = self.solid(preflight)
-        if preflight.fluid.made_of_particles and self.too_large(basin):
-            return [(("hull",), self.too_large(basin))]
+        large = self.too_large(basin) if preflight.fluid.made_of_particles else ""
+        if large:
+            return [(("hull",), large)]
         if solid is not None:
             if memory(solid.shape, spacing / FINE, max(solid.reach, RIM * spacing), 8)[0] > MANY:
                 size = " x ".join(f"{x:.3g}" for x in np.ptp(solid.shape.bounds(), axis=0))

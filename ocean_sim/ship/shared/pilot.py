@@ -27,7 +27,7 @@ class Pilot(Model):
 
     route: Annotated[list[Vector2], Field(min_length=1)] | None = quantity("m", None)
     """Waypoints [x, z] one after the other, from where the ship begins; after the last the ship goes on as on the last
-    leg, and where she begins at the only one as she heads."""
+    leg. A ship that begins at her only waypoint goes on as she heads."""
     heading_deg: float | None = quantity("deg", None)
     """A heading to hold, in place of a route: 0 heads along +z, 90 along +x."""
     speed: float = quantity("m/s", gt=0.0)

@@ -184,7 +184,7 @@ def here(dam: Dam, threads: int) -> dict[str, Any]:
         "fluid.support_ratio": dam.support,
     }
     if dam.end:
-        laid["time_step"] = "courant"
+        laid |= {"time_step": "courant", "fluid.kinematic_viscosity": splishsplash.VISCOSITY}  # which bounds steps
     with Simulation(load(f"bench/{dam.name}", laid)) as simulation:
         simulation.run(BEGIN)
         time, steps, began = simulation.time, simulation.steps, Spent.now()

@@ -17,6 +17,7 @@ PEER = "SPlisHSPlasH"
 DISPATCH = "libGLdispatch.so.0"  # without which the wheel for Linux dies as it is imported
 PATIENCE, IMPORTING = 300.0, 60.0  # with a dam break, and with an import [s]
 WCSPH, DFSPH = 0, 4  # numbers of its methods
+VISCOSITY = 0.01  # of the water [m2/s]
 CUBE = [(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]
 FACES = [(1, 2, 4), (1, 4, 3), (5, 7, 8), (5, 8, 6), (1, 5, 6), (1, 6, 2), (3, 4, 8), (3, 8, 7), (1, 3, 7), (1, 7, 5)]
 FACES += [(2, 6, 8), (2, 8, 4)]  # outwards
@@ -88,7 +89,7 @@ def scene(order: dict[str, Any], box: str) -> dict[str, Any]:
             },
         },
         "Materials": [
-            {"id": "Fluid", "density0": 1000, "viscosityMethod": 1, "Standard viscosity": {"viscosity": 0.01}}
+            {"id": "Fluid", "density0": 1000, "viscosityMethod": 1, "Standard viscosity": {"viscosity": VISCOSITY}}
         ],
         "RigidBodies": [
             {

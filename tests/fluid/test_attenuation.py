@@ -73,3 +73,21 @@ def test_standing_waves_travel_nowhere():
     fluid = {"kind": "delta_sph", "spacing": 0.02, "initial": {"kind": "standing_wave", "height": 0.02}}
     (one,) = said(basin={"length": 1.0, "depth": 0.5}, fluid=fluid)
     assert "over a wavelength travelled" not in one and "waves 2 m long and 0.02 m high" in one
+
+
+@pytest.mark.parametrize(
+    ("spacing", "height", "warned"),
+    [
+        (0.05, 0.05, []),
+        (0.1, 0.05, ["10 particles to a wavelength"]),
+        (0.05, 0.09, ["(k a = 0.28)"]),
+        (0.125, 0.05, ["the water is 4 particles deep", "8 particles to a wavelength"]),
+    ],
+)
+def test_waves_that_are_coarse_or_break_are_warned_of(spacing, height, warned):
+    wave = WAVE | {"height": height}
+    config = ocean_sim.load(
+        {"duration": 1.0, "basin": TILE, "fluid": {"kind": "delta_sph", "spacing": spacing, "initial": wave}}, QUIET
+    )
+    found = [one for one in config.fluid.warnings(config.preflight) if "too few" in one or "steep" in one]
+    assert len(found) == len(warned) and all(part in one for part, one in zip(warned, found, strict=True))

@@ -36,6 +36,8 @@ STIFF = 10.0  # times the stiffness of 1 % compression: from there on it costs m
 SQUEEZED = 0.05  # compression at the bed that is worth saying
 MOMENTS = 400  # at which the motion of the tank is looked at
 CROWDED = 0.8  # share of a kernel that solid bodies fill, from which on what a particle remembers is taken back
+COARSE = 19.5  # spacings to a wavelength: what is said of waves was measured from 20 on
+STEEP, STEEP_SEA = 0.25, 0.15  # k a of regular waves, and of half the significant height: beyond, they break
 SAMPLE = 2.0  # times what a particle takes with its neighbours: of a solid body's sample, with what it adds to theirs
 
 
@@ -122,7 +124,31 @@ class SphConfig(WaterConfig):
             found += self.of_stiffness(basin) or self.of_weight(basin, preflight.duration)
         around = band(self.began(preflight))
         found += around.warnings(preflight.duration) if around is not None else []
-        return [*found, *of_zones(zones(self.began(preflight)))]
+        return [*found, *of_zones(zones(self.began(preflight))), *self.of_scales(preflight)]
+
+    def of_scales(self, preflight: Preflight) -> Iterator[str]:
+        """Whether there are too few particles for the depth or for the waves of a scene, and whether these break."""
+        lattice = self.began(preflight)
+        spacing, depth = lattice.spacing, preflight.tank.depth
+        if preflight.support >= depth > 0.0:
+            yield (
+                f"the water is {depth / spacing:.3g} particles deep, less than a support radius of "
+                f"{preflight.support / spacing:.3g}: too few to move like water; take a smaller spacing"
+            )
+        for train in trains(lattice):
+            length, height = train.sea.wavelength, train.height
+            waves_of = f"waves {length:.3g} m long and {height:.3g} m high"
+            if length < COARSE * spacing:
+                yield (
+                    f"{waves_of} have {length / spacing:.3g} particles to a wavelength: too few, by which period and "
+                    f"height are off; 20 need a spacing of {length / 20.0:.3g} m"
+                )
+            steepness, most = pi * height / length, STEEP_SEA if train.sea.random else STEEP
+            if steepness > most:
+                yield (
+                    f"{waves_of} are steep (k a = {steepness:.2g}): beyond {most:g} they break on particles, lose "
+                    "height, and their energy does not add up"
+                )
 
     def of_stiffness(self, basin: Basin) -> list[str]:
         """Whether the water is much stiffer, or much softer, than 1 % of compression asks for."""

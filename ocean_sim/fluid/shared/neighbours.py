@@ -107,16 +107,16 @@ class Neighbours:
         for a in range(end - begin):
             at = begin + a
             self.candidate[first + a] = self.near(tm.vec3(x[at], y[at], z[at]) + shift, lo, up)
-        return self.kept(end - begin, begin + code, first)
+        return self.kept(self.candidate, first, end - begin, begin + code)
 
     @ti.func
-    def kept(self, n, number, first):
-        """Of n candidates numbered from `number` on, list those that are marked there, with 1, from `first` on; how
+    def kept(self, names: Template, first, n, name):
+        """Of the n numbers from `name` on keep those that are marked with 1 from `first` on, in place of the marks; how
         many."""
         kept = 0
         for a in range(n):
-            marked = self.candidate[first + a]
-            self.candidate[first + kept] = number + a
+            marked = names[first + a]
+            names[first + kept] = name + a
             kept += marked
         return kept
 
@@ -167,18 +167,19 @@ class Neighbours:
         for a in range(m):
             at = scratch + a + ti.select(a < n, 0, gap)
             self.candidate[first + a] = self.near(mirrored(mirror, tm.vec3(x[at], y[at], z[at])), lo, up)
-        return self.kept(m, 0, first)
+        return self.kept(self.candidate, first, m, 0)
 
     @ti.func
     def closest(self, x, begin, end, first, found):
         """Note which of these candidates lie within a support of x, though not at x itself; how many there are now."""
         px, py, pz = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
-        for a in range(begin, end):
-            away = x - tm.vec3(px[a], py[a], pz[a])
+        first += found
+        for a in range(end - begin):
+            at = begin + a
+            away = x - tm.vec3(px[at], py[at], pz[at])
             r2 = away.dot(away)
-            self.close[first + found] = a
-            found += int(r2 < self.grid.support * self.grid.support) & int(r2 > 0.0)
-        return found
+            self.close[first + a] = int(r2 < self.grid.support * self.grid.support) & int(r2 > 0.0)
+        return found + self.kept(self.close, first, end - begin, begin)
 
     @ti.func
     def keep_pairs(self, i, x, scratch, n, images, m, group):

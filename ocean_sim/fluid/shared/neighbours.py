@@ -85,7 +85,7 @@ class Neighbours:
         """Lowest and highest coordinates of the particles of cell c, of which there is at least one."""
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         first = self.grid.start[c]
-        lo = tm.vec3(x[first], y[first], z[first])  # read outside all loops, or loops that also write are not vectorised
+        lo = tm.vec3(x[first], y[first], z[first])  # read outside all loops, without which those of `listed` are slow
         up = lo
         for i in range(first + 1, self.grid.start[c + 1]):
             lo, up = tm.min(lo, tm.vec3(x[i], y[i], z[i])), tm.max(up, tm.vec3(x[i], y[i], z[i]))

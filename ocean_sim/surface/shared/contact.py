@@ -50,7 +50,7 @@ class Contact:
             weight = np.where(i == k, 1.0, 2.0)
         below = np.square(height[:, None] + 0.5 + np.arange(2 * n + 1))
 
-        def summed(across: np.ndarray) -> np.ndarray:  # of all positions together the processor's caches hold too little
+        def summed(across: np.ndarray) -> np.ndarray:  # all together are more than caches hold
             w = np.maximum(reach**2 - across[:, None] - below[:, None, :], 0.0)
             return np.asarray(np.sum(w * w * w, axis=(1, 2)))
 

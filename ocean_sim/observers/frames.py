@@ -291,7 +291,8 @@ def unrolled(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) -> "Mesh
 def topmost_velocity(copied: Copied, points: np.ndarray, top: np.ndarray, period: Sequence[float]) -> np.ndarray:
     """(nx, nz, 3) the mean velocity [m/s] of the particles over a height (nx, nz) [m] in the cell of each point, or
     where there is none in the cells around it."""
-    x, v = copied.position.astype(float), copied.velocity
+    high = copied.position[:, 1] > top.min()  # the others lie under all of them
+    x, v = copied.position[high].astype(float), copied.velocity[high]
     if any(period):
         x = x + shifts(x, 0.5 * (points[0] + points[-1]), period)
     low, (nx, nz) = points[0], top.shape

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ocean_sim import runtime
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.observers.shared.energy import total
@@ -175,6 +176,19 @@ def test_a_light_ship_is_not_thrown_back_and_the_threads_change_nothing(monkeypa
             states.append(np.concatenate([body.position, body.velocity, simulation.fluid.positions().ravel()]))
     np.testing.assert_array_equal(*states[1:])
     np.testing.assert_allclose(*states[:2], rtol=1e-8, atol=1e-10)  # the same sums, compiled in two ways
+
+
+def test_the_first_collision_of_a_run_compiles_nothing():
+    with Simulation(load(shot({"kind": "ballistic"}), QUIET)) as simulation:
+        simulation.step()
+        contact, before = simulation.ships["ship"].contact, compiled()
+        assert not contact.given.any()
+        simulation.run(0.2)
+        assert contact.given.any() and compiled() == before
+
+
+def compiled() -> int:
+    return sum(len(kernel.compiled_kernels) for kernel in runtime.impl.get_runtime().kernels)
 
 
 CENTRE = np.array([0.0, 0.15, 0.0])

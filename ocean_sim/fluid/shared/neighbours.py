@@ -7,7 +7,6 @@ branches. Everything is gathered, nothing is scattered, so the result does not d
 
 from dataclasses import dataclass
 
-from ocean_sim.basin import OPEN
 from ocean_sim.columns import vec3
 from ocean_sim.fluid.shared.accounts import Accounts
 from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
@@ -83,10 +82,12 @@ class Neighbours:
 
     @ti.func
     def bounds(self, c):
-        """Lowest and highest coordinates of the particles of cell c."""
+        """Lowest and highest coordinates of the particles of cell c, of which there is at least one."""
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
-        lo, up = tm.vec3(OPEN), tm.vec3(-OPEN)
-        for i in range(self.grid.start[c], self.grid.start[c + 1]):
+        first = self.grid.start[c]
+        lo = tm.vec3(x[first], y[first], z[first])  # read outside all loops, without which those of `listed` are slow
+        up = lo
+        for i in range(first + 1, self.grid.start[c + 1]):
             lo, up = tm.min(lo, tm.vec3(x[i], y[i], z[i])), tm.max(up, tm.vec3(x[i], y[i], z[i]))
         return lo, up
 
@@ -99,10 +100,30 @@ class Neighbours:
         return int(ex * ex + ey * ey + ez * ez < self.grid.support * self.grid.support)
 
     @ti.func
+    def listed(self, begin, end, code, shift, lo, up, first):
+        """Keep those of the particles from `begin` to `end` that are near the box where a shift [m] shows them, and
+        their code, from `first` on; their number. First all are judged, several at a time, then they are listed."""
+        x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
+        for a in range(end - begin):
+            at = begin + a
+            self.candidate[first + a] = self.near(tm.vec3(x[at], y[at], z[at]) + shift, lo, up)
+        return self.kept(self.candidate, first, end - begin, begin + code)
+
+    @ti.func
+    def kept(self, names: Template, first, n, name):
+        """Of the n numbers from `name` on keep those that are marked with 1 from `first` on, in place of the marks; how
+        many."""
+        kept = 0
+        for a in range(n):
+            marked = names[first + a]
+            names[first + kept] = name + a
+            kept += marked
+        return kept
+
+    @ti.func
     def found(self, c, lo, up, first, room):
         """Keep the particles near the box from `first` on; their number, or -1 where they do not find `room`."""
         grid = self.grid
-        x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         m, full = 0, 0
         for dz in range(-1, 2):
             for dy in range(-1, 2):
@@ -111,16 +132,13 @@ class Neighbours:
                 if m + end - begin > room:
                     full = 1
                     end = begin
-                for j in range(begin, end):
-                    self.candidate[first + m] = j
-                    m += self.near(tm.vec3(x[j], y[j], z[j]), lo, up)
+                m += self.listed(begin, end, 0, tm.vec3(0.0), lo, up, first + m)
         return ti.select(full == 1, -1, m)
 
     @ti.func
     def found_around(self, indices, lo, up, first, room):
         """The same where an axis is periodic: a candidate is a particle and a code of the period it is seen through."""
         grid = self.grid
-        x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         m, full = 0, 0
         for d in range(27):
             there, code = indices + tm.ivec3(d % 3, d // 3 % 3, d // 9) - 1, 13
@@ -134,9 +152,7 @@ class Neighbours:
             if m + end - begin > room:
                 full = 1
                 end = begin
-            for j in range(begin, end):
-                self.candidate[first + m] = j + code * MOST_PARTICLES
-                m += self.near(tm.vec3(x[j], y[j], z[j]) + shift, lo, up)
+            m += self.listed(begin, end, code * MOST_PARTICLES, shift, lo, up, first + m)
         return ti.select(full == 1, -1, m)
 
     @ti.func
@@ -148,23 +164,22 @@ class Neighbours:
     def found_images(self, mirror, lo, up, scratch, n, gap, m, first):
         """Keep those of the m candidates so far whose image is near the box, from `first` on; their number."""
         x, y, z = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
-        run = 0
         for a in range(m):
             at = scratch + a + ti.select(a < n, 0, gap)
-            self.candidate[first + run] = a
-            run += self.near(mirrored(mirror, tm.vec3(x[at], y[at], z[at])), lo, up)
-        return run
+            self.candidate[first + a] = self.near(mirrored(mirror, tm.vec3(x[at], y[at], z[at])), lo, up)
+        return self.kept(self.candidate, first, m, 0)
 
     @ti.func
     def closest(self, x, begin, end, first, found):
         """Note which of these candidates lie within a support of x, though not at x itself; how many there are now."""
         px, py, pz = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
-        for a in range(begin, end):
-            away = x - tm.vec3(px[a], py[a], pz[a])
+        first += found
+        for a in range(end - begin):
+            at = begin + a
+            away = x - tm.vec3(px[at], py[at], pz[at])
             r2 = away.dot(away)
-            self.close[first + found] = a
-            found += int(r2 < self.grid.support * self.grid.support) & int(r2 > 0.0)
-        return found
+            self.close[first + a] = int(r2 < self.grid.support * self.grid.support) & int(r2 > 0.0)
+        return found + self.kept(self.close, first, end - begin, begin)
 
     @ti.func
     def keep_pairs(self, i, x, scratch, n, images, m, group):

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import cos, isinf, pi, radians, sin, sqrt
 from typing import Any, ClassVar
 
@@ -82,9 +82,17 @@ class FloatingConfig(VesselConfig):
         own = {"mass": self.mass, "centre_of_mass": self.centre_of_mass, "inertia": self.inertia}
         return hull.model_copy(update={key: value for key, value in own.items() if value is not None})
 
+    @cached_property
+    def known(self) -> dict[tuple[float, float], Hydrostatics]:
+        """The hull in still water, by gravity and density, as far as it has been asked for."""
+        return {}
+
     def afloat(self, gravity: float, density: float) -> Hydrostatics:
         """The hull in still water; raises ValueError."""
-        return self.whole_hull.afloat(self.cells_per_draught, density, gravity)
+        asked = gravity, density
+        if asked not in self.known:
+            self.known[asked] = self.whole_hull.afloat(self.cells_per_draught, density, gravity)
+        return self.known[asked]
 
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
         """(6,) added mass [kg] and inertia [kg m2] that her law of motion has, in the order of `Motions`."""
@@ -360,6 +368,7 @@ def afloat_pose(still: Hydrostatics) -> tuple[float, np.ndarray]:
     return float((turn @ still.matter.centre)[1] - level), oriented(angle[0], 0.0, angle[1])
 
 
+@lru_cache(maxsize=4)
 def at_rest(still: Hydrostatics) -> np.ndarray | None:
     """(2,) pitch and roll of a hull that floats [rad], at which nothing turns it: upright, if it can rest so; None
     where there is no such pose within LEAN."""

@@ -30,7 +30,7 @@ class RigidBody:
     @cached_property
     def angular_velocity(self) -> np.ndarray:
         """(3,) in world axes [rad/s]."""
-        return angular_velocity(self.orientation, self.angular_momentum, self.inertia_body)
+        return spin_of(self.matrix, self.angular_momentum, self.inertia_body)
 
     @cached_property
     def rates(self) -> np.ndarray:
@@ -143,10 +143,9 @@ def angles(q: np.ndarray) -> np.ndarray:
     return np.array([pitch, np.arctan2(r[0, 2], r[2, 2]), np.arctan2(r[1, 0], r[1, 1])])
 
 
-def angular_velocity(q: np.ndarray, momentum: np.ndarray, inertia_body: np.ndarray) -> np.ndarray:
-    """World angular velocity [rad/s] of an angular momentum, with the inertia of (4.19)."""
-    r = matrix(q)
-    return r @ solved(inertia_body, r.T @ momentum)
+def spin_of(turn: np.ndarray, momentum: np.ndarray, inertia_body: np.ndarray) -> np.ndarray:
+    """(3,) angular velocity in world axes [rad/s] of an angular momentum, with the inertia of (4.19)."""
+    return turn @ solved(inertia_body, turn.T @ momentum)
 
 
 def solved(m: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -181,9 +180,9 @@ def advanced(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: float) 
     midpoint.
     """
     momentum = body.angular_momentum + torque * dt
-    now = body.matrix @ solved(body.inertia_body, body.matrix.T @ momentum)
+    now = spin_of(body.matrix, momentum, body.inertia_body)
     halfway = product(rotation(now * (dt / 2.0)), body.orientation)
-    omega = angular_velocity(halfway, momentum, body.inertia_body)
+    omega = spin_of(matrix(halfway), momentum, body.inertia_body)
     velocity = body.velocity + force / body.mass * dt
     turned = normalised(product(rotation(omega * dt), body.orientation))
     return RigidBody(body.mass, body.inertia_body, body.position + velocity * dt, turned, velocity, momentum)

@@ -49,8 +49,12 @@ class Contact:
             across_squared = (x[i][:, :, None] + x[k][:, None, :]).reshape(len(i), -1)
             weight = np.where(i == k, 1.0, 2.0)
         below = np.square(height[:, None] + 0.5 + np.arange(2 * n + 1))
-        w = np.maximum(reach**2 - across_squared[:, None, :, None] - below[None, :, None, :], 0.0)
-        shares = self.constant * self.spacing**6 * np.sum(w * w * w, axis=(2, 3))
+
+        def summed(across: np.ndarray) -> np.ndarray:  # all together are more than caches hold
+            w = np.maximum(reach**2 - across[:, None] - below[:, None, :], 0.0)
+            return np.asarray(np.sum(w * w * w, axis=(1, 2)))
+
+        shares = self.constant * self.spacing**6 * np.array([summed(across) for across in across_squared])
         return height * self.spacing, shares, weight / weight.sum()
 
     def height(self, share: float) -> float:

@@ -39,7 +39,7 @@ def chance(i: np.ndarray, j: np.ndarray) -> np.ndarray:
     """A number from 0 to 1 for whole i, j: integers hashed, so that every processor finds the same."""
     n = (i * 374761393 + j * 668265263) & 0xFFFFFFFF
     n = ((n ^ (n >> 13)) * 1274126177) & 0xFFFFFFFF
-    return ((n ^ (n >> 16)) & 0xFFFF) / 65535.0
+    return (n >> 16) / 65535.0
 
 
 def slopes(

@@ -477,19 +477,22 @@ def film(path: Path, picture: Picture, coming: Coming, every: float) -> Iterator
         writer = writer_of(draft, every)
         shown, moments = None, Moments()
 
-        def put(made: Shot | np.ndarray) -> np.ndarray:
-            finished = made.finished() if isinstance(made, Shot) else made
-            writer.append_data(finished)
-            moments.see(finished)
-            return finished
+        def put(made: Shot | Future[np.ndarray]) -> np.ndarray:
+            image = made.finished() if isinstance(made, Shot) else made.result()
+            writer.append_data(image)
+            moments.see(image)
+            return image
 
         with writer, ThreadPoolExecutor(1) as beside:
             before: Future[np.ndarray] | None = None
             for k, (file, total) in enumerate(coming.chosen(every)):
-                shot = picture.shot(Frame(file)) if before is None or file != shown else None
-                image = None if before is None else before.result()
-                shown, before = file, beside.submit(put, image if shot is None else shot)
+                made = picture.shot(Frame(file)) if before is None or file != shown else before
+                if before is not None:
+                    before.result()  # so that no more than one waits
+                shown, before = file, beside.submit(put, made)
                 yield k + 1, total
+            if before is not None:
+                before.result()
     save_png(path.with_name(MOMENTS), moments.row())
 
 

@@ -13,6 +13,7 @@ import sys
 import tempfile
 import threading
 from collections.abc import Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
@@ -31,7 +32,7 @@ from ocean_sim.pictures.camera import ABOARD, Name
 from ocean_sim.pictures.frame_files import Frame, Log, frame_files, frame_path, known, schedule, ships_in, survey
 from ocean_sim.pictures.moments import Moments
 from ocean_sim.pictures.order import Order, Quality, RenderFailed
-from ocean_sim.pictures.picture import Picture, foreseen
+from ocean_sim.pictures.picture import Picture, Shot, foreseen
 from ocean_sim.simulation import Concluding, PeriodicConfig, Progress
 
 if TYPE_CHECKING:
@@ -470,17 +471,28 @@ class Coming:
 
 
 def film(path: Path, picture: Picture, coming: Coming, every: float) -> Iterator[tuple[int, int]]:
-    """H.264 that any player shows, in real time, and a row of small pictures of it."""
+    """H.264 that any player shows, in real time, and a row of small pictures of it. While a picture is drawn, a thread
+    finishes the one before: the plotter leaves Python to others meanwhile."""
     with whole(path) as draft:
         writer = writer_of(draft, every)
-        shown, image, moments = None, None, Moments()
-        with writer:
+        shown, moments = None, Moments()
+
+        def put(made: Shot | Future[np.ndarray]) -> np.ndarray:
+            image = made.finished() if isinstance(made, Shot) else made.result()
+            writer.append_data(image)
+            moments.see(image)
+            return image
+
+        with writer, ThreadPoolExecutor(1) as beside:
+            before: Future[np.ndarray] | None = None
             for k, (file, total) in enumerate(coming.chosen(every)):
-                if image is None or file != shown:
-                    shown, image = file, picture.draw(Frame(file))
-                writer.append_data(image)
-                moments.see(image)
+                made = picture.shot(Frame(file)) if before is None or file != shown else before
+                if before is not None:
+                    before.result()  # so that no more than one waits
+                shown, before = file, beside.submit(put, made)
                 yield k + 1, total
+            if before is not None:
+                before.result()
     save_png(path.with_name(MOMENTS), moments.row())
 
 

@@ -3,7 +3,7 @@ ends, and a pixel takes of its neighbour across it what the edge would cover. On
 
 import numpy as np
 
-LEAST, RELATIVE = 26, 0.2  # contrast of brightness of 255, and over the brightest around, from which there is an edge
+LEAST, RELATIVE = 32, 0.25  # contrast of brightness of 255, and over the brightest around, from which there is an edge
 REACHES = (1.0, 2.0, 3.0, 4.5, 6.5, 10.5, 18.5)  # pixels along an edge at which it is looked for its end
 ROWS = 60  # that are looked at together: what is worked with stays in the processor's cache
 SINGLE = 0.6  # of the blur of what is a single pixel wide

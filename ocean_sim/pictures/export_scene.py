@@ -52,6 +52,14 @@ def shot(frame: Path, grid: dict[str, np.ndarray]) -> Shot:
     fields: dict[str, np.ndarray] = {}
     if "vertices" in data:
         points, faces, fields["Normals"] = data["vertices"], data["triangles"], data["normals"]
+        if (np.cross(*np.diff(points[faces], axis=1).swapaxes(0, 1))[:, 1] > 0.0).all():  # one height above each point
+            at = (points[:, [0, 2]] - data.get("origin", np.zeros(2)) - grid["lower"][[0, 2]]).T
+            at /= (grid["upper"] - grid["lower"])[[0, 2], None]  # from side to side of the basin
+            fields |= {
+                name: read(data[key], at).astype(np.float32)
+                for name, key in (("foam", "foam"), ("velocity", "surface_velocity"))
+                if key in data
+            }
     elif len(grid["z"]) < 2:
         points, faces = np.zeros((0, 3), np.float32), np.zeros((0, 3), int)
     else:
@@ -67,6 +75,16 @@ def shot(frame: Path, grid: dict[str, np.ndarray]) -> Shot:
     kept = "position", "velocity", "id", "pressure"
     particles = {str(name): data[name] for name in kept if name in data}
     return Shot(float(data["time"]), points, faces, fields, ships, particles)
+
+
+def read(values: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """(n, ...) of values (nx, nz, ...) in the middles of cells, linear between these, at places (2, n) from 0 to 1."""
+    from scipy.ndimage import map_coordinates
+
+    cells = at * np.array(values.shape[:2])[:, None] - 0.5
+    channels = np.moveaxis(values.reshape(*values.shape[:2], -1), -1, 0).astype(float)
+    found = [map_coordinates(channel, cells, order=1, mode="nearest") for channel in channels]
+    return np.stack(found, axis=-1).reshape(at.shape[1], *values.shape[2:])
 
 
 def models(grid: dict[str, np.ndarray]) -> dict[str, Model]:
@@ -170,6 +188,11 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
                 cloud.CreatePointsAttr().Set(Vt.Vec3fArray.FromNumpy(position), code)
                 cloud.CreateVelocitiesAttr().Set(Vt.Vec3fArray.FromNumpy(velocity), code)
                 cloud.CreateIdsAttr().Set(Vt.Int64Array.FromNumpy(kept.particles["id"].astype(np.int64)), code)
+                if "pressure" in kept.particles:
+                    pressure = UsdGeom.PrimvarsAPI(cloud).CreatePrimvar(
+                        "pressure", Sdf.ValueTypeNames.FloatArray, UsdGeom.Tokens.vertex
+                    )
+                    pressure.Set(Vt.FloatArray.FromNumpy(kept.particles["pressure"].astype(np.float32)), code)
         if cloud is not None:
             cloud.CreateWidthsAttr([float(grid["spacing"])])
             cloud.SetWidthsInterpolation(UsdGeom.Tokens.constant)

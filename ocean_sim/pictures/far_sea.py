@@ -23,7 +23,6 @@ WIDENING, BEYOND = 0.03, 1.09  # spacing of rings over their distance, and in th
 REACHES = ((400.0, 0.06), (1000.0, 0.20))  # [m] to which waves but this share of the variance, the shortest, are drawn
 PEAK_PERIOD = 0.90  # energy period over that of the peak, of JONSWAP's spectrum
 BELT = 8  # rings of which the same waves are drawn
-BAND = 0.5  # pixels of the height of a picture of which no more than one ring is drawn
 TURN = np.radians(8.0)  # by which the eye turns before the fan does
 ASTREAM, PHASES, PLACES = 0x5_0000, 0x5_0001, 0x5_0002  # streams of random numbers
 
@@ -121,18 +120,19 @@ class Fan:
         self.belts: list[tuple[slice, np.ndarray, np.ndarray]] = []  # rings, their waves, and cosine and sine of these
 
     def look(
-        self, height: float, heading: float, half: float, lowest: float, pixel: float, amplitude: np.ndarray
+        self, height: float, heading: float, half: float, lowest: float, pixel: float, row: float, amplitude: np.ndarray
     ) -> bool:
         """Turn towards a heading [rad, from +x to +z]; whether the nodes are new ones.
 
         `height`: of the eye over the water [m]; `half`: the angle to either side that it sees, `lowest`: that of its
-        lowest ray below the horizon [rad]; `pixel`: the angle of a pixel [rad]; `amplitude` (n,): of the waves now [m].
+        lowest ray below the horizon [rad]; `pixel`, `row`: the angles of a pixel, and of a row of samples, of which no
+        more than one ring is drawn [rad]; `amplitude` (n,): of the waves now [m].
         """
         whole = half > 0.5 * pi
         bucket = 0.0 if whole else TURN * round(heading / TURN)
         step = 2.0 ** (np.round(2.0 * np.log2(max(height, 0.5))) / 2.0)  # heights that are alike look alike
         lengths = shortest(replace(self.sea, amplitude=amplitude))
-        seen = (bucket, step, float(np.ceil(half / TURN)), float(np.ceil(lowest / TURN)), pixel, *lengths)
+        seen = (bucket, step, float(np.ceil(half / TURN)), float(np.ceil(lowest / TURN)), pixel, row, *lengths)
         if seen == self.looked:
             return False
         self.looked = seen
@@ -147,7 +147,7 @@ class Fan:
         self.shape = len(distance), len(angle)
         self.nodes = (distance[:, None, None] * away).reshape(-1, 2)
         self.distance = distance
-        band = np.floor(np.arctan2(step, distance) / (BAND * pixel))
+        band = np.floor(np.arctan2(step, distance) / row)
         starts = np.flatnonzero(np.diff(band, prepend=np.inf))
         ends = np.append(starts[1:], len(distance))
         self.bands = np.minimum(starts[:, None] + np.arange((ends - starts).max()), ends[:, None] - 1)

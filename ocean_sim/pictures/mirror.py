@@ -42,7 +42,6 @@ class Mirror:
         self.water.SetOrigin(0.0, level, 0.0)
         self.plotter.render()
         seen = self.plotter.screenshot(None, return_img=True, transparent_background=True)
-        seen[:, :, :3] = seen[:, :, :3] * (seen[:, :, 3:] / 255.0)  # so that smaller copies keep the ship's colours
         water_glsl.fill(self.image.GetInput(), seen[::-1])
         aspect = self.size[0] / self.size[1]
         matrix = camera.GetCompositeProjectionTransformMatrix(aspect, -1.0, 1.0)

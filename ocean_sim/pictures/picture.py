@@ -1,7 +1,8 @@
 """One picture after another: sky, water, ships, text."""
 
+from copy import copy
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -33,6 +34,21 @@ def swept(lower: np.ndarray, upper: np.ndarray, ways: list[np.ndarray]) -> tuple
     """Corners [m] of all that a piece of sea covers that goes with the middle of ships, which go these ways (n, 3)."""
     middle = np.mean(ways, axis=0) * [1.0, 0.0, 1.0]
     return lower + middle.min(axis=0), upper + middle.max(axis=0)
+
+
+class Shot(NamedTuple):
+    """A picture as it leaves the plotter."""
+
+    pixels: np.ndarray  # (height, width, 3) 8-bit RGB, each side times the samples
+    samples: int
+    bars: list[marks.ScaleBar | marks.ArrowBar | marks.HeightBar]  # as they were for it
+
+    def finished(self) -> np.ndarray:
+        """(height, width, 3) with smooth edges and its bars."""
+        image = antialiasing.smooth(self.pixels) if self.samples == 1 else antialiasing.mean(self.pixels, self.samples)
+        for bar in self.bars:
+            bar.draw(image)
+        return image
 
 
 class Picture:
@@ -157,6 +173,11 @@ class Picture:
         self.plotter.add_mesh(plane, scalars="colour", rgba=True, lighting=False)
 
     def draw(self, frame: Frame) -> np.ndarray:
+        """(height, width, 3) 8-bit RGB."""
+        return self.shot(frame).finished()
+
+    def shot(self, frame: Frame) -> "Shot":
+        """What is left to do of it needs the plotter no more: the next may be drawn meanwhile."""
         self.move(self.operator.at(frame.time))
         for key, pose in frame.ships.items():
             self.ships[key].show(*pose, self.stage.camera.eye)
@@ -177,12 +198,8 @@ class Picture:
         if self.height_bar is not None and isinstance(self.content, Water):
             self.height_bar.show(self.content.most)
         self.plotter.render()
-        image = self.plotter.screenshot(None, return_img=True)
-        image = antialiasing.smooth(image) if self.stage.samples == 1 else antialiasing.mean(image, self.stage.samples)
-        for bar in (self.scale_bar, self.arrow_bar, self.height_bar):
-            if bar is not None:
-                bar.draw(image)
-        return image
+        bars = [copy(bar) for bar in (self.scale_bar, self.arrow_bar, self.height_bar) if bar is not None]
+        return Shot(self.plotter.screenshot(None, return_img=True), self.stage.samples, bars)
 
     def heights_at(self, frame: Frame, positions: np.ndarray) -> np.ndarray:
         """(n,) drawn heights of the water at positions x, z (n, 2) [m]; of a tank those of the nearest kept points."""

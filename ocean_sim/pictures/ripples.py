@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-OCTAVES = 7
-LACUNARITY, ACROSS = 0.52, 0.62  # wavelength to wavelength; crests are longer than wavelengths
+OCTAVES = 5
+LACUNARITY, ACROSS = 0.40, 0.62  # wavelength to wavelength; crests are longer than wavelengths
 TURN, STRETCH, SHIFT, STEP = (0.8, 0.6), 1.13, 5.1, 13.7  # of the second noise in an octave, and between octaves
 SPEED = 1.2  # [m^0.5/s] phase speed over the root of the wavelength: 1.25 in deep water
 UNRESOLVED = 0.25  # share of the variance that no octave holds
@@ -39,7 +39,7 @@ def chance(i: np.ndarray, j: np.ndarray) -> np.ndarray:
     """A number from 0 to 1 for whole i, j: integers hashed, so that every processor finds the same."""
     n = (i * 374761393 + j * 668265263) & 0xFFFFFFFF
     n = ((n ^ (n >> 13)) * 1274126177) & 0xFFFFFFFF
-    return ((n ^ (n >> 16)) & 0xFFFF) / 65535.0
+    return (n >> 16) / 65535.0
 
 
 def slopes(

@@ -23,7 +23,7 @@ from ocean_sim.pictures.wake import RESTING, Kelvin, Wake, along_hull, standing
 from ocean_sim.pictures.water_shading import EXPOSURE, FOG, Terms, slope_variance
 
 TRAITS = "nrm", "att", "car"  # normal; white, crest, variance of slopes; place by which foam finds its grain
-NODES = {"draft": 25_000, "final": 90_000}  # of the drawn surface within the basin
+NODES = {"draft": 6_000, "final": 90_000}  # of the drawn surface within the basin
 SMOOTHED = 1.5  # pixels across which a final picture is smoothed
 RIPPLES = 0.02, 3.0  # [m] between which the longest ripple lies
 HULL_PIXELS, HULL_REACH = (96, 96), 4.0  # of the map of distances to a hull and of its foam; [m] around it
@@ -215,7 +215,8 @@ class Sea:
         half, lowest = camera.spread(aspect)
         heading = float(np.arctan2(camera.forward[2], camera.forward[0]))
         amplitude, eye = self.now.waves.amplitude, camera.eye
-        new = fan.look(float(eye[1]) - self.now.level, heading, half, lowest, self.pixel, amplitude)
+        row = self.pixel / self.stage.samples
+        new = fan.look(float(eye[1]) - self.now.level, heading, half, lowest, self.pixel, row, amplitude)
         found = surface.around(frame, eye, self.now)
         rings = fan.seen(found[..., 0], float(eye[1]))
         height, slope_x, slope_z, drawn_together = np.moveaxis(np.take_along_axis(found, rings[..., None], 0), -1, 0)

@@ -113,6 +113,18 @@ def rim(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...]) -> np.nd
     return np.stack(np.divmod(edges[times == 1], n), axis=1)
 
 
+def long(edges: np.ndarray, vertices: np.ndarray, least: float) -> np.ndarray:
+    """Those of edges (m, 2) between vertices (n, 3) that hang together over at least a length [m]."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    many = len(vertices)
+    linked = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(many, many))
+    of = connected_components(linked, directed=False)[1][edges[:, 0]]
+    length = np.bincount(of, np.linalg.norm(vertices[edges[:, 1]] - vertices[edges[:, 0]], axis=1), many)
+    return edges[length[of] >= least]
+
+
 def gathered(mesh: Mesh) -> np.ndarray:
     """(n, 3) vector areas [m2] of the triangles around each vertex, outwards."""
     areas, across = np.zeros(mesh.vertices.shape), mesh.vector_areas

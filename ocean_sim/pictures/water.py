@@ -17,6 +17,9 @@ NEARER = 0.002  # of the way to the eye by which the rim lies before the water
 EXPOSURE = 1.15  # of water in a tank, as of what is drawn with plain colours
 BELOW = 0.004  # of a tank's height by which its bed is drawn below the water
 MOST = 0.4  # [spacings] by which a folded surface is smoothed
+LONG = (
+    16.0  # [spacings] of a line along which the water meets a side: shorter ones, around holes in a film, are not drawn
+)
 BED = (0.62, 0.66, 0.67)  # of a tank: on dark ground clear water would not tell how thick it is
 NODES = {"draft": 40_000, "final": 160_000}  # of the drawn surface
 
@@ -102,7 +105,7 @@ class Shell:
         self.measure.add_actor(self.backs.actor, reset_camera=False, render=False)
 
     def show(self, frame: Frame) -> None:
-        from ocean_sim.pictures.smoothed_mesh import rim, smoothed
+        from ocean_sim.pictures.smoothed_mesh import long, rim, smoothed
         from ocean_sim.surface import Mesh
 
         assert frame.mesh is not None
@@ -135,7 +138,7 @@ class Shell:
         plotter.render()
         water_glsl.fill(self.behind.GetInput(), plotter.screenshot(None, return_img=True)[::-1])
         self.water.actor.VisibilityOn()
-        ends = smooth.vertices[rim(smooth, self.lower, self.upper)]
+        ends = smooth.vertices[long(rim(smooth, self.lower, self.upper), smooth.vertices, LONG * self.spacing)]
         if len(ends := ends[ends[..., 1].min(axis=1) > self.lower[1] + 0.5 * self.spacing]):
             seen = (ends + NEARER * (eye - ends)).reshape(-1, 3).astype(np.float32)
             lines = self.stage.pyvista.line_segments_from_points(seen)

@@ -15,6 +15,8 @@ from ocean_sim.pictures import foam, ripples
 from ocean_sim.pictures import water_shading as w
 from ocean_sim.pictures.sky import LOWEST, Sky
 
+GAMMA = 0.0319, 0.8804, 0.8577, 0.0193, 0.7503  # of the ratio of polynomials of a root that is x^(1/2.2): see the test
+
 
 def number(value: float) -> str:
     return f"{float(value):.9g}" if "." in f"{float(value):.9g}" or "e" in f"{float(value):.9g}" else f"{value:.1f}"
@@ -27,14 +29,16 @@ def vector(values: Iterable[float]) -> str:
 COMMON = f"""
 vec3 skyAt(vec3 d, float level) {{
   d = normalize(vec3(d.x, max(d.y, {number(LOWEST)}), d.z));
-  float rows = float(textureSize(sky, int(level)).y);
+  float rows = float(textureSize(sky, 0).y >> int(level));
   vec2 uv = vec2(atan(d.z, d.x) / 6.283185307 + 0.5, acos(clamp(d.y, -1.0, 1.0)) / 3.141592654);
   return textureLod(sky, vec2(uv.x, min(uv.y, 0.5 - 0.75 / rows)), level).rgb;
 }}
 vec3 filmic(vec3 c) {{
   c = max(c, vec3(0.0)) * exposure;
   c = c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14);
-  return pow(clamp(c, 0.0, 1.0), vec3(1.0 / 2.2));
+  vec3 s = sqrt(clamp(c, 0.0, 1.0));
+  return s * ({number(GAMMA[0])} + s * ({number(GAMMA[1])} + {number(GAMMA[2])} * s)) /
+         ({number(GAMMA[3])} + s * ({number(GAMMA[4])} + s));
 }}
 vec3 radiance(vec3 shown) {{
   vec3 y = min(pow(shown, vec3(2.2)), vec3(0.98));
@@ -45,8 +49,8 @@ vec3 foggy(vec3 c, vec3 away, float dist) {{
   float f = 1.0 - exp(-dist / fogReach);
   f *= 0.5 + 0.5 * f * (3.0 - 2.0 * f);
   f = mix(f, 1.0, smoothstep({number(w.END[0])}, {number(w.END[1])}, dist / fogReach));
-  vec3 air = min(skyAt(normalize(vec3(away.x, 0.012, away.z)), 3.0), vec3(3.0));
-  return mix(c, air, f * useFog);
+  vec2 low = vec2(atan(away.z, away.x) / 6.283185307 + 0.5, 0.5 - 0.75 / float(textureSize(sky, 3).y));
+  return mix(c, min(textureLod(sky, low, 3.0).rgb, vec3(3.0)), f * useFog);
 }}
 """
 
@@ -60,7 +64,7 @@ float fresnel(float ci) {{
 float chance(ivec2 p) {{
   uint n = uint(p.x) * 374761393u + uint(p.y) * 668265263u;
   n = (n ^ (n >> 13u)) * 1274126177u;
-  return float((n ^ (n >> 16u)) & 65535u) * {number(1 / 65535)};
+  return float(n >> 16u) * {number(1 / 65535)};
 }}
 vec3 noise(vec2 p) {{
   vec2 w = floor(p), f = p - w;
@@ -85,8 +89,9 @@ float patches(vec2 q) {{
   return grain;
 }}
 float white(float share, vec2 q, float footprint) {{
-  float fine = clamp(1.0 - footprint / {number(foam.FINE)}, 0.0, 1.0), result = max(share, 0.0);
-  int turns = share > 0.0 && fine > 0.0 ? 1 : 0;
+  float fine = clamp(1.0 - footprint / {number(foam.FINE)}, 0.0, 1.0);
+  float result = share > {number(foam.FAINT)} ? share : 0.0;
+  int turns = result > 0.0 && fine > 0.0 ? 1 : 0;
   for (int turn = 0; turn < turns; turn++) {{
     float rank = 1.0 / (1.0 + exp(1.702 * (patches(q) - {number(foam.MIDDLE)}) / {number(foam.SPREAD)}));
     float thick = min({number(foam.THINNEST)} + {number((1 - foam.THINNEST) / foam.THICK)} * share, 1.0);

@@ -258,8 +258,7 @@ def sky_reflection(
 
 def horizon(away: np.ndarray, sky: Sky) -> np.ndarray:
     """Colour of the air at the horizon in the direction of view."""
-    low = unit(np.stack([away[:, 0], np.full(len(away), 0.012), away[:, 2]], axis=1))
-    return np.minimum(sky.sample(low, 3.0), 3.0)
+    return np.minimum(sky.sample(away * [1.0, 0.0, 1.0], 3.0), 3.0)
 
 
 def surface(position: np.ndarray, normal: np.ndarray, height: np.ndarray, eye: np.ndarray) -> np.ndarray:

@@ -215,6 +215,8 @@ def test_usd_holds_water_foam_velocity_ship_and_particles(manned):
     np.testing.assert_allclose(bow, export_scene.Z_UP @ expected, atol=1e-6)
     cloud = UsdGeom.Points.Get(stage, "/sea/particles")
     np.testing.assert_array_equal(np.array(cloud.GetPointsAttr().Get(code)), frame["position"])
+    pressure = UsdGeom.PrimvarsAPI(cloud).GetPrimvar("pressure").Get(code)
+    np.testing.assert_array_equal(np.array(pressure), frame["pressure"])
 
 
 def test_gltf_opens_elsewhere_with_its_ship_on_her_way(manned):
@@ -263,6 +265,23 @@ def test_a_surface_comes_with_foam_velocity_and_ships_and_particles_as_points(ma
     cloud = trimesh.load(manned / "export" / "particles_00004.ply")
     np.testing.assert_allclose(cloud.vertices, frame["position"] @ export_scene.Z_UP.T, atol=1e-6)
     assert {file.name for file in files} >= {"surface.vtp.series", "ship.vtp.series", "particles_00000.ply"}
+
+
+def test_a_surface_that_was_kept_as_triangles_has_the_foam_and_velocity_of_its_places(tmp_path):
+    """What the frame kept on its grid, linear between middles of cells; a surface with an underside has none."""
+    x, z = np.meshgrid(np.arange(8) + 0.5, np.arange(4) + 0.5, indexing="ij")  # of a basin from 0 to 8 and to 4 m
+    fine_x, fine_z = np.meshgrid((np.arange(16) + 0.5) / 2.0, (np.arange(8) + 0.5) / 2.0, indexing="ij")
+    vertices = np.array([[11.0, 0.1, 21.0], [11.0, 0.2, 23.0], [16.3, 0.0, 22.0]])
+    grid = {"lower": np.zeros(3), "upper": np.array([8.0, 1.0, 4.0]), "x": x[:, 0], "z": z[0]}
+    data = {"time": 0.0, "elevation": 0.0 * x, "origin": np.array([10.0, 20.0]), "vertices": vertices}
+    data |= {"normals": np.tile([0.0, 1.0, 0.0], (3, 1)), "foam": 0.1 * fine_x + 0.05 * fine_z}
+    data["surface_velocity"] = np.stack([x, -z, 0.0 * x], axis=-1)
+    for name, triangles in (("up", [[0, 1, 2]]), ("folded", [[0, 1, 2], [0, 2, 1]])):
+        np.savez(tmp_path / f"{name}.npz", triangles=np.array(triangles), **data)
+    fields = export_scene.shot(tmp_path / "up.npz", grid).fields
+    np.testing.assert_allclose(fields["foam"], [0.15, 0.25, 0.73], atol=1e-6)
+    np.testing.assert_allclose(fields["velocity"], [[1.0, -1.0, 0.0], [1.0, -3.0, 0.0], [6.3, -2.0, 0.0]], atol=1e-6)
+    assert list(export_scene.shot(tmp_path / "folded.npz", grid).fields) == ["Normals"]
 
 
 def test_many_files_are_not_named_one_by_one(capsys):

@@ -119,7 +119,9 @@ def test_no_edge_shows_where_the_basin_ends():
     ends = np.concatenate([drawn[:, 0], drawn[-1]])
     np.testing.assert_allclose(ends, sea.level + waves.elevation(far, rim, frame.time), atol=1e-9)
     as_now = far.amplitude
-    assert fan.look(8.0, 0.0, 0.5, 0.4, 1e-3, as_now) and not fan.look(8.1, 0.05, 0.5, 0.4, 1e-3, 1.01 * as_now)
+    assert fan.look(8.0, 0.0, 0.5, 0.4, 1e-3, 0.5e-3, as_now) and not fan.look(
+        8.1, 0.05, 0.5, 0.4, 1e-3, 0.5e-3, 1.01 * as_now
+    )
     times = np.arange(0.0, 60.0, 0.7)
     column = int(np.abs(surface.x - 15.0).argmin())
     inside = np.array([surface.at(standing(t), sea).height[column] for t in times])
@@ -131,7 +133,7 @@ def test_no_edge_shows_where_the_basin_ends():
 @pytest.mark.parametrize(("sea", "height"), [(spectrum(), 8.0), (spectrum(5), 25.0), (None, 12.0)])
 def test_the_far_sea_keeps_its_height_for_a_kilometre(sea, height):
     fan = far_sea.Fan(now(0.0).waves if sea is None else far_sea.strongest(sea))
-    fan.look(height, 0.3, 0.55, 0.5, 8.5e-4, fan.sea.amplitude)
+    fan.look(height, 0.3, 0.55, 0.5, 8.5e-4, 4.25e-4, fan.sea.amplitude)
     distance = np.hypot(*fan.nodes.reshape(*fan.shape, 2)[:, 0].T)
     kept = np.sqrt(((fan.sea.amplitude * fan.drawn) ** 2).sum(axis=1) / (fan.sea.amplitude**2).sum())
     assert kept[distance < 400.0].min() > 0.95
@@ -146,7 +148,7 @@ def test_the_far_sea_keeps_its_height_for_a_kilometre(sea, height):
 def test_what_is_narrower_than_a_pixel_widens_the_glint_instead():
     sea = spectrum()
     fan = far_sea.Fan(far_sea.strongest(sea))
-    fan.look(8.0, 0.0, 0.55, 0.5, 8.5e-4, fan.sea.amplitude)
+    fan.look(8.0, 0.0, 0.55, 0.5, 8.5e-4, 4.25e-4, fan.sea.amplitude)
     slopes, lost = 0.5 * ((fan.sea.amplitude * fan.sea.wavenumber) ** 2).sum(), fan.lost(fan.sea.amplitude)
     assert lost[0] == pytest.approx(0.0, abs=1e-9) and lost[-1] == pytest.approx(0.5 * slopes)
     seen = fan.at(far_sea.turning(fan.sea, 2.0, HERE))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ocean_sim.pictures.smoothed_mesh import low_pass, rim, smoothed
+from ocean_sim.pictures.smoothed_mesh import long, low_pass, rim, smoothed
 from ocean_sim.pictures.spray import stirred
 from ocean_sim.pictures.water_mesh import triangles
 from ocean_sim.surface import Mesh
@@ -59,6 +59,15 @@ def test_the_rim_of_water_in_a_tank_is_a_line_around_its_walls(tilt):
     ends = vertices[rim(Mesh(vertices, faces, np.zeros(vertices.shape)), low, up)]
     assert np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum() == pytest.approx(4.0 + 2.0 * np.hypot(1.0, tilt))
     np.testing.assert_allclose(ends[..., 1], 0.4 + tilt * (ends[..., 0] - 0.5), atol=1e-12)
+
+
+def test_lines_around_small_holes_in_a_film_are_left_out():
+    turn = np.linspace(0.0, 2.0 * np.pi, 6, endpoint=False)
+    hole = np.stack([np.cos(turn), np.sin(turn), 0.0 * turn], axis=1)  # a hexagon of edges of 1 m
+    vertices = np.concatenate([hole, [[9.0, 0.0, 0.0], [16.0, 0.0, 0.0], [23.0, 0.0, 0.0]]])
+    edges = np.array([*((k, (k + 1) % 6) for k in range(6)), (6, 7), (7, 8)])
+    np.testing.assert_array_equal(long(edges, vertices, 5.9), edges)
+    np.testing.assert_array_equal(long(edges, vertices, 6.1), edges[6:])
 
 
 def test_no_vertex_goes_farther_than_it_may():

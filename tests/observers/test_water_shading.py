@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.pictures import foam as foam_module
-from ocean_sim.pictures import opengl, ripples
+from ocean_sim.pictures import opengl, ripples, water_glsl
 from ocean_sim.pictures import sky as sky_module
 from ocean_sim.pictures import water_shading as w
 
@@ -241,3 +241,9 @@ def test_the_scattered_sky_is_blue_above_and_brightest_at_the_sun():
     d = sky_module.directions(256, 128).reshape(-1, 3)
     brightest = d[sky.image.reshape(-1, 3).sum(axis=1).argmax()]
     assert brightest @ sky_module.SUN > np.cos(np.radians(2.0))
+
+
+def test_the_tone_curve_is_that_of_a_power_of_1_over_2_2():
+    root, (a, b, c, d, e) = np.linspace(0.0, 1.0, 2001), water_glsl.GAMMA
+    curve = root * (a + root * (b + c * root)) / (d + root * (e + root))
+    assert 255.0 * np.abs(curve - root ** (2.0 / 2.2)).max() < 0.08

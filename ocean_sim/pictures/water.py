@@ -17,9 +17,7 @@ NEARER = 0.002  # of the way to the eye by which the rim lies before the water
 EXPOSURE = 1.15  # of water in a tank, as of what is drawn with plain colours
 BELOW = 0.004  # of a tank's height by which its bed is drawn below the water
 MOST = 0.4  # [spacings] by which a folded surface is smoothed
-LONG = (
-    16.0  # [spacings] of a line along which the water meets a side: shorter ones, around holes in a film, are not drawn
-)
+LONG = 16.0  # [spacings] of a line where the water meets a side: shorter ones, around holes in a film, are not drawn
 BED = (0.62, 0.66, 0.67)  # of a tank: on dark ground clear water would not tell how thick it is
 NODES = {"draft": 40_000, "final": 160_000}  # of the drawn surface
 

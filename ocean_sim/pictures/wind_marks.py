@@ -1,4 +1,5 @@
-"""A wind in a picture: tinted volumes in which it blows, arrows along what it does, crosses where it is but noise."""
+"""A wind in a picture: tinted volumes in which it blows, on a map their outlines; arrows along what it does, crosses
+where it is but noise."""
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from ocean_sim.pictures.marks import round_below
 from ocean_sim.pictures.stage import Stage
 
 TINT, PAINT = "#ffb347", np.array([0.95, 0.42, 0.04])  # of volumes; of arrows, linear RGB
-CLEAR, CLEARER = 0.22, 0.14  # opacity of a volume; and on a map
+CLEAR = 0.22  # opacity of a volume
 LOW, HIGH = 0.10, 0.18  # of the basin's length: least and greatest height of a volume over the water
 UNDER = 0.2  # of the basin's length: how far it goes on below, where waves hide it
 LONGEST, RAISED = 0.13, 0.02  # of the basin's length: the longest arrow, and how far over the water they begin
@@ -61,8 +62,8 @@ class WindMarks:
         plotter.add_mesh(made, scalars="colour", rgb=True, lighting=False, name=name, reset_camera=False, render=False)
 
     def show_volumes(self, lines: np.ndarray, crest: float) -> None:
-        """Walls over the outlines of the volumes that lines (n, 2, 3) show; on a map, seen from straight above, their
-        areas, over the highest crest [m]."""
+        """Walls over the outlines of the volumes that lines (n, 2, 3) show; on a map, whose colours are heights, the
+        outlines alone, over the highest crest [m]."""
         plotter, pyvista = self.stage.plotter, self.stage.pyvista
         on_map = self.stage.camera.from_above
         faces, ends = [], []
@@ -73,19 +74,16 @@ class WindMarks:
             under = np.insert(outline, 1, -UNDER * self.length, axis=1)
             after = np.roll(over, -1, axis=0)
             ends.append(np.stack([over, after], axis=1))
-            if on_map:  # a fan of triangles, which are quads with a point twice
-                middle = np.broadcast_to(over.mean(axis=0), over.shape)
-                faces.append(np.stack([middle, over, after, after], axis=1))
-            else:
-                faces.append(np.stack([under, np.roll(under, -1, axis=0), after, over], axis=1))
+            faces.append(np.stack([under, np.roll(under, -1, axis=0), after, over], axis=1))
         for name in ("volumes", "edges of volumes"):
             plotter.remove_actor(name, render=False)
         if not faces:
             return
-        points = np.concatenate(faces).reshape(-1, 3).astype(np.float32)
-        made = pyvista.PolyData.from_regular_faces(points, np.arange(len(points)).reshape(-1, 4))
         shown = {"lighting": False, "reset_camera": False, "render": False, "color": TINT}
-        plotter.add_mesh(made, opacity=CLEARER if on_map else CLEAR, name="volumes", **shown)
+        if not on_map:
+            points = np.concatenate(faces).reshape(-1, 3).astype(np.float32)
+            made = pyvista.PolyData.from_regular_faces(points, np.arange(len(points)).reshape(-1, 4))
+            plotter.add_mesh(made, opacity=CLEAR, name="volumes", **shown)
         plotter.add_mesh(
             pyvista.line_segments_from_points(np.concatenate(ends).reshape(-1, 3).astype(np.float32)),
             line_width=3.0 * self.stage.samples,

@@ -116,7 +116,7 @@ def test_a_wind_is_drawn_where_it_blows(tmp_path, watched):
     assert not (without[..., 0] > without[..., 2] + 60).any()
     rows, columns = np.nonzero(np.abs(marked - plain).max(axis=2) > 4)
     filled = len(rows) / (np.ptp(rows) + 1) / (np.ptp(columns) + 1)
-    assert filled > 0.8  # on a map a volume is its area, tinted
+    assert 0.1 < filled < 0.6  # on a map a volume is its outline, and the colours of heights stay as they are
 
 
 def test_a_box_has_six_faces_that_look_outwards():

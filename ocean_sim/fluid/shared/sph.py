@@ -121,7 +121,10 @@ class SphConfig(WaterConfig):
         if "compression" not in self.unheeded:
             found += self.of_stiffness(basin) or self.of_weight(basin, preflight.duration)
         around = band(self.began(preflight))
-        found += around.warnings(preflight.duration) if around is not None else []
+        if around is not None:
+            outlines = {name: ship.outline(preflight) for name, ship in preflight.ships.items()}
+            ships = {name: outline.plan.mean(axis=0) for name, outline in outlines.items() if outline is not None}
+            found += [*around.warnings(preflight.duration), *around.parted(ships)]
         return [*found, *of_zones(zones(self.began(preflight)))]
 
     def of_stiffness(self, basin: Basin) -> list[str]:

@@ -18,6 +18,7 @@ from ocean_sim.fluid.shared.sea_rim import nodes
 from ocean_sim.fluid.shared.sea_source import Depths, PlaneWaveSource
 from ocean_sim.fluid.shared.steep_source import SteepSource
 from ocean_sim.kernel_library import ti
+from ocean_sim.observers.shared.energy import total
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.state import state
@@ -316,27 +317,36 @@ def test_a_ship_that_begins_across_the_seam_makes_as_much_room(kind):
     assert max(left) - min(left) <= (2 if kind == "pressure" else 0)
 
 
+def test_the_work_of_a_ship_on_the_water_is_what_the_water_takes_from_her():
+    """She falls 0.15 m into it; without her work the books would be open by nearly all of it."""
+    ship = AFLOAT | {"position": [0.0, 0.15, 0.0], "free": ["heave"]}
+    with Simulation(patch("calm", ship=ship, accuracy={})) as simulation:
+        floating, began = simulation.ships["ship"], total(simulation)
+        height, taken = floating.body.position[1], floating.body.mass * G
+        simulation.run(0.4)
+        work, body = simulation.fluid.work, floating.body
+        taken = taken * (height - body.position[1]) - body.kinetic_energy()
+        assert work["ship"] == pytest.approx(taken, rel=0.02) and taken > 100.0
+        given = sum(energy for term, energy in work.items() if term not in ("gravity", "pressure"))
+        assert total(simulation) - began == pytest.approx(given, abs=0.05 * taken)
+
+
 def in_a_slice(**places: float) -> dict:
     return {name: AFLOAT | {"position": [x, 0.0]} for name, x in places.items()}
 
 
-def test_two_ships_meet_across_the_seam_too(tmp_path):
+def test_two_ships_meet_across_the_seam_too_and_are_told_when_one_lies_in_the_rim(tmp_path):
     """Where they begin, and where they have come to after some tiles."""
     assert "the hulls of a and b reach 0.2 m into each other" in refused(ships=in_a_slice(a=-2.8, b=2.8))
-    with Simulation(patch(ships=in_a_slice(a=0.0, b=1.0), health={}), tmp_path) as simulation:
+    assert not any("inside the rim" in said for said in patch(ships=in_a_slice(a=-0.5, b=1.5)).warnings())
+    apart = patch(ships=in_a_slice(a=-1.6, b=2.4), health={})
+    assert any("a and b begin 0.5 m inside the rim" in sentence for sentence in apart.warnings())
+    with Simulation(apart, tmp_path) as simulation:
         simulation.step()
         b = simulation.ships["b"]
-        b.body = replace(b.body, position=b.body.position + [3.0 * 6.0 - 0.7, 0.0, 0.0])
+        b.body = replace(b.body, position=b.body.position + [3.0 * 6.0 + 1.7, 0.0, 0.0])
         with pytest.raises(Diverged, match="the hulls of a and b reach 0.3"):
             simulation.run(0.1)
-
-
-def test_ships_that_part_are_told_when_one_lies_in_the_rim(tmp_path):
-    apart = patch(ships=in_a_slice(a=-1.6, b=2.4), health={}, duration=0.01)
-    assert any("a and b begin 0.5 m inside the rim" in sentence for sentence in apart.warnings())
-    assert not any("inside the rim" in said for said in patch(ships=in_a_slice(a=-0.5, b=1.5)).warnings())
-    with Simulation(apart, tmp_path) as simulation:
-        simulation.run(0.01)
     assert "too far apart for their patch" in (tmp_path / "events.jsonl").read_text()
 
 

@@ -468,6 +468,11 @@ class Preflight:
         """Distance between particles at rest [m]; None without particles."""
         return self.untouched.spacing if self.untouched is not None else None
 
+    @property
+    def repeats(self) -> tuple[float, float, float]:
+        """After which lengths along each axis the water repeats itself [m]; 0: not at all."""
+        return self.tank.periods if self.fluid.made_of_particles else (0.0, 0.0, 0.0)
+
     @cached_property
     def support(self) -> float:
         """How far around a point particles count [m]; 0 without particles."""

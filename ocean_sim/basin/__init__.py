@@ -374,6 +374,14 @@ class Side:
         return f"{'xyz'[self.axis]}_{'max' if self.upper else 'min'}"
 
 
+def shifts(x: np.ndarray, origin: np.ndarray, period: Sequence[float]) -> np.ndarray:
+    """(n, 3) by how many whole lengths of periodic sides [m] points (n, 3) lie away from where they are nearest to an
+    origin x, z [m]; 0 along the others."""
+    length = np.array([period[0], 0.0, period[2]])
+    away = np.insert(origin, 1, 0.0) - x
+    return length * np.round(away / np.where(length > 0.0, length, np.inf))
+
+
 @dataclass(frozen=True)
 class Basin:
     """The box of water, in plain numbers."""

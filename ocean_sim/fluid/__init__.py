@@ -342,6 +342,10 @@ class Fluid(Protocol):
         basin."""
         return np.zeros(2)
 
+    def in_rim(self, points: np.ndarray) -> np.ndarray:
+        """(m,) whether points x, z (m, 2) in the world [m] lie in the rim of a patch of open sea."""
+        return np.zeros(len(points), dtype=bool)
+
     @property
     def count(self) -> int:
         """Number of particles now, 0 of a closed form."""

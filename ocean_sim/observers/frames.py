@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from ocean_sim import waves
+from ocean_sim.basin import shifts
 from ocean_sim.basin.points import grid, grid_size, pairs
 from ocean_sim.files.whole_file import whole
 from ocean_sim.fluid import Copied, Fluid
@@ -266,14 +267,6 @@ def appearance(simulation: "Simulation", ship: Ship) -> dict[str, object]:
         return {}
     helm = ship.points.get("helm", np.zeros(0))
     return {f"{key}_look": look.name, f"{key}_helm": helm, f"{key}_submerged": look.submerged}
-
-
-def shifts(x: np.ndarray, origin: np.ndarray, period: Sequence[float]) -> np.ndarray:
-    """(n, 3) by how many whole lengths of periodic sides [m] points (n, 3) lie away from where they are nearest to an
-    origin x, z [m]; 0 along the others."""
-    length = np.array([period[0], 0.0, period[2]])
-    away = np.insert(origin, 1, 0.0) - x
-    return length * np.round(away / np.where(length > 0.0, length, np.inf))
 
 
 def unrolled(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) -> "Mesh":

@@ -146,6 +146,7 @@ class Health(Concluding):
                 raise Diverged(sentence)
         self.judge_hulls(simulation)
         self.note_limit(simulation)
+        self.note_rim(simulation)
         self.note_grounding(simulation)
         self.note_flight(simulation)
         if self.n > 0:
@@ -342,14 +343,25 @@ class Health(Concluding):
             return
         outlines = [(name, ship.outline()) for name, ship in simulation.ships.items()]
         there = [(name, outline) for name, outline in outlines if outline is not None]
+        repeats = simulation.scene.preflight.repeats
         for (name, one), (other_name, other) in combinations(there, 2):
-            depth = one.overlap(other)
+            image = max(other.images(one, repeats), key=one.overlap)
+            depth = one.overlap(image)
             if depth > 0.0:
-                x, z = one.middle(other)
+                x, z = one.middle(image)
                 raise Diverged(
                     f"the hulls of {name} and {other_name} reach {depth:.3g} m into each other at ({x:.4g}, {z:.4g}) "
                     f"m, {self.moment()}; contact between hulls is not modelled: keep them apart{self.last_frame()}"
                 )
+
+    def note_rim(self, simulation: "Simulation") -> None:
+        """A ship, or one of several that have parted, lies in the rim of the patch: the sea around her is not hers."""
+        if len(simulation.ships) < 2:
+            return
+        at = np.array([ship.body.position[[0, 2]] for ship in simulation.ships.values()])
+        for (name, ship), inside in zip(simulation.ships.items(), simulation.fluid.in_rim(at), strict=True):
+            if inside:
+                self.once("the ships are too far apart for their patch: one is in its rim", **where(name, ship))
 
     def note_grounding(self, simulation: "Simulation") -> None:
         """The keel met the bed, again and again it may be."""

@@ -303,7 +303,9 @@ def _overlapping(preflight: Preflight, data: dict[str, Node]) -> list[Problem]:
     problems: list[Problem] = []
     outlines = {name: ship.outline(preflight) for name, ship in preflight.ships.items()}
     for (first, one), (second, other) in combinations(outlines.items(), 2):
-        depth = one.overlap(other) if one is not None and other is not None else 0.0
+        depth = 0.0
+        if one is not None and other is not None:
+            depth = max(one.overlap(image) for image in other.images(one, preflight.repeats))
         if depth > 0.0:
             sentence = f"the hulls of {first} and {second} reach {depth:.3g} m into each other"
             place = key_of(second)

@@ -1,6 +1,8 @@
 """Ships: every module of this folder without a leading underscore is a kind a scene may name."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
@@ -86,6 +88,15 @@ class Outline(NamedTuple):
             ways = np.minimum(a.max(axis=0) - b.min(axis=0), b.max(axis=0) - a.min(axis=0))
             least = min(least, float(ways.min()))
         return max(least, 0.0)
+
+    def images(self, other: "Outline", periods: Sequence[float]) -> list["Outline"]:
+        """It or its image that is nearest to another, and the images next to that, where the water repeats itself along
+        x and z after these lengths [m]; 0: not at all."""
+        apart = other.plan.mean(axis=0) - self.plan.mean(axis=0)
+        sides = [
+            (p * round(float(way) / p) + np.array([-p, 0.0, p])) if p else [0.0] for way, p in zip(apart, periods[::2])
+        ]
+        return [self._replace(plan=self.plan + np.array(way)) for way in product(*sides)]
 
     def middle(self, other: "Outline") -> np.ndarray:
         """(2,) x and z [m] of the middle of what the boxes around both share."""

@@ -1,12 +1,15 @@
 """A patch of open sea: its table, band, feed, accounts, and what a scene may say of it."""
 
 import re
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from ocean_sim import waves
+from ocean_sim.basin import shifts
+from ocean_sim.conventions import Diverged
 from ocean_sim.files.csv_file import columns
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid.shared.band import Band, band, stokes
@@ -15,6 +18,7 @@ from ocean_sim.fluid.shared.sea_rim import nodes
 from ocean_sim.fluid.shared.sea_source import Depths, PlaneWaveSource
 from ocean_sim.fluid.shared.steep_source import SteepSource
 from ocean_sim.kernel_library import ti
+from ocean_sim.observers.shared.energy import total
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.state import state
@@ -274,6 +278,76 @@ def test_a_sea_that_has_grown_is_the_sea(kind):
             real, imaginary, _ = np.linalg.lstsq(base, water.velocity[deep, 0], rcond=None)[0]
             assert abs(complex(real, imaginary)) == pytest.approx(share, abs=0.02)
             assert abs(np.degrees(np.arctan2(imaginary, real))) < 8.0
+
+
+def sailed(x: float, until: float = 0.5) -> np.ndarray:
+    """(n, 9) place from where she began [m], velocity, and force on her [N] in every step of a box that drifts along a
+    patch from x [m], in f64."""
+    ship = AFLOAT | {"position": [x, 0.0], "velocity": [1.0, 0.0, 0.0], "free": ["sway", "heave", "roll"]}
+    rows = []
+    with Simulation(patch(ship=ship, duration=until, runtime={"precision": "f64"})) as simulation:
+        floating = simulation.ships["ship"]
+        while simulation.time < until:
+            simulation.step()
+            place = floating.body.position - [x, 0.0, 0.0]
+            rows.append(np.concatenate([place, floating.body.velocity, floating.last.force]))
+    return np.array(rows)
+
+
+def test_a_ship_does_not_see_the_seam():
+    """She begins a wave further along and crosses it, or lies across it: the same forces as in the middle."""
+    here, across = sailed(0.8), sailed(0.8 + LENGTH)
+    assert 0.8 + LENGTH + 0.3 > 3.0 and here[-1, 0] > 0.2
+    assert np.abs(across - here)[:, :6].max() < 1e-6 and np.abs(here[:, 6:]).max() > 100.0
+    assert np.abs(across - here)[:, 6:].max() < 1e-3
+
+
+@pytest.mark.parametrize("kind", ["pressure", "hydrostatic"])
+def test_a_ship_that_begins_across_the_seam_makes_as_much_room(kind):
+    """As in the middle; and no water stays inside her."""
+    basin = {"length": 4.0, "width": 4.0, "depth": 1.0, "walls": "periodic"}
+    left = []
+    for place in ([0.0, 0.0], [2.0, 2.0], [1.9, -1.7]):
+        ship = {"kind": kind, "hull": HULL, "position": place, "heading_deg": 30.0}
+        found = patch(basin=basin, ship=ship, surface={"kind": "cloth"}).preflight
+        x = found.lattice.positions()
+        assert not found.solids["ship"].inside(x + shifts(x, np.array(place), found.tank.periods), 0.1).any()
+        left.append(len(x))
+    assert left[0] - 40 * 40 * 10 == pytest.approx(-144, rel=0.05)  # of 144 kg
+    assert max(left) - min(left) <= (2 if kind == "pressure" else 0)
+
+
+def test_the_work_of_a_ship_on_the_water_is_what_the_water_takes_from_her():
+    """She falls 0.15 m into it; without her work the books would be open by nearly all of it."""
+    ship = AFLOAT | {"position": [0.0, 0.15, 0.0], "free": ["heave"]}
+    with Simulation(patch("calm", ship=ship, accuracy={})) as simulation:
+        floating, began = simulation.ships["ship"], total(simulation)
+        height, taken = floating.body.position[1], floating.body.mass * G
+        simulation.run(0.4)
+        work, body = simulation.fluid.work, floating.body
+        taken = taken * (height - body.position[1]) - body.kinetic_energy()
+        assert work["ship"] == pytest.approx(taken, rel=0.02) and taken > 100.0
+        given = sum(energy for term, energy in work.items() if term not in ("gravity", "pressure"))
+        assert total(simulation) - began == pytest.approx(given, abs=0.05 * taken)
+
+
+def in_a_slice(**places: float) -> dict:
+    return {name: AFLOAT | {"position": [x, 0.0]} for name, x in places.items()}
+
+
+def test_two_ships_meet_across_the_seam_too_and_are_told_when_one_lies_in_the_rim(tmp_path):
+    """Where they begin, and where they have come to after some tiles."""
+    assert "the hulls of a and b reach 0.2 m into each other" in refused(ships=in_a_slice(a=-2.8, b=2.8))
+    assert not any("inside the rim" in said for said in patch(ships=in_a_slice(a=-0.5, b=1.5)).warnings())
+    apart = patch(ships=in_a_slice(a=-1.6, b=2.4), health={})
+    assert any("a and b begin 0.5 m inside the rim" in sentence for sentence in apart.warnings())
+    with Simulation(apart, tmp_path) as simulation:
+        simulation.run(0.003)
+        b = simulation.ships["b"]
+        b.body = replace(b.body, position=b.body.position + [3.0 * 6.0 + 1.7, 0.0, 0.0])
+        with pytest.raises(Diverged, match=r"the hulls of a and b reach 0\.3"):
+            simulation.run(0.1)
+    assert "too far apart for their patch" in (tmp_path / "events.jsonl").read_text()
 
 
 def test_a_name_is_enough_for_a_calm_sea():

@@ -8,6 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from ocean_sim import waves
+from ocean_sim.basin import shifts
 from ocean_sim.basin.points import pairs
 from ocean_sim.observers import frames, manifest
 from ocean_sim.parts import Preflight
@@ -121,7 +122,7 @@ def test_particles_of_a_patch_are_kept_around_the_ship_and_triangles_stay_whole(
 
     origin, period = np.array([0.0, 37.0]), (20.0, 0.0, 20.0)
     x = np.random.default_rng(0).uniform(-10.0, 10.0, (200, 3))
-    moved = x + frames.shifts(x, origin, period)
+    moved = x + shifts(x, origin, period)
     assert np.abs(moved[:, 2] - 37.0).max() <= 10.0 and np.abs(moved[:, 0]).max() <= 10.0
     np.testing.assert_array_equal(moved[:, 1], x[:, 1])
     corners = np.array([[0.0, 0.0, -9.0], [1.0, 0.0, -9.0], [0.0, 0.0, -8.0], [1.0, 0.0, 9.0], [0.0, 0.0, 9.5]])

@@ -10,6 +10,7 @@ with U the ship's speed along it and `loss` the decay of its height less i times
 feed = 2 loss holds it up wherever the ship sails, also with it, where no band can renew it.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, exp, pi
@@ -173,6 +174,16 @@ class Band:
             if there is not None and abs(there) < 1.0 - WEAK:
                 found.append(f"the sea has {abs(there):.2g} of its height at a ship {who}, by a 1-D model")
         return found
+
+    def parted(self, ships: Mapping[str, np.ndarray]) -> list[str]:
+        """Which of several ships, by name at x, z [m], lie in it, as it is opposite the middle of all."""
+        if len(ships) < 2:
+            return []
+        at, periods = np.array(list(ships.values())), np.array(self.lattice.basin.periods)[[0, 2]]
+        far = (np.abs(at - at.mean(axis=0)) - (0.5 * periods - self.width))[:, periods > 0.0].max(axis=1)
+        inside = [name for name, depth in zip(ships, far, strict=True) if depth > 0.0]
+        there = f"{' and '.join(inside)} begin {far.max():.3g} m inside the rim of the patch, which lies opposite the"
+        return [f"{there} middle of all ships; take a larger patch"] if inside else []
 
 
 def band(lattice: Lattice) -> Band | None:

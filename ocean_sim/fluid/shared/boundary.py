@@ -54,6 +54,7 @@ class Body:
     origin: np.ndarray  # (3,) where it is at first [m]
     gate: Gate | None = None  # how it moves, where that is given
     across: tuple[int, float] = (0, 0.0)  # of a gate: layers of samples across it, and how far they are apart [m]
+    floats: bool = False  # whether it answers to the water
 
     def strength(self, smoothing: Smoothing, spacing: float) -> float:
         """What its samples count for in the water's laws: of a gate that is thinner than the support so much more than
@@ -105,8 +106,13 @@ def floating(lattice: Lattice, support: float) -> dict[str, Body]:
     bodies = {}
     for name, solid in lattice.basin.afloat.items():
         if solid.felt:
-            bodies[name] = Body(*solid.samples(lattice.spacing, support), False, solid.origin)
+            bodies[name] = Body(*solid.samples(lattice.spacing, support), False, solid.origin, floats=True)
     return bodies
+
+
+def at_work(bodies: Sequence[Body]) -> bool:
+    """Whether some of them move, so that they work on the water."""
+    return any(body.floats or body.gate is not None for body in bodies)
 
 
 def memory(samples: int, bodies: int, cells: int, word: int, working: bool) -> int:
@@ -146,7 +152,7 @@ class Boundary:
         smoothing: Smoothing,
         accounts: bool,
     ) -> None:
-        """`accounts`: whether it sums the work of bodies that move as given."""
+        """`accounts`: whether it sums the work of bodies that move."""
         self.bodies, self.mass, self.grid, self.pull = bodies, particles.mass, grid, pull
         self.owners = np.repeat(np.arange(len(bodies)), [len(body.position) for body in bodies])
         self.n = n = len(self.owners)
@@ -156,7 +162,8 @@ class Boundary:
         self.motion = np.zeros((len(bodies), MOTION.size))  # where they are and how they move
         self.moved = True  # whether they have, since they were sorted
         self.gates = [(k, body.gate) for k, body in enumerate(bodies) if body.gate is not None]
-        self.moving, self.working = bool(self.gates), bool(self.gates) and accounts
+        self.moving, self.working = bool(self.gates), accounts and at_work(bodies)
+        self.given = sum(not body.floats for body in bodies)  # they come first; what floats moves after the water
         self.speed = 0.0  # [m/s] of the fastest gate
         # In the order of the bodies; positions are from the origin [m], in the body's axes and in those of the tank.
         self.local, self.arm, self.force = Components(n), Components(n), Components(n)
@@ -341,7 +348,8 @@ class Boundary:
                     for k in ti.static(range(3)):
                         self.impulse[name, k] = self.impulse[name, k] + ti.cast(dt * force[k], ti.f64)
                     if ti.static(self.working):
-                        v = vector(self.velocity, s) - 0.5 * dt * vector(self.acceleration, s)  # mean of the step
+                        late = ti.select(self.owner[name] < self.given, -0.5, 0.5) * dt  # to the mean of the step
+                        v = vector(self.velocity, s) + late * vector(self.acceleration, s)
                         for k in ti.static(range(3)):
                             self.work[name, 0] = self.work[name, 0] - ti.cast(dt * force[k] * v[k], ti.f64)
                             self.work[name, 1] = self.work[name, 1] - ti.cast(dt * force[3 + k] * v[k], ti.f64)
@@ -396,16 +404,18 @@ class Boundary:
                 borne[0, b, k] = borne[0, b, k] + force[k]
                 borne[1, b, k] = borne[1, b, k] + torque[k]
 
-    def works(self) -> tuple[float, float]:
-        """Work [J] of all gates on the water since the start, and what of it the law of the water has put under
+    def works(self) -> np.ndarray:
+        """(k, 2) work [J] of each body on the water since the start, and what of it the law of the water has put under
         walls."""
-        gate = np.isin(self.owners, [k for k, _ in self.gates])
-        done, counted = self.work.to_numpy()[gate].sum(axis=0).tolist()
-        return done, counted
+        return self.of_each(self.work)
 
     def impulses(self) -> np.ndarray:
         """Impulse (k, 3) of the water on each body since the start [N s]."""
-        each = self.impulse.to_numpy()
+        return self.of_each(self.impulse)
+
+    def of_each(self, summed: ti.Field) -> np.ndarray:
+        """What the samples of each body have summed, together."""
+        each = summed.to_numpy()
         return np.array([each[self.owners == k].sum(axis=0) for k in range(len(self.bodies))])
 
 

@@ -2,11 +2,12 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 from typing import Protocol
 
 import numpy as np
 
-from ocean_sim.basin import Basin, Box
+from ocean_sim.basin import Basin, Box, shifts
 from ocean_sim.fluid.shared import initial as initial_module
 from ocean_sim.fluid.shared.emitter import Emitter, Jet
 from ocean_sim.waves import Components
@@ -172,12 +173,20 @@ class Lattice:
         out of the reach of what is not felt through the water's own laws."""
         wet, positions = ~inside(self.full, self.basin), self.full
         for solid in self.basin.afloat.values():
+            nearest = shifts(positions, solid.origin[[0, 2]], self.basin.periods)
             if solid.felt:
-                wet &= ~solid.inside(self.full, self.spacing)
+                wet &= ~solid.inside(self.full + nearest, self.spacing)
             else:
-                gone, positions = solid.carved(positions, self.spacing, self.boxes)
+                gone, moved = solid.carved(positions + nearest, self.spacing, self.repeated)
                 wet &= ~gone
+                positions = initial_module.wrapped(moved - nearest, self.basin)
         return wet, positions
+
+    @property
+    def repeated(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """The boxes, and their repeats next to them beyond periodic sides."""
+        ways = product(*((-period, 0.0, period) if period else (0.0,) for period in self.basin.periods[::2]))
+        return [(low + [x, 0.0, z], up + [x, 0.0, z]) for x, z in ways for low, up in self.boxes]
 
     @property
     def wet(self) -> np.ndarray:

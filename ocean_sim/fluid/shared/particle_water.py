@@ -99,6 +99,9 @@ class ParticleWater(ParticleFluid):
     def patch_centre(self) -> np.ndarray:
         return self.rim.where(self.time) if self.joined else np.zeros(2)
 
+    def in_rim(self, points: np.ndarray) -> np.ndarray:
+        return self.rim.holds(points, self.time) if self.joined else super().in_rim(points)
+
     def meet(self, contact: Contact) -> None:
         """From the first step on feel the push of one more hull."""
         self.contacts.append(contact)

@@ -187,12 +187,20 @@ class SeaRim:
             return np.mean([ship.body.position[[0, 2]] for ship in self.ships], axis=0)
         return self.velocity * time
 
+    def nearest(self, points: np.ndarray) -> np.ndarray:
+        """(..., 2) points x, z [m] where the patch around the origin has them, 0 along an axis that it has not."""
+        around = np.where(self.periods > 0.0, self.periods, np.inf)
+        return np.where(self.periods > 0.0, points - self.periods * np.round(points / around), 0.0)
+
     def place(self, time: float) -> None:
         """Where it is at a time [s], or where the ships are."""
-        at = self.where(time)
-        around = np.where(self.periods > 0.0, self.periods, np.inf)
-        at = np.where(self.periods > 0.0, at - self.periods * np.round(at / around), 0.0)
+        at = self.nearest(self.where(time))
         self.middle.from_numpy(at.astype(to_numpy_type(self.middle.dtype)))
+
+    def holds(self, points: np.ndarray, time: float) -> np.ndarray:
+        """(m,) whether points x, z (m, 2) in the world [m] lie in it at a time [s]."""
+        away = np.abs(self.nearest(points - self.where(time)))
+        return np.any((away > 0.5 * self.periods - self.width) & (self.periods > 0.0), axis=-1)
 
     def advance(self, time: float) -> None:
         """To a time [s]."""

@@ -123,7 +123,10 @@ class SphConfig(WaterConfig):
         if "compression" not in self.unheeded:
             found += self.of_stiffness(basin) or self.of_weight(basin, preflight.duration)
         around = band(self.began(preflight))
-        found += around.warnings(preflight.duration) if around is not None else []
+        if around is not None:
+            outlines = {name: ship.outline(preflight) for name, ship in preflight.ships.items()}
+            ships = {name: outline.plan.mean(axis=0) for name, outline in outlines.items() if outline is not None}
+            found += [*around.warnings(preflight.duration), *around.parted(ships)]
         return [*found, *of_zones(zones(self.began(preflight))), *self.of_scales(preflight)]
 
     def of_scales(self, preflight: Preflight) -> Iterator[str]:
@@ -323,12 +326,12 @@ def _of_sea(lattice: Lattice, word: int) -> list[LedgerRow]:
 def _of_bodies(grid: GridSize, word: int, each: float, accounts: bool, told: int) -> list[LedgerRow]:
     """The ledger of the solid bodies in the water, whose samples take `each` [s] a step; the first row holds where
     every cell's begin, and `told` numbers that each particle carries along for them. `accounts`: whether the work of
-    gates is summed."""
+    those that move is summed."""
     lattice, basin = grid.lattice, grid.lattice.basin
     rows: list[LedgerRow] = []
     if not with_bodies(basin):
         return []
-    from ocean_sim.fluid.shared.boundary import boxes, floating, memory
+    from ocean_sim.fluid.shared.boundary import at_work, boxes, floating, memory
 
     afloat = {key_of(name): [body] for name, body in floating(lattice, grid.support).items()}
     of_parts = {"basin": boxes(lattice, grid.support)} | afloat
@@ -337,7 +340,7 @@ def _of_bodies(grid: GridSize, word: int, each: float, accounts: bool, told: int
         if part in afloat:
             why = f"{part}.kind is pressure: the water feels the hull"
         if bodies:
-            working = accounts and any(body.gate is not None for found in of_parts.values() for body in found)
+            working = accounts and any(at_work(found) for found in of_parts.values())
             size = memory(count, len(bodies), 0 if rows else grid.cell_count, word, working)
             size += 0 if rows else word * told * lattice.n
             rows.append(LedgerRow(part, f"{count} samples of solid bodies", size, why, count * each))
@@ -435,8 +438,10 @@ class Sph(ParticleWater):
     def work(self) -> dict[str, float]:
         total = super().work
         if total and self.boundary is not None and self.boundary.working:
-            total["obstacles"], counted = self.boundary.works()
-            total["walls"] -= counted  # the laws count all as walls
+            (done, counted), fixed = self.boundary.works().T, len(self.grid.basin.obstacles)
+            total["obstacles"] = float(done[:fixed].sum())
+            total["ship"] = float(done[fixed:].sum()) + total.get("ship", 0.0)
+            total["walls"] -= float(counted.sum())  # the laws count all as walls
         return total
 
     @ti.func

@@ -103,7 +103,7 @@ class Solid:
         positions, tall = (cubes.centre - self.centre) @ self.turn.T + self.origin, cubes.spread(self.turn[1])
         found = 0.0
         for low, up in boxes:
-            within = ((positions > low) & (positions < up))[:, [0, 2]].all(axis=1) & (positions[:, 1] > low[1])
+            within = ((positions >= low) & (positions < up))[:, [0, 2]].all(axis=1) & (positions[:, 1] > low[1])
             found += float((cubes.share * within * np.clip((up[1] - positions[:, 1]) / tall + 0.5, 0.0, 1.0)).sum())
         return found * float(cubes.size.prod())
 

@@ -105,6 +105,16 @@ def test_a_finished_run_goes_on_when_asked(run, there, ask, tmp_path):
     assert manifest["outcome"] == "done" and manifest["scene"]["duration"] == 0.6 and len(manifest["resumed_s"]) == 1
 
 
+def test_frames_that_have_been_deleted_are_kept_anew(there, ask):
+    frames = {path.name for path in (there / "frames").iterdir()}
+    edit(there, outcome="done")
+    shutil.rmtree(there / "frames")
+    code, _, err = ask("resume", there, "--until", "0.6")
+    assert (code, err) == (0, "") and json.loads((there / "manifest.json").read_text())["outcome"] == "done"
+    made = {path.name for path in (there / "frames").iterdir()}
+    assert made & frames == {"grid.npz"} and "frame_00006.npz" in made
+
+
 def test_a_damaged_checkpoint_gives_way_to_the_one_before(run, there, ask):
     """Wherever a bit has turned, or the file ends; what was written since the one before is made again."""
     whole = newest(there).read_bytes()

@@ -13,6 +13,7 @@ by name, without their initialisers.
 
 import dataclasses
 import os
+import shutil
 import sys
 from collections.abc import Iterable
 from inspect import get_annotations
@@ -145,14 +146,16 @@ class Snapshot:
 class Restorer:
     """Puts a state back into `root`, which the same scene was built into.
 
-    Raises Mismatch where they do not fit. Files are opened in `folder` and truncated to their length at the time when
-    `cut` is called, so that a state that does not fit changes nothing on disk.
+    Raises Mismatch where they do not fit. Files are opened in `folder`; they are truncated to their length at the time,
+    and folders that have been deleted since are made anew, when `cut` is called, so that a state that does not fit
+    changes nothing on disk.
     """
 
     def __init__(self, root: Any, tree: Any, arrays: dict[str, np.ndarray], folder: Path) -> None:
         self.arrays, self.folder = arrays, folder
         self.made: dict[str, Any] = {}
         self.files: list[tuple[TextIOWrapper, int]] = []
+        self.deleted: list[tuple[Path, Path]] = []  # folders as a run begins with them, and where they are to be
         self.used: dict[int, str] = {}
         self.fields: dict[str, ti.Field] = {}
         try:
@@ -164,7 +167,9 @@ class Restorer:
             raise Mismatch(f"what it holds is not the state of a run ({type(error).__name__})") from error
 
     def cut(self) -> None:
-        """Remove what was written to files after the state was taken."""
+        """Remove what was written to files after the state was taken, and make the folders that are gone."""
+        for begun, gone in self.deleted:
+            shutil.copytree(begun, gone)
         for file, size in self.files:
             file.seek(size)
             file.truncate()
@@ -198,6 +203,8 @@ class Restorer:
         found = self.folder / inside(node[PATH])
         if isinstance(fresh, Path) and not (fresh.is_dir() if found == self.folder else fresh.name == found.name):
             raise Mismatch(f"its {path.lstrip('.')} is {node[PATH]!r:.60}")
+        if isinstance(fresh, Path) and fresh.is_dir() and not found.exists():
+            self.deleted.append((fresh, found))
         return found
 
     def from_field(self, node: Any, fresh: Any, path: str) -> Any:

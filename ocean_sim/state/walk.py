@@ -49,6 +49,10 @@ class Mismatch(Exception):
     """A state does not fit what it is to be put into; the message names where."""
 
 
+class Shortened(Mismatch):
+    """A file holds less than when the state was taken; the message is a sentence of its own."""
+
+
 def attributes(value: Any) -> dict[str, Any]:
     """The attributes of an object but those that its class leaves out."""
     out = value.left_out if isinstance(value, Partial) else ()
@@ -233,7 +237,7 @@ class Restorer:
             raise Mismatch(f"{name} cannot have {size!r:.60} bytes")
         on_disk = self.folder / inside(name)
         if not on_disk.is_file() or on_disk.stat().st_size < size:
-            raise Mismatch(f"{name} is shorter than it was when the checkpoint was made")
+            raise Shortened(f"{name} is shorter than it was when the checkpoint was made, so the run cannot go on")
         if isinstance(fresh, TextIOWrapper):
             fresh.close()
         file = on_disk.open("r+", encoding="utf-8", newline="\n")

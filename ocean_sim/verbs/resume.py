@@ -63,7 +63,7 @@ def gone_on(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: 
     stays as it is until all fits."""
     from ocean_sim.observers.checkpoint import restore
     from ocean_sim.simulation import Simulation
-    from ocean_sim.state.walk import Mismatch
+    from ocean_sim.state.walk import Mismatch, Shortened
 
     def restored(simulation: "Simulation") -> None:
         if kept.made.get("backend") != simulation.backend.arch:
@@ -71,6 +71,8 @@ def gone_on(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: 
             raise console.Refused(f"{folder}: the checkpoint was made on {backends}")
         try:
             restore(simulation, kept, folder, changed)
+        except Shortened as problem:
+            raise console.Refused(f"{folder}: {problem}") from None
         except Mismatch as problem:
             raise console.Refused(f"{folder}: the checkpoint does not fit this program: {problem}") from None
 
@@ -134,8 +136,8 @@ def newest(folder: Path, config: SceneConfig) -> file.Checkpoint:
     """The newest checkpoint that is whole; raises Refused."""
     paths, reason = [*file.kept(folder)], ""
     if not paths:
-        early = "it ended before its first one, so there is nothing to continue; start it again"
-        cure = early if "checkpoint" in config.observers else "name `checkpoint` in a scene to have them"
+        gone = "its files checkpoint_*.h5 are gone; start it again"
+        cure = gone if "checkpoint" in config.observers else "name `checkpoint` in a scene to have them"
         raise console.Refused(f"{folder}: there is no checkpoint to go on from; {cure}")
     for path in paths:
         try:

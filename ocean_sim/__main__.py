@@ -11,6 +11,7 @@ import typer
 
 from ocean_sim.conventions import Failed, Refused, in_words
 from ocean_sim.files.input_file import shown
+from ocean_sim.files.whole_file import whole
 from ocean_sim.machine import extra_missing, extra_of, stoppable
 from ocean_sim.verbs.shared import console
 
@@ -204,7 +205,8 @@ def schema(
             sys.stdout.write(text())
             sys.stdout.flush()
     else:
-        out.write_text(text(), encoding="utf-8")
+        with whole(out) as draft:
+            draft.write_text(text(), encoding="utf-8")
 
 
 @app.command()

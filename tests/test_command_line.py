@@ -417,3 +417,12 @@ def test_null_takes_away_what_was_set_below_its_key_before():
 def test_the_demo_s_own_settings_give_way_to_null(slot):
     script = [word for key in ("render.every=0.1", "frames.every=0.1") for word in ("--set", key)]
     assert answered(["check", "showcase", *script, "--set", f"{slot}=null"]) == 0
+
+
+def test_a_run_that_is_stopped_before_it_has_written_anything_names_no_folder(ask, monkeypatch):
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("ocean_sim.verbs.run.simulated", interrupted)
+    code, _, err = ask("run", "small.yaml", "--out", "early")
+    assert (code, err) == (1, "stopped at t = 0.000 s; nothing was written\n") and not Path("early").exists()

@@ -165,3 +165,16 @@ def alive(process: int) -> bool:
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except FileNotFoundError:
         return False
+
+
+def test_ctrl_c_while_the_program_is_read_is_a_word_and_exit_code_1():
+    """At the first of its imports that takes long, NumPy's."""
+    program = """import runpy, sys
+class Interrupts:
+    def find_spec(self, name, *_):
+        if name == "numpy":
+            raise KeyboardInterrupt
+sys.meta_path.insert(0, Interrupts())
+runpy.run_module("ocean_sim", run_name="__main__", alter_sys=True)"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (1, "", "stopped\n")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from ocean_sim.files.claim import MANIFEST, Claim
 from ocean_sim.files.whole_file import set_aside
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.machine import sources, stoppable
+from ocean_sim.machine import sources, stop_if_asked, stoppable
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result, simulated
 from ocean_sim.state import file
@@ -84,6 +84,7 @@ def gone_on(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: 
             simulation.observers.clear()  # they have nothing to write
             raise
         simulation.observers.append(progress)
+        stop_if_asked()
         with set_aside(folder):
             simulation.run(config.duration)
     return Result(folder)

@@ -1,18 +1,23 @@
 """The command line `ocean-sim`: one thin function a verb; exit codes 0 done, 1 failed, 2 wrong input, 3 lacking."""
 
-import gc
-import os
 import sys
-from errno import ENAMETOOLONG
-from pathlib import Path
-from typing import Annotated, Any
 
-import typer
+try:
+    import gc
+    import os
+    from errno import ENAMETOOLONG
+    from pathlib import Path
+    from typing import Annotated, Any
 
-from ocean_sim.conventions import Failed, Refused, in_words
-from ocean_sim.files.input_file import shown
-from ocean_sim.machine import extra_missing, extra_of, stoppable
-from ocean_sim.verbs.shared import console
+    import typer
+
+    from ocean_sim.conventions import Failed, Refused, in_words
+    from ocean_sim.files.input_file import shown
+    from ocean_sim.files.whole_file import whole
+    from ocean_sim.machine import extra_missing, extra_of, stoppable
+    from ocean_sim.verbs.shared import console
+except KeyboardInterrupt:  # these take as long as it takes to press Ctrl-C
+    sys.exit("stopped")
 
 app = typer.Typer(
     name="ocean-sim",
@@ -204,7 +209,8 @@ def schema(
             sys.stdout.write(text())
             sys.stdout.flush()
     else:
-        out.write_text(text(), encoding="utf-8")
+        with whole(out) as draft:
+            draft.write_text(text(), encoding="utf-8")
 
 
 @app.command()

@@ -13,7 +13,9 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 EXTRAS = {"pictures": ("pyvista", "vtk", "imageio", "imageio-ffmpeg", "matplotlib"), "cluster": ("distributed",)}
-ENDING = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGXCPU") if name in signal.Signals.__members__]
+ENDS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGXCPU")
+ENDING = [getattr(signal, name) for name in ENDS if name in signal.Signals.__members__]
+asked = threading.Event()  # to end
 SOURCES = (".py", ".csv")  # suffixes of the program's files that its numbers depend on
 
 
@@ -69,20 +71,32 @@ def program() -> str:
     return hashlib.sha256("".join(f"{name} {each}\n" for name, each in sources().items()).encode()).hexdigest()
 
 
+def stop(*_: object) -> None:
+    """What a signal does in a `stoppable` process."""
+    asked.set()
+    raise KeyboardInterrupt
+
+
+def stop_if_asked() -> None:
+    """Raises KeyboardInterrupt where one has been lost in a `stoppable` process, as in Taichi, which takes whatever is
+    raised while it looks at a kernel for an answer."""
+    if asked.is_set():
+        raise KeyboardInterrupt
+
+
 @contextmanager
 def stoppable() -> Iterator[None]:
-    """What asks a process to end (SIGTERM; SIGHUP, when its terminal is closed, but under `nohup`; SIGXCPU, when its
-    processor time is spent) ends what goes on in here as Ctrl-C does, by a KeyboardInterrupt; only a main thread hears
-    of signals."""
+    """What asks a process to end (Ctrl-C; SIGTERM; SIGHUP, when its terminal is closed, but under `nohup`; SIGXCPU,
+    when its processor time is spent) ends what goes on in here by a KeyboardInterrupt; only a main thread hears of
+    signals."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
 
-    def stop(*_: object) -> None:
-        raise KeyboardInterrupt
-
     heard = [number for number in ENDING if signal.getsignal(number) is not signal.SIG_IGN]
     before = {number: signal.signal(number, stop) for number in heard}
+    if stop not in before.values():  # this is the outermost
+        asked.clear()
     try:
         yield
     finally:

@@ -13,7 +13,7 @@ from ocean_sim.conventions import Refused, figures
 from ocean_sim.files import csv_file
 from ocean_sim.files.claim import Claim
 from ocean_sim.files.whole_file import set_aside
-from ocean_sim.machine import stoppable
+from ocean_sim.machine import stop_if_asked, stoppable
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.simulation import Observer, Simulation
 
@@ -129,6 +129,7 @@ def simulated(config: SceneConfig, folder: Path, observers: tuple[Observer, ...]
     """The same into a folder that the caller has claimed."""
     with stoppable(), Simulation(config, folder) as simulation:
         simulation.observers.extend(observers)
+        stop_if_asked()
         with set_aside(folder):
             simulation.run(config.duration)
     return Result(folder)

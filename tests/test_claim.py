@@ -64,6 +64,7 @@ def test_who_comes_second_is_refused_in_a_sentence_and_touches_nothing(tmp_path,
         ["run", "sea.yaml", "--out", "run", "--overwrite"],
         ["resume", "run", "--until", "0.3"],
         ["render", "run", "--no-film"],
+        ["report", "run"],
         ["sweep", "plan.yaml", "--out", "run"],
         ["platform", "run", "--out", "run"],
     ]
@@ -77,7 +78,13 @@ def test_who_comes_second_is_refused_in_a_sentence_and_touches_nothing(tmp_path,
     first.kill()  # without a word
     first.wait()
     assert answered(["resume", "run", "--until", "0.3"]) == 0
-    assert json.loads(Path("run/manifest.json").read_text())["simulated_s"] == pytest.approx(0.3)
+    manifest = json.loads(Path("run/manifest.json").read_text())
+    assert manifest["simulated_s"] == pytest.approx(0.3)
+    Path("run/manifest.json").write_text(json.dumps(manifest | {"outcome": "running"}))
+    for words in (["waves", "run"], ["export", "run", "--surface", "ply"], ["report", "run"]):
+        capsys.readouterr()
+        assert answered(words) == 0, words
+        assert capsys.readouterr().err.startswith("run: this run is still running, or was killed"), words
     assert not Path("run/.lock").exists()
 
 

@@ -356,6 +356,18 @@ def test_render_and_export_want_a_finished_run(ask):
     assert ask("export", "bare", "--surface", "stl")[::2] == (2, "--surface stl: choose ply, vtp or vtkhdf\n")
 
 
+def test_a_frame_that_is_cut_short_is_named(ask):
+    Path("cut/frames").mkdir(parents=True)
+    Path("cut/manifest.json").write_text('{"scene": {}}')
+    frame, grid = Path("cut/frames/frame_00000.npz"), Path("cut/frames/grid.npz")
+    for path in (frame, grid):
+        np.savez(path, time=0.0, x=np.zeros(1000), z=np.zeros(1))
+    for path in (frame, grid):  # first that with which nothing is drawn, then that which is read first
+        path.write_bytes(path.read_bytes()[:500])
+        for verb in ("render", "report"):
+            assert ask(verb, "cut")[::2] == (2, f"{path}: this is not a whole npz file of numbers\n")
+
+
 def test_render_without_opengl_is_exit_code_3(ask, monkeypatch):
     from ocean_sim.observers import render
     from ocean_sim.pictures import opengl
@@ -417,3 +429,12 @@ def test_null_takes_away_what_was_set_below_its_key_before():
 def test_the_demo_s_own_settings_give_way_to_null(slot):
     script = [word for key in ("render.every=0.1", "frames.every=0.1") for word in ("--set", key)]
     assert answered(["check", "showcase", *script, "--set", f"{slot}=null"]) == 0
+
+
+def test_a_run_that_is_stopped_before_it_has_written_anything_names_no_folder(ask, monkeypatch):
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("ocean_sim.verbs.run.simulated", interrupted)
+    code, _, err = ask("run", "small.yaml", "--out", "early")
+    assert (code, err) == (1, "stopped at t = 0.000 s; nothing was written\n") and not Path("early").exists()

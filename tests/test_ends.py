@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,7 @@ from ocean_sim.__main__ import answered
 from ocean_sim.reading.scene import load
 from ocean_sim.result import Result
 from ocean_sim.result import run as run_scene
+from ocean_sim.simulation import Simulation
 from tests.fuzz._small_sea import SMALL_SEA
 
 SEA = SMALL_SEA | {"duration": 0.2, "frames": None}
@@ -165,3 +167,33 @@ def alive(process: int) -> bool:
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except FileNotFoundError:
         return False
+
+
+def test_an_interrupt_that_is_lost_while_kernels_are_read_ends_the_run_before_its_first_step(tmp_path, monkeypatch):
+    class Deaf(Simulation):
+        def build(self, *of) -> None:
+            with suppress(KeyboardInterrupt):
+                signal.raise_signal(signal.SIGINT)
+            super().build(*of)
+
+    before = signal.getsignal(signal.SIGINT)
+    monkeypatch.setattr("ocean_sim.result.Simulation", Deaf)
+    with pytest.raises(KeyboardInterrupt):
+        run_scene(load(SEA), tmp_path / "run")
+    assert ends(tmp_path / "run") == ("stopped", "interrupted") and signal.getsignal(signal.SIGINT) is before
+    monkeypatch.undo()
+    run_scene(load(SEA), tmp_path / "next")
+    assert ends(tmp_path / "next")[0] == "done"
+
+
+def test_ctrl_c_while_the_program_is_read_is_a_word_and_exit_code_1():
+    """At the first of its imports that takes long, NumPy's."""
+    program = """import runpy, sys
+class Interrupts:
+    def find_spec(self, name, *_):
+        if name == "numpy":
+            raise KeyboardInterrupt
+sys.meta_path.insert(0, Interrupts())
+runpy.run_module("ocean_sim", run_name="__main__", alter_sys=True)"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (1, "", "stopped\n")

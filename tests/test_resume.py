@@ -105,6 +105,16 @@ def test_a_finished_run_goes_on_when_asked(run, there, ask, tmp_path):
     assert manifest["outcome"] == "done" and manifest["scene"]["duration"] == 0.6 and len(manifest["resumed_s"]) == 1
 
 
+def test_frames_that_have_been_deleted_are_kept_anew(there, ask):
+    frames = {path.name for path in (there / "frames").iterdir()}
+    edit(there, outcome="done")
+    shutil.rmtree(there / "frames")
+    code, _, err = ask("resume", there, "--until", "0.6")
+    assert (code, err) == (0, "") and json.loads((there / "manifest.json").read_text())["outcome"] == "done"
+    made = {path.name for path in (there / "frames").iterdir()}
+    assert made & frames == {"grid.npz"} and "frame_00006.npz" in made
+
+
 def test_a_damaged_checkpoint_gives_way_to_the_one_before(run, there, ask):
     """Wherever a bit has turned, or the file ends; what was written since the one before is made again."""
     whole = newest(there).read_bytes()
@@ -150,14 +160,14 @@ def test_what_cannot_be_resumed_is_refused_in_a_sentence(there, ask, tmp_path):
     file.written(kept, there)
     gauges = (there / "gauges.csv").read_bytes()
     (there / "gauges.csv").write_bytes(gauges[:-20])
-    assert "gauges.csv is shorter than it was when the checkpoint was made" in refused(there)
+    assert refused(there).startswith(f"{there}: gauges.csv is shorter than it was when the checkpoint was made")
     (there / "gauges.csv").write_bytes(gauges)
     for path in file.kept(there):
         path.write_bytes(b"")
     assert "is damaged, or not a checkpoint" in refused(there)
     for path in file.kept(there):
         path.unlink()
-    assert "there is no checkpoint to go on from" in refused(there)
+    assert "there is no checkpoint to go on from; its files checkpoint_*.h5 are gone" in refused(there)
     (there / "manifest.json").write_text("{")
     assert "this is not the manifest of a run" in refused(there)
 

@@ -1,19 +1,21 @@
 """Points with cells at several moments, in one file: VTKHDF 2.2, poly data (ParaView 5.12 or newer)."""
 
 import os
+from errno import ENOSPC
 from pathlib import Path
+from shutil import disk_usage
 from typing import Any
 
 import numpy as np
 
-from ocean_sim.files.whole_file import unfinished
-
 TOPOLOGIES = {"Vertices": 1, "Lines": 2, "Polygons": 3, "Strips": 0}  # corners of a cell
+HELD_BACK = 1 << 24  # bytes that HDF5 may not have written yet: a chunk of each array, and where they lie
 BEGINS = ("PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets")  # where in the arrays a moment begins
 
 
 class Series:
-    """A file that grows moment by moment and appears whole at the end; use it as a context manager.
+    """A file that grows moment by moment; use it as a context manager. Raises OSError before a disk is full: HDF5 ends
+    the process where it cannot write.
 
     Cells that are as they were in the moment before are written once.
     """
@@ -22,8 +24,8 @@ class Series:
         """`topology`: what the cells are, one of TOPOLOGIES."""
         import h5py
 
-        self.path, self.unfinished, self.topology = path, unfinished(path), topology
-        self.file = h5py.File(self.unfinished, "w")
+        self.path, self.topology = path, topology
+        self.file = h5py.File(path, "w")
         self.root = self.file.create_group("VTKHDF")
         self.root.attrs["Version"] = np.array([2, 2])
         self.root.attrs.create("Type", b"PolyData", dtype=h5py.string_dtype("ascii", len("PolyData")))
@@ -35,6 +37,9 @@ class Series:
 
     def add(self, time: float, points: np.ndarray, cells: np.ndarray, **fields: np.ndarray) -> None:
         """A moment [s]: (n, 3) points [m], cells (m, corners) as numbers of points, and values of the points."""
+        taken = points.nbytes + cells.nbytes + sum(values.nbytes for values in fields.values())
+        if disk_usage(self.path.parent).free < taken + HELD_BACK:
+            raise OSError(ENOSPC, os.strerror(ENOSPC), str(self.path))
         before = len(self.root["Points"]) if self.times else 0
         self.steps["PointOffsets"].append(before)
         self.append("Points", points.astype(np.float32))
@@ -73,7 +78,7 @@ class Series:
         rows.resize(len(rows) + len(values), axis=0)
         rows[len(rows) - len(values) :] = values
 
-    def close(self) -> None:
+    def finish(self) -> None:
         """Say where in the arrays each moment begins."""
         group = self.root.create_group("Steps")
         group.attrs["NSteps"] = len(self.times)
@@ -83,15 +88,13 @@ class Series:
             group[name] = np.array(values)
         for name in self.fields:
             group[f"PointDataOffsets/{name}"] = np.array(self.steps["PointOffsets"])
-        self.file.close()
-        os.replace(self.unfinished, self.path)
 
     def __enter__(self) -> "Series":
         return self
 
     def __exit__(self, kind: type | None, *failure: object) -> None:
-        if kind is None:
-            self.close()
-        else:
+        try:
+            if kind is None:
+                self.finish()
+        finally:
             self.file.close()
-            self.unfinished.unlink()

@@ -17,10 +17,15 @@ def unfinished(path: Path) -> Path:
 @contextmanager
 def whole(path: Path) -> Iterator[Path]:
     """A file next to `path`, of the same suffix, to be written: renamed to `path` once that is done, removed where it
-    fails."""
+    fails. What a link leads to is replaced, not the link; what is no file, as a pipe, is written to directly."""
+    if path.exists() and not path.is_file():
+        with naming(path):
+            yield path
+        return
+    path = path.resolve()
     draft = unfinished(path)
     try:
-        with naming(path):
+        with naming(path, draft):
             yield draft
             os.replace(draft, path)
     finally:
@@ -28,16 +33,16 @@ def whole(path: Path) -> Iterator[Path]:
 
 
 class naming:
-    """What the system says of a failed write names the file: while a file is written, it names none."""
+    """What the system says of a failed write names the file: while a file is written, it names none, or its draft."""
 
-    def __init__(self, path: str | Path) -> None:
-        self.path = path
+    def __init__(self, path: str | Path, draft: str | Path | None = None) -> None:
+        self.path, self.unknown = path, (None, str(draft))
 
     def __enter__(self) -> None:
         pass
 
     def __exit__(self, kind: type | None, failure: BaseException | None, where: object) -> None:
-        if isinstance(failure, OSError) and failure.filename is None:
+        if isinstance(failure, OSError) and failure.filename in self.unknown:
             failure.filename = str(self.path)
 
 

@@ -29,7 +29,17 @@ from ocean_sim.observers.shared import run_report
 from ocean_sim.parts import SEVERAL, Preflight, Problems, key_of
 from ocean_sim.pictures import opengl
 from ocean_sim.pictures.camera import ABOARD, Name
-from ocean_sim.pictures.frame_files import Frame, Log, frame_files, frame_path, known, schedule, ships_in, survey
+from ocean_sim.pictures.frame_files import (
+    Frame,
+    Log,
+    frame_files,
+    frame_path,
+    known,
+    opened,
+    schedule,
+    ships_in,
+    survey,
+)
 from ocean_sim.pictures.moments import Moments
 from ocean_sim.pictures.order import Order, Quality, RenderFailed
 from ocean_sim.pictures.picture import Picture, Shot, foreseen
@@ -323,7 +333,7 @@ def impossible(folder: Path, camera: Name, stills: Sequence[float], ship: str | 
     files, ground = frame_files(folder), folder / "frames" / "grid.npz"
     if not files or not ground.is_file():
         return f"{folder} has no frames to draw; run with the observer `frames`"
-    with np.load(ground) as grid:
+    with opened(ground) as grid:
         ships = ships_in(grid, "_vertices")
     if camera in ABOARD and not ships:
         return f"camera {camera} needs a ship, and this run has none; choose third_person, orbit, fixed, top or side"
@@ -400,7 +410,7 @@ def draw(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]:
     """Draw what is ordered; yields how many pictures of the film are drawn of how many, of 0 while that is unknown.
     `over`: set when the run has written its last frame."""
     folder, out = Path(order.folder), Path(order.out)
-    with np.load(folder / "frames" / "grid.npz") as file:
+    with opened(folder / "frames" / "grid.npz") as file:
         grid = dict(file)
     if not foreseen(grid, order):
         over.wait()

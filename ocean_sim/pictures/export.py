@@ -68,7 +68,7 @@ def export_particles(
             for k, (_, x, fields) in enumerate(kept)
         ]
     path = out / "particles.vtkhdf"
-    with Series(path, "Vertices") as series:
+    with whole(path) as draft, Series(draft, "Vertices") as series:
         for time, x, fields in kept:
             series.add(time, x, np.arange(len(x))[:, None], **without(fields, "position"))
     return [path]
@@ -118,7 +118,7 @@ def moments_saved(
     """A mesh at several times [s] in files of a kind."""
     if kind == "vtkhdf":
         path = out / f"{name}.vtkhdf"
-        with Series(path, "Polygons") as series:
+        with whole(path) as draft, Series(draft, "Polygons") as series:
             for time, points, faces, fields in moments:
                 series.add(time, points, faces, **fields)
         return [path]
@@ -130,7 +130,8 @@ def moments_saved(
         return files
     listed = [{"name": file.name, "time": moment[0]} for file, moment in zip(files, moments)]
     index = out / f"{name}.vtp.series"
-    index.write_text(json.dumps({"file-series-version": "1.0", "files": listed}, indent=1) + "\n", encoding="utf-8")
+    with whole(index) as draft:
+        draft.write_text(json.dumps({"file-series-version": "1.0", "files": listed}, indent=1) + "\n", encoding="utf-8")
     return [index, *files]
 
 

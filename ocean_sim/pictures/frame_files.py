@@ -1,12 +1,27 @@
 """The frames that a run kept, one file each, read when asked for."""
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from zipfile import BadZipFile
+from zlib import error as BadStream
 
 import numpy as np
+from numpy.lib.npyio import NpzFile
 
+from ocean_sim.files.input_file import Unreadable
 from ocean_sim.pictures.camera import Track
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[NpzFile]:
+    """A file of frames/, its arrays read when asked for; raises Unreadable where it is not whole."""
+    try:
+        with np.load(path) as file:
+            yield file
+    except (OSError, EOFError, KeyError, ValueError, BadZipFile, BadStream):
+        raise Unreadable(path, "this is not a whole npz file of numbers") from None
 
 
 def frame_files(folder: Path) -> list[Path]:
@@ -27,7 +42,7 @@ class Frame:
     """One file of frames/, read when asked for."""
 
     def __init__(self, path: Path) -> None:
-        with np.load(path) as file:
+        with opened(path) as file:
             self.time = float(file["time"])
             self.elevation = file["elevation"].astype(np.float64)
             self.answer = file["answer"].astype(np.float64) if "answer" in file else None  # beyond the plane waves [m]
@@ -63,7 +78,7 @@ class Frame:
 
 def elevation_of(path: Path) -> np.ndarray:
     """(nx, nz) heights [m] that a frame keeps; nothing else of it is read."""
-    with np.load(path) as file:
+    with opened(path) as file:
         return file["elevation"].astype(np.float64)
 
 
@@ -83,7 +98,7 @@ class Log:
             return
         times: list[float] = []
         for path in files:
-            with np.load(path) as file:
+            with opened(path) as file:
                 times.append(float(file["time"]))
                 for key in ships_in(file, "_turn"):
                     self.poses[key].append((file[f"{key}_position"].astype(float), file[f"{key}_turn"].astype(float)))

@@ -13,6 +13,7 @@ by name, without their initialisers.
 
 import dataclasses
 import os
+import shutil
 import sys
 from collections.abc import Iterable
 from inspect import get_annotations
@@ -46,6 +47,10 @@ class Partial(Protocol):
 
 class Mismatch(Exception):
     """A state does not fit what it is to be put into; the message names where."""
+
+
+class Shortened(Mismatch):
+    """A file holds less than when the state was taken; the message is a sentence of its own."""
 
 
 def attributes(value: Any) -> dict[str, Any]:
@@ -145,14 +150,16 @@ class Snapshot:
 class Restorer:
     """Puts a state back into `root`, which the same scene was built into.
 
-    Raises Mismatch where they do not fit. Files are opened in `folder` and truncated to their length at the time when
-    `cut` is called, so that a state that does not fit changes nothing on disk.
+    Raises Mismatch where they do not fit. Files are opened in `folder`; they are truncated to their length at the time,
+    and folders that have been deleted since are made anew, when `cut` is called, so that a state that does not fit
+    changes nothing on disk.
     """
 
     def __init__(self, root: Any, tree: Any, arrays: dict[str, np.ndarray], folder: Path) -> None:
         self.arrays, self.folder = arrays, folder
         self.made: dict[str, Any] = {}
         self.files: list[tuple[TextIOWrapper, int]] = []
+        self.deleted: list[tuple[Path, Path]] = []  # folders as a run begins with them, and where they are to be
         self.used: dict[int, str] = {}
         self.fields: dict[str, ti.Field] = {}
         try:
@@ -164,7 +171,9 @@ class Restorer:
             raise Mismatch(f"what it holds is not the state of a run ({type(error).__name__})") from error
 
     def cut(self) -> None:
-        """Remove what was written to files after the state was taken."""
+        """Remove what was written to files after the state was taken, and make the folders that are gone."""
+        for begun, gone in self.deleted:
+            shutil.copytree(begun, gone)
         for file, size in self.files:
             file.seek(size)
             file.truncate()
@@ -198,6 +207,8 @@ class Restorer:
         found = self.folder / inside(node[PATH])
         if isinstance(fresh, Path) and not (fresh.is_dir() if found == self.folder else fresh.name == found.name):
             raise Mismatch(f"its {path.lstrip('.')} is {node[PATH]!r:.60}")
+        if isinstance(fresh, Path) and fresh.is_dir() and not found.exists():
+            self.deleted.append((fresh, found))
         return found
 
     def from_field(self, node: Any, fresh: Any, path: str) -> Any:
@@ -226,7 +237,7 @@ class Restorer:
             raise Mismatch(f"{name} cannot have {size!r:.60} bytes")
         on_disk = self.folder / inside(name)
         if not on_disk.is_file() or on_disk.stat().st_size < size:
-            raise Mismatch(f"{name} is shorter than it was when the checkpoint was made")
+            raise Shortened(f"{name} is shorter than it was when the checkpoint was made, so the run cannot go on")
         if isinstance(fresh, TextIOWrapper):
             fresh.close()
         file = on_disk.open("r+", encoding="utf-8", newline="\n")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ocean_sim.conventions import GRAVITY, WATER_DENSITY, figures
+from ocean_sim.files.whole_file import whole
 from ocean_sim.verbs.shared import console
 
 if TYPE_CHECKING:
@@ -450,4 +451,5 @@ def draw(path: Path, shape: Any, found: dict[str, Any]) -> None:
     axes.set_ylabel("GZ [m]")
     axes.grid(alpha=0.3)
     path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=100)
+    with whole(path) as draft:
+        figure.savefig(draft, dpi=100)

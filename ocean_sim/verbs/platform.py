@@ -1,6 +1,7 @@
 """`ocean-sim platform`: from a motion log to a motion platform, as a run does it; metrics, pictures, a live replay."""
 
 from collections.abc import Sequence
+from contextlib import closing
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -8,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.files.input_file import Unreadable
+from ocean_sim.files.whole_file import whole
 from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, merged, node_of, read
 from ocean_sim.observers.platform_log import heading
 from ocean_sim.observers.shared.csv_rows import CsvFile
@@ -178,10 +180,9 @@ def reported(out: Path, sender: datagrams.Sender) -> list[Path]:
 
 def table(path: Path, head: dict[str, Any], columns: Sequence[str], rows: Any) -> None:
     """A CSV file as a run writes it."""
-    csv = CsvFile(path, head, columns)
-    for row in rows:
-        csv.row(row)
-    csv.close()
+    with whole(path) as draft, closing(CsvFile(draft, head, columns)) as csv:
+        for row in rows:
+            csv.row(row)
 
 
 def streamed(sender: datagrams.Sender, done: Commands, machine: Moving, frame: str) -> datagrams.Jitter:

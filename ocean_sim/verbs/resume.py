@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from ocean_sim.files.claim import MANIFEST, Claim
 from ocean_sim.files.whole_file import set_aside
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.machine import sources, stoppable
+from ocean_sim.machine import sources, stop_if_asked, stoppable
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result, simulated
 from ocean_sim.state import file
@@ -63,7 +63,7 @@ def gone_on(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: 
     stays as it is until all fits."""
     from ocean_sim.observers.checkpoint import restore
     from ocean_sim.simulation import Simulation
-    from ocean_sim.state.walk import Mismatch
+    from ocean_sim.state.walk import Mismatch, Shortened
 
     def restored(simulation: "Simulation") -> None:
         if kept.made.get("backend") != simulation.backend.arch:
@@ -71,6 +71,8 @@ def gone_on(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: 
             raise console.Refused(f"{folder}: the checkpoint was made on {backends}")
         try:
             restore(simulation, kept, folder, changed)
+        except Shortened as problem:
+            raise console.Refused(f"{folder}: {problem}") from None
         except Mismatch as problem:
             raise console.Refused(f"{folder}: the checkpoint does not fit this program: {problem}") from None
 
@@ -82,6 +84,7 @@ def gone_on(config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: 
             simulation.observers.clear()  # they have nothing to write
             raise
         simulation.observers.append(progress)
+        stop_if_asked()
         with set_aside(folder):
             simulation.run(config.duration)
     return Result(folder)
@@ -134,8 +137,8 @@ def newest(folder: Path, config: SceneConfig) -> file.Checkpoint:
     """The newest checkpoint that is whole; raises Refused."""
     paths, reason = [*file.kept(folder)], ""
     if not paths:
-        early = "it ended before its first one, so there is nothing to continue; start it again"
-        cure = early if "checkpoint" in config.observers else "name `checkpoint` in a scene to have them"
+        gone = "its files checkpoint_*.h5 are gone; start it again"
+        cure = gone if "checkpoint" in config.observers else "name `checkpoint` in a scene to have them"
         raise console.Refused(f"{folder}: there is no checkpoint to go on from; {cure}")
     for path in paths:
         try:

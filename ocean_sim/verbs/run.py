@@ -84,7 +84,8 @@ def stopped(progress: Progress, folder: Path) -> console.Stopped:
         later = f"`ocean-sim render {folder}` draws them"
         return console.Stopped(f"stopped while its pictures were drawn; {folder} holds everything else; {later}")
     cure = f"; `ocean-sim resume {folder}` continues it" if any(folder.glob("checkpoint_*.h5")) else ""
-    return console.Stopped(f"stopped at t = {progress.time:.3f} s; {folder} holds what was written{cure}")
+    left = f"{folder} holds what was written" if any(folder.glob("[!.]*")) else "nothing was written"
+    return console.Stopped(f"stopped at t = {progress.time:.3f} s; {left}{cure}")
 
 
 def until_node(until: float) -> Node:

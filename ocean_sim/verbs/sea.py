@@ -7,6 +7,7 @@ import numpy as np
 
 from ocean_sim import wave_field
 from ocean_sim.conventions import Refused
+from ocean_sim.files.whole_file import whole
 from ocean_sim.reading.scene import load
 from ocean_sim.verbs.shared import console
 from ocean_sim.waves import exchange
@@ -33,13 +34,15 @@ def sea(
     title = config.title or scene
     if swd is not None:
         swd.parent.mkdir(parents=True, exist_ok=True)
-        swd.write_bytes(exchange.swd(waves, title))
+        with whole(swd) as draft:
+            draft.write_bytes(exchange.swd(waves, title))
         files.append(swd)
     if openfast is not None:
         time = np.arange(0.0, (until or config.duration) + 0.5 * every, every)
         heights = np.concatenate([field.elevation(np.array([at]), t) for t in time.tolist()])
         openfast.parent.mkdir(parents=True, exist_ok=True)
-        openfast.write_text(exchange.openfast(time, heights, f"{title}, x = {at[0]:g} m, z = {at[1]:g} m"))
+        with whole(openfast) as draft:
+            draft.write_text(exchange.openfast(time, heights, f"{title}, x = {at[0]:g} m, z = {at[1]:g} m"))
         files.append(openfast)
     answer: dict[str, Any] = {
         "waves": len(waves.amplitude),

@@ -4,7 +4,7 @@ import json
 import os
 import secrets
 import sys
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -13,6 +13,7 @@ from ocean_sim.files.claim import MANIFEST
 from ocean_sim.machine import stoppable
 from ocean_sim.verbs.list import entries
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.after import finished
 
 HTML, BYTES, JSON = "text/html; charset=utf-8", "application/octet-stream", "application/json"
 
@@ -127,13 +128,16 @@ def report(runs: list[Path], out: Path | None, as_json: bool) -> None:
 
     if len(runs) > 2:
         raise console.Refused("a page holds the replay of one run, or of two")
+    for run in runs:
+        finished(run)
     path = out or runs[0] / "replay.html"
     if path.is_dir():
         path = path / "replay.html"
-    replay_file(runs, path)
-    files = [path]
-    if len(runs) == 1 and out is None:
-        files.append(run_report.write(runs[0]))
+    with nullcontext() if out else console.claim(runs[0]):
+        replay_file(runs, path)
+        files = [path]
+        if len(runs) == 1 and out is None:
+            files.append(run_report.write(runs[0]))
     if as_json:
         console.answer({"files": files, "bytes": path.stat().st_size})
     else:

@@ -10,6 +10,7 @@ from multiprocessing import active_children, get_context, parent_process
 from pathlib import Path
 from typing import Any
 
+from ocean_sim.files.whole_file import whole
 from ocean_sim.machine import cores, end_after
 from ocean_sim.parts import kinds
 from ocean_sim.reading.translation import choice_sentence
@@ -181,11 +182,11 @@ def write_junit(path: Path, rows: list[dict[str, Any]]) -> None:
     """All rows as JUnit's XML: a suite a case, a test a row; one that is only reported is skipped."""
     from xml.etree.ElementTree import Element, ElementTree, SubElement, indent
 
-    whole = Element("testsuites", tests=str(len(rows)), failures=str(sum(not row["ok"] for row in rows)))
+    suites = Element("testsuites", tests=str(len(rows)), failures=str(sum(not row["ok"] for row in rows)))
     for case in dict.fromkeys(row["case"] for row in rows):
         own = [row for row in rows if row["case"] == case]
         failures = str(sum(not row["ok"] for row in own))
-        suite = SubElement(whole, "testsuite", name=case, tests=str(len(own)), failures=failures)
+        suite = SubElement(suites, "testsuite", name=case, tests=str(len(own)), failures=failures)
         for row in own:
             test = SubElement(suite, "testcase", classname=f"{case}.{row['scheme']}", name=row["quantity"])
             shown = " ".join(filter(None, line(row)[2:]))
@@ -193,14 +194,15 @@ def write_junit(path: Path, rows: list[dict[str, Any]]) -> None:
                 SubElement(test, "skipped", message=shown)
             elif not row["ok"]:
                 SubElement(test, "failure", message=shown)
-    indent(whole)
+    indent(suites)
     path.parent.mkdir(parents=True, exist_ok=True)
-    ElementTree(whole).write(path, encoding="utf-8", xml_declaration=True)
+    with whole(path) as draft:
+        ElementTree(suites).write(draft, encoding="utf-8", xml_declaration=True)
 
 
 def write(path: Path, rows: list[dict[str, Any]]) -> None:
     """All rows as a CSV file."""
-    with path.open("w", encoding="utf-8", newline="") as file:
+    with whole(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, KEYS, lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)

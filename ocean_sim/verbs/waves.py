@@ -10,6 +10,7 @@ import numpy as np
 
 from ocean_sim.pictures.frame_files import Frame, frame_files
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.after import say_whether_ended
 from ocean_sim.verbs.shared.wave_files import (
     COLUMNS,
     ORBIT,
@@ -51,6 +52,7 @@ def waves(run: Path, begin: float, treatment: Treatment, out: Path | None, as_js
         raise console.Refused(f"{path}: {why}") from None
     except ValueError as error:
         raise console.Refused(str(error)) from None
+    say_whether_ended(path.parent)
     folder = path.parent if out is None else out
     folder.mkdir(parents=True, exist_ok=True)
     files = [folder / "waves.csv", folder / "spectra.csv", folder / "waves.png"]

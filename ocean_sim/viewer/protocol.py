@@ -42,7 +42,9 @@ MAGIC = b"OSP1"
 FULL = 32767  # the largest whole number of a position in a box
 LONGEST = 256 * 1024  # bytes of a message from a page: a scene fits
 MOST_POINTS = 4096  # of one question
-Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
+FARTHEST = 1e9  # [m] of a point
+Coordinate = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST)]
+Point = Annotated[tuple[Coordinate, ...], Field(strict=False, min_length=2, max_length=3)]
 Word = Annotated[str, Field(max_length=200)]
 Text = Annotated[str, Field(max_length=LONGEST)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$")]

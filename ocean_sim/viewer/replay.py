@@ -11,7 +11,7 @@ from ocean_sim.conventions import Refused
 from ocean_sim.files import csv_file
 from ocean_sim.files.whole_file import whole
 from ocean_sim.pictures.foam import coarser
-from ocean_sim.pictures.frame_files import Frame, frame_files, ships_in
+from ocean_sim.pictures.frame_files import Frame, frame_files, opened, ships_in
 from ocean_sim.viewer.page import page
 from ocean_sim.viewer.protocol import FULL, boxed, differences, packet
 from ocean_sim.viewer.still import Setting, Vessel, sky_packet
@@ -47,7 +47,7 @@ class Recorded:
         files = frame_files(folder)
         if not files or not (folder / "frames" / "grid.npz").is_file():
             raise Refused(f"{folder}: this run kept no frames to replay; run it without frames=null")
-        with np.load(folder / "frames" / "grid.npz") as file:
+        with opened(folder / "frames" / "grid.npz") as file:
             self.grid = {name: file[name] for name in file.files}
         self.files = thinned(files, float(self.grid.get("every", 0.033)))
         self.title = self.scene.get("title") or folder.name
@@ -117,7 +117,7 @@ class Recorded:
                 foams.append(coarser(frame.foam, frame.elevation.shape)[::i, ::j].ravel())
             poses.append([self.pose(*frame.ships[key]) for key in self.keys()])
             if frame.position is not None and k % SHARE == 0:
-                with np.load(path) as file:
+                with opened(path) as file:
                     order = file["id"].astype(int)
                 particles.append(self.in_order(frame.position, order))
                 assert frame.velocity is not None

@@ -7,6 +7,7 @@ What comes in is bounded in length, in rate and in number.
 import asyncio
 import hmac
 import json
+import logging
 import threading
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -61,6 +62,13 @@ class Watcher:
         self.asked = now
         self.allowance -= 1.0
         return self.allowance >= 0.0
+
+
+def ours(record: logging.LogRecord) -> bool:
+    """Whether what went wrong is this program's: what is no HTTP is answered, and nobody here has to know."""
+    from aiohttp.http_exceptions import HttpProcessingError
+
+    return not (record.exc_info and isinstance(record.exc_info[1], HttpProcessingError))
 
 
 class Server:
@@ -167,7 +175,9 @@ class Server:
         app.router.add_get("/watch", self.watched)
         for path in self.files:
             app.router.add_get(path, self.given)
-        runner = web.AppRunner(app, access_log=None, shutdown_timeout=1.0)
+        log = logging.getLogger("aiohttp.server.ocean_sim")
+        log.addFilter(ours)
+        runner = web.AppRunner(app, access_log=None, logger=log, shutdown_timeout=1.0)
         await runner.setup()
         try:
             for port in [self.port] if self.port is not None else [PORT, 0]:

@@ -1,11 +1,15 @@
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from ocean_sim.basin.points import pairs
+from ocean_sim.conventions import in_words
+from ocean_sim.files import vtkhdf
 from ocean_sim.files.vtkhdf import Series
+from ocean_sim.files.whole_file import whole
 from ocean_sim.observers import frames
 from ocean_sim.pictures import export_scene
 from ocean_sim.pictures.export import NothingToExport, export_run
@@ -122,9 +126,12 @@ def test_what_changes_from_moment_to_moment_reads_back(tmp_path):
         np.testing.assert_array_equal(cells, faces)
 
 
-def test_a_series_that_fails_leaves_no_file(tmp_path):
-    with pytest.raises(ValueError), Series(tmp_path / "s.vtkhdf", "Polygons"):
-        raise ValueError
+def test_a_series_that_fails_leaves_no_file(tmp_path, monkeypatch):
+    path, points = tmp_path / "s.vtkhdf", np.zeros((3, 3))
+    monkeypatch.setattr(vtkhdf, "disk_usage", lambda folder: SimpleNamespace(free=vtkhdf.HELD_BACK))
+    with pytest.raises(OSError) as failure, whole(path) as draft, Series(draft, "Polygons") as series:
+        series.add(0.0, points, np.array([[0, 1, 2]]))
+    assert in_words(failure.value) == f"No space left on device: {path}"
     assert list(tmp_path.iterdir()) == []
 
 

@@ -3,6 +3,7 @@
 import asyncio
 import json
 import time
+from socket import create_connection
 
 import pytest
 
@@ -73,6 +74,23 @@ def test_garbage_ends_the_connection_and_nothing_else(server, bad):
 
     talk(server, conversation)
     assert [order.command.do for order in server.orders()] == ["play"]
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        b"GARBAGE\r\n\r\n",
+        b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03\r\n\r\n",
+        b"GET / HTTP/9.9\r\nHost: 127.0.0.1\r\n\r\n",
+        b"GET /" + b"x" * 20_000 + b" HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n",
+        b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nTransfer-Encoding: chunked\r\n\r\nxyz\r\n",
+    ],
+)
+def test_what_is_no_http_is_answered_and_prints_nothing(server, bad, caplog, capfd):
+    with create_connection(("127.0.0.1", server.port), timeout=10.0) as line:
+        line.sendall(bad)
+        assert line.recv(4096).startswith(b"HTTP/1.")
+    assert caplog.records == [] and capfd.readouterr() == ("", "")
 
 
 def test_a_flood_is_cut_off_and_the_inbox_stays_bounded(server):
@@ -198,7 +216,16 @@ def test_a_question_about_the_water_takes_no_helm_and_its_answer_goes_to_who_ask
     assert found["id"] == 5 and message["text"] == "end" and server.helm == 0
 
 
-@pytest.mark.parametrize("more", [{"points": [[0.0] * 2] * 5000}, {"cells": 1000}, {"side": 0.0}, {"points": [[1.0]]}])
+BEYOND = [
+    {"points": [[0.0] * 2] * 5000},
+    {"points": [[1.0]]},
+    {"points": [[1e300, 0.0]]},
+    {"cells": 1000},
+    {"side": 0.0},
+]
+
+
+@pytest.mark.parametrize("more", BEYOND)
 def test_questions_have_bounds(more):
     with pytest.raises(BadMessage):
         command(json.dumps({"do": "waves", "verb": "elevation", **more}))

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from ocean_sim.files.whole_file import whole
 from ocean_sim.palette import BLUE, ORANGE, RED
 from ocean_sim.studies.shared.pareto import spaced
 
@@ -50,4 +51,5 @@ def draw(path: Path, name: str, rows: list[dict[str, Any]]) -> None:
             axes.set_ylabel(name)
     handles, labels = axes.get_legend_handles_labels() if axes is not None else ([], [])
     figure.legend(handles, labels, loc="outside lower center", ncols=7, fontsize="small")
-    figure.savefig(path, dpi=110)
+    with whole(path) as draft:
+        figure.savefig(draft, dpi=110)

@@ -4,6 +4,7 @@ from math import ceil
 from pathlib import Path
 from typing import Any
 
+from ocean_sim.files.whole_file import whole
 from ocean_sim.validation.shared.case import Curve, Finding, Problem
 
 ACROSS = 4  # panels in a row
@@ -41,7 +42,8 @@ def draw(path: Path, case: str, runs: list[tuple[Problem, str, Finding]]) -> Non
             axes.legend(fontsize="x-small")
         axes.set_title(f"{case}: {name}" if name else case)
         axes.grid(alpha=0.3)
-    figure.savefig(path, dpi=100)
+    with whole(path) as draft:
+        figure.savefig(draft, dpi=100)
 
 
 def plotted(axes: Any, curve: Curve, label: str, colour: str, n: int) -> None:

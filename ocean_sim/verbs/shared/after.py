@@ -1,8 +1,11 @@
 """`ocean-sim render` and `export`: pictures and files made from a finished run."""
 
+import json
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from ocean_sim.files.claim import MANIFEST
 from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import Drawing
@@ -99,10 +102,18 @@ def export(
 
 def finished(folder: Path) -> None:
     """Refuses what is not a run folder, or has kept no frames."""
-    if not (folder / "manifest.json").is_file():
-        raise console.Refused(f"{folder}: this is not a run folder (there is no manifest.json)")
+    if not (folder / MANIFEST).is_file():
+        raise console.Refused(f"{folder}: this is not a run folder (there is no {MANIFEST})")
     if not any((folder / "frames").glob("*")):
         raise console.Refused(f"{folder}: this run kept no frames, so there is nothing to show (frames: null)")
+    say_whether_ended(folder)
+
+
+def say_whether_ended(folder: Path) -> None:
+    """A sentence about a run that is not over."""
+    with suppress(OSError, ValueError, AttributeError):  # there may be no manifest, or none that can be read
+        if json.loads((folder / MANIFEST).read_text(encoding="utf-8")).get("outcome") == "running":
+            console.complain(f"{folder}: this run is still running, or was killed: what it has written so far is used")
 
 
 def made(files: list[Path], as_json: bool) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ocean_sim.files.whole_file import whole
 from ocean_sim.waves.orbits import Motion
 from ocean_sim.waves.record import CUT_OFF, Sea
 
@@ -29,7 +30,7 @@ def cell(value: float | None) -> str:
 
 def write_table(path: Path, found: dict[str, Sea], notes: Mapping[str, str]) -> None:
     """A row a gauge, under comment lines with notes."""
-    with path.open("w", encoding="utf-8", newline="") as file:
+    with whole(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
         file.writelines(f"# {key}: {note}\n" for key, note in notes.items())
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(["gauge", *COLUMNS.values()])
@@ -40,7 +41,7 @@ def write_table(path: Path, found: dict[str, Sea], notes: Mapping[str, str]) -> 
 
 def write_columns(path: Path, columns: dict[str, np.ndarray]) -> None:
     """Arrays (n,) under their names."""
-    with path.open("w", encoding="utf-8", newline="") as file:
+    with whole(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(columns)
         rows.writerows([f"{value:.9g}" for value in row] for row in zip(*columns.values()))
@@ -73,7 +74,8 @@ def draw(
     for axes in (above, below):
         axes.grid(alpha=0.3)
         axes.legend(fontsize="x-small")
-    figure.savefig(path, dpi=100)
+    with whole(path) as draft:
+        figure.savefig(draft, dpi=100)
 
 
 def orbit_rows(names: Sequence[int], found: Motion) -> list[list[str]]:
@@ -86,5 +88,5 @@ def orbit_rows(names: Sequence[int], found: Motion) -> list[list[str]]:
 
 def write_orbits(path: Path, rows: Sequence[Sequence[str]]) -> None:
     """Rows of `orbit_rows` under their names."""
-    with path.open("w", encoding="utf-8", newline="") as file:
+    with whole(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([ORBIT, *rows])

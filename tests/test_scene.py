@@ -162,6 +162,21 @@ def test_a_part_without_its_kind_is_read_as_the_one_that_its_keys_are_of(folder)
             "s.yaml:3:30: time_step.dt: expected a number, got '0,01'; did you mean 0.01?",
         ),
         (
+            "basin: {length: 1.0, depth: 1.0}\nfluid: {kind: mueller, spacing: 10 cm}",
+            "s.yaml:2:33: fluid.spacing: expected a number, got '10 cm'; did you mean 0.1?",
+        ),
+        (
+            "basin: {length: 1.0, depth: 1.0}\nfluid: {kind: mueller, spacing: '0.1[m]'}",
+            "s.yaml:2:33: fluid.spacing: expected a number, got '0.1[m]'; did you mean 0.1?",
+        ),
+        (
+            "basin: {length: 3 feet, depth: 1.0}\nfluid: {kind: mueller, spacing: 0.1}",
+            "s.yaml:1:17: basin.length: expected a number, got '3 feet'; a number stands without its unit, which is m "
+            "here",
+        ),
+        (HEAD + "fluid: thesis_6000\nseed: '1'", "s.yaml:3:7: seed: expected a whole number, got '1'; did you mean 1?"),
+        (HEAD + "fluid: thesis_6000\nseed: '1.5'", "s.yaml:3:7: seed: expected a whole number, got '1.5'"),
+        (
             "basin: {length: 1.0, depth: 1.0, walls: [1]}\nfluid: {kind: mueller, spacing: 0.1}",
             "s.yaml:1:41: basin.walls: expected one of 'none', 'reflecting', 'no_slip', 'periodic' or 'absorbing' or a "
             "mapping, got a list",

@@ -1,5 +1,6 @@
 """Errors of pydantic in the words of scenes: with location, bound and unit."""
 
+import re
 from collections.abc import Iterator
 from difflib import get_close_matches
 from itertools import islice
@@ -32,6 +33,21 @@ SHAPES = {
     "list_type": "a list",
     "tuple_type": "a list",
     "none_required": "null",
+}
+
+MEASURE = re.compile(r"([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*\[?([^\s\[\]]*)\]?")  # a number and its unit
+UNITS = {  # what people write, in units of scenes
+    "mm": ("m", 1e-3),
+    "cm": ("m", 1e-2),
+    "km": ("m", 1e3),
+    "ms": ("s", 1e-3),
+    "min": ("s", 60.0),
+    "h": ("s", 3600.0),
+    "kn": ("m/s", 1852.0 / 3600.0),
+    "km/h": ("m/s", 1.0 / 3.6),
+    "t": ("kg", 1e3),
+    "kPa": ("Pa", 1e3),
+    "%": ("1", 1e-2),
 }
 
 SHORTEST = 3  # letters of the beginning of a word by which it is known
@@ -265,7 +281,8 @@ def _of_union(found: list[_Found], prefix: Path) -> list[Problem]:
         return [_sentence(f, prefix) for f in best if not _is_extra_item(f, best)]
     wanted = list(dict.fromkeys(_wanted(errors[0]) for errors in members.values()))
     first = found[0]
-    message = f"expected {' or '.join(wanted)}, got {described(first.node.plain())}"
+    hint = next(filter(None, (_hint(errors[0]) for errors in members.values())), "")
+    message = f"expected {' or '.join(wanted)}, got {described(first.node.plain())}{hint}"
     return [problem(first.node.location, dotted(prefix + first.path), message)]
 
 
@@ -322,11 +339,17 @@ def _sentence(found: _Found, prefix: Path) -> Problem:
 
 
 def _hint(found: _Found) -> str:
-    """YAML 1.2 reads `1e-3` as a number and `1e` or `3,5` as text; a comma is the usual slip."""
-    text = found.node.data
-    if found.kind == "float_type" and isinstance(text, str) and text.replace(",", "", 1).replace("-", "", 1).isdigit():
-        return f"; did you mean {text.replace(',', '.')}?"
-    return ""
+    """The number that a text means: YAML 1.2 reads one in quotes, with a comma or with a unit as text."""
+    text, numbers = found.node.data, ("float_type", "int_type")
+    measure = MEASURE.fullmatch(text.strip()) if isinstance(text, str) and found.kind in numbers else None
+    if measure is None:
+        return ""
+    written, unit = measure[2].replace("^", ""), _unit(found.field).strip(" []")
+    of, factor = UNITS.get(written, (written, 1.0))
+    if of not in ("", unit or "1"):
+        return f"; a number stands without its unit{f', which is {unit} here' if unit else ''}"
+    number = float(measure[1].replace(",", ".")) * factor
+    return f"; did you mean {number:.12g}?" if found.kind == "float_type" or number.is_integer() else ""
 
 
 def _fits(wanted: str, annotation: Any) -> bool:

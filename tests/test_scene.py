@@ -139,6 +139,14 @@ def test_a_part_without_its_kind_is_read_as_the_one_that_its_keys_are_of(folder)
             HEAD + "fluid: thesis_6000\nships: {tug: 3}",
             "s.yaml:3:14: ships.tug: expected a name or a mapping with `kind`, got 3",
         ),
+        (
+            HEAD + "fluid: thesis_6000\nship: {kind: yacht, free: [heve]}",
+            "s.yaml:3:28: ship.free.0: 'heve' is not a choice; did you mean 'heave'?",
+        ),
+        (
+            HEAD + "fluid: thesis_6000\ngauges: {elevation: {'../x,y': [0.0, 0.0]}}",
+            "s.yaml:3:22: gauges.elevation: '../x,y' is not a name: letters, digits and _, a letter first",
+        ),
         (HEAD + "duration: 1.0", "s.yaml:1:1: fluid: missing key"),
         (HEAD + "fluid:", "s.yaml:1:1: fluid: missing key"),
         (

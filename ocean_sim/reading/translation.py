@@ -16,6 +16,7 @@ from ocean_sim.files.input_file import FOLDER
 from ocean_sim.files.yaml_file import Node, Problem, described, problem
 
 LEAST, MOST = 1e-60, 1e15  # size of a number in SI units that a scene may hold
+NAMES = "letters, digits and _, a letter first"  # what a name that a scene gives is made of
 MANY = 200  # errors of one part beyond which the rest is of the same kind
 EXAMPLES = 2  # keys of a mapping that a sentence shows where none is required
 FEW = 24  # choices that still fit in a sentence
@@ -296,8 +297,8 @@ def _sentence(found: _Found, prefix: Path) -> Problem:
     value, context, suggestion = described(found.node.plain()), found.context, None
     bound = next((name for name in BOUNDS if name in context), None)
     if found.member == "[key]":
-        location = found.node.key_location
-        message = f"{found.path[-1]!r} is not a name: {found.message.replace('String should', 'it should')}"
+        key, location = dotted(prefix + found.path[:-1]), found.node.key_location
+        message = f"{found.path[-1]!r} is not a name: {NAMES}"
     elif found.kind == "extra_forbidden":
         message, suggestion = choice_sentence(str(found.path[-1]), found.keys)
         message, location = f"unknown key{message}", found.node.key_location

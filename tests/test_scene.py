@@ -147,6 +147,19 @@ def test_a_part_without_its_kind_is_read_as_the_one_that_its_keys_are_of(folder)
             HEAD + "fluid: thesis_6000\ngauges: {elevation: {'../x,y': [0.0, 0.0]}}",
             "s.yaml:3:22: gauges.elevation: '../x,y' is not a name: letters, digits and _, a letter first",
         ),
+        (
+            HEAD + "fluid: thesis_6000\nmotion.every: 0.1",
+            "s.yaml:3:1: motion.every: unknown key; in a scene it is written motion: {every: ...}",
+        ),
+        (
+            HEAD + "fluid: {kind: mueller, spacing: 1.25, initial.wave.height: 0.1}",
+            "s.yaml:2:39: fluid.initial.wave.height: unknown key; in a scene it is written "
+            "initial: {wave: {height: ...}}",
+        ),
+        (
+            HEAD + "fluid: {kind: mueller, spacing: 1.25, <<: {exponent: 7}}",
+            "s.yaml:2:39: fluid: merge keys (<<) are not read: YAML 1.2 has none",
+        ),
         (HEAD + "duration: 1.0", "s.yaml:1:1: fluid: missing key"),
         (HEAD + "fluid:", "s.yaml:1:1: fluid: missing key"),
         (

@@ -38,7 +38,7 @@ from ocean_sim.parts import (
 )
 from ocean_sim.reading.composition import Composition, composed, unknown_name, with_owners
 from ocean_sim.reading.heading import Heading
-from ocean_sim.reading.translation import choice_sentence, dotted, likeliest, validated
+from ocean_sim.reading.translation import choice_sentence, dotted, key_sentence, likeliest, validated
 from ocean_sim.runtime import RuntimeConfig
 from ocean_sim.simulation import ObserverConfig
 
@@ -317,7 +317,7 @@ def _unknown(root: Node, headings: tuple[str, ...]) -> list[Problem]:
     for key, node in root.data.items():
         if key not in known:
             end, suggestion = _below(key, root.data)
-            end, suggestion = (end, suggestion) if end else choice_sentence(key, known)
+            end, suggestion = (end, suggestion) if end else key_sentence(key, known)
             problems.append(problem(node.key_location, key, f"unknown key{end}", suggestion))
     return problems
 

@@ -166,6 +166,14 @@ def choice_sentence(word: str, choices: Any) -> tuple[str, str | None]:
     return (f"; there are {', '.join(choices)}" if 0 < len(choices) <= FEW else ""), None
 
 
+def key_sentence(word: str, choices: Any) -> tuple[str, str | None]:
+    """The same of an unknown key: one with dots, as `--set` takes it, is a mapping in a scene."""
+    first, *inner = word.split(".")
+    if inner and first in choices:
+        return f"; in a scene it is written {first}: {{{': {'.join(inner)}: ...{'}' * len(inner)}", None
+    return choice_sentence(word, choices)
+
+
 def translated(error: ValidationError, model: type[BaseModel], root: Node, prefix: Path) -> list[Problem]:
     """Every problem in a validation error; of each union only those of its likeliest member."""
     found = [_located(e, model, root) for e in error.errors(include_url=False)[:MANY]]
@@ -300,7 +308,7 @@ def _sentence(found: _Found, prefix: Path) -> Problem:
         key, location = dotted(prefix + found.path[:-1]), found.node.key_location
         message = f"{found.path[-1]!r} is not a name: {NAMES}"
     elif found.kind == "extra_forbidden":
-        message, suggestion = choice_sentence(str(found.path[-1]), found.keys)
+        message, suggestion = key_sentence(str(found.path[-1]), found.keys)
         message, location = f"unknown key{message}", found.node.key_location
     elif _is_short(found):
         key = dotted(prefix + found.path[:-1])

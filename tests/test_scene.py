@@ -160,6 +160,10 @@ def test_a_part_without_its_kind_is_read_as_the_one_that_its_keys_are_of(folder)
             HEAD + "fluid: {kind: mueller, spacing: 1.25, <<: {exponent: 7}}",
             "s.yaml:2:39: fluid: merge keys (<<) are not read: YAML 1.2 has none",
         ),
+        (
+            HEAD + "fluid: thesis_6000\ntime_step: {kind: fixed, dt: 1.0e-30}",
+            "s.yaml:3:30: time_step.dt: 1e-30 is not at least 1e-09 [s]",
+        ),
         (HEAD + "duration: 1.0", "s.yaml:1:1: fluid: missing key"),
         (HEAD + "fluid:", "s.yaml:1:1: fluid: missing key"),
         (
@@ -240,7 +244,7 @@ def test_a_mistake_in_a_part_names_the_file_of_the_part(folder, library):
     library("fluid/lake", "kind: mueller\nspacing: 1.25\nrest_density: -1.0\n")
     Path("s.yaml").write_text(HEAD + "fluid: {kind: lake, spacing: 0.0}")
     assert refusal("s.yaml") == [
-        "configs/fluid/lake.yaml:3:15: fluid.rest_density: -1.0 is not greater than 0 [kg/m3]",
+        "configs/fluid/lake.yaml:3:15: fluid.rest_density: -1.0 is not at least 0.001 [kg/m3]",
         "s.yaml:2:30: fluid.spacing: 0.0 is not greater than 0 [m]",
     ]
 

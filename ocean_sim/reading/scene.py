@@ -408,6 +408,7 @@ def _observers(
     unless_null = (*always_on(), *(("motion",) if aboard else ()))
     for name in observer_names():
         on = name in unless_null or (name == "platform_log" and "platform" in data and "motion" in observers)
+        on &= name != "render" or "frames" in observers  # it draws them
         node = data.get(name, root.with_data({} if on else None))
         if node.data is None:
             if name == "manifest":

@@ -201,7 +201,9 @@ class FloatingConfig(VesselConfig):
         above = self.position[1] - afloat_pose(hull)[0]
         freeboard = float(np.ptp(self.whole_hull.shape.bounds(), axis=0)[1]) - hull.draught
         if -above > freeboard:
-            return [f"the ship begins {-above:.3g} m below where it floats, with its whole hull under water: it shoots up"]
+            return [
+                f"the ship begins {-above:.3g} m below where it floats, with its whole hull under water: it shoots up"
+            ]
         if above <= hull.draught:
             return []
         speed = sqrt(2.0 * -preflight.tank.gravity[1] * (above - hull.draught))

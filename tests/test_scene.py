@@ -200,6 +200,8 @@ def test_a_part_without_its_kind_is_read_as_the_one_that_its_keys_are_of(folder)
             "here",
         ),
         (HEAD + "fluid: thesis_6000\nseed: '1'", "s.yaml:3:7: seed: expected a whole number, got '1'; did you mean 1?"),
+        (HEAD + "fluid: thesis_6000\nseed: 1e30", "s.yaml:3:7: seed: expected a whole number, got 1e+30"),
+        (HEAD + "fluid: thesis_6000\nduration: 1e30", "s.yaml:3:11: duration: 1e+30 is out of range: 0, or between "),
         (HEAD + "fluid: thesis_6000\nseed: '1.5'", "s.yaml:3:7: seed: expected a whole number, got '1.5'"),
         (
             "basin: {length: 1.0, depth: 1.0, walls: [1]}\nfluid: {kind: mueller, spacing: 0.1}",

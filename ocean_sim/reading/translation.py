@@ -112,13 +112,14 @@ def validated(
     """The model of a node, or None, and then `problems` grows. `folder`: to which names of files are relative, by
     default the working directory."""
     beyond = list(islice(absurd(node, path), MANY))
-    problems.extend(beyond)
+    found, wrong = None, list[Problem]()
     try:
         found = model.model_validate(node.plain(), context={FOLDER: folder})
-        return None if beyond else found
     except ValidationError as error:
-        problems.extend(translated(error, model, node, path))
-        return None
+        wrong = translated(error, model, node, path)
+    told = {each.key for each in wrong}
+    problems += [*wrong, *(each for each in beyond if each.key not in told)]
+    return None if beyond else found
 
 
 def absurd(node: Node, path: Path) -> Iterator[Problem]:

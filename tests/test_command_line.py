@@ -346,6 +346,12 @@ def test_bench_tells_what_its_child_found_wrong(ask):
     assert (code, err) == (2, "--set fluid.spacing=0.0: fluid.spacing: 0.0 is not greater than 0 [m]\n")
 
 
+def test_what_a_verb_wrote_over_is_told(tmp_path, capsys):
+    after.made([tmp_path / "preview.png", tmp_path / "film.mp4"], False, {tmp_path / "preview.png"})
+    first, second = capsys.readouterr().out.splitlines()
+    assert first.endswith("preview.png, in place of the one before") and second.endswith("film.mp4")
+
+
 def test_render_and_export_want_a_finished_run(ask):
     assert ask("render", "nothing")[::2] == (2, "nothing: this is not a run folder (there is no manifest.json)\n")
     assert ask("render", "nothing", "--camera", "tp")[0] == 2

@@ -1,5 +1,6 @@
 """`ocean-sim render` and `export`: pictures and files made from a finished run."""
 
+from collections.abc import Set
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,7 @@ def render(folder: Path, asked: dict[str, Any], fps: float | None, out: Path | N
         raise console.Refused(sentence)
     options = config.model_dump() | ({} if fps is None else {"every": 1.0 / fps})
     drawing = Drawing(quiet=as_json)
+    before = {*(out or folder).glob("*")}
     with console.claim(out or folder):
         try:
             files = render_run(folder, **options, out=out, progress=drawing)
@@ -39,7 +41,7 @@ def render(folder: Path, asked: dict[str, Any], fps: float | None, out: Path | N
             from ocean_sim.observers.shared import run_report
 
             files = [*files, run_report.write(folder)]  # with the new pictures
-    made(files, as_json)
+    made(files, as_json, before)
 
 
 def numbers(option: str, text: str | None, apart: str = ",") -> list[float] | None:
@@ -105,12 +107,13 @@ def finished(folder: Path) -> None:
         raise console.Refused(f"{folder}: this run kept no frames, so there is nothing to show (frames: null)")
 
 
-def made(files: list[Path], as_json: bool) -> None:
-    """Names what was written; of many files the first and the last."""
+def made(files: list[Path], as_json: bool, before: Set[Path] = frozenset()) -> None:
+    """Names what was written, and what of it replaced a file that was there before; of many files the first and the
+    last."""
     if as_json:
         console.answer({"files": files})
         return
-    shown = [str(file) for file in files]
+    shown = [f"{file}{', in place of the one before' if file in before else ''}" for file in files]
     if len(shown) > SHOWN:
         shown = [*shown[: SHOWN - 2], f"... {len(shown) - SHOWN + 1} more ...", shown[-1]]
     for line in shown:

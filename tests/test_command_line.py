@@ -382,6 +382,17 @@ def test_render_without_opengl_is_exit_code_3(ask, monkeypatch):
     assert code == 3 and "install" in err
 
 
+def test_render_says_which_pictures_it_replaced(ask, monkeypatch):
+    from ocean_sim.observers import render
+
+    Path("bare").mkdir()
+    Path("bare/preview.png").touch()
+    monkeypatch.setattr(render, "render_run", lambda *_, **__: [Path("bare/preview.png"), Path("bare/film.mp4")])
+    monkeypatch.setattr(render, "impossible", lambda *_: None)
+    monkeypatch.setattr(after, "finished", lambda folder: None)
+    assert ask("render", "bare") == (0, "bare/preview.png\nbare/film.mp4\n", "replaced in bare: preview.png\n")
+
+
 def test_an_interrupted_run_keeps_what_was_written(folder):
     scene = SMALL.replace("duration: 0.05", "duration: 1000.0")
     Path("long.yaml").write_text(scene)

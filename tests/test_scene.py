@@ -139,6 +139,31 @@ def test_a_part_without_its_kind_is_read_as_the_one_that_its_keys_are_of(folder)
             HEAD + "fluid: thesis_6000\nships: {tug: 3}",
             "s.yaml:3:14: ships.tug: expected a name or a mapping with `kind`, got 3",
         ),
+        (
+            HEAD + "fluid: thesis_6000\nship: {kind: yacht, free: [heve]}",
+            "s.yaml:3:28: ship.free.0: 'heve' is not a choice; did you mean 'heave'?",
+        ),
+        (
+            HEAD + "fluid: thesis_6000\ngauges: {elevation: {'../x,y': [0.0, 0.0]}}",
+            "s.yaml:3:22: gauges.elevation: '../x,y' is not a name: letters, digits and _, a letter first",
+        ),
+        (
+            HEAD + "fluid: thesis_6000\nmotion.every: 0.1",
+            "s.yaml:3:1: motion.every: unknown key; in a scene it is written motion: {every: ...}",
+        ),
+        (
+            HEAD + "fluid: {kind: mueller, spacing: 1.25, initial.wave.height: 0.1}",
+            "s.yaml:2:39: fluid.initial.wave.height: unknown key; in a scene it is written "
+            "initial: {wave: {height: ...}}",
+        ),
+        (
+            HEAD + "fluid: {kind: mueller, spacing: 1.25, <<: {exponent: 7}}",
+            "s.yaml:2:39: fluid: merge keys (<<) are not read: YAML 1.2 has none",
+        ),
+        (
+            HEAD + "fluid: thesis_6000\ntime_step: {kind: fixed, dt: 1.0e-30}",
+            "s.yaml:3:30: time_step.dt: 1e-30 is not at least 1e-09 [s]",
+        ),
         (HEAD + "duration: 1.0", "s.yaml:1:1: fluid: missing key"),
         (HEAD + "fluid:", "s.yaml:1:1: fluid: missing key"),
         (
@@ -161,6 +186,23 @@ def test_a_part_without_its_kind_is_read_as_the_one_that_its_keys_are_of(folder)
             HEAD + "fluid: {kind: mueller, spacing: 1.25}\ntime_step: {kind: fixed, dt: '0,01'}",
             "s.yaml:3:30: time_step.dt: expected a number, got '0,01'; did you mean 0.01?",
         ),
+        (
+            "basin: {length: 1.0, depth: 1.0}\nfluid: {kind: mueller, spacing: 10 cm}",
+            "s.yaml:2:33: fluid.spacing: expected a number, got '10 cm'; did you mean 0.1?",
+        ),
+        (
+            "basin: {length: 1.0, depth: 1.0}\nfluid: {kind: mueller, spacing: '0.1[m]'}",
+            "s.yaml:2:33: fluid.spacing: expected a number, got '0.1[m]'; did you mean 0.1?",
+        ),
+        (
+            "basin: {length: 3 feet, depth: 1.0}\nfluid: {kind: mueller, spacing: 0.1}",
+            "s.yaml:1:17: basin.length: expected a number, got '3 feet'; a number stands without its unit, which is m "
+            "here",
+        ),
+        (HEAD + "fluid: thesis_6000\nseed: '1'", "s.yaml:3:7: seed: expected a whole number, got '1'; did you mean 1?"),
+        (HEAD + "fluid: thesis_6000\nseed: 1e30", "s.yaml:3:7: seed: expected a whole number, got 1e+30"),
+        (HEAD + "fluid: thesis_6000\nduration: 1e30", "s.yaml:3:11: duration: 1e+30 is out of range: 0, or between "),
+        (HEAD + "fluid: thesis_6000\nseed: '1.5'", "s.yaml:3:7: seed: expected a whole number, got '1.5'"),
         (
             "basin: {length: 1.0, depth: 1.0, walls: [1]}\nfluid: {kind: mueller, spacing: 0.1}",
             "s.yaml:1:41: basin.walls: expected one of 'none', 'reflecting', 'no_slip', 'periodic' or 'absorbing' or a "
@@ -204,7 +246,7 @@ def test_a_mistake_in_a_part_names_the_file_of_the_part(folder, library):
     library("fluid/lake", "kind: mueller\nspacing: 1.25\nrest_density: -1.0\n")
     Path("s.yaml").write_text(HEAD + "fluid: {kind: lake, spacing: 0.0}")
     assert refusal("s.yaml") == [
-        "configs/fluid/lake.yaml:3:15: fluid.rest_density: -1.0 is not greater than 0 [kg/m3]",
+        "configs/fluid/lake.yaml:3:15: fluid.rest_density: -1.0 is not at least 0.001 [kg/m3]",
         "s.yaml:2:30: fluid.spacing: 0.0 is not greater than 0 [m]",
     ]
 

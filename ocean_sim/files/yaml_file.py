@@ -303,6 +303,9 @@ class _Reader:
             if key.id != "scalar" or not key.value.isprintable() or len(key.value) > LONGEST_KEY:
                 self.refuse(key, path, "a key must be a word")
                 continue
+            if key.value == "<<":
+                self.refuse(key, path, "merge keys (<<) are not read: YAML 1.2 has none")
+                continue
             inside = f"{path}.{key.value}".lstrip(".")
             if key.value in data:
                 first = data[key.value].key_location

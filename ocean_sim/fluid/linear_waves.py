@@ -6,7 +6,7 @@ import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.basin import Basin
-from ocean_sim.conventions import WATER_DENSITY
+from ocean_sim.conventions import LEAST_DENSITY, WATER_DENSITY
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.shared.open_water import (
     ADVANCE,
@@ -34,7 +34,7 @@ class Config(waves.GrowingTrain, FluidConfig):
     kind: Literal["linear_waves"] = "linear_waves"
     height: float | None = quantity("m", None, ge=0.0)
     """Height from trough to crest; 0 is calm water."""
-    rest_density: float = quantity("kg/m3", WATER_DENSITY, gt=0.0)
+    rest_density: float = quantity("kg/m3", WATER_DENSITY, ge=LEAST_DENSITY)
     """Density of the water."""
 
     def problems(self, preflight: Preflight) -> Problems:

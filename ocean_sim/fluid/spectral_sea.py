@@ -17,7 +17,7 @@ import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.basin import Basin
-from ocean_sim.conventions import WATER_DENSITY, Diverged
+from ocean_sim.conventions import LEAST_DENSITY, WATER_DENSITY, Diverged
 from ocean_sim.fluid import Displacing, Fluid, Limits
 from ocean_sim.fluid.shared.air_pressure import AirPressure
 from ocean_sim.fluid.shared.breaking import Breaking
@@ -69,7 +69,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
     step: float | None = quantity("s", None, gt=0.0)
     """Time step of the tiles; null: in one step waves of four cells turn by 0.8 rad, and in a nonlinear sea the
     highest waves by at most a fortieth of their period."""
-    rest_density: float = quantity("kg/m3", WATER_DENSITY, gt=0.0)
+    rest_density: float = quantity("kg/m3", WATER_DENSITY, ge=LEAST_DENSITY)
     """Density of the water."""
 
     def tiled(self, basin: waves.Tank, length: float, width: float) -> Tile:

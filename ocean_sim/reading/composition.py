@@ -10,7 +10,7 @@ from typing import Any
 
 from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, described, merged, node_of, problem, read
 from ocean_sim.parts import ALONE, BESIDE, MEANT, SEVERAL, SLOTS, config_of, key_of, kinds, library, named, slot_of
-from ocean_sim.reading.translation import choice_sentence, dotted, likeliest
+from ocean_sim.reading.translation import NAMES, choice_sentence, dotted, likeliest
 
 DEFAULTS = {"wind": "still", "time_step": "courant"}  # any other absent slot is nothing at all
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
@@ -74,7 +74,7 @@ class Composition:
             return
         for name, ship in node.data.items():
             if NAME.fullmatch(str(name)) is None:
-                message = f"{name!r} is not a name: letters, digits and _, a letter first"
+                message = f"{name!r} is not a name: {NAMES}"
             elif name == ALONE:
                 message = f"{ALONE!r} is the name of the only ship of a scene; choose another"
             elif (key := key_for_name(name, ship)) is not None:

@@ -38,7 +38,7 @@ from ocean_sim.parts import (
 )
 from ocean_sim.reading.composition import Composition, composed, unknown_name, with_owners
 from ocean_sim.reading.heading import Heading
-from ocean_sim.reading.translation import choice_sentence, dotted, likeliest, validated
+from ocean_sim.reading.translation import choice_sentence, dotted, key_sentence, likeliest, validated
 from ocean_sim.runtime import RuntimeConfig
 from ocean_sim.simulation import ObserverConfig
 
@@ -319,7 +319,7 @@ def _unknown(root: Node, headings: tuple[str, ...]) -> list[Problem]:
     for key, node in root.data.items():
         if key not in known:
             end, suggestion = _below(key, root.data)
-            end, suggestion = (end, suggestion) if end else choice_sentence(key, known)
+            end, suggestion = (end, suggestion) if end else key_sentence(key, known)
             problems.append(problem(node.key_location, key, f"unknown key{end}", suggestion))
     return problems
 
@@ -410,6 +410,7 @@ def _observers(
     unless_null = (*always_on(), *(("motion",) if aboard else ()))
     for name in observer_names():
         on = name in unless_null or (name == "platform_log" and "platform" in data and "motion" in observers)
+        on &= name != "render" or "frames" in observers  # it draws them
         node = data.get(name, root.with_data({} if on else None))
         if node.data is None:
             if name == "manifest":

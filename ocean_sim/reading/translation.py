@@ -1,5 +1,6 @@
 """Errors of pydantic in the words of scenes: with location, bound and unit."""
 
+import re
 from collections.abc import Iterator
 from difflib import get_close_matches
 from itertools import islice
@@ -15,6 +16,7 @@ from ocean_sim.files.input_file import FOLDER
 from ocean_sim.files.yaml_file import Node, Problem, described, problem
 
 LEAST, MOST = 1e-60, 1e15  # size of a number in SI units that a scene may hold
+NAMES = "letters, digits and _, a letter first"  # what a name that a scene gives is made of
 MANY = 200  # errors of one part beyond which the rest is of the same kind
 EXAMPLES = 2  # keys of a mapping that a sentence shows where none is required
 FEW = 24  # choices that still fit in a sentence
@@ -32,6 +34,21 @@ SHAPES = {
     "list_type": "a list",
     "tuple_type": "a list",
     "none_required": "null",
+}
+
+MEASURE = re.compile(r"([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*\[?([^\s\[\]]*)\]?")  # a number and its unit
+UNITS = {  # what people write, in units of scenes
+    "mm": ("m", 1e-3),
+    "cm": ("m", 1e-2),
+    "km": ("m", 1e3),
+    "ms": ("s", 1e-3),
+    "min": ("s", 60.0),
+    "h": ("s", 3600.0),
+    "kn": ("m/s", 1852.0 / 3600.0),
+    "km/h": ("m/s", 1.0 / 3.6),
+    "t": ("kg", 1e3),
+    "kPa": ("Pa", 1e3),
+    "%": ("1", 1e-2),
 }
 
 SHORTEST = 3  # letters of the beginning of a word by which it is known
@@ -95,13 +112,14 @@ def validated(
     """The model of a node, or None, and then `problems` grows. `folder`: to which names of files are relative, by
     default the working directory."""
     beyond = list(islice(absurd(node, path), MANY))
-    problems.extend(beyond)
+    found, wrong = None, list[Problem]()
     try:
         found = model.model_validate(node.plain(), context={FOLDER: folder})
-        return None if beyond else found
     except ValidationError as error:
-        problems.extend(translated(error, model, node, path))
-        return None
+        wrong = translated(error, model, node, path)
+    told = {each.key for each in wrong}
+    problems += [*wrong, *(each for each in beyond if each.key not in told)]
+    return None if beyond else found
 
 
 def absurd(node: Node, path: Path) -> Iterator[Problem]:
@@ -147,6 +165,14 @@ def choice_sentence(word: str, choices: Any) -> tuple[str, str | None]:
     if suggestion is not None:
         return f"; did you mean {suggestion!r}?", suggestion
     return (f"; there are {', '.join(choices)}" if 0 < len(choices) <= FEW else ""), None
+
+
+def key_sentence(word: str, choices: Any) -> tuple[str, str | None]:
+    """The same of an unknown key: one with dots, as `--set` takes it, is a mapping in a scene."""
+    first, *inner = word.split(".")
+    if inner and first in choices:
+        return f"; in a scene it is written {first}: {{{': {'.join(inner)}: ...{'}' * len(inner)}", None
+    return choice_sentence(word, choices)
 
 
 def translated(error: ValidationError, model: type[BaseModel], root: Node, prefix: Path) -> list[Problem]:
@@ -265,7 +291,8 @@ def _of_union(found: list[_Found], prefix: Path) -> list[Problem]:
         return [_sentence(f, prefix) for f in best if not _is_extra_item(f, best)]
     wanted = list(dict.fromkeys(_wanted(errors[0]) for errors in members.values()))
     first = found[0]
-    message = f"expected {' or '.join(wanted)}, got {described(first.node.plain())}"
+    hint = next(filter(None, (_hint(errors[0]) for errors in members.values())), "")
+    message = f"expected {' or '.join(wanted)}, got {described(first.node.plain())}{hint}"
     return [problem(first.node.location, dotted(prefix + first.path), message)]
 
 
@@ -279,10 +306,10 @@ def _sentence(found: _Found, prefix: Path) -> Problem:
     value, context, suggestion = described(found.node.plain()), found.context, None
     bound = next((name for name in BOUNDS if name in context), None)
     if found.member == "[key]":
-        location = found.node.key_location
-        message = f"{found.path[-1]!r} is not a name: {found.message.replace('String should', 'it should')}"
+        key, location = dotted(prefix + found.path[:-1]), found.node.key_location
+        message = f"{found.path[-1]!r} is not a name: {NAMES}"
     elif found.kind == "extra_forbidden":
-        message, suggestion = choice_sentence(str(found.path[-1]), found.keys)
+        message, suggestion = key_sentence(str(found.path[-1]), found.keys)
         message, location = f"unknown key{message}", found.node.key_location
     elif _is_short(found):
         key = dotted(prefix + found.path[:-1])
@@ -322,11 +349,17 @@ def _sentence(found: _Found, prefix: Path) -> Problem:
 
 
 def _hint(found: _Found) -> str:
-    """YAML 1.2 reads `1e-3` as a number and `1e` or `3,5` as text; a comma is the usual slip."""
-    text = found.node.data
-    if found.kind == "float_type" and isinstance(text, str) and text.replace(",", "", 1).replace("-", "", 1).isdigit():
-        return f"; did you mean {text.replace(',', '.')}?"
-    return ""
+    """The number that a text means: YAML 1.2 reads one in quotes, with a comma or with a unit as text."""
+    text, numbers = found.node.data, ("float_type", "int_type")
+    measure = MEASURE.fullmatch(text.strip()) if isinstance(text, str) and found.kind in numbers else None
+    if measure is None:
+        return ""
+    written, unit = measure[2].replace("^", ""), _unit(found.field).strip(" []")
+    of, factor = UNITS.get(written, (written, 1.0))
+    if of not in ("", unit or "1"):
+        return f"; a number stands without its unit{f', which is {unit} here' if unit else ''}"
+    number = float(measure[1].replace(",", ".")) * factor
+    return f"; did you mean {number:.12g}?" if found.kind == "float_type" or number.is_integer() else ""
 
 
 def _fits(wanted: str, annotation: Any) -> bool:

@@ -13,7 +13,7 @@ class Config(TimeStepConfig):
 
     example: ClassVar[dict[str, Any]] = {"dt": 0.001}
     kind: Literal["fixed"] = "fixed"
-    dt: float = quantity("s", gt=0.0)
+    dt: float = quantity("s", ge=1e-9)
     """The time step."""
 
     def advice(self, limit: str, shortest: float) -> str:

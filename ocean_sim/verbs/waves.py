@@ -24,6 +24,7 @@ from ocean_sim.verbs.shared.wave_files import (
 from ocean_sim.waves.orbits import BREAKING, tracer_motion
 from ocean_sim.waves.record import (
     CUT_OFF,
+    REGULAR,
     RESOLVED,
     STEADY,
     Sea,
@@ -32,6 +33,7 @@ from ocean_sim.waves.record import (
     elevations,
     evenly,
     measured,
+    sampling_error,
     spectra,
     trend,
 )
@@ -72,6 +74,9 @@ def waves(run: Path, begin: float, treatment: Treatment, out: Path | None, as_js
         console.answer({name: sea.numbers() | treated[name] | whole_run for name, sea in found.items()})
         return
     show(found, path, treatment, time)
+    steady = [height for name, height in heights.items() if found[name].waves >= STEADY]
+    for sentence in sampling([sampling_error(treatment.deviation(*evenly(time, height))) for height in steady]):
+        console.say(sentence)
     for name, height in heights.items() if treatment.detrended else ():
         console.say(f"{name}: less a trend of {trend(*evenly(time, height)):.3g} m/s")
     if surface is not None:
@@ -201,6 +206,15 @@ def show(found: dict[str, Sea], path: Path, treatment: Treatment, time: np.ndarr
     console.say(f"moments up to {CUT_OFF:g} peak frequencies; H1/3, Tz and Hmax between zero up-crossings{beyond}")
     if (wind := wind_of(path)) is not None:
         console.say(wind)
+
+
+def sampling(errors: list[float]) -> list[str]:
+    """How well records as long as these tell what their seas are; nothing of regular waves."""
+    irregular = sorted(error for error in errors if error < REGULAR)
+    if not irregular:
+        return []
+    share = " to ".join(dict.fromkeys(f"{100.0 * error:.2g}" for error in (irregular[0], irregular[-1])))
+    return [f"4 sqrt m0 of irregular waves has a standard error of {share} % in a record of this length"]
 
 
 def shortcomings(sea: Sea, treatment: Treatment) -> list[str]:

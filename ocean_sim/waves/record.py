@@ -28,6 +28,7 @@ SEGMENTS = 8  # of the record at most, in Welch's estimate
 ENOUGH = 6.0  # periods of the peak in each of several segments, at least
 RESOLVED = 3.0  # periods of the peak in the record, at least: those of a Hann window and of its image stand apart
 STEADY = 20  # waves in a record that statistics of irregular waves need at least
+REGULAR = 0.2  # sampling error beyond which STEADY waves or more are regular ones, which have none: a few frequencies
 STILL = 1e-9  # [m] a range within which a record counts as constant
 
 
@@ -222,6 +223,14 @@ def moments(interval: float, deviation: np.ndarray, up_to: float) -> tuple[float
     below = frequency <= up_to
     m0, m1, m2 = (float((power * frequency**order)[below].sum()) for order in range(3))
     return m0, m1, m2
+
+
+def sampling_error(deviation: np.ndarray) -> float:
+    """Standard error of four standard deviations over their value, in a record (n,) of a Gaussian sea: half of that of
+    m0, which is the root of the integral of S^2 over m0^2 and the record's length (Bendat & Piersol 2010, Random Data,
+    4th ed., section 8.2); the square of a periodogram is 2 S^2 on average."""
+    power = np.abs(np.fft.rfft(deviation)) ** 2
+    return 0.5 * float((0.5 * (power**2).sum()) ** 0.5 / power.sum())
 
 
 def measured(time: np.ndarray, height: np.ndarray, treatment: Treatment = AS_IT_WAS) -> Sea:

@@ -13,14 +13,15 @@ import pytest
 import typer
 
 from ocean_sim.__main__ import answered, app
-from ocean_sim.files.yaml_file import Location, parsed
+from ocean_sim.files.yaml_file import Location, SceneError, parsed
 from ocean_sim.parts import PACKAGE, library
-from ocean_sim.reading.scene import load
+from ocean_sim.reading.scene import load, load_text
 from ocean_sim.ship.shared.stability import Loading
 
 ROOT = library("scenes").parent
 PAGES = [ROOT / "README.md", *sorted(p for p in (ROOT / "docs").rglob("*.md") if "generated" not in p.parts)]
 BLOCK = re.compile(r"^```(?:\{code-block\} )?(\w+)\n((?::\w+:[^\n]*\n)*)(.*?)^```$", re.M | re.S)
+MISTAKE = re.compile(r"^mine\.yaml:(\d+):\d+: ([\w.]*\.)?(\w+): unknown key; did you mean '(\w+)'\?$")
 CAPTION = re.compile(r":caption: (\S+)")
 LOOKS = ("list", "check", "explain", "new", "hull", "schema")  # verbs that only look, in seconds
 BY_SANDBOX = ("demo", "test", "docs")  # what `sandbox` does by itself: every build runs two of them
@@ -81,6 +82,20 @@ def test_commands_that_only_look_do_what_they_promise(tmp_path, monkeypatch, cap
                     Path("mine.yaml").unlink(missing_ok=True)
                 assert answered(words) == 0, (page.name, words, capsys.readouterr().err)
     assert len(seen) >= 8
+
+
+@pytest.mark.parametrize("page", [ROOT / "README.md", ROOT / "docs" / "getting_started.md"], ids=lambda page: page.stem)
+def test_a_mistake_in_the_scene_is_told_as_the_page_says(page):
+    (scene,) = (text for _, text in blocks(page, "yaml") if text.startswith("title"))
+    said = [line for _, text in blocks(page, "text") for line in text.splitlines() if line.startswith("mine.yaml:")]
+    lines = scene.splitlines()
+    for sentence in said:
+        line, _, mistake, meant = MISTAKE.fullmatch(sentence).groups()
+        assert meant in lines[int(line) - 1]
+        lines[int(line) - 1] = lines[int(line) - 1].replace(meant, mistake, 1)
+    with pytest.raises(SceneError) as caught:
+        load_text("\n".join(lines), "mine.yaml", ROOT)
+    assert said and [str(problem) for problem in caught.value.problems] == said
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "yaml")], ids=lambda page: page.stem)

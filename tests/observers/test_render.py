@@ -355,4 +355,6 @@ def test_check_warns_of_stills_after_the_end_and_of_pictures_without_frames():
     late = "stills at 2.1, 5 s are never drawn: the run ends at 2 s"
     assert late in " ".join(load(sea | {"render": {"stills": [1.0, 2.0, 2.1, 5.0]}}).warnings())
     assert "never drawn" not in " ".join(load(sea | {"render": {"stills": [1.0, 2.0]}}).warnings())
-    assert "nothing to draw" in " ".join(load(sea | {"frames": None}).warnings())
+    assert "nothing to draw" in " ".join(load(sea | {"frames": None, "render": {}}).warnings())
+    plain = load(sea | {"frames": None})
+    assert "render" not in plain.observers and not any("render" in sentence for sentence in plain.warnings())

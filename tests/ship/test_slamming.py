@@ -148,6 +148,15 @@ def test_a_yacht_from_5_m_up_comes_to_float(kind, tmp_path):
     assert any("begins 5 m above where it floats" in warning for warning in warnings)
 
 
+def test_a_ship_that_begins_under_water_is_told():
+    scene = {"basin": {"length": 60.0, "width": 60.0, "depth": 20.0}, "ship": {"kind": "yacht"}}
+    scene["fluid"] = {"kind": "linear_waves", "spectrum": {"significant_wave_height": 1.0, "peak_period": 6.0}}
+    told = "its whole hull under water"
+    for height, deep in ((0.0, False), (-9.0, True)):
+        warnings = load(scene, {"ship.position": [0.0, height, 0.0]}).warnings()
+        assert any(told in warning for warning in warnings) == deep
+
+
 @pytest.mark.slow
 def test_a_yacht_that_begins_a_little_high_is_told_nothing_and_slams_nothing(tmp_path):
     path, events, warnings = dropped("dynamic", 0.4, tmp_path)

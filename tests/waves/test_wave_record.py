@@ -7,12 +7,14 @@ import pytest
 
 from ocean_sim import waves
 from ocean_sim.__main__ import answered
+from ocean_sim.verbs.waves import sampling
 from ocean_sim.waves.orbits import breaking_cover, falling
 from ocean_sim.waves.record import (
     Treatment,
     Unmeasurable,
     crossings,
     measured,
+    sampling_error,
     segments,
     spectra,
     trend,
@@ -302,6 +304,21 @@ def test_a_record_whose_interval_changes_is_one():
     assert sea.tz_s == pytest.approx(7.0, rel=1e-3) and sea.hs_m == pytest.approx(1.0, rel=0.02)
 
 
+def test_the_sampling_error_is_the_scatter_of_records_of_one_sea():
+    """Gaussian seas of one spectrum, each cut down to 40 waves of a sixteenth of its length."""
+    noise = np.random.default_rng(1).normal(size=(400, 8192))
+    frequency = np.fft.rfftfreq(8192, 0.5)
+    shape = np.exp(-0.5 * ((frequency - 0.15) / 0.02) ** 2)
+    cut = np.fft.irfft(np.fft.rfft(noise) * shape)[:, :512]
+    cut -= cut.mean(axis=1, keepdims=True)
+    deviations = cut.std(axis=1)
+    errors = [sampling_error(record) for record in cut]
+    assert np.mean(errors) == pytest.approx(deviations.std() / deviations.mean(), rel=0.1)
+    assert sampling([0.35, 0.12, 0.09]) == [
+        "4 sqrt m0 of irregular waves has a standard error of 9 to 12 % in a record of this length"
+    ]
+
+
 def gauges_file(folder, columns: dict[str, np.ndarray]):
     """A run's gauges.csv."""
     folder.mkdir(exist_ok=True)
@@ -338,7 +355,7 @@ def test_the_command_says_what_a_short_record_cannot_say(tmp_path, capsys):
     shown = capsys.readouterr().out
     assert "swell: the record holds 1 wave; statistics of irregular waves need at least 20" in shown
     assert "swell: the record is shorter than 3 periods of its spectral peak" in shown
-    assert "chop: " not in shown
+    assert "chop: " not in shown and "standard error" not in shown
     row = (run / "waves.csv").read_text().splitlines()[1].split(",")
     assert row[0] == "swell" and row[5:8] == ["", "", ""]
     run = gauges_file(tmp_path / "followed", {"time_s": time, "swell_m": waves_of["swell_m"]})

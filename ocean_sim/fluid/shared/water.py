@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from ocean_sim.basin import ROUNDING, Basin, Box
-from ocean_sim.conventions import WATER_DENSITY
+from ocean_sim.conventions import LEAST_DENSITY, WATER_DENSITY
 from ocean_sim.fluid.shared import initial as initial_module
 from ocean_sim.fluid.shared.emitter import MOST_PARTICLES, Emitter
 from ocean_sim.fluid.shared.emitter import problems as mouth_problems
@@ -37,7 +37,7 @@ class WaterConfig(FluidConfig):
     """Distance between particles at rest."""
     particles: int | None = quantity("particles", None, ge=1, le=MOST_PARTICLES)
     """A budget of particles, in place of `spacing`."""
-    rest_density: float = quantity("kg/m3", WATER_DENSITY, gt=0.0)
+    rest_density: float = quantity("kg/m3", WATER_DENSITY, ge=LEAST_DENSITY)
     """Density of the water at rest."""
     body_force: Vector3 = quantity("m/s2", (0.0, 0.0, 0.0))
     """A constant acceleration in addition to gravity."""

@@ -202,11 +202,16 @@ class FloatingConfig(VesselConfig):
             found.append(f"there is no water under the ship at x = {x:g}, z = {z:g} m at first: it falls")
         return found
 
-    def high(self, hull: Hydrostatics, preflight: Preflight) -> list[str]:
-        """Whether the ship begins more than a draught above where it floats."""
+    def high_or_deep(self, hull: Hydrostatics, preflight: Preflight) -> list[str]:
+        """Whether the ship begins more than a draught above where it floats, or wholly under water."""
         if self.afloat_at_first:
             return []
         above = self.position[1] - afloat_pose(hull)[0]
+        freeboard = float(np.ptp(self.whole_hull.shape.bounds(), axis=0)[1]) - hull.draught
+        if -above > freeboard:
+            return [
+                f"the ship begins {-above:.3g} m below where it floats, with its whole hull under water: it shoots up"
+            ]
         if above <= hull.draught:
             return []
         speed = sqrt(2.0 * -preflight.tank.gravity[1] * (above - hull.draught))
@@ -235,7 +240,7 @@ class FloatingConfig(VesselConfig):
         hull = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
         if isinf(hull.draught):
             return [f"the ship weighs {hull.matter.mass:.4g} kg, more than its hull can carry: it sinks"]
-        found = super().warnings(preflight) + self.unborne(preflight) + self.high(hull, preflight)
+        found = super().warnings(preflight) + self.unborne(preflight) + self.high_or_deep(hull, preflight)
         if any(preflight.fluid.steady_force):
             found.append(
                 "fluid.body_force acts on the water alone, which it makes heavier or drives; the ship does not feel it"

@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from dataclasses import replace
 from functools import cached_property
 from math import radians, sqrt
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, Literal, get_args
 
 import numpy as np
 from pydantic import Field
@@ -40,7 +40,7 @@ from ocean_sim.wind import Wind
 SLIGHT = 1e-9  # [m/s], [rad/s] of rounding
 FASTEST = 1.0e3  # [m/s] no ship moves like this
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
-Motion = Annotated[str, Field(pattern=f"^({'|'.join(Motions._fields)})$")]
+Free = Literal["sway", "heave", "surge", "pitch", "yaw", "roll"]  # Motions, in their order
 Position = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 
 
@@ -60,7 +60,7 @@ class VesselConfig(Helm, ShipConfig):
     it, too."""
     rates: Vector3 = quantity("rad/s", (0.0, 0.0, 0.0))
     """Pitch, yaw and roll rate at the beginning."""
-    free: list[Motion] = list(Motions._fields)
+    free: list[Free] = list(get_args(Free))
     """Motions that are not held; surge and sway along and across the heading."""
     points: dict[Name, Vector3] = {}
     """Named points, from the hull's origin [m]: x to port, y up from the keel, z to the bow from amidships."""

@@ -33,6 +33,7 @@ def render(folder: Path, asked: dict[str, Any], fps: float | None, out: Path | N
         raise console.Refused(sentence)
     options = config.model_dump() | ({} if fps is None else {"every": 1.0 / fps})
     drawing = Drawing(quiet=as_json)
+    before = {*(out or folder).glob("*")}
     with console.claim(out or folder):
         try:
             files = render_run(folder, **options, out=out, progress=drawing)
@@ -43,6 +44,9 @@ def render(folder: Path, asked: dict[str, Any], fps: float | None, out: Path | N
 
             files = [*files, run_report.write(folder)]  # with the new pictures
     made(files, as_json)
+    replaced = [file.name for file in files if file in before]
+    if replaced:
+        console.complain(f"replaced in {out or folder}: {', '.join(replaced)}")
 
 
 def numbers(option: str, text: str | None, apart: str = ",") -> list[float] | None:

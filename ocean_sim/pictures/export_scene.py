@@ -178,7 +178,7 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
         try:
             stage.Export(str(made))
         except Tf.ErrorException:  # a page of the writer's own words
-            raise OSError(EIO, "USD cannot write this file; is the disk full?", str(path)) from None
+            raise OSError(EIO, "USD cannot write this file, as on a full disk", str(path)) from None
         made.replace(draft)
     return path
 

@@ -114,6 +114,8 @@ def test_a_run_that_went_on_says_from_when(since, span):
 def test_an_interrupt_names_what_can_still_be_done(tmp_path):
     progress = Progress(10.0, quiet=True)
     progress.time = 4.0
+    assert str(run_verb.stopped(progress, tmp_path)) == "stopped at t = 4.000 s; nothing was written"
+    (tmp_path / "gauges.csv").touch()
     assert str(run_verb.stopped(progress, tmp_path)) == f"stopped at t = 4.000 s; {tmp_path} holds what was written"
     (tmp_path / "checkpoint_000004.000000.h5").touch()
     assert str(run_verb.stopped(progress, tmp_path)).endswith(f"; `ocean-sim resume {tmp_path}` continues it")

@@ -1,12 +1,11 @@
 """Points with cells at several moments, in one file: VTKHDF 2.2, poly data (ParaView 5.12 or newer)."""
 
-import os
-from errno import ENOSPC
 from pathlib import Path
-from shutil import disk_usage
 from typing import Any
 
 import numpy as np
+
+from ocean_sim.files.whole_file import must_have_room
 
 TOPOLOGIES = {"Vertices": 1, "Lines": 2, "Polygons": 3, "Strips": 0}  # corners of a cell
 HELD_BACK = 1 << 24  # bytes that HDF5 may not have written yet: a chunk of each array, and where they lie
@@ -38,8 +37,7 @@ class Series:
     def add(self, time: float, points: np.ndarray, cells: np.ndarray, **fields: np.ndarray) -> None:
         """A moment [s]: (n, 3) points [m], cells (m, corners) as numbers of points, and values of the points."""
         taken = points.nbytes + cells.nbytes + sum(values.nbytes for values in fields.values())
-        if disk_usage(self.path.parent).free < taken + HELD_BACK:
-            raise OSError(ENOSPC, os.strerror(ENOSPC), str(self.path))
+        must_have_room(self.path, taken + HELD_BACK)
         before = len(self.root["Points"]) if self.times else 0
         self.steps["PointOffsets"].append(before)
         self.append("Points", points.astype(np.float32))

@@ -3,7 +3,9 @@
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from errno import ENOSPC
 from pathlib import Path
+from shutil import disk_usage
 
 RESERVE, RESERVED = ".reserve", 1 << 20  # a file, and its size [bytes]: more than the last words of a run
 UNFINISHED = r"\..+\.\d+\.tmp(\..+)?"  # names of unfinished files, with the number of the process that writes them
@@ -44,6 +46,13 @@ class naming:
     def __exit__(self, kind: type | None, failure: BaseException | None, where: object) -> None:
         if isinstance(failure, OSError) and failure.filename in self.unknown:
             failure.filename = str(self.path)
+
+
+def must_have_room(path: Path, size: int) -> None:
+    """Raises OSError where a disk has no room for so many bytes of a file: before a library writes that does not say
+    so."""
+    if disk_usage(path.parent).free < size:
+        raise OSError(ENOSPC, os.strerror(ENOSPC), str(path))
 
 
 @contextmanager

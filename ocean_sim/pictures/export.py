@@ -9,7 +9,7 @@ import numpy as np
 from ocean_sim.conventions import Failed
 from ocean_sim.files.input_file import arrays
 from ocean_sim.files.vtkhdf import Series
-from ocean_sim.files.whole_file import whole
+from ocean_sim.files.whole_file import must_have_room, whole
 from ocean_sim.pictures import export_scene
 from ocean_sim.pictures.export_scene import Shot, upright
 
@@ -145,6 +145,7 @@ def saved(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: dict
     if "Normals" in fields:
         mesh.point_data.active_normals = fields["Normals"]
     with whole(path) as draft:
+        must_have_room(draft, 2 * 1024 * mesh.actual_memory_size)  # VTK goes on where it cannot write
         if path.suffix != ".ply":
             mesh.save(draft)
         elif "RGB" in fields:

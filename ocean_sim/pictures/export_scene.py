@@ -2,6 +2,7 @@
 velocity, ships and where they are, particles."""
 
 from collections.abc import Iterator
+from errno import EIO
 from itertools import product
 from pathlib import Path
 from types import ModuleType
@@ -123,7 +124,7 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
     """USD with time samples (usdc): /sea/water, /sea/obstacles, /sea/NAME of each ship, /sea/particles; metres, frames
     a second as kept. Raises UsdMissing."""
     try:
-        from pxr import Gf, Sdf, Usd, UsdGeom, Vt
+        from pxr import Gf, Sdf, Tf, Usd, UsdGeom, Vt
     except ImportError:
         raise UsdMissing from None
     first, last = (float(arrays(frame)["time"]) for frame in (frames[0], frames[-1]))
@@ -197,7 +198,10 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
             cloud.CreateWidthsAttr([float(grid["spacing"])])
             cloud.SetWidthsInterpolation(UsdGeom.Tokens.constant)
         made = draft.with_suffix(".usdc")  # the writer knows formats by their endings
-        stage.Export(str(made))
+        try:
+            stage.Export(str(made))
+        except Tf.ErrorException:  # a page of the writer's own words
+            raise OSError(EIO, "USD cannot write this file, as on a full disk", str(path)) from None
         made.replace(draft)
     return path
 

@@ -7,12 +7,12 @@ import pytest
 
 from ocean_sim.basin.points import pairs
 from ocean_sim.conventions import in_words
-from ocean_sim.files import vtkhdf
+from ocean_sim.files import whole_file
 from ocean_sim.files.vtkhdf import Series
 from ocean_sim.files.whole_file import whole
 from ocean_sim.observers import frames
 from ocean_sim.pictures import export_scene
-from ocean_sim.pictures.export import NothingToExport, export_run
+from ocean_sim.pictures.export import NothingToExport, export_run, saved
 from ocean_sim.pictures.foam import coarser
 from ocean_sim.verbs.shared.after import made
 
@@ -126,12 +126,15 @@ def test_what_changes_from_moment_to_moment_reads_back(tmp_path):
         np.testing.assert_array_equal(cells, faces)
 
 
-def test_a_series_that_fails_leaves_no_file(tmp_path, monkeypatch):
+def test_an_export_that_a_disk_has_no_room_for_leaves_no_file(tmp_path, monkeypatch):
     path, points = tmp_path / "s.vtkhdf", np.zeros((3, 3))
-    monkeypatch.setattr(vtkhdf, "disk_usage", lambda folder: SimpleNamespace(free=vtkhdf.HELD_BACK))
+    monkeypatch.setattr(whole_file, "disk_usage", lambda folder: SimpleNamespace(free=1000))
     with pytest.raises(OSError) as failure, whole(path) as draft, Series(draft, "Polygons") as series:
         series.add(0.0, points, np.array([[0, 1, 2]]))
     assert in_words(failure.value) == f"No space left on device: {path}"
+    with pytest.raises(OSError) as failure:
+        saved(tmp_path / "s.vtp", points, None, {})
+    assert in_words(failure.value) == f"No space left on device: {tmp_path / 's.vtp'}"
     assert list(tmp_path.iterdir()) == []
 
 

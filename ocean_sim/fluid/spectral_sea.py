@@ -66,7 +66,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
     basin."""
     cells: int = quantity("1", CELLS, ge=16, le=1024, multiple_of=2)
     """Cells along a tile."""
-    step: float | None = quantity("s", None, gt=0.0)
+    step: float | None = quantity("s", None, ge=1e-9)
     """Time step of the tiles; null: in one step waves of four cells turn by 0.8 rad, and in a nonlinear sea the
     highest waves by at most a fortieth of their period."""
     rest_density: float = quantity("kg/m3", WATER_DENSITY, ge=LEAST_DENSITY)

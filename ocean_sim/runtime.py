@@ -196,8 +196,9 @@ class RuntimeConfig(Model):
     library: Literal["taichi", "quadrants"] | None = None
     """What compiles the kernels: `taichi`, or its fork `quadrants` where it is installed and
     OCEAN_SIM_LIBRARY=quadrants is set; null: what the process computes with."""
-    pin: bool = False
-    """Bind each worker thread to one core (Linux): steadier timings, but a burden on a shared machine."""
+    pin: bool | None = None
+    """Where each worker thread may run (Linux); null: on cores of its own, shared out among the threads, `true`: on one
+    core, for steadier timings, `false`: on any core, so that two threads often share one for a while."""
 
 
 @dataclass(frozen=True)
@@ -348,8 +349,8 @@ def start(config: RuntimeConfig) -> Backend:
             f"runtime.arch: {config.arch} was asked for, but this machine gave {arch}; "
             "set runtime.arch=cpu, or auto to take what there is (`ocean-sim doctor` lists it)"
         )
-    if config.pin and arch == "cpu":
-        _pin(before)
+    if config.pin is not False and arch == "cpu":
+        _pin(before, threads, one=bool(config.pin))
     _started = (config, Backend(arch, threads if arch == "cpu" else 0, config.precision, _has_doubles(arch)))
     return _started[1]
 
@@ -458,9 +459,12 @@ def _thread_ids() -> set[int]:
     return {int(t) for t in os.listdir("/proc/self/task")} if sys.platform == "linux" else set()
 
 
-def _pin(before: set[int]) -> None:
-    """Two short-lived workers often share a core; each new thread that lives on is bound to a core of its own."""
+def _pin(before: set[int], threads: int, one: bool) -> None:
+    """Bind the worker threads, the last that Taichi makes as it starts, to cores of their own, or each to `one`: woken
+    for a short time, two would often share a core."""
     usable = sorted(os.sched_getaffinity(0)) if sys.platform == "linux" else []
-    for k, thread in enumerate(sorted(_thread_ids() - before)):
+    workers = sorted(_thread_ids() - before)[-threads:] if usable else []
+    for k, worker in enumerate(workers):
+        own = usable[k::threads] or [usable[k % len(usable)]]
         with suppress(ProcessLookupError):  # it has ended meanwhile
-            os.sched_setaffinity(thread, {usable[k % len(usable)]})
+            os.sched_setaffinity(worker, own[:1] if one else own)

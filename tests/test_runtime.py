@@ -1,5 +1,6 @@
-"""Taichi is started once, and afresh before its room for fields runs out."""
+"""Taichi is started once, and afresh before its room for fields runs out; its threads have cores of their own."""
 
+import json
 import os
 import subprocess
 import sys
@@ -10,6 +11,7 @@ import pytest
 
 from ocean_sim import Simulation, load, runtime
 from ocean_sim.kernel_library import ti
+from ocean_sim.machine import cores
 from ocean_sim.simulation import must_have_doubles
 
 SEA = {
@@ -246,3 +248,28 @@ def test_the_number_of_kept_launches_does_not_grow_with_launches(taichi_cpu):
     for length in range(1, 30):
         adding.add(np.zeros(length), 1.0, 1)
     assert [len(kept) for kept in runtime._launches[adding].values()] == [1]
+
+
+AFFINITIES = """
+import os, sys
+from ocean_sim import runtime
+
+pins = {"null": None, "true": True, "false": False}
+runtime.start(runtime.RuntimeConfig(threads=2, pin=pins[sys.argv[1]]))
+threads = sorted(int(thread) for thread in os.listdir("/proc/self/task"))
+print([sorted(os.sched_getaffinity(thread)) for thread in threads[-2:]])
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux" or cores() < 2, reason="workers are bound on Linux, to several cores")
+@pytest.mark.parametrize("pin", ["null", "true", "false"])
+def test_two_workers_have_no_core_in_common_unless_they_may_go_anywhere(pin):
+    """Woken for a short time on a core that both may use, they take turns on it while another is idle."""
+    done = subprocess.run([sys.executable, "-c", AFFINITIES, pin], capture_output=True, text=True, check=True)
+    one, other = (set(there) for there in json.loads(done.stdout))
+    usable = os.sched_getaffinity(0)
+    if pin == "false":
+        assert one == other == usable
+    else:
+        assert not one & other
+        assert one | other == usable if pin == "null" else len(one) == len(other) == 1

@@ -8,6 +8,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Status
 from ocean_sim.fluid.shared.grid import Grid
+from ocean_sim.fluid.shared.tasks import LINE
 from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import Doubles3, Template, alone, in_kernels
 
@@ -32,21 +33,21 @@ def pushing(absent: tuple[int, ...]) -> tuple[int, ...]:
 class Accounts:
     """Each group of cells writes its own row, so nothing depends on the order of threads."""
 
-    def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...]) -> None:
+    def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...], apart: int = LINE) -> None:
         """`impulses`: whether impulse and work of each term are summed (f64), for `accuracy`; `absent`: terms that the
-        scene has not."""
+        scene has not; `apart`: numbers from one row to the next, LINE where threads write to few of
+        them."""
         self.groups, self.impulses = groups, impulses
         self.idle: tuple[int, ...] = ()  # terms that nothing in the scene gives
-        self.overflow = ti.field(int, shape=groups)
-        self.speed2, self.acceleration2 = ti.field(float, shape=groups), ti.field(float, shape=groups)
-        self.thin, self.dense = ti.field(float, shape=groups), ti.field(float, shape=groups)
-        self.sum = ti.field(float, shape=groups)
-        self.clipped = ti.field(int, shape=groups)
+        self.overflow, self.clipped = (ti.field(int, shape=(groups, apart)) for _ in range(2))
+        self.speed2, self.acceleration2, self.sum = (ti.field(float, shape=(groups, apart)) for _ in range(3))
+        self.thin, self.dense = (ti.field(float, shape=(groups, apart)) for _ in range(2))
         if impulses:
             self.terms = tuple(term for term in range(len(TERMS)) if term not in absent)
             self.pushing = pushing(absent)
-            self.given = ti.field(ti.f64, shape=(groups, len(TERMS), WORK + 1))  # impulse, and work
-            self.copied = np.zeros((groups, len(TERMS), WORK + 1))
+            rows = (groups, len(TERMS) + apart // (2 * (WORK + 1)), WORK + 1)
+            self.given = ti.field(ti.f64, shape=rows)  # impulse, and work
+            self.copied = np.zeros(rows)
 
     def acts(self, term: int) -> bool:
         """Whether a term does anything, as is known when a kernel is compiled; the others stay zero."""
@@ -54,24 +55,24 @@ class Accounts:
 
     @ti.func
     def begin_motion(self, group):
-        self.speed2[group] = self.acceleration2[group] = self.sum[group] = 0.0
+        self.speed2[group, 0] = self.acceleration2[group, 0] = self.sum[group, 0] = 0.0
 
     @ti.func
     def begin_density(self, group):
-        self.thin[group], self.dense[group] = DENSE, 0.0
+        self.thin[group, 0], self.dense[group, 0] = DENSE, 0.0
 
     @ti.func
     def count_motion(self, group, v, a, fast):
         v2, a2 = v.dot(v), a.dot(a)
-        self.speed2[group] = ti.max(self.speed2[group], v2)
-        self.acceleration2[group] = ti.max(self.acceleration2[group], a2)
-        self.sum[group] = self.sum[group] + v2
-        self.clipped[group] = self.clipped[group] + fast
+        self.speed2[group, 0] = ti.max(self.speed2[group, 0], v2)
+        self.acceleration2[group, 0] = ti.max(self.acceleration2[group, 0], a2)
+        self.sum[group, 0] = self.sum[group, 0] + v2
+        self.clipped[group, 0] = self.clipped[group, 0] + fast
 
     @ti.func
     def count_density(self, group, density):
-        self.thin[group] = ti.min(self.thin[group], density)
-        self.dense[group] = ti.max(self.dense[group], density)
+        self.thin[group, 0] = ti.min(self.thin[group, 0], density)
+        self.dense[group, 0] = ti.max(self.dense[group, 0], density)
 
     @ti.func
     def count_impulse(self, group, term: Template, impulse, v):
@@ -106,11 +107,11 @@ class Accounts:
         """Of the rows from `begin` to `end`, but for impulses and work: what a step reports."""
         speed2, acceleration2, thin, dense, total, clipped, crowded = 0.0, 0.0, DENSE, 0.0, 0.0, 0, 0
         for g in range(begin, end):
-            speed2, acceleration2 = ti.max(speed2, self.speed2[g]), ti.max(acceleration2, self.acceleration2[g])
-            thin, dense = ti.min(thin, self.thin[g]), ti.max(dense, self.dense[g])
-            total += self.sum[g] + self.dense[g]
-            clipped += self.clipped[g]
-            crowded += self.overflow[g]
+            speed2, acceleration2 = ti.max(speed2, self.speed2[g, 0]), ti.max(acceleration2, self.acceleration2[g, 0])
+            thin, dense = ti.min(thin, self.thin[g, 0]), ti.max(dense, self.dense[g, 0])
+            total += self.sum[g, 0] + self.dense[g, 0]
+            clipped += self.clipped[g, 0]
+            crowded += self.overflow[g, 0]
         return speed2, acceleration2, thin, dense, total, clipped, crowded
 
     @ti.func

@@ -190,7 +190,7 @@ class Neighbours:
         seen = self.closest(x, images, images + m - n, scratch, near)
         if seen > self.pairs.room:
             near, seen = 0, 0
-            self.accounts.overflow[group] = self.accounts.overflow[group] + 1
+            self.accounts.overflow[group, 0] = self.accounts.overflow[group, 0] + 1
         self.pairs.near[i], self.pairs.seen[i] = near, seen
         for b in range(seen):
             a, to = self.close[scratch + b], i * self.pairs.room + b
@@ -214,7 +214,7 @@ class Neighbours:
         """The same for the particles of a group's cells."""
         kept = group * self.segment  # where the list of the next cell begins
         if ti.static(find):
-            self.accounts.overflow[group] = 0
+            self.accounts.overflow[group, 0] = 0
         law.begin(group)
         occupied = self.grid.occupied_count[None]
         for k in range(group * occupied // self.groups, (group + 1) * occupied // self.groups):
@@ -238,7 +238,7 @@ class Neighbours:
             self.candidates[k] = self.found(c, lo, up, first, room)
         if self.candidates[k] < 0:
             self.candidates[k] = 0
-            self.accounts.overflow[group] = self.accounts.overflow[group] + 1
+            self.accounts.overflow[group, 0] = self.accounts.overflow[group, 0] + 1
 
     @ti.func
     def gathered(self, k, law: Template, find: Template, group, first):
@@ -280,7 +280,7 @@ class Neighbours:
                                 found = self.found_images(mirror, lo, up, scratch, n, gap, m, entry + 1)
                                 self.candidate[entry] = found
                             else:
-                                self.accounts.overflow[group] = self.accounts.overflow[group] + 1
+                                self.accounts.overflow[group, 0] = self.accounts.overflow[group, 0] + 1
                         run = self.candidate[entry]
                         self.add_images(law, find, mirror, scratch, n, gap, m, entry + 1, run)
                         m, entry = m + run, entry + 1 + run

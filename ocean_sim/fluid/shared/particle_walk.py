@@ -95,9 +95,9 @@ class WideAccounts(Accounts):
     """Each particle writes its own row; rows are added up in blocks, and the blocks in their order."""
 
     def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...]) -> None:
-        super().__init__(groups, impulses, absent)
+        super().__init__(groups, impulses, absent, apart=1)
         self.block = max(1, isqrt(groups))
-        self.blocks = Accounts(-(-groups // self.block), impulses, absent)
+        self.blocks = Accounts(-(-groups // self.block), impulses, absent, apart=1)
 
     @ti.func
     def summarise(self, summary: Template):
@@ -110,8 +110,9 @@ class WideAccounts(Accounts):
         """Put the rows of block b into one, but for impulses and work."""
         blocks, end = self.blocks, ti.min((b + 1) * self.block, self.groups)
         speed2, acceleration2, thin, dense, total, clipped, crowded = self.added_up(b * self.block, end)
-        blocks.speed2[b], blocks.acceleration2[b], blocks.thin[b], blocks.dense[b] = speed2, acceleration2, thin, dense
-        blocks.sum[b], blocks.clipped[b], blocks.overflow[b] = total, clipped, crowded
+        blocks.speed2[b, 0], blocks.acceleration2[b, 0] = speed2, acceleration2
+        blocks.thin[b, 0], blocks.dense[b, 0] = thin, dense
+        blocks.sum[b, 0], blocks.clipped[b, 0], blocks.overflow[b, 0] = total, clipped, crowded
 
     @ti.kernel
     def add_up_impulses(self):
@@ -212,7 +213,7 @@ class ParticleWalk:
         for i in range(self.most):
             law.begin(i)
             if ti.static(find):
-                self.accounts.overflow[i] = 0
+                self.accounts.overflow[i, 0] = 0
             if i < self.particles.there():
                 own = ti.Vector([field[i] for field in ti.static(law.reads)])
                 x = ti.Vector([own[0], own[1], own[2]])
@@ -248,4 +249,4 @@ class ParticleWalk:
         around.of_images(x, self.kept, i)
         if pairs.seen[i] > pairs.room:
             pairs.near[i] = pairs.seen[i] = 0
-            self.accounts.overflow[i] = 1
+            self.accounts.overflow[i, 0] = 1

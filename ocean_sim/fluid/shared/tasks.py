@@ -11,7 +11,8 @@ times the tasks and every TASK-th iteration does the work of one:
 On a graphics card each iteration is a thread of its own, and each particle a task.
 
 One thread alone writes to the scratch and the sums of a task, so results depend neither on the number of threads nor on
-their order.
+their order. The sums of different tasks lie LINE numbers apart: threads that write to the same line of a processor's
+cache wait for each other.
 """
 
 from math import isqrt
@@ -21,6 +22,7 @@ from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import Template, in_kernels
 
 TASK = 512
+LINE = 32  # two lines of a cache
 SUMMED = 64  # rows that are summed one after the other; more are first summed in blocks
 
 
@@ -51,7 +53,7 @@ class Rows:
 
     def __init__(self, count: int, columns: int) -> None:
         self.columns = columns
-        self.rows = ti.field(float, shape=(count, columns))
+        self.rows = ti.field(float, shape=(count, columns + (LINE if count <= SUMMED else 0)))
         self.block = isqrt(count) if count > SUMMED else 1
         self.last = self.rows
         if self.block > 1:

@@ -18,7 +18,7 @@ from ocean_sim.pictures.sea_surface import grain as grain_of
 from ocean_sim.pictures.ship import ShadedShip
 from ocean_sim.pictures.ship_model import Model
 from ocean_sim.pictures.spray import Spray
-from ocean_sim.pictures.stage import Stage
+from ocean_sim.pictures.stage import Content, Stage
 from ocean_sim.pictures.wake import RESTING, Kelvin, Wake, along_hull, standing
 from ocean_sim.pictures.water_shading import EXPOSURE, FOG, Terms, slope_variance
 
@@ -53,7 +53,7 @@ class Waterline:
         self.beam, _, self.length = (float(size) for size in np.ptp(self.vertices, axis=0))  # [m]
 
 
-class Sea:
+class Sea(Content):
     """A surface that is the basin's inside it, becomes the far sea before its sides, and ends behind the fog."""
 
     def __init__(self, stage: Stage, order: Order, vessels: dict[str, Vessel], grid: Any, state: SeaState) -> None:

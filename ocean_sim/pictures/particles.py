@@ -4,10 +4,10 @@ import numpy as np
 
 from ocean_sim.pictures import sky
 from ocean_sim.pictures.frame_files import Frame
-from ocean_sim.pictures.stage import Stage
+from ocean_sim.pictures.stage import Content, Stage
 
 
-class Particles:
+class Particles(Content):
     """Every particle as a small ball, coloured by its speed."""
 
     def __init__(self, stage: Stage, first: Frame, spacing: float, fastest: float) -> None:

@@ -15,8 +15,8 @@ from ocean_sim.pictures.order import Order, RenderFailed
 from ocean_sim.pictures.particles import Particles
 from ocean_sim.pictures.sea import Sea
 from ocean_sim.pictures.ship import DrawnShip, ShadedShip, kept_model
-from ocean_sim.pictures.stage import Stage
-from ocean_sim.pictures.water import NODES, Shell, Water
+from ocean_sim.pictures.stage import Content, Stage
+from ocean_sim.pictures.water import NODES, Water
 from ocean_sim.pictures.wind_marks import WindMarks, legend
 
 SAMPLES = {"draft": 1, "final": 2}  # along each side of a pixel; where there is one, edges are smoothed afterwards
@@ -98,11 +98,13 @@ class Picture:
         if order.particles or not bool(grid["has_surface"]):
             if first.position is None:
                 raise RenderFailed("these frames hold no particles to draw; run with frames.particles: true")
-            self.content: Sea | Water | Shell | Particles = Particles(stage, first, float(grid["spacing"]), fastest)
+            self.content: Content = Particles(stage, first, float(grid["spacing"]), fastest)
         elif self.at_sea and state is not None:
             self.content = Sea(stage, order, vessels, grid, state)
         elif first.folds:
-            self.content = Shell(stage, grid, self.upper, order.foam)
+            from ocean_sim.pictures import tank
+
+            self.content = tank.Shell(stage, grid, self.upper, first, order.foam)
         else:
             self.content = Water(stage, grid, NODES[order.quality])
         fixed = grid.get("obstacles", np.zeros((0, 2, 3)))
@@ -219,6 +221,5 @@ class Picture:
         self.aim()
 
     def close(self) -> None:
-        if isinstance(self.content, Sea | Shell):
-            self.content.close()
+        self.content.close()
         self.plotter.close()

@@ -8,6 +8,7 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.pictures import far_sea, foam, ship_glsl, water_glsl
 from ocean_sim.pictures import sky as sky_module
+from ocean_sim.pictures.bow import Bow
 from ocean_sim.pictures.camera import Vessel
 from ocean_sim.pictures.frame_files import Frame, ships_in
 from ocean_sim.pictures.mirror import SHARE, Mirror
@@ -18,8 +19,8 @@ from ocean_sim.pictures.sea_surface import grain as grain_of
 from ocean_sim.pictures.ship import ShadedShip
 from ocean_sim.pictures.ship_model import Model
 from ocean_sim.pictures.spray import Spray
-from ocean_sim.pictures.stage import Stage
-from ocean_sim.pictures.wake import RESTING, Kelvin, Wake, along_hull, standing
+from ocean_sim.pictures.stage import Content, Stage
+from ocean_sim.pictures.wake import RESTING, Kelvin, Wake, standing
 from ocean_sim.pictures.water_shading import EXPOSURE, FOG, Terms, slope_variance
 
 TRAITS = "nrm", "att", "car"  # normal; white, crest, variance of slopes; place by which foam finds its grain
@@ -27,6 +28,7 @@ NODES = {"draft": 6_000, "final": 90_000}  # of the drawn surface within the bas
 SMOOTHED = 1.5  # pixels across which a final picture is smoothed
 RIPPLES = 0.02, 3.0  # [m] between which the longest ripple lies
 HULL_PIXELS, HULL_REACH = (96, 96), 4.0  # of the map of distances to a hull and of its foam; [m] around it
+FADES = 1.5  # [m] from the edge of that map in which foam ends
 CONTACT_WIDTH = 0.55  # [m] in which the foam along a hull that lies still falls to a third
 
 
@@ -53,7 +55,7 @@ class Waterline:
         self.beam, _, self.length = (float(size) for size in np.ptp(self.vertices, axis=0))  # [m]
 
 
-class Sea:
+class Sea(Content):
     """A surface that is the basin's inside it, becomes the far sea before its sides, and ends behind the fog."""
 
     def __init__(self, stage: Stage, order: Order, vessels: dict[str, Vessel], grid: Any, state: SeaState) -> None:
@@ -95,6 +97,7 @@ class Sea:
         sides = self.surface.x, self.surface.z
         self.wakes = [Wake(of, self.hulls[key].beam, *sides) for key, of in vessels.items()] if order.foam else []
         alone = state.exact is not None and "sea_answers" not in grid  # the water of the run knows of no ship
+        self.raises = "sea_answers" not in grid  # likewise of a wave at her bow: particles are too wide for it
         self.kelvins = [Kelvin(of, self.hulls[key].beam) for key, of in vessels.items()] if alone else []
 
     def mesh_of(self, nodes: np.ndarray, corners: np.ndarray) -> Any:
@@ -183,6 +186,9 @@ class Sea:
             waves_behind = kelvin.height(frame.time, surface.nodes + frame.origin).reshape(now.height.shape)
             now = replace(now, height=now.height + surface.share * waves_behind)
         self.frame, self.height = frame, now.height
+        if self.raises:
+            now = replace(now, height=now.height + surface.share * self.bow_waves(frame))
+            self.height = now.height
         if not np.array_equal(frame.origin, self.origin):
             self.origin = frame.origin
             surface.grain = surface.grain_at(frame.origin)
@@ -206,6 +212,33 @@ class Sea:
         traits = np.stack([white, self.crest(now.height), now.variance], axis=-1)
         points = np.insert(nodes, 1, now.height.ravel(), axis=1)
         self.lay(self.near, points, surface.normals(now.height).reshape(-1, 3), traits.reshape(-1, 3), grain)
+
+    def bow(self, key: str) -> Bow:
+        """Of a ship as she goes now."""
+        hull = self.hulls[key]
+        return Bow(hull.length, hull.beam, self.vessels[key].speed(self.frame.time))
+
+    def bow_waves(self, frame: Frame) -> np.ndarray:
+        """(nx, nz) [m] the waves at the bows of all ships, on the water that is there without them."""
+        places = self.surface.nodes + frame.origin
+        raised = np.zeros(len(places))
+        for key in self.vessels:
+            position, turn = frame.ships[key]
+            line = self.waterline(self.hulls[key], position, turn)
+            if len(line) <= 2:
+                continue
+            bow, ends = self.bow(key), line.reshape(-1, 2)
+            stem = foam.from_ship(*ends.T, position, turn)[0].max()
+            ahead, aside = foam.from_ship(*places.T, position, turn)
+            abaft = stem - ahead
+            raised += bow.height(abaft, np.abs(aside) - bow.half_breadth(abaft))
+        return raised.reshape(self.height.shape)
+
+    def waterline(self, hull: "Waterline", position: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        """(m, 2, 2) segments x, z [m] at which it meets the water."""
+        vertices = hull.vertices @ turn.T + position
+        above = vertices[:, 1] - self.heights_at(vertices[:, [0, 2]])
+        return foam.waterline(vertices, hull.triangles, above)
 
     def show_beyond(self, frame: Frame) -> None:
         """The sea outside the basin, on a fan around the eye."""
@@ -256,9 +289,7 @@ class Sea:
     def meet(self, k: int, key: str, hull: "Waterline", position: np.ndarray, turn: np.ndarray) -> float:
         """Where ship k meets the water: foam along its waterline, no water inside it, and the place of its mirror
         image; returns the height of the water around it [m]."""
-        vertices = hull.vertices @ turn.T + position
-        above = vertices[:, 1] - self.heights_at(vertices[:, [0, 2]])
-        line = foam.waterline(vertices, hull.triangles, above)
+        line = self.waterline(hull, position, turn)
         wet = len(line) > 2
         self.set(**{f"useHull{k}": float(wet)})
         if wet:
@@ -272,7 +303,7 @@ class Sea:
             if key in self.vessels:
                 ahead = turn[[0, 2], 2] / np.linalg.norm(turn[[0, 2], 2])
                 abaft = (line @ ahead).max() - places @ ahead
-                share = along_hull(abaft, gap, hull.length, hull.beam, self.vessels[key].speed(self.frame.time))
+                share = self.bow(key).white(abaft, gap) * np.clip((HULL_REACH - gap) / FADES, 0.0, 1.0)
                 self.gap[k, ..., 1] = share.astype(np.float32).reshape(rows, columns)
             self.set(**{f"hullBox{k}": np.append(low, 0.0), f"hullSize{k}": np.append(high - low, 1.0)})
         mirrored = {"At": position, "Size": 0.5 * hull.beam, "Reach": hull.length}

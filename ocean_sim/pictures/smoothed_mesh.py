@@ -103,28 +103,6 @@ def sides_at(x: np.ndarray, lower: tuple[float, ...], upper: tuple[float, ...]) 
     return np.stack([x <= low + NEAR * (up - low), x >= up - NEAR * (up - low)])
 
 
-def rim(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...]) -> np.ndarray:
-    """(m, 2) vertices at the ends of the edges at which a surface meets a side of the box from `lower` to `upper`."""
-    n, corners = len(mesh.vertices), mesh.triangles
-    lies = np.all(sides_at(mesh.vertices, lower, upper)[:, corners], axis=2)
-    curved = corners[~lies.any(axis=(0, 2))]
-    ends = np.sort(np.concatenate([curved[:, [k, (k + 1) % 3]] for k in range(3)]), axis=1).astype(np.int64)
-    edges, times = np.unique(ends[:, 0] * n + ends[:, 1], return_counts=True)
-    return np.stack(np.divmod(edges[times == 1], n), axis=1)
-
-
-def long(edges: np.ndarray, vertices: np.ndarray, least: float) -> np.ndarray:
-    """Those of edges (m, 2) between vertices (n, 3) that hang together over at least a length [m]."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    many = len(vertices)
-    linked = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(many, many))
-    of = connected_components(linked, directed=False)[1][edges[:, 0]]
-    length = np.bincount(of, np.linalg.norm(vertices[edges[:, 1]] - vertices[edges[:, 0]], axis=1), many)
-    return edges[length[of] >= least]
-
-
 def gathered(mesh: Mesh) -> np.ndarray:
     """(n, 3) vector areas [m2] of the triangles around each vertex, outwards."""
     areas, across = np.zeros(mesh.vertices.shape), mesh.vector_areas

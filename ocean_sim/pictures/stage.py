@@ -4,6 +4,7 @@ from types import ModuleType
 from typing import Any
 
 from ocean_sim.pictures.camera import Camera
+from ocean_sim.pictures.frame_files import Frame
 
 
 class Stage:
@@ -23,3 +24,14 @@ class Stage:
         plotter.disable_anti_aliasing()  # PyVista's default multiplies the time of a picture
         plotter.render_window.SetMultiSamples(0)
         return plotter
+
+
+class Content:
+    """What a picture is of."""
+
+    def show(self, frame: Frame) -> None:
+        """Draw it as it is in a frame."""
+        raise NotImplementedError
+
+    def close(self) -> None:
+        """Give back what is its own."""

@@ -28,8 +28,6 @@ SLICK = 0.6  # [half breadths] is left between two lines of foam
 LEAST = 0.025  # lengths of a ship: the height to which the waves at a ship that lies still may rise
 AROUND = 1.3, 1.2  # lengths of a ship before and abaft her middle and breadths aside, within which they are limited
 RESTING = 0.30  # share of foam along a hull that lies still
-BOW, ABAFT = 1.0, 0.6  # share at the bow of a fast ship, and lengths from it in which that ends
-NARROW, WIDER = 0.26, 0.05  # [breadths] of the white along the hull at the bow, and what it gains a breadth abaft
 
 
 class Wake:
@@ -76,17 +74,6 @@ class Wake:
             found[here][nearer], nearest[here][nearer] = white, away2
         share[np.ix_(*near)] = np.where(found > 0.02, found, 0.0)
         return share
-
-
-def along_hull(abaft: np.ndarray, gap: np.ndarray, length: float, breadth: float, speed: float) -> np.ndarray:
-    """Share of foam along a hull that goes at a speed [m/s]: the bow wave breaks the whiter, the faster she is.
-
-    `abaft`: distances behind her bow [m]; `gap`: to her waterline [m].
-    """
-    fast = min(speed / FAST, 1.0)
-    strength = fast * BOW * np.clip((1.0 - abaft / (ABAFT * length)) / 0.6, 0.0, 1.0) * (abaft > -0.5 * breadth)
-    width = breadth * NARROW + WIDER * np.maximum(abaft, 0.0)
-    return strength * np.exp(-np.square(np.maximum(gap, 0.0) / width))
 
 
 @lru_cache(maxsize=64)

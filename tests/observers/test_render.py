@@ -321,6 +321,21 @@ def test_a_surface_that_folds_is_drawn_as_its_triangles_are(kept):
 
 
 @with_opengl
+def test_water_is_seen_through_water(kept):
+    """A second ball behind the first makes its rim darker, one beside it does not."""
+    import imageio.v2 as imageio
+
+    asked = {"size": (320, 180), "film": False, "camera": "fixed", "eye": (0.0, -1.0, 9.0), "target": (0.0, -1.0, 0.0)}
+    shown = []
+    for further in ([], [(0.0, -1.0, -0.9)], [(2.0, -1.0, 0.9)]):
+        folder = holding_balls(kept(), [(0.0, -1.0, 0.9), *further])
+        picture = np.asarray(imageio.imread(render.render_run(folder, **asked)[0])).astype(float)
+        shown.append(picture[60:120, 130:160].mean(axis=2))  # a half of the ball, thin at its rim
+    assert (shown[0] - shown[1] > 8.0).sum() > 60
+    assert not (np.abs(shown[0] - shown[2]) > 8.0).any()
+
+
+@with_opengl
 def test_from_above_a_tank_has_a_light_bed_before_which_water_tells_how_thick_it_is(kept):
     import imageio.v2 as imageio
 
@@ -336,14 +351,21 @@ def test_from_above_a_tank_has_a_light_bed_before_which_water_tells_how_thick_it
 
 def holding_a_ball(folder: Path) -> Path:
     """Frames whose water is a ball, 1 m across from its middle, in place of a surface."""
+    return holding_balls(folder, [(0.0, -1.0, 0.0)])
+
+
+def holding_balls(folder: Path, middles: list[tuple[float, float, float]]) -> Path:
+    """Frames whose water is balls around these middles [m]."""
     import pyvista
 
-    ball = pyvista.Sphere(radius=1.0, center=(0.0, -1.0, 0.0))
+    balls = [pyvista.Sphere(radius=1.0, center=middle) for middle in middles]
+    vertices = np.concatenate([ball.points for ball in balls])
+    starts = np.cumsum([0] + [ball.n_points for ball in balls])
     for path in frame_files.frame_files(folder):
         frame = dict(np.load(path)) | {
-            "vertices": ball.points,
-            "triangles": ball.regular_faces,
-            "normals": ball.points + np.float32([0.0, 1.0, 0.0]),
+            "vertices": vertices,
+            "triangles": np.concatenate([ball.regular_faces + n for ball, n in zip(balls, starts)]),
+            "normals": np.concatenate([ball.points - np.float32(at) for ball, at in zip(balls, middles)]),
         }
         np.savez(path, **frame)
     return folder

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ocean_sim.pictures.smoothed_mesh import long, low_pass, rim, smoothed
-from ocean_sim.pictures.spray import stirred
+from ocean_sim.pictures.smoothed_mesh import low_pass, smoothed
+from ocean_sim.pictures.splash import at_vertices, born, drops, floors, flying, risen, spheres, splash, stirred
 from ocean_sim.pictures.water_mesh import triangles
 from ocean_sim.surface import Mesh
 
@@ -39,37 +39,6 @@ def test_waves_of_a_dozen_spacings_and_more_are_left_alone():
     assert np.abs(over(smoothed(sheet(wave), *BOX, MOST), wave)).max() < 0.05 * 0.05
 
 
-@pytest.mark.parametrize("tilt", [0.0, 0.3])
-def test_the_rim_of_water_in_a_tank_is_a_line_around_its_walls(tilt):
-    """As long as the sides of the surface, level or not; none along the edges of the tank."""
-    from ocean_sim.surface import Mesh
-
-    n, (low, up) = 9, ((0.0, 0.0, 0.0), (1.0, 1.0, 2.0))
-    x, z = np.meshgrid(np.linspace(0.0, 1.0, n), np.linspace(0.0, 2.0, n), indexing="ij")
-    top = np.stack([x, 0.4 + tilt * (x - 0.5), z], axis=-1).reshape(-1, 3)
-    k = np.arange(n * n).reshape(n, n)
-    a, b, c, d = (part.ravel() for part in (k[:-1, :-1], k[1:, :-1], k[1:, 1:], k[:-1, 1:]))
-    surface = np.concatenate([np.stack([a, d, b], 1), np.stack([b, d, c], 1)])
-    walls = []
-    for edge in (k[0], k[-1], k[:, 0], k[:, -1]):
-        here, there = edge[:-1], edge[1:]
-        walls += [np.stack([here, there, here + n * n], 1), np.stack([there, there + n * n, here + n * n], 1)]
-    vertices = np.concatenate([top, top * [1.0, 0.0, 1.0]])
-    faces = np.concatenate([surface, *walls, surface[:, ::-1] + n * n])
-    ends = vertices[rim(Mesh(vertices, faces, np.zeros(vertices.shape)), low, up)]
-    assert np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum() == pytest.approx(4.0 + 2.0 * np.hypot(1.0, tilt))
-    np.testing.assert_allclose(ends[..., 1], 0.4 + tilt * (ends[..., 0] - 0.5), atol=1e-12)
-
-
-def test_lines_around_small_holes_in_a_film_are_left_out():
-    turn = np.linspace(0.0, 2.0 * np.pi, 6, endpoint=False)
-    hole = np.stack([np.cos(turn), np.sin(turn), 0.0 * turn], axis=1)  # a hexagon of edges of 1 m
-    vertices = np.concatenate([hole, [[9.0, 0.0, 0.0], [16.0, 0.0, 0.0], [23.0, 0.0, 0.0]]])
-    edges = np.array([*((k, (k + 1) % 6) for k in range(6)), (6, 7), (7, 8)])
-    np.testing.assert_array_equal(long(edges, vertices, 5.9), edges)
-    np.testing.assert_array_equal(long(edges, vertices, 6.1), edges[6:])
-
-
 def test_no_vertex_goes_farther_than_it_may():
     rough = sheet(lambda x: np.random.default_rng(1).normal(0.0, SPACING, x.shape))
     way = np.linalg.norm(smoothed(rough, *BOX, MOST).vertices - rough.vertices, axis=1)
@@ -92,3 +61,76 @@ def test_water_that_goes_as_one_holds_no_air_and_jets_that_meet_do():
     air = stirred(block, meeting, 1.0)
     front = np.abs(block[:, 0] - 3.5 * SPACING) < SPACING
     assert air[front].min() > 0.9 and air[block[:, 0] < 1.5 * SPACING].max() < 0.1
+
+
+def column(breadth: int, height: int) -> np.ndarray:
+    """Particles of a block of water, its corner at the origin."""
+    return SPACING * (
+        np.stack(np.meshgrid(*map(np.arange, (breadth, height, breadth)), indexing="ij"), -1) + 0.5
+    ).reshape(-1, 3)
+
+
+def test_water_over_air_flies_and_what_stands_on_the_bed_or_on_a_box_does_not():
+    pool = column(10, 3)
+    sheet, box = pool[pool[:, 1] < SPACING] + [0.0, 8 * SPACING, 0.0], np.array([[[-1.0, -1.0, -1.0], [1.0, 0.2, 1.0]]])
+    both = np.concatenate([pool, sheet])
+    np.testing.assert_array_equal(flying(both, np.zeros(len(both)), SPACING), both[:, 1] > 8 * SPACING)
+    assert not flying(pool + [0.0, 0.2, 0.0], floors(pool + [0.0, 0.2, 0.0], 0.0, box), SPACING).any()
+    assert flying(pool + [0.0, 0.2, 0.0], np.zeros(len(pool)), SPACING).all()
+
+
+def test_a_jet_is_over_the_water_around_it_and_a_slope_is_not():
+    cells = SPACING * (np.arange(40) + 0.5)
+    cell, corner = np.array([SPACING, SPACING]), np.zeros(2)
+    slope = np.broadcast_to(0.3 * cells[:, None], (40, 40)).copy()
+    top = np.stack([cells[20], slope[20, 20], cells[20]])[None]
+    assert risen(top, slope, corner, cell, SPACING)[0] == 0.0
+    slope[19:22, 19:22] += 8 * SPACING
+    assert risen(top + [0.0, 8 * SPACING, 0.0], slope, corner, cell, SPACING)[0] == 1.0
+
+
+def test_calm_water_is_whole_and_a_fast_thin_jet_comes_apart():
+    """Beside the sides of its tank, too, behind which there are no neighbours."""
+    pool, jet = column(8, 8), column(8, 8)
+    jet = jet[(jet[:, 0] < SPACING) & (jet[:, 2] < SPACING)]
+    calm = splash(pool, np.zeros_like(pool), np.zeros(len(pool)), np.zeros(len(pool)), SPACING, 1.0)
+    assert not any(part.any() for part in calm)
+    sides = ((pool < SPACING) | (pool > 7 * SPACING))[:, [0, 2]].sum(axis=1)
+    fast = np.full_like(pool, 3.0)
+    assert not splash(pool, fast, np.zeros(len(pool)), sides, SPACING, 1.0).torn[pool[:, 1] < 7 * SPACING][8:].any()
+    apart = splash(jet, np.full_like(jet, 3.0), np.zeros(len(jet)), np.zeros(len(jet)), SPACING, 1.0)
+    assert apart.torn.min() == 1.0 and apart.air.min() >= 0.5
+
+
+def test_grain_is_that_of_the_place_where_water_was_in_the_first_picture():
+    now, first = np.random.default_rng(2).normal(size=(2, 5, 3))
+    found = born(now, np.array([4, 0, 9, 2, 1]), first, np.array([2, 0, 1, 3, 4]))
+    np.testing.assert_array_equal(found, [first[4], first[1], now[2], first[0], first[2]])
+
+
+def test_drops_fly_where_water_is_torn_along_its_way_and_are_the_same_ones_in_the_next_picture():
+    position, velocity = np.tile([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0]], (200, 1)), np.tile([3.0, 0.0, 0.0], (400, 1))
+    number, torn = np.arange(400), np.tile([1.0, 0.0], 200)
+    middles, radii = drops(position, velocity, number, torn, SPACING)
+    assert len(middles) > 1000 and np.abs(middles).max() < 9.0 * SPACING  # none around the second
+    spread = middles.std(axis=0)
+    assert spread[0] > 1.8 * spread[1] and spread[1] == pytest.approx(spread[2], rel=0.1)
+    assert 0.0 < radii.min() and radii.max() <= 0.2 * SPACING
+    later, _ = drops(position[::-1] + 1.0, velocity, number[::-1], torn[::-1], SPACING)
+    np.testing.assert_allclose(np.sort(later[:, 1] - 1.0), np.sort(middles[:, 1]), atol=1e-12)
+
+
+def test_balls_are_closed_and_as_large_as_they_are_told():
+    from ocean_sim.surface.shared.mesh import Mesh
+
+    corners = np.concatenate([np.eye(3), -np.eye(3)])
+    faces = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])
+    mesh = spheres(np.array([[1.0, 2.0, 3.0], [9.0, 0.0, 0.0]]), np.array([0.5, 2.0]), Mesh(corners, faces, corners))
+    assert mesh.volume() == pytest.approx(4.0 / 3.0 * (0.5**3 + 2.0**3))
+
+
+def test_a_vertex_has_the_mean_of_what_particles_around_it_have():
+    block = column(6, 6)
+    middle = np.full((1, 3), 3 * SPACING)
+    found = at_vertices(middle, block, np.column_stack([block, np.ones(len(block))]), SPACING)
+    np.testing.assert_allclose(found, [[*middle[0], 1.0]], atol=1e-9)

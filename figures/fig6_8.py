@@ -46,7 +46,7 @@ def voyages(fast: bool) -> dict[str, dict[str, Any]]:
             "ship": ship([0.0, -100.0], 3.0, turns(8.0, 22.0, 44.0, 0.7, 0.35)),
         },
         "the yacht on particles under a wide gust": {
-            "duration": 1.5 if fast else 9.0,
+            "duration": 4.0 if fast else 9.0,
             "basin": {"length": 40.0, "width": 40.0, "depth": 7.5},
             "fluid": "thesis_6000",
             "wind": "wide",
@@ -137,7 +137,7 @@ def drawn(found: dict[str, tuple], moments: np.ndarray, pictures: np.ndarray, pa
             shape = place[k] + large * outline @ turn.T
             track.fill(*shape.T, facecolor=ORANGE, edgecolor=INK, lw=0.8, alpha=0.75, zorder=3)
             label_at = place[k] - (0.035 * span + large * float(np.ptp(outline[:, 0]))) * turn[:, 0]
-            track.text(*label_at, f"{time[k]:.0f} s", fontsize=8, ha="center", va="center", color=INK, zorder=4)
+            track.text(*label_at, f"{round(time[k], 1):g} s", fontsize=8, ha="center", va="center", color=INK, zorder=4)
         if large > 1.0:
             track.text(
                 0.98, 0.02, f"boat drawn {large:.1f} times as large", transform=track.transAxes, ha="right", fontsize=8

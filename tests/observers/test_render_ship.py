@@ -84,6 +84,13 @@ def test_a_camera_aboard_wants_a_ship(tmp_path, capsys):
         assert code == 2 and f"camera {camera} needs a ship" in err
 
 
+def test_a_film_shows_no_frame_twice_unless_asked_for_more(folder):
+    """Frames lie 0.1 s apart; a film of 30 pictures a second would stand still in two of three."""
+    for every, of_film in ((0.033, 0.1), (0.1, 0.1), (0.25, 0.25)):
+        assert render.asked(render.Config(every=every), folder)["every"] == pytest.approx(of_film)
+    assert render.Config().film_pictures(1.0, kept=0.1) == 11
+
+
 def test_a_strip_is_pictures_side_by_side():
     pictures = [np.full((4, 6, 3), shade, np.uint8) for shade in (10, 20, 30)]
     strip = render.side_by_side(pictures, gap=2)

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ocean_sim.conventions import Failed
+from ocean_sim.files import ply
 from ocean_sim.files.input_file import arrays
 from ocean_sim.files.vtkhdf import Series
 from ocean_sim.files.whole_file import must_have_room, whole
@@ -94,8 +95,9 @@ def export_surface(
             points = (corners @ turn.T + position).astype(np.float32)
             numbers = np.arange(len(corners)).reshape(-1, 3)
             colour = (255.0 * display(np.repeat(mesh.colour, 3, axis=0))).astype(np.uint8)
+            normals = (mesh.normals.reshape(-1, 3) @ turn.T).astype(np.float32)
             name = export_scene.named(key)
-            files.setdefault(name, []).append((shot.time, points, numbers, {"RGB": colour}))
+            files.setdefault(name, []).append((shot.time, points, numbers, {"Normals": normals, "RGB": colour}))
     boxes, sides = export_scene.obstacles(grid)
     if len(boxes):
         turn = export_scene.Z_UP if z_up else np.eye(3)
@@ -136,7 +138,9 @@ def moments_saved(
 
 
 def saved(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: dict[str, np.ndarray]) -> Path:
-    """One mesh, or points alone; a PLY file holds what its readers know: normals, and `foam` as grey."""
+    """One mesh, or points alone, with fields of the points."""
+    if path.suffix == ".ply":
+        return ply.save(path, points, faces, fields)
     import pyvista
 
     mesh = pyvista.PolyData(points) if faces is None else pyvista.PolyData.from_regular_faces(points, faces)
@@ -146,12 +150,5 @@ def saved(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: dict
         mesh.point_data.active_normals = fields["Normals"]
     with whole(path) as draft:
         must_have_room(draft, 2 * 1024 * mesh.actual_memory_size)  # VTK goes on where it cannot write
-        if path.suffix != ".ply":
-            mesh.save(draft)
-        elif "RGB" in fields:
-            mesh.save(draft, texture=fields["RGB"])
-        elif "foam" in fields:
-            mesh.save(draft, texture=np.repeat((255.0 * fields["foam"]).astype(np.uint8)[:, None], 3, axis=1))
-        else:
-            mesh.save(draft)
+        mesh.save(draft)
     return path

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ocean_sim.conventions import Failed, Lacking
+from ocean_sim.conventions import Lacking
 from ocean_sim.files.glb import Glb
 from ocean_sim.files.input_file import arrays
 from ocean_sim.files.whole_file import whole
@@ -26,6 +26,7 @@ BOX = np.array(
     [[0, 1, 3], [0, 3, 2], [4, 7, 5], [4, 6, 7], [0, 4, 5], [0, 5, 1]]
     + [[2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
 )
+NEAREST = 6  # particles that tell the velocity of a surface with an underside
 Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # from our axes, y up
 
 
@@ -61,6 +62,8 @@ def shot(frame: Path, grid: dict[str, np.ndarray]) -> Shot:
                 for name, key in (("foam", "foam"), ("velocity", "surface_velocity"))
                 if key in data
             }
+        elif "velocity" in data:
+            fields["velocity"] = beside(points, data["position"], data["velocity"]).astype(np.float32)
     elif len(grid["z"]) < 2:
         points, faces = np.zeros((0, 3), np.float32), np.zeros((0, 3), int)
     else:
@@ -68,6 +71,7 @@ def shot(frame: Path, grid: dict[str, np.ndarray]) -> Shot:
         dx, dz = data.get("origin", np.zeros(2))
         points = np.stack([x + dx, data["elevation"], z + dz], axis=-1).reshape(-1, 3).astype(np.float32)
         faces = triangles(*x.shape)
+        fields["Normals"] = upwards(points, faces)
         if "foam" in data:
             fields["foam"] = coarser(data["foam"], x.shape).ravel().astype(np.float32)
         if "surface_velocity" in data:
@@ -86,6 +90,24 @@ def read(values: np.ndarray, at: np.ndarray) -> np.ndarray:
     channels = np.moveaxis(values.reshape(*values.shape[:2], -1), -1, 0).astype(float)
     found = [map_coordinates(channel, cells, order=1, mode="nearest") for channel in channels]
     return np.stack(found, axis=-1).reshape(at.shape[1], *values.shape[2:])
+
+
+def beside(points: np.ndarray, particles: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """(n, 3) values at points (n, 3) of a surface: of the particles nearest to each, the nearer the more."""
+    from scipy.spatial import cKDTree
+
+    away, who = cKDTree(particles).query(points, k=min(NEAREST, len(particles)))
+    away, who = away.reshape(len(points), -1), who.reshape(len(points), -1)
+    weight = 1.0 / np.maximum(away, 1e-6) ** 2
+    return np.einsum("nk,nkc->nc", weight / weight.sum(axis=1, keepdims=True), values[who])
+
+
+def upwards(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """(n, 3) normals of a surface at its points: those of its triangles, by their areas."""
+    a, b, c = (points[faces[:, k]].astype(float) for k in range(3))
+    across = np.cross(b - a, c - a)
+    sums = np.stack([np.bincount(faces.ravel(), np.repeat(across[:, k], 3), len(points)) for k in range(3)], axis=1)
+    return (sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-12)).astype(np.float32)
 
 
 def models(grid: dict[str, np.ndarray]) -> dict[str, Model]:
@@ -115,9 +137,13 @@ def named(key: str) -> str:
     return "".join(letter if letter.isalnum() else "_" for letter in key)
 
 
-def rate(first: float, last: float, count: int) -> float:
-    """Pictures a second of so many frames from a first to a last time [s]."""
-    return round((count - 1) / (last - first), 3) if count > 1 else 24.0
+def rate(first: float, last: float, count: int, every: float) -> float:
+    """Pictures a second of so many frames from a first to a last time [s]; a run kept one `every` so many seconds, at
+    the first step then, of which each n-th is here."""
+    if count < 2:
+        return 24.0
+    apart = (last - first) / (count - 1)
+    return round(1.0 / (every * max(1, round(apart / every))), 3)
 
 
 def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up: bool) -> Path:
@@ -128,7 +154,7 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
     except ImportError:
         raise UsdMissing from None
     first, last = (float(arrays(frame)["time"]) for frame in (frames[0], frames[-1]))
-    per_second = rate(first, last, len(frames))
+    per_second = rate(first, last, len(frames), float(grid["every"]))
     with whole(path) as draft:
         stage = Usd.Stage.CreateInMemory()
         UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z if z_up else UsdGeom.Tokens.y)
@@ -214,30 +240,37 @@ def still(mesh: Any, corners: np.ndarray, vt: ModuleType, *at: Any) -> None:
 
 
 def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> Path:
-    """Binary glTF: water that changes shape, white where it foams in the first frame, obstacles, ships that move."""
+    """Binary glTF: water that changes shape, white where it foams in the first frame, or, where its triangles change, a
+    mesh a moment, of which one is seen; obstacles; ships that move."""
     from scipy.spatial.transform import Rotation
 
     shots = [shot(frame, grid) for frame in frames]
     first = shots[0]
-    if any(not np.array_equal(kept.faces, first.faces) for kept in shots):
-        raise Failed("glTF holds no surface whose triangles change; export usd, or --surface vtkhdf")
     made = Glb(np.array([kept.time for kept in shots]))
-    if len(first.points):
-        white = first.fields.get("foam", np.zeros(len(first.points)))[:, None]
+    if any(not np.array_equal(kept.faces, first.faces) for kept in shots):
+        made.in_turn(
+            [made.mesh(f"water_{k:05d}", kept.points, kept.faces, paint(kept)) for k, kept in enumerate(shots)]
+        )
+    elif len(first.points):
         moved = np.stack([kept.points for kept in shots]) if len(shots) > 1 else None
-        made.mesh("water", first.points, first.faces, SEA + white * (WHITE - SEA), moved)
+        made.mesh("water", first.points, first.faces, paint(first), moved)
     boxes, sides = obstacles(grid)
     if len(boxes):
         made.mesh("obstacles", boxes, sides, STONE)
     for key, model in models(grid).items():
         corners = model.mesh.corners.reshape(-1, 3)
-        paint = np.repeat(model.mesh.colour, 3, axis=0)
-        node = made.mesh(named(key), corners, np.arange(len(corners)).reshape(-1, 3), paint)
+        colour = np.repeat(model.mesh.colour, 3, axis=0)
+        node = made.mesh(named(key), corners, np.arange(len(corners)).reshape(-1, 3), colour)
         poses = [kept.ships[key] for kept in shots]
         made.animate(node, "translation", np.array([position for position, _ in poses]))
         made.animate(node, "rotation", unbroken(Rotation.from_matrix([turn for _, turn in poses]).as_quat()))
     made.save(path)
     return path
+
+
+def paint(kept: Shot) -> np.ndarray:
+    """(n, 3) linear RGB of water."""
+    return SEA + kept.fields.get("foam", np.zeros(len(kept.points)))[:, None] * (WHITE - SEA)
 
 
 def unbroken(quaternions: np.ndarray) -> np.ndarray:

@@ -294,6 +294,95 @@ def test_a_surface_that_was_kept_as_triangles_has_the_foam_and_velocity_of_its_p
     assert list(export_scene.shot(tmp_path / "folded.npz", grid).fields) == ["Normals"]
 
 
+@pytest.fixture
+def folded(tmp_path):
+    """A run folder of two moments of a surface with an underside, whose triangles change, beside its particles."""
+    from scipy.spatial import ConvexHull
+
+    (tmp_path / "frames").mkdir()
+    rng = np.random.default_rng(5)
+    np.savez(
+        tmp_path / "frames" / "grid.npz",
+        x=np.arange(3.0),
+        z=np.arange(2.0),
+        lower=np.zeros(3),
+        upper=np.ones(3),
+        spacing=0.1,
+        every=0.04,
+        obstacles=np.zeros((0, 2, 3)),
+    )
+    for k, count in enumerate((40, 60)):
+        points = rng.normal(size=(count, 3))
+        points /= np.linalg.norm(points, axis=1)[:, None]
+        inside = 0.99 * points  # a tenth as far from its point of the surface as the next, or nearer
+        np.savez(
+            tmp_path / "frames" / f"frame_{k:05d}.npz",
+            time=0.0413 * k,  # the first step after 0.04 s
+            vertices=points.astype(np.float32),
+            triangles=ConvexHull(points).simplices,
+            normals=points.astype(np.float32),
+            elevation=np.zeros((3, 2)),
+            position=inside.astype(np.float32),
+            velocity=np.cross([0.0, 1.0, 0.0], inside).astype(np.float32),
+            pressure=np.arange(count, dtype=np.float32),
+            id=np.arange(count),
+        )
+    return tmp_path
+
+
+def test_a_folded_surface_has_the_velocity_of_its_particles_and_a_frame_rate_as_kept(folded):
+    import pyvista
+
+    export_run(folded, None, "vtp", folded / "export")
+    mesh = pyvista.read(folded / "export" / "surface_00001.vtp")
+    exact = np.cross([0.0, 1.0, 0.0], 0.99 * mesh.points)
+    assert np.sqrt(np.mean((mesh["velocity"] - exact) ** 2)) < 0.02 * np.abs(exact).max()
+    assert export_scene.rate(0.0, 0.0413, 2, 0.04) == 25.0 and export_scene.rate(0.0, 0.4237, 2, 0.0833) == 2.401
+    assert export_scene.rate(0.0, 1.4013, 36, 0.04) == 25.0 and export_scene.rate(3.0, 3.0, 1, 0.04) == 24.0
+
+
+def test_gltf_shows_water_whose_triangles_change_a_moment_at_a_time(folded):
+    import trimesh
+
+    [file] = export_run(folded, None, None, folded / "export", scene="glb")
+    scene = trimesh.load(file)
+    for k, name in enumerate(("water_00000", "water_00001")):
+        frame = np.load(folded / "frames" / f"frame_{k:05d}.npz")
+        assert scene.geometry[name].faces.shape == frame["triangles"].shape
+    size = int.from_bytes(file.read_bytes()[12:16], "little")
+    tree = json.loads(file.read_bytes()[20 : 20 + size])
+    assert [node["scale"] for node in tree["nodes"]] == [[1.0] * 3, [0.0] * 3]
+    [run] = tree["animations"]
+    assert [channel["target"]["path"] for channel in run["channels"]] == ["scale", "scale"]
+    assert {sampler["interpolation"] for sampler in run["samplers"]} == {"STEP"}
+
+
+def vertices_of(path) -> np.ndarray:
+    """The rows of a binary PLY file's points, read by its head."""
+    head, _, body = path.read_bytes().partition(b"end_header\n")
+    words = [line.split() for line in head.decode().splitlines()]
+    count = next(int(line[2]) for line in words if line[:2] == ["element", "vertex"])
+    types = {"float": "<f4", "int": "<i4", "uchar": "u1"}
+    return np.frombuffer(
+        body, [(line[2], types[line[1]]) for line in words if line[0] == "property" and line[1] in types], count
+    )
+
+
+def test_a_ply_file_holds_what_is_known_of_its_points(folded, manned):
+    export_run(folded, "ply", "ply", folded / "ply")
+    frame = np.load(folded / "frames" / "frame_00001.npz")
+    cloud = vertices_of(folded / "ply" / "particles_00001.ply")
+    np.testing.assert_array_equal(np.stack([cloud[a] for a in "xyz"], axis=1), frame["position"])
+    np.testing.assert_array_equal(cloud["pressure"], frame["pressure"])
+    np.testing.assert_array_equal(cloud["velocity_z"], frame["velocity"][:, 2])
+    np.testing.assert_array_equal(cloud["id"], frame["id"])
+    export_run(manned, None, "ply", manned / "ply", z_up=True)
+    water = vertices_of(manned / "ply" / "surface_00003.ply")
+    assert {"nx", "foam", "red", "velocity_x"} <= set(water.dtype.names) and (water["nz"] > 0.5).all()
+    ship = vertices_of(manned / "ply" / "ship_00003.ply")
+    np.testing.assert_allclose(np.linalg.norm([ship[f"n{a}"] for a in "xyz"], axis=0), 1.0, atol=1e-5)
+
+
 def test_many_files_are_not_named_one_by_one(capsys):
     made([Path(f"surface_{k:05d}.vtp") for k in range(31)], as_json=False)
     lines = capsys.readouterr().out.splitlines()

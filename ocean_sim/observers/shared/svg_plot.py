@@ -12,11 +12,7 @@ from ocean_sim.palette import SERIES
 WIDTH, HEIGHT = 900, 260  # of a plot whose legend stands beside its title
 LEFT, RIGHT, TOP, BOTTOM = 72, 12, 30, 38
 LETTER, BOLD = 7.4, 8.2  # widths of a letter
-SAMPLE, APART, LINE = (
-    50,
-    18,
-    18,
-)  # of a legend: width of a curve's sample, with what is left before it; height of a line
+SAMPLE, APART, LINE = 50, 18, 18  # of a legend: width of a sample, with what is left before it; height of a line
 COLOURS = (*SERIES, "#7a8790")
 DASHES = ("none", "8 3", "2 3", "9 3 2 3", "5 5", "14 4", "3 2 1 2")  # of curves, so that they differ without colour
 SPIKE, USUAL = 4.0, 0.995  # a curve whose range is so many times that of the share USUAL of its values is cut
@@ -134,7 +130,7 @@ def curves(
         line = " ".join(f"{x(t):.1f},{y(v):.1f}" for t, v in kept)
         stroke = f'stroke="{colour}" stroke-width="1.7" stroke-dasharray="{dashes}"'
         parts.append(f'<polyline points="{line}" fill="none" {stroke} clip-path="url(#{inside})"/>')
-        base, begin = 16 + LINE * row, end - LETTER * len(name) - 6
-        parts.append(f'<text x="{end:.1f}" y="{base}" text-anchor="end">{html.escape(name)}</text>')
-        parts.append(f'<path d="M{begin - 26:.1f} {base - 4}H{begin:.1f}" fill="none" {stroke}/>')
+        base, begin = 16 + LINE * row, end - LETTER * len(name)
+        parts.append(f'<text x="{begin:.1f}" y="{base}">{html.escape(name)}</text>')
+        parts.append(f'<path d="M{begin - 32:.1f} {base - 4}H{begin - 6:.1f}" fill="none" {stroke}/>')
     return "\n".join([*parts, "</svg>"])

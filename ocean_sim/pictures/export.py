@@ -13,6 +13,8 @@ from ocean_sim.files.vtkhdf import Series
 from ocean_sim.files.whole_file import must_have_room, whole
 from ocean_sim.pictures import export_scene
 from ocean_sim.pictures.export_scene import Shot, upright
+from ocean_sim.pictures.export_wakes import Wakes
+from ocean_sim.pictures.frame_files import frame_files
 
 
 class NothingToExport(Failed):
@@ -32,7 +34,7 @@ def export_run(
     """Write `particles` (vtkhdf, ply), `surface` (ply, vtp, vtkhdf) and, in one file, `scene` (usd: all that was drawn;
     glb: water and ships) of every `every`-th frame into `out`; returns the files. Ships go with a surface, a mesh each
     where she was. `z_up`: with z up in place of y."""
-    frames = sorted((folder / "frames").glob("frame_*.npz"))[::every]
+    frames = frame_files(folder)[::every]
     if not frames:
         raise NothingToExport(f"{folder} has no frames; run with the observer `frames`")
     grid = arrays(folder / "frames" / "grid.npz")
@@ -53,7 +55,8 @@ def export_run(
 
 
 def shots(frames: list[Path], grid: dict[str, np.ndarray], z_up: bool) -> Iterator[Shot]:
-    return upright((export_scene.shot(frame, grid) for frame in frames), z_up)
+    wakes = Wakes(frame_files(frames[0].parent.parent), grid)
+    return upright((export_scene.shot(frame, grid, wakes) for frame in frames), z_up)
 
 
 def export_particles(

@@ -14,8 +14,9 @@ from ocean_sim.conventions import Lacking
 from ocean_sim.files.glb import Glb
 from ocean_sim.files.input_file import arrays
 from ocean_sim.files.whole_file import whole
+from ocean_sim.pictures.export_wakes import Wakes
 from ocean_sim.pictures.foam import coarser
-from ocean_sim.pictures.frame_files import ships_in
+from ocean_sim.pictures.frame_files import frame_files, ships_in
 from ocean_sim.pictures.ship_model import Model, modelled
 from ocean_sim.pictures.water_mesh import triangles
 
@@ -48,9 +49,15 @@ class Shot(NamedTuple):
     particles: dict[str, np.ndarray]  # position [m], velocity [m/s], pressure [Pa]
 
 
-def shot(frame: Path, grid: dict[str, np.ndarray]) -> Shot:
-    """What a frame kept: of a scene with a surface that surface, else the heights of the water."""
+def shot(frame: Path, grid: dict[str, np.ndarray], wakes: Wakes) -> Shot:
+    """What a frame kept: of a scene with a surface that surface, else the heights of the water, at sea with the wakes
+    of ships as pictures show them."""
     data = arrays(frame)
+    if "foam" in data and len(grid["z"]) > 1:
+        time, origin = float(data["time"]), data.get("origin", np.zeros(2)).astype(float)
+        behind = wakes.white(time, origin)
+        data["foam"] = np.maximum(data["foam"], finer(behind, data["foam"].shape))
+        data["elevation"] = data["elevation"] + wakes.raised(time, origin, data.get("answer"))
     fields: dict[str, np.ndarray] = {}
     if "vertices" in data:
         points, faces, fields["Normals"] = data["vertices"], data["triangles"], data["normals"]
@@ -90,6 +97,11 @@ def read(values: np.ndarray, at: np.ndarray) -> np.ndarray:
     channels = np.moveaxis(values.reshape(*values.shape[:2], -1), -1, 0).astype(float)
     found = [map_coordinates(channel, cells, order=1, mode="nearest") for channel in channels]
     return np.stack(found, axis=-1).reshape(at.shape[1], *values.shape[2:])
+
+
+def finer(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """Values of cells (nx, nz) on cells that are smaller by a whole number."""
+    return np.repeat(np.repeat(values, shape[0] // values.shape[0], axis=0), shape[1] // values.shape[1], axis=1)
 
 
 def beside(points: np.ndarray, particles: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -190,8 +202,9 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
         water.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*SEA.tolist())])
         cloud = None
         before: np.ndarray | None = None
+        wakes = Wakes(frame_files(frames[0].parent.parent), grid)
         for frame in frames:
-            kept = shot(frame, grid)
+            kept = shot(frame, grid, wakes)
             code = Usd.TimeCode(kept.time * per_second)
             if before is None or not np.array_equal(before, kept.faces):
                 still(water, kept.faces.astype(np.int32).ravel(), Vt, code)
@@ -244,7 +257,8 @@ def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> P
     mesh a moment, of which one is seen; obstacles; ships that move."""
     from scipy.spatial.transform import Rotation
 
-    shots = [shot(frame, grid) for frame in frames]
+    wakes = Wakes(frame_files(frames[0].parent.parent), grid)
+    shots = [shot(frame, grid, wakes) for frame in frames]
     first = shots[0]
     made = Glb(np.array([kept.time for kept in shots]))
     if any(not np.array_equal(kept.faces, first.faces) for kept in shots):

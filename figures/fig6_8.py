@@ -186,7 +186,7 @@ def main() -> None:
 def pictured(run: Path, lasts: float, asked: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Times of pictures [s], the pictures (n, height, width, 3), and the last one bare; and writes the clip."""
     size, quality = ((320, 180), "draft") if asked.fast else ((960, 540), "final")
-    view = {"camera": "follow", "size": size}
+    view: dict[str, Any] = {"camera": "follow", "size": size}
     moments = np.linspace(0.2, 1.0, PICTURES) * (lasts - 1.0)
     orders = [{"stills": (float(moment),)} for moment in moments]
     *pictures, bare = shots(run, float(moments[-1]), [*orders, BARE | orders[-1]], quality=quality, **view)
@@ -195,6 +195,7 @@ def pictured(run: Path, lasts: float, asked: Any) -> tuple[np.ndarray, np.ndarra
             outside = not CLIP[0] <= float(frame["time"]) <= CLIP[0] + (0.5 if asked.fast else np.ptp(CLIP))
         if outside:
             file.unlink()
+    view["size"] = size if asked.fast else (1280, 720)
     film(run, asked.out / "fig6_8.mp4", every=1.0 / RATE, **view)
     return moments, np.array(pictures), bare
 

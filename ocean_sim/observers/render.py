@@ -474,12 +474,13 @@ class Coming:
         self.look()
 
     def chosen(self, every: float) -> Iterator[tuple[Path, int]]:
-        """The frame of each picture of a film, as soon as it is known, and how many pictures there are, or 0."""
+        """The frame of each picture of a film, as soon as it is known, and how many pictures there are, or 0; the first
+        when there are two, which tell how fast ships begin."""
         done = 0
         while True:
             ended, there = self.ended, len(self.log.files)
             numbers = schedule(self.log.times, every) if ended else known(self.log.times, every)
-            for number in numbers[done:]:
+            for number in numbers[done:] if ended or there > 1 else ():
                 yield self.log.files[number], len(numbers) if ended else 0
                 done += 1
             if ended:

@@ -78,11 +78,11 @@ class Glb:
             self.animate(len(self.tree["nodes"]) - 1, "weights", np.eye(len(moved), dtype=np.float32).ravel())
         return len(self.tree["nodes"]) - 1
 
-    def in_turn(self, nodes: list[int]) -> None:
-        """Shows of as many nodes as there are moments one at each: a node of scale zero is not drawn (glTF 2.0,
+    def in_turn(self, nodes: dict[int, int], moments: int) -> None:
+        """Shows each of these nodes, by the number of a moment, only then: a node of scale zero is not drawn (glTF 2.0,
         3.5.2)."""
-        for k, node in enumerate(nodes):
-            seen = np.zeros((len(nodes), 3), np.float32)
+        for k, node in nodes.items():
+            seen = np.zeros((moments, 3), np.float32)
             seen[k] = 1.0
             self.tree["nodes"][node]["scale"] = [float(k == 0)] * 3  # to who knows no time, the first
             self.animate(node, "scale", seen, "STEP")

@@ -92,6 +92,8 @@ def export_surface(
     drawn = {key: model.mesh for key, model in export_scene.models(grid).items()}
     for shot in shots(frames, grid, z_up):
         files["surface"].append((shot.time, shot.points, shot.faces, shot.fields))
+        if len(shot.gates[0]) or "gates" in files:
+            files.setdefault("gates", []).append((shot.time, *shot.gates, {}))
         for key, mesh in drawn.items():
             position, turn = shot.ships[key]
             corners = mesh.corners.reshape(-1, 3)
@@ -101,7 +103,7 @@ def export_surface(
             normals = (mesh.normals.reshape(-1, 3) @ turn.T).astype(np.float32)
             name = export_scene.named(key)
             files.setdefault(name, []).append((shot.time, points, numbers, {"Normals": normals, "RGB": colour}))
-    boxes, sides = export_scene.obstacles(grid)
+    boxes, sides = export_scene.blocks(grid["obstacles"])
     if len(boxes):
         turn = export_scene.Z_UP if z_up else np.eye(3)
         first = files["surface"][0][0]

@@ -47,6 +47,7 @@ class Shot(NamedTuple):
     fields: dict[str, np.ndarray]  # values of the points: Normals, foam, velocity [m/s]
     ships: dict[str, tuple[np.ndarray, np.ndarray]]  # position [m] and turn from body to world, by key
     particles: dict[str, np.ndarray]  # position [m], velocity [m/s], pressure [Pa]
+    gates: tuple[np.ndarray, np.ndarray]  # corners [m] and triangles of obstacles that move or leave
 
 
 def shot(frame: Path, grid: dict[str, np.ndarray], wakes: Wakes) -> Shot:
@@ -86,7 +87,8 @@ def shot(frame: Path, grid: dict[str, np.ndarray], wakes: Wakes) -> Shot:
     ships = {key: (data[f"{key}_position"], data[f"{key}_turn"]) for key in ships_in(data, "_turn")}
     kept = "position", "velocity", "id", "pressure"
     particles = {str(name): data[name] for name in kept if name in data}
-    return Shot(float(data["time"]), points, faces, fields, ships, particles)
+    gates = blocks(data["gates"] if "gates" in data else np.zeros((0, 2, 3)))
+    return Shot(float(data["time"]), points, faces, fields, ships, particles, gates)
 
 
 def read(values: np.ndarray, at: np.ndarray) -> np.ndarray:
@@ -136,9 +138,8 @@ def models(grid: dict[str, np.ndarray]) -> dict[str, Model]:
     }
 
 
-def obstacles(grid: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Corners (n, 3) [m] and triangles (m, 3) of the boxes that stand in the water for good."""
-    boxes = grid["obstacles"]
+def blocks(boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (n, 3) [m] and triangles (m, 3) of boxes (k, 2, 3) by their lower and upper corners [m]."""
     points = [[box[i, 0], box[j, 1], box[k, 2]] for box in boxes for i, j, k in product((0, 1), repeat=3)]
     faces = [BOX + 8 * n for n in range(len(boxes))]
     return np.array(points, np.float32).reshape(-1, 3), np.array(faces, int).reshape(-1, 3)
@@ -159,8 +160,8 @@ def rate(first: float, last: float, count: int, every: float) -> float:
 
 
 def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up: bool) -> Path:
-    """USD with time samples (usdc): /sea/water, /sea/obstacles, /sea/NAME of each ship, /sea/particles; metres, frames
-    a second as kept. Raises UsdMissing."""
+    """USD with time samples (usdc): /sea/water, /sea/obstacles, /sea/gates, /sea/NAME of each ship, /sea/particles;
+    metres, frames a second as kept. Raises UsdMissing."""
     try:
         from pxr import Gf, Sdf, Tf, Usd, UsdGeom, Vt
     except ImportError:
@@ -179,7 +180,7 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
         stage.SetDefaultPrim(root.GetPrim())
         if z_up:
             root.AddRotateXOp().Set(90.0)
-        boxes, sides = obstacles(grid)
+        boxes, sides = blocks(grid["obstacles"])
         if len(boxes):
             stone = UsdGeom.Mesh.Define(stage, "/sea/obstacles")
             stone.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(boxes))
@@ -200,7 +201,7 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
             )
         water = UsdGeom.Mesh.Define(stage, "/sea/water")
         water.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*SEA.tolist())])
-        cloud = None
+        cloud = moving = None
         before: np.ndarray | None = None
         wakes = Wakes(frame_files(frames[0].parent.parent), grid)
         for frame in frames:
@@ -217,6 +218,11 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
                     "foam", Sdf.ValueTypeNames.FloatArray, UsdGeom.Tokens.vertex
                 )
                 foam.Set(Vt.FloatArray.FromNumpy(kept.fields["foam"]), code)
+            if len(kept.gates[0]) or moving is not None:
+                moving = moving or UsdGeom.Mesh.Define(stage, "/sea/gates")
+                still(moving, kept.gates[1].astype(np.int32).ravel(), Vt, code)
+                moving.CreatePointsAttr().Set(Vt.Vec3fArray.FromNumpy(kept.gates[0]), code)
+                moving.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*STONE.tolist())])
             for key, (position, turn) in kept.ships.items():
                 if key in bodies:
                     matrix = np.eye(4)
@@ -262,15 +268,16 @@ def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> P
     first = shots[0]
     made = Glb(np.array([kept.time for kept in shots]))
     if any(not np.array_equal(kept.faces, first.faces) for kept in shots):
-        made.in_turn(
-            [made.mesh(f"water_{k:05d}", kept.points, kept.faces, paint(kept)) for k, kept in enumerate(shots)]
-        )
+        waters = {k: made.mesh(f"water_{k:05d}", w.points, w.faces, paint(w)) for k, w in enumerate(shots)}
+        made.in_turn(waters, len(shots))
     elif len(first.points):
         moved = np.stack([kept.points for kept in shots]) if len(shots) > 1 else None
         made.mesh("water", first.points, first.faces, paint(first), moved)
-    boxes, sides = obstacles(grid)
+    boxes, sides = blocks(grid["obstacles"])
     if len(boxes):
         made.mesh("obstacles", boxes, sides, STONE)
+    gates = {k: made.mesh(f"gates_{k:05d}", *kept.gates, STONE) for k, kept in enumerate(shots) if len(kept.gates[0])}
+    made.in_turn(gates, len(shots))
     for key, model in models(grid).items():
         corners = model.mesh.corners.reshape(-1, 3)
         colour = np.repeat(model.mesh.colour, 3, axis=0)
@@ -302,4 +309,5 @@ def upright(meshes: Iterator[Shot], z_up: bool) -> Iterator[Shot]:
         fields = {name: values @ Z_UP.T if values.ndim == 2 else values for name, values in kept.fields.items()}
         particles = {name: values @ Z_UP.T if values.ndim == 2 else values for name, values in kept.particles.items()}
         ships = {key: (Z_UP @ position, Z_UP @ turn) for key, (position, turn) in kept.ships.items()}
-        yield Shot(kept.time, kept.points @ Z_UP.T, kept.faces, fields, ships, particles)
+        corners, sides = kept.gates
+        yield Shot(kept.time, kept.points @ Z_UP.T, kept.faces, fields, ships, particles, (corners @ Z_UP.T, sides))

@@ -413,6 +413,36 @@ def vertices_of(path) -> np.ndarray:
     )
 
 
+def test_a_gate_is_where_it_is_until_it_leaves(folded):
+    """In every format: at the first moment, raised at the second, gone at the third."""
+    import pyvista
+
+    gate = np.array([[[0.2, 0.0, 0.0], [0.3, 0.5, 1.0]]])
+    last = dict(np.load(folded / "frames" / "frame_00001.npz")) | {"time": 0.08}
+    np.savez(folded / "frames" / "frame_00002.npz", **last)
+    for k, raised in enumerate((0.0, 0.4)):
+        path = folded / "frames" / f"frame_{k:05d}.npz"
+        np.savez(path, **dict(np.load(path)), gates=gate + [0.0, raised, 0.0])
+    export_run(folded, None, "vtp", folded / "export")
+    meshes = [pyvista.read(folded / "export" / f"gates_{k:05d}.vtp") for k in range(3)]
+    assert [mesh.n_points for mesh in meshes] == [8, 8, 0]
+    assert enclosed(np.array(meshes[1].points), meshes[1].regular_faces) == pytest.approx(0.05, rel=1e-5)
+    np.testing.assert_allclose(meshes[1].bounds[2:4], [0.4, 0.9], atol=1e-6)
+    for kind in ("ply", "vtkhdf"):
+        export_run(folded, None, kind, folded / "export")
+    [file] = export_run(folded, None, None, folded / "export", scene="glb")
+    size = int.from_bytes(file.read_bytes()[12:16], "little")
+    tree = json.loads(file.read_bytes()[20 : 20 + size])
+    assert [node["name"] for node in tree["nodes"]][3:] == ["gates_00000", "gates_00001"]
+    Usd = pytest.importorskip("pxr.Usd")
+    from pxr import UsdGeom
+
+    [file] = export_run(folded, None, None, folded / "export", scene="usd")
+    stage = Usd.Stage.Open(str(file))
+    points = UsdGeom.Mesh.Get(stage, "/sea/gates").GetPointsAttr()
+    assert [len(points.Get(time)) for time in points.GetTimeSamples()] == [8, 8, 0]
+
+
 def test_a_ply_file_holds_what_is_known_of_its_points(folded, manned):
     export_run(folded, "ply", "ply", folded / "ply")
     frame = np.load(folded / "frames" / "frame_00001.npz")

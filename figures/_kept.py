@@ -15,6 +15,7 @@ from ocean_sim.simulation import Simulation
 from ocean_sim.waves import Components, elevation
 
 BARE = {"far_sea": False, "ripples": False, "foam": False, "sky": False}
+BARED = "Here without far sea, ripples, foam and clouds"
 SEEN = dict.fromkeys(("accuracy", "timings", "health", "render", "report", "motion"))
 
 
@@ -71,13 +72,14 @@ def film(folder: Path, path: Path, **options: Any) -> None:
 
 
 def save(path: Path, picture: np.ndarray) -> None:
-    """A picture (height, width, 3) as a PNG, with the figure's number and caption below it; a hasty one says so."""
+    """A picture (height, width, 3) without what BARE leaves out as a PNG, with the figure's number and caption below
+    it; a hasty one says so."""
     import imageio.v2 as imageio
     from PIL import Image, ImageDraw, ImageFont
 
     width = picture.shape[1]
     size = max(10, width // 90)
-    words = wrap(f"{'--fast, coarse. ' if Said.fast else ''}{Said.caption}", int(1.9 * width / size))
+    words = wrap(f"{'--fast, coarse. ' if Said.fast else ''}{Said.caption}. {BARED}", int(1.9 * width / size))
     strip = Image.new("RGB", (width, (len(words) + 1) * (size + 4)), "white")
     ImageDraw.Draw(strip).multiline_text((8, 4), "\n".join(words), fill="#44525c", font=ImageFont.load_default(size))
     picture = np.concatenate([picture, np.asarray(strip)])

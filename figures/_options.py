@@ -1,6 +1,7 @@
 """What every script of a figure takes on its command line, and how it reports its progress."""
 
 import argparse
+import re
 import sys
 from pathlib import Path
 
@@ -9,21 +10,22 @@ class Said:
     """What every picture of the figure says of itself."""
 
     caption = ""  # number and what it shows
-    fast = False  # whether haste left something out
+    fast = False  # whether it was made in haste
+    whole = False  # whether haste leaves nothing out
 
 
-def options(doc: str | None, fast: str, **files: str) -> argparse.Namespace:
+def options(doc: str | None, fast: str = "", **files: str) -> argparse.Namespace:
     """`fast` and `out`, a folder that is there. The first paragraph of `doc` says what the figure is, `fast` what haste
-    leaves out."""
+    leaves out, if anything."""
     parser = argparse.ArgumentParser(description=(doc or "").split("\n\n")[0])
-    parser.add_argument("--fast", action="store_true", help=fast)
+    parser.add_argument("--fast", action="store_true", help=fast or "nothing here takes long")
     parser.add_argument("--out", type=Path, default=Path("figures_out"), help="where the CSV and the picture go")
     for name, what in files.items():
         parser.add_argument(f"--{name}", type=Path, help=what)
     found = parser.parse_args()
     found.out.mkdir(parents=True, exist_ok=True)
-    Said.caption = " ".join((doc or "").split("\n\n")[0].split()).removesuffix(": CSV and PNG.")
-    Said.fast = found.fast
+    Said.caption = re.sub(r": CSV.*", "", " ".join((doc or "").split("\n\n")[0].split()))
+    Said.fast, Said.whole = found.fast, not fast
     return found
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
+import numpy as np
 from _options import Said
 
 from ocean_sim.palette import BLUE as BLUE
@@ -15,10 +16,11 @@ from ocean_sim.palette import PURPLE as PURPLE
 from ocean_sim.palette import RED as RED
 from ocean_sim.palette import SKY as SKY
 
-INK, GREY, PALE = "#16242c", "#7a8790", "#dde5ea"
+INK, SOFT, GREY, PALE = "#16242c", "#44525c", "#5f6d76", "#dde5ea"  # of words, captions, lines, grids
 DPI = 150
-NARROW, LETTERS = 4.0, 16.0  # [inch] at most, of a panel without a caption; letters of one in an inch
-HASTY = "--fast: coarse"
+LETTERS, SMALL = 16.0, 4.0  # of a caption in an inch; [inch] at most, of a picture whose letters are smaller
+SUN, AMBIENT = np.array([-0.70, 0.64, -0.32]), 0.35  # towards the sun, x, y up and z; light of the sky, over all of it
+HASTY, WHOLE = "--fast: coarse", "--fast leaves nothing out here"
 
 
 def paper(width: float, height: float) -> Any:
@@ -28,21 +30,37 @@ def paper(width: float, height: float) -> Any:
 
     rcParams.update({"axes.spines.top": False, "axes.spines.right": False, "axes.titlelocation": "left"})
     rcParams.update({"axes.titlesize": 11, "axes.labelsize": 10, "legend.fontsize": 9, "legend.frameon": False})
-    return Figure(figsize=(width, height), layout="constrained")
+    figure = Figure(figsize=(width, height), layout="constrained")
+    figure.get_layout_engine().set(h_pad=0.09)  # [inch], so that no caption touches a label
+    return figure
 
 
 def keep(figure: Any, path: Path, found: str = "") -> None:
-    """The figure as a PNG with its number and caption, the same bytes each time; a hasty one says so. `found`: numbers
-    that the caption ends with, as the table has them."""
+    """The figure as a PNG with its number and caption, the same bytes each time; a hasty one says so. `found`: what the
+    caption ends with, as numbers that the table has; all of it, where a figure has several pictures and this is a small
+    one."""
     width = figure.get_figwidth()
-    if width > NARROW:
-        words = wrap(". ".join(part for part in (Said.caption, found) if part), int(width * LETTERS))
-        figure.supxlabel("\n".join(words), x=0.01, ha="left", fontsize=8.0, color=GREY)
-    if Said.fast:
+    small = 0.6 if width <= SMALL else 1.0
+    said = () if width <= SMALL else (Said.caption,)
+    words = ". ".join(part for part in (*said, found, WHOLE if Said.fast and Said.whole else "") if part)
+    lines = wrap(words, int(width * LETTERS / small))
+    figure.supxlabel("\n".join(lines), x=0.01, ha="left", fontsize=8.0 * small, color=SOFT)
+    if Said.fast and not Said.whole:
         figure.text(
             0.5, 0.5, HASTY, rotation=24.0, ha="center", va="center", fontsize=4.0 * width, color=INK, alpha=0.10
         )
     figure.savefig(path, dpi=DPI, metadata={"Software": None})
+
+
+def lit(points: np.ndarray, triangles: np.ndarray, colours: np.ndarray) -> np.ndarray:
+    """(m, 3) colours of the triangles of a surface with points (n, 3) of x, y up and z, in the light of a low sun:
+    level ones as they are."""
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-12)[:, None]
+    normals *= np.where(normals[:, 1:2] < 0.0, -1.0, 1.0)
+    light = np.clip(normals @ SUN, 0.0, None) / SUN[1]
+    return np.clip(colours * (AMBIENT + (1.0 - AMBIENT) * light)[:, None], 0.0, 1.0)
 
 
 def table(path: Path, head: Sequence[str], columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 from _options import options
-from _paper import BLUE, GREY, INK, PALE, keep, paper, table
+from _paper import BLUE, GREY, INK, PALE, SOFT, keep, paper, table
 
 from ocean_sim.conventions import AIR_DENSITY, GRAVITY, WATER_DENSITY
 from ocean_sim.fluid.shared.smoothing import Smoothing
@@ -453,8 +453,8 @@ def of_the_ship() -> list[Erratum]:
 
 
 def drawn(rows: list[Erratum], path: Path) -> None:
-    """The table, to be read."""
-    figure = paper(15.0, 0.36 * len(rows) + 1.0)
+    """The table, to be read: below each quantity why what is printed is not meant."""
+    figure = paper(15.0, 0.46 * len(rows) + 1.0)
     axes = figure.add_subplot()
     axes.set(xlim=(0.0, 1.0), ylim=(len(rows) + 0.6, -1.2))
     axes.axis("off")
@@ -473,12 +473,21 @@ def drawn(rows: list[Erratum], path: Path) -> None:
             number = isinstance(value, float)
             colour = {"as_printed": GREY, "measured": BLUE}.get(name, INK)
             text = (f"{value:,.0f}" if abs(value) >= 1e4 else f"{value:.5g}") if number else value
-            axes.text(x, k + 0.35, text, fontsize=9.5, va="center", ha="right" if number else "left", color=colour)
+            axes.text(
+                x,
+                k + (0.14 if name == "quantity" else 0.35),
+                text,
+                fontsize=9.5,
+                va="center",
+                ha="right" if number else "left",
+                color=colour,
+            )
+        axes.text(places["quantity"], k + 0.58, row.why, fontsize=8.0, va="center", color=SOFT)
     keep(figure, path)
 
 
 def main() -> None:
-    out = options(__doc__, "nothing here takes long").out
+    out = options(__doc__).out
     rows = errata()
     texts = [[f"{value:.9g}" if isinstance(value, float) else value for value in row] for row in rows]
     table(out / "errata.csv", [], Erratum._fields, texts)

@@ -83,7 +83,7 @@ def drawn(time: np.ndarray, fixed: np.ndarray, moving: np.ndarray, path: Path) -
 
 
 def main() -> None:
-    out = options(__doc__, "nothing here takes long").out
+    out = options(__doc__).out
     time = np.arange(0.0, LASTS + 0.5 * EVERY, EVERY)
     fixed = np.array([read(PLACE, t) for t in time])
     aboard = time >= BORN - 1e-9

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from _options import options
-from _paper import BLUE, GREY, INK, keep, paper, table
+from _paper import BLUE, GREY, keep, paper, table
 
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
@@ -51,11 +51,10 @@ def drawn(grid: np.ndarray, water: np.ndarray, moment: float, fit: float, path: 
         panels[0].plot([-LENGTH / 2, LENGTH / 2], [edge, edge], color=GREY, lw=0.4, zorder=0)
     panels[1].set_xlabel("x [m]")
     figure.colorbar(arrows, ax=panels.tolist(), label="speed [m/s]", shrink=0.75)
-    text = (
+    found = (
         f"{len(grid)} cells next to {len(water)} particles at {moment:.3f} s; the grid differs from linear theory by "
     )
-    figure.supxlabel(text + f"{100.0 * fit:.1f} % (RMS)", fontsize=9, color=INK)
-    keep(figure, path)
+    keep(figure, path, f"{found}{100.0 * fit:.1f} % (RMS)")
 
 
 def water_top(water: np.ndarray) -> float:

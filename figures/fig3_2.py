@@ -1,4 +1,5 @@
-"""Figure 3-2: the cases of marching cubes that remain when cubes may be turned and water exchanged for air: CSV, PNG.
+"""Figure 3-2: the cases of marching cubes that remain when cubes may be turned and water exchanged for air: CSV and
+PNG.
 
 python figures/fig3_2.py [--fast] [--out DIR]
 """
@@ -58,7 +59,7 @@ def drawn(found: dict[int, int], counts: np.ndarray, cuts: np.ndarray, path: Pat
 
 
 def main() -> None:
-    out = options(__doc__, "nothing here takes long").out
+    out = options(__doc__).out
     found, (counts, cuts, ambiguous) = patterns(), table()
     with (out / "fig3_2.csv").open("w", newline="", encoding="utf-8") as file:
         file.write("# corner c lies at (c & 1, c >> 1 & 1, c >> 2 & 1); edges by their corners\n")

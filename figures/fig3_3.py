@@ -3,22 +3,20 @@
 python figures/fig3_3.py [--fast] [--out DIR]
 """
 
-import csv
 from pathlib import Path
 
 import numpy as np
 from _options import options
-from _paper import keep, paper
+from _paper import BLUE, GREEN, INK, RED, keep, paper, table
 
 from ocean_sim.surface.shared.springs import springs
 
 NX, NZ = 5, 4
-COLOURS = {"stretch": "#0b4f6c", "shear": "#c8553d", "bend": "#588157"}
+COLOURS = {"stretch": BLUE, "shear": RED, "bend": GREEN}
 
 
 def drawn(found: dict[str, np.ndarray], path: Path) -> None:
     """One panel a kind; bend springs are bowed, for they lie on stretch springs."""
-
     figure = paper(10.0, 3.2)
     for axes, (kind, ends) in zip(figure.subplots(1, 3), found.items(), strict=True):
         for pair in ends:
@@ -28,20 +26,18 @@ def drawn(found: dict[str, np.ndarray], path: Path) -> None:
             lift = bow * np.sin(np.pi * s)
             axes.plot(x0 + (x1 - x0) * s + lift * (z1 > z0), z0 + (z1 - z0) * s + lift * (x1 > x0), color=COLOURS[kind])
         x, z = np.divmod(np.arange(NX * NZ), NZ)
-        axes.plot(x, z, "o", color="#222", ms=5)
-        axes.set(title=f"{kind}: {len(ends)}", aspect="equal")
+        axes.plot(x, z, "o", color=INK, ms=5)
+        axes.set(title=f"{kind}: {len(ends)} springs", aspect="equal", xlim=(-0.2, NX - 0.8), ylim=(-0.2, NZ - 0.7))
         axes.axis("off")
     keep(figure, path)
 
 
 def main() -> None:
-    out = options(__doc__, "nothing here takes long").out
+    out = options(__doc__).out
     found = springs(NX, NZ)
-    with (out / "fig3_3.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        file.write(f"# springs of a sheet of {NX} x {NZ} nodes; node (i, k) has the number i {NZ} + k\n")
-        writer.writerow(["kind", "from", "to"])
-        writer.writerows([kind, *map(int, pair)] for kind, ends in found.items() for pair in ends)
+    rows = [(kind, *map(int, pair)) for kind, ends in found.items() for pair in ends]
+    head = [f"springs of a sheet of {NX} x {NZ} nodes; node (i, k) has the number i {NZ} + k"]
+    table(out / "fig3_3.csv", head, ["kind", "from", "to"], rows)
     drawn(found, out / "fig3_3.png")
 
 

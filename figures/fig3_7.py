@@ -75,7 +75,7 @@ def drawn(degrees: np.ndarray, path: Path) -> None:
 
 
 def main() -> None:
-    out = options(__doc__, "nothing here takes long").out
+    out = options(__doc__).out
     degrees = np.linspace(0.0, 90.0, 181)
     incident = np.radians(degrees)
     curves = transmitted(incident), fresnel(np.cos(incident)), printed(incident), listing(incident), schlick(incident)

@@ -151,7 +151,7 @@ def drawn(places: np.ndarray, rows: list[tuple], course: list[tuple], path: Path
 
 
 def main() -> None:
-    out = options(__doc__, "nothing here takes long").out
+    out = options(__doc__).out
     places, met = lattice()
     body = DENSITY * 4.0 / 3.0 * np.pi * RADIUS**3
     inertia = 0.4 * body * RADIUS**2 * np.eye(3)

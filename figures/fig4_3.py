@@ -120,7 +120,7 @@ def drawn(points: np.ndarray, triangles: np.ndarray, centre: np.ndarray, path: P
 
 
 def main() -> None:
-    out = options(__doc__, "nothing here takes long").out
+    out = options(__doc__).out
     hull = hull_of(HULL)
     centre = np.array(hull.centre_of_mass)
     points, triangles = drawn_hull(hull.shape)

@@ -110,7 +110,7 @@ def drawn(still: Hydrostatics, share: np.ndarray, curve: list[tuple], path: Path
 
 
 def main() -> None:
-    out = options(__doc__, "nothing here takes long").out
+    out = options(__doc__).out
     hull = hull_of(HULL)
     finest = hull.afloat(24.0, DENSITY, GRAVITY)
     level = finest.level(UP)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from _options import options
-from _paper import INK, keep, paper, table
+from _paper import INK, keep, lit, paper, table
 
 from ocean_sim.observers.shared.surface_fit import Tops, fit
 from ocean_sim.reading.scene import load
@@ -15,27 +15,29 @@ from ocean_sim.simulation import Simulation
 
 SCENE, MOMENT = "thesis/fig6_3c_wide", 6.0  # [s]
 SOON = 3.0  # [s] in haste: the gust has come in
+CLOTH = 0.66, 0.83, 0.91  # colour
 
 
 def drawn(position: np.ndarray, mesh, rows: np.ndarray, spacing: float, rms: str, found: str, path: Path) -> None:
     """Particles alone, with the cloth over them, and the map of what is between; `rows`: x, z and both heights."""
-    figure = paper(16.0, 5.2)
+    figure, solid = paper(16.0, 5.2), []
     size = np.ptp(position, axis=0)
     for k, title in enumerate(("particles", f"and the cloth on them: {rms}")):
         axes = figure.add_subplot(1, 3, k + 1, projection="3d", computed_zorder=False)
+        solid.append(axes)
         x, y, z = position.T
         dots = axes.scatter(x, z, y, s=5.0, c=y, cmap="cividis", depthshade=False)
         if k:
             vx, vy, vz = mesh.vertices.T
-            axes.plot_trisurf(
-                vx, vz, vy, triangles=mesh.triangles, color="#a9d3e8", alpha=0.85, shade=False, edgecolor=INK, lw=0.1
-            )
-        axes.set_box_aspect((size[0], size[2], 2.0 * size[1]), zoom=1.08)  # heights twice as large
+            skin = axes.plot_trisurf(vx, vz, vy, triangles=mesh.triangles, shade=False, edgecolor=INK, lw=0.1)
+            high = mesh.vertices * [1.0, 2.0, 1.0]  # as it is drawn
+            skin.set_facecolor(np.insert(lit(high, mesh.triangles, np.array(CLOTH)), 3, 0.85, axis=1))
+        axes.set_box_aspect((size[0], size[2], 2.0 * size[1]), zoom=1.1)  # heights twice as large
         axes.set_title(title, y=0.97)
         axes.set(xlabel="x [m]", ylabel="z [m]", zlabel="y [m]", zticks=(-6, -3, 0, 3))
         axes.set(xticks=(-20, -10, 0, 10, 20), yticks=(-20, -10, 0, 10, 20))
         axes.view_init(elev=18.0, azim=-60.0)
-    figure.colorbar(dots, ax=axes, label="y [m]", shrink=0.5, orientation="horizontal")
+    figure.colorbar(dots, ax=solid, label="y [m]", shrink=0.4, aspect=30.0, pad=0.06, orientation="horizontal")
     chart = figure.add_subplot(1, 3, 3)
     off = (rows[:, 2] - rows[:, 3]) / spacing
     most = float(np.percentile(np.abs(off), 98))

@@ -74,7 +74,7 @@ def drawn(hexapod: Hexapod, ends: tuple[float, float], rides: dict[str, tuple], 
 
 
 def main() -> None:
-    out = options(__doc__, "nothing here takes long").out
+    out = options(__doc__).out
     machine = Config(geometry=GEOMETRY).build(PERIOD / STEPS)
     hexapod, rows, rides = machine.hexapod, [], {}
     for name, motion in MOTIONS.items():

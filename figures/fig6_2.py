@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 from _options import options
-from _paper import INK, keep, paper, table
+from _paper import INK, keep, lit, paper, table
 
 from ocean_sim.observers.shared.surface_fit import Tops, fit
 from ocean_sim.reading.scene import load
@@ -21,7 +21,7 @@ from ocean_sim.simulation import Simulation
 from ocean_sim.surface.shared.mesh import Mesh
 
 SCENE, MOMENT, ROUNDS = "thesis/fig6_3c_wide", 6.0, 9  # [s]; medians of so many
-HIGH = 2.0  # [m] to which colours reach
+HIGH, TALLER = 2.0, 2.5  # [m] to which colours reach; how much larger heights are drawn
 SOON = 3.0  # [s] in haste: the gust has come in
 
 
@@ -56,7 +56,12 @@ def flying_edges(cubes: Any) -> Callable[[], Any]:
 def drawn(meshes: dict[str, Mesh], captions: dict[str, str], off: np.ndarray, found: str, path: Path) -> None:
     """Both surfaces, seen from the same place, and the map of what is between them; `off`: x, z [m] and
     that [spacings]; `found`: the end of the caption."""
-    figure = paper(17.0, 5.2)
+    from matplotlib import colormaps
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    figure, solid = paper(17.0, 5.2), []
+    heights = ScalarMappable(Normalize(-HIGH, HIGH), colormaps["GnBu_r"])
     chart = figure.add_subplot(1, 3, 3)
     most = float(np.percentile(np.abs(off[:, 2]), 98))
     shown = chart.scatter(*off[:, :2].T, c=off[:, 2], s=22.0, marker="s", cmap="PuOr", vmin=-most, vmax=most)
@@ -65,15 +70,17 @@ def drawn(meshes: dict[str, Mesh], captions: dict[str, str], off: np.ndarray, fo
     for k, (name, mesh) in enumerate(meshes.items()):
         axes = figure.add_subplot(1, 3, k + 1, projection="3d")
         x, y, z = mesh.vertices.T
-        shaded = axes.plot_trisurf(
-            x, z, y, triangles=mesh.triangles, cmap="GnBu_r", vmin=-HIGH, vmax=HIGH, linewidth=0.12, edgecolor=INK
-        )
-        axes.set_box_aspect((np.ptp(x), np.ptp(z), 20.0), zoom=1.05)  # heights larger
+        solid.append(axes)
+        skin = axes.plot_trisurf(x, z, y, triangles=mesh.triangles, shade=False, linewidth=0.12, edgecolor=INK)
+        colours = heights.to_rgba(y[mesh.triangles].mean(axis=1))[:, :3]
+        skin.set_facecolor(lit(mesh.vertices * [1.0, TALLER, 1.0], mesh.triangles, colours))
+        axes.set_box_aspect((np.ptp(x), np.ptp(z), 8.0 * TALLER), zoom=1.15)
         axes.set_title(f"{name.replace('_', ' ')}: {captions[name]}", y=0.97)
         axes.set(xlabel="x [m]", ylabel="z [m]", zlabel="y [m]", zlim=(-4.0, 4.0), zticks=(-4, -2, 0, 2, 4))
         axes.set(xticks=(-20, -10, 0, 10, 20), yticks=(-20, -10, 0, 10, 20))
         axes.view_init(elev=24.0, azim=-60.0)
-    figure.colorbar(shaded, ax=axes, label="y [m]", shrink=0.5, orientation="horizontal", extend="both")
+    bar = {"shrink": 0.4, "aspect": 30.0, "pad": 0.06, "orientation": "horizontal", "extend": "both"}
+    figure.colorbar(heights, ax=solid, label="y [m]", **bar)
     keep(figure, path, found)
 
 

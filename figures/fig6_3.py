@@ -177,8 +177,11 @@ def spread(values: list[float]) -> tuple[float, float]:
     return float(np.mean(values)), float(np.std(values, ddof=1)) if len(values) > 1 else 0.0
 
 
-def drawn(seas: dict[str, tuple], spectral: dict[str, tuple], trends: dict[str, list[tuple]], path: Path) -> None:
-    """The sea under each preset from above, that of spectral_sea, and the four trends."""
+def drawn(
+    seas: dict[str, tuple], spectral: dict[str, tuple], trends: dict[str, list[tuple]], seeds: int, path: Path
+) -> None:
+    """The sea under each preset from above, that of spectral_sea, and the four trends of so many seeds."""
+    blown = f"wind, {seeds} seeds: mean, standard deviation" if seeds > 1 else "wind, one seed"
     figure = paper(15.0, 14.8)
     axes = figure.subplots(4, 4, height_ratios=(1.15, 1.15, 1.15, 1.0))
     for panel, (name, (run, caption)) in zip(axes[:3].ravel(), [*seas.items(), *spectral.items()]):
@@ -196,7 +199,7 @@ def drawn(seas: dict[str, tuple], spectral: dict[str, tuple], trends: dict[str, 
     figure.colorbar(image, ax=axes[:3].ravel().tolist(), label="elevation [m]", shrink=0.6)
     for panel, (what, rows) in zip(axes[3], trends.items()):
         value, mean, deviation, still = np.array(rows).T
-        panel.errorbar(value, mean, deviation, marker="o", capsize=3.0, color=BLUE, label="wind, mean and spread")
+        panel.errorbar(value, mean, deviation, marker="o", capsize=3.0, color=BLUE, label=blown)
         panel.plot(value, still, "--", color=INK, label="still air")
         panel.set(xlabel=what, ylabel=r"$4\sqrt{m_0}$ [m]", ylim=(0.0, max(mean + deviation) * 1.35))
         panel.grid(color=PALE, lw=0.7)
@@ -218,8 +221,8 @@ def marks(wind: Drawing) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return lines.T, np.stack([tails[blowing].T, arrows[blowing].T]), tails[over & ~blowing].T
 
 
-def pictured(run: Waves, path: Path) -> None:
-    """The sea under one preset, seen from aside, and the wind when it blew over its middle."""
+def pictured(run: Waves, name: str, lasts: float, path: Path) -> None:
+    """The sea under one preset at the end, seen from aside, and the wind when it blew over its middle."""
     x, z, top = run.chart
     figure = paper(2.8, 2.0)
     axes = figure.add_subplot(projection="3d", computed_zorder=False)
@@ -235,8 +238,8 @@ def pictured(run: Waves, path: Path) -> None:
     axes.view_init(elev=30.0, azim=-60.0)
     axes.grid(False)
     axes.tick_params(labelsize=5.0, pad=-4.0)
-    axes.set_title("x, z and elevation in m", fontsize=5.5, y=0.95)
-    keep(figure, path)
+    words = f"Figure 6-3, {PRINTED.get(name, '')}{name.replace('_', ' ')}: the sea at {lasts:g} s; x, z, elevation in m"
+    keep(figure, path, words)
 
 
 def summary(runs: list[Waves]) -> str:
@@ -293,7 +296,7 @@ def main() -> None:
         rows.append((what, value, length, len(seeds), *(f"{number:.4g}" for number in numbers)))
         if what == "preset":
             seas[value] = runs[0], summary(runs)
-            pictured(runs[0], asked.out / f"fig6_3_{value}.png")
+            pictured(runs[0], value, lasts, asked.out / f"fig6_3_{value}.png")
         elif what == "spectral_sea":
             spectral[f"spectral sea, {value}"] = runs[0], summary(runs)
         else:
@@ -305,7 +308,7 @@ def main() -> None:
         "hm0: 4 sqrt m0 over time at 25 gauges; hs: highest third of the waves of all gauges, tz: their mean period"
     ]
     table(asked.out / "fig6_3.csv", head, columns, rows)
-    drawn(seas, spectral, trends, asked.out / "fig6_3.png")
+    drawn(seas, spectral, trends, len(seeds), asked.out / "fig6_3.png")
 
 
 if __name__ == "__main__":

@@ -55,19 +55,20 @@ def drawn(picture: np.ndarray, rows: np.ndarray, shown: float, path: Path) -> No
     top.imshow(picture)
     top.set_axis_off()
     top.set_title(f"from the helm of a yacht of 15 m, waves of 1.5 m, {shown:.1f} s")
-    for column, name, colour in (
-        (2, "pitch, bow down", ORANGE),
-        (4, "roll, port up", BLUE),
-        (3, "yaw, to port", GREEN),
+    for column, name, colour, dashes in (
+        (2, "pitch, bow down", ORANGE, "-"),
+        (4, "roll, port up", BLUE, "--"),
+        (3, "yaw, to port", GREEN, "-."),
     ):
-        below.plot(rows[:, 0], rows[:, column], color=colour, lw=1.5, label=name)
-    below.set_ylabel("[°]")
+        below.plot(rows[:, 0], rows[:, column], dashes, color=colour, lw=1.5, label=name)
+    below.set_ylabel("turned [°]")
     heave.plot(rows[:, 0], rows[:, 1] - rows[0, 1], color=RED, lw=1.5, label="heave from the start [m]")
     heave.plot(rows[:, 0], rows[:, 5], color=INK, lw=1.2, ls="--", label="speed [m/s]")
     heave.set_xlabel("time [s]")
     for axes in (below, heave):
         axes.axvline(shown, color=INK, lw=0.8, ls=":")
-        axes.set_xlim(rows[0, 0], rows[-1, 0])
+        low, high = axes.get_ylim()
+        axes.set(xlim=(rows[0, 0], rows[-1, 0]), ylim=(low, high + 0.4 * (high - low)))  # room for the names
         axes.grid(color=PALE, lw=0.7)
         axes.legend(loc="upper left", ncols=3)
     keep(figure, path)
@@ -75,7 +76,7 @@ def drawn(picture: np.ndarray, rows: np.ndarray, shown: float, path: Path) -> No
 
 def main() -> None:
     asked = options(__doc__, "small pictures and a clip of half a second")
-    begin, shown, lasts = (0.5, 1.0, 0.5) if asked.fast else (BEGIN, SHOWN, LASTS)
+    begin, shown, lasts = (4.5, 5.0, 0.5) if asked.fast else (BEGIN, SHOWN, LASTS)
     size = (320, 180) if asked.fast else (1280, 720)
     with TemporaryDirectory() as place:
         progress(0.0, "a yacht under way")

@@ -46,7 +46,7 @@ def voyages(fast: bool) -> dict[str, dict[str, Any]]:
             "ship": ship([0.0, -100.0], 3.0, turns(8.0, 22.0, 44.0, 0.7, 0.35)),
         },
         "the yacht on particles under a wide gust": {
-            "duration": 1.5 if fast else 9.0,
+            "duration": 4.0 if fast else 9.0,
             "basin": {"length": 40.0, "width": 40.0, "depth": 7.5},
             "fluid": "thesis_6000",
             "wind": "wide",
@@ -137,7 +137,7 @@ def drawn(found: dict[str, tuple], moments: np.ndarray, pictures: np.ndarray, pa
             shape = place[k] + large * outline @ turn.T
             track.fill(*shape.T, facecolor=ORANGE, edgecolor=INK, lw=0.8, alpha=0.75, zorder=3)
             label_at = place[k] - (0.035 * span + large * float(np.ptp(outline[:, 0]))) * turn[:, 0]
-            track.text(*label_at, f"{time[k]:.0f} s", fontsize=8, ha="center", va="center", color=INK, zorder=4)
+            track.text(*label_at, f"{round(time[k], 1):g} s", fontsize=8, ha="center", va="center", color=INK, zorder=4)
         if large > 1.0:
             track.text(
                 0.98, 0.02, f"boat drawn {large:.1f} times as large", transform=track.transAxes, ha="right", fontsize=8
@@ -186,7 +186,7 @@ def main() -> None:
 def pictured(run: Path, lasts: float, asked: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Times of pictures [s], the pictures (n, height, width, 3), and the last one bare; and writes the clip."""
     size, quality = ((320, 180), "draft") if asked.fast else ((960, 540), "final")
-    view = {"camera": "follow", "size": size}
+    view: dict[str, Any] = {"camera": "follow", "size": size}
     moments = np.linspace(0.2, 1.0, PICTURES) * (lasts - 1.0)
     orders = [{"stills": (float(moment),)} for moment in moments]
     *pictures, bare = shots(run, float(moments[-1]), [*orders, BARE | orders[-1]], quality=quality, **view)
@@ -195,6 +195,7 @@ def pictured(run: Path, lasts: float, asked: Any) -> tuple[np.ndarray, np.ndarra
             outside = not CLIP[0] <= float(frame["time"]) <= CLIP[0] + (0.5 if asked.fast else np.ptp(CLIP))
         if outside:
             file.unlink()
+    view["size"] = size if asked.fast else (1280, 720)
     film(run, asked.out / "fig6_8.mp4", every=1.0 / RATE, **view)
     return moments, np.array(pictures), bare
 

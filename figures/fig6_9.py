@@ -14,6 +14,7 @@ from _paper import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, keep, paper, table
 from ocean_sim.parts import PACKAGE, SLOTS, kinds
 from ocean_sim.platform.hexapod import WASHOUTS
 
+BAND = "#f4f6f7"  # of what belongs together
 THESIS = {
     "wind": "Algorithm 1",
     "fluid": "(2.27)",
@@ -103,7 +104,7 @@ def drawn(found: list[Stage], path: Path) -> None:
         (3.55, 8.1, "vehicle dynamics: one step of Algorithm 8"),
         (-0.1, 3.1, "washout filter and motion platform"),
     ):
-        axes.axhspan(low, high, color="#f4f6f7", zorder=0)
+        axes.axhspan(low, high, color=BAND, zorder=0)
         axes.text(0.0, high - 0.12, text, fontsize=10, color=GREY, va="top")
     wide, gap, place = 2.35, 1.5, {}
     for k, stage in enumerate(found):
@@ -120,6 +121,7 @@ def drawn(found: list[Stage], path: Path) -> None:
             fontsize=7.5,
             color=GREY,
             family="monospace",
+            bbox={"facecolor": BAND, "edgecolor": "none", "pad": 1.0},
         )
     order = [stage.name for stage in found]
     for stage in found:
@@ -159,13 +161,11 @@ def drawn(found: list[Stage], path: Path) -> None:
     axes.text(
         7.4, 0.5, "throttle and rudder: rows, a file, an autopilot, a person", ha="center", va="bottom", fontsize=8.5
     )
-    watching = ", ".join(kinds("observers"))
-    figure.supxlabel(f"Observers watch from outside: {watching}.", fontsize=8.5, color=GREY)
-    keep(figure, path)
+    keep(figure, path, f"Observers watch from outside: {', '.join(kinds('observers'))}")
 
 
 def main() -> None:
-    out = options(__doc__, "nothing here takes long").out
+    out = options(__doc__).out
     found = stages()
     rows = [(stage.name, " ".join(stage.calls), " ".join(stage.reads), " ".join(stage.kinds)) for stage in found]
     rows.append(("platform", "platform.follow", "ship", " ".join(kinds("platform"))))

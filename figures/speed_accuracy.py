@@ -40,8 +40,7 @@ def drawn(rows: list[dict[str, Any]], path: Path) -> None:
         panel(axes, speed, trial, here)
         axes.set_title(f"{trial.case}: {trial.quantity}", fontsize=8)
         axes.legend(fontsize="x-small", loc="best")
-    figure.supxlabel(f"{SPEEDS[speed]} per simulated second, one thread (surfaces: 60 frames)", fontsize=9)
-    keep(figure, path)
+    keep(figure, path, f"Across: {SPEEDS[speed]} per simulated second, one thread (surfaces: 60 frames)")
 
 
 def main() -> None:

@@ -78,10 +78,20 @@ class Glb:
             self.animate(len(self.tree["nodes"]) - 1, "weights", np.eye(len(moved), dtype=np.float32).ravel())
         return len(self.tree["nodes"]) - 1
 
-    def animate(self, node: int, path: str, values: np.ndarray) -> None:
-        """Values at every moment: `translation` (k, 3) [m], `rotation` (k, 4) quaternions x, y, z, w, or `weights`."""
+    def in_turn(self, nodes: dict[int, int], moments: int) -> None:
+        """Shows each of these nodes, by the number of a moment, only then: a node of scale zero is not drawn (glTF 2.0,
+        3.5.2)."""
+        for k, node in nodes.items():
+            seen = np.zeros((moments, 3), np.float32)
+            seen[k] = 1.0
+            self.tree["nodes"][node]["scale"] = [float(k == 0)] * 3  # to who knows no time, the first
+            self.animate(node, "scale", seen, "STEP")
+
+    def animate(self, node: int, path: str, values: np.ndarray, between: str = "LINEAR") -> None:
+        """Values at every moment: `translation` (k, 3) [m], `rotation` (k, 4) quaternions x, y, z, w, `scale` (k, 3),
+        or `weights`; `between` moments as the format calls it."""
         run = self.tree["animations"][0]
-        sampler = {"input": self.times, "output": self.accessor(values.astype(np.float32)), "interpolation": "LINEAR"}
+        sampler = {"input": self.times, "output": self.accessor(values.astype(np.float32)), "interpolation": between}
         run["samplers"].append(sampler)
         run["channels"].append({"sampler": len(run["samplers"]) - 1, "target": {"node": node, "path": path}})
 

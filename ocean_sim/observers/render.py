@@ -66,7 +66,7 @@ class Config(PeriodicConfig):
     turn: ClassVar[int] = 4
     leaves: ClassVar[str] = "film, drawn during the run, and pictures"
     every: float = quantity("s", 0.033, gt=0.0)
-    """Simulated time between pictures of the film, which runs in real time."""
+    """Simulated time between pictures of the film, which runs in real time; there are no more than frames."""
     camera: Name = "third_person"
     """`third_person` sees the whole basin, in a long one the ship; `follow` is behind the ship, `first_person` at its
     helm; `orbit` goes around in a film; `fixed` is at `eye`; `top`, `side`."""
@@ -141,22 +141,28 @@ class Config(PeriodicConfig):
         times = ", ".join(f"{time:g}" for time in late)
         return [f"render: stills at {times} s are never drawn: the run ends at {preflight.duration:g} s"]
 
-    def film_pictures(self, duration: float) -> int:
-        """How many pictures the film of a run of this duration [s] has; 0 without a film."""
-        return int(duration / self.every * (1.0 + 1e-9)) + 1 if self.film else 0
+    def film_pictures(self, duration: float, kept: float) -> int:
+        """How many pictures the film of a run of this duration [s] has that keeps a frame each `kept` [s]; 0 without a
+        film."""
+        return int(duration / max(self.every, kept) * (1.0 + 1e-9)) + 1 if self.film else 0
 
     def picture_time(self, preflight: Preflight) -> float:
-        if "frames" not in preflight.parts:  # there is nothing to draw
+        frames = preflight.parts.get("frames")
+        if not isinstance(frames, PeriodicConfig):  # there is nothing to draw
             return 0.0
         dimension, pixels = preflight.tank.dimension, self.size[0] * self.size[1] / (1280.0 * 720.0)
         further = len(self.stills) + self.strip
-        return (
-            FIRST[dimension]
-            + (self.film_pictures(preflight.duration) + further) * PICTURE[dimension][self.quality] * pixels
-        )
+        pictures = self.film_pictures(preflight.duration, frames.every) + further
+        return FIRST[dimension] + pictures * PICTURE[dimension][self.quality] * pixels
 
     def build(self, folder: Path, simulation: "Simulation") -> "Render":
         return Render(self, folder, simulation)
+
+
+def asked(config: Config, folder: Path) -> dict[str, Any]:
+    """What a config asks of the frames in a folder, by option of `render_run`: no picture of the film twice."""
+    with opened(folder / "frames" / "grid.npz") as grid:
+        return config.model_dump() | {"every": max(config.every, float(grid["every"]))}
 
 
 class Render(Concluding):
@@ -178,7 +184,9 @@ class Render(Concluding):
     def observe(self, simulation: "Simulation") -> None:
         """Begin to draw once there is a frame; the child does the rest."""
         if self.drawer is None and self.config.film and frame_path(self.folder, 0).exists():
-            self.drawer = Drawer([order_of(self.folder, **self.config.model_dump())], self.progress, goes_on=True)
+            self.drawer = Drawer(
+                [order_of(self.folder, **asked(self.config, self.folder))], self.progress, goes_on=True
+            )
         if self.drawer is not None:
             self.every = float("inf")
 
@@ -197,7 +205,8 @@ class Render(Concluding):
         kept = tuple(time for time in self.config.stills if time not in missing)
         try:
             if self.drawer is None:
-                render_run(self.folder, **(self.config.model_dump() | {"stills": kept}), progress=self.progress)
+                options = asked(self.config, self.folder) | {"stills": kept}
+                render_run(self.folder, **options, progress=self.progress)
             else:
                 self.drawer.finish()
         except (OpenGLMissing, RenderFailed) as problem:
@@ -465,12 +474,13 @@ class Coming:
         self.look()
 
     def chosen(self, every: float) -> Iterator[tuple[Path, int]]:
-        """The frame of each picture of a film, as soon as it is known, and how many pictures there are, or 0."""
+        """The frame of each picture of a film, as soon as it is known, and how many pictures there are, or 0; the first
+        when there are two, which tell how fast ships begin."""
         done = 0
         while True:
             ended, there = self.ended, len(self.log.files)
             numbers = schedule(self.log.times, every) if ended else known(self.log.times, every)
-            for number in numbers[done:]:
+            for number in numbers[done:] if ended or there > 1 else ():
                 yield self.log.files[number], len(numbers) if ended else 0
                 done += 1
             if ended:

@@ -7,11 +7,14 @@ from pathlib import Path
 import numpy as np
 
 from ocean_sim.conventions import Failed
+from ocean_sim.files import ply
 from ocean_sim.files.input_file import arrays
 from ocean_sim.files.vtkhdf import Series
 from ocean_sim.files.whole_file import must_have_room, whole
 from ocean_sim.pictures import export_scene
 from ocean_sim.pictures.export_scene import Shot, upright
+from ocean_sim.pictures.export_wakes import Wakes
+from ocean_sim.pictures.frame_files import frame_files
 
 
 class NothingToExport(Failed):
@@ -31,7 +34,7 @@ def export_run(
     """Write `particles` (vtkhdf, ply), `surface` (ply, vtp, vtkhdf) and, in one file, `scene` (usd: all that was drawn;
     glb: water and ships) of every `every`-th frame into `out`; returns the files. Ships go with a surface, a mesh each
     where she was. `z_up`: with z up in place of y."""
-    frames = sorted((folder / "frames").glob("frame_*.npz"))[::every]
+    frames = frame_files(folder)[::every]
     if not frames:
         raise NothingToExport(f"{folder} has no frames; run with the observer `frames`")
     grid = arrays(folder / "frames" / "grid.npz")
@@ -52,7 +55,8 @@ def export_run(
 
 
 def shots(frames: list[Path], grid: dict[str, np.ndarray], z_up: bool) -> Iterator[Shot]:
-    return upright((export_scene.shot(frame, grid) for frame in frames), z_up)
+    wakes = Wakes(frame_files(frames[0].parent.parent), grid)
+    return upright((export_scene.shot(frame, grid, wakes) for frame in frames), z_up)
 
 
 def export_particles(
@@ -88,15 +92,18 @@ def export_surface(
     drawn = {key: model.mesh for key, model in export_scene.models(grid).items()}
     for shot in shots(frames, grid, z_up):
         files["surface"].append((shot.time, shot.points, shot.faces, shot.fields))
+        if len(shot.gates[0]) or "gates" in files:
+            files.setdefault("gates", []).append((shot.time, *shot.gates, {}))
         for key, mesh in drawn.items():
             position, turn = shot.ships[key]
             corners = mesh.corners.reshape(-1, 3)
             points = (corners @ turn.T + position).astype(np.float32)
             numbers = np.arange(len(corners)).reshape(-1, 3)
             colour = (255.0 * display(np.repeat(mesh.colour, 3, axis=0))).astype(np.uint8)
+            normals = (mesh.normals.reshape(-1, 3) @ turn.T).astype(np.float32)
             name = export_scene.named(key)
-            files.setdefault(name, []).append((shot.time, points, numbers, {"RGB": colour}))
-    boxes, sides = export_scene.obstacles(grid)
+            files.setdefault(name, []).append((shot.time, points, numbers, {"Normals": normals, "RGB": colour}))
+    boxes, sides = export_scene.blocks(grid["obstacles"])
     if len(boxes):
         turn = export_scene.Z_UP if z_up else np.eye(3)
         first = files["surface"][0][0]
@@ -136,7 +143,9 @@ def moments_saved(
 
 
 def saved(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: dict[str, np.ndarray]) -> Path:
-    """One mesh, or points alone; a PLY file holds what its readers know: normals, and `foam` as grey."""
+    """One mesh, or points alone, with fields of the points."""
+    if path.suffix == ".ply":
+        return ply.save(path, points, faces, fields)
     import pyvista
 
     mesh = pyvista.PolyData(points) if faces is None else pyvista.PolyData.from_regular_faces(points, faces)
@@ -146,12 +155,5 @@ def saved(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: dict
         mesh.point_data.active_normals = fields["Normals"]
     with whole(path) as draft:
         must_have_room(draft, 2 * 1024 * mesh.actual_memory_size)  # VTK goes on where it cannot write
-        if path.suffix != ".ply":
-            mesh.save(draft)
-        elif "RGB" in fields:
-            mesh.save(draft, texture=fields["RGB"])
-        elif "foam" in fields:
-            mesh.save(draft, texture=np.repeat((255.0 * fields["foam"]).astype(np.uint8)[:, None], 3, axis=1))
-        else:
-            mesh.save(draft)
+        mesh.save(draft)
     return path

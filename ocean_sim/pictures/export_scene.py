@@ -10,12 +10,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ocean_sim.conventions import Failed, Lacking
+from ocean_sim.conventions import Lacking
 from ocean_sim.files.glb import Glb
 from ocean_sim.files.input_file import arrays
 from ocean_sim.files.whole_file import whole
+from ocean_sim.pictures.export_wakes import Wakes
 from ocean_sim.pictures.foam import coarser
-from ocean_sim.pictures.frame_files import ships_in
+from ocean_sim.pictures.frame_files import frame_files, ships_in
 from ocean_sim.pictures.ship_model import Model, modelled
 from ocean_sim.pictures.water_mesh import triangles
 
@@ -26,6 +27,7 @@ BOX = np.array(
     [[0, 1, 3], [0, 3, 2], [4, 7, 5], [4, 6, 7], [0, 4, 5], [0, 5, 1]]
     + [[2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
 )
+NEAREST = 6  # particles that tell the velocity of a surface with an underside
 Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # from our axes, y up
 
 
@@ -45,11 +47,18 @@ class Shot(NamedTuple):
     fields: dict[str, np.ndarray]  # values of the points: Normals, foam, velocity [m/s]
     ships: dict[str, tuple[np.ndarray, np.ndarray]]  # position [m] and turn from body to world, by key
     particles: dict[str, np.ndarray]  # position [m], velocity [m/s], pressure [Pa]
+    gates: tuple[np.ndarray, np.ndarray]  # corners [m] and triangles of obstacles that move or leave
 
 
-def shot(frame: Path, grid: dict[str, np.ndarray]) -> Shot:
-    """What a frame kept: of a scene with a surface that surface, else the heights of the water."""
+def shot(frame: Path, grid: dict[str, np.ndarray], wakes: Wakes) -> Shot:
+    """What a frame kept: of a scene with a surface that surface, else the heights of the water, at sea with the wakes
+    of ships as pictures show them."""
     data = arrays(frame)
+    if "foam" in data and len(grid["z"]) > 1:
+        time, origin = float(data["time"]), data.get("origin", np.zeros(2)).astype(float)
+        behind = wakes.white(time, origin)
+        data["foam"] = np.maximum(data["foam"], finer(behind, data["foam"].shape))
+        data["elevation"] = data["elevation"] + wakes.raised(time, origin, data.get("answer"))
     fields: dict[str, np.ndarray] = {}
     if "vertices" in data:
         points, faces, fields["Normals"] = data["vertices"], data["triangles"], data["normals"]
@@ -61,6 +70,8 @@ def shot(frame: Path, grid: dict[str, np.ndarray]) -> Shot:
                 for name, key in (("foam", "foam"), ("velocity", "surface_velocity"))
                 if key in data
             }
+        elif "velocity" in data:
+            fields["velocity"] = beside(points, data["position"], data["velocity"]).astype(np.float32)
     elif len(grid["z"]) < 2:
         points, faces = np.zeros((0, 3), np.float32), np.zeros((0, 3), int)
     else:
@@ -68,6 +79,7 @@ def shot(frame: Path, grid: dict[str, np.ndarray]) -> Shot:
         dx, dz = data.get("origin", np.zeros(2))
         points = np.stack([x + dx, data["elevation"], z + dz], axis=-1).reshape(-1, 3).astype(np.float32)
         faces = triangles(*x.shape)
+        fields["Normals"] = upwards(points, faces)
         if "foam" in data:
             fields["foam"] = coarser(data["foam"], x.shape).ravel().astype(np.float32)
         if "surface_velocity" in data:
@@ -75,7 +87,8 @@ def shot(frame: Path, grid: dict[str, np.ndarray]) -> Shot:
     ships = {key: (data[f"{key}_position"], data[f"{key}_turn"]) for key in ships_in(data, "_turn")}
     kept = "position", "velocity", "id", "pressure"
     particles = {str(name): data[name] for name in kept if name in data}
-    return Shot(float(data["time"]), points, faces, fields, ships, particles)
+    gates = blocks(data["gates"] if "gates" in data else np.zeros((0, 2, 3)))
+    return Shot(float(data["time"]), points, faces, fields, ships, particles, gates)
 
 
 def read(values: np.ndarray, at: np.ndarray) -> np.ndarray:
@@ -86,6 +99,29 @@ def read(values: np.ndarray, at: np.ndarray) -> np.ndarray:
     channels = np.moveaxis(values.reshape(*values.shape[:2], -1), -1, 0).astype(float)
     found = [map_coordinates(channel, cells, order=1, mode="nearest") for channel in channels]
     return np.stack(found, axis=-1).reshape(at.shape[1], *values.shape[2:])
+
+
+def finer(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """Values of cells (nx, nz) on cells that are smaller by a whole number."""
+    return np.repeat(np.repeat(values, shape[0] // values.shape[0], axis=0), shape[1] // values.shape[1], axis=1)
+
+
+def beside(points: np.ndarray, particles: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """(n, 3) values at points (n, 3) of a surface: of the particles nearest to each, the nearer the more."""
+    from scipy.spatial import cKDTree
+
+    away, who = cKDTree(particles).query(points, k=min(NEAREST, len(particles)))
+    away, who = away.reshape(len(points), -1), who.reshape(len(points), -1)
+    weight = 1.0 / np.maximum(away, 1e-6) ** 2
+    return np.einsum("nk,nkc->nc", weight / weight.sum(axis=1, keepdims=True), values[who])
+
+
+def upwards(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """(n, 3) normals of a surface at its points: those of its triangles, by their areas."""
+    a, b, c = (points[faces[:, k]].astype(float) for k in range(3))
+    across = np.cross(b - a, c - a)
+    sums = np.stack([np.bincount(faces.ravel(), np.repeat(across[:, k], 3), len(points)) for k in range(3)], axis=1)
+    return (sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-12)).astype(np.float32)
 
 
 def models(grid: dict[str, np.ndarray]) -> dict[str, Model]:
@@ -102,9 +138,8 @@ def models(grid: dict[str, np.ndarray]) -> dict[str, Model]:
     }
 
 
-def obstacles(grid: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Corners (n, 3) [m] and triangles (m, 3) of the boxes that stand in the water for good."""
-    boxes = grid["obstacles"]
+def blocks(boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (n, 3) [m] and triangles (m, 3) of boxes (k, 2, 3) by their lower and upper corners [m]."""
     points = [[box[i, 0], box[j, 1], box[k, 2]] for box in boxes for i, j, k in product((0, 1), repeat=3)]
     faces = [BOX + 8 * n for n in range(len(boxes))]
     return np.array(points, np.float32).reshape(-1, 3), np.array(faces, int).reshape(-1, 3)
@@ -115,20 +150,24 @@ def named(key: str) -> str:
     return "".join(letter if letter.isalnum() else "_" for letter in key)
 
 
-def rate(first: float, last: float, count: int) -> float:
-    """Pictures a second of so many frames from a first to a last time [s]."""
-    return round((count - 1) / (last - first), 3) if count > 1 else 24.0
+def rate(first: float, last: float, count: int, every: float) -> float:
+    """Pictures a second of so many frames from a first to a last time [s]; a run kept one `every` so many seconds, at
+    the first step then, of which each n-th is here."""
+    if count < 2:
+        return 24.0
+    apart = (last - first) / (count - 1)
+    return round(1.0 / (every * max(1, round(apart / every))), 3)
 
 
 def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up: bool) -> Path:
-    """USD with time samples (usdc): /sea/water, /sea/obstacles, /sea/NAME of each ship, /sea/particles; metres, frames
-    a second as kept. Raises UsdMissing."""
+    """USD with time samples (usdc): /sea/water, /sea/obstacles, /sea/gates, /sea/NAME of each ship, /sea/particles;
+    metres, frames a second as kept. Raises UsdMissing."""
     try:
         from pxr import Gf, Sdf, Tf, Usd, UsdGeom, Vt
     except ImportError:
         raise UsdMissing from None
     first, last = (float(arrays(frame)["time"]) for frame in (frames[0], frames[-1]))
-    per_second = rate(first, last, len(frames))
+    per_second = rate(first, last, len(frames), float(grid["every"]))
     with whole(path) as draft:
         stage = Usd.Stage.CreateInMemory()
         UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z if z_up else UsdGeom.Tokens.y)
@@ -141,7 +180,7 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
         stage.SetDefaultPrim(root.GetPrim())
         if z_up:
             root.AddRotateXOp().Set(90.0)
-        boxes, sides = obstacles(grid)
+        boxes, sides = blocks(grid["obstacles"])
         if len(boxes):
             stone = UsdGeom.Mesh.Define(stage, "/sea/obstacles")
             stone.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(boxes))
@@ -162,10 +201,11 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
             )
         water = UsdGeom.Mesh.Define(stage, "/sea/water")
         water.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*SEA.tolist())])
-        cloud = None
+        cloud = moving = None
         before: np.ndarray | None = None
+        wakes = Wakes(frame_files(frames[0].parent.parent), grid)
         for frame in frames:
-            kept = shot(frame, grid)
+            kept = shot(frame, grid, wakes)
             code = Usd.TimeCode(kept.time * per_second)
             if before is None or not np.array_equal(before, kept.faces):
                 still(water, kept.faces.astype(np.int32).ravel(), Vt, code)
@@ -178,6 +218,11 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
                     "foam", Sdf.ValueTypeNames.FloatArray, UsdGeom.Tokens.vertex
                 )
                 foam.Set(Vt.FloatArray.FromNumpy(kept.fields["foam"]), code)
+            if len(kept.gates[0]) or moving is not None:
+                moving = moving or UsdGeom.Mesh.Define(stage, "/sea/gates")
+                still(moving, kept.gates[1].astype(np.int32).ravel(), Vt, code)
+                moving.CreatePointsAttr().Set(Vt.Vec3fArray.FromNumpy(kept.gates[0]), code)
+                moving.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*STONE.tolist())])
             for key, (position, turn) in kept.ships.items():
                 if key in bodies:
                     matrix = np.eye(4)
@@ -214,30 +259,39 @@ def still(mesh: Any, corners: np.ndarray, vt: ModuleType, *at: Any) -> None:
 
 
 def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> Path:
-    """Binary glTF: water that changes shape, white where it foams in the first frame, obstacles, ships that move."""
+    """Binary glTF: water that changes shape, white where it foams in the first frame, or, where its triangles change, a
+    mesh a moment, of which one is seen; obstacles; ships that move."""
     from scipy.spatial.transform import Rotation
 
-    shots = [shot(frame, grid) for frame in frames]
+    wakes = Wakes(frame_files(frames[0].parent.parent), grid)
+    shots = [shot(frame, grid, wakes) for frame in frames]
     first = shots[0]
-    if any(not np.array_equal(kept.faces, first.faces) for kept in shots):
-        raise Failed("glTF holds no surface whose triangles change; export usd, or --surface vtkhdf")
     made = Glb(np.array([kept.time for kept in shots]))
-    if len(first.points):
-        white = first.fields.get("foam", np.zeros(len(first.points)))[:, None]
+    if any(not np.array_equal(kept.faces, first.faces) for kept in shots):
+        waters = {k: made.mesh(f"water_{k:05d}", w.points, w.faces, paint(w)) for k, w in enumerate(shots)}
+        made.in_turn(waters, len(shots))
+    elif len(first.points):
         moved = np.stack([kept.points for kept in shots]) if len(shots) > 1 else None
-        made.mesh("water", first.points, first.faces, SEA + white * (WHITE - SEA), moved)
-    boxes, sides = obstacles(grid)
+        made.mesh("water", first.points, first.faces, paint(first), moved)
+    boxes, sides = blocks(grid["obstacles"])
     if len(boxes):
         made.mesh("obstacles", boxes, sides, STONE)
+    gates = {k: made.mesh(f"gates_{k:05d}", *kept.gates, STONE) for k, kept in enumerate(shots) if len(kept.gates[0])}
+    made.in_turn(gates, len(shots))
     for key, model in models(grid).items():
         corners = model.mesh.corners.reshape(-1, 3)
-        paint = np.repeat(model.mesh.colour, 3, axis=0)
-        node = made.mesh(named(key), corners, np.arange(len(corners)).reshape(-1, 3), paint)
+        colour = np.repeat(model.mesh.colour, 3, axis=0)
+        node = made.mesh(named(key), corners, np.arange(len(corners)).reshape(-1, 3), colour)
         poses = [kept.ships[key] for kept in shots]
         made.animate(node, "translation", np.array([position for position, _ in poses]))
         made.animate(node, "rotation", unbroken(Rotation.from_matrix([turn for _, turn in poses]).as_quat()))
     made.save(path)
     return path
+
+
+def paint(kept: Shot) -> np.ndarray:
+    """(n, 3) linear RGB of water."""
+    return SEA + kept.fields.get("foam", np.zeros(len(kept.points)))[:, None] * (WHITE - SEA)
 
 
 def unbroken(quaternions: np.ndarray) -> np.ndarray:
@@ -255,4 +309,5 @@ def upright(meshes: Iterator[Shot], z_up: bool) -> Iterator[Shot]:
         fields = {name: values @ Z_UP.T if values.ndim == 2 else values for name, values in kept.fields.items()}
         particles = {name: values @ Z_UP.T if values.ndim == 2 else values for name, values in kept.particles.items()}
         ships = {key: (Z_UP @ position, Z_UP @ turn) for key, (position, turn) in kept.ships.items()}
-        yield Shot(kept.time, kept.points @ Z_UP.T, kept.faces, fields, ships, particles)
+        corners, sides = kept.gates
+        yield Shot(kept.time, kept.points @ Z_UP.T, kept.faces, fields, ships, particles, (corners @ Z_UP.T, sides))

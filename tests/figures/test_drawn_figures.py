@@ -56,6 +56,28 @@ def test_every_figure_has_its_data_and_its_picture(figures):
         assert len(rows(figures / f"{name}.csv")) > 4, name
 
 
+def test_every_picture_carries_number_and_caption_and_only_a_coarse_one_says_so(tmp_path):
+    """`keep` is handed what a figure has; what it writes is read back from the figure's texts."""
+    code = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from pathlib import Path
+from _options import Said
+from _paper import HASTY, WHOLE, keep, paper
+for whole, width, found in ((False, 6.0, "12 cells"), (True, 6.0, "12 cells"), (False, 2.8, "Figure 9-9, wide")):
+    Said.caption, Said.fast, Said.whole = "Figure 9-9: what it shows", True, whole
+    figure = paper(width, 2.0)
+    keep(figure, Path(sys.argv[2], "a.png"), found)
+    words = " ".join(text.get_text() for text in [*figure.texts, figure._supxlabel]).replace(chr(10), " ")
+    assert (HASTY in words) is not whole and (WHOLE in words) is whole, words
+    assert "Figure 9-9" in words and found in words, words
+"""
+    here = os.environ | {"PYTHONPATH": str(PACKAGE.parent)}
+    command = [sys.executable, "-c", code, str(library("figures")), str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, env=here)
+    assert done.returncode == 0, done.stderr
+
+
 def test_the_data_are_the_same_bytes_from_another_process(figures, tmp_path):
     names = [name for name in DRAWN if name not in ("fig3_2", "fig4_4")]  # they draw much and reckon little
     draw(tmp_path, "no", names)

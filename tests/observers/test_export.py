@@ -13,7 +13,9 @@ from ocean_sim.files.whole_file import whole
 from ocean_sim.observers import frames
 from ocean_sim.pictures import export_scene
 from ocean_sim.pictures.export import NothingToExport, export_run, saved
+from ocean_sim.pictures.export_wakes import Wakes
 from ocean_sim.pictures.foam import coarser
+from ocean_sim.pictures.frame_files import frame_files
 from ocean_sim.verbs.shared.after import made
 
 
@@ -75,7 +77,8 @@ def test_surfaces_read_back_facing_up(kept, kind):
 def test_a_surface_lies_where_its_frame_says(tmp_path):
     x, z, away = np.arange(3.0), np.arange(2.0), np.array([40.0, -7.5])
     np.savez(tmp_path / "frame.npz", time=1.0, elevation=np.ones((3, 2)), origin=away)
-    points = export_scene.shot(tmp_path / "frame.npz", {"x": x, "z": z}).points
+    grid = {"x": x, "z": z}
+    points = export_scene.shot(tmp_path / "frame.npz", grid, Wakes([], grid)).points
     np.testing.assert_allclose(points[:, [0, 2]], pairs(x, z) + away)
 
 
@@ -203,6 +206,13 @@ def test_what_stands_in_the_water_is_in_the_scene(blocked):
     assert enclosed(np.array(mesh.GetPointsAttr().Get()), faces) == pytest.approx(volume, rel=1e-6)
 
 
+def white_of(folder, frame) -> np.ndarray:
+    """Foam of a frame and of the wake in it, at the points of its heights."""
+    wakes = Wakes(frame_files(folder), dict(np.load(folder / "frames" / "grid.npz")))
+    behind = wakes.white(float(frame["time"]), np.zeros(2))
+    return coarser(np.maximum(frame["foam"], export_scene.finer(behind, frame["foam"].shape)), (12, 8)).ravel()
+
+
 def test_usd_holds_water_foam_velocity_ship_and_particles(manned):
     Usd = pytest.importorskip("pxr.Usd")
     from pxr import UsdGeom
@@ -216,7 +226,7 @@ def test_usd_holds_water_foam_velocity_ship_and_particles(manned):
     points = np.array(water.GetPointsAttr().Get(code))
     np.testing.assert_allclose(points[:, 1].reshape(12, 8), frame["elevation"], atol=1e-6)
     foam = UsdGeom.PrimvarsAPI(water).GetPrimvar("foam").Get(code)
-    np.testing.assert_allclose(np.array(foam), coarser(frame["foam"], (12, 8)).ravel(), atol=1e-6)
+    np.testing.assert_allclose(np.array(foam), white_of(manned, frame), atol=1e-6)
     velocity = np.array(water.GetVelocitiesAttr().Get(code))
     np.testing.assert_allclose(velocity, frame["surface_velocity"].reshape(-1, 3), atol=1e-6)
     world = UsdGeom.Xformable(stage.GetPrimAtPath("/sea/ship")).ComputeLocalToWorldTransform(code)
@@ -268,7 +278,7 @@ def test_a_surface_comes_with_foam_velocity_and_ships_and_particles_as_points(ma
     files = export_run(manned, "ply", "vtp", manned / "export", z_up=True)
     frame = dict(np.load(manned / "frames" / "frame_00004.npz"))
     surface = pyvista.read(manned / "export" / "surface_00004.vtp")
-    np.testing.assert_allclose(surface["foam"], coarser(frame["foam"], (12, 8)).ravel(), atol=1e-6)
+    np.testing.assert_allclose(surface["foam"], white_of(manned, frame), atol=1e-6)
     np.testing.assert_allclose(surface.points[:, 2].reshape(12, 8), frame["elevation"], atol=1e-6)
     ship = pyvista.read(manned / "export" / "ship_00004.vtp")
     np.testing.assert_allclose(np.mean(ship.bounds[:2]), frame["ship_position"][0], atol=0.02)
@@ -288,10 +298,164 @@ def test_a_surface_that_was_kept_as_triangles_has_the_foam_and_velocity_of_its_p
     data["surface_velocity"] = np.stack([x, -z, 0.0 * x], axis=-1)
     for name, triangles in (("up", [[0, 1, 2]]), ("folded", [[0, 1, 2], [0, 2, 1]])):
         np.savez(tmp_path / f"{name}.npz", triangles=np.array(triangles), **data)
-    fields = export_scene.shot(tmp_path / "up.npz", grid).fields
+    fields = export_scene.shot(tmp_path / "up.npz", grid, Wakes([], grid)).fields
     np.testing.assert_allclose(fields["foam"], [0.15, 0.25, 0.73], atol=1e-6)
     np.testing.assert_allclose(fields["velocity"], [[1.0, -1.0, 0.0], [1.0, -3.0, 0.0], [6.3, -2.0, 0.0]], atol=1e-6)
-    assert list(export_scene.shot(tmp_path / "folded.npz", grid).fields) == ["Normals"]
+    assert list(export_scene.shot(tmp_path / "folded.npz", grid, Wakes([], grid)).fields) == ["Normals"]
+
+
+@pytest.fixture
+def sailing(tmp_path):
+    """A run folder of a ship that goes at 5 m/s along z over still water that sinks under her."""
+    (tmp_path / "frames").mkdir()
+    x, z = np.arange(-20.0, 20.5), np.arange(-40.0, 40.5)
+    box = np.array([[x, y, z] for x in (-2.0, 2.0) for y in (-1.0, 2.0) for z in (-7.5, 7.5)])
+    low = {"lower": np.array([-20.5, -9.0, -40.5]), "upper": np.array([20.5, 0.0, 40.5]), "spacing": 1.0, "every": 0.5}
+    ship = {"ship_vertices": box, "ship_triangles": export_scene.BOX}
+    np.savez(tmp_path / "frames" / "grid.npz", x=x, z=z, obstacles=np.zeros((0, 2, 3)), **low, **ship)
+    for k in range(7):
+        at = 5.0 * 0.5 * k
+        answer = -3.0 * np.exp(-((x[:, None] / 2.0) ** 2) - ((z - at) / 7.0) ** 2)
+        np.savez(
+            tmp_path / "frames" / f"frame_{k:05d}.npz",
+            time=0.5 * k,
+            elevation=answer,
+            answer=answer,
+            foam=np.zeros((2 * len(x), 2 * len(z))),
+            ship_position=np.array([0.0, 0.5, at]),
+            ship_turn=np.eye(3),
+        )
+    return tmp_path
+
+
+def test_files_show_the_wake_of_a_ship_and_her_water_no_deeper_than_pictures(sailing):
+    """Behind her stern it is white, ahead it is not; under her the water sinks by no more than V^2 / 2 g."""
+    grid = dict(np.load(sailing / "frames" / "grid.npz"))
+    wakes = Wakes(frame_files(sailing), grid)
+    kept = export_scene.shot(sailing / "frames" / "frame_00006.npz", grid, wakes)
+    white = kept.fields["foam"].reshape(len(grid["x"]), len(grid["z"]))
+    middle = white[np.abs(grid["x"]) <= 1.5]
+    assert middle[:, (grid["z"] > -5.0) & (grid["z"] < 5.0)].max() > 0.3 and middle[:, grid["z"] > 12.0].max() == 0.0
+    assert -(5.0**2) / (2.0 * 9.81) <= kept.points[:, 1].min() < -1.0
+
+
+@pytest.fixture
+def folded(tmp_path):
+    """A run folder of two moments of a surface with an underside, whose triangles change, beside its particles."""
+    from scipy.spatial import ConvexHull
+
+    (tmp_path / "frames").mkdir()
+    rng = np.random.default_rng(5)
+    np.savez(
+        tmp_path / "frames" / "grid.npz",
+        x=np.arange(3.0),
+        z=np.arange(2.0),
+        lower=np.zeros(3),
+        upper=np.ones(3),
+        spacing=0.1,
+        every=0.04,
+        obstacles=np.zeros((0, 2, 3)),
+    )
+    for k, count in enumerate((40, 60)):
+        points = rng.normal(size=(count, 3))
+        points /= np.linalg.norm(points, axis=1)[:, None]
+        inside = 0.99 * points  # a tenth as far from its point of the surface as the next, or nearer
+        np.savez(
+            tmp_path / "frames" / f"frame_{k:05d}.npz",
+            time=0.0413 * k,  # the first step after 0.04 s
+            vertices=points.astype(np.float32),
+            triangles=ConvexHull(points).simplices,
+            normals=points.astype(np.float32),
+            elevation=np.zeros((3, 2)),
+            position=inside.astype(np.float32),
+            velocity=np.cross([0.0, 1.0, 0.0], inside).astype(np.float32),
+            pressure=np.arange(count, dtype=np.float32),
+            id=np.arange(count),
+        )
+    return tmp_path
+
+
+def test_a_folded_surface_has_the_velocity_of_its_particles_and_a_frame_rate_as_kept(folded):
+    import pyvista
+
+    export_run(folded, None, "vtp", folded / "export")
+    mesh = pyvista.read(folded / "export" / "surface_00001.vtp")
+    exact = np.cross([0.0, 1.0, 0.0], 0.99 * mesh.points)
+    assert np.sqrt(np.mean((mesh["velocity"] - exact) ** 2)) < 0.02 * np.abs(exact).max()
+    assert export_scene.rate(0.0, 0.0413, 2, 0.04) == 25.0 and export_scene.rate(0.0, 0.4237, 2, 0.0833) == 2.401
+    assert export_scene.rate(0.0, 1.4013, 36, 0.04) == 25.0 and export_scene.rate(3.0, 3.0, 1, 0.04) == 24.0
+
+
+def test_gltf_shows_water_whose_triangles_change_a_moment_at_a_time(folded):
+    import trimesh
+
+    [file] = export_run(folded, None, None, folded / "export", scene="glb")
+    scene = trimesh.load(file)
+    for k, name in enumerate(("water_00000", "water_00001")):
+        frame = np.load(folded / "frames" / f"frame_{k:05d}.npz")
+        assert scene.geometry[name].faces.shape == frame["triangles"].shape
+    size = int.from_bytes(file.read_bytes()[12:16], "little")
+    tree = json.loads(file.read_bytes()[20 : 20 + size])
+    assert [node["scale"] for node in tree["nodes"]] == [[1.0] * 3, [0.0] * 3]
+    [run] = tree["animations"]
+    assert [channel["target"]["path"] for channel in run["channels"]] == ["scale", "scale"]
+    assert {sampler["interpolation"] for sampler in run["samplers"]} == {"STEP"}
+
+
+def vertices_of(path) -> np.ndarray:
+    """The rows of a binary PLY file's points, read by its head."""
+    head, _, body = path.read_bytes().partition(b"end_header\n")
+    words = [line.split() for line in head.decode().splitlines()]
+    count = next(int(line[2]) for line in words if line[:2] == ["element", "vertex"])
+    types = {"float": "<f4", "int": "<i4", "uchar": "u1"}
+    return np.frombuffer(
+        body, [(line[2], types[line[1]]) for line in words if line[0] == "property" and line[1] in types], count
+    )
+
+
+def test_a_gate_is_where_it_is_until_it_leaves(folded):
+    """In every format: at the first moment, raised at the second, gone at the third."""
+    import pyvista
+
+    gate = np.array([[[0.2, 0.0, 0.0], [0.3, 0.5, 1.0]]])
+    last = dict(np.load(folded / "frames" / "frame_00001.npz")) | {"time": 0.08}
+    np.savez(folded / "frames" / "frame_00002.npz", **last)
+    for k, raised in enumerate((0.0, 0.4)):
+        path = folded / "frames" / f"frame_{k:05d}.npz"
+        np.savez(path, **dict(np.load(path)), gates=gate + [0.0, raised, 0.0])
+    export_run(folded, None, "vtp", folded / "export")
+    meshes = [pyvista.read(folded / "export" / f"gates_{k:05d}.vtp") for k in range(3)]
+    assert [mesh.n_points for mesh in meshes] == [8, 8, 0]
+    assert enclosed(np.array(meshes[1].points), meshes[1].regular_faces) == pytest.approx(0.05, rel=1e-5)
+    np.testing.assert_allclose(meshes[1].bounds[2:4], [0.4, 0.9], atol=1e-6)
+    for kind in ("ply", "vtkhdf"):
+        export_run(folded, None, kind, folded / "export")
+    [file] = export_run(folded, None, None, folded / "export", scene="glb")
+    size = int.from_bytes(file.read_bytes()[12:16], "little")
+    tree = json.loads(file.read_bytes()[20 : 20 + size])
+    assert [node["name"] for node in tree["nodes"]][3:] == ["gates_00000", "gates_00001"]
+    Usd = pytest.importorskip("pxr.Usd")
+    from pxr import UsdGeom
+
+    [file] = export_run(folded, None, None, folded / "export", scene="usd")
+    stage = Usd.Stage.Open(str(file))
+    points = UsdGeom.Mesh.Get(stage, "/sea/gates").GetPointsAttr()
+    assert [len(points.Get(time)) for time in points.GetTimeSamples()] == [8, 8, 0]
+
+
+def test_a_ply_file_holds_what_is_known_of_its_points(folded, manned):
+    export_run(folded, "ply", "ply", folded / "ply")
+    frame = np.load(folded / "frames" / "frame_00001.npz")
+    cloud = vertices_of(folded / "ply" / "particles_00001.ply")
+    np.testing.assert_array_equal(np.stack([cloud[a] for a in "xyz"], axis=1), frame["position"])
+    np.testing.assert_array_equal(cloud["pressure"], frame["pressure"])
+    np.testing.assert_array_equal(cloud["velocity_z"], frame["velocity"][:, 2])
+    np.testing.assert_array_equal(cloud["id"], frame["id"])
+    export_run(manned, None, "ply", manned / "ply", z_up=True)
+    water = vertices_of(manned / "ply" / "surface_00003.ply")
+    assert {"nx", "foam", "red", "velocity_x"} <= set(water.dtype.names) and (water["nz"] > 0.5).all()
+    ship = vertices_of(manned / "ply" / "ship_00003.ply")
+    np.testing.assert_allclose(np.linalg.norm([ship[f"n{a}"] for a in "xyz"], axis=0), 1.0, atol=1e-5)
 
 
 def test_many_files_are_not_named_one_by_one(capsys):

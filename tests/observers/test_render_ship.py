@@ -4,13 +4,15 @@ import json
 import re
 import subprocess
 import sys
+import threading
+import time
 
 import numpy as np
 import pytest
 
 from ocean_sim.__main__ import answered
 from ocean_sim.observers import render
-from ocean_sim.pictures import opengl
+from ocean_sim.pictures import frame_files, opengl
 from ocean_sim.ship.shared.drawn import drawn
 from ocean_sim.ship.shared.hull import hull_of
 
@@ -82,6 +84,33 @@ def test_a_camera_aboard_wants_a_ship(tmp_path, capsys):
     for camera in ("follow", "first_person"):
         code, err = ask(capsys, "render", bare, "--camera", camera)
         assert code == 2 and f"camera {camera} needs a ship" in err
+
+
+def test_a_film_shows_no_frame_twice_unless_asked_for_more(folder):
+    """Frames lie 0.1 s apart; a film of 30 pictures a second would stand still in two of three."""
+    for every, of_film in ((0.033, 0.1), (0.1, 0.1), (0.25, 0.25)):
+        assert render.asked(render.Config(every=every), folder)["every"] == pytest.approx(of_film)
+    assert render.Config().film_pictures(1.0, kept=0.1) == 11
+
+
+def test_a_film_begins_when_it_is_known_how_fast_ships_go(tmp_path):
+    """A ship under way had no foam at her bow in the first picture of a film that was drawn during the run."""
+    run, over = voyage(tmp_path / "run", 3), threading.Event()
+    files = frame_files.frame_files(run)
+    kept = [(path, path.read_bytes()) for path in files[1:]]
+    for path in files[1:]:
+        path.unlink()
+    coming = render.Coming(run, over)
+    found: list = []
+    drawing = threading.Thread(target=lambda: found.extend(coming.chosen(0.1)))
+    drawing.start()
+    time.sleep(3.0 * render.LOOKS_EVERY)
+    assert not found
+    for path, data in kept:
+        path.write_bytes(data)
+    over.set()
+    drawing.join(60.0)
+    assert [path for path, _ in found] == files
 
 
 def test_a_strip_is_pictures_side_by_side():

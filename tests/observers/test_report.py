@@ -1,6 +1,7 @@
 import json
 import re
 from html.parser import HTMLParser
+from itertools import pairwise
 from xml.etree import ElementTree
 
 import numpy as np
@@ -8,7 +9,20 @@ import pytest
 
 from ocean_sim.observers import accuracy, gauges, manifest, report, timings
 from ocean_sim.observers.shared.page import STYLE, text
-from ocean_sim.observers.shared.svg_plot import COLOURS, POINTS, curves, thinned, ticks
+from ocean_sim.observers.shared.svg_plot import (
+    APART,
+    COLOURS,
+    LEFT,
+    LETTER,
+    POINTS,
+    RIGHT,
+    SAMPLE,
+    WIDTH,
+    curves,
+    legend,
+    thinned,
+    ticks,
+)
 from ocean_sim.pictures.moments import Moments
 
 VOID = {"meta", "img", "br", "hr", "link"}
@@ -184,13 +198,30 @@ def test_every_word_of_a_page_has_a_contrast_of_4_5_to_1_in_both_themes():
         assert contrast(theme["ink"], theme["block"]) >= 4.5
 
 
-def test_every_curve_has_a_contrast_of_3_to_1_in_both_themes():
-    """WCAG 2.1, 1.4.11, with the factor by which a theme makes its colours darker or lighter."""
+def test_every_curve_has_a_contrast_of_4_5_to_1_in_both_themes():
+    """That of words, with the factor by which a theme makes its colours darker or lighter."""
     for theme in re.findall(r":root \{([^}]*)\}", STYLE)[:2]:
         factor, paper = (re.search(rf"--{name}: ([^;]+);", theme).group(1) for name in ("curves", "paper"))
         for colour in COLOURS:
             parts = [min(round(float(factor) * int(colour[k : k + 2], 16)), 255) for k in (1, 3, 5)]
-            assert contrast("#{:02x}{:02x}{:02x}".format(*parts), paper) >= 3.0, (colour, theme)
+            assert contrast("#{:02x}{:02x}{:02x}".format(*parts), paper) >= 4.5, (colour, theme)
+
+
+def test_many_curves_are_told_apart_and_named_below_their_title():
+    """All forces of a ship: no name lies on the title or on another, no two curves look alike."""
+    names = ["gravity", "buoyancy", "wind_drag", "wind_lift", "wave", "damping", "propeller", "rudder", "total"]
+    time = np.linspace(0.0, 1.0, 5)
+    drawing = curves(time, {name: time + k for k, name in enumerate(names)}, "vertical force [kN]")
+    looks = re.findall(
+        r'<polyline points="[^"]*" fill="none" stroke="([^"]+)" [^>]*?stroke-dasharray="([^"]+)"', drawing
+    )
+    assert len(set(looks)) == len(names)
+    places = [(float(end), row, SAMPLE + LETTER * len(name)) for name, (end, row) in zip(names, legend(names, "force"))]
+    assert all(row > 0 for _, row, _ in places) and min(end - width for end, _, width in places) >= LEFT - APART
+    for (end, row, _), (other, next_row, width) in pairwise(places):
+        assert next_row > row or other - width >= end - 1e-9
+    assert max(end for end, _, _ in places) <= WIDTH - RIGHT and legend(["roll", "pitch"], "angles [deg]")[-1][1] == 0
+    assert len(set(re.findall(r'clipPath id="(\w+)"', drawing + curves(time, {"a": time}, "vertical force [kN]")))) == 2
 
 
 def test_limits_of_the_legs_are_drawn(tmp_path, ran):

@@ -12,7 +12,7 @@ from typing import Any
 WIDEST, QUALITY = 1200, 82  # pixels of a picture in the page, and JPEG quality
 STYLE = """
 :root { color-scheme: light dark; --ink: #16242c; --paper: #fff; --soft: #4a5d68; --line: #dde5ea; --block: #f4f7f9;
-  --bad: #9c2b12; --link: #0b5c94; --curves: .82; }
+  --bad: #9c2b12; --link: #0b5c94; --curves: .68; }
 @media (prefers-color-scheme: dark) { :root { --ink: #e6edf1; --paper: #10181d; --soft: #a9bac4; --line: #31414b;
   --block: #1a252c; --bad: #ff9d85; --link: #7cc4f5; --curves: 1.5; } }
 body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper);

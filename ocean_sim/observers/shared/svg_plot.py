@@ -1,15 +1,18 @@
 """Curves over time as an SVG drawing, small enough for a page."""
 
 import html
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
+from zlib import crc32
 
 import numpy as np
 
 from ocean_sim.palette import SERIES
 
-WIDTH, HEIGHT = 900, 260
+WIDTH, HEIGHT = 900, 260  # of a plot whose legend stands beside its title
 LEFT, RIGHT, TOP, BOTTOM = 72, 12, 30, 38
+LETTER, BOLD = 7.4, 8.2  # widths of a letter
+SAMPLE, APART, LINE = 50, 18, 18  # of a legend: width of a sample, with what is left before it; height of a line
 COLOURS = (*SERIES, "#7a8790")
 DASHES = ("none", "8 3", "2 3", "9 3 2 3", "5 5", "14 4", "3 2 1 2")  # of curves, so that they differ without colour
 SPIKE, USUAL = 4.0, 0.995  # a curve whose range is so many times that of the share USUAL of its values is cut
@@ -57,9 +60,24 @@ def thinned(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarra
     return time[kept], values[kept]
 
 
-def identifier(label: str) -> str:
-    """A label as part of an identifier."""
-    return "".join(letter for letter in label if letter.isalnum())
+def look(k: int) -> tuple[str, str]:
+    """Colour and dashes of curve k, another pair for each of the first 49."""
+    return COLOURS[k % len(COLOURS)], DASHES[(k + k // len(COLOURS)) % len(DASHES)]
+
+
+def legend(names: Iterable[str], title: str) -> list[tuple[float, int]]:
+    """Where the name of each curve ends from the left edge, and in which line from the title's, 0, down: after the
+    title where there is room, else in lines below it; to the left, so that a narrow screen shows them."""
+    widths = [SAMPLE + LETTER * len(name) for name in names]
+    end, row, places = LEFT + BOLD * len(title), 0, []
+    if end + sum(widths) > WIDTH - RIGHT:
+        end, row = LEFT - APART, 1
+    for width in widths:
+        if end + width > WIDTH - RIGHT:
+            end, row = LEFT - APART, row + 1
+        end += width
+        places.append((end, row))
+    return places
 
 
 def curves(
@@ -77,41 +95,42 @@ def curves(
     low, high = span(np.array([bottom, top, *limits.values()]))
     reached = max(np.nanmin(everything), np.nanmax(everything), key=abs)
     note = f" ({beyond} values cut, as far as {reached:.4g})" if beyond else ""
+    places = legend(series, label + note)
+    top_edge = TOP + LINE * places[-1][1]
+    height = HEIGHT + LINE * places[-1][1]
 
     def x(t: Any) -> Any:
         return LEFT + (t - left) / (right - left) * (WIDTH - LEFT - RIGHT)
 
     def y(value: Any) -> Any:
-        return HEIGHT - BOTTOM - (value - low) / (high - low) * (HEIGHT - TOP - BOTTOM)
+        return height - BOTTOM - (value - low) / (high - low) * (HEIGHT - TOP - BOTTOM)
 
     parts = [
-        f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" font-size="13" fill="currentColor" role="img" '
+        f'<svg viewBox="0 0 {WIDTH} {height}" font-size="13" fill="currentColor" role="img" '
         f'aria-label="{html.escape(label)}, {html.escape(", ".join(series))}">'
     ]
     parts.append(f'<text x="{LEFT}" y="16" font-weight="600">{html.escape(label + note)}</text>')
-    parts.append(
-        f'<clipPath id="c{identifier(label)}"><path d="M{LEFT} {TOP}H{WIDTH}V{HEIGHT - BOTTOM}H{LEFT}Z"/></clipPath>'
-    )
+    inside = f"c{crc32(label.encode() + everything.tobytes()):08x}"
+    frame = f"M{LEFT} {top_edge}H{WIDTH}V{height - BOTTOM}H{LEFT}Z"
+    parts.append(f'<clipPath id="{inside}"><path d="{frame}"/></clipPath>')
     for value in ticks(low, high):
         parts.append(
             f'<path d="M{LEFT} {y(value):.1f}H{WIDTH - RIGHT}" class="grid" stroke="#7a8790" stroke-opacity=".3"/>'
         )
-        parts.append(f'<text x="{LEFT - 8}" y="{y(value) + 4:.1f}" text-anchor="end">{value:.4g}</text>')
+        parts.append(f'<text x="{LEFT - 8}" y="{y(value) + 4:.1f}" text-anchor="end">{value:.6g}</text>')
     for moment in ticks(left, right, 8):
-        parts.append(f'<text x="{x(moment):.1f}" y="{HEIGHT - 18}" text-anchor="middle">{moment:.4g}</text>')
-    parts.append(f'<text x="{WIDTH - RIGHT}" y="{HEIGHT - 3}" text-anchor="end">time [s]</text>')
+        parts.append(f'<text x="{x(moment):.1f}" y="{height - 18}" text-anchor="middle">{moment:.4g}</text>')
+    parts.append(f'<text x="{WIDTH - RIGHT}" y="{height - 3}" text-anchor="end">time [s]</text>')
     for name, value in limits.items():
         parts.append(f'<path d="M{LEFT} {y(value):.1f}H{WIDTH - RIGHT}" stroke="currentColor" stroke-dasharray="1 4"/>')
         parts.append(f'<text x="{LEFT + 4}" y="{y(value) - 4:.1f}" font-size="11">{html.escape(name)}</text>')
-    legend = WIDTH - RIGHT
-    for k, (name, values) in reversed(list(enumerate(series.items()))):
-        colour = COLOURS[k % len(COLOURS)]
+    for k, ((name, values), (end, row)) in enumerate(zip(series.items(), places, strict=True)):
+        colour, dashes = look(k)
         kept = [(t, v) for t, v in zip(*thinned(time, values)) if np.isfinite(v)]
         line = " ".join(f"{x(t):.1f},{y(v):.1f}" for t, v in kept)
-        stroke = f'stroke="{colour}" stroke-width="1.7" stroke-dasharray="{DASHES[k % len(DASHES)]}"'
-        parts.append(f'<polyline points="{line}" fill="none" {stroke} clip-path="url(#c{identifier(label)})"/>')
-        parts.append(f'<text x="{legend}" y="16" text-anchor="end">{html.escape(name)}</text>')
-        legend -= 8 * len(name) + 8
-        parts.append(f'<path d="M{legend - 26} 12H{legend}" fill="none" {stroke}/>')
-        legend -= 44
+        stroke = f'stroke="{colour}" stroke-width="1.7" stroke-dasharray="{dashes}"'
+        parts.append(f'<polyline points="{line}" fill="none" {stroke} clip-path="url(#{inside})"/>')
+        base, begin = 16 + LINE * row, end - LETTER * len(name)
+        parts.append(f'<text x="{begin:.1f}" y="{base}">{html.escape(name)}</text>')
+        parts.append(f'<path d="M{begin - 32:.1f} {base - 4}H{begin - 6:.1f}" fill="none" {stroke}/>')
     return "\n".join([*parts, "</svg>"])

@@ -16,7 +16,7 @@ PARTICLES, SURFACES, SCENES = ("vtkhdf", "ply"), ("ply", "vtp", "vtkhdf"), ("usd
 
 def render(folder: Path, asked: dict[str, Any], fps: float | None, out: Path | None, as_json: bool) -> None:
     """Pictures and a film from the frames of a run; `asked` by key of `render:`."""
-    from ocean_sim.observers.render import Config, impossible, render_run
+    from ocean_sim.observers import render
     from ocean_sim.reading.translation import validated
 
     if fps is not None and not 0.1 <= fps <= 240.0:
@@ -24,19 +24,19 @@ def render(folder: Path, asked: dict[str, Any], fps: float | None, out: Path | N
     given = {key: value for key, value in asked.items() if value is not None}
     nodes = {key: node_of(value, Location(f"--{key} {shown(value)}")) for key, value in given.items()}
     problems: list[Problem] = []
-    config = validated(Config, Node(nodes, Location("--camera"), Location("--camera")), (), problems)
+    config = validated(render.Config, Node(nodes, Location("--camera"), Location("--camera")), (), problems)
     if config is None:
         raise SceneError(problems)
     finished(folder)
-    sentence = impossible(folder, config.camera, config.stills, config.ship)
+    sentence = render.impossible(folder, config.camera, config.stills, config.ship)
     if sentence is not None:
         raise console.Refused(sentence)
-    options = config.model_dump() | ({} if fps is None else {"every": 1.0 / fps})
+    options = render.asked(config, folder) | ({} if fps is None else {"every": 1.0 / fps})
     drawing = Drawing(quiet=as_json)
     before = {*(out or folder).glob("*")}
     with console.claim(out or folder):
         try:
-            files = render_run(folder, **options, out=out, progress=drawing)
+            files = render.render_run(folder, **options, out=out, progress=drawing)
         finally:
             drawing.close()
         if out is None and (folder / "report.html").exists():
